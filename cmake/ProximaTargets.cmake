@@ -1,0 +1,30 @@
+# How every target of the house is made: language level, warnings, sanitizers, layers.
+
+# Compile options of our own code; never exported to users.
+add_library(proxima_developer_options INTERFACE)
+# No fused multiply-add: decisions must have the same bits on every instruction set.
+target_compile_options(proxima_developer_options INTERFACE
+  -ffp-contract=off -Wall -Wextra -Wconversion -Wshadow -Wno-sign-conversion
+  $<$<BOOL:${PROXIMA_WARNINGS_AS_ERRORS}>:-Werror>)
+if(PROXIMA_SANITIZE)
+  target_compile_options(proxima_developer_options INTERFACE
+    -fsanitize=${PROXIMA_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_link_options(proxima_developer_options INTERFACE -fsanitize=${PROXIMA_SANITIZE})
+endif()
+
+# proxima_add_layer(NAME HEADERS ... SOURCES ... LINK ... PRIVATE_LINK ...)
+# One static library per layer: target proxima_NAME, exported as proxima::NAME.
+function(proxima_add_layer name)
+  cmake_parse_arguments(ARG "" "" "HEADERS;SOURCES;LINK;PRIVATE_LINK" ${ARGN})
+  set(target proxima_${name})
+  add_library(${target} STATIC ${ARG_SOURCES})
+  add_library(proxima::${name} ALIAS ${target})
+  target_sources(${target} PUBLIC FILE_SET HEADERS
+    BASE_DIRS ${PROJECT_SOURCE_DIR}/src FILES ${ARG_HEADERS})
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/src)
+  target_link_libraries(${target} PUBLIC ${ARG_LINK}
+    PRIVATE ${ARG_PRIVATE_LINK} $<BUILD_INTERFACE:proxima_developer_options>)
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  set_property(GLOBAL APPEND PROPERTY PROXIMA_LAYERS ${target})
+endfunction()

@@ -1,0 +1,29 @@
+#include "proxima/base/memory_budget.h"
+
+#include "proxima/base/text.h"
+
+#include <unistd.h>
+
+namespace proxima {
+
+std::uint64_t budget_bytes(MemoryBudget budget) noexcept
+{
+    if (budget.bytes != 0) return budget.bytes;
+    const auto pages = sysconf(_SC_PHYS_PAGES);
+    const auto page_size = sysconf(_SC_PAGE_SIZE);
+    if (pages <= 0 || page_size <= 0) return std::uint64_t{1} << 31U;
+    return static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page_size) / 4 * 3;
+}
+
+Status check_budget(MemoryBudget budget, std::uint64_t needed, std::string_view what,
+                    std::string_view advice)
+{
+    const auto limit = budget_bytes(budget);
+    if (needed <= limit) return {};
+    const auto megabytes = [](std::uint64_t bytes) { return (bytes + 999'999) / 1'000'000; };
+    return fail(ErrorCode::budget_exceeded,
+                concat(what, " needs at least ", megabytes(needed), " MB, the budget is ",
+                       megabytes(limit), " MB: ", advice));
+}
+
+} // namespace proxima

@@ -1,0 +1,12 @@
+// Vectors of the house: Eigen's, under our names.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace proxima {
+
+using Vec2 = Eigen::Vector2d;
+using Vec3 = Eigen::Vector3d;
+
+} // namespace proxima

@@ -1,0 +1,46 @@
+#include "proxima/base/parallel.h"
+#include "proxima/base/progress.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+#include <vector>
+
+namespace proxima {
+namespace {
+
+TEST(ParallelFor, CallsEveryIndexOnceForAnyThreadCount)
+{
+    for (const int threads : {0, 1, 2, 3, 8}) {
+        std::vector<int> calls(1000, 0);
+        parallel_for(calls.size(), {threads}, [&](std::size_t index) { ++calls[index]; });
+        EXPECT_EQ(calls, std::vector<int>(1000, 1)) << threads << " threads";
+    }
+    EXPECT_GE(thread_count({}), 1);
+}
+
+TEST(ParallelFor, OneThreadKeepsTheOrder)
+{
+    std::vector<std::size_t> order;
+    parallel_for(100, {1}, [&](std::size_t index) { order.push_back(index); });
+    std::vector<std::size_t> expected(100);
+    std::iota(expected.begin(), expected.end(), std::size_t{0});
+    EXPECT_EQ(order, expected);
+}
+
+TEST(Progress, CountsAndCancels)
+{
+    Progress progress;
+    EXPECT_STREQ(progress.stage(), "");
+    progress.begin_stage("build", 4);
+    parallel_for(3, {2}, [&](std::size_t) { progress.advance(1); });
+    EXPECT_STREQ(progress.stage(), "build");
+    EXPECT_DOUBLE_EQ(progress.fraction(), 0.75);
+    EXPECT_FALSE(is_cancelled(&progress));
+    EXPECT_FALSE(is_cancelled(nullptr));
+    progress.cancel();
+    EXPECT_TRUE(is_cancelled(&progress));
+}
+
+} // namespace
+} // namespace proxima
