@@ -82,6 +82,14 @@ struct Cell {
     CellClass type = CellClass::unclassified;
 };
 
+/// What the classification of empty leaves met; see classify_cells.h.
+struct ClassificationSummary {
+    std::uint32_t components = 0;        ///< face-connected components of empty leaves
+    std::uint32_t leaked_components = 0; ///< those reaching both sides through a hole of the mesh
+    std::uint64_t leaked_leaves = 0;     ///< their leaves, classified one by one
+    friend bool operator==(const ClassificationSummary&, const ClassificationSummary&) = default;
+};
+
 /// How an octree was built; kept with it and in its file.
 struct OctreeParameters {
     int max_depth = 0;
@@ -90,6 +98,7 @@ struct OctreeParameters {
     Subdivision subdivision = Subdivision::adaptive;
     bool exact = false;      ///< no reference that does not touch, see OctreeOptions::exactness
     bool classified = false; ///< empty leaves are known to be inner or outer
+    ClassificationSummary classification = {};
     friend bool operator==(const OctreeParameters&, const OctreeParameters&) = default;
 };
 
