@@ -1,0 +1,172 @@
+#include "proxima/geometry/exact_predicates.h"
+
+#include "oracles/integer_overlap.h"
+#include "proxima/geometry/expansion.h"
+#include "proxima/geometry/wide_integer.h"
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <cmath>
+
+namespace proxima {
+namespace {
+
+using oracle::Point;
+using oracle::Wide;
+
+int sign_of(Wide value)
+{
+    return (value > 0 ? 1 : 0) - (value < 0 ? 1 : 0);
+}
+
+// Small whole coordinates make every sign frequent, large ones fill the mantissa.
+class PointGenerator {
+public:
+    explicit PointGenerator(std::uint64_t seed) : random_(seed) {}
+
+    std::int64_t below(std::int64_t count)
+    {
+        return std::uniform_int_distribution<std::int64_t>(0, count - 1)(random_);
+    }
+    Point operator()(std::int64_t reach)
+    {
+        Point point;
+        for (std::int64_t& component : point)
+            component = below(2 * reach + 1) - reach;
+        return point;
+    }
+
+private:
+    std::mt19937_64 random_;
+};
+
+Vec3 to_double(const Point& point, const std::array<int, 3>& exponents)
+{
+    return {std::ldexp(static_cast<double>(point[0]), exponents[0]),
+            std::ldexp(static_cast<double>(point[1]), exponents[1]),
+            std::ldexp(static_cast<double>(point[2]), exponents[2])};
+}
+
+TEST(Orient3d, EqualsIntegersAtAnyExponents)
+{
+    constexpr std::uint64_t seed = 81;
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    PointGenerator generate(seed);
+    std::array<int, 3> seen = {};
+    for (int i = 0; i < 80'000; ++i) {
+        const std::int64_t reach = i % 2 == 0 ? 4 : std::int64_t{1} << 38;
+        const Point a = generate(reach);
+        const Point b = generate(reach);
+        const Point c = generate(reach);
+        Point d = generate(reach);
+        if (i % 4 == 1) { // in the plane or one unit beside it
+            for (std::size_t k = 0; k < 3; ++k)
+                d[k] = a[k] + 2 * (b[k] - a[k]) - (c[k] - a[k]);
+            d[static_cast<std::size_t>(generate.below(3))] += generate.below(3) - 1;
+        }
+        const Point ab = oracle::subtract(b, a);
+        const Point ac = oracle::subtract(c, a);
+        const Point ad = oracle::subtract(d, a);
+        const auto minor = [&](std::size_t u, std::size_t w) {
+            return static_cast<Wide>(ab[u]) * ac[w] - static_cast<Wide>(ab[w]) * ac[u];
+        };
+        const int expected =
+            sign_of(minor(1, 2) * ad[0] + minor(2, 0) * ad[1] + minor(0, 1) * ad[2]);
+        ++seen[static_cast<std::size_t>(expected + 1)];
+        std::array<int, 3> exponents = {0, 0, 0};
+        if (i % 8 >= 4)
+            for (int& exponent : exponents)
+                exponent = static_cast<int>(generate.below(2050)) - 1074;
+        const auto point = [&](const Point& p) { return to_double(p, exponents); };
+        ASSERT_EQ(orient3d(point(a), point(b), point(c), point(d)), expected) << "case " << i;
+        ASSERT_EQ(orient3d(point(b), point(a), point(c), point(d)), -expected) << "case " << i;
+        ASSERT_EQ(is_degenerate({{point(a), point(b), point(c)}}),
+                  minor(1, 2) == 0 && minor(2, 0) == 0 && minor(0, 1) == 0)
+            << "case " << i;
+        ASSERT_EQ(orient2d(point(a).head<2>(), point(b).head<2>(), point(c).head<2>()),
+                  sign_of(minor(0, 1)))
+            << "case " << i;
+    }
+    for (const int count : seen)
+        EXPECT_GT(count, 1'000);
+}
+
+TEST(IsDegenerate, TellsLinesAndPointsFromSlivers)
+{
+    const Vec3 a(0.1, 0.2, 0.3);
+    const Vec3 b(0.7, 0.8, 0.9);
+    EXPECT_TRUE(is_degenerate({{a, a, a}}));
+    EXPECT_TRUE(is_degenerate({{a, b, a}}));
+    EXPECT_TRUE(is_degenerate({{Vec3(0, 0, 0), Vec3(0.1, 0.1, 0.1), Vec3(0.7, 0.7, 0.7)}}));
+    EXPECT_FALSE(is_degenerate(
+        {{Vec3(0, 0, 0), Vec3(0.1, 0.1, 0.1), Vec3(0.7, 0.7, std::nextafter(0.7, 1.0))}}));
+    EXPECT_FALSE(is_degenerate({{Vec3(1e-300, 0, 0), Vec3(0, 1e-300, 0), Vec3(0, 0, 1e-300)}}));
+}
+
+// The grid of doubles around a line, where rounded arithmetic gives a famous mosaic of wrong signs.
+TEST(Orient2d, IsConsistentWithinUlpsOfALine)
+{
+    const Vec2 from(12, 12);
+    const Vec2 to(24, 24);
+    for (int i = 0; i < 64; ++i)
+        for (int j = 0; j < 64; ++j) {
+            const Vec2 point(0.5 + i * 0x1p-53, 0.5 + j * 0x1p-53);
+            const int expected = (point.y() > point.x() ? 1 : 0) - (point.y() < point.x() ? 1 : 0);
+            ASSERT_EQ(orient2d(from, to, point), expected) << i << ' ' << j;
+            ASSERT_EQ(orient2d(to, point, from), expected) << i << ' ' << j;
+        }
+}
+
+RC_GTEST_PROP(Expansion, ProductsOfDifferencesEqualWideIntegers, ())
+{
+    const auto number = [] {
+        const auto mantissa = static_cast<double>(
+            *rc::gen::inRange<std::int64_t>(-(std::int64_t{1} << 53), std::int64_t{1} << 53));
+        return std::ldexp(mantissa, *rc::gen::inRange(-280, 240));
+    };
+    const double a = number();
+    const double b = number();
+    const double c = number();
+    const double d = number();
+    const auto by_expansion = detail::exact_difference(a, b) * detail::exact_difference(c, d) *
+                                  detail::exact_difference(a, d) -
+                              detail::exact_difference(b, c) * detail::exact_difference(b, d) *
+                                  detail::exact_difference(a, c);
+    using detail::WideInteger;
+    const WideInteger wa(a);
+    const WideInteger wb(b);
+    const WideInteger wc(c);
+    const WideInteger wd(d);
+    const WideInteger expected =
+        (wa - wb) * (wc - wd) * (wa - wd) - (wb - wc) * (wb - wd) * (wa - wc);
+    // Not only the sign: the expansion's components add up to the very number.
+    WideInteger sum;
+    const WideInteger one(1.0);
+    const WideInteger unit = one * one; // scale of a product of three relative to one component
+    for (int i = 0; i < by_expansion.size(); ++i)
+        sum = sum + WideInteger(by_expansion[i]) * unit;
+    RC_ASSERT((sum - expected).sign() == 0);
+    RC_ASSERT(by_expansion.sign() == expected.sign());
+}
+
+TEST(WideInteger, EqualsIntegersOfTheMachine)
+{
+    constexpr std::uint64_t seed = 82;
+    PointGenerator generate(seed);
+    const double unit = std::numeric_limits<double>::denorm_min();
+    for (int i = 0; i < 20'000; ++i) {
+        const Point p = generate(std::int64_t{1} << (1 + i % 50));
+        const auto wide = [&](std::size_t k) {
+            return detail::WideInteger(static_cast<double>(p[k]) * unit);
+        };
+        const Wide expected = static_cast<Wide>(p[0]) * p[1] - static_cast<Wide>(p[2]) * p[1] +
+                              static_cast<Wide>(p[0]) - p[2];
+        const detail::WideInteger value = wide(0) * wide(1) - wide(2) * wide(1) + wide(0) - wide(2);
+        ASSERT_EQ(value.sign(), sign_of(expected)) << "seed " << seed << " case " << i;
+        ASSERT_EQ((value - value).sign(), 0);
+    }
+}
+
+} // namespace
+} // namespace proxima
