@@ -1,0 +1,160 @@
+#include "proxima/octree/check_octree.h"
+
+#include "octree/editable_octree.h"
+#include "octree/slow_builder.h"
+#include "octree/small_meshes.h"
+#include "proxima/octree/check_structure.h"
+
+#include <gtest/gtest.h>
+#include <random>
+
+namespace proxima {
+namespace {
+
+using namespace testing;
+
+std::string reason(const Status& status)
+{
+    return status ? "ok" : describe(status.error());
+}
+
+class CheckOctree : public ::testing::Test {
+protected:
+    TriangleMesh mesh = sphere_mesh(Vec3(0.1, 0.2, 0.3), 1.0, 8, 8);
+    Octree adaptive = slow_octree(mesh, {.max_depth = 3, .threshold = 4});
+    Octree uniform =
+        slow_octree(mesh, {.max_depth = 3, .subdivision = Subdivision::uniform});
+
+    static std::uint32_t first_leaf(const EditableOctree& octree, std::uint32_t min_count)
+    {
+        for (std::uint32_t i = 0; i < octree.nodes.size(); ++i) {
+            if (octree.nodes[i].is_leaf() && octree.nodes[i].count() >= min_count) return i;
+        }
+        return 0;
+    }
+};
+
+TEST_F(CheckOctree, AcceptsWhatTheOracleBuilds)
+{
+    EXPECT_EQ(reason(check_octree(adaptive, mesh)), "ok");
+    EXPECT_EQ(reason(check_octree(uniform, mesh)), "ok");
+    EXPECT_EQ(reason(check_octree(slow_octree(mesh, {.max_depth = 0}), mesh)), "ok");
+}
+
+TEST_F(CheckOctree, AcceptsConservativeListsOnlyWhereTheySayNotExact)
+{
+    const auto fat = [](const Triangle& triangle, const Box& box) {
+        return slow_overlap(triangle, {box.lower - Vec3::Constant(0.05), box.upper + Vec3::Constant(0.05)});
+    };
+    EditableOctree edit(slow_octree(mesh, {.max_depth = 3, .threshold = 4}, fat));
+    EXPECT_NE(reason(check_octree(edit.octree(), mesh)).find("does not touch"), std::string::npos);
+    edit.parameters.exact = false;
+    EXPECT_EQ(reason(check_octree(edit.octree(), mesh)), "ok");
+}
+
+TEST_F(CheckOctree, FindsAMissedTriangle)
+{
+    const auto thin = [](const Triangle& triangle, const Box& box) {
+        return slow_overlap(triangle, {box.lower + Vec3::Constant(0.001), box.upper - Vec3::Constant(0.001)});
+    };
+    EXPECT_NE(reason(check_octree(slow_octree(mesh, {.max_depth = 3, .threshold = 4}, thin), mesh))
+                  .find("is not listed"),
+              std::string::npos);
+}
+
+TEST_F(CheckOctree, FindsAWrongThreshold)
+{
+    EditableOctree edit(adaptive);
+    edit.parameters.threshold = 3;
+    EXPECT_NE(reason(check_octree(edit.octree(), mesh)).find("is not split"), std::string::npos);
+    edit.parameters.threshold = 100;
+    EXPECT_NE(reason(check_octree(edit.octree(), mesh)).find("is split"), std::string::npos);
+}
+
+TEST_F(CheckOctree, FindsAForeignMesh)
+{
+    EXPECT_FALSE(check_octree(adaptive, sphere_mesh(Vec3::Zero(), 1.0, 8, 9)));
+    EXPECT_FALSE(check_octree(adaptive, sphere_mesh(Vec3(0.1, 0.2, 5.0), 1.0, 8, 8)));
+}
+
+TEST_F(CheckOctree, FindsEachBrokenRecord)
+{
+    const auto expect_bad = [&](const EditableOctree& edit, const std::string& why) {
+        const std::string found = reason(check_structure(edit.octree()));
+        EXPECT_NE(found.find(why), std::string::npos) << found;
+    };
+    EditableOctree edit(adaptive);
+    const std::uint32_t leaf = first_leaf(edit, 2);
+
+    edit.nodes[leaf].first = static_cast<std::uint32_t>(edit.references.size());
+    expect_bad(edit, "a list ends at");
+    edit = EditableOctree(adaptive);
+    edit.nodes[leaf].first ^= 1U;
+    EXPECT_FALSE(check_structure(edit.octree()));
+    edit = EditableOctree(adaptive);
+    edit.nodes[leaf].packed -= 1;
+    expect_bad(edit, "belong to no leaf");
+    edit = EditableOctree(adaptive);
+    edit.nodes[leaf].packed = OctreeNode::leaf_bit;
+    expect_bad(edit, "empty leaf");
+    edit = EditableOctree(adaptive);
+    std::swap(edit.references[edit.nodes[leaf].first], edit.references[edit.nodes[leaf].first + 1]);
+    expect_bad(edit, "does not ascend");
+    edit = EditableOctree(adaptive);
+    edit.references[edit.nodes[leaf].first + edit.nodes[leaf].count() - 1] = TriangleId{1'000'000};
+    expect_bad(edit, "triangle 1000000 of");
+    edit = EditableOctree(adaptive);
+    edit.nodes[0].first = 0;
+    expect_bad(edit, "two parents");
+    edit = EditableOctree(adaptive);
+    edit.nodes[0].first = static_cast<std::uint32_t>(edit.nodes.size()) - 7;
+    expect_bad(edit, "children end at");
+    edit = EditableOctree(adaptive);
+    edit.nodes.push_back(OctreeNode::leaf(0, 1));
+    expect_bad(edit, "1 records belong to no cell");
+    edit = EditableOctree(adaptive);
+    edit.parameters.max_depth = 2;
+    expect_bad(edit, "is split, the maximum is 2");
+    edit = EditableOctree(adaptive);
+    edit.nodes[0].packed |= 1U << 20U;
+    expect_bad(edit, "unknown bits");
+    edit = EditableOctree(adaptive);
+    edit.nodes[0].packed |= 1U << 8U;
+    expect_bad(edit, "unclassified");
+    edit.parameters.classified = true;
+    expect_bad(edit, "marked inner");
+    edit = EditableOctree(adaptive);
+    edit.frame.edge[1] = std::numeric_limits<double>::quiet_NaN();
+    expect_bad(edit, "finite box");
+    edit = EditableOctree(adaptive);
+    edit.nodes.clear();
+    expect_bad(edit, "1 to 2^32");
+
+    edit = EditableOctree(uniform);
+    edit.parameters.max_depth = 4;
+    expect_bad(edit, "a leaf at depth 3");
+    edit = EditableOctree(uniform);
+    edit.nodes[0].packed |= OctreeNode::empty_split_bit;
+    expect_bad(edit, "contradicts its children");
+}
+
+TEST_F(CheckOctree, SurvivesRandomRecords)
+{
+    const unsigned seed = 7;
+    std::mt19937 random(seed);
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    int accepted = 0;
+    for (int round = 0; round < 2000; ++round) {
+        EditableOctree edit(round % 2 == 0 ? adaptive : uniform);
+        for (int change = 0; change < 3; ++change) {
+            OctreeNode& node = edit.nodes[random() % edit.nodes.size()];
+            const std::uint32_t bit = 1U << (random() % 32);
+            (random() % 2 == 0 ? node.first : node.packed) ^= bit;
+        }
+        if (check_structure(edit.octree())) ++accepted;
+    }
+    EXPECT_EQ(accepted, 0);
+}
+
+} // namespace
+} // namespace proxima
