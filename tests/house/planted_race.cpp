@@ -1,5 +1,6 @@
-// A race on purpose: two threads add to one plain counter. Built only with the thread sanitizer, whose
-// report the test expects: were our suppressions to hide real races, this would be hidden too.
+// A race on purpose: two threads add to one plain counter. Built only with the thread sanitizer,
+// whose report the test expects: were our suppressions to hide real races, this would be hidden
+// too.
 #include "proxima/base/parallel.h"
 
 #include <iostream>
