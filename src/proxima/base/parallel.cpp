@@ -20,7 +20,11 @@ namespace proxima {
 namespace {
 
 // The sanitizer cannot see into the uninstrumented thread library: these tell it that work handed
-// over happens after the hand-over, and the caller goes on after all work.
+// over happens after the hand-over, and the caller goes on after all work. The flags have fixed
+// addresses, because a task must acquire before it reads anything, its own captures included.
+char fork_flag = 0;
+char join_flag = 0;
+
 void release([[maybe_unused]] char* flag)
 {
 #ifdef PROXIMA_THREAD_SANITIZER
@@ -48,21 +52,16 @@ void detail::parallel_for(std::size_t count, int threads, LoopBody body, void* c
         for (std::size_t index = 0; index < count; ++index) body(context, index);
         return;
     }
-    char fork = 0;
-    char join = 0;
-    release(&fork);
+    const auto task = [body, context](std::size_t index) {
+        acquire(&fork_flag);
+        body(context, index);
+        release(&join_flag);
+    };
+    release(&fork_flag);
     tbb::task_arena arena(threads);
-    arena.execute([&] {
-        tbb::parallel_for(
-            std::size_t{0}, count,
-            [&](std::size_t index) {
-                acquire(&fork);
-                body(context, index);
-                release(&join);
-            },
-            tbb::simple_partitioner());
-    });
-    acquire(&join);
+    arena.execute(
+        [&] { tbb::parallel_for(std::size_t{0}, count, task, tbb::simple_partitioner()); });
+    acquire(&join_flag);
 }
 
 } // namespace proxima

@@ -1,0 +1,140 @@
+#!/usr/bin/env python3
+"""The include rule: who may include whom.
+
+    base  geometry  mesh  minkowski  octree  {proximity query}  haptics  apps
+    <------------------------------------ a file includes its own folder and those to its left
+
+proximity and query do not see each other; an app sees only itself among the apps. Includes are
+written as the path below src/ or apps/, files never include each other in a circle, and foreign
+headers stay in the layers that may use them.
+
+    include_rule.py ROOT      prints each broken rule as FILE:LINE: what; exit status 1 if any
+"""
+import re
+import sys
+from pathlib import Path
+
+# Layers by rank: a layer may include layers of lower rank, and itself.
+RANK = {"base": 0, "geometry": 1, "mesh": 2, "minkowski": 3, "octree": 4,
+        "proximity": 5, "query": 5, "haptics": 6, "apps": 7}
+
+# Foreign headers (first part of the path) and the layers that may name them; None: all layers.
+FOREIGN = {"Eigen": None, "hwy": None, "tl": None, "xxhash.h": None, "sys": None, "sanitizer": {"base"},
+           "tbb": {"base"}, "oneapi": {"base"}, "assimp": {"mesh"}}
+FOREIGN_TO_ALL_BUT_APPS = {"CLI", "fmt", "nlohmann", "png.h", "GLFW", "epoxy", "imgui.h", "pybind11", "gtest"}
+
+INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
+
+
+def layer_of(path):
+    """Layer of a path below the root, such as src/proxima/mesh/x.h or apps/cli/x.h."""
+    parts = path.parts
+    return "apps" if parts[0] == "apps" else parts[2] if len(parts) > 3 else None
+
+
+def room_of(path):
+    """What a file may always include: its layer, or for an app its own folder."""
+    return path.parts[:2] if path.parts[0] == "apps" else path.parts[:3]
+
+
+def foreign_problem(name, layer):
+    first = name.split("/")[0]
+    if layer == "apps":
+        return None
+    if first in FOREIGN_TO_ALL_BUT_APPS:
+        return f"<{name}> is for apps only"
+    if first in FOREIGN:
+        allowed = FOREIGN[first]
+        if allowed is not None and layer not in allowed:
+            return f"<{name}> is for {', '.join(sorted(allowed))} only"
+        return None
+    return f"<{name}> is of no library the core may use" if "/" in name else None
+
+
+def edge_problem(source, target):
+    """Why `source` may not include `target`, both paths below the root; None where it may."""
+    if room_of(source) == room_of(target):
+        return None
+    one, other = layer_of(source), layer_of(target)
+    if other not in RANK:
+        return f"{other} is no layer"
+    if RANK[other] < RANK[one]:
+        return None
+    return f"{one} must not include {other}" if one != other else "an app must not include another app"
+
+
+def circles(graph):
+    """One circle of includes per group of files that include each other, as lists of paths."""
+    found, state = [], {}
+    for start in sorted(graph):
+        if start in state:
+            continue
+        state[start] = "open"
+        path, pending = [start], [iter(sorted(graph[start]))]
+        while pending:
+            following = next(pending[-1], None)
+            if following is None:
+                state[path.pop()] = "done"
+                pending.pop()
+            elif state.get(following) == "open":
+                found.append(path[path.index(following):] + [following])
+            elif following in graph and following not in state:
+                state[following] = "open"
+                path.append(following)
+                pending.append(iter(sorted(graph[following])))
+    return found
+
+
+def problems_of_file(root, source, targets):
+    """Broken rules of one file; adds the project's files that it includes to `targets`."""
+    layer = layer_of(source)
+    if layer not in RANK:
+        yield f"{source}:1: {layer or 'src/proxima'} is no layer: they are {', '.join(RANK)}"
+        return
+    for number, line in enumerate((root / source).read_text().splitlines(), 1):
+        match = INCLUDE.match(line)
+        if not match:
+            continue
+        quoted, name = match[1] == '"', match[2]
+        target = next((folder / name for folder in (Path("src"), Path("apps"))
+                       if (root / folder / name).is_file()), None)
+        if target is not None and ".." not in target.parts:
+            problem = edge_problem(source, target)
+            if not quoted:
+                problem = problem or f'write "{name}": it is our own'
+            targets.add(target)
+        elif quoted:
+            problem = f'"{name}" is no path below src/ or apps/'
+        else:
+            problem = foreign_problem(name, layer)
+        if problem:
+            yield f"{source}:{number}: {problem}"
+
+
+def problems(root):
+    graph, found = {}, []
+    files = [path.relative_to(root) for folder in ("src/proxima", "apps") for path in (root / folder).rglob("*")
+             if path.suffix in (".h", ".cpp")]
+    for source in sorted(files):
+        graph[source] = set()
+        found += problems_of_file(root, source, graph[source])
+    for circle in circles(graph):
+        found.append(f"{circle[0]}:1: circle of includes: {' -> '.join(map(str, circle))}")
+    return found, len(files)
+
+
+def main():
+    if len(sys.argv) != 2:
+        print(__doc__, file=sys.stderr)
+        return 2
+    found, count = problems(Path(sys.argv[1]).resolve())
+    if count == 0:
+        found.append(f"no sources found below {sys.argv[1]}")
+    for problem in found:
+        print(problem)
+    print(f"include rule: {count} files, {len(found)} problems")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,83 @@
+"""The include rule must hold in a good tree and catch each kind of planted wrong include."""
+import tempfile
+import unittest
+from pathlib import Path
+
+import include_rule
+
+GOOD = {
+    "src/proxima/base/result.h": "#include <tl/expected.hpp>\n",
+    "src/proxima/base/parallel.cpp": '#include "proxima/base/result.h"\n#include <tbb/parallel_for.h>\n',
+    "src/proxima/mesh/mesh.h": '#include "proxima/base/result.h"\n#include <Eigen/Core>\n#include <vector>\n',
+    "src/proxima/proximity/region.h": '#include "proxima/mesh/mesh.h"\n',
+    "src/proxima/query/ray.h": '#include "proxima/mesh/mesh.h"\n',
+    "apps/cli/main.cpp": '#include "cli/model.h"\n#include "proxima/query/ray.h"\n#include <CLI/CLI.hpp>\n',
+    "apps/cli/model.h": '#include "proxima/mesh/mesh.h"\n',
+    "apps/viewer/scene.h": "#include <epoxy/gl.h>\n",
+}
+
+
+def problems_with(changes):
+    with tempfile.TemporaryDirectory() as folder:
+        root = Path(folder)
+        for name, text in {**GOOD, **changes}.items():
+            path = root / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text)
+        return include_rule.problems(root)[0]
+
+
+class IncludeRule(unittest.TestCase):
+    def check(self, name, text, *expected):
+        found = problems_with({name: text})
+        self.assertEqual(len(found), 1, found)
+        for part in (name, *expected):
+            self.assertIn(part, found[0])
+
+    def test_accepts_a_good_tree(self):
+        self.assertEqual(problems_with({}), [])
+
+    def test_catches_a_layer_to_the_right(self):
+        self.check("src/proxima/base/wrong.h", '\n#include "proxima/mesh/mesh.h"\n', ":2:",
+                   "base must not include mesh")
+
+    def test_catches_siblings_that_see_each_other(self):
+        self.check("src/proxima/proximity/wrong.h", '#include "proxima/query/ray.h"\n',
+                   "proximity must not include query")
+        self.check("src/proxima/query/wrong.h", '#include "proxima/proximity/region.h"\n',
+                   "query must not include proximity")
+
+    def test_catches_the_library_including_an_app(self):
+        self.check("src/proxima/query/wrong.h", '#include "cli/model.h"\n', "query must not include apps")
+
+    def test_catches_an_app_including_another(self):
+        self.check("apps/cli/wrong.h", '#include "viewer/scene.h"\n', "another app")
+
+    def test_catches_an_unknown_layer(self):
+        self.check("src/proxima/utils/wrong.h", "", "utils is no layer")
+        self.check("src/proxima/wrong.h", "", "src/proxima is no layer")
+
+    def test_catches_paths_that_are_not_from_the_root(self):
+        self.check("src/proxima/mesh/wrong.h", '#include "mesh.h"\n', "no path below")
+        self.check("src/proxima/mesh/wrong.h", '#include "../base/result.h"\n', "no path below")
+        self.check("src/proxima/mesh/wrong.h", "#  include <proxima/base/result.h>\n", "our own")
+
+    def test_catches_foreign_headers_out_of_place(self):
+        self.check("src/proxima/mesh/wrong.h", "#include <tbb/parallel_for.h>\n", "for base only")
+        self.check("src/proxima/mesh/wrong.h", "#include <fmt/format.h>\n", "for apps only")
+        self.check("src/proxima/mesh/wrong.h", "#include <boost/array.hpp>\n", "no library the core may use")
+
+    def test_catches_circles(self):
+        found = problems_with({
+            "src/proxima/mesh/one.h": '#include "proxima/mesh/two.h"\n',
+            "src/proxima/mesh/two.h": '#include "proxima/mesh/three.h"\n',
+            "src/proxima/mesh/three.h": '#include "proxima/mesh/one.h"\n',
+        })
+        self.assertEqual(len(found), 1, found)
+        self.assertIn("circle", found[0])
+        for name in ("one.h", "two.h", "three.h"):
+            self.assertIn(name, found[0])
+
+
+if __name__ == "__main__":
+    unittest.main()
