@@ -1,0 +1,247 @@
+#include "proxima/base/output_file.h"
+
+#include <array>
+#include <cstdlib>
+#include <fcntl.h>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <iterator>
+#include <string>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace proxima {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string content(const fs::path& path)
+{
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+class OutputFileTest : public ::testing::Test {
+protected:
+    void SetUp() override
+    {
+        std::string name = (fs::temp_directory_path() / "proxima_output_XXXXXX").string();
+        ASSERT_NE(::mkdtemp(name.data()), nullptr);
+        folder_ = name;
+    }
+    void TearDown() override { fs::remove_all(folder_); }
+
+    [[nodiscard]] fs::path path(const char* name) const { return folder_ / name; }
+    [[nodiscard]] long entries() const
+    {
+        return std::distance(fs::directory_iterator(folder_), fs::directory_iterator());
+    }
+
+private:
+    fs::path folder_;
+};
+
+TEST_F(OutputFileTest, KeepsTheOldContentUntilCommitted)
+{
+    std::ofstream(path("a.txt")) << "old";
+    {
+        auto file = OutputFile::create(path("a.txt"));
+        ASSERT_TRUE(file) << describe(file.error());
+        ASSERT_TRUE(file->write("new"));
+        EXPECT_EQ(content(path("a.txt")), "old");
+        ASSERT_TRUE(file->commit());
+    }
+    EXPECT_EQ(content(path("a.txt")), "new");
+    EXPECT_EQ(entries(), 1);
+}
+
+TEST_F(OutputFileTest, LeavesNothingBehindWhenDiscarded)
+{
+    {
+        auto file = OutputFile::create(path("a.txt"));
+        ASSERT_TRUE(file);
+        ASSERT_TRUE(file->write(std::string(1'000'000, 'x')));
+        EXPECT_EQ(entries(), 1);
+    }
+    EXPECT_EQ(entries(), 0);
+}
+
+TEST_F(OutputFileTest, WritesMoreThanItsBufferInPiecesOfAnySize)
+{
+    auto file = OutputFile::create(path("a.txt"));
+    ASSERT_TRUE(file);
+    std::string expected;
+    for (std::size_t size = 0; size < 3000; ++size) {
+        const std::string piece(size, static_cast<char>('a' + size % 26));
+        expected += piece;
+        ASSERT_TRUE(file->write(std::as_bytes(std::span(piece))));
+    }
+    const std::string large(1'000'000, '-');
+    expected += large;
+    ASSERT_TRUE(file->write(large));
+    ASSERT_TRUE(file->commit());
+    EXPECT_TRUE(content(path("a.txt")) == expected);
+}
+
+TEST_F(OutputFileTest, KeepsPermissionsAndLinks)
+{
+    std::ofstream(path("a.txt")) << "old";
+    fs::permissions(path("a.txt"), fs::perms::owner_read | fs::perms::owner_write);
+    fs::create_symlink("a.txt", path("link.txt"));
+    auto file = OutputFile::create(path("link.txt"));
+    ASSERT_TRUE(file);
+    ASSERT_TRUE(file->write("new"));
+    ASSERT_TRUE(file->commit());
+    EXPECT_TRUE(fs::is_symlink(path("link.txt")));
+    EXPECT_EQ(content(path("a.txt")), "new");
+    EXPECT_EQ(fs::status(path("a.txt")).permissions(),
+              fs::perms::owner_read | fs::perms::owner_write);
+}
+
+TEST_F(OutputFileTest, CreatesTheTargetOfADanglingLinkAndRefusesALoop)
+{
+    fs::create_symlink("later.txt", path("link.txt"));
+    auto file = OutputFile::create(path("link.txt"));
+    ASSERT_TRUE(file);
+    ASSERT_TRUE(file->write("new"));
+    ASSERT_TRUE(file->commit());
+    EXPECT_EQ(content(path("later.txt")), "new");
+
+    fs::create_symlink("loop", path("loop"));
+    const auto loop = OutputFile::create(path("loop"));
+    ASSERT_FALSE(loop);
+    EXPECT_EQ(loop.error().code, ErrorCode::file_not_writable);
+}
+
+TEST_F(OutputFileTest, SaysWhyADestinationCannotBeWritten)
+{
+    const auto missing = OutputFile::create(path("missing/a.txt"));
+    ASSERT_FALSE(missing);
+    EXPECT_EQ(missing.error().code, ErrorCode::file_not_writable);
+    EXPECT_NE(missing.error().message.find("does not exist"), std::string::npos);
+    EXPECT_EQ(missing.error().where, path("missing/a.txt").string());
+
+    fs::create_directory(path("folder"));
+    const auto folder = OutputFile::create(path("folder"));
+    ASSERT_FALSE(folder);
+    EXPECT_EQ(folder.error().code, ErrorCode::file_not_writable);
+    EXPECT_NE(folder.error().message.find("folder"), std::string::npos);
+    EXPECT_FALSE(OutputFile::create(path("folder/")));
+    EXPECT_FALSE(OutputFile::create(""));
+}
+
+// In a child that gives up the superuser's rights, which reach everywhere.
+TEST_F(OutputFileTest, RefusesReadOnlyFilesAndFolders)
+{
+    std::ofstream(path("a.txt")) << "old";
+    fs::create_directory(path("folder"));
+    fs::permissions(path("a.txt"), fs::perms::owner_read | fs::perms::others_read);
+    fs::permissions(path("folder"), fs::perms::owner_read | fs::perms::owner_exec);
+    fs::permissions(path("."), fs::perms::all);
+    const pid_t child = ::fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+        constexpr uid_t nobody = 65534;
+        if (::geteuid() == 0 && ::setuid(nobody) != 0) ::_exit(1);
+        const auto file = OutputFile::create(path("a.txt"));
+        if (file || file.error().code != ErrorCode::file_not_writable) ::_exit(2);
+        const auto in_folder = OutputFile::create(path("folder/b.txt"));
+        if (in_folder || in_folder.error().code != ErrorCode::file_not_writable) ::_exit(3);
+        ::_exit(OutputFile::create(path("c.txt")) ? 0 : 4);
+    }
+    int status = 0;
+    ASSERT_EQ(::waitpid(child, &status, 0), child);
+    ASSERT_TRUE(WIFEXITED(status));
+    EXPECT_EQ(WEXITSTATUS(status), 0);
+}
+
+TEST_F(OutputFileTest, WritesToAPipeDirectly)
+{
+    ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
+    const int reader = ::open(path("pipe").c_str(), O_RDONLY | O_NONBLOCK);
+    ASSERT_GE(reader, 0);
+    auto file = OutputFile::create(path("pipe"));
+    ASSERT_TRUE(file) << describe(file.error());
+    ASSERT_TRUE(file->write("through"));
+    ASSERT_TRUE(file->commit());
+    std::array<char, 16> buffer{};
+    EXPECT_EQ(::read(reader, buffer.data(), buffer.size()), 7);
+    EXPECT_EQ(std::string(buffer.data(), 7), "through");
+    ::close(reader);
+    EXPECT_TRUE(fs::is_fifo(path("pipe")));
+}
+
+TEST(OutputFileDevices, ReportsAFullDeviceAtTheLatestOnCommit)
+{
+    if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
+    auto file = OutputFile::create("/dev/full");
+    ASSERT_TRUE(file) << describe(file.error());
+    (void)file->write("x");
+    const auto status = file->commit();
+    ASSERT_FALSE(status);
+    EXPECT_EQ(status.error().code, ErrorCode::file_not_writable);
+
+    auto large = OutputFile::create("/dev/full");
+    ASSERT_TRUE(large);
+    EXPECT_FALSE(large->write(std::string(1'000'000, 'x')));
+    EXPECT_FALSE(large->write("y"));
+    EXPECT_FALSE(large->commit());
+    EXPECT_TRUE(fs::is_character_file("/dev/full"));
+}
+
+// In a child, because the limit stays.
+TEST_F(OutputFileTest, ReportsAFileSizeLimitWithoutDyingOfItsSignal)
+{
+    const pid_t child = ::fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+        const rlimit limit{4096, 4096};
+        (void)::setrlimit(RLIMIT_FSIZE, &limit);
+        auto file = OutputFile::create(path("a.txt"));
+        if (!file) ::_exit(1);
+        (void)file->write(std::string(1'000'000, 'x'));
+        const auto status = file->commit();
+        if (status || status.error().code != ErrorCode::file_not_writable) ::_exit(2);
+        ::_exit(entries() == 0 ? 0 : 3);
+    }
+    int status = 0;
+    ASSERT_EQ(::waitpid(child, &status, 0), child);
+    ASSERT_TRUE(WIFEXITED(status)) << "ended by signal " << WTERMSIG(status);
+    EXPECT_EQ(WEXITSTATUS(status), 0);
+}
+
+TEST_F(OutputFileTest, LastOfTwoCommitsWins)
+{
+    auto first = OutputFile::create(path("a.txt"));
+    auto second = OutputFile::create(path("a.txt"));
+    ASSERT_TRUE(first && second);
+    ASSERT_TRUE(first->write("first"));
+    ASSERT_TRUE(second->write("second"));
+    ASSERT_TRUE(second->commit());
+    ASSERT_TRUE(first->commit());
+    EXPECT_EQ(content(path("a.txt")), "first");
+    EXPECT_EQ(entries(), 1);
+}
+
+TEST_F(OutputFileTest, AppendsToStandardOutputWhenItIsAFile)
+{
+    std::ofstream(path("redirected.txt")) << "before ";
+    const pid_t child = ::fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+        const int redirected = ::open(path("redirected.txt").c_str(), O_WRONLY | O_APPEND);
+        if (::dup2(redirected, STDOUT_FILENO) < 0) ::_exit(1);
+        auto file = OutputFile::create("/dev/stdout");
+        if (!file || !file->write("after") || !file->commit()) ::_exit(2);
+        ::_exit(0);
+    }
+    int status = 0;
+    ASSERT_EQ(::waitpid(child, &status, 0), child);
+    EXPECT_EQ(status, 0);
+    EXPECT_EQ(content(path("redirected.txt")), "before after");
+}
+
+} // namespace
+} // namespace proxima
