@@ -1,0 +1,86 @@
+// A growing array that never initialises: for output whose size is known only when it is written.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdlib>
+#include <memory>
+#include <new>
+#include <span>
+#include <type_traits>
+#include <utility>
+
+namespace proxima {
+
+/// Like a vector of plain values, but new elements are left as they come, and growing moves pages
+/// instead of copying where the system can. Throws std::bad_alloc when memory runs out.
+template <class T>
+class GrowBuffer {
+    static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
+
+public:
+    [[nodiscard]] std::size_t size() const noexcept { return size_; }
+    [[nodiscard]] std::size_t capacity() const noexcept { return capacity_; }
+    [[nodiscard]] bool empty() const noexcept { return size_ == 0; }
+    [[nodiscard]] T* data() noexcept { return data_.get(); }
+    [[nodiscard]] const T* data() const noexcept { return data_.get(); }
+    [[nodiscard]] T* begin() noexcept { return data(); }
+    [[nodiscard]] T* end() noexcept { return data() + size_; }
+    [[nodiscard]] const T* begin() const noexcept { return data(); }
+    [[nodiscard]] const T* end() const noexcept { return data() + size_; }
+    [[nodiscard]] T& operator[](std::size_t index) noexcept { return data_.get()[index]; }
+    [[nodiscard]] const T& operator[](std::size_t index) const noexcept
+    {
+        return data_.get()[index];
+    }
+    [[nodiscard]] std::span<const T> span() const noexcept { return {data(), size_}; }
+
+    /// Room for `count` elements, growing by half at least.
+    void reserve(std::size_t count)
+    {
+        if (count > capacity_) reallocate(std::max(count, capacity_ + capacity_ / 2));
+    }
+
+    /// New elements hold whatever the memory held.
+    void resize(std::size_t count)
+    {
+        reserve(count);
+        size_ = count;
+    }
+
+    void push_back(const T& value)
+    {
+        const T copy = value;
+        reserve(size_ + 1);
+        data_.get()[size_++] = copy;
+    }
+
+    void clear() noexcept { size_ = 0; }
+
+    /// Gives unused capacity back.
+    void shrink_to_fit()
+    {
+        if (capacity_ > size_) reallocate(size_);
+    }
+
+private:
+    struct Free {
+        void operator()(T* data) const noexcept { std::free(data); }
+    };
+
+    void reallocate(std::size_t capacity)
+    {
+        const std::size_t bytes = std::max<std::size_t>(capacity, 1) * sizeof(T);
+        void* const moved = std::realloc(data_.get(), bytes);
+        if (moved == nullptr) throw std::bad_alloc();
+        (void)data_.release();
+        data_.reset(static_cast<T*>(moved));
+        capacity_ = capacity;
+    }
+
+    std::unique_ptr<T, Free> data_;
+    std::size_t size_ = 0;
+    std::size_t capacity_ = 0;
+};
+
+} // namespace proxima

@@ -1,0 +1,78 @@
+// A mesh's vertices on the grid of the vector lanes, and the exact word on what lanes leave open.
+#pragma once
+
+#include "proxima/base/parallel.h"
+#include "proxima/mesh/triangle_mesh.h"
+#include "proxima/octree/build_octree.h"
+#include "proxima/octree/cell.h"
+#include "proxima/octree/snapped_overlap.h"
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+namespace proxima {
+
+/// A point in steps of 2^-snapped_bits root edges from the root's lower corner.
+using GridPoint = std::array<std::int32_t, 3>;
+
+/// Some triangles relative to a grid point, and the ids they have in the mesh.
+struct LocalTriangles {
+    SnappedTriangles snapped;
+    GrowBuffer<std::uint32_t> ids;
+    GridPoint origin = {};
+
+    void reset(std::size_t count, const GridPoint& new_origin);
+};
+
+/// Pairs whose cells all have this half size, in grid steps, and lie at depth(children) - 1.
+struct PairLevel {
+    SnappedPairs pairs;
+    std::int32_t half = 0;
+    int child_depth = 0;
+    /// Children that exist, per pair (bits); all where null.
+    const std::uint8_t* allowed = nullptr;
+};
+
+/// Immutable view of a mesh and a root. Thread safe.
+class SnappedMesh {
+public:
+    /// The grid may be off by more steps than the lanes can use when the mesh is tiny against its
+    /// distance from the origin.
+    static constexpr double max_error_steps = 1 << 24;
+
+    /// \pre all vertices that triangles use lie in the frame; both outlive this object
+    SnappedMesh(const TriangleMesh& mesh, const OctreeFrame& frame, Exactness exactness,
+                Threads threads);
+
+    [[nodiscard]] const TriangleMesh& mesh() const noexcept { return mesh_; }
+
+    /// Vertex on the grid; the fourth number is unused.
+    [[nodiscard]] const std::array<std::int32_t, 4>& vertex(std::uint32_t id) const noexcept
+    {
+        return vertices_[id];
+    }
+
+    /// Distance in whole steps that a vertex may be off against any cell plane.
+    [[nodiscard]] std::int32_t margin() const noexcept { return margin_; }
+
+    /// Sets triangle `slot` of `local` to the mesh's triangle `id`, relative to local.origin.
+    void load(std::uint32_t id, std::size_t slot, LocalTriangles& local) const noexcept;
+
+    /// masks[pair] = children that the pair's triangle touches: exactly, or conservatively.
+    void find_touched(const LocalTriangles& local, const PairLevel& level,
+                      SnappedScratch& scratch, std::uint32_t* masks) const;
+
+private:
+    [[nodiscard]] bool touches(std::uint32_t triangle, const GridPoint& lower,
+                               int depth) const noexcept;
+
+    const TriangleMesh& mesh_;
+    OctreeFrame frame_;
+    Exactness exactness_;
+    double error_steps_ = 0;
+    std::int32_t margin_ = 1;
+    GrowBuffer<std::array<std::int32_t, 4>> vertices_;
+};
+
+} // namespace proxima

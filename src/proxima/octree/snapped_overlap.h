@@ -1,0 +1,74 @@
+// Which of a cell's eight children each of many triangles touches, in vector lanes.
+//
+// Vertices lie on a grid of 2^30 steps per root edge. For a (triangle, cell) pair, p = (v - c) / h
+// are the corners seen from the cell's centre c in units of its half size h. The Minkowski sum of
+// triangle and child cube has 17 facets (thesis 3.4, in closed form): 6 box planes, 2 triangle
+// planes, 9 edge planes; the child's centre lies in the sum iff triangle and child touch. All eight
+// children follow from the parent's values by additions (index tracking, thesis 3.5).
+//
+//   stage 1  boxes and contained vertices, in exact integers: decides most pairs
+//   stage 2  planes and edges, in floats, only for children that are still open
+//   unsure   children within the rounding bound of stage 2: left to the caller
+#pragma once
+
+#include "proxima/base/grow_buffer.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace proxima {
+
+/// Steps of the snapping grid per root edge: 2^snapped_bits.
+inline constexpr int snapped_bits = 30;
+
+/// Elements that every array handed to the lanes must have beyond its count, readable.
+inline constexpr std::size_t lane_padding = 64;
+
+/// Triangles on the grid, relative to some origin: coordinate[3 * corner + axis][triangle].
+struct SnappedTriangles {
+    std::array<GrowBuffer<std::int32_t>, 9> coordinate;
+
+    /// Room for `count` triangles and the lane padding, which is zeroed.
+    void resize(std::size_t count);
+};
+
+/// What all cells of one depth share, and how far the grid may be off.
+struct SnappedLevel {
+    std::int32_t half = 0;   ///< half size of the (parent) cells, in grid steps, a power of two
+    float error = 0;         ///< error of grid positions relative to cell planes, in half sizes
+    std::int32_t margin = 1; ///< the same in grid steps, rounded up
+    bool exact = false;      ///< leave every child that might be decided wrongly to the caller
+};
+
+/// (triangle, cell) pairs: index into SnappedTriangles, and the cell's centre in grid steps. The
+/// triangle array's padding must hold valid indices (zeros).
+/// Every triangle touches its cell.
+struct SnappedPairs {
+    const std::uint32_t* triangle = nullptr;
+    std::array<const std::int32_t*, 3> center = {};
+    std::size_t count = 0;
+};
+
+/// A pair whose children in `children` (bits) the lanes could not decide.
+struct UnsurePair {
+    std::uint32_t pair = 0;
+    std::uint32_t children = 0;
+};
+
+/// Reused between calls so that levels do not allocate.
+struct SnappedScratch {
+    GrowBuffer<std::uint32_t> open_pairs;
+    GrowBuffer<std::uint32_t> open_children;
+    GrowBuffer<UnsurePair> unsure; ///< result, ascending by pair
+};
+
+/// Writes for every pair the mask of children that its triangle certainly touches (bit = octant)
+/// to masks[pair] (pairs.count + lane_padding elements), and lists the undecided rest in
+/// scratch.unsure; all others certainly do not touch. With level.exact off, "touches" includes a
+/// distance of one grid step. Bits are the same on every instruction set.
+void find_touched_children(const SnappedTriangles& triangles, const SnappedLevel& level,
+                           const SnappedPairs& pairs, SnappedScratch& scratch,
+                           std::uint32_t* masks);
+
+} // namespace proxima
