@@ -32,30 +32,50 @@ Result<TriangleMesh> make_triangle_mesh(std::vector<Vec3> positions,
     return mesh;
 }
 
-Box bounding_box(const TriangleMesh& mesh) noexcept
+namespace {
+
+/// One byte per vertex, 1 where a triangle uses it: a pass over vertices in order is then cheaper
+/// than visiting them by triangles.
+std::vector<std::uint8_t> find_used_vertices(const TriangleMesh& mesh)
 {
-    Box box;
+    std::vector<std::uint8_t> is_used(mesh.vertex_count(), 0);
     for (const TriangleCorners& corners : mesh.triangles()) {
-        for (const std::uint32_t corner : corners) box.extend(mesh.positions()[corner]);
+        for (const std::uint32_t corner : corners) is_used[corner] = 1;
+    }
+    return is_used;
+}
+
+} // namespace
+
+Box bounding_box(const TriangleMesh& mesh)
+{
+    const auto is_used = find_used_vertices(mesh);
+    Box box;
+    for (std::size_t vertex = 0; vertex < is_used.size(); ++vertex) {
+        if (is_used[vertex] != 0) box.extend(mesh.positions()[vertex]);
     }
     return box;
 }
 
-Status check_positions(const TriangleMesh& mesh)
+Result<Box> checked_bounding_box(const TriangleMesh& mesh)
 {
     if (mesh.triangle_count() == 0) {
         return fail(ErrorCode::invalid_mesh, "the mesh has no triangles: there is nothing to build");
     }
-    for (std::size_t triangle = 0; triangle < mesh.triangle_count(); ++triangle) {
-        for (const std::uint32_t corner : mesh.triangles()[triangle]) {
-            if (!mesh.positions()[corner].allFinite()) {
-                return fail(ErrorCode::invalid_mesh,
-                            concat("vertex ", corner, " of triangle ", triangle,
-                                   " has a NaN or infinite coordinate: repair or remove it"));
-            }
+    const auto is_used = find_used_vertices(mesh);
+    Box box;
+    for (std::size_t vertex = 0; vertex < is_used.size(); ++vertex) {
+        if (is_used[vertex] == 0) continue;
+        const Vec3& position = mesh.positions()[vertex];
+        box.extend(position);
+        // Zero times infinity or NaN is NaN.
+        if (!((position * 0.0).sum() == 0.0)) {
+            return fail(ErrorCode::invalid_mesh,
+                        concat("vertex ", vertex, ", which triangles use, has a NaN or infinite "
+                               "coordinate: repair or remove it"));
         }
     }
-    return {};
+    return box;
 }
 
 } // namespace proxima

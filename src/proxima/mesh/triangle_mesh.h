@@ -31,7 +31,7 @@ enum class TriangleId : std::uint32_t {};
 using TriangleCorners = std::array<std::uint32_t, 3>;
 
 /// Vertices and triangles, immutable. Indices are in range; positions may be any double (NaN and
-/// infinity included: builders refuse them by check_positions). Thread safe.
+/// infinity included: builders refuse them by checked_bounding_box). Thread safe.
 class TriangleMesh {
 public:
     TriangleMesh() = default;
@@ -64,10 +64,10 @@ private:
                                                       std::vector<TriangleCorners> triangles);
 
 /// Tight box of the vertices that triangles use; empty where there is no triangle. O(triangles).
-[[nodiscard]] Box bounding_box(const TriangleMesh& mesh) noexcept;
+[[nodiscard]] Box bounding_box(const TriangleMesh& mesh);
 
-/// Error invalid_mesh naming the first triangle and vertex with a NaN or infinite coordinate,
-/// or an empty mesh. What builders call first. O(triangles).
-[[nodiscard]] Status check_positions(const TriangleMesh& mesh);
+/// The same for builders: error invalid_mesh for an empty mesh, or naming the first vertex in use
+/// with a NaN or infinite coordinate. O(triangles).
+[[nodiscard]] Result<Box> checked_bounding_box(const TriangleMesh& mesh);
 
 } // namespace proxima

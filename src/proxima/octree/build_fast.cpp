@@ -22,10 +22,7 @@ public:
 
     void begin(const Subtree& subtree) override
     {
-        local_.reset(subtree.triangles.size(), subtree.lower);
-        for (std::size_t slot = 0; slot < subtree.triangles.size(); ++slot) {
-            mesh_.load(subtree.triangles[slot], slot, local_);
-        }
+        mesh_.load(subtree.triangles, subtree.lower, local_);
     }
 
     void find_touched(const SplitLevel& level, int depth, std::uint32_t* masks) override
@@ -138,6 +135,13 @@ Status join(std::vector<OctreeOutput>& chunks, const std::vector<std::size_t>& b
 Result<OctreeOutput> build_fast(const TriangleMesh& mesh, const OctreeFrame& frame,
                                 const OctreeOptions& options, GrowLimits& limits)
 {
+    if (mesh.vertex_count() > SnappedArrays::max_vertices ||
+        mesh.triangle_count() > SnappedArrays::max_triangles) {
+        return fail(ErrorCode::limit_exceeded,
+                    concat("the fast method takes at most ", SnappedArrays::max_vertices,
+                           " vertices and ", SnappedArrays::max_triangles,
+                           " triangles: choose another method"));
+    }
     const SnappedMesh snapped(mesh, frame, options.exactness, options.threads);
     const int bin_depth = choose_bin_depth(snapped, options.max_depth);
     const CoarseBins bins = bin_triangles(snapped, bin_depth, options.threads);

@@ -22,16 +22,14 @@ double reaching_edge(double lower, double edge, double upper) noexcept
     return edge;
 }
 
-Status check_options(const TriangleMesh& mesh, const OctreeOptions& options)
+Status check_options(const Box& box, const OctreeOptions& options)
 {
     if (options.max_depth < 0 || options.max_depth > max_octree_depth) {
         return fail(ErrorCode::invalid_argument,
                     concat("the maximum depth must be 0 to ", max_octree_depth, ", not ",
                            options.max_depth));
     }
-    if (auto status = check_positions(mesh); !status) return status;
     constexpr double largest = 1e100;
-    const Box box = bounding_box(mesh);
     if (box.lower.minCoeff() < -largest || box.upper.maxCoeff() > largest) {
         return fail(ErrorCode::invalid_mesh,
                     "coordinates beyond 1e100 would overflow exact arithmetic: scale the mesh");
@@ -123,8 +121,10 @@ Result<OctreeOutput> build_arrays(const TriangleMesh& mesh, const OctreeFrame& f
 
 Result<Octree> build_unguarded(const TriangleMesh& mesh, const OctreeOptions& options)
 {
-    if (auto status = check_options(mesh, options); !status) return tl::unexpected(status.error());
-    const OctreeFrame frame = options.root ? *options.root : tight_root(mesh, options.root_shape);
+    const auto box = checked_bounding_box(mesh);
+    if (!box) return tl::unexpected(box.error());
+    if (auto status = check_options(*box, options); !status) return tl::unexpected(status.error());
+    const OctreeFrame frame = options.root ? *options.root : tight_root(*box, options.root_shape);
     auto arrays = build_arrays(mesh, frame, options);
     if (!arrays) return tl::unexpected(arrays.error());
     const auto storage = std::make_shared<const OctreeOutput>(std::move(*arrays));
@@ -139,9 +139,8 @@ Result<Octree> build_unguarded(const TriangleMesh& mesh, const OctreeOptions& op
 
 } // namespace
 
-OctreeFrame tight_root(const TriangleMesh& mesh, RootShape shape) noexcept
+OctreeFrame tight_root(const Box& box, RootShape shape) noexcept
 {
-    const Box box = bounding_box(mesh);
     const double magnitude = std::max(box.lower.cwiseAbs().maxCoeff(),
                                       box.upper.cwiseAbs().maxCoeff());
     const double smallest = 1e-6 * std::max(magnitude, 1.0);

@@ -54,8 +54,8 @@ struct OctreeOptions {
 [[nodiscard]] Result<Octree> build_octree_two_pass(const TriangleMesh& mesh,
                                                    const OctreeOptions& options = {});
 
-/// The root that build_octree uses when none is given: centred on the bounding box (of the
-/// vertices that triangles use), containing it exactly. \pre check_positions(mesh)
-[[nodiscard]] OctreeFrame tight_root(const TriangleMesh& mesh, RootShape shape) noexcept;
+/// The root that build_octree uses when none is given: centred on the mesh's bounding box and
+/// containing it exactly. \pre !box.empty(), finite
+[[nodiscard]] OctreeFrame tight_root(const Box& box, RootShape shape) noexcept;
 
 } // namespace proxima

@@ -1,7 +1,5 @@
 #include "proxima/octree/coarse_bins.h"
 
-#include "proxima/octree/cell.h"
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -59,11 +57,21 @@ std::uint8_t allowed_octants(const CellRange& range) noexcept
     return static_cast<std::uint8_t>(octants);
 }
 
+/// Bits of a coarse coordinate moved to every third place.
+constexpr auto spread_bits = [] {
+    std::array<std::uint32_t, 1U << max_bin_depth> table{};
+    for (std::uint32_t value = 0; value < table.size(); ++value) {
+        for (std::uint32_t bit = 0; bit < max_bin_depth; ++bit) {
+            table[value] |= (value >> bit & 1U) << (3 * bit);
+        }
+    }
+    return table;
+}();
+
 /// Morton index of a coarse cell.
-std::uint32_t morton(std::uint32_t x, std::uint32_t y, std::uint32_t z, int depth) noexcept
+std::uint32_t morton(std::uint32_t x, std::uint32_t y, std::uint32_t z) noexcept
 {
-    return static_cast<std::uint32_t>(cell_key({x, y, z}, depth).bits ^
-                                      std::uint64_t{1} << (3 * depth));
+    return spread_bits[x] | spread_bits[y] << 1U | spread_bits[z] << 2U;
 }
 
 /// Bins a contiguous range of triangles.
@@ -77,7 +85,6 @@ public:
     void cover(Coverage* coverages)
     {
         coverages_ = coverages;
-        blocks_.reset(block_size, {});
         wide_triangles_.clear();
         for (std::uint32_t triangle = begin_; triangle < end_; ++triangle) {
             const CellRange range =
@@ -110,7 +117,7 @@ public:
                 const auto octant = static_cast<std::uint32_t>(std::countr_zero(octants));
                 visit(triangle, morton(coverage.lower[0] + (octant & 1U),
                                        coverage.lower[1] + (octant >> 1U & 1U),
-                                       coverage.lower[2] + (octant >> 2U), depth_));
+                                       coverage.lower[2] + (octant >> 2U)));
             }
             for (; wide != wide_pairs_.end() && wide->triangle == triangle; ++wide) {
                 visit(triangle, wide->cell);
@@ -125,7 +132,7 @@ private:
     /// test for children serves all the same.
     void add_to_block(std::uint32_t triangle, const Coverage& coverage)
     {
-        mesh_.load(triangle, block_count_, blocks_);
+        block_ids_[block_count_] = triangle;
         block_index_[block_count_] = static_cast<std::uint32_t>(block_count_);
         block_allowed_[block_count_] = coverage.touched;
         for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -137,6 +144,7 @@ private:
 
     void flush_block()
     {
+        mesh_.load({block_ids_.data(), block_count_}, {}, blocks_);
         const PairLevel level{
             .pairs = {block_index_.data(),
                       {block_center_[0].data(), block_center_[1].data(), block_center_[2].data()},
@@ -146,7 +154,7 @@ private:
             .allowed = block_allowed_.data()};
         mesh_.find_touched(blocks_, level, scratch_, block_masks_.data());
         for (std::size_t i = 0; i < block_count_; ++i) {
-            coverages_[blocks_.ids[i]].touched = static_cast<std::uint8_t>(block_masks_[i]);
+            coverages_[block_ids_[i]].touched = static_cast<std::uint8_t>(block_masks_[i]);
         }
         block_count_ = 0;
     }
@@ -155,10 +163,7 @@ private:
     void descend_wide_triangles()
     {
         LocalTriangles local;
-        local.reset(wide_triangles_.size(), {});
-        for (std::size_t i = 0; i < wide_triangles_.size(); ++i) {
-            mesh_.load(wide_triangles_[i], i, local);
-        }
+        mesh_.load(wide_triangles_, {}, local);
         struct Pairs {
             GrowBuffer<std::uint32_t> triangle;
             std::array<GrowBuffer<std::int32_t>, 3> center;
@@ -217,7 +222,7 @@ private:
                 return static_cast<std::uint32_t>(current.center[axis][i] >> shift);
             };
             wide_pairs_[i] = {wide_triangles_[current.triangle[i]],
-                              morton(coordinate(0), coordinate(1), coordinate(2), depth_)};
+                              morton(coordinate(0), coordinate(1), coordinate(2))};
         }
     }
 
@@ -228,6 +233,7 @@ private:
     Coverage* coverages_ = nullptr;
     LocalTriangles blocks_;
     std::size_t block_count_ = 0;
+    std::array<std::uint32_t, block_size> block_ids_ = {};
     std::array<std::uint32_t, block_size + lane_padding> block_index_ = {};
     std::array<std::array<std::int32_t, block_size + lane_padding>, 3> block_center_ = {};
     std::array<std::uint32_t, block_size + lane_padding> block_masks_ = {};

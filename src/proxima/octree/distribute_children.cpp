@@ -28,6 +28,28 @@ HWY_INLINE hn::Vec<Tag> load_masks(const std::uint32_t* masks, std::size_t left)
     return hn::IfThenElseZero(hn::FirstN(tag, left), hn::LoadU(tag, masks));
 }
 
+std::uint64_t count_children(const std::uint32_t* masks, std::size_t count)
+{
+    const Tag tag;
+    std::uint64_t total = 0;
+    // A lane adds at most 8 per step: it cannot overflow within one run.
+    constexpr std::size_t run = std::size_t{1} << 24;
+    for (std::size_t first = 0; first < count; first += run) {
+        const std::size_t end = HWY_MIN(count, first + run);
+        auto sums = hn::Zero(tag);
+        for (std::size_t block = first; block < end; block += hn::Lanes(tag)) {
+            auto bits = load_masks(masks + block, end - block);
+            bits = hn::Sub(bits, hn::And(hn::ShiftRight<1>(bits), hn::Set(tag, 0x55)));
+            bits = hn::Add(hn::And(bits, hn::Set(tag, 0x33)),
+                           hn::And(hn::ShiftRight<2>(bits), hn::Set(tag, 0x33)));
+            bits = hn::And(hn::Add(bits, hn::ShiftRight<4>(bits)), hn::Set(tag, 0x0F));
+            sums = hn::Add(sums, bits);
+        }
+        total += hn::GetLane(hn::SumOfLanes(tag, sums));
+    }
+    return total;
+}
+
 /// How many of the cell's triangles each child gets.
 HWY_INLINE void count_triangles(const SplitCell& cell, const std::uint32_t* masks,
                                 std::array<std::uint32_t, 8>& counts)
@@ -67,71 +89,115 @@ HWY_INLINE void translate(const std::uint32_t* ids, std::uint32_t* triangles, st
     }
 }
 
-/// Opens the child as a cell of the next level and returns where its triangles go.
-HWY_INLINE std::uint32_t* open_cell(const SplitCell& parent, int child, std::uint32_t count,
-                                    std::uint32_t record, std::int32_t child_half,
-                                    SplitLevel& next)
-{
-    const SignedTag tag;
-    SplitCell cell;
-    cell.record = record;
-    cell.first = static_cast<std::uint32_t>(next.pair_count);
-    cell.count = count;
-    for (int axis = 0; axis < 3; ++axis) {
-        const bool upper = (static_cast<unsigned>(child) >> axis & 1U) != 0;
-        cell.center[axis] = parent.center[axis] + (upper ? child_half : -child_half);
-        std::int32_t* const centers = next.center[axis].data() + cell.first;
-        const auto center = hn::Set(tag, cell.center[axis]);
-        for (std::size_t block = 0; block < count; block += hn::Lanes(tag)) {
-            hn::StoreU(center, tag, centers + block);
+/// Writes children of one level; all arrays have room for everything the level can produce.
+class ChildWriter {
+public:
+    ChildWriter(const SplitRule& rule, SplitLevel& next, OctreeOutput& output)
+        : rule_(rule), next_(next), nodes_(output.nodes.data()),
+          node_count_(static_cast<std::uint32_t>(output.nodes.size())),
+          references_(reinterpret_cast<std::uint32_t*>(output.references.data())),
+          reference_count_(static_cast<std::uint32_t>(output.references.size()))
+    {}
+
+    [[nodiscard]] std::uint32_t node_count() const { return node_count_; }
+    [[nodiscard]] std::uint32_t reference_count() const { return reference_count_; }
+    [[nodiscard]] OctreeNode& node(std::uint32_t record) { return nodes_[record]; }
+
+    /// Opens a leaf or a cell of the next level and returns where its triangles go.
+    HWY_INLINE std::uint32_t* open(const SplitCell& parent, int child, std::uint32_t count)
+    {
+        if (rule_.children_are_deepest || count <= rule_.threshold) {
+            nodes_[node_count_++] = OctreeNode::leaf(reference_count_, count);
+            std::uint32_t* const out = references_ + reference_count_;
+            reference_count_ += count;
+            return out;
         }
+        const SignedTag tag;
+        SplitCell cell;
+        cell.record = node_count_++;
+        cell.first = static_cast<std::uint32_t>(next_.pair_count);
+        cell.count = count;
+        for (int axis = 0; axis < 3; ++axis) {
+            const bool upper = (static_cast<unsigned>(child) >> axis & 1U) != 0;
+            cell.center[axis] =
+                parent.center[axis] + (upper ? rule_.child_half : -rule_.child_half);
+            std::int32_t* const centers = next_.center[axis].data() + cell.first;
+            const auto center = hn::Set(tag, cell.center[axis]);
+            for (std::size_t block = 0; block < count; block += hn::Lanes(tag)) {
+                hn::StoreU(center, tag, centers + block);
+            }
+        }
+        next_.cells.push_back(cell);
+        next_.pair_count += count;
+        return next_.triangle.data() + cell.first;
     }
-    next.cells.push_back(cell);
-    next.pair_count += count;
-    return next.triangle.data() + cell.first;
+
+private:
+    const SplitRule& rule_;
+    SplitLevel& next_;
+    OctreeNode* nodes_;
+    std::uint32_t node_count_;
+    std::uint32_t* references_;
+    std::uint32_t reference_count_;
+};
+
+/// Cells whose triangles fit one block of lanes, which most do: everything stays in registers.
+HWY_INLINE std::uint32_t distribute_block(const SplitCell& cell, const std::uint32_t* masks,
+                                          const std::uint32_t* triangles, ChildWriter& writer)
+{
+    const Tag tag;
+    const auto mask = load_masks(masks, cell.count);
+    const auto block = hn::LoadU(tag, triangles);
+    std::uint32_t recorded = 0;
+    for (int child = 0; child < 8; ++child) {
+        const auto touching = touches(mask, child);
+        const auto count = static_cast<std::uint32_t>(hn::CountTrue(tag, touching));
+        if (count == 0) continue;
+        recorded |= 1U << child;
+        hn::StoreU(hn::Compress(block, touching), tag, writer.open(cell, child, count));
+    }
+    return recorded;
+}
+
+HWY_INLINE std::uint32_t distribute_blocks(const SplitCell& cell, const std::uint32_t* masks,
+                                           const std::uint32_t* triangles, ChildWriter& writer)
+{
+    std::array<std::uint32_t, 8> counts;
+    count_triangles(cell, masks, counts);
+    std::uint32_t recorded = 0;
+    for (int child = 0; child < 8; ++child) {
+        if (counts[child] == 0) continue;
+        recorded |= 1U << child;
+        copy_triangles(cell, masks, triangles, child, writer.open(cell, child, counts[child]));
+    }
+    return recorded;
 }
 
 void distribute_children(const SplitLevel& level, const std::uint32_t* masks,
-                         const std::uint32_t* ids, const SplitRule& rule, SplitLevel& next,
-                         OctreeOutput& output, OctreeNode& root)
+                         std::uint64_t child_count, const std::uint32_t* ids,
+                         const SplitRule& rule, SplitLevel& next, OctreeOutput& output,
+                         OctreeNode& root)
 {
+    const std::size_t first_reference = output.references.size();
+    output.nodes.reserve(output.nodes.size() + HWY_MIN(8 * level.cells.size(), child_count));
+    output.references.reserve(first_reference + child_count + lane_padding);
+    next.reset(child_count);
+    ChildWriter writer(rule, next, output);
     for (const SplitCell& cell : level.cells) {
+        const std::uint32_t first_child = writer.node_count();
         const std::uint32_t* const cell_masks = masks + cell.first;
         const std::uint32_t* const triangles = level.triangle.data() + cell.first;
-        std::array<std::uint32_t, 8> counts;
-        count_triangles(cell, cell_masks, counts);
-        std::size_t total = 0;
-        for (const std::uint32_t count : counts) total += count;
-
-        const auto first_child = static_cast<std::uint32_t>(output.nodes.size());
-        const std::size_t first_reference = output.references.size();
-        output.nodes.reserve(first_child + 8);
-        output.references.reserve(first_reference + total + lane_padding);
-        auto* const references = reinterpret_cast<std::uint32_t*>(output.references.data());
-        std::size_t end_reference = first_reference;
-        std::uint32_t recorded = 0;
-        for (int child = 0; child < 8; ++child) {
-            const std::uint32_t count = counts[child];
-            if (count == 0) continue;
-            recorded |= 1U << child;
-            std::uint32_t* out = nullptr;
-            if (rule.children_are_deepest || count <= rule.threshold) {
-                out = references + end_reference;
-                output.nodes.push_back(
-                    OctreeNode::leaf(static_cast<std::uint32_t>(end_reference), count));
-                end_reference += count;
-            } else {
-                const auto record = static_cast<std::uint32_t>(output.nodes.size());
-                output.nodes.push_back(OctreeNode{});
-                out = open_cell(cell, child, count, record, rule.child_half, next);
-            }
-            copy_triangles(cell, cell_masks, triangles, child, out);
-        }
-        translate(ids, references + first_reference, end_reference - first_reference);
-        output.references.resize(end_reference);
-        (cell.record == SplitCell::no_record ? root : output.nodes[cell.record]) =
+        const std::uint32_t recorded =
+            cell.count <= hn::Lanes(Tag()) ? distribute_block(cell, cell_masks, triangles, writer)
+                                           : distribute_blocks(cell, cell_masks, triangles, writer);
+        (cell.record == SplitCell::no_record ? root : writer.node(cell.record)) =
             OctreeNode::split(first_child, recorded);
     }
+    output.nodes.resize(writer.node_count());
+    output.references.resize(writer.reference_count());
+    next.pad();
+    translate(ids, reinterpret_cast<std::uint32_t*>(output.references.data()) + first_reference,
+              output.references.size() - first_reference);
 }
 
 } // namespace proxima::HWY_NAMESPACE
@@ -142,6 +208,7 @@ HWY_AFTER_NAMESPACE();
 namespace proxima {
 
 HWY_EXPORT(distribute_children);
+HWY_EXPORT(count_children);
 
 void SplitLevel::reset(std::size_t pair_capacity)
 {
@@ -165,19 +232,17 @@ SnappedPairs SplitLevel::pairs() const noexcept
 }
 
 void distribute_children(const SplitLevel& level, const std::uint32_t* masks,
-                         const std::uint32_t* ids, const SplitRule& rule, SplitLevel& next,
-                         OctreeOutput& output, OctreeNode& root)
+                         std::uint64_t child_count, const std::uint32_t* ids,
+                         const SplitRule& rule, SplitLevel& next, OctreeOutput& output,
+                         OctreeNode& root)
 {
-    HWY_DYNAMIC_DISPATCH(distribute_children)(level, masks, ids, rule, next, output, root);
+    HWY_DYNAMIC_DISPATCH(distribute_children)
+    (level, masks, child_count, ids, rule, next, output, root);
 }
 
 std::uint64_t count_children(const std::uint32_t* masks, std::size_t count) noexcept
 {
-    std::uint64_t children = 0;
-    for (std::size_t pair = 0; pair < count; ++pair) {
-        children += static_cast<std::uint64_t>(std::popcount(masks[pair]));
-    }
-    return children;
+    return HWY_DYNAMIC_DISPATCH(count_children)(masks, count);
 }
 
 } // namespace proxima

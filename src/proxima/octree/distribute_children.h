@@ -53,14 +53,16 @@ struct SplitRule {
     std::int32_t child_half = 0; ///< half size of the children, in grid steps
 };
 
-/// Reads level.cells and masks[pair] (bit = octant touched); writes the children's nodes and the
-/// leaves' references (ids[triangle]) to the output, the children to split to `next`, and each
-/// cell's own node to its record, or to `root` where it has none. Triangles keep their order.
+/// Reads level.cells and masks[pair] (bit = octant touched; child_count bits in all); writes the
+/// children's nodes and the leaves' references (ids[triangle]) to the output, the children to split
+/// to `next`, and each cell's own node to its record, or to `root` where it has none. Triangles keep
+/// their order.
 void distribute_children(const SplitLevel& level, const std::uint32_t* masks,
-                         const std::uint32_t* ids, const SplitRule& rule, SplitLevel& next,
-                         OctreeOutput& output, OctreeNode& root);
+                         std::uint64_t child_count, const std::uint32_t* ids,
+                         const SplitRule& rule, SplitLevel& next, OctreeOutput& output,
+                         OctreeNode& root);
 
-/// How many (triangle, child) pairs the masks of `count` pairs stand for.
+/// How many (triangle, child) pairs the masks of `count` pairs stand for. \pre padded
 [[nodiscard]] std::uint64_t count_children(const std::uint32_t* masks, std::size_t count) noexcept;
 
 } // namespace proxima

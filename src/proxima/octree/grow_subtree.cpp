@@ -67,22 +67,21 @@ Result<OctreeNode> SubtreeGrower::grow(const Subtree& subtree, ChildTest& test,
     level_.cells.push_back({SplitCell::no_record, 0, static_cast<std::uint32_t>(count),
                             {half, half, half}});
     level_.pair_count = count;
+    level_.pad();
 
     for (int depth = subtree.depth; level_.pair_count != 0; ++depth, half /= 2) {
         if (is_cancelled(limits_.progress)) {
             return fail(ErrorCode::cancelled, "building the octree was cancelled");
         }
-        level_.pad();
         masks_.resize(level_.pair_count + lane_padding);
         test.find_touched(level_, depth, masks_.data());
         const std::uint64_t children = count_children(masks_.data(), level_.pair_count);
         if (auto room = make_room(children, output); !room) return tl::unexpected(room.error());
-        next_.reset(children);
         const SplitRule rule{.threshold = limits_.threshold,
                              .children_are_deepest = depth + 1 >= limits_.max_depth,
                              .child_half = half / 2};
-        distribute_children(level_, masks_.data(), subtree.triangles.data(), rule, next_, output,
-                            root);
+        distribute_children(level_, masks_.data(), children, subtree.triangles.data(), rule, next_,
+                            output, root);
         std::swap(level_, next_);
     }
     return root;

@@ -31,14 +31,6 @@ std::int32_t snap(double offset, double scale) noexcept
 
 } // namespace
 
-void LocalTriangles::reset(std::size_t count, const GridPoint& new_origin)
-{
-    snapped.resize(count);
-    ids.resize(count + lane_padding);
-    std::fill_n(ids.data() + count, lane_padding, 0U);
-    origin = new_origin;
-}
-
 SnappedMesh::SnappedMesh(const TriangleMesh& mesh, const OctreeFrame& frame, Exactness exactness,
                          Threads threads)
     : mesh_(mesh), frame_(frame), exactness_(exactness), error_steps_(snapping_error(frame)),
@@ -57,17 +49,16 @@ SnappedMesh::SnappedMesh(const TriangleMesh& mesh, const OctreeFrame& frame, Exa
     });
 }
 
-void SnappedMesh::load(std::uint32_t id, std::size_t slot, LocalTriangles& local) const noexcept
+void SnappedMesh::load(std::span<const std::uint32_t> ids, const GridPoint& origin,
+                       LocalTriangles& local) const
 {
-    local.ids[slot] = id;
-    const TriangleCorners& corners = mesh_.triangles()[id];
-    for (std::size_t corner = 0; corner < 3; ++corner) {
-        const auto& position = vertices_[corners[corner]];
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            local.snapped.coordinate[3 * corner + axis][slot] =
-                position[axis] - local.origin[axis];
-        }
-    }
+    local.origin = origin;
+    local.ids.resize(ids.size() + lane_padding);
+    std::copy(ids.begin(), ids.end(), local.ids.begin());
+    std::fill_n(local.ids.begin() + ids.size(), lane_padding, 0U);
+    local.snapped.resize(ids.size());
+    load_triangles({vertices_.data()->data(), mesh_.triangles().data()->data()},
+                   local.ids.data(), ids.size(), origin, local.snapped);
 }
 
 bool SnappedMesh::touches(std::uint32_t triangle, const GridPoint& lower, int depth) const noexcept

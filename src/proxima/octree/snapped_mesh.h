@@ -19,10 +19,8 @@ using GridPoint = std::array<std::int32_t, 3>;
 /// Some triangles relative to a grid point, and the ids they have in the mesh.
 struct LocalTriangles {
     SnappedTriangles snapped;
-    GrowBuffer<std::uint32_t> ids;
+    GrowBuffer<std::uint32_t> ids; ///< padded with zeros
     GridPoint origin = {};
-
-    void reset(std::size_t count, const GridPoint& new_origin);
 };
 
 /// Pairs whose cells all have this half size, in grid steps, and lie at depth(children) - 1.
@@ -56,8 +54,9 @@ public:
     /// Distance in whole steps that a vertex may be off against any cell plane.
     [[nodiscard]] std::int32_t margin() const noexcept { return margin_; }
 
-    /// Sets triangle `slot` of `local` to the mesh's triangle `id`, relative to local.origin.
-    void load(std::uint32_t id, std::size_t slot, LocalTriangles& local) const noexcept;
+    /// Sets `local` to these triangles of the mesh, relative to `origin`.
+    void load(std::span<const std::uint32_t> ids, const GridPoint& origin,
+              LocalTriangles& local) const;
 
     /// masks[pair] = children that the pair's triangle touches: exactly, or conservatively.
     void find_touched(const LocalTriangles& local, const PairLevel& level,

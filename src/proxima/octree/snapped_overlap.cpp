@@ -35,7 +35,30 @@ using Words = hn::Vec<MaskTag>;
 constexpr std::uint32_t lower_children[3] = {0x55, 0x33, 0x0F};
 constexpr std::uint32_t upper_children[3] = {0xAA, 0xCC, 0xF0};
 
+void load_triangles(const SnappedArrays& mesh, const std::uint32_t* ids, std::size_t count,
+                    const std::array<std::int32_t, 3>& origin, SnappedTriangles& triangles)
+{
+    const IntTag di;
+    const MaskTag dm;
+    for (std::size_t first = 0; first < count; first += hn::Lanes(di)) {
+        const auto is_triangle = hn::FirstN(dm, count - first);
+        const auto id = hn::IfThenElseZero(is_triangle, hn::LoadU(dm, ids + first));
+        const auto place = hn::Add(id, hn::Add(id, id));
+        for (int j = 0; j < 3; ++j) {
+            const auto corner = hn::GatherIndex(dm, mesh.corners + j, hn::BitCast(di, place));
+            const auto vertex = hn::BitCast(di, hn::ShiftLeft<2>(corner));
+            for (int axis = 0; axis < 3; ++axis) {
+                const auto position = hn::GatherIndex(di, mesh.vertices + axis, vertex);
+                hn::StoreU(hn::Sub(position, hn::Set(di, origin[axis])), di,
+                           triangles.coordinate[3 * j + axis].data() + first);
+            }
+        }
+    }
+}
+
 /// Stage 1: box and vertex tests in exact integers. Returns the number of pairs left open.
+/// Conservatively, a vertex nearly on a plane between children counts for one of them.
+template <bool exact>
 std::size_t test_boxes(const SnappedTriangles& triangles, const SnappedLevel& level,
                        const SnappedPairs& pairs, std::uint32_t* open_pairs,
                        std::uint32_t* open_children, std::uint32_t* masks)
@@ -64,7 +87,7 @@ std::size_t test_boxes(const SnappedTriangles& triangles, const SnappedLevel& le
                 const auto* coordinates = triangles.coordinate[3 * j + axis].data();
                 corner[j] = hn::Sub(hn::GatherIndex(di, coordinates, triangle), center);
                 const auto distance = hn::Abs(corner[j]);
-                nearest[j] = hn::Min(nearest[j], distance);
+                if constexpr (exact) nearest[j] = hn::Min(nearest[j], distance);
                 farthest[j] = hn::Max(farthest[j], distance);
                 const auto is_upper = hn::RebindMask(dm, hn::Gt(corner[j], zero));
                 octant[j] = hn::And(octant[j], hn::IfThenElse(is_upper, upper_bits, lower_bits));
@@ -80,9 +103,10 @@ std::size_t test_boxes(const SnappedTriangles& triangles, const SnappedLevel& le
         const auto single = hn::Eq(hn::And(box, hn::Sub(box, hn::Set(dm, 1))), hn::Zero(dm));
         Words contains = hn::Zero(dm);
         for (int j = 0; j < 3; ++j) {
-            const auto is_contained = hn::RebindMask(
-                dm, hn::And(hn::Gt(nearest[j], margin), hn::Lt(farthest[j], outside)));
-            contains = hn::Or(contains, hn::IfThenElseZero(is_contained, octant[j]));
+            auto is_contained = hn::Lt(farthest[j], outside);
+            if constexpr (exact) is_contained = hn::And(is_contained, hn::Gt(nearest[j], margin));
+            contains =
+                hn::Or(contains, hn::IfThenElseZero(hn::RebindMask(dm, is_contained), octant[j]));
         }
         const auto touched = hn::IfThenElse(single, box, hn::And(contains, box));
         hn::StoreU(touched, dm, masks + first);
@@ -316,8 +340,9 @@ void find_touched_children(const SnappedTriangles& triangles, const SnappedLevel
     scratch.open_children.resize(pairs.count + lane_padding);
     scratch.unsure.clear();
     const std::size_t open_count =
-        test_boxes(triangles, level, pairs, scratch.open_pairs.data(),
-                   scratch.open_children.data(), masks);
+        (level.exact ? test_boxes<true> : test_boxes<false>)(
+            triangles, level, pairs, scratch.open_pairs.data(), scratch.open_children.data(),
+            masks);
     // Lanes beyond the last open pair look at pair 0 and are ignored.
     for (std::size_t lane = 0; lane < lane_padding; ++lane) {
         scratch.open_pairs[open_count + lane] = 0;
@@ -334,6 +359,7 @@ HWY_AFTER_NAMESPACE();
 namespace proxima {
 
 HWY_EXPORT(find_touched_children);
+HWY_EXPORT(load_triangles);
 
 void SnappedTriangles::resize(std::size_t count)
 {
@@ -348,6 +374,12 @@ void find_touched_children(const SnappedTriangles& triangles, const SnappedLevel
                            std::uint32_t* masks)
 {
     HWY_DYNAMIC_DISPATCH(find_touched_children)(triangles, level, pairs, scratch, masks);
+}
+
+void load_triangles(const SnappedArrays& mesh, const std::uint32_t* ids, std::size_t count,
+                    const std::array<std::int32_t, 3>& origin, SnappedTriangles& triangles)
+{
+    HWY_DYNAMIC_DISPATCH(load_triangles)(mesh, ids, count, origin, triangles);
 }
 
 } // namespace proxima

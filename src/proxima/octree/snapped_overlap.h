@@ -33,6 +33,21 @@ struct SnappedTriangles {
     void resize(std::size_t count);
 };
 
+/// A mesh on the grid, as lanes gather from it: four numbers a vertex, three corners a triangle.
+struct SnappedArrays {
+    const std::int32_t* vertices = nullptr;
+    const std::uint32_t* corners = nullptr;
+
+    // Lanes address both by signed 32-bit offsets.
+    static constexpr std::size_t max_vertices = (std::size_t{1} << 31U) / 4;
+    static constexpr std::size_t max_triangles = (std::size_t{1} << 31U) / 3;
+};
+
+/// Sets triangles[i] to mesh triangle ids[i], relative to `origin`, for i in [0, count).
+/// \pre triangles.resize(count) was called, ids are padded with valid ones
+void load_triangles(const SnappedArrays& mesh, const std::uint32_t* ids, std::size_t count,
+                    const std::array<std::int32_t, 3>& origin, SnappedTriangles& triangles);
+
 /// What all cells of one depth share, and how far the grid may be off.
 struct SnappedLevel {
     std::int32_t half = 0;   ///< half size of the (parent) cells, in grid steps, a power of two

@@ -287,7 +287,7 @@ double unit_for(double size) noexcept
 
 Result<WindingNumber> build_winding_number(const TriangleMesh& mesh, const WindingOptions& options)
 {
-    if (const Status status = check_positions(mesh); !status) {
+    if (const auto status = checked_bounding_box(mesh); !status) {
         return tl::unexpected<Error>(status.error());
     }
     const Box bounds = bounding_box(mesh);
