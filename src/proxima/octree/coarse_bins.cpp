@@ -11,8 +11,8 @@ namespace {
 
 constexpr int max_bin_depth = 6;
 
-/// The inclusive range of coarse cells of a triangle's box, and which of the eight cells from
-/// `lower` on it touches. Ranges of more than two cells on an axis are listed apart.
+/// The lowest coarse cell of a triangle's box, and which of the eight cells from there on it
+/// touches. A triangle over more than two cells on an axis touches none here and is listed apart.
 struct Coverage {
     std::array<std::uint8_t, 3> lower = {};
     std::uint8_t touched = 0;
@@ -24,36 +24,14 @@ struct WidePair {
     std::uint32_t cell = 0;
 };
 
-struct CellRange {
-    std::array<std::int32_t, 3> lower = {};
-    std::array<std::int32_t, 3> upper = {};
-};
-
-CellRange cells_of_box(const SnappedMesh& mesh, const TriangleCorners& corners, int depth) noexcept
+/// Octants of a 2 x 2 x 2 block that exist where `steps` (x | y << 8 | z << 16, each 0 or 1) says
+/// whether the box reaches the second cell.
+std::uint8_t allowed_octants(std::uint32_t steps) noexcept
 {
-    const int shift = snapped_bits - depth;
-    const std::int32_t last = (1 << depth) - 1;
-    const auto& a = mesh.vertex(corners[0]);
-    const auto& b = mesh.vertex(corners[1]);
-    const auto& c = mesh.vertex(corners[2]);
-    CellRange range;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const std::int32_t low = std::min({a[axis], b[axis], c[axis]});
-        const std::int32_t high = std::max({a[axis], b[axis], c[axis]});
-        range.lower[axis] = std::clamp((low - mesh.margin()) >> shift, 0, last);
-        range.upper[axis] = std::clamp((high + mesh.margin()) >> shift, 0, last);
-    }
-    return range;
-}
-
-/// Which octants of a 2 x 2 x 2 block exist when the range covers one or two cells per axis.
-std::uint8_t allowed_octants(const CellRange& range) noexcept
-{
-    constexpr std::array<unsigned, 3> lower_octants = {0x55, 0x33, 0x0F};
     unsigned octants = 0xFF;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        if (range.lower[axis] == range.upper[axis]) octants &= lower_octants[axis];
-    }
+    if ((steps & 0x1U) == 0) octants &= 0x55U;
+    if ((steps & 0x100U) == 0) octants &= 0x33U;
+    if ((steps & 0x10000U) == 0) octants &= 0x0FU;
     return static_cast<std::uint8_t>(octants);
 }
 
@@ -86,21 +64,13 @@ public:
     {
         coverages_ = coverages;
         wide_triangles_.clear();
-        for (std::uint32_t triangle = begin_; triangle < end_; ++triangle) {
-            const CellRange range =
-                cells_of_box(mesh_, mesh_.mesh().triangles()[triangle], depth_);
-            Coverage& coverage = coverages_[triangle];
-            bool is_wide = false;
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                coverage.lower[axis] = static_cast<std::uint8_t>(range.lower[axis]);
-                is_wide = is_wide || range.upper[axis] > range.lower[axis] + 1;
-            }
-            coverage.touched = is_wide ? 0 : allowed_octants(range);
-            if (is_wide) {
-                wide_triangles_.push_back(triangle);
-            } else if (!std::has_single_bit(coverage.touched)) {
-                add_to_block(triangle, coverage);
-            }
+        std::array<std::uint32_t, block_size + lane_padding> lowest;
+        std::array<std::uint32_t, block_size + lane_padding> highest;
+        for (std::uint32_t first = begin_; first < end_; first += block_size) {
+            const std::uint32_t count = std::min<std::uint32_t>(block_size, end_ - first);
+            find_cells_of_boxes(mesh_.arrays(), first, count, depth_, mesh_.margin(),
+                                lowest.data(), highest.data());
+            for (std::uint32_t i = 0; i < count; ++i) cover_one(first + i, lowest[i], highest[i]);
         }
         flush_block();
         descend_wide_triangles();
@@ -126,7 +96,23 @@ public:
     }
 
 private:
-    static constexpr std::size_t block_size = 512;
+    static constexpr std::uint32_t block_size = 512;
+
+    void cover_one(std::uint32_t triangle, std::uint32_t lowest, std::uint32_t highest)
+    {
+        Coverage& coverage = coverages_[triangle];
+        for (unsigned axis = 0; axis < 3; ++axis) {
+            coverage.lower[axis] = static_cast<std::uint8_t>(lowest >> (8 * axis));
+        }
+        const std::uint32_t steps = highest - lowest; // no axis borrows from the next
+        if ((steps & ~0x10101U) != 0) {
+            coverage.touched = 0;
+            wide_triangles_.push_back(triangle);
+            return;
+        }
+        coverage.touched = allowed_octants(steps);
+        if (steps != 0) add_to_block(triangle, coverage);
+    }
 
     /// Around the 2 x 2 x 2 cells of its box lies a cell that need not be one of the octree: the
     /// test for children serves all the same.

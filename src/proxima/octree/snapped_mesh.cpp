@@ -57,8 +57,7 @@ void SnappedMesh::load(std::span<const std::uint32_t> ids, const GridPoint& orig
     std::copy(ids.begin(), ids.end(), local.ids.begin());
     std::fill_n(local.ids.begin() + ids.size(), lane_padding, 0U);
     local.snapped.resize(ids.size());
-    load_triangles({vertices_.data()->data(), mesh_.triangles().data()->data()},
-                   local.ids.data(), ids.size(), origin, local.snapped);
+    load_triangles(arrays(), local.ids.data(), ids.size(), origin, local.snapped);
 }
 
 bool SnappedMesh::touches(std::uint32_t triangle, const GridPoint& lower, int depth) const noexcept

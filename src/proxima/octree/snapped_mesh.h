@@ -51,6 +51,11 @@ public:
         return vertices_[id];
     }
 
+    [[nodiscard]] SnappedArrays arrays() const noexcept
+    {
+        return {vertices_.data()->data(), mesh_.triangles().data()->data()};
+    }
+
     /// Distance in whole steps that a vertex may be off against any cell plane.
     [[nodiscard]] std::int32_t margin() const noexcept { return margin_; }
 

@@ -56,6 +56,43 @@ void load_triangles(const SnappedArrays& mesh, const std::uint32_t* ids, std::si
     }
 }
 
+void find_cells_of_boxes(const SnappedArrays& mesh, std::size_t first, std::size_t count,
+                         int depth, std::int32_t margin, std::uint32_t* lowest,
+                         std::uint32_t* highest)
+{
+    const IntTag di;
+    const MaskTag dm;
+    const auto zero = hn::Zero(di);
+    const auto last = hn::Set(di, (1 << depth) - 1);
+    const auto grown = hn::Set(di, margin);
+    const int shift = snapped_bits - depth;
+    for (std::size_t block = 0; block < count; block += hn::Lanes(di)) {
+        const auto offset = hn::Iota(dm, static_cast<std::uint32_t>(first + block));
+        const auto id = hn::IfThenElseZero(hn::FirstN(dm, count - block), offset);
+        const auto place = hn::Add(id, hn::Add(id, id));
+        Ints vertex[3] = {zero, zero, zero};
+        for (int j = 0; j < 3; ++j) {
+            const auto corner = hn::GatherIndex(dm, mesh.corners + j, hn::BitCast(di, place));
+            vertex[j] = hn::BitCast(di, hn::ShiftLeft<2>(corner));
+        }
+        auto low_cells = zero;
+        auto high_cells = zero;
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto a = hn::GatherIndex(di, mesh.vertices + axis, vertex[0]);
+            const auto b = hn::GatherIndex(di, mesh.vertices + axis, vertex[1]);
+            const auto c = hn::GatherIndex(di, mesh.vertices + axis, vertex[2]);
+            const auto low = hn::Sub(hn::Min(hn::Min(a, b), c), grown);
+            const auto high = hn::Add(hn::Max(hn::Max(a, b), c), grown);
+            const auto low_cell = hn::Max(zero, hn::ShiftRightSame(low, shift));
+            const auto high_cell = hn::Min(last, hn::ShiftRightSame(high, shift));
+            low_cells = hn::Or(low_cells, hn::ShiftLeftSame(hn::Min(low_cell, last), 8 * axis));
+            high_cells = hn::Or(high_cells, hn::ShiftLeftSame(high_cell, 8 * axis));
+        }
+        hn::StoreU(hn::BitCast(dm, low_cells), dm, lowest + block);
+        hn::StoreU(hn::BitCast(dm, high_cells), dm, highest + block);
+    }
+}
+
 /// Stage 1: box and vertex tests in exact integers. Returns the number of pairs left open.
 /// Conservatively, a vertex nearly on a plane between children counts for one of them.
 template <bool exact>
@@ -360,6 +397,7 @@ namespace proxima {
 
 HWY_EXPORT(find_touched_children);
 HWY_EXPORT(load_triangles);
+HWY_EXPORT(find_cells_of_boxes);
 
 void SnappedTriangles::resize(std::size_t count)
 {
@@ -380,6 +418,13 @@ void load_triangles(const SnappedArrays& mesh, const std::uint32_t* ids, std::si
                     const std::array<std::int32_t, 3>& origin, SnappedTriangles& triangles)
 {
     HWY_DYNAMIC_DISPATCH(load_triangles)(mesh, ids, count, origin, triangles);
+}
+
+void find_cells_of_boxes(const SnappedArrays& mesh, std::size_t first, std::size_t count,
+                         int depth, std::int32_t margin, std::uint32_t* lowest,
+                         std::uint32_t* highest)
+{
+    HWY_DYNAMIC_DISPATCH(find_cells_of_boxes)(mesh, first, count, depth, margin, lowest, highest);
 }
 
 } // namespace proxima
