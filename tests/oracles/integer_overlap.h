@@ -2,6 +2,7 @@
 // triangle-box pairs that touch, nearly touch, or degenerate.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <random>
@@ -97,8 +98,7 @@ public:
     {
         IntegerPair pair;
         pair.box = random_box();
-        for (Point& vertex : pair.triangle.vertices)
-            vertex = random_point();
+        for (Point& vertex : pair.triangle.vertices) vertex = random_point();
         auto& v = pair.triangle.vertices;
         switch (below(8)) {
         case 0:
@@ -117,17 +117,14 @@ public:
             const Point second = random_direction();
             v[0] = along(touched, first, 1 + below(3));
             v[1] = along(touched, second, 1 + below(3));
-            for (std::size_t k = 0; k < 3; ++k)
-                v[2][k] = 3 * touched[k] - v[0][k] - v[1][k];
+            for (std::size_t k = 0; k < 3; ++k) v[2][k] = 3 * touched[k] - v[0][k] - v[1][k];
             break;
         }
         case 4: // in a plane of the box, or parallel to it
-            for (Point& vertex : v)
-                vertex[plane_axis_] = plane_value();
+            for (Point& vertex : v) vertex[plane_axis_] = plane_value();
             break;
         case 5: // a sliver or a segment
-            for (std::size_t k = 0; k < 3; ++k)
-                v[2][k] = (v[0][k] + v[1][k]) / 2;
+            for (std::size_t k = 0; k < 3; ++k) v[2][k] = (v[0][k] + v[1][k]) / 2;
             break;
         case 6:
             v[1] = v[0];
@@ -184,8 +181,7 @@ private:
     {
         const std::int64_t reach = size_ / 4 + 1;
         Point direction;
-        for (std::int64_t& component : direction)
-            component = below(2 * reach + 1) - reach;
+        for (std::int64_t& component : direction) component = below(2 * reach + 1) - reach;
         return direction;
     }
 
