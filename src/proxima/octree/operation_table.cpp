@@ -1,0 +1,166 @@
+#include "proxima/octree/operation_table.h"
+
+#include "proxima/base/check.h"
+#include "proxima/minkowski/geometric_method.h"
+#include "proxima/minkowski/incremental_hull.h"
+#include "proxima/octree/overlap_index_tracking.h"
+#include "proxima/octree/overlap_minkowski.h"
+#include "proxima/octree/overlap_pairwise.h"
+#include "proxima/octree/overlap_separating_axis.h"
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <random>
+#include <utility>
+
+namespace proxima {
+namespace {
+
+/// A triangle near the cube of half size 1 about the origin.
+struct Pair {
+    Triangle triangle;
+    bool general_position = false; ///< random coordinates
+};
+
+/// Makes pairs, the same on every machine: the standard fixes the engine, not its distributions.
+class PairSource {
+public:
+    [[nodiscard]] Pair next()
+    {
+        Pair pair;
+        pair.general_position = number_ % 2 == 0;
+        const double reach = number_ % 4 < 2 ? 2 : 4;
+        ++number_;
+        for (Vec3& vertex : pair.triangle.vertices) {
+            for (double& coordinate : vertex) {
+                const double part = static_cast<double>(random_() >> 11U) * 0x1p-53;
+                coordinate = pair.general_position ? reach * (2 * part - 1)
+                                                   : std::floor((2 * reach + 1) * part) - reach;
+            }
+        }
+        return pair;
+    }
+
+private:
+    std::mt19937_64 random_;
+    unsigned number_ = 0;
+};
+
+/// Keeps a row at its worst.
+class WorstCase {
+public:
+    explicit WorstCase(std::string method, std::optional<ThesisOperationCounts> thesis = {})
+        : row_{std::move(method), {}, thesis}
+    {}
+
+    /// Counts what the action does.
+    template <class Action>
+    void measure(const Action& action)
+    {
+        reset_operation_counts();
+        action();
+        if (operation_counts().flops() > row_.counts.flops()) row_.counts = operation_counts();
+    }
+
+    [[nodiscard]] const OperationCountRow& row() const { return row_; }
+
+private:
+    OperationCountRow row_;
+};
+
+/// The rows of one overlap test: its constants and its answer.
+template <class Method>
+struct OverlapRows {
+    WorstCase triangle;
+    WorstCase depth;
+    WorstCase cell;
+
+    void measure(const Pair& pair)
+    {
+        std::optional<Method> test;
+        triangle.measure([&] { test.emplace(pair.triangle); });
+        test->set_half_size(Vec3::Constant(2));
+        depth.measure([&] { test->set_half_size(Vec3::Ones()); });
+        cell.measure([&] { last_answer = test->overlap(Vec3::Zero()); });
+    }
+
+    Overlap last_answer; ///< keeps the counted call from being dropped
+};
+
+} // namespace
+
+std::vector<OperationCountRow> count_operations(const OperationCountOptions& options)
+{
+    PROXIMA_CHECK_GT(options.pairs, 0);
+    using ThesisRow = ThesisOperationCounts;
+    OverlapRows<BasicSeparatingAxisTest<Counted>> separating_axis{
+        WorstCase("Separating axes, constants of a triangle"),
+        WorstCase("Separating axes, constants of a depth"),
+        WorstCase("Separating-axis-based intersection", ThesisRow{13, {}, 83}),
+        {}};
+    OverlapRows<BasicMinkowskiTest<Counted>> minkowski{
+        WorstCase("Minkowski sum, constants of a triangle"),
+        WorstCase("Minkowski sum, constants of a depth"),
+        WorstCase("Minkowski-sum-based intersection", ThesisRow{26, {}, 130}),
+        {}};
+    OverlapRows<BasicIndexTrackingTest<Counted>> index_tracking{
+        WorstCase("Index tracking, constants of a triangle"),
+        WorstCase("Index tracking, constants of a depth after the first"),
+        WorstCase("Index-tracking-based intersection"),
+        {}};
+    OverlapRows<BasicPairwiseTest<Counted>> pairwise{
+        WorstCase("Pairwise, constants of a triangle"),
+        WorstCase("Pairwise, constants of a depth"),
+        WorstCase("Pairwise intersection", ThesisRow{138, {}, 930}),
+        {}};
+    OverlapRows<BasicMinkowskiTest<Counted>> general_position{
+        minkowski.triangle,
+        minkowski.depth,
+        WorstCase("Minkowski-sum-based intersection, general position"),
+        {}};
+    WorstCase geometric_general("Geometric method, general position");
+    WorstCase geometric("Geometric method", ThesisRow{312, 27, 1713});
+    WorstCase hull("Incremental convex hull method", ThesisRow{440, 60, 3040});
+
+    PairSource source;
+    for (int i = 0; i < options.pairs; ++i) {
+        const Pair pair = source.next();
+        separating_axis.measure(pair);
+        minkowski.measure(pair);
+        if (pair.general_position) general_position.measure(pair);
+        index_tracking.measure(pair);
+        pairwise.measure(pair);
+
+        const auto features = triangle_features<Counted>(pair.triangle);
+        const Vector3<Counted> half = to_scalar<Counted>(Vec3::Ones());
+        const auto find_sum = [&] { static_cast<void>(geometric_sum(features, half)); };
+        geometric.measure(find_sum);
+        if (pair.general_position) geometric_general.measure(find_sum);
+
+        std::array<Vector3<Counted>, 8> cube;
+        for (int k = 0; k < 8; ++k)
+            cube[static_cast<std::size_t>(k)] = cube_vertex(k, half);
+        std::array<Vector3<Counted>, 24> sums;
+        form_sum_vertices<Counted>(cube, features.vertices, sums);
+        hull.measure([&] { static_cast<void>(incremental_hull<Counted>(sums)); });
+    }
+    return {separating_axis.cell.row(),
+            minkowski.cell.row(),
+            pairwise.cell.row(),
+            geometric.row(),
+            hull.row(),
+            general_position.cell.row(),
+            geometric_general.row(),
+            index_tracking.cell.row(),
+            index_tracking.depth.row(),
+            index_tracking.triangle.row(),
+            separating_axis.depth.row(),
+            separating_axis.triangle.row(),
+            minkowski.depth.row(),
+            minkowski.triangle.row(),
+            pairwise.depth.row(),
+            pairwise.triangle.row()};
+}
+
+} // namespace proxima
