@@ -19,11 +19,11 @@ namespace {
 // L, N: each term is a product of two differences: 3 factors 1 + d; their difference: a fourth.
 //     |error| <= ((1 + u)^4 - 1) S with S = |first term| + |second term|, true ones; computed S is
 //     at least (1 - u)^4 of that: 4u + O(u^2) <= 5u times the computed S.
-// Plane: G = sum over axes of the larger (or smaller) of N_k d_k, d_k the differences to the two
-//     planes of the box. A term carries 4 + 1 + 1 factors, two more for the sums. If the sign of
-//     N_k is certain the right plane is chosen and the error of a term is at most
-//     ((1 + u)^8 - 1) S_k |d_k|; if not, the larger of two terms moves by at most the larger of
-//     their errors, so |d_k| is replaced by the larger of both. Sum: 8u + O(u^2) <= 9u times the
+// Plane: the sum over axes of the larger (or the smaller) of N_k d_k, d_k the differences to the
+// two
+//     planes of the box. A product carries 4 + 1 + 1 factors, two more for the sums; the larger of
+//     two numbers moves by at most the larger of their errors, whatever the sign of N_k really is.
+//     |error| <= ((1 + u)^8 - 1) sum of S_k D_k, D_k the larger |d_k|: 8u + O(u^2) <= 9u times the
 //     computed sum.
 // Underflow adds at most 2^-1074 to a product, so at most 2^-1072 to L or N, and to the plane
 //     2^-1072 |d_k| per axis and 2^-1072: `underflow` (times them) covers it and its own rounding.
@@ -61,16 +61,12 @@ constexpr int edge_index(int axis, int edge) noexcept
 
 bool boxes_apart(const Triangle& triangle, const Box& box) noexcept
 {
-    for (int axis = 0; axis < 3; ++axis) {
-        const double a = triangle[0][axis];
-        const double b = triangle[1][axis];
-        const double c = triangle[2][axis];
-        const double lower = box.lower[axis];
-        const double upper = box.upper[axis];
-        if ((a < lower && b < lower && c < lower) || (a > upper && b > upper && c > upper))
-            return true;
-    }
-    return false;
+    const Vec3 lowest = triangle[0].cwiseMin(triangle[1]).cwiseMin(triangle[2]);
+    const Vec3 highest = triangle[0].cwiseMax(triangle[1]).cwiseMax(triangle[2]);
+    bool apart = false;
+    for (int axis = 0; axis < 3; ++axis)
+        apart = apart || highest[axis] < box.lower[axis] || lowest[axis] > box.upper[axis];
+    return apart;
 }
 
 // The filter, and what it leaves to exact arithmetic.
@@ -88,8 +84,7 @@ public:
             if (box_.contains(vertex)) return Answer::overlap;
         prepare();
         if (plane_apart()) return Answer::apart;
-        for (int axis = 0; axis < 3; ++axis)
-            if (axis_apart(axis)) return Answer::apart;
+        if (axis_apart<0>() || axis_apart<1>() || axis_apart<2>()) return Answer::apart;
         if (!pending()) return Answer::overlap;
         drop_true_zeros();
         return pending() ? Answer::unsure : Answer::overlap;
@@ -133,38 +128,29 @@ private:
             normal_[axis] = first - second;
             normal_size_[axis] = std::abs(first) + std::abs(second);
             const Bounded component = {normal_[axis], edge_error * normal_size_[axis] + underflow};
-            if (component.surely_negative()) {
-                sign_[index(axis)] = -1;
-            } else if (component.surely_positive()) {
-                sign_[index(axis)] = 1;
-            } else {
-                sign_is_known_[index(axis)] = false;
-            }
+            const bool negative = component.surely_negative();
+            const bool positive = component.surely_positive();
+            sign_[index(axis)] = static_cast<int>(positive) - static_cast<int>(negative);
+            sign_is_known_[index(axis)] = negative || positive;
         }
     }
 
-    // The signed distance of the box's corner that maximises (Side::positive) or minimises it.
-    [[nodiscard]] Bounded plane_value(Side side) const noexcept
+    // The signed distances of the corners of the box farthest along and against the normal.
+    [[nodiscard]] bool plane_apart() noexcept
     {
-        const bool maximum = side == Side::positive;
-        Bounded result = {0, underflow};
+        Bounded maximum = {0, underflow};
+        Bounded minimum = {0, underflow};
         for (int axis = 0; axis < 3; ++axis) {
             const double lower = to_plane_[0][0][axis];
             const double upper = to_plane_[0][1][axis];
-            const double chosen = (normal_[axis] > 0) == maximum ? upper : lower;
-            const double reach = sign_is_known_[index(axis)]
-                                     ? std::abs(chosen)
-                                     : std::max(std::abs(lower), std::abs(upper));
-            result.value += normal_[axis] * chosen;
-            result.error += (plane_error * normal_size_[axis] + underflow) * reach;
+            const double at_lower = normal_[axis] * lower;
+            const double at_upper = normal_[axis] * upper;
+            maximum.value += at_lower < at_upper ? at_upper : at_lower;
+            minimum.value += at_lower < at_upper ? at_lower : at_upper;
+            maximum.error += (plane_error * normal_size_[axis] + underflow) *
+                             std::max(std::abs(lower), std::abs(upper));
         }
-        return result;
-    }
-
-    [[nodiscard]] bool plane_apart() noexcept
-    {
-        const Bounded maximum = plane_value(Side::positive);
-        const Bounded minimum = plane_value(Side::negative);
+        minimum.error = maximum.error;
         plane_is_unsure_ = !(maximum.surely_not_negative() && minimum.surely_not_positive());
         return maximum.surely_negative() || minimum.surely_positive();
     }
@@ -174,7 +160,7 @@ private:
     {
         const int u = (axis + 1) % 3;
         const int w = (axis + 2) % 3;
-        const double flip = side == Side::positive ? 1.0 : -1.0;
+        const double flip = 1.0 - 2.0 * static_cast<double>(side);
         const double edge_u = flip * edge_[index(edge)][u];
         const double edge_w = flip * edge_[index(edge)][w];
         const double first = edge_u * to_plane_[index(edge)][index(edge_u > 0)][w];
@@ -182,24 +168,31 @@ private:
         return {first - second, edge_error * (std::abs(first) + std::abs(second)) + underflow};
     }
 
-    // Whether some edge surely has the box beyond it; notes the edges that are unsure.
-    [[nodiscard]] bool side_apart(int axis, Side side) noexcept
+    // Whether some edge surely has the box beyond it; notes the edges that are unsure. All three
+    // are computed before the only branch: what they say is unpredictable.
+    template <int Axis>
+    [[nodiscard]] bool side_apart(Side side) noexcept
     {
+        unsigned apart = 0;
+        unsigned clear = 0;
         for (int edge = 0; edge < 3; ++edge) {
-            const Bounded value = edge_value(axis, edge, side);
-            if (value.surely_negative()) return true;
-            if (!value.surely_not_negative()) unsure_[index(side)] |= bit(edge_index(axis, edge));
+            const Bounded value = edge_value(Axis, edge, side);
+            apart |= static_cast<unsigned>(value.surely_negative());
+            clear |= static_cast<unsigned>(value.surely_not_negative())
+                     << static_cast<unsigned>(edge);
         }
-        return false;
+        unsure_[index(side)] |= (~clear & 7U) << static_cast<unsigned>(3 * Axis);
+        return apart != 0;
     }
 
-    [[nodiscard]] bool axis_apart(int axis) noexcept
+    // The axis is a constant so that its neighbours are: the loops unroll to straight code.
+    template <int Axis>
+    [[nodiscard]] bool axis_apart() noexcept
     {
-        if (sign_is_known_[index(axis)])
-            return side_apart(axis, sign_[index(axis)] < 0 ? Side::negative : Side::positive);
+        if (sign_is_known_[Axis]) return side_apart<Axis>(static_cast<Side>(sign_[Axis] < 0));
         for (const Side side : {Side::positive, Side::negative})
-            if (side_apart(axis, side)) apart_[index(side)] |= bit(axis);
-        return (apart_[0] & apart_[1] & bit(axis)) != 0;
+            if (side_apart<Axis>(side)) apart_[index(side)] |= bit(Axis);
+        return (apart_[0] & apart_[1] & bit(Axis)) != 0;
     }
 
     [[nodiscard]] bool pending() const noexcept
@@ -300,7 +293,7 @@ private:
     Vec3 normal_;
     Vec3 normal_size_; ///< sum of the sizes of the two products
     std::array<int, 3> sign_ = {};
-    std::array<bool, 3> sign_is_known_ = {true, true, true};
+    std::array<bool, 3> sign_is_known_ = {};
     std::array<unsigned, 2> unsure_ = {}; ///< [side], bits of edge_index
     std::array<unsigned, 2> apart_ = {};  ///< [side], bits of axes: apart if that is the side
     bool plane_is_unsure_ = false;
