@@ -276,6 +276,17 @@ WindingEstimate estimate(const WindingNumber& winding, const Vec3& point,
     return sum;
 }
 
+/// Whether sign w + offset is at least 1/2, with as little work as decides it.
+bool exceeds(const WindingNumber& winding, const Vec3& point, double sign, double offset) noexcept
+{
+    for (double tolerance = 0.006; tolerance > rounding_error; tolerance /= 16.0) {
+        const WindingEstimate found = estimate(winding, point, tolerance);
+        const double value = sign * found.value + offset;
+        if (std::abs(value - inside_limit) > found.error) return value >= inside_limit;
+    }
+    return sign * estimate(winding, point, 0.0).value + offset >= inside_limit;
+}
+
 /// The power of two that brings lengths near `size` to about 1.
 double unit_for(double size) noexcept
 {
@@ -352,11 +363,12 @@ WindingEstimate winding_number(const WindingNumber& winding, const Vec3& point,
 
 bool is_inside(const WindingNumber& winding, const Vec3& point) noexcept
 {
-    for (double tolerance = 0.02; tolerance > rounding_error; tolerance /= 16.0) {
-        const WindingEstimate found = estimate(winding, point, tolerance);
-        if (std::abs(found.value - inside_limit) > found.error) return found.value >= inside_limit;
-    }
-    return estimate(winding, point, 0.0).value >= inside_limit;
+    return exceeds(winding, point, 1.0, 0.0);
+}
+
+bool is_inside_but_for(const WindingNumber& caps, const Vec3& point, int whole) noexcept
+{
+    return exceeds(caps, point, -1.0, static_cast<double>(whole));
 }
 
 double brute_winding_number(const TriangleMesh& mesh, const Vec3& point) noexcept

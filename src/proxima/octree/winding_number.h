@@ -79,6 +79,10 @@ private:
 /// cannot change the answer. Values within 2^-40 below 1/2 count as 1/2.
 [[nodiscard]] bool is_inside(const WindingNumber& winding, const Vec3& point) noexcept;
 
+/// As is_inside, for a surface whose winding number is `whole` minus that of `caps`.
+[[nodiscard]] bool is_inside_but_for(const WindingNumber& caps, const Vec3& point,
+                                     int whole) noexcept;
+
 /// The sum over all triangles: the oracle, O(triangles).
 [[nodiscard]] double brute_winding_number(const TriangleMesh& mesh, const Vec3& point) noexcept;
 
