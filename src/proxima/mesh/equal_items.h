@@ -21,7 +21,7 @@ namespace proxima {
 /// For every item in [0, count) the first item equal to it, itself where there is none before.
 /// `takes_part(i)` leaves items out: each of them is only equal to itself. `hash(i)` must be the
 /// same for equal items, `equal(i, j)` an equivalence. Expected O(count), 12 to 20 bytes per item.
-/// \pre count < 2^31
+/// \pre count < 2^32 - 1
 template <class TakesPart, class Hash, class Equal>
 [[nodiscard]] std::vector<std::uint32_t> first_equal_items(std::uint32_t count,
                                                            const TakesPart& takes_part,

@@ -17,7 +17,8 @@ struct Words {
 
 // By FindingKind.
 constexpr std::array<Words, 15> finding_words = {{
-    {"no_triangles", Severity::error, ""},
+    {"no_triangles", Severity::error,
+     "there is nothing to build an octree from, and so nothing to query"},
     {"non_finite_positions", Severity::error, ""},
     {"extreme_scale", Severity::warning, ""},
     {"far_from_origin", Severity::warning, ""},
@@ -64,9 +65,9 @@ const Words& words(FindingKind kind) noexcept
     return finding_words[static_cast<std::size_t>(kind)];
 }
 
-QueryOutlook outlook(QueryKind query, Outlook expectation, std::string_view reason)
+QueryOutlook expect(QueryKind query, Outlook outlook, std::string_view reason)
 {
-    return {query, expectation, std::string(reason)};
+    return {query, outlook, std::string(reason)};
 }
 
 bool any(const MeshReport& report, std::initializer_list<FindingKind> kinds) noexcept
@@ -128,7 +129,7 @@ std::vector<QueryOutlook> detail::outlook_of(const MeshReport& report)
                      [](const MeshFinding& each) { return each.severity == Severity::error; });
     if (refusal != report.findings.end()) {
         for (const QueryKind query : queries) {
-            all.push_back(outlook(query, refused, name_of(refusal->kind)));
+            all.push_back(expect(query, refused, name_of(refusal->kind)));
         }
         return all;
     }
@@ -138,32 +139,32 @@ std::vector<QueryOutlook> detail::outlook_of(const MeshReport& report)
                        report.orientation != Orientation::inward;
     const bool branching = any(report, {non_manifold_edges, non_manifold_vertices});
 
-    all.push_back(ill_scaled ? outlook(octree, with_care, "scale the mesh towards size 1 first")
-                             : outlook(octree, works, "any triangles will do"));
+    all.push_back(ill_scaled ? expect(octree, with_care, "scale the mesh towards size 1 first")
+                             : expect(octree, works, "any triangles will do"));
     if (sided) {
-        all.push_back(outlook(cell_classes, works, "closed and consistently oriented"));
+        all.push_back(expect(cell_classes, works, "closed and consistently oriented"));
         all.push_back(branching || report.orientation == Orientation::undefined
-                          ? outlook(sign, with_care,
+                          ? expect(sign, with_care,
                                     "winding numbers decide where several sheets meet")
-                          : outlook(sign, works, "the nearest feature's normal decides"));
+                          : expect(sign, works, "the nearest feature's normal decides"));
     } else {
         const std::string_view reason =
             report.orientation == Orientation::inward && report.closed ? "inside out: turn all triangles"
             : !report.closed ? "open: winding numbers decide, they blur near holes"
             : doubled        ? "doubled triangles count twice in winding numbers"
                              : "triangles face both ways: orient them the same way";
-        all.push_back(outlook(cell_classes, with_care, reason));
-        all.push_back(outlook(sign, with_care, reason));
+        all.push_back(expect(cell_classes, with_care, reason));
+        all.push_back(expect(sign, with_care, reason));
     }
     all.push_back(any(report, {duplicate_vertices})
-                      ? outlook(closest_feature, with_care,
+                      ? expect(closest_feature, with_care,
                                 "distances hold; the feature may be any of several equal vertices")
-                      : outlook(closest_feature, works, "any triangles will do"));
+                      : expect(closest_feature, works, "any triangles will do"));
     all.push_back(any(report, {degenerate_triangles, zero_area_triangles})
-                      ? outlook(rays, with_care, "triangles without area are never hit")
-                      : outlook(rays, works, "any triangles will do"));
-    all.push_back(sided ? outlook(intersection, works, "pairs and containment")
-                        : outlook(intersection, with_care,
+                      ? expect(rays, with_care, "triangles without area are never hit")
+                      : expect(rays, works, "any triangles will do"));
+    all.push_back(sided ? expect(intersection, works, "pairs and containment")
+                        : expect(intersection, with_care,
                                   "pairs hold; containment needs a closed, oriented surface"));
     std::sort(all.begin(), all.end(), [](const QueryOutlook& a, const QueryOutlook& b) {
         return a.query < b.query;

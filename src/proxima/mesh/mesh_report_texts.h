@@ -5,8 +5,8 @@
 
 namespace proxima::detail {
 
-/// \pre kind is not one of the kinds about the whole mesh or its positions, whose words depend on
-/// measured values
+/// The words of a kind; empty for the kinds whose words depend on measured values: non-finite
+/// positions, scale, distance from the origin, and inward components.
 [[nodiscard]] Severity usual_severity(FindingKind kind) noexcept;
 [[nodiscard]] std::string usual_meaning(FindingKind kind);
 
