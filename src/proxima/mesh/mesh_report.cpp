@@ -33,7 +33,10 @@ constexpr double largest_safe_coordinate = 1e100;
 // A volume below this part of the sum of its absolute terms may be rounding.
 constexpr double smallest_volume_ratio = 1e-12;
 
-bool is_finite(const Vec3& position) noexcept { return position.allFinite(); }
+bool is_finite(const Vec3& position) noexcept
+{
+    return position.allFinite();
+}
 
 TriangleCorners sorted(TriangleCorners corners) noexcept
 {
@@ -90,9 +93,8 @@ public:
         if (options_.progress != nullptr) {
             options_.progress->begin_stage("mesh report", stage_count);
         }
-        for (const auto step :
-             {&MeshExaminer::examine_positions, &MeshExaminer::examine_triangles,
-              &MeshExaminer::examine_edges, &MeshExaminer::examine_components}) {
+        for (const auto step : {&MeshExaminer::examine_positions, &MeshExaminer::examine_triangles,
+                                &MeshExaminer::examine_edges, &MeshExaminer::examine_components}) {
             (this->*step)();
             if (options_.progress != nullptr) options_.progress->advance(1);
             if (is_cancelled(options_.progress)) {
@@ -256,8 +258,7 @@ private:
 
     [[nodiscard]] TriangleCorners welded(const TriangleCorners& corners) const noexcept
     {
-        return {same_position_[corners[0]], same_position_[corners[1]],
-                same_position_[corners[2]]};
+        return {same_position_[corners[0]], same_position_[corners[1]], same_position_[corners[2]]};
     }
 
     void examine_edges()
@@ -300,7 +301,6 @@ private:
         }
         report_elements(FindingKind::non_manifold_vertices, ElementKind::vertex, touching);
     }
-
 
     void examine_components()
     {
@@ -347,8 +347,8 @@ private:
         const bool manifold = report_.find(FindingKind::non_manifold_edges) == nullptr &&
                               report_.find(FindingKind::non_manifold_vertices) == nullptr;
         if (report_.closed && report_.consistently_oriented && manifold) {
-            report_.genus = static_cast<std::int64_t>(report_.components) -
-                            report_.euler_characteristic / 2;
+            report_.genus =
+                static_cast<std::int64_t>(report_.components) - report_.euler_characteristic / 2;
         }
     }
 
@@ -363,9 +363,9 @@ private:
         const Result<TriangleMesh> mesh = make_triangle_mesh(
             {mesh_.positions().begin(), mesh_.positions().end()}, std::move(triangles));
         if (!mesh) return tl::unexpected(mesh.error());
-        const Result<Topology> topology = build_topology(
-            *mesh, {.threads = options_.threads, .budget = options_.budget,
-                    .progress = options_.progress});
+        const Result<Topology> topology = build_topology(*mesh, {.threads = options_.threads,
+                                                                 .budget = options_.budget,
+                                                                 .progress = options_.progress});
         if (!topology) return tl::unexpected(topology.error());
         bool closed = topology->edge_count() > 0;
         for (std::uint32_t id = 0; id < topology->edge_count(); ++id) {
@@ -435,8 +435,7 @@ const MeshFinding* MeshReport::find(FindingKind kind) const noexcept
 Result<MeshReport> report_mesh(const TriangleMesh& mesh, const MeshReportOptions& options)
 {
     const Result<Topology> topology = build_topology(
-        mesh,
-        {.threads = options.threads, .budget = options.budget, .progress = options.progress});
+        mesh, {.threads = options.threads, .budget = options.budget, .progress = options.progress});
     if (!topology) return tl::unexpected(topology.error());
     return report_mesh(mesh, *topology, options);
 }

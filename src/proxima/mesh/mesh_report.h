@@ -4,7 +4,8 @@
 //     for (const MeshFinding& finding : report->findings) {
 //         std::cout << finding.count << ' ' << name_of(finding.kind) << ": " << finding.meaning;
 //     }
-//     for (const QueryOutlook& query : report->outlook) ...   // octree: works, sign: with care, ...
+//     for (const QueryOutlook& query : report->outlook) ...   // octree: works, sign: with care,
+//     ...
 //
 // Whether the surface intersects itself is not examined.
 #pragma once
@@ -40,7 +41,8 @@ enum class FindingKind : std::uint8_t {
     coincident_triangles,  ///< the positions of an earlier triangle, not its vertex ids
     boundary_edges,        ///< edges of one triangle
     non_manifold_edges,    ///< edges of three or more triangles
-    non_manifold_vertices, ///< several fans meet: not all triangles connected by edges at the vertex
+    non_manifold_vertices, ///< several fans meet: not all triangles connected by edges at the
+                           ///< vertex
     inconsistent_edges,    ///< of an even number of triangles, not half of them in each direction
     inward_components      ///< closed, consistently oriented, of negative volume
 };

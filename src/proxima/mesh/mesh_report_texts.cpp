@@ -78,7 +78,10 @@ bool any(const MeshReport& report, std::initializer_list<FindingKind> kinds) noe
 
 } // namespace
 
-std::string_view name_of(FindingKind kind) noexcept { return words(kind).name; }
+std::string_view name_of(FindingKind kind) noexcept
+{
+    return words(kind).name;
+}
 
 std::string_view name_of(Severity severity) noexcept
 {
@@ -95,8 +98,8 @@ std::string_view name_of(ElementKind element) noexcept
 
 std::string_view name_of(QueryKind query) noexcept
 {
-    constexpr std::array<std::string_view, 6> names = {
-        "octree", "cell_classes", "closest_feature", "sign", "rays", "intersection"};
+    constexpr std::array<std::string_view, 6> names = {"octree", "cell_classes", "closest_feature",
+                                                       "sign",   "rays",         "intersection"};
     return names[static_cast<std::size_t>(query)];
 }
 
@@ -112,9 +115,15 @@ std::string_view name_of(Orientation orientation) noexcept
     return names[static_cast<std::size_t>(orientation)];
 }
 
-Severity detail::usual_severity(FindingKind kind) noexcept { return words(kind).severity; }
+Severity detail::usual_severity(FindingKind kind) noexcept
+{
+    return words(kind).severity;
+}
 
-std::string detail::usual_meaning(FindingKind kind) { return std::string(words(kind).meaning); }
+std::string detail::usual_meaning(FindingKind kind)
+{
+    return std::string(words(kind).meaning);
+}
 
 std::vector<QueryOutlook> detail::outlook_of(const MeshReport& report)
 {
@@ -143,13 +152,14 @@ std::vector<QueryOutlook> detail::outlook_of(const MeshReport& report)
                              : expect(octree, works, "any triangles will do"));
     if (sided) {
         all.push_back(expect(cell_classes, works, "closed and consistently oriented"));
-        all.push_back(branching || report.orientation == Orientation::undefined
-                          ? expect(sign, with_care,
-                                    "winding numbers decide where several sheets meet")
-                          : expect(sign, works, "the nearest feature's normal decides"));
+        all.push_back(
+            branching || report.orientation == Orientation::undefined
+                ? expect(sign, with_care, "winding numbers decide where several sheets meet")
+                : expect(sign, works, "the nearest feature's normal decides"));
     } else {
         const std::string_view reason =
-            report.orientation == Orientation::inward && report.closed ? "inside out: turn all triangles"
+            report.orientation == Orientation::inward && report.closed
+                ? "inside out: turn all triangles"
             : !report.closed ? "open: winding numbers decide, they blur near holes"
             : doubled        ? "doubled triangles count twice in winding numbers"
                              : "triangles face both ways: orient them the same way";
@@ -158,17 +168,16 @@ std::vector<QueryOutlook> detail::outlook_of(const MeshReport& report)
     }
     all.push_back(any(report, {duplicate_vertices})
                       ? expect(closest_feature, with_care,
-                                "distances hold; the feature may be any of several equal vertices")
+                               "distances hold; the feature may be any of several equal vertices")
                       : expect(closest_feature, works, "any triangles will do"));
     all.push_back(any(report, {degenerate_triangles, zero_area_triangles})
                       ? expect(rays, with_care, "triangles without area are never hit")
                       : expect(rays, works, "any triangles will do"));
     all.push_back(sided ? expect(intersection, works, "pairs and containment")
                         : expect(intersection, with_care,
-                                  "pairs hold; containment needs a closed, oriented surface"));
-    std::sort(all.begin(), all.end(), [](const QueryOutlook& a, const QueryOutlook& b) {
-        return a.query < b.query;
-    });
+                                 "pairs hold; containment needs a closed, oriented surface"));
+    std::sort(all.begin(), all.end(),
+              [](const QueryOutlook& a, const QueryOutlook& b) { return a.query < b.query; });
     return all;
 }
 

@@ -105,14 +105,13 @@ std::vector<std::uint8_t> fan_counts(const TriangleMesh& mesh, const Topology& t
     return counts;
 }
 
-std::vector<SurfaceComponent> surface_components(const TriangleMesh& mesh,
-                                                 const Topology& topology, const Box& bounds)
+std::vector<SurfaceComponent> surface_components(const TriangleMesh& mesh, const Topology& topology,
+                                                 const Box& bounds)
 {
     const auto count = static_cast<std::uint32_t>(mesh.triangle_count());
     DisjointSets sets(count);
-    for_neighbours(mesh, topology, [&](TriangleId a, TriangleId b, EdgeId) {
-        sets.unite(index(a), index(b));
-    });
+    for_neighbours(mesh, topology,
+                   [&](TriangleId a, TriangleId b, EdgeId) { sets.unite(index(a), index(b)); });
 
     std::vector<SurfaceComponent> components;
     std::vector<std::uint32_t> number(count, 0);

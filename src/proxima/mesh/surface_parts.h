@@ -43,7 +43,7 @@ struct EdgeUse {
 /// A set of proper triangles that edges connect.
 struct SurfaceComponent {
     std::uint32_t first_triangle = 0; ///< the lowest
-    bool sealed = true;     ///< closed, consistently oriented, and all positions finite
+    bool sealed = true;               ///< closed, consistently oriented, and all positions finite
     double volume = 0.0;    ///< signed, in units of the cube of the longest side of the bounds
     double magnitude = 0.0; ///< sum of the absolute terms of the volume
 };
