@@ -28,7 +28,7 @@ Vec3 cross(const Vec3& a, const Vec3& b) noexcept
 struct Patch {
     std::array<Vec3, 4> corners;
     Vec3 center;
-    Vec3 normal; ///< length 1
+    Vec3 normal;   ///< length 1
     double width;  ///< mean length of sides 0-1 and 2-3
     double height; ///< mean length of sides 1-2 and 3-0
 };
@@ -200,8 +200,8 @@ private:
         fan_side(base[3], base[0], rows, [&](std::size_t k) { return at(0, rows - k); });
         for (std::size_t row = 0; row < rows; ++row) {
             for (std::size_t column = 0; column < columns; ++column) {
-                const Corners cell = {at(column, row), at(column + 1, row),
-                                      at(column + 1, row + 1), at(column, row + 1)};
+                const Corners cell = {at(column, row), at(column + 1, row), at(column + 1, row + 1),
+                                      at(column, row + 1)};
                 const bool is_first = row == 0 && column == 0;
                 const std::size_t slot = is_first ? quad : surface_.quads.size();
                 if (!is_first) surface_.quads.emplace_back();

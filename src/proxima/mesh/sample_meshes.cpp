@@ -17,7 +17,10 @@ namespace {
 
 constexpr int max_icosphere_subdivisions = 11;
 
-std::uint32_t id(std::size_t number) noexcept { return static_cast<std::uint32_t>(number); }
+std::uint32_t id(std::size_t number) noexcept
+{
+    return static_cast<std::uint32_t>(number);
+}
 
 TriangleMesh checked(Result<TriangleMesh> mesh)
 {
@@ -207,7 +210,10 @@ const SampleKind* find_kind(std::string_view name) noexcept
 
 } // namespace
 
-bool is_sample_mesh_name(std::string_view name) noexcept { return find_kind(name) != nullptr; }
+bool is_sample_mesh_name(std::string_view name) noexcept
+{
+    return find_kind(name) != nullptr;
+}
 
 std::string_view sample_mesh_names() noexcept
 {
@@ -337,14 +343,9 @@ TriangleMesh make_octahedron()
 {
     std::vector<Vec3> positions = {Vec3(1, 0, 0),  Vec3(-1, 0, 0), Vec3(0, 1, 0),
                                    Vec3(0, -1, 0), Vec3(0, 0, 1),  Vec3(0, 0, -1)};
-    return checked(make_triangle_mesh(std::move(positions), {{0, 2, 4},
-                                                             {2, 1, 4},
-                                                             {1, 3, 4},
-                                                             {3, 0, 4},
-                                                             {2, 0, 5},
-                                                             {1, 2, 5},
-                                                             {3, 1, 5},
-                                                             {0, 3, 5}}));
+    return checked(make_triangle_mesh(
+        std::move(positions),
+        {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}}));
 }
 
 TriangleMesh make_torus(int around, int across)

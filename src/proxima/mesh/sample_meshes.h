@@ -53,7 +53,7 @@ inline constexpr std::size_t max_sample_triangles = std::size_t{1} << 27U;
 [[nodiscard]] TriangleMesh make_torus(int around, int across);
 
 /// A closed surface has an even number of triangles, so only even numbers have a ship.
-inline constexpr std::size_t min_spaceship_triangles = 1000;
+inline constexpr std::size_t min_spaceship_triangles = 1300;
 
 /// A procedural ship of exactly `triangles` triangles, about 4 long and 3 wide, nose towards +x,
 /// top towards +z: hull, bridge, wings, cannons, engines and fins, with plates and boxes grown

@@ -27,12 +27,14 @@ CirclePoint outline_point(Outline outline, std::uint32_t step, std::uint32_t cou
 {
     const auto [c, s] = unit_circle(step, count);
     switch (outline) {
-    case Outline::round: return {c, s};
+    case Outline::round:
+        return {c, s};
     case Outline::box: {
         const double reach = std::max(std::abs(c), std::abs(s));
         return {c / reach, s / reach};
     }
-    case Outline::chamfered: break;
+    case Outline::chamfered:
+        break;
     }
     const double c2 = c * c;
     const double s2 = s * s;
@@ -43,10 +45,14 @@ CirclePoint outline_point(Outline outline, std::uint32_t step, std::uint32_t cou
 Vec3 place(const ShipPart& part, double along, double across, double lift) noexcept
 {
     switch (part.direction) {
-    case Direction::forward: return part.origin + Vec3(along, across, lift);
-    case Direction::to_port: return part.origin + Vec3(across, along, lift);
-    case Direction::to_starboard: return part.origin + Vec3(across, 0.0 - along, lift);
-    case Direction::up: break;
+    case Direction::forward:
+        return part.origin + Vec3(along, across, lift);
+    case Direction::to_port:
+        return part.origin + Vec3(across, along, lift);
+    case Direction::to_starboard:
+        return part.origin + Vec3(across, 0.0 - along, lift);
+    case Direction::up:
+        break;
     }
     return part.origin + Vec3(across, lift, along);
 }
@@ -113,10 +119,10 @@ private:
             for (double& detail : details) detail = part_.detail * cell_detail();
             for (std::uint32_t ring = interval * level_; ring < (interval + 1) * level_; ++ring) {
                 for (std::uint32_t segment = 0; segment < segments_; ++segment) {
-                    surface_.quads.push_back({{vertex(ring, segment), vertex(ring, segment + 1),
-                                               vertex(ring + 1, segment + 1),
-                                               vertex(ring + 1, segment)},
-                                              details[segment / level_]});
+                    surface_.quads.push_back(
+                        {{vertex(ring, segment), vertex(ring, segment + 1),
+                          vertex(ring + 1, segment + 1), vertex(ring + 1, segment)},
+                         details[segment / level_]});
                     if (is_mirrored()) std::swap(last_corners()[1], last_corners()[3]);
                 }
             }
@@ -198,10 +204,10 @@ Result<TriangleMesh> make_spaceship(std::size_t triangles)
                     concat("spaceship:", triangles));
     }
     if (triangles > max_sample_triangles) {
-        return fail(ErrorCode::limit_exceeded,
-                    concat("the ship has at most ", max_sample_triangles, " triangles, not ",
-                           triangles),
-                    concat("spaceship:", triangles));
+        return fail(
+            ErrorCode::limit_exceeded,
+            concat("the ship has at most ", max_sample_triangles, " triangles, not ", triangles),
+            concat("spaceship:", triangles));
     }
     const std::vector<ShipPart> parts = detail::ship_parts();
     const auto smooth = static_cast<std::size_t>(smooth_share * static_cast<double>(triangles));

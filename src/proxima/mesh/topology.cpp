@@ -86,9 +86,9 @@ private:
     void search_short() noexcept
     {
         for (const Found& each : found_) {
-            const auto first =
-                std::find_if(found_.begin(), found_.end(),
-                             [&](const Found& other) { return other.high == each.high; });
+            const auto first = std::find_if(found_.begin(), found_.end(), [&](const Found& other) {
+                return other.high == each.high;
+            });
             first_sides_[each.side] = first->side;
         }
     }
@@ -148,19 +148,18 @@ public:
     void match_sides()
     {
         first_sides_.resize(3 * mesh_.triangle_count());
-        parallel_for(task_count(mesh_.vertex_count(), vertices_per_task), options_.threads,
-                     [&](std::size_t task) {
-                         if (is_cancelled(options_.progress)) return;
-                         SideMatcher matcher(first_sides_);
-                         const std::size_t begin = task * vertices_per_task;
-                         const std::size_t end =
-                             std::min(begin + vertices_per_task, mesh_.vertex_count());
-                         for (std::size_t vertex = begin; vertex < end; ++vertex) {
-                             const auto id = static_cast<std::uint32_t>(vertex);
-                             matcher.match(id, topology_.triangles(VertexId{id}),
-                                           mesh_.triangles());
-                         }
-                     });
+        parallel_for(
+            task_count(mesh_.vertex_count(), vertices_per_task), options_.threads,
+            [&](std::size_t task) {
+                if (is_cancelled(options_.progress)) return;
+                SideMatcher matcher(first_sides_);
+                const std::size_t begin = task * vertices_per_task;
+                const std::size_t end = std::min(begin + vertices_per_task, mesh_.vertex_count());
+                for (std::size_t vertex = begin; vertex < end; ++vertex) {
+                    const auto id = static_cast<std::uint32_t>(vertex);
+                    matcher.match(id, topology_.triangles(VertexId{id}), mesh_.triangles());
+                }
+            });
         advance();
     }
 
@@ -240,8 +239,7 @@ private:
     [[nodiscard]] Status check_bytes(std::size_t edges) const
     {
         const std::uint64_t per_vertex = 2 * sizeof(std::uint32_t);
-        const std::uint64_t per_side =
-            sizeof(Side) + 2 * sizeof(TriangleId) + sizeof(EdgeId);
+        const std::uint64_t per_side = sizeof(Side) + 2 * sizeof(TriangleId) + sizeof(EdgeId);
         const std::uint64_t per_edge =
             sizeof(EdgeVertices) + sizeof(std::uint32_t) + 2 * sizeof(EdgeId);
         return check_budget(options_.budget,
@@ -298,7 +296,9 @@ std::uint64_t Topology::bytes() const noexcept
 
 Result<Topology> build_topology(const TriangleMesh& mesh, const TopologyOptions& options)
 {
-    const auto cancelled = [] { return fail(ErrorCode::cancelled, "topology: stopped on request"); };
+    const auto cancelled = [] {
+        return fail(ErrorCode::cancelled, "topology: stopped on request");
+    };
     TopologyBuilder builder(mesh, options);
     if (const Status fits = builder.check_limits(); !fits) return tl::unexpected(fits.error());
     if (options.progress != nullptr) options.progress->begin_stage("topology", stage_count);

@@ -41,8 +41,7 @@ inline constexpr TriangleId no_triangle{std::numeric_limits<std::uint32_t>::max(
 using EdgeVertices = std::array<VertexId, 2>;
 
 /// Past this, references no longer fit 32 bits.
-inline constexpr std::size_t max_topology_triangles =
-    std::numeric_limits<std::uint32_t>::max() / 6;
+inline constexpr std::size_t max_topology_triangles = std::numeric_limits<std::uint32_t>::max() / 6;
 
 struct TopologyOptions {
     Threads threads = {};

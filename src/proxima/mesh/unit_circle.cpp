@@ -56,14 +56,22 @@ CirclePoint unit_circle(std::uint32_t step, std::uint32_t count) noexcept
     // Every odd octant is the mirror image of the one before it.
     const auto [c, s] = first_octant(octant % 2 == 0 ? rest : count - rest, count);
     switch (octant) {
-    case 0: return {c, s};
-    case 1: return {s, c};
-    case 2: return {0.0 - s, c};
-    case 3: return {0.0 - c, s};
-    case 4: return {0.0 - c, 0.0 - s};
-    case 5: return {0.0 - s, 0.0 - c};
-    case 6: return {s, 0.0 - c};
-    default: return {c, 0.0 - s};
+    case 0:
+        return {c, s};
+    case 1:
+        return {s, c};
+    case 2:
+        return {0.0 - s, c};
+    case 3:
+        return {0.0 - c, s};
+    case 4:
+        return {0.0 - c, 0.0 - s};
+    case 5:
+        return {0.0 - s, 0.0 - c};
+    case 6:
+        return {s, 0.0 - c};
+    default:
+        return {c, 0.0 - s};
     }
 }
 

@@ -1,0 +1,34 @@
+#include "proxima/mesh/disjoint_sets.h"
+
+#include "mesh/random_soups.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace proxima {
+namespace {
+
+TEST(DisjointSets, TheRootIsTheLowestOfWhatWasUnited)
+{
+    for (std::uint32_t seed = 0; seed < 200; ++seed) {
+        std::mt19937 random(seed);
+        const std::uint32_t count = 1 + below(random, 20);
+        DisjointSets sets(count);
+        std::vector<std::uint32_t> labels(count);
+        std::iota(labels.begin(), labels.end(), 0U);
+        for (std::uint32_t step = below(random, 20); step > 0; --step) {
+            const std::uint32_t a = below(random, count);
+            const std::uint32_t b = below(random, count);
+            sets.unite(a, b);
+            const auto [low, high] = std::minmax(labels[a], labels[b]);
+            std::replace(labels.begin(), labels.end(), std::uint32_t{high}, std::uint32_t{low});
+        }
+        for (std::uint32_t item = 0; item < count; ++item) {
+            EXPECT_EQ(sets.root(item), labels[item]) << "seed " << seed;
+        }
+    }
+}
+
+} // namespace
+} // namespace proxima

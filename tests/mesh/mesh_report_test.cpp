@@ -1,0 +1,476 @@
+#include "proxima/mesh/mesh_report.h"
+
+#include "proxima/mesh/sample_meshes.h"
+#include "proxima/mesh/topology.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace proxima {
+namespace {
+
+constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
+
+// A mesh in the making: the cube or the sum of several, to be broken on purpose.
+struct Draft {
+    std::vector<Vec3> positions;
+    std::vector<TriangleCorners> triangles;
+
+    Draft& add(const TriangleMesh& mesh, const Vec3& shift = Vec3::Zero(), double scale = 1.0)
+    {
+        const auto first = static_cast<std::uint32_t>(positions.size());
+        for (const Vec3& position : mesh.positions()) positions.push_back(shift + scale * position);
+        for (const auto& [a, b, c] : mesh.triangles()) {
+            triangles.push_back({first + a, first + b, first + c});
+        }
+        return *this;
+    }
+    [[nodiscard]] TriangleMesh mesh() const { return *make_triangle_mesh(positions, triangles); }
+};
+
+Draft cube_draft()
+{
+    return Draft().add(make_cube());
+}
+
+MeshReport report(const TriangleMesh& mesh)
+{
+    return *report_mesh(mesh);
+}
+MeshReport report(const Draft& draft)
+{
+    return report(draft.mesh());
+}
+
+std::vector<FindingKind> kinds(const MeshReport& report)
+{
+    std::vector<FindingKind> all;
+    for (const MeshFinding& finding : report.findings) all.push_back(finding.kind);
+    return all;
+}
+
+using Kinds = std::vector<FindingKind>;
+using Ids = std::vector<std::uint32_t>;
+
+Outlook outlook(const MeshReport& report, QueryKind query)
+{
+    return report.outlook.at(static_cast<std::size_t>(query)).outlook;
+}
+
+TEST(MeshReport, FindsNothingWrongWithTheSamples)
+{
+    for (const char* name :
+         {"cube", "octahedron", "sphere:20x30", "icosphere:3", "torus:12x9", "spaceship:33000"}) {
+        SCOPED_TRACE(name);
+        const auto mesh = sample_mesh(name);
+        const MeshReport found = report(*mesh);
+        EXPECT_EQ(kinds(found), Kinds{});
+        EXPECT_TRUE(found.closed);
+        EXPECT_TRUE(found.consistently_oriented);
+        EXPECT_EQ(found.orientation, Orientation::outward);
+        EXPECT_EQ(found.vertices, mesh->vertex_count());
+        EXPECT_EQ(found.triangles, mesh->triangle_count());
+        EXPECT_EQ(found.edges, mesh->triangle_count() * 3 / 2);
+        EXPECT_EQ(found.boundary_loops, 0U);
+        EXPECT_FALSE(found.closed_if_welded);
+        ASSERT_EQ(found.outlook.size(), 6U);
+        for (std::size_t query = 0; query < 6; ++query) {
+            EXPECT_EQ(found.outlook[query].query, static_cast<QueryKind>(query));
+            EXPECT_EQ(found.outlook[query].outlook, Outlook::works);
+            EXPECT_FALSE(found.outlook[query].reason.empty());
+        }
+    }
+}
+
+TEST(MeshReport, MeasuresTheSamples)
+{
+    const MeshReport cube = report(make_cube());
+    EXPECT_EQ(cube.components, 1U);
+    EXPECT_EQ(cube.bounds.lower, Vec3(-1, -1, -1));
+    EXPECT_EQ(cube.bounds.upper, Vec3(1, 1, 1));
+    EXPECT_DOUBLE_EQ(cube.area, 24.0);
+    EXPECT_DOUBLE_EQ(cube.signed_volume.value(), 8.0);
+    EXPECT_DOUBLE_EQ(cube.min_edge_length, 2.0);
+    EXPECT_DOUBLE_EQ(cube.max_edge_length, std::sqrt(8.0));
+    EXPECT_EQ(cube.euler_characteristic, 2);
+    EXPECT_EQ(cube.genus, 0);
+
+    const MeshReport torus = report(make_torus(12, 9));
+    EXPECT_EQ(torus.euler_characteristic, 0);
+    EXPECT_EQ(torus.genus, 1);
+
+    const MeshReport both = report(Draft().add(make_cube()).add(make_torus(5, 5), Vec3(9, 0, 0)));
+    EXPECT_EQ(both.components, 2U);
+    EXPECT_EQ(both.euler_characteristic, 2);
+    EXPECT_EQ(both.genus, 1);
+
+    const MeshReport ship = report(*make_spaceship(2000));
+    EXPECT_EQ(ship.components, 17U);
+    EXPECT_EQ(ship.genus, 0);
+}
+
+TEST(MeshReport, AnEmptyMesh)
+{
+    const MeshReport found = report(TriangleMesh());
+    EXPECT_EQ(kinds(found), Kinds{FindingKind::no_triangles});
+    EXPECT_EQ(found.findings[0].severity, Severity::error);
+    EXPECT_TRUE(found.bounds.empty());
+    EXPECT_FALSE(found.closed);
+    EXPECT_EQ(found.orientation, Orientation::undefined);
+    EXPECT_EQ(found.min_edge_length, 0.0);
+    for (const QueryOutlook& query : found.outlook) EXPECT_EQ(query.outlook, Outlook::refused);
+
+    Draft points;
+    points.positions = {Vec3(1, 2, 3)};
+    EXPECT_EQ(kinds(report(points)),
+              (Kinds{FindingKind::no_triangles, FindingKind::unreferenced_vertices}));
+}
+
+TEST(MeshReport, NonFinitePositions)
+{
+    for (const double bad : {nan_value, std::numeric_limits<double>::infinity(),
+                             -std::numeric_limits<double>::infinity()}) {
+        Draft draft = cube_draft();
+        draft.positions[3].y() = bad;
+        draft.positions[5].z() = bad;
+        const MeshReport found = report(draft);
+        EXPECT_EQ(kinds(found), Kinds{FindingKind::non_finite_positions});
+        EXPECT_EQ(found.findings[0].count, 2U);
+        EXPECT_EQ(found.findings[0].first_ids, (Ids{3, 5}));
+        EXPECT_EQ(found.findings[0].severity, Severity::error);
+        EXPECT_EQ(found.findings[0].element, ElementKind::vertex);
+        EXPECT_TRUE(found.closed);
+        EXPECT_FALSE(found.signed_volume);
+        EXPECT_EQ(found.orientation, Orientation::undefined);
+        EXPECT_TRUE(std::isfinite(found.area));
+        EXPECT_TRUE(std::isfinite(found.max_edge_length));
+        EXPECT_TRUE(found.bounds.lower.allFinite() && found.bounds.upper.allFinite());
+        EXPECT_EQ(outlook(found, QueryKind::octree), Outlook::refused);
+    }
+    Draft unused = cube_draft();
+    unused.positions.emplace_back(nan_value, 0, 0);
+    const MeshReport found = report(unused);
+    EXPECT_EQ(kinds(found),
+              (Kinds{FindingKind::non_finite_positions, FindingKind::unreferenced_vertices}));
+    EXPECT_EQ(found.findings[0].severity, Severity::note);
+    EXPECT_EQ(outlook(found, QueryKind::octree), Outlook::works);
+}
+
+TEST(MeshReport, ExtremeScale)
+{
+    for (const double scale : {1e-120, 1e120, 1e-308, 1e307}) {
+        const MeshReport found = report(Draft().add(make_cube(), Vec3::Zero(), scale));
+        EXPECT_EQ(kinds(found), Kinds{FindingKind::extreme_scale}) << scale;
+        EXPECT_EQ(outlook(found, QueryKind::octree), Outlook::with_care);
+        EXPECT_TRUE(found.closed);
+        EXPECT_EQ(found.orientation, Orientation::outward);
+    }
+    for (const double scale : {1e-30, 1e30, 1e-99, 1e99}) {
+        EXPECT_EQ(kinds(report(Draft().add(make_cube(), Vec3::Zero(), scale))), Kinds{}) << scale;
+    }
+}
+
+TEST(MeshReport, FarFromTheOrigin)
+{
+    const MeshReport found = report(Draft().add(make_cube(), Vec3(0, 1e9, 0)));
+    EXPECT_EQ(kinds(found), Kinds{FindingKind::far_from_origin});
+    EXPECT_NE(found.findings[0].meaning.find("about 7 of double's 16 digits"), std::string::npos)
+        << found.findings[0].meaning;
+    EXPECT_EQ(found.orientation, Orientation::outward);
+    EXPECT_DOUBLE_EQ(found.signed_volume.value(), 8.0);
+    EXPECT_EQ(kinds(report(Draft().add(make_cube(), Vec3(0, 1.9e6, 0)))), Kinds{});
+    EXPECT_EQ(kinds(report(Draft().add(make_cube(), Vec3(0, -2e6, 0)))),
+              Kinds{FindingKind::far_from_origin});
+}
+
+TEST(MeshReport, UnreferencedVertices)
+{
+    Draft draft = cube_draft();
+    draft.positions.emplace_back(50, 0, 0);
+    const MeshReport found = report(draft);
+    EXPECT_EQ(kinds(found), Kinds{FindingKind::unreferenced_vertices});
+    EXPECT_EQ(found.findings[0].first_ids, Ids{8});
+    EXPECT_EQ(found.findings[0].first_places.at(0), Vec3(50, 0, 0));
+    EXPECT_EQ(found.findings[0].severity, Severity::note);
+    EXPECT_EQ(found.bounds.upper, Vec3(1, 1, 1));
+    EXPECT_EQ(found.euler_characteristic, 2);
+}
+
+TEST(MeshReport, DuplicateVerticesAndTheSeamsTheyMake)
+{
+    Draft draft = cube_draft();
+    // The last triangle (1, 7, 5) with copies of its corners, one of them with a negative zero.
+    draft.positions.insert(draft.positions.end(),
+                           {draft.positions[1], draft.positions[7], draft.positions[5]});
+    draft.triangles.back() = {8, 9, 10};
+    const MeshReport found = report(draft);
+    EXPECT_EQ(kinds(found), (Kinds{FindingKind::duplicate_vertices, FindingKind::boundary_edges}));
+    EXPECT_EQ(found.findings[0].first_ids, (Ids{8, 9, 10}));
+    EXPECT_EQ(found.find(FindingKind::boundary_edges)->count, 6U);
+    EXPECT_EQ(found.boundary_loops, 2U);
+    EXPECT_EQ(found.components, 2U);
+    EXPECT_FALSE(found.closed);
+    EXPECT_EQ(found.closed_if_welded, true);
+    EXPECT_EQ(outlook(found, QueryKind::closest_feature), Outlook::with_care);
+
+    draft.triangles.pop_back();
+    EXPECT_EQ(report(draft).closed_if_welded, false);
+}
+
+TEST(MeshReport, NegativeZeroIsZero)
+{
+    Draft draft;
+    draft.positions = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(-0.0, 0, -0.0)};
+    draft.triangles = {{0, 1, 2}, {3, 2, 1}};
+    const MeshReport found = report(draft);
+    ASSERT_NE(found.find(FindingKind::duplicate_vertices), nullptr);
+    ASSERT_NE(found.find(FindingKind::coincident_triangles), nullptr);
+    EXPECT_EQ(found.closed_if_welded, true);
+}
+
+TEST(MeshReport, DegenerateTriangles)
+{
+    Draft draft = cube_draft();
+    draft.triangles.push_back({0, 3, 0}); // on an edge of the cube
+    draft.triangles.push_back({2, 2, 2});
+    draft.triangles.push_back({0, 7, 7}); // an edge of its own, through the middle
+    const MeshReport found = report(draft);
+    EXPECT_EQ(kinds(found), Kinds{FindingKind::degenerate_triangles});
+    EXPECT_EQ(found.findings[0].first_ids, (Ids{12, 13, 14}));
+    EXPECT_EQ(found.edges, 19U);
+    EXPECT_TRUE(found.closed);
+    EXPECT_EQ(found.components, 1U);
+    EXPECT_EQ(found.genus, 0);
+    EXPECT_EQ(outlook(found, QueryKind::rays), Outlook::with_care);
+
+    Draft nothing_else;
+    nothing_else.positions = {Vec3(0, 0, 0), Vec3(1, 0, 0)};
+    nothing_else.triangles = {{0, 1, 1}};
+    const MeshReport flat = report(nothing_else);
+    EXPECT_FALSE(flat.closed);
+    EXPECT_EQ(flat.components, 0U);
+}
+
+TEST(MeshReport, ZeroAreaTrianglesAreDecidedExactly)
+{
+    // A third corner exactly on the line, and one unit in the last place beside it.
+    const double step = std::nextafter(0.3, 1.0);
+    Draft draft;
+    draft.positions = {Vec3(0, 0, 0), Vec3(1, 1, 1), Vec3(0.3, 0.3, 0.3), Vec3(0.3, 0.3, step)};
+    draft.triangles = {{0, 1, 2}, {0, 1, 3}};
+    const MeshReport found = report(draft);
+    const MeshFinding* finding = found.find(FindingKind::zero_area_triangles);
+    ASSERT_NE(finding, nullptr);
+    EXPECT_EQ(finding->first_ids, Ids{0});
+    EXPECT_EQ(found.find(FindingKind::degenerate_triangles), nullptr);
+}
+
+TEST(MeshReport, DuplicateAndCoincidentTriangles)
+{
+    Draft duplicate = cube_draft();
+    duplicate.triangles.push_back({3, 0, 2}); // (0, 2, 3) again, turned on
+    duplicate.triangles.push_back({2, 0, 3}); // and the other way round
+    const MeshReport found = report(duplicate);
+    EXPECT_EQ(found.find(FindingKind::duplicate_triangles)->first_ids, (Ids{12, 13}));
+    EXPECT_EQ(found.find(FindingKind::coincident_triangles), nullptr);
+    EXPECT_EQ(found.find(FindingKind::non_manifold_edges)->count, 3U);
+
+    const MeshReport twice = report(Draft().add(make_cube()).add(make_cube()));
+    EXPECT_EQ(kinds(twice),
+              (Kinds{FindingKind::duplicate_vertices, FindingKind::coincident_triangles}));
+    EXPECT_EQ(twice.find(FindingKind::coincident_triangles)->count, 12U);
+    EXPECT_EQ(twice.find(FindingKind::coincident_triangles)->first_ids, (Ids{12, 13, 14, 15, 16}));
+    EXPECT_EQ(outlook(twice, QueryKind::sign), Outlook::with_care);
+}
+
+TEST(MeshReport, BoundaryEdgesAndLoops)
+{
+    Draft draft = cube_draft();
+    draft.triangles.erase(draft.triangles.begin() + 2, draft.triangles.begin() + 4); // z = 1
+    draft.triangles.erase(draft.triangles.begin()); // half of z = -1
+    const MeshReport found = report(draft);
+    EXPECT_EQ(kinds(found), Kinds{FindingKind::boundary_edges});
+    EXPECT_EQ(found.findings[0].count, 7U);
+    EXPECT_EQ(found.findings[0].element, ElementKind::edge);
+    EXPECT_EQ(found.boundary_loops, 2U);
+    EXPECT_FALSE(found.closed);
+    EXPECT_TRUE(found.consistently_oriented);
+    EXPECT_FALSE(found.genus);
+    EXPECT_FALSE(found.signed_volume);
+    EXPECT_EQ(outlook(found, QueryKind::sign), Outlook::with_care);
+    EXPECT_EQ(outlook(found, QueryKind::cell_classes), Outlook::with_care);
+    EXPECT_EQ(outlook(found, QueryKind::intersection), Outlook::with_care);
+    EXPECT_EQ(outlook(found, QueryKind::octree), Outlook::works);
+
+    const auto topology = build_topology(draft.mesh());
+    const EdgeId edge{found.findings[0].first_ids.at(0)};
+    EXPECT_EQ(topology->triangles(edge).size(), 1U);
+    const auto [low, high] = topology->vertices(edge);
+    EXPECT_EQ(found.findings[0].first_places.at(0),
+              0.5 * (draft.positions[index(low)] + draft.positions[index(high)]));
+}
+
+TEST(MeshReport, NonManifoldEdges)
+{
+    // Two cubes that share the edge from (1, 1, -1) to (1, 1, 1): vertices 3 and 7 of the first.
+    Draft draft = cube_draft();
+    draft.add(make_cube(), Vec3(2, 2, 0));
+    for (TriangleCorners& corners : draft.triangles) {
+        for (std::uint32_t& corner : corners) {
+            if (corner == 8) corner = 3;
+            if (corner == 12) corner = 7;
+        }
+    }
+    const MeshReport found = report(draft);
+    EXPECT_EQ(kinds(found),
+              (Kinds{FindingKind::unreferenced_vertices, FindingKind::duplicate_vertices,
+                     FindingKind::non_manifold_edges}));
+    EXPECT_EQ(found.find(FindingKind::non_manifold_edges)->count, 1U);
+    EXPECT_EQ(found.components, 1U);
+    EXPECT_TRUE(found.closed);
+    EXPECT_TRUE(found.consistently_oriented);
+    EXPECT_EQ(found.orientation, Orientation::outward);
+    EXPECT_FALSE(found.genus);
+    EXPECT_EQ(outlook(found, QueryKind::sign), Outlook::with_care);
+    EXPECT_EQ(outlook(found, QueryKind::cell_classes), Outlook::works);
+
+    Draft flap = cube_draft(); // a third triangle on an edge: neither closed nor without border
+    flap.positions.emplace_back(5, 0, 0);
+    flap.triangles.push_back({1, 3, 8});
+    EXPECT_EQ(kinds(report(flap)),
+              (Kinds{FindingKind::boundary_edges, FindingKind::non_manifold_edges}));
+}
+
+TEST(MeshReport, NonManifoldVertices)
+{
+    Draft draft = cube_draft();
+    draft.add(make_cube(), Vec3(2, 2, 2));
+    draft.positions[8] = Vec3(-9, 0, 0); // no longer used: its triangles take vertex 7 instead
+    for (TriangleCorners& corners : draft.triangles) {
+        for (std::uint32_t& corner : corners) corner = corner == 8 ? 7 : corner;
+    }
+    const MeshReport found = report(draft);
+    EXPECT_EQ(kinds(found),
+              (Kinds{FindingKind::unreferenced_vertices, FindingKind::non_manifold_vertices}));
+    EXPECT_EQ(found.find(FindingKind::non_manifold_vertices)->first_ids, Ids{7});
+    EXPECT_EQ(found.components, 2U);
+    EXPECT_TRUE(found.closed);
+    EXPECT_FALSE(found.genus);
+    EXPECT_EQ(outlook(found, QueryKind::sign), Outlook::with_care);
+}
+
+TEST(MeshReport, InconsistentEdges)
+{
+    Draft draft = cube_draft();
+    std::swap(draft.triangles[4][0], draft.triangles[4][1]);
+    const MeshReport found = report(draft);
+    EXPECT_EQ(kinds(found), Kinds{FindingKind::inconsistent_edges});
+    EXPECT_EQ(found.findings[0].count, 3U);
+    EXPECT_TRUE(found.closed);
+    EXPECT_FALSE(found.consistently_oriented);
+    EXPECT_EQ(found.orientation, Orientation::undefined);
+    EXPECT_FALSE(found.signed_volume);
+    EXPECT_EQ(outlook(found, QueryKind::sign), Outlook::with_care);
+}
+
+TEST(MeshReport, InwardComponents)
+{
+    Draft draft = cube_draft();
+    for (TriangleCorners& corners : draft.triangles) std::swap(corners[1], corners[2]);
+    const MeshReport turned = report(draft);
+    EXPECT_EQ(kinds(turned), Kinds{FindingKind::inward_components});
+    EXPECT_EQ(turned.findings[0].severity, Severity::warning);
+    EXPECT_EQ(turned.findings[0].element, ElementKind::component);
+    EXPECT_EQ(turned.orientation, Orientation::inward);
+    EXPECT_DOUBLE_EQ(turned.signed_volume.value(), -8.0);
+    EXPECT_EQ(outlook(turned, QueryKind::sign), Outlook::with_care);
+
+    // The same as the cavity of a larger cube: fine.
+    Draft hollow = Draft().add(make_cube(), Vec3::Zero(), 3.0).add(draft.mesh());
+    const MeshReport cavity = report(hollow);
+    EXPECT_EQ(kinds(cavity), Kinds{FindingKind::inward_components});
+    EXPECT_EQ(cavity.findings[0].severity, Severity::note);
+    EXPECT_EQ(cavity.findings[0].first_ids, Ids{12});
+    EXPECT_EQ(cavity.orientation, Orientation::mixed);
+    EXPECT_DOUBLE_EQ(cavity.signed_volume.value(), 208.0);
+    EXPECT_EQ(outlook(cavity, QueryKind::sign), Outlook::works);
+
+    // Found beside an open component as well.
+    Draft beside = Draft().add(make_cube(), Vec3(9, 0, 0), 3.0).add(draft.mesh());
+    beside.triangles.erase(beside.triangles.begin());
+    EXPECT_EQ(kinds(report(beside)),
+              (Kinds{FindingKind::boundary_edges, FindingKind::inward_components}));
+}
+
+TEST(MeshReport, AClosedSheetHasNoOrientation)
+{
+    Draft draft;
+    draft.positions = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)};
+    draft.triangles = {{0, 1, 2}, {0, 2, 1}};
+    const MeshReport found = report(draft);
+    EXPECT_TRUE(found.closed);
+    EXPECT_EQ(found.orientation, Orientation::undefined);
+    EXPECT_EQ(kinds(found), Kinds{FindingKind::duplicate_triangles});
+}
+
+TEST(MeshReport, NamesAsManyElementsAsAskedFor)
+{
+    Draft draft = cube_draft();
+    for (int k = 0; k < 9; ++k) draft.positions.emplace_back(k, 5, 5);
+    const auto two = report_mesh(draft.mesh(), {.max_ids = 2});
+    EXPECT_EQ(two->findings[0].count, 9U);
+    EXPECT_EQ(two->findings[0].first_ids, (Ids{8, 9}));
+    EXPECT_EQ(two->findings[0].first_places.size(), 2U);
+    const auto none = report_mesh(draft.mesh(), {.max_ids = 0});
+    EXPECT_EQ(none->findings[0].count, 9U);
+    EXPECT_TRUE(none->findings[0].first_ids.empty());
+}
+
+TEST(MeshReport, EveryFindingHasAMeaningAndEveryNameIsItsOwn)
+{
+    std::vector<std::string_view> names;
+    for (int kind = 0; kind <= static_cast<int>(FindingKind::inward_components); ++kind) {
+        names.push_back(name_of(static_cast<FindingKind>(kind)));
+    }
+    std::sort(names.begin(), names.end());
+    EXPECT_EQ(std::adjacent_find(names.begin(), names.end()), names.end());
+    EXPECT_EQ(name_of(FindingKind::boundary_edges), "boundary_edges");
+    EXPECT_EQ(name_of(FindingKind::inward_components), "inward_components");
+    EXPECT_EQ(name_of(Severity::error), "error");
+    EXPECT_EQ(name_of(ElementKind::component), "component");
+    EXPECT_EQ(name_of(QueryKind::intersection), "intersection");
+    EXPECT_EQ(name_of(Outlook::with_care), "with_care");
+    EXPECT_EQ(name_of(Orientation::mixed), "mixed");
+
+    Draft draft = cube_draft(); // one of nearly every kind
+    draft.positions.emplace_back(nan_value, 0, 0);
+    draft.positions.emplace_back(-1, -1, -1);
+    draft.positions.emplace_back(0, -1, -1);
+    draft.triangles.insert(draft.triangles.end(),
+                           {{0, 0, 1}, {0, 1, 10}, {0, 2, 3}, {9, 2, 3}, {3, 5, 8}});
+    const MeshReport found = report(draft);
+    EXPECT_GE(found.findings.size(), 7U);
+    for (const MeshFinding& finding : found.findings) {
+        EXPECT_FALSE(finding.meaning.empty()) << name_of(finding.kind);
+        EXPECT_GT(finding.count, 0U);
+    }
+}
+
+TEST(MeshReport, StopsOnRequestAndKeepsToItsBudget)
+{
+    Progress progress;
+    progress.cancel();
+    EXPECT_EQ(report_mesh(make_cube(), {.progress = &progress}).error().code, ErrorCode::cancelled);
+    const TriangleMesh cube = make_cube();
+    const auto topology = build_topology(cube);
+    EXPECT_EQ(report_mesh(cube, *topology, {.progress = &progress}).error().code,
+              ErrorCode::cancelled);
+    EXPECT_EQ(report_mesh(cube, *topology, {.budget = {topology->bytes()}}).error().code,
+              ErrorCode::budget_exceeded);
+    EXPECT_EQ(report_mesh(cube, {.budget = {10}}).error().code, ErrorCode::budget_exceeded);
+}
+
+} // namespace
+} // namespace proxima
