@@ -36,7 +36,8 @@ Box bounding_box(const TriangleMesh& mesh) noexcept
 {
     Box box;
     for (const TriangleCorners& corners : mesh.triangles()) {
-        for (const std::uint32_t corner : corners) box.extend(mesh.positions()[corner]);
+        for (const std::uint32_t corner : corners)
+            box.extend(mesh.positions()[corner]);
     }
     return box;
 }
@@ -44,7 +45,8 @@ Box bounding_box(const TriangleMesh& mesh) noexcept
 Status check_positions(const TriangleMesh& mesh)
 {
     if (mesh.triangle_count() == 0) {
-        return fail(ErrorCode::invalid_mesh, "the mesh has no triangles: there is nothing to build");
+        return fail(ErrorCode::invalid_mesh,
+                    "the mesh has no triangles: there is nothing to build");
     }
     for (std::size_t triangle = 0; triangle < mesh.triangle_count(); ++triangle) {
         for (const std::uint32_t corner : mesh.triangles()[triangle]) {
