@@ -1,6 +1,6 @@
 #include "proxima/mesh/surface_parts.h"
 
-#include "proxima/mesh/disjoint_sets.h"
+#include "proxima/base/disjoint_sets.h"
 
 #include <algorithm>
 #include <cmath>
@@ -75,7 +75,7 @@ std::uint64_t boundary_loops(const TriangleMesh& mesh, const Topology& topology)
     }
     std::uint64_t count = 0;
     for (std::uint32_t vertex = 0; vertex < vertices; ++vertex) {
-        if (on_boundary[vertex] && loops.root(vertex) == vertex) ++count;
+        if (on_boundary[vertex] && loops.find(vertex) == vertex) ++count;
     }
     return count;
 }
@@ -99,7 +99,7 @@ std::vector<std::uint8_t> fan_counts(const TriangleMesh& mesh, const Topology& t
         if (!is_proper(corners)) continue;
         for (std::uint32_t k = 0; k < 3; ++k) {
             std::uint8_t& count = counts[corners[k]];
-            if (fans.root(3 * id + k) == 3 * id + k && count < 2) ++count;
+            if (fans.find(3 * id + k) == 3 * id + k && count < 2) ++count;
         }
     }
     return counts;
@@ -120,7 +120,7 @@ std::vector<SurfaceComponent> surface_components(const TriangleMesh& mesh, const
     const double scale = extent > 0.0 ? 1.0 / extent : 1.0;
     for (std::uint32_t id = 0; id < count; ++id) {
         if (!is_proper(mesh.triangles()[id])) continue;
-        const std::uint32_t root = sets.root(id); // the lowest id: its number is known
+        const std::uint32_t root = sets.find(id); // the lowest id: its number is known
         if (root == id) {
             number[id] = static_cast<std::uint32_t>(components.size());
             components.push_back({.first_triangle = id});

@@ -60,7 +60,8 @@ Box bounding_box(const TriangleMesh& mesh)
 Result<Box> checked_bounding_box(const TriangleMesh& mesh)
 {
     if (mesh.triangle_count() == 0) {
-        return fail(ErrorCode::invalid_mesh, "the mesh has no triangles: there is nothing to build");
+        return fail(ErrorCode::invalid_mesh,
+                    "the mesh has no triangles: there is nothing to build");
     }
     const auto is_used = find_used_vertices(mesh);
     Box box;

@@ -1,7 +1,8 @@
 // The immutable triangle mesh that everything is built from.
 //
 //     positions  v0 v1 v2 ...            double, the order of the file
-//     triangles  (0,1,2) (2,1,3) ...     indices into positions, counter-clockwise seen from outside
+//     triangles  (0,1,2) (2,1,3) ...     indices into positions, counter-clockwise seen from
+//     outside
 #pragma once
 
 #include "proxima/base/result.h"

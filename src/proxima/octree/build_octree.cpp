@@ -2,7 +2,12 @@
 
 #include "proxima/base/text.h"
 #include "proxima/octree/build_fast.h"
-#include "proxima/octree/statistics.h"
+#include "proxima/octree/build_with_test.h"
+#include "proxima/octree/classify_cells.h"
+#include "proxima/octree/overlap_index_tracking.h"
+#include "proxima/octree/overlap_minkowski.h"
+#include "proxima/octree/overlap_pairwise.h"
+#include "proxima/octree/overlap_separating_axis.h"
 
 #include <algorithm>
 #include <cmath>
@@ -91,6 +96,23 @@ Status fill_uniformly(int max_depth, const GrowLimits& limits, OctreeOutput& out
     return {};
 }
 
+Result<OctreeOutput> build_by_method(const TriangleMesh& mesh, const OctreeFrame& frame,
+                                     const OctreeOptions& options, GrowLimits& limits)
+{
+    switch (options.method) {
+    case OverlapMethod::fast: return build_fast(mesh, frame, options, limits);
+    case OverlapMethod::index_tracking:
+        return build_with_test<IndexTrackingTest>(mesh, frame, options, limits);
+    case OverlapMethod::minkowski:
+        return build_with_test<MinkowskiTest>(mesh, frame, options, limits);
+    case OverlapMethod::separating_axis:
+        return build_with_test<SeparatingAxisTest>(mesh, frame, options, limits);
+    case OverlapMethod::pairwise:
+        return build_with_test<PairwiseTest>(mesh, frame, options, limits);
+    }
+    return fail(ErrorCode::invalid_argument, "no such overlap method");
+}
+
 Result<OctreeOutput> build_arrays(const TriangleMesh& mesh, const OctreeFrame& frame,
                                   const OctreeOptions& options)
 {
@@ -109,7 +131,7 @@ Result<OctreeOutput> build_arrays(const TriangleMesh& mesh, const OctreeFrame& f
     }
     OctreeOptions used = options;
     used.threshold = limits.threshold;
-    auto output = build_fast(mesh, frame, used, limits);
+    auto output = build_by_method(mesh, frame, used, limits);
     if (!output) return output;
     if (uniform) {
         if (auto status = fill_uniformly(options.max_depth, limits, *output); !status) {
@@ -133,8 +155,13 @@ Result<Octree> build_unguarded(const TriangleMesh& mesh, const OctreeOptions& op
                                       .method = options.method,
                                       .subdivision = options.subdivision,
                                       .exact = options.exactness == Exactness::exact};
-    return Octree::adopt(frame, parameters, mesh.triangle_count(), storage->nodes.span(),
-                         storage->references.span(), storage);
+    Octree octree = Octree::adopt(frame, parameters, mesh.triangle_count(), storage->nodes.span(),
+                                  storage->references.span(), storage);
+    if (options.classification == Classification::none) return octree;
+    return classify_cells(octree, mesh,
+                          {.threads = options.threads,
+                           .progress = options.progress,
+                           .budget = options.budget});
 }
 
 } // namespace

@@ -76,6 +76,7 @@ private:
             centers[child] = boxes[child].center();
         }
         for (std::uint32_t pair = cell.first; pair < cell.first + cell.count; ++pair) {
+            if (pair % 1024 == 0 && is_cancelled(options_.progress)) return;
             const std::uint32_t id = level.triangle[pair];
             std::uint32_t mask = 0;
             for (unsigned child = 0; child < 8; ++child) {

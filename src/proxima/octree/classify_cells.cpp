@@ -318,7 +318,7 @@ private:
 Result<Octree> classify_cells(const Octree& octree, const TriangleMesh& mesh,
                               const ClassifyOptions& options)
 {
-    if (const Status status = check_positions(mesh); !status) {
+    if (const auto status = checked_bounding_box(mesh); !status) {
         return tl::unexpected<Error>(status.error());
     }
     if (mesh.triangle_count() != octree.triangle_count()) {

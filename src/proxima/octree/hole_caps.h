@@ -13,7 +13,7 @@ namespace proxima {
 /// The fans; no triangles where the mesh is closed and consistently oriented. Vertices at equal
 /// positions are one. With w the mesh's winding number and c that of the caps, w + c is a whole
 /// number everywhere off both surfaces, and 0 outside the mesh's bounding box, which contains the
-/// caps. O(triangles) time and scratch. \pre check_positions(mesh)
+/// caps. O(triangles) time and scratch. \pre checked_bounding_box(mesh)
 [[nodiscard]] TriangleMesh hole_caps(const TriangleMesh& mesh);
 
 } // namespace proxima

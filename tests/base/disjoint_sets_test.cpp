@@ -1,4 +1,4 @@
-#include "proxima/mesh/disjoint_sets.h"
+#include "proxima/base/disjoint_sets.h"
 
 #include "mesh/random_soups.h"
 
@@ -25,7 +25,7 @@ TEST(DisjointSets, TheRootIsTheLowestOfWhatWasUnited)
             std::replace(labels.begin(), labels.end(), std::uint32_t{high}, std::uint32_t{low});
         }
         for (std::uint32_t item = 0; item < count; ++item) {
-            EXPECT_EQ(sets.root(item), labels[item]) << "seed " << seed;
+            EXPECT_EQ(sets.find(item), labels[item]) << "seed " << seed;
         }
     }
 }

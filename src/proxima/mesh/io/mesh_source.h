@@ -1,0 +1,75 @@
+// The bytes of a mesh file, and how messages name a place in them.
+#pragma once
+
+#include "proxima/base/memory_budget.h"
+#include "proxima/base/progress.h"
+#include "proxima/base/result.h"
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace proxima::detail {
+
+/// What a reader reads. The bytes belong to someone else.
+struct MeshSource {
+    std::string name; ///< for messages
+    std::string_view text;
+
+    /// "name:12" for a place in line 12. O(place).
+    [[nodiscard]] std::string at_line(const char* place) const;
+    /// "name, byte 84", counted from 0.
+    [[nodiscard]] std::string at_byte(const char* place) const;
+};
+
+/// The whole content of a file.
+struct FileBytes {
+    std::unique_ptr<char[]> data;
+    std::size_t size = 0;
+
+    [[nodiscard]] std::string_view text() const noexcept { return {data.get(), size}; }
+};
+
+/// Reads a regular file at once (a memory map would end the process by SIGBUS if the file shrank
+/// meanwhile). Errors: file_not_found, budget_exceeded, malformed_file if it is empty.
+[[nodiscard]] Result<FileBytes> read_file(const std::filesystem::path& path, MemoryBudget budget);
+
+/// Tells the watcher how far the reader is and the reader whether to stop. One comparison per call,
+/// but once per MiB.
+class ReadProgress {
+public:
+    ReadProgress(Progress* progress, std::string_view text) noexcept
+        : progress_(progress), reported_(text.data()), next_(text.data())
+    {
+        if (progress_ != nullptr) progress_->begin_stage("reading mesh", text.size());
+    }
+
+    /// False where the reader shall stop.
+    [[nodiscard]] bool may_continue(const char* place) noexcept
+    {
+        return place < next_ || report(place);
+    }
+
+private:
+    static constexpr std::ptrdiff_t interval = std::ptrdiff_t{1} << 20;
+
+    [[nodiscard]] bool report(const char* place) noexcept
+    {
+        next_ = place + interval;
+        if (progress_ == nullptr) return true;
+        progress_->advance(static_cast<std::uint64_t>(place - reported_));
+        reported_ = place;
+        return !progress_->cancelled();
+    }
+
+    Progress* progress_;
+    const char* reported_;
+    const char* next_;
+};
+
+/// The error of a cancelled reader.
+[[nodiscard]] Error reading_cancelled(const MeshSource& source);
+
+} // namespace proxima::detail

@@ -1,0 +1,106 @@
+// Numbers in text files, read fast and exactly.
+//
+// Most coordinates have at most 15 digits and a small exponent. Then both the digits and the power
+// of ten are exact doubles, and one multiplication or division rounds once: correct by construction
+// (Clinger, "How to read floating point numbers accurately", 1990). The rest goes to from_chars.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace proxima::detail {
+
+/// Reads a real number at `begin`: decimal or scientific, with an optional sign, "nan" and "inf" in
+/// any letter case, and the old Windows forms "1.#INF", "-1.#IND", "1.#QNAN". The result is the
+/// nearest double; too large is infinity, too small is zero. Returns where the number ends, nullptr
+/// where there is none.
+[[nodiscard]] const char* parse_real_slowly(const char* begin, const char* end,
+                                            double& value) noexcept;
+
+/// Exact powers of ten.
+inline constexpr double powers_of_ten[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                           1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
+                                           1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+
+[[nodiscard]] inline bool is_digit(char letter) noexcept
+{
+    return static_cast<unsigned char>(letter - '0') < 10;
+}
+
+/// parse_real_slowly, fast for short numbers.
+[[nodiscard]] inline const char* parse_real(const char* begin, const char* end,
+                                            double& value) noexcept
+{
+    constexpr std::uint64_t exact_limit = std::uint64_t{1} << 53U;
+    constexpr int exact_power = 22;
+    constexpr std::ptrdiff_t digit_limit = 19;
+
+    const char* place = begin;
+    const bool negative = place < end && *place == '-';
+    if (negative) ++place;
+    std::uint64_t digits = 0;
+    const char* const first_digit = place;
+    for (; place < end && is_digit(*place); ++place) {
+        digits = digits * 10 + static_cast<std::uint64_t>(*place - '0');
+    }
+    std::ptrdiff_t digit_count = place - first_digit;
+    int exponent = 0;
+    if (place < end && *place == '.') {
+        const char* const first_decimal = ++place;
+        for (; place < end && is_digit(*place); ++place) {
+            digits = digits * 10 + static_cast<std::uint64_t>(*place - '0');
+        }
+        digit_count += place - first_decimal;
+        if (digit_count > digit_limit) return parse_real_slowly(begin, end, value);
+        exponent = -static_cast<int>(place - first_decimal);
+    }
+    if (digit_count == 0 || digit_count > digit_limit || digits > exact_limit) {
+        return parse_real_slowly(begin, end, value);
+    }
+    if (place < end && (*place == 'e' || *place == 'E')) {
+        const char* power = place + 1;
+        const bool shrinks = power < end && *power == '-';
+        if (power < end && (*power == '-' || *power == '+')) ++power;
+        const char* const first_power_digit = power;
+        int power_value = 0;
+        for (; power < end && is_digit(*power) && power - first_power_digit < 4; ++power) {
+            power_value = power_value * 10 + (*power - '0');
+        }
+        const bool more_digits = power < end && is_digit(*power);
+        if (power == first_power_digit || more_digits) return parse_real_slowly(begin, end, value);
+        exponent += shrinks ? -power_value : power_value;
+        place = power;
+    } else if (place < end && *place == '#') {
+        return parse_real_slowly(begin, end, value);
+    }
+    if (exponent < -exact_power || exponent > exact_power) {
+        return parse_real_slowly(begin, end, value);
+    }
+    const auto magnitude = static_cast<double>(digits);
+    const double scaled =
+        exponent < 0 ? magnitude / powers_of_ten[-exponent] : magnitude * powers_of_ten[exponent];
+    value = negative ? -scaled : scaled;
+    return place;
+}
+
+/// Reads a whole number with an optional sign at `begin`. Returns where it ends, nullptr where
+/// there is none or it does not fit.
+[[nodiscard]] inline const char* parse_integer(const char* begin, const char* end,
+                                               std::int64_t& value) noexcept
+{
+    constexpr std::ptrdiff_t digit_limit = 18; // 10^18 fits
+    const char* place = begin;
+    const bool negative = place < end && *place == '-';
+    if (place < end && (*place == '-' || *place == '+')) ++place;
+    const char* const first_digit = place;
+    std::int64_t digits = 0;
+    for (; place < end && is_digit(*place); ++place) {
+        if (place - first_digit >= digit_limit) return nullptr;
+        digits = digits * 10 + (*place - '0');
+    }
+    if (place == first_digit) return nullptr;
+    value = negative ? -digits : digits;
+    return place;
+}
+
+} // namespace proxima::detail

@@ -1,0 +1,225 @@
+#include "proxima/mesh/io/read_stl.h"
+
+#include "proxima/base/text.h"
+#include "proxima/mesh/io/text_cursor.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+#include <vector>
+
+namespace proxima::detail {
+
+namespace {
+
+using Cursor = TextCursor<TextDialect{.line_ends_are_blanks = true}>;
+using LineCursor = TextCursor<TextDialect{}>;
+
+//     80 bytes of anything | triangle count, uint32 | per triangle: normal and three corners,
+//     12 float32 little-endian, and two bytes of attributes
+constexpr std::size_t header_bytes = 80;
+constexpr std::size_t first_triangle = header_bytes + 4;
+constexpr std::size_t triangle_bytes = 50;
+
+std::uint32_t load_uint32(const char* bytes) noexcept
+{
+    std::array<unsigned char, 4> octets{};
+    std::memcpy(octets.data(), bytes, octets.size());
+    return octets[0] | std::uint32_t{octets[1]} << 8U | std::uint32_t{octets[2]} << 16U |
+           std::uint32_t{octets[3]} << 24U;
+}
+
+bool equals_any_case(std::string_view word, std::string_view lower_case) noexcept
+{
+    return std::ranges::equal(word, lower_case, [](char letter, char expected) {
+        return (letter >= 'A' && letter <= 'Z' ? letter - 'A' + 'a' : letter) == expected;
+    });
+}
+
+bool fits_binary(std::string_view text) noexcept
+{
+    return text.size() >= first_triangle &&
+           text.size() - first_triangle ==
+               std::uint64_t{load_uint32(text.data() + header_bytes)} * triangle_bytes;
+}
+
+Result<TriangleMesh> read_binary(const MeshSource& source, const ReadOptions& options,
+                                 Vertices vertices)
+{
+    const std::string_view text = source.text;
+    MeshAssembler mesh(source, options);
+    ReadProgress progress(options.progress, text);
+    const std::uint32_t count = load_uint32(text.data() + header_bytes);
+    if (!mesh.reserve_vertices(std::uint64_t{3} * count) || !mesh.reserve_triangles(count)) {
+        return tl::unexpected(mesh.error());
+    }
+    const char* place = text.data() + first_triangle;
+    for (std::uint32_t triangle = 0; triangle < count; ++triangle, place += triangle_bytes) {
+        if (!progress.may_continue(place)) return tl::unexpected(reading_cancelled(source));
+        const auto value = [&](std::uint32_t index) {
+            return static_cast<double>(std::bit_cast<float>(load_uint32(place + index * 4)));
+        };
+        const std::uint32_t first = 3 * triangle;
+        bool added = true;
+        for (std::uint32_t corner = 1; corner <= 3; ++corner) {
+            const std::uint32_t x = 3 * corner;
+            added = added && mesh.add_vertex({value(x), value(x + 1), value(x + 2)});
+        }
+        if (!added || !mesh.add_triangle({first, first + 1, first + 2})) {
+            return tl::unexpected(mesh.error());
+        }
+    }
+    return mesh.finish(vertices);
+}
+
+// solid NAME / facet normal x y z / outer loop / vertex x y z ... / endloop / endfacet / endsolid
+class TextReader {
+public:
+    TextReader(const MeshSource& source, const ReadOptions& options)
+        : source_(source), cursor_(source.text), mesh_(source, options),
+          progress_(options.progress, source.text)
+    {}
+
+    Result<TriangleMesh> read(Vertices vertices)
+    {
+        cursor_.skip_blanks();
+        while (!cursor_.at_end()) {
+            if (!read_solid()) return tl::unexpected(error_);
+            cursor_.skip_blanks();
+        }
+        return mesh_.finish(vertices);
+    }
+
+private:
+    bool read_solid()
+    {
+        if (!expect("solid")) return false;
+        skip_name();
+        while (true) {
+            if (!progress_.may_continue(cursor_.place())) {
+                error_ = reading_cancelled(source_);
+                return false;
+            }
+            const std::string_view word = cursor_.word();
+            if (equals_any_case(word, "endsolid")) break;
+            if (!equals_any_case(word, "facet")) return refuse_word(word, "facet or endsolid");
+            if (!read_facet()) return false;
+        }
+        skip_name();
+        return true;
+    }
+
+    // The rest of this line, which may be empty.
+    void skip_name()
+    {
+        LineCursor line({cursor_.place(), cursor_.remaining()});
+        line.skip_line();
+        cursor_ = Cursor({line.place(), line.remaining()});
+    }
+
+    bool read_facet()
+    {
+        if (!expect("normal")) return false;
+        for (int i = 0; i < 3; ++i)
+            (void)cursor_.word();
+        if (!expect("outer") || !expect("loop")) return false;
+        corners_.clear();
+        while (true) {
+            const std::string_view word = cursor_.word();
+            if (equals_any_case(word, "endloop")) break;
+            if (!equals_any_case(word, "vertex")) return refuse_word(word, "vertex or endloop");
+            Vec3 position;
+            for (int axis = 0; axis < 3; ++axis) {
+                if (!cursor_.real(position[axis])) {
+                    return refuse(concat("vertex ", corners_.size(), " of facet ", facet_,
+                                         " has not three numbers"));
+                }
+            }
+            if (corners_.size() == max_face_corners) {
+                return refuse(concat("facet ", facet_, " has more than ", max_face_corners,
+                                     " corners: cut it in the program that made it"),
+                              ErrorCode::limit_exceeded);
+            }
+            corners_.push_back(static_cast<std::uint32_t>(mesh_.vertex_count()));
+            if (!mesh_.add_vertex(position)) return refused_by_mesh();
+        }
+        if (corners_.size() < 3) {
+            return refuse(concat("facet ", facet_, " has ", corners_.size(),
+                                 " corners, it needs at least 3: remove it"));
+        }
+        if (!expect("endfacet")) return false;
+        ++facet_;
+        return mesh_.add_face(corners_) || refused_by_mesh();
+    }
+
+    bool expect(std::string_view expected)
+    {
+        const std::string_view word = cursor_.word();
+        return equals_any_case(word, expected) || refuse_word(word, expected);
+    }
+
+    bool refuse_word(std::string_view word, std::string_view expected)
+    {
+        if (word.empty()) {
+            return refuse(concat("the file ends in facet ", facet_, " where ", expected,
+                                 " should come: it is cut off, copy it again"));
+        }
+        return refuse(concat("\"", word.substr(0, 40), "\" stands where ", expected,
+                             " should in facet ", facet_));
+    }
+
+    bool refuse(std::string message, ErrorCode code = ErrorCode::malformed_file)
+    {
+        error_ = {code, std::move(message), source_.at_line(cursor_.place())};
+        return false;
+    }
+
+    bool refused_by_mesh()
+    {
+        error_ = mesh_.error();
+        return false;
+    }
+
+    const MeshSource& source_;
+    Cursor cursor_;
+    MeshAssembler mesh_;
+    ReadProgress progress_;
+    std::uint64_t facet_ = 0;
+    std::vector<std::uint32_t> corners_;
+    Error error_;
+};
+
+tl::unexpected<Error> refuse_binary(const MeshSource& source)
+{
+    const std::size_t size = source.text.size();
+    if (size < first_triangle) {
+        return fail(ErrorCode::malformed_file,
+                    concat("neither text that starts with \"solid\" nor the ", first_triangle,
+                           " bytes that a binary STL has at least, only ", size,
+                           ": it is cut off or no STL"),
+                    source.name);
+    }
+    const std::uint64_t count = load_uint32(source.text.data() + header_bytes);
+    return fail(ErrorCode::malformed_file,
+                concat("a binary STL of ", count, " triangles, as its header says, has ",
+                       first_triangle + count * triangle_bytes, " bytes, this file has ", size,
+                       ": it is cut off or no STL"),
+                source.name);
+}
+
+} // namespace
+
+Result<TriangleMesh> read_stl(const MeshSource& source, const ReadOptions& options,
+                              Vertices vertices)
+{
+    if (fits_binary(source.text)) return read_binary(source, options, vertices);
+    Cursor start(source.text);
+    // Text has no zero bytes, the numbers of a binary file nearly always do.
+    const bool is_text =
+        equals_any_case(start.word(), "solid") && source.text.find('\0') == std::string_view::npos;
+    if (!is_text) return refuse_binary(source);
+    return TextReader(source, options).read(vertices);
+}
+
+} // namespace proxima::detail

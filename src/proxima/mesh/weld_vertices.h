@@ -1,0 +1,20 @@
+// Giving every position one vertex: the shared vertices that formats without indices have lost.
+#pragma once
+
+#include "proxima/mesh/triangle_mesh.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace proxima {
+
+/// Merges vertices whose coordinates are equal (0.0 == -0.0; NaNs of the same bits are equal too).
+/// The first vertex of a position stays, in its place among the others, so ids go by first
+/// appearance. Triangles keep order and number, also those that were degenerate before. Expected
+/// O(vertices + triangles).
+void weld_vertices(std::vector<Vec3>& positions, std::vector<TriangleCorners>& triangles);
+
+/// Scratch that weld_vertices takes for so many vertices, in bytes.
+[[nodiscard]] std::uint64_t weld_scratch_bytes(std::uint64_t vertex_count) noexcept;
+
+} // namespace proxima
