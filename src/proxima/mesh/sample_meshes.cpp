@@ -246,8 +246,8 @@ TriangleMesh make_sphere(int stacks, int slices)
     for (std::uint32_t i = 1; i <= rings; ++i) {
         const CirclePoint latitude = unit_circle(i, 2 * (rings + 1));
         for (const CirclePoint& along : meridian) {
-            positions.emplace_back(latitude.sine * along.cosine, latitude.sine * along.sine,
-                                   latitude.cosine);
+            positions.emplace_back(on_circle_grid(latitude.sine * along.cosine),
+                                   on_circle_grid(latitude.sine * along.sine), latitude.cosine);
         }
     }
     positions.emplace_back(0.0, 0.0, -1.0);

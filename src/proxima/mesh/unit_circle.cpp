@@ -75,4 +75,11 @@ CirclePoint unit_circle(std::uint32_t step, std::uint32_t count) noexcept
     }
 }
 
+double on_circle_grid(double value) noexcept
+{
+    // Adding 1.5 * 2^12 leaves 40 bits behind the point.
+    constexpr double shift = 1.5 * (1 << 12);
+    return (value + shift) - shift;
+}
+
 } // namespace proxima
