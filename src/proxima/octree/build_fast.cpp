@@ -142,7 +142,7 @@ Result<OctreeOutput> build_fast(const TriangleMesh& mesh, const OctreeFrame& fra
                            " vertices and ", SnappedArrays::max_triangles,
                            " triangles: choose another method"));
     }
-    const SnappedMesh snapped(mesh, frame, options.exactness, options.threads);
+    const SnappedMesh snapped(mesh, frame, options.threads);
     const int bin_depth = choose_bin_depth(snapped, options.max_depth);
     const CoarseBins bins = bin_triangles(snapped, bin_depth, options.threads);
     limits.used_bytes += 16 * mesh.vertex_count() + bins.ids.size() * sizeof(std::uint32_t);

@@ -154,7 +154,8 @@ Result<Octree> build_unguarded(const TriangleMesh& mesh, const OctreeOptions& op
                                       .threshold = options.threshold,
                                       .method = options.method,
                                       .subdivision = options.subdivision,
-                                      .exact = options.exactness == Exactness::exact};
+                                      .exact = options.exactness == Exactness::exact ||
+                                               options.method == OverlapMethod::fast};
     Octree octree = Octree::adopt(frame, parameters, mesh.triangle_count(), storage->nodes.span(),
                                   storage->references.span(), storage);
     if (options.classification == Classification::none) return octree;

@@ -16,10 +16,10 @@
 
 namespace proxima {
 
-/// Whether a list may hold a triangle that only nearly touches its cell.
+/// Whether the thesis's methods may err by rounding. OverlapMethod::fast never does.
 enum class Exactness : std::uint8_t {
-    conservative, ///< never misses; may keep what rounding cannot tell from touching
-    exact         ///< exactly the triangles that touch the closed cell
+    rounded, ///< as the arithmetic of doubles has it
+    exact    ///< exactly the triangles that touch the closed cell, whatever the method
 };
 
 enum class RootShape : std::uint8_t { cube, box };
@@ -31,7 +31,7 @@ struct OctreeOptions {
     int max_depth = 5;           ///< 0 to max_octree_depth; the root is depth 0
     std::uint32_t threshold = 1; ///< a cell splits iff it has more triangles and may be deeper
     OverlapMethod method = OverlapMethod::fast;
-    Exactness exactness = Exactness::conservative;
+    Exactness exactness = Exactness::rounded;
     Subdivision subdivision = Subdivision::adaptive;
     RootShape root_shape = RootShape::cube;  ///< tight on the bounding box: cube or box of its shape
     std::optional<OctreeFrame> root = {};    ///< this root instead; must contain the mesh

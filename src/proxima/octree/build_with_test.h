@@ -87,8 +87,21 @@ private:
                 }
                 if (overlap.overlaps) mask |= 1U << child;
             }
-            masks[pair] = mask;
+            masks[pair] = mask != 0 ? mask : nearest_child(id, boxes[0].upper);
         }
+    }
+
+    /// Rounding may keep a triangle in a cell and in none of its children. It is not lost: it goes
+    /// to the child on its centroid's side.
+    [[nodiscard]] std::uint32_t nearest_child(std::uint32_t id, const Vec3& center) const
+    {
+        const Triangle triangle = mesh_.triangle(TriangleId{id});
+        const Vec3 centroid = triangle[0] / 3 + triangle[1] / 3 + triangle[2] / 3;
+        unsigned child = 0;
+        for (unsigned axis = 0; axis < 3; ++axis) {
+            if (centroid[axis] > center[axis]) child |= 1U << axis;
+        }
+        return 1U << child;
     }
 
     [[nodiscard]] Box child_box(const SplitCell& cell, unsigned child, int depth) const

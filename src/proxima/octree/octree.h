@@ -96,7 +96,7 @@ struct OctreeParameters {
     std::uint32_t threshold = 0;
     OverlapMethod method = OverlapMethod::fast;
     Subdivision subdivision = Subdivision::adaptive;
-    bool exact = false;      ///< no reference that does not touch, see OctreeOptions::exactness
+    bool exact = false;      ///< lists hold exactly the triangles that touch
     bool classified = false; ///< empty leaves are known to be inner or outer
     ClassificationSummary classification = {};
     friend bool operator==(const OctreeParameters&, const OctreeParameters&) = default;

@@ -31,9 +31,8 @@ std::int32_t snap(double offset, double scale) noexcept
 
 } // namespace
 
-SnappedMesh::SnappedMesh(const TriangleMesh& mesh, const OctreeFrame& frame, Exactness exactness,
-                         Threads threads)
-    : mesh_(mesh), frame_(frame), exactness_(exactness), error_steps_(snapping_error(frame)),
+SnappedMesh::SnappedMesh(const TriangleMesh& mesh, const OctreeFrame& frame, Threads threads)
+    : mesh_(mesh), frame_(frame), error_steps_(snapping_error(frame)),
       margin_(static_cast<std::int32_t>(std::ceil(std::min(error_steps_, max_error_steps))))
 {
     const Vec3 scale = Vec3::Constant(grid_steps).cwiseQuotient(frame.edge);
@@ -70,9 +69,7 @@ bool SnappedMesh::touches(std::uint32_t triangle, const GridPoint& lower, int de
         box.lower[axis] = frame_.plane(axis, index, depth);
         box.upper[axis] = frame_.plane(axis, index + 1, depth);
     }
-    const Triangle corners = mesh_.triangle(TriangleId{triangle});
-    return exactness_ == Exactness::exact ? triangle_overlaps_box(corners, box)
-                                          : triangle_box_filter(corners, box).overlaps;
+    return triangle_overlaps_box(mesh_.triangle(TriangleId{triangle}), box);
 }
 
 void SnappedMesh::find_touched(const LocalTriangles& local, const PairLevel& level,
@@ -90,8 +87,7 @@ void SnappedMesh::find_touched(const LocalTriangles& local, const PairLevel& lev
         const SnappedLevel lanes{
             .half = level.half,
             .error = static_cast<float>(error_steps_ * (1 + 1e-6) / level.half),
-            .margin = margin_,
-            .exact = exactness_ == Exactness::exact};
+            .margin = margin_};
         find_touched_children(local.snapped, lanes, pairs, scratch, masks);
     }
     if (level.allowed != nullptr) {

@@ -3,7 +3,6 @@
 
 #include "proxima/base/parallel.h"
 #include "proxima/mesh/triangle_mesh.h"
-#include "proxima/octree/build_octree.h"
 #include "proxima/octree/cell.h"
 #include "proxima/octree/snapped_overlap.h"
 
@@ -40,8 +39,7 @@ public:
     static constexpr double max_error_steps = 1 << 24;
 
     /// \pre all vertices that triangles use lie in the frame; both outlive this object
-    SnappedMesh(const TriangleMesh& mesh, const OctreeFrame& frame, Exactness exactness,
-                Threads threads);
+    SnappedMesh(const TriangleMesh& mesh, const OctreeFrame& frame, Threads threads);
 
     [[nodiscard]] const TriangleMesh& mesh() const noexcept { return mesh_; }
 
@@ -63,7 +61,7 @@ public:
     void load(std::span<const std::uint32_t> ids, const GridPoint& origin,
               LocalTriangles& local) const;
 
-    /// masks[pair] = children that the pair's triangle touches: exactly, or conservatively.
+    /// masks[pair] = children that the pair's triangle touches, exactly.
     void find_touched(const LocalTriangles& local, const PairLevel& level,
                       SnappedScratch& scratch, std::uint32_t* masks) const;
 
@@ -73,7 +71,6 @@ private:
 
     const TriangleMesh& mesh_;
     OctreeFrame frame_;
-    Exactness exactness_;
     double error_steps_ = 0;
     std::int32_t margin_ = 1;
     GrowBuffer<std::array<std::int32_t, 4>> vertices_;

@@ -94,8 +94,6 @@ void find_cells_of_boxes(const SnappedArrays& mesh, std::size_t first, std::size
 }
 
 /// Stage 1: box and vertex tests in exact integers. Returns the number of pairs left open.
-/// Conservatively, a vertex nearly on a plane between children counts for one of them.
-template <bool exact>
 std::size_t test_boxes(const SnappedTriangles& triangles, const SnappedLevel& level,
                        const SnappedPairs& pairs, std::uint32_t* open_pairs,
                        std::uint32_t* open_children, std::uint32_t* masks)
@@ -124,7 +122,7 @@ std::size_t test_boxes(const SnappedTriangles& triangles, const SnappedLevel& le
                 const auto* coordinates = triangles.coordinate[3 * j + axis].data();
                 corner[j] = hn::Sub(hn::GatherIndex(di, coordinates, triangle), center);
                 const auto distance = hn::Abs(corner[j]);
-                if constexpr (exact) nearest[j] = hn::Min(nearest[j], distance);
+                nearest[j] = hn::Min(nearest[j], distance);
                 farthest[j] = hn::Max(farthest[j], distance);
                 const auto is_upper = hn::RebindMask(dm, hn::Gt(corner[j], zero));
                 octant[j] = hn::And(octant[j], hn::IfThenElse(is_upper, upper_bits, lower_bits));
@@ -140,10 +138,9 @@ std::size_t test_boxes(const SnappedTriangles& triangles, const SnappedLevel& le
         const auto single = hn::Eq(hn::And(box, hn::Sub(box, hn::Set(dm, 1))), hn::Zero(dm));
         Words contains = hn::Zero(dm);
         for (int j = 0; j < 3; ++j) {
-            auto is_contained = hn::Lt(farthest[j], outside);
-            if constexpr (exact) is_contained = hn::And(is_contained, hn::Gt(nearest[j], margin));
-            contains =
-                hn::Or(contains, hn::IfThenElseZero(hn::RebindMask(dm, is_contained), octant[j]));
+            const auto is_contained = hn::RebindMask(
+                dm, hn::And(hn::Gt(nearest[j], margin), hn::Lt(farthest[j], outside)));
+            contains = hn::Or(contains, hn::IfThenElseZero(is_contained, octant[j]));
         }
         const auto touched = hn::IfThenElse(single, box, hn::And(contains, box));
         hn::StoreU(touched, dm, masks + first);
@@ -280,7 +277,7 @@ HWY_INLINE void test_edges(const Lanes& lanes, Words& possible, Words& certain)
     certain = hn::And(certain, axis_certain);
 }
 
-/// In exact mode, takes back certainty where a box plane or the sign of a normal component is near.
+/// Takes back certainty where a box plane or the sign of a normal component is near.
 HWY_INLINE Words trust(const SnappedLevel& level, const Lanes& lanes, const Ints (&corner)[3][3],
                        Words certain)
 {
@@ -344,7 +341,7 @@ void test_planes_and_edges(const SnappedTriangles& triangles, const SnappedLevel
         test_edges<0>(lanes, possible, certain);
         test_edges<1>(lanes, possible, certain);
         test_edges<2>(lanes, possible, certain);
-        if (level.exact) certain = trust(level, lanes, corner, certain);
+        certain = trust(level, lanes, corner, certain);
         const auto open = hn::LoadU(dm, open_children + first);
         const auto is_open = hn::FirstN(dm, open_count - first);
         const auto touched = hn::And(open, certain);
@@ -377,9 +374,8 @@ void find_touched_children(const SnappedTriangles& triangles, const SnappedLevel
     scratch.open_children.resize(pairs.count + lane_padding);
     scratch.unsure.clear();
     const std::size_t open_count =
-        (level.exact ? test_boxes<true> : test_boxes<false>)(
-            triangles, level, pairs, scratch.open_pairs.data(), scratch.open_children.data(),
-            masks);
+        test_boxes(triangles, level, pairs, scratch.open_pairs.data(),
+                   scratch.open_children.data(), masks);
     // Lanes beyond the last open pair look at pair 0 and are ignored.
     for (std::size_t lane = 0; lane < lane_padding; ++lane) {
         scratch.open_pairs[open_count + lane] = 0;

@@ -60,7 +60,6 @@ struct SnappedLevel {
     std::int32_t half = 0;   ///< half size of the (parent) cells, in grid steps, a power of two
     float error = 0;         ///< error of grid positions relative to cell planes, in half sizes
     std::int32_t margin = 1; ///< the same in grid steps, rounded up
-    bool exact = false;      ///< leave every child that might be decided wrongly to the caller
 };
 
 /// (triangle, cell) pairs: index into SnappedTriangles, and the cell's centre in grid steps. The
@@ -86,9 +85,9 @@ struct SnappedScratch {
 };
 
 /// Writes for every pair the mask of children that its triangle certainly touches (bit = octant)
-/// to masks[pair] (pairs.count + lane_padding elements), and lists the undecided rest in
-/// scratch.unsure; all others certainly do not touch. With level.exact off, "touches" includes a
-/// distance of one grid step. Bits are the same on every instruction set.
+/// to masks[pair] (pairs.count + lane_padding elements), and lists those that it might touch in
+/// scratch.unsure; all others it certainly does not touch. Bits are the same on every instruction
+/// set.
 void find_touched_children(const SnappedTriangles& triangles, const SnappedLevel& level,
                            const SnappedPairs& pairs, SnappedScratch& scratch,
                            std::uint32_t* masks);
