@@ -32,8 +32,7 @@ public:
     Point operator()(std::int64_t reach)
     {
         Point point;
-        for (std::int64_t& component : point)
-            component = below(2 * reach + 1) - reach;
+        for (std::int64_t& component : point) component = below(2 * reach + 1) - reach;
         return point;
     }
 
@@ -58,12 +57,15 @@ TEST(Orient3d, EqualsIntegersAtAnyExponents)
         const std::int64_t reach = i % 2 == 0 ? 4 : std::int64_t{1} << 38;
         const Point a = generate(reach);
         const Point b = generate(reach);
-        const Point c = generate(reach);
+        Point c = generate(reach);
         Point d = generate(reach);
         if (i % 4 == 1) { // in the plane or one unit beside it
-            for (std::size_t k = 0; k < 3; ++k)
-                d[k] = a[k] + 2 * (b[k] - a[k]) - (c[k] - a[k]);
+            for (std::size_t k = 0; k < 3; ++k) d[k] = a[k] + 2 * (b[k] - a[k]) - (c[k] - a[k]);
             d[static_cast<std::size_t>(generate.below(3))] += generate.below(3) - 1;
+        }
+        if (i % 4 == 3) { // c collinear with a and b seen along z, or one unit beside it
+            for (std::size_t k = 0; k < 2; ++k) c[k] = a[k] + 2 * (b[k] - a[k]);
+            c[static_cast<std::size_t>(generate.below(2))] += generate.below(3) - 1;
         }
         const Point ab = oracle::subtract(b, a);
         const Point ac = oracle::subtract(c, a);
@@ -75,7 +77,7 @@ TEST(Orient3d, EqualsIntegersAtAnyExponents)
             sign_of(minor(1, 2) * ad[0] + minor(2, 0) * ad[1] + minor(0, 1) * ad[2]);
         ++seen[static_cast<std::size_t>(expected + 1)];
         std::array<int, 3> exponents = {0, 0, 0};
-        if (i % 8 >= 4)
+        if (i % 16 >= 12)
             for (int& exponent : exponents)
                 exponent = static_cast<int>(generate.below(2050)) - 1074;
         const auto point = [&](const Point& p) { return to_double(p, exponents); };
@@ -88,8 +90,7 @@ TEST(Orient3d, EqualsIntegersAtAnyExponents)
                   sign_of(minor(0, 1)))
             << "case " << i;
     }
-    for (const int count : seen)
-        EXPECT_GT(count, 1'000);
+    for (const int count : seen) EXPECT_GT(count, 1'000);
 }
 
 TEST(IsDegenerate, TellsLinesAndPointsFromSlivers)
@@ -115,6 +116,8 @@ TEST(Orient2d, IsConsistentWithinUlpsOfALine)
             const int expected = (point.y() > point.x() ? 1 : 0) - (point.y() < point.x() ? 1 : 0);
             ASSERT_EQ(orient2d(from, to, point), expected) << i << ' ' << j;
             ASSERT_EQ(orient2d(to, point, from), expected) << i << ' ' << j;
+            // From the point both differences are rounded.
+            ASSERT_EQ(orient2d(point, from, to), expected) << i << ' ' << j;
         }
 }
 
@@ -144,8 +147,7 @@ RC_GTEST_PROP(Expansion, ProductsOfDifferencesEqualWideIntegers, ())
     WideInteger sum;
     const WideInteger one(1.0);
     const WideInteger unit = one * one; // scale of a product of three relative to one component
-    for (int i = 0; i < by_expansion.size(); ++i)
-        sum = sum + WideInteger(by_expansion[i]) * unit;
+    for (int i = 0; i < by_expansion.size(); ++i) sum = sum + WideInteger(by_expansion[i]) * unit;
     RC_ASSERT((sum - expected).sign() == 0);
     RC_ASSERT(by_expansion.sign() == expected.sign());
 }

@@ -65,8 +65,7 @@ public:
         }
         }
         for (Vec3& vertex : triangle.vertices)
-            for (double& coordinate : vertex)
-                coordinate = nudged(coordinate);
+            for (double& coordinate : vertex) coordinate = nudged(coordinate);
     }
 
 private:
@@ -81,8 +80,7 @@ private:
     Vec3 surface_point(const Box& box)
     {
         Vec3 point;
-        for (int k = 0; k < 3; ++k)
-            point[k] = below(2) == 0 ? box.lower[k] : box.upper[k];
+        for (int k = 0; k < 3; ++k) point[k] = below(2) == 0 ? box.lower[k] : box.upper[k];
         for (std::int64_t free = below(3); free > 0; --free) {
             const auto k = static_cast<int>(below(3));
             point[k] = box.lower[k] + uniform(0, 1) * (box.upper[k] - box.lower[k]);

@@ -45,9 +45,25 @@ struct IntegerBox {
             (bits & 4U) != 0 ? box.upper[2] : box.lower[2]};
 }
 
-/// Whether the projections on the axis have a gap. \pre |coordinates| < 2^22, axis below 2^48
+/// A direction with room for products of two coordinates.
+using Axis = std::array<Wide, 3>;
+
+[[nodiscard]] inline Axis axis_across(const Point& a, const Point& b)
+{
+    const auto minor = [&](std::size_t u, std::size_t w) {
+        return static_cast<Wide>(a[u]) * b[w] - static_cast<Wide>(a[w]) * b[u];
+    };
+    return {minor(1, 2), minor(2, 0), minor(0, 1)};
+}
+
+[[nodiscard]] inline Wide dot(const Axis& a, const Point& b)
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/// Whether the projections on the axis have a gap. \pre |coordinates| <= 2^40, axis below 2^84
 [[nodiscard]] inline bool axis_separates(const IntegerTriangle& triangle, const IntegerBox& box,
-                                         const Point& axis)
+                                         const Axis& axis)
 {
     Wide triangle_low = dot(axis, triangle.vertices[0]);
     Wide triangle_high = triangle_low;
@@ -68,18 +84,19 @@ struct IntegerBox {
 
 /// 13 axes: 3 of the box, the normal, 9 products. Closed sets; degenerate triangles included (then
 /// the products with one edge and its negative are all that a segment needs).
+/// \pre |coordinates| <= 2^40
 [[nodiscard]] inline bool overlaps(const IntegerTriangle& triangle, const IntegerBox& box)
 {
     const std::array<Point, 3> axes = {Point{1, 0, 0}, Point{0, 1, 0}, Point{0, 0, 1}};
     for (const Point& axis : axes)
-        if (axis_separates(triangle, box, axis)) return false;
+        if (axis_separates(triangle, box, {axis[0], axis[1], axis[2]})) return false;
     const auto& v = triangle.vertices;
     const std::array<Point, 3> edges = {subtract(v[1], v[0]), subtract(v[2], v[1]),
                                         subtract(v[0], v[2])};
-    if (axis_separates(triangle, box, cross(edges[0], edges[1]))) return false;
+    if (axis_separates(triangle, box, axis_across(edges[0], edges[1]))) return false;
     for (const Point& axis : axes)
         for (const Point& edge : edges)
-            if (axis_separates(triangle, box, cross(axis, edge))) return false;
+            if (axis_separates(triangle, box, axis_across(axis, edge))) return false;
     return true;
 }
 
