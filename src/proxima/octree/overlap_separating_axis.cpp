@@ -2,10 +2,24 @@
 
 #include "proxima/minkowski/operation_counts.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace proxima {
+namespace {
+
+template <class Scalar>
+[[nodiscard]] Scalar smaller(const Scalar& a, const Scalar& b) noexcept
+{
+    return b < a ? b : a;
+}
+
+template <class Scalar>
+[[nodiscard]] Scalar larger(const Scalar& a, const Scalar& b) noexcept
+{
+    return a < b ? b : a;
+}
+
+} // namespace
 
 template <class Scalar>
 BasicSeparatingAxisTest<Scalar>::BasicSeparatingAxisTest(const Triangle& triangle) noexcept
@@ -63,28 +77,32 @@ Overlap BasicSeparatingAxisTest<Scalar>::overlap(const Vec3& centre) const noexc
 {
     const Vector3<Scalar> d = first_vertex_ - to_scalar<Scalar>(centre);
     bool certain = true;
+    // Whether an axis separates, given the triangle's least and greatest projection as seen from
+    // the cell's centre: `outside` is how far its nearer end lies from there.
+    bool surely_apart = false;
+    const auto separates = [&](const Axis& axis, const Scalar& low, const Scalar& high) {
+        const Scalar outside = larger(low, -high);
+        const double gap = to_double(outside) - to_double(axis.radius);
+        surely_apart = gap > axis.tolerance;
+        certain = certain && -gap >= axis.tolerance;
+        return outside > axis.radius;
+    };
     for (std::size_t i = 0; i < axis_count; ++i) {
         const Axis& axis = axes_[i];
-        // The least and the greatest projection of the triangle, seen from the cell's centre.
-        Scalar low = dot(axis.direction, d);
-        Scalar high = low;
-        const auto include = [&](const Scalar& projection) {
-            if (projection < low) {
-                low = projection;
-            } else if (projection > high) {
-                high = projection;
-            }
-        };
+        const Scalar p0 = dot(axis.direction, d);
+        Scalar low = p0;
+        Scalar high = p0;
         if (i >= one_projection) {
-            const Scalar p0 = low;
-            include(p0 + axis.offset);
-            if (i < three_projections) include(p0 + axis.other_offset);
+            const Scalar p1 = p0 + axis.offset;
+            low = smaller(p0, p1);
+            high = larger(p0, p1);
         }
-        const bool separates = low > axis.radius || -high > axis.radius;
-        // How far the nearer end of the triangle lies outside the cell, or inside it.
-        const double gap = std::max(to_double(low), -to_double(high)) - to_double(axis.radius);
-        if (separates) return centres_.judge(false, gap > axis.tolerance, centre);
-        certain = certain && -gap >= axis.tolerance;
+        if (i >= one_projection && i < three_projections) {
+            const Scalar p2 = p0 + axis.other_offset;
+            low = smaller(low, p2);
+            high = larger(high, p2);
+        }
+        if (separates(axis, low, high)) return centres_.judge(false, surely_apart, centre);
     }
     return centres_.judge(true, certain, centre);
 }
