@@ -116,7 +116,7 @@ TEST_F(OctreeFile, RefusesEveryTruncationAndExtension)
     EXPECT_FALSE(load_bytes(bytes + '\0'));
 }
 
-TEST_F(OctreeFile, WithoutChecksumsDamageIsHarmless)
+TEST_F(OctreeFile, DamageWithRightChecksumsIsHarmless)
 {
     // A crafted file has right checksums, so what is accepted must be safe to walk through.
     const std::string bytes = saved(small);
@@ -127,7 +127,8 @@ TEST_F(OctreeFile, WithoutChecksumsDamageIsHarmless)
         for (int change = 0; change < 1 + round % 3; ++change) {
             damaged[random() % damaged.size()] = static_cast<char>(random());
         }
-        const auto loaded = load_bytes(damaged, Verification::structure);
+        reseal_binary_file(std::as_writable_bytes(std::span(damaged)));
+        const auto loaded = load_bytes(damaged);
         if (!loaded) continue;
         ++accepted;
         EXPECT_EQ(octree_statistics(*loaded).references, loaded->references().size());

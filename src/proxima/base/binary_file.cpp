@@ -4,6 +4,8 @@
 #include "proxima/base/text.h"
 
 #include <cstring>
+// The state of a running checksum lies on the stack.
+#define XXH_STATIC_LINKING_ONLY
 #include <xxhash.h>
 
 namespace proxima {
@@ -45,15 +47,15 @@ std::uint64_t checksum(std::span<const std::byte> bytes) noexcept
     return XXH3_64bits(bytes.data(), bytes.size());
 }
 
-std::uint64_t head_checksum(Header header, std::span<const TableEntry> table)
+/// Of header and table as they lie in the file, but with zeros for the checksum itself.
+std::uint64_t head_checksum(Header header, std::span<const std::byte> table) noexcept
 {
     header.checksum = 0;
-    std::vector<std::byte> head(sizeof header + table.size_bytes());
-    std::memcpy(head.data(), &header, sizeof header);
-    if (!table.empty()) {
-        std::memcpy(head.data() + sizeof header, table.data(), table.size_bytes());
-    }
-    return checksum(head);
+    XXH3_state_t state;
+    XXH3_64bits_reset(&state);
+    XXH3_64bits_update(&state, &header, sizeof header);
+    XXH3_64bits_update(&state, table.data(), table.size());
+    return XXH3_64bits_digest(&state);
 }
 
 bool all_zero(std::span<const std::byte> bytes) noexcept
@@ -85,7 +87,7 @@ Status write_binary_file(const std::filesystem::path& path, const FileFormat& fo
         end = offset + section.bytes.size();
     }
     header.file_bytes = end;
-    header.checksum = head_checksum(header, table);
+    header.checksum = head_checksum(header, std::as_bytes(std::span(table)));
 
     auto file = OutputFile::create(path);
     if (!file) return tl::unexpected<Error>(file.error());
@@ -100,6 +102,25 @@ Status write_binary_file(const std::filesystem::path& path, const FileFormat& fo
         written = table[i].offset + table[i].bytes;
     }
     return file->commit();
+}
+
+void reseal_binary_file(std::span<std::byte> bytes) noexcept
+{
+    Header header;
+    if (bytes.size() < sizeof header) return;
+    std::memcpy(&header, bytes.data(), sizeof header);
+    const std::uint64_t table_bytes = std::uint64_t{header.sections} * sizeof(TableEntry);
+    if (table_bytes > bytes.size() - sizeof header) return;
+    const auto table = bytes.subspan(sizeof header, table_bytes);
+    for (std::size_t at = 0; at < table.size(); at += sizeof(TableEntry)) {
+        TableEntry entry;
+        std::memcpy(&entry, &table[at], sizeof entry);
+        if (entry.offset > bytes.size() || entry.bytes > bytes.size() - entry.offset) continue;
+        entry.checksum = checksum(bytes.subspan(entry.offset, entry.bytes));
+        std::memcpy(&table[at], &entry, sizeof entry);
+    }
+    header.checksum = head_checksum(header, table);
+    std::memcpy(bytes.data(), &header, sizeof header);
 }
 
 Result<BinaryFile> BinaryFile::open(const std::filesystem::path& path, const FileFormat& format,
@@ -153,7 +174,7 @@ Result<BinaryFile> BinaryFile::read(std::span<const std::byte> bytes,
     if (!table.empty()) {
         std::memcpy(table.data(), bytes.data() + sizeof header, table.size() * sizeof(TableEntry));
     }
-    if (head_checksum(header, table) != header.checksum || header.reserved != 0) {
+    if (head_checksum(header, std::as_bytes(std::span(table))) != header.checksum || header.reserved != 0) {
         return refuse(ErrorCode::malformed_file, "the checksum of the header is wrong: damaged");
     }
 
