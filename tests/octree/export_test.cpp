@@ -134,8 +134,10 @@ protected:
 TEST_P(Export, IsReadBackLeafByLeaf)
 {
     const std::string format = GetParam();
-    const TriangleMesh open = without(torus_mesh(1.0, 0.4, 24, 12), [](std::size_t i) { return i < 9; });
-    const TriangleMesh far = moved(open, [](const Vec3& p) { return Vec3(p + Vec3(1e6, -3e6, 0.1)); });
+    const TriangleMesh open =
+        without(torus_mesh(1.0, 0.4, 24, 12), [](std::size_t i) { return i < 9; });
+    const TriangleMesh far =
+        moved(open, [](const Vec3& p) { return Vec3(p + Vec3(1e6, -3e6, 0.1)); });
     struct Case {
         const char* name;
         const TriangleMesh& mesh;

@@ -158,8 +158,8 @@ Result<BinaryFile> BinaryFile::read(std::span<const std::byte> bytes,
     }
     if (header.version > format.version || header.version == 0) {
         return refuse(ErrorCode::unsupported_format,
-                      concat("version ", header.version, " of the format, this program reads up to ",
-                             format.version));
+                      concat("version ", header.version,
+                             " of the format, this program reads up to ", format.version));
     }
     if (header.file_bytes != bytes.size()) {
         return refuse(ErrorCode::malformed_file,
@@ -174,7 +174,8 @@ Result<BinaryFile> BinaryFile::read(std::span<const std::byte> bytes,
     if (!table.empty()) {
         std::memcpy(table.data(), bytes.data() + sizeof header, table.size() * sizeof(TableEntry));
     }
-    if (head_checksum(header, std::as_bytes(std::span(table))) != header.checksum || header.reserved != 0) {
+    if (head_checksum(header, std::as_bytes(std::span(table))) != header.checksum ||
+        header.reserved != 0) {
         return refuse(ErrorCode::malformed_file, "the checksum of the header is wrong: damaged");
     }
 

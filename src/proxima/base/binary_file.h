@@ -40,7 +40,7 @@ struct BinarySection {
 
 /// The array as a section. T has no padding, so that equal arrays make equal files.
 template <class T>
-    requires std::has_unique_object_representations_v<T> || std::is_floating_point_v<T>
+requires std::has_unique_object_representations_v<T> || std::is_floating_point_v<T>
 [[nodiscard]] BinarySection binary_section(std::uint32_t id, std::span<const T> array) noexcept
 {
     return {id, static_cast<std::uint32_t>(sizeof(T)), std::as_bytes(array)};
@@ -68,9 +68,8 @@ public:
     /// Maps the file and checks it. Errors: file_not_found; unsupported_format for a foreign
     /// file, a newer version or the other byte order; malformed_file where it is truncated, longer
     /// than it says, or a checksum or an offset is wrong.
-    [[nodiscard]] static Result<BinaryFile> open(const std::filesystem::path& path,
-                                                 const FileFormat& format,
-                                                 Verification verification);
+    [[nodiscard]] static Result<BinaryFile>
+    open(const std::filesystem::path& path, const FileFormat& format, Verification verification);
 
     /// The same for a file already in memory, which `storage` keeps alive and which is aligned to
     /// 64 bytes. `name` stands for the path in messages.
@@ -81,7 +80,7 @@ public:
 
     /// The array in place. Error malformed_file where it is missing or has other elements.
     template <class T>
-        requires std::is_trivially_copyable_v<T>
+    requires std::is_trivially_copyable_v<T>
     [[nodiscard]] Result<std::span<const T>> section(std::uint32_t id) const
     {
         auto bytes = section_bytes(id, sizeof(T));

@@ -17,10 +17,10 @@ Status export_octree(const Octree& octree, const TriangleMesh& mesh,
     if (extension == ".htg") return export_htg(octree, path);
     if (extension == ".ply") return export_ply(octree, path);
     if (extension == ".glb") return export_glb(octree, mesh, path);
-    return fail(ErrorCode::unsupported_format,
-                concat("octrees are exported as .vtu, .htg, .ply or .glb, not as \"", extension,
-                       "\""),
-                path.string());
+    return fail(
+        ErrorCode::unsupported_format,
+        concat("octrees are exported as .vtu, .htg, .ply or .glb, not as \"", extension, "\""),
+        path.string());
 }
 
 } // namespace proxima

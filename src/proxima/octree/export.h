@@ -1,9 +1,9 @@
 // Octrees for other programs: ParaView, MeshLab, Blender and web viewers.
 //
-//     .vtu   all leaves as voxels that share their corners        cell data: class, depth, triangles
-//     .htg   VTK HyperTreeGrid 2.0, the tree itself                the same, inner cells included
-//     .ply   all leaves as boxes of six quads                      colours by class, and class, depth
-//     .glb   the mesh and its boundary leaves' edges, glTF 2.0     materials
+//     .vtu   all leaves as voxels that share their corners        cell data: class, depth,
+//     triangles .htg   VTK HyperTreeGrid 2.0, the tree itself                the same, inner cells
+//     included .ply   all leaves as boxes of six quads                      colours by class, and
+//     class, depth .glb   the mesh and its boundary leaves' edges, glTF 2.0     materials
 //
 // "class" is the number of CellClass: 0 outer, 1 inner, 2 boundary, 3 unclassified.
 #pragma once

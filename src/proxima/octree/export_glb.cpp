@@ -112,12 +112,13 @@ public:
                              "\",\"doubleSided\":true,\"pbrMetallicRoughness\":{"
                              "\"baseColorFactor\":",
                              colour, ",\"metallicFactor\":0,\"roughnessFactor\":0.8}}");
-        accessors_ += concat(comma, "{\"bufferView\":", 2 * count_, ",\"componentType\":",
-                             float_type, ",\"count\":", geometry.points.size(),
-                             ",\"type\":\"VEC3\",\"min\":", triple(geometry.lower),
-                             ",\"max\":", triple(geometry.upper), "},{\"bufferView\":",
-                             2 * count_ + 1, ",\"componentType\":", index_type, ",\"count\":",
-                             geometry.indices.size(), ",\"type\":\"SCALAR\"}");
+        accessors_ +=
+            concat(comma, "{\"bufferView\":", 2 * count_, ",\"componentType\":", float_type,
+                   ",\"count\":", geometry.points.size(),
+                   ",\"type\":\"VEC3\",\"min\":", triple(geometry.lower),
+                   ",\"max\":", triple(geometry.upper), "},{\"bufferView\":", 2 * count_ + 1,
+                   ",\"componentType\":", index_type, ",\"count\":", geometry.indices.size(),
+                   ",\"type\":\"SCALAR\"}");
         views_ += concat(comma, "{\"buffer\":0,\"byteOffset\":", bytes_, ",\"byteLength\":", points,
                          ",\"target\":34962},{\"buffer\":0,\"byteOffset\":", bytes_ + points,
                          ",\"byteLength\":", indices, ",\"target\":34963}");
@@ -175,15 +176,15 @@ Status export_glb(const Octree& octree, const TriangleMesh& mesh, const std::fil
     const std::uint64_t total = 12 + 8 + json.size() + 8 + document.bytes();
     if (total > std::numeric_limits<std::uint32_t>::max()) {
         return fail(ErrorCode::limit_exceeded,
-                    concat("the .glb would have ", total, " bytes, at most 2^32 - 1 are possible: "
-                                                          "lower the depth or export as .htg"),
+                    concat("the .glb would have ", total,
+                           " bytes, at most 2^32 - 1 are possible: "
+                           "lower the depth or export as .htg"),
                     path.string());
     }
     auto file = OutputFile::create(path);
     if (!file) return tl::unexpected<Error>(file.error());
     const std::array<std::uint32_t, 5> head = {glb_magic, 2, static_cast<std::uint32_t>(total),
-                                               static_cast<std::uint32_t>(json.size()),
-                                               json_chunk};
+                                               static_cast<std::uint32_t>(json.size()), json_chunk};
     const std::array<std::uint32_t, 2> middle = {static_cast<std::uint32_t>(document.bytes()),
                                                  binary_chunk};
     if (auto status = file->write(std::as_bytes(std::span(head))); !status) return status;

@@ -70,8 +70,7 @@ Status export_htg(const Octree& octree, const std::filesystem::path& path)
     xml.text("</Grid>\n<Trees>\n");
     xml.array("Bit", concat("Name=\"Descriptors\" NumberOfTuples=\"", descriptor.count, "\""),
               std::as_bytes(std::span(descriptor.bits)));
-    xml.array("Int64",
-              concat("Name=\"NumberOfVerticesPerDepth\" NumberOfTuples=\"", levels, "\""),
+    xml.array("Int64", concat("Name=\"NumberOfVerticesPerDepth\" NumberOfTuples=\"", levels, "\""),
               std::as_bytes(std::span(cells_at_depth)));
     xml.array("Int64", "Name=\"TreeIds\" NumberOfTuples=\"1\"",
               std::as_bytes(std::span(&tree_id, 1)));

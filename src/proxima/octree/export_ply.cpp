@@ -17,10 +17,14 @@ using Colour = std::array<std::uint8_t, 3>;
 Colour colour(CellClass type) noexcept
 {
     switch (type) {
-    case CellClass::outer: return {170, 200, 230};
-    case CellClass::inner: return {240, 170, 60};
-    case CellClass::boundary: return {200, 60, 60};
-    case CellClass::unclassified: break;
+    case CellClass::outer:
+        return {170, 200, 230};
+    case CellClass::inner:
+        return {240, 170, 60};
+    case CellClass::boundary:
+        return {200, 60, 60};
+    case CellClass::unclassified:
+        break;
     }
     return {150, 150, 150};
 }
@@ -56,17 +60,17 @@ Status export_ply(const Octree& octree, const std::filesystem::path& path)
     auto file = OutputFile::create(path);
     if (!file) return tl::unexpected<Error>(file.error());
     const char* const order = std::endian::native == std::endian::little ? "little" : "big";
-    Status status = file->write(concat(
-        "ply\nformat binary_", order,
-        "_endian 1.0\ncomment leaves of an octree; class: 0 outer, 1 inner, 2 boundary, 3 "
-        "unclassified\nelement vertex ",
-        8 * leaves.size(),
-        "\nproperty double x\nproperty double y\nproperty double z\n"
-        "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face ",
-        6 * leaves.size(),
-        "\nproperty list uchar uint vertex_indices\n"
-        "property uchar red\nproperty uchar green\nproperty uchar blue\n"
-        "property uchar class\nproperty uchar depth\nend_header\n"));
+    Status status = file->write(
+        concat("ply\nformat binary_", order,
+               "_endian 1.0\ncomment leaves of an octree; class: 0 outer, 1 inner, 2 boundary, 3 "
+               "unclassified\nelement vertex ",
+               8 * leaves.size(),
+               "\nproperty double x\nproperty double y\nproperty double z\n"
+               "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face ",
+               6 * leaves.size(),
+               "\nproperty list uchar uint vertex_indices\n"
+               "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+               "property uchar class\nproperty uchar depth\nend_header\n"));
     if (!status) return status;
     std::string bytes;
     for (const LeafBox& leaf : leaves) {

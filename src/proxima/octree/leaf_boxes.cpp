@@ -90,9 +90,9 @@ Vec3 corner_position(const Octree& octree, const LeafBox& leaf, int corner) noex
 {
     Vec3 point;
     for (int axis = 0; axis < 3; ++axis) {
-        point[axis] = octree.frame().plane(
-            axis, coordinate(leaf, corner, static_cast<unsigned>(axis)),
-            octree.parameters().max_depth);
+        point[axis] =
+            octree.frame().plane(axis, coordinate(leaf, corner, static_cast<unsigned>(axis)),
+                                 octree.parameters().max_depth);
     }
     return point;
 }

@@ -80,8 +80,7 @@ Octree make_octree(const OctreeFileHeader& header, std::span<const OctreeNode> n
     parameters.subdivision = static_cast<Subdivision>(header.subdivision);
     parameters.exact = header.exact != 0;
     parameters.classified = header.classified != 0;
-    parameters.classification = {header.components, header.leaked_components,
-                                 header.leaked_leaves};
+    parameters.classification = {header.components, header.leaked_components, header.leaked_leaves};
     return Octree::adopt(frame, parameters, header.triangle_count, nodes, references,
                          std::move(storage));
 }

@@ -11,14 +11,13 @@ VtkXml::VtkXml(const std::string& type, const std::string& version)
                    "\" byte_order=\"",
                    std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian",
                    "\" header_type=\"UInt64\">\n"))
-{
-}
+{}
 
 void VtkXml::array(const std::string& type, const std::string& attributes,
                    std::span<const std::byte> bytes)
 {
-    text_ += concat("<DataArray type=\"", type, "\" ", attributes,
-                    " format=\"appended\" offset=\"", offset_, "\"/>\n");
+    text_ += concat("<DataArray type=\"", type, "\" ", attributes, " format=\"appended\" offset=\"",
+                    offset_, "\"/>\n");
     arrays_.push_back(bytes);
     offset_ += sizeof(std::uint64_t) + bytes.size();
 }
