@@ -387,6 +387,11 @@ TEST(MeshReport, InwardComponents)
     EXPECT_DOUBLE_EQ(turned.signed_volume.value(), -8.0);
     EXPECT_EQ(outlook(turned, QueryKind::sign), Outlook::with_care);
 
+    // An open surface has no inside to face.
+    Draft open = draft;
+    open.triangles.erase(open.triangles.begin());
+    EXPECT_EQ(kinds(report(open)), Kinds{FindingKind::boundary_edges});
+
     // The same as the cavity of a larger cube: fine.
     Draft hollow = Draft().add(make_cube(), Vec3::Zero(), 3.0).add(draft.mesh());
     const MeshReport cavity = report(hollow);

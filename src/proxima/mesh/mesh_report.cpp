@@ -2,7 +2,7 @@
 
 #include "proxima/base/text.h"
 #include "proxima/geometry/exact_predicates.h"
-#include "proxima/mesh/equal_items.h"
+#include "proxima/mesh/coincidence.h"
 #include "proxima/mesh/mesh_report_texts.h"
 #include "proxima/mesh/surface_parts.h"
 #include "proxima/mesh/topology.h"
@@ -15,9 +15,13 @@ namespace proxima {
 namespace {
 
 using detail::boundary_loops;
-using detail::edge_use;
+using detail::edge_uses;
 using detail::EdgeUse;
 using detail::fan_counts;
+using detail::first_at_position;
+using detail::first_coincident;
+using detail::first_duplicates;
+using detail::is_closed_if_welded;
 using detail::is_finite;
 using detail::is_proper;
 using detail::surface_components;
@@ -36,26 +40,6 @@ constexpr double smallest_volume_ratio = 1e-12;
 bool is_finite(const Vec3& position) noexcept
 {
     return position.allFinite();
-}
-
-TriangleCorners sorted(TriangleCorners corners) noexcept
-{
-    std::sort(corners.begin(), corners.end());
-    return corners;
-}
-
-std::uint64_t hash_of(const TriangleCorners& corners) noexcept
-{
-    return mix_bits(mix_bits(corners[0], corners[1]), corners[2]);
-}
-
-std::uint64_t hash_of(const Vec3& position) noexcept
-{
-    std::uint64_t hash = 0;
-    for (const double coordinate : position) {
-        hash = mix_bits(hash, std::bit_cast<std::uint64_t>(coordinate + 0.0)); // -0 is 0
-    }
-    return hash;
 }
 
 // Counts elements and remembers the first.
@@ -113,8 +97,10 @@ private:
     {
         constexpr std::uint64_t per_item = 5 * sizeof(std::uint32_t); // of first_equal_items
         constexpr std::uint64_t per_triangle = per_item + 5 * sizeof(std::uint32_t) + 1;
+        constexpr std::uint64_t per_edge = sizeof(EdgeUse);
         return check_budget(options_.budget,
-                            topology_.bytes() + per_item * mesh_.vertex_count() +
+                            topology_.bytes() + per_edge * topology_.edge_count() +
+                                per_item * mesh_.vertex_count() +
                                 per_triangle * mesh_.triangle_count(),
                             "the mesh report", "raise the budget");
     }
@@ -178,14 +164,9 @@ private:
 
     void find_equal_positions()
     {
-        const std::span<const Vec3> positions = mesh_.positions();
-        same_position_ = first_equal_items(
-            static_cast<std::uint32_t>(positions.size()),
-            [&](std::uint32_t vertex) { return is_finite(positions[vertex]); },
-            [&](std::uint32_t vertex) { return hash_of(positions[vertex]); },
-            [&](std::uint32_t a, std::uint32_t b) { return positions[a] == positions[b]; });
+        same_position_ = first_at_position(mesh_);
         Tally duplicates(options_.max_ids);
-        for (std::uint32_t vertex = 0; vertex < positions.size(); ++vertex) {
+        for (std::uint32_t vertex = 0; vertex < mesh_.vertex_count(); ++vertex) {
             if (same_position_[vertex] != vertex) duplicates.add(vertex);
         }
         report_elements(FindingKind::duplicate_vertices, ElementKind::vertex, duplicates);
@@ -225,14 +206,8 @@ private:
 
     void find_equal_triangles()
     {
-        const auto ids = [&](std::uint32_t triangle) {
-            return sorted(mesh_.triangles()[triangle]);
-        };
-        const auto places = [&](std::uint32_t triangle) {
-            return sorted(welded(mesh_.triangles()[triangle]));
-        };
-        const std::vector<std::uint32_t> same_ids = first_equal_triangles(ids);
-        const std::vector<std::uint32_t> same_places = first_equal_triangles(places);
+        const std::vector<std::uint32_t> same_ids = first_duplicates(mesh_, topology_);
+        const std::vector<std::uint32_t> same_places = first_coincident(mesh_, same_position_);
         Tally duplicate(options_.max_ids);
         Tally coincident(options_.max_ids);
         for (std::uint32_t id = 0; id < mesh_.triangle_count(); ++id) {
@@ -246,29 +221,15 @@ private:
         report_elements(FindingKind::coincident_triangles, ElementKind::triangle, coincident);
     }
 
-    template <class Key>
-    std::vector<std::uint32_t> first_equal_triangles(const Key& key) const
-    {
-        return first_equal_items(
-            static_cast<std::uint32_t>(mesh_.triangle_count()),
-            [&](std::uint32_t triangle) { return is_proper(key(triangle)); },
-            [&](std::uint32_t triangle) { return hash_of(key(triangle)); },
-            [&](std::uint32_t a, std::uint32_t b) { return key(a) == key(b); });
-    }
-
-    [[nodiscard]] TriangleCorners welded(const TriangleCorners& corners) const noexcept
-    {
-        return {same_position_[corners[0]], same_position_[corners[1]], same_position_[corners[2]]};
-    }
-
     void examine_edges()
     {
+        uses_ = edge_uses(mesh_, topology_);
         Tally boundary(options_.max_ids);
         Tally branching(options_.max_ids);
         Tally inconsistent(options_.max_ids);
         double shortest = std::numeric_limits<double>::infinity();
         for (std::uint32_t id = 0; id < topology_.edge_count(); ++id) {
-            const EdgeUse use = edge_use(mesh_, topology_, EdgeId{id});
+            const EdgeUse use = uses_[id];
             if (use.total() == 1) boundary.add(id);
             if (use.total() > 2) branching.add(id);
             if (use.is_inconsistent()) inconsistent.add(id);
@@ -287,7 +248,7 @@ private:
         report_elements(FindingKind::boundary_edges, ElementKind::edge, boundary);
         report_elements(FindingKind::non_manifold_edges, ElementKind::edge, branching);
         report_elements(FindingKind::inconsistent_edges, ElementKind::edge, inconsistent);
-        if (boundary.count() > 0) report_.boundary_loops = boundary_loops(mesh_, topology_);
+        if (boundary.count() > 0) report_.boundary_loops = boundary_loops(topology_, uses_);
         examine_fans();
     }
 
@@ -305,7 +266,7 @@ private:
     void examine_components()
     {
         const std::vector<SurfaceComponent> components =
-            surface_components(mesh_, topology_, report_.bounds);
+            surface_components(mesh_, topology_, uses_, report_.bounds);
         report_.components = components.size();
         Tally inward(options_.max_ids);
         std::uint64_t outward = 0;
@@ -356,22 +317,12 @@ private:
     Status examine_welded()
     {
         if (report_.closed || report_.find(FindingKind::duplicate_vertices) == nullptr) return {};
-        std::vector<TriangleCorners> triangles;
-        for (const TriangleCorners& corners : mesh_.triangles()) {
-            if (is_proper(welded(corners))) triangles.push_back(welded(corners));
-        }
-        const Result<TriangleMesh> mesh = make_triangle_mesh(
-            {mesh_.positions().begin(), mesh_.positions().end()}, std::move(triangles));
-        if (!mesh) return tl::unexpected(mesh.error());
-        const Result<Topology> topology = build_topology(*mesh, {.threads = options_.threads,
-                                                                 .budget = options_.budget,
-                                                                 .progress = options_.progress});
-        if (!topology) return tl::unexpected(topology.error());
-        bool closed = topology->edge_count() > 0;
-        for (std::uint32_t id = 0; id < topology->edge_count(); ++id) {
-            closed = closed && topology->triangles(EdgeId{id}).size() % 2 == 0;
-        }
-        report_.closed_if_welded = closed;
+        const Result<bool> closed = is_closed_if_welded(mesh_, same_position_,
+                                                        {.threads = options_.threads,
+                                                         .budget = options_.budget,
+                                                         .progress = options_.progress});
+        if (!closed) return tl::unexpected(closed.error());
+        report_.closed_if_welded = *closed;
         return {};
     }
 
@@ -419,6 +370,7 @@ private:
     MeshReport report_;
     double extent_ = 0.0;
     std::vector<std::uint32_t> same_position_; ///< the first vertex at the position of each
+    std::vector<EdgeUse> uses_;
     std::uint64_t open_edges_ = 0;
     std::int64_t proper_edges_ = 0;
     std::int64_t proper_vertices_ = 0;

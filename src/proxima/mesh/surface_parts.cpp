@@ -36,39 +36,28 @@ void add_volume(SurfaceComponent& component, const Triangle& triangle, const Vec
 
 } // namespace
 
-bool is_proper(const TriangleCorners& corners) noexcept
+std::vector<EdgeUse> edge_uses(const TriangleMesh& mesh, const Topology& topology)
 {
-    const auto [a, b, c] = corners;
-    return a != b && b != c && c != a;
-}
-
-bool is_finite(const Triangle& triangle) noexcept
-{
-    return triangle[0].allFinite() && triangle[1].allFinite() && triangle[2].allFinite();
-}
-
-EdgeUse edge_use(const TriangleMesh& mesh, const Topology& topology, EdgeId edge) noexcept
-{
-    EdgeUse use;
-    for (const TriangleId triangle : topology.triangles(edge)) {
-        const TriangleCorners& corners = mesh.triangles()[index(triangle)];
+    std::vector<EdgeUse> uses(topology.edge_count());
+    for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
+        const TriangleCorners& corners = mesh.triangles()[id];
         if (!is_proper(corners)) continue;
-        const auto& sides = topology.edges(triangle);
-        const auto side = std::find(sides.begin(), sides.end(), edge) - sides.begin();
-        const bool forward =
-            corners[static_cast<std::size_t>(side)] == index(topology.vertices(edge)[0]);
-        ++(forward ? use.forward : use.backward);
+        const auto& sides = topology.edges(TriangleId{id});
+        for (std::size_t k = 0; k < 3; ++k) {
+            EdgeUse& use = uses[index(sides[k])];
+            ++(corners[k] < corners[(k + 1) % 3] ? use.forward : use.backward);
+        }
     }
-    return use;
+    return uses;
 }
 
-std::uint64_t boundary_loops(const TriangleMesh& mesh, const Topology& topology)
+std::uint64_t boundary_loops(const Topology& topology, std::span<const EdgeUse> uses)
 {
-    const auto vertices = static_cast<std::uint32_t>(mesh.vertex_count());
+    const auto vertices = static_cast<std::uint32_t>(topology.vertex_count());
     DisjointSets loops(vertices);
     std::vector<bool> on_boundary(vertices, false);
     for (std::uint32_t id = 0; id < topology.edge_count(); ++id) {
-        if (edge_use(mesh, topology, EdgeId{id}).total() != 1) continue;
+        if (uses[id].total() != 1) continue;
         const auto [low, high] = topology.vertices(EdgeId{id});
         loops.unite(index(low), index(high));
         on_boundary[index(low)] = on_boundary[index(high)] = true;
@@ -105,8 +94,34 @@ std::vector<std::uint8_t> fan_counts(const TriangleMesh& mesh, const Topology& t
     return counts;
 }
 
+std::vector<std::uint32_t> first_duplicates(const TriangleMesh& mesh, const Topology& topology)
+{
+    const auto ids = [&](TriangleId triangle) {
+        TriangleCorners corners = mesh.triangles()[index(triangle)];
+        std::sort(corners.begin(), corners.end());
+        return corners;
+    };
+    std::vector<std::uint32_t> first(mesh.triangle_count());
+    for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
+        first[id] = id;
+        if (!is_proper(mesh.triangles()[id])) continue;
+        // Equal triangles share all edges: look at the one with the fewest.
+        std::span<const TriangleId> around = topology.triangles(topology.edges(TriangleId{id})[0]);
+        for (const EdgeId edge : topology.edges(TriangleId{id})) {
+            const auto others = topology.triangles(edge);
+            if (others.size() < around.size()) around = others;
+        }
+        const TriangleCorners own = ids(TriangleId{id});
+        const auto found = std::find_if(around.begin(), around.end(), [&](TriangleId other) {
+            return other == TriangleId{id} || ids(other) == own;
+        });
+        first[id] = index(*found);
+    }
+    return first;
+}
+
 std::vector<SurfaceComponent> surface_components(const TriangleMesh& mesh, const Topology& topology,
-                                                 const Box& bounds)
+                                                 std::span<const EdgeUse> uses, const Box& bounds)
 {
     const auto count = static_cast<std::uint32_t>(mesh.triangle_count());
     DisjointSets sets(count);
@@ -134,8 +149,7 @@ std::vector<SurfaceComponent> surface_components(const TriangleMesh& mesh, const
         }
     }
     for (std::uint32_t id = 0; id < topology.edge_count(); ++id) {
-        const EdgeUse use = edge_use(mesh, topology, EdgeId{id});
-        if (!use.is_open() && !use.is_inconsistent()) continue;
+        if (!uses[id].is_open() && !uses[id].is_inconsistent()) continue;
         for (const TriangleId triangle : topology.triangles(EdgeId{id})) {
             if (!is_proper(mesh.triangles()[index(triangle)])) continue;
             components[number[index(triangle)]].sealed = false;

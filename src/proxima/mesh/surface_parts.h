@@ -8,13 +8,21 @@
 #include "proxima/mesh/triangle_mesh.h"
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace proxima::detail {
 
-[[nodiscard]] bool is_proper(const TriangleCorners& corners) noexcept;
+[[nodiscard]] inline bool is_proper(const TriangleCorners& corners) noexcept
+{
+    const auto [a, b, c] = corners;
+    return a != b && b != c && c != a;
+}
 
-[[nodiscard]] bool is_finite(const Triangle& triangle) noexcept;
+[[nodiscard]] inline bool is_finite(const Triangle& triangle) noexcept
+{
+    return triangle[0].allFinite() && triangle[1].allFinite() && triangle[2].allFinite();
+}
 
 /// The proper triangles of an edge, by direction.
 struct EdgeUse {
@@ -29,16 +37,20 @@ struct EdgeUse {
     }
 };
 
-[[nodiscard]] EdgeUse edge_use(const TriangleMesh& mesh, const Topology& topology,
-                               EdgeId edge) noexcept;
+/// The uses of all edges, by edge id.
+[[nodiscard]] std::vector<EdgeUse> edge_uses(const TriangleMesh& mesh, const Topology& topology);
 
 /// Number of sets of edges with a single proper triangle that vertices connect.
-[[nodiscard]] std::uint64_t boundary_loops(const TriangleMesh& mesh, const Topology& topology);
+[[nodiscard]] std::uint64_t boundary_loops(const Topology& topology, std::span<const EdgeUse> uses);
 
 /// For every vertex the number of sets of its proper triangles that edges at the vertex connect;
 /// 2 stands for more as well.
 [[nodiscard]] std::vector<std::uint8_t> fan_counts(const TriangleMesh& mesh,
                                                    const Topology& topology);
+
+/// For every proper triangle the first one with the same three vertex ids, itself for the others.
+[[nodiscard]] std::vector<std::uint32_t> first_duplicates(const TriangleMesh& mesh,
+                                                          const Topology& topology);
 
 /// A set of proper triangles that edges connect.
 struct SurfaceComponent {
@@ -49,7 +61,9 @@ struct SurfaceComponent {
 };
 
 /// All components, by first triangle. `bounds` are those of the finite positions in use.
-[[nodiscard]] std::vector<SurfaceComponent>
-surface_components(const TriangleMesh& mesh, const Topology& topology, const Box& bounds);
+[[nodiscard]] std::vector<SurfaceComponent> surface_components(const TriangleMesh& mesh,
+                                                               const Topology& topology,
+                                                               std::span<const EdgeUse> uses,
+                                                               const Box& bounds);
 
 } // namespace proxima::detail

@@ -79,7 +79,10 @@ private:
     struct Found {
         std::uint32_t high;
         Side side;
-        friend auto operator<=>(const Found&, const Found&) = default;
+        friend bool operator<(const Found& a, const Found& b) noexcept
+        {
+            return a.high != b.high ? a.high < b.high : a.side < b.side;
+        }
     };
     static constexpr std::size_t short_list = 24;
 
