@@ -84,8 +84,7 @@ Status MeshAssembler::cut_polygons()
         const auto [first, count] = polygons_[polygon];
         const auto fan = std::span(triangles_).subspan(first, count - 2);
         corners.assign({fan[0][0], fan[0][1]});
-        for (const TriangleCorners& triangle : fan)
-            corners.push_back(triangle[2]);
+        for (const TriangleCorners& triangle : fan) corners.push_back(triangle[2]);
         if (!triangulator.triangulate(corners, positions_, fan)) {
             return fail(ErrorCode::limit_exceeded,
                         concat("the face that starts at triangle ", first, " is concave with ",

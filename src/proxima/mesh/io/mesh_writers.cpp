@@ -164,8 +164,7 @@ Status write_stl_binary(const TriangleMesh& mesh, const std::filesystem::path& p
     for (std::uint32_t i = 0; i < mesh.triangle_count() && file.may_continue(); ++i) {
         const Triangle triangle = mesh.triangle(TriangleId{i});
         write(unit_normal(triangle));
-        for (const Vec3& vertex : triangle.vertices)
-            write(vertex);
+        for (const Vec3& vertex : triangle.vertices) write(vertex);
         file.bytes(std::uint16_t{0});
         file.advance();
     }
@@ -211,8 +210,7 @@ Status write_ply(const TriangleMesh& mesh, const std::filesystem::path& path,
         if (is_text) {
             file.numbers(position).text("\n");
         } else {
-            for (const double value : position)
-                file.bytes(std::bit_cast<std::uint64_t>(value));
+            for (const double value : position) file.bytes(std::bit_cast<std::uint64_t>(value));
         }
     }
     for (const TriangleCorners& corners : mesh.triangles()) {
@@ -221,8 +219,7 @@ Status write_ply(const TriangleMesh& mesh, const std::filesystem::path& path,
             file.text("3 ").numbers(corners).text("\n");
         } else {
             file.bytes(std::uint8_t{3});
-            for (const std::uint32_t corner : corners)
-                file.bytes(corner);
+            for (const std::uint32_t corner : corners) file.bytes(corner);
         }
         file.advance();
     }

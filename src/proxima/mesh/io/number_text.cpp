@@ -28,8 +28,7 @@ const char* parse_windows_special(const char* begin, const char* end, double& va
     for (const auto& special : specials) {
         if (!starts_with_any_case(begin, end, special.word)) continue;
         const char* place = begin + special.word.size();
-        while (place < end && is_digit(*place))
-            ++place; // "1.#INF00"
+        while (place < end && is_digit(*place)) ++place; // "1.#INF00"
         value = special.value;
         return place;
     }

@@ -75,8 +75,7 @@ private:
         Vec3 position;
         double other = 0;
         int count = 0;
-        while (count < most_values && cursor_.real(count < 3 ? position[count] : other))
-            ++count;
+        while (count < most_values && cursor_.real(count < 3 ? position[count] : other)) ++count;
         if (!cursor_.at_line_end()) {
             return refuse(ErrorCode::malformed_file,
                           "a vertex has something that is not a number, or too many of them");

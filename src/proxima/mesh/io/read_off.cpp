@@ -70,8 +70,7 @@ private:
         std::int64_t counts[3] = {0, 0, 0};
         int found = 0;
         if (cursor_.next_filled_line()) {
-            while (found < 3 && cursor_.integer(counts[found]))
-                ++found;
+            while (found < 3 && cursor_.integer(counts[found])) ++found;
         }
         if (found < 2 || counts[0] < 0 || counts[1] < 0 || !cursor_.at_line_end()) {
             return refuse("the counts of vertices, faces and edges are missing or no numbers");
@@ -154,8 +153,7 @@ private:
     {
         double component = 0;
         int count = 0;
-        while (count < 4 && cursor_.real(component))
-            ++count;
+        while (count < 4 && cursor_.real(component)) ++count;
         return cursor_.at_line_end();
     }
 

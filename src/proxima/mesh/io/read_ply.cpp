@@ -219,7 +219,7 @@ private:
     bool read_face(const PlyProperty& list)
     {
         std::int64_t length = 0;
-        if (!values_.integer(*list.length_type, length)) return refuse_value();
+        if (!read_length(list, length)) return false;
         if (length == 3) {
             TriangleCorners corners{};
             for (std::uint32_t& corner : corners) {
@@ -249,8 +249,7 @@ private:
     bool read_strips(const PlyProperty& list)
     {
         std::int64_t length = 0;
-        if (!values_.integer(*list.length_type, length)) return refuse_value();
-        if (length < 0) return refuse_length(length);
+        if (!read_length(list, length)) return false;
         StripCutter strip(mesh_);
         for (std::int64_t i = 0; i <= length; ++i) {
             std::int64_t index = -1; // what the end of the list stands for
@@ -268,13 +267,21 @@ private:
         return true;
     }
 
+    // How many items a list has, if the file can hold so many.
+    bool read_length(const PlyProperty& list, std::int64_t& length)
+    {
+        if (!values_.integer(*list.length_type, length)) return refuse_value();
+        const std::uint64_t most = values_.remaining() / values_.least_bytes(list.type);
+        if (length >= 0 && static_cast<std::uint64_t>(length) <= most) return true;
+        return refuse(ErrorCode::malformed_file,
+                      concat(element_name(), " has a list of ", length,
+                             " items, but what is left of the file holds ", most, " at most"));
+    }
+
     bool skip_property(const PlyProperty& property)
     {
         std::int64_t length = 1;
-        if (property.length_type) {
-            if (!values_.integer(*property.length_type, length)) return refuse_value();
-            if (length < 0) return refuse_length(length);
-        }
+        if (property.length_type && !read_length(property, length)) return false;
         for (; length > 0; --length) {
             if (!values_.skip(property.type)) return refuse_value();
         }
@@ -323,12 +330,6 @@ private:
         return refuse(ErrorCode::malformed_file,
                       concat(element_name(), " uses vertex ", index, " but the file has ",
                              vertex_count_, ", counted from 0"));
-    }
-
-    bool refuse_length(std::int64_t length)
-    {
-        return refuse(ErrorCode::malformed_file,
-                      concat(element_name(), " has a list of ", length, " items"));
     }
 
     bool refuse_value()

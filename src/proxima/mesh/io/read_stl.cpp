@@ -121,8 +121,7 @@ private:
     bool read_facet()
     {
         if (!expect("normal")) return false;
-        for (int i = 0; i < 3; ++i)
-            (void)cursor_.word();
+        for (int i = 0; i < 3; ++i) (void)cursor_.word();
         if (!expect("outer") || !expect("loop")) return false;
         corners_.clear();
         while (true) {

@@ -1,0 +1,476 @@
+// What the readers make of well-formed files, and what they say about others.
+#include "mesh/mesh_files.h"
+#include "proxima/base/text.h"
+
+#include <cmath>
+#include <map>
+
+namespace proxima {
+namespace {
+
+namespace fs = std::filesystem;
+using Corners = std::vector<TriangleCorners>;
+
+Corners corners_of(const TriangleMesh& mesh)
+{
+    return {mesh.triangles().begin(), mesh.triangles().end()};
+}
+
+std::vector<Vec3> positions_of(const TriangleMesh& mesh)
+{
+    return {mesh.positions().begin(), mesh.positions().end()};
+}
+
+TriangleMesh read_seed(const std::string& name)
+{
+    auto mesh = read_mesh(fs::path(PROXIMA_SOURCE_DIR) / "fuzz" / "corpus" / name);
+    EXPECT_TRUE(mesh) << describe(mesh.error());
+    return mesh ? std::move(*mesh) : TriangleMesh{};
+}
+
+const std::vector<Vec3> tetrahedron_positions{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1.5}};
+const Corners tetrahedron_corners{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+
+TEST(MeshIo, ReadsTheSameTetrahedronFromEveryIndexedFormat)
+{
+    for (const char* name : {"obj/tetrahedron.obj", "ply/tetrahedron.ply", "ply/little.ply",
+                             "ply/big.ply", "off/tetrahedron.off"}) {
+        SCOPED_TRACE(name);
+        const TriangleMesh mesh = read_seed(name);
+        EXPECT_EQ(positions_of(mesh), tetrahedron_positions);
+        EXPECT_EQ(corners_of(mesh), tetrahedron_corners);
+    }
+}
+
+TEST(MeshIo, WeldsStlUnlessToldNotTo)
+{
+    for (const char* name : {"text.stl", "binary.stl", "binary_solid.stl"}) {
+        SCOPED_TRACE(name);
+        const fs::path path = fs::path(PROXIMA_SOURCE_DIR) / "fuzz" / "corpus" / "stl" / name;
+        const auto welded = read_mesh(path);
+        ASSERT_TRUE(welded) << describe(welded.error());
+        // Ids by first appearance.
+        EXPECT_EQ(positions_of(*welded),
+                  (std::vector<Vec3>{{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {0, 0, 1.5}}));
+        EXPECT_EQ(corners_of(*welded), (Corners{{0, 1, 2}, {0, 2, 3}, {2, 1, 3}, {1, 0, 3}}));
+        const auto soup = read_mesh(path, {.weld = Weld::never});
+        ASSERT_TRUE(soup);
+        EXPECT_EQ(soup->vertex_count(), 12U);
+        EXPECT_EQ(soup->triangles()[3], (TriangleCorners{9, 10, 11}));
+    }
+}
+
+TEST(MeshIo, WeldsOtherFormatsOnRequest)
+{
+    constexpr std::string_view text = "v 0 0 0\nv 1 0 0\nv -0.0 0 0\nv 0 1 0\nf 1 2 4\nf 3 2 4\n";
+    EXPECT_EQ(read_text(text, MeshFormat::obj)->vertex_count(), 4U);
+    const auto mesh = read_text(text, MeshFormat::obj, {.weld = Weld::exact_positions});
+    ASSERT_TRUE(mesh);
+    EXPECT_EQ(corners_of(*mesh), (Corners{{0, 1, 2}, {0, 1, 2}}));
+}
+
+TEST(MeshIo, ReadsEveryFormOfObj)
+{
+    const TriangleMesh mesh = read_seed("obj/forms.obj");
+    ASSERT_EQ(mesh.vertex_count(), 7U);
+    EXPECT_EQ(mesh.positions()[2], Vec3(1, 1, 0));
+    EXPECT_TRUE(std::isnan(mesh.positions()[4].x()));
+    EXPECT_EQ(mesh.positions()[4].z(), -std::numeric_limits<double>::infinity());
+    EXPECT_EQ(mesh.positions()[6], Vec3(0.30000000000000004, 1e9, -1e-30));
+    EXPECT_EQ(
+        corners_of(mesh),
+        (Corners{{0, 1, 2}, {0, 2, 3}, {5, 4, 3}, {0, 1, 5}, {6, 5, 4}, {6, 4, 3}, {6, 3, 2}}));
+}
+
+TEST(MeshIo, CutsConcavePolygonsProperly)
+{
+    const TriangleMesh mesh = read_seed("obj/arrow.obj");
+    ASSERT_EQ(mesh.triangle_count(), 4U);
+    for (std::uint32_t i = 0; i < 4; ++i) {
+        EXPECT_GT(scaled_normal(mesh.triangle(TriangleId{i})).z(), 0) << i;
+    }
+}
+
+TEST(MeshIo, PassesOverWhatIsNoMeshInPly)
+{
+    const TriangleMesh mesh = read_seed("ply/extra.ply");
+    EXPECT_EQ(positions_of(mesh),
+              (std::vector<Vec3>{{0, 0, 0}, {1, 0, 0.5}, {1, 1, 1}, {0, 1, 0}, {-1, 0.5, 0}}));
+    EXPECT_EQ(corners_of(mesh), (Corners{{0, 1, 2}, {0, 2, 3}, {0, 1, 2}, {0, 2, 3}, {0, 3, 4}}));
+    const std::vector<Vec3> floored{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1.5}};
+    for (const char* name : {"ply/little_extra.ply", "ply/big_extra.ply"}) {
+        const TriangleMesh binary = read_seed(name);
+        EXPECT_EQ(positions_of(binary), floored) << name;
+        EXPECT_EQ(binary.triangle_count(), 3U) << name;
+        EXPECT_EQ(binary.triangles()[2], (TriangleCorners{0, 1, 2})) << name;
+    }
+}
+
+TEST(MeshIo, ReadsTriangleStripsWithSeparatorsAndTurns)
+{
+    // Every second triangle of a strip is turned over, and each strip starts anew.
+    const Corners expected{{0, 1, 2}, {2, 1, 3}, {2, 3, 4}, {3, 5, 4}};
+    EXPECT_EQ(corners_of(read_seed("ply/strips.ply")), expected);
+    EXPECT_EQ(corners_of(read_seed("ply/big_strips.ply")), expected);
+    const TriangleMesh mesh = read_seed("ply/strips.ply");
+    for (std::uint32_t i = 0; i < 4; ++i) {
+        EXPECT_GT(scaled_normal(mesh.triangle(TriangleId{i})).z(), 0) << i;
+    }
+}
+
+// Every combination of types and byte order that a PLY may use for its vertices and faces.
+template <class T>
+void put(std::string& bytes, T value, bool big)
+{
+    std::string raw(reinterpret_cast<const char*>(&value), sizeof(value));
+    if (big) std::ranges::reverse(raw);
+    bytes += raw;
+}
+
+void put_as(std::string& bytes, const std::string& type, double value, bool big)
+{
+    if (type == "char" || type == "int8") put(bytes, static_cast<std::int8_t>(value), big);
+    if (type == "uchar" || type == "uint8") put(bytes, static_cast<std::uint8_t>(value), big);
+    if (type == "short" || type == "int16") put(bytes, static_cast<std::int16_t>(value), big);
+    if (type == "ushort" || type == "uint16") put(bytes, static_cast<std::uint16_t>(value), big);
+    if (type == "int" || type == "int32") put(bytes, static_cast<std::int32_t>(value), big);
+    if (type == "uint" || type == "uint32") put(bytes, static_cast<std::uint32_t>(value), big);
+    if (type == "float" || type == "float32") put(bytes, static_cast<float>(value), big);
+    if (type == "double" || type == "float64") put(bytes, value, big);
+}
+
+TEST(MeshIo, ReadsEveryNumberTypeOfPly)
+{
+    const std::vector<std::string> types{"char",  "uchar",  "short",   "ushort", "int",   "uint",
+                                         "float", "double", "int8",    "uint8",  "int16", "uint16",
+                                         "int32", "uint32", "float32", "float64"};
+    int files = 0;
+    for (const std::string& vertex : types) {
+        for (const std::string& count : types) {
+            for (const std::string& index : types) {
+                for (const int encoding : {0, 1, 2}) {
+                    const bool big = encoding == 2;
+                    std::string text = "ply\nformat ";
+                    text += encoding == 0 ? "ascii"
+                            : big         ? "binary_big_endian"
+                                          : "binary_little_endian";
+                    text +=
+                        concat(" 1.0\nelement vertex 4\nproperty ", vertex, " x\nproperty ", vertex,
+                               " y\nproperty ", vertex, " z\nelement face 1\nproperty list ", count,
+                               " ", index, files % 2 == 0 ? " vertex_index" : " vertex_indices",
+                               "\nend_header\n");
+                    ++files;
+                    const double coordinates[] = {0, 0, 0, 100, 0, 0, 100, 7, 0, 1, 9, 0};
+                    const double face[] = {4, 0, 1, 2, 3};
+                    for (std::size_t i = 0; i < 12; ++i) {
+                        if (encoding == 0) {
+                            text += concat(coordinates[i], i % 3 == 2 ? "\n" : " ");
+                        } else {
+                            put_as(text, vertex, coordinates[i], big);
+                        }
+                    }
+                    for (std::size_t i = 0; i < 5; ++i) {
+                        if (encoding == 0) {
+                            text += concat(face[i], i == 4 ? "\n" : " ");
+                        } else {
+                            put_as(text, i == 0 ? count : index, face[i], big);
+                        }
+                    }
+                    const auto mesh = read_text(text, MeshFormat::ply);
+                    ASSERT_TRUE(mesh) << describe(mesh.error()) << "\n" << text;
+                    ASSERT_EQ(positions_of(*mesh),
+                              (std::vector<Vec3>{{0, 0, 0}, {100, 0, 0}, {100, 7, 0}, {1, 9, 0}}));
+                    ASSERT_EQ(corners_of(*mesh), (Corners{{0, 1, 2}, {0, 2, 3}}));
+                }
+            }
+        }
+    }
+    EXPECT_EQ(files, 3 * 16 * 16 * 16);
+}
+
+TEST(MeshIo, ReadsTheVariantsOfOff)
+{
+    const TriangleMesh colours = read_seed("off/colours.off");
+    EXPECT_EQ(positions_of(colours),
+              (std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}));
+    EXPECT_EQ(corners_of(colours), (Corners{{0, 1, 2}, {0, 2, 3}, {0, 1, 2}}));
+    EXPECT_EQ(read_seed("off/normals.off").triangle_count(), 1U);
+    EXPECT_EQ(read_seed("off/bare.off").triangle_count(), 1U);
+}
+
+TEST(MeshIo, KeepsDoublesAndDegenerateTriangles)
+{
+    const auto mesh = read_text(
+        "v 0.30000000000000004 1000000000.123 -0\nv 1 2 3\nf 1 1 2\nf 2 2 2\n", MeshFormat::obj);
+    ASSERT_TRUE(mesh);
+    EXPECT_EQ(mesh->positions()[0].x(), 0.30000000000000004);
+    EXPECT_EQ(mesh->positions()[0].y(), 1e9 + 0.123);
+    EXPECT_TRUE(std::signbit(mesh->positions()[0].z()));
+    EXPECT_EQ(corners_of(*mesh), (Corners{{0, 0, 1}, {1, 1, 1}}));
+}
+
+#ifdef PROXIMA_WITH_ASSIMP
+TEST(MeshIo, PlacesTheMeshesOfAScene)
+{
+    for (const char* name : {"gltf/two_tetrahedra.gltf", "glb/two_tetrahedra.glb"}) {
+        SCOPED_TRACE(name);
+        const TriangleMesh mesh = read_seed(name);
+        ASSERT_EQ(mesh.vertex_count(), 8U);
+        ASSERT_EQ(mesh.triangle_count(), 8U);
+        EXPECT_EQ(mesh.positions()[3], Vec3(10, 0, 1.5));
+        EXPECT_EQ(mesh.positions()[5], Vec3(8, 0, 0)); // (1,0,0) scaled by (-2,2,2)
+        // The mirrored copy still faces outward: both volumes are positive.
+        double volumes[2] = {0, 0};
+        for (std::uint32_t i = 0; i < 8; ++i) {
+            const Triangle t = mesh.triangle(TriangleId{i});
+            volumes[i / 4] += t[0].cross(t[1]).dot(t[2]) / 6;
+        }
+        EXPECT_DOUBLE_EQ(volumes[0], 0.25);
+        EXPECT_DOUBLE_EQ(volumes[1], 2);
+    }
+}
+
+TEST(MeshIo, WeldsThreeDsByFormat)
+{
+    const TriangleMesh mesh = read_seed("3ds/tetrahedron.3ds");
+    EXPECT_EQ(mesh.vertex_count(), 4U);
+    EXPECT_EQ(mesh.triangle_count(), 4U);
+}
+
+TEST(MeshIo, ReadsAGltfWhoseBufferIsAFileOfItsOwn)
+{
+    const fs::path folder = fs::path(testing::TempDir()) / "proxima_gltf_in_two";
+    fs::create_directories(folder);
+    std::string text = file_content(fs::path(PROXIMA_SOURCE_DIR) / "fuzz" / "corpus" / "gltf" /
+                                    "two_tetrahedra.gltf");
+    const std::string glb = file_content(fs::path(PROXIMA_SOURCE_DIR) / "fuzz" / "corpus" / "glb" /
+                                         "two_tetrahedra.glb");
+    const std::size_t begin = text.find("data:");
+    text.replace(begin, text.find('"', begin) - begin, "buffer.bin");
+    std::ofstream(folder / "scene.gltf", std::ios::binary) << text;
+    std::ofstream(folder / "buffer.bin", std::ios::binary) << glb.substr(glb.size() - 72);
+    const auto mesh = read_mesh(folder / "scene.gltf");
+    ASSERT_TRUE(mesh) << describe(mesh.error());
+    EXPECT_EQ(mesh->triangle_count(), 8U);
+    fs::remove(folder / "buffer.bin");
+    EXPECT_EQ(read_mesh(folder / "scene.gltf").error().code, ErrorCode::malformed_file);
+    fs::remove_all(folder);
+}
+#else
+TEST(MeshIo, NamesTheOptionThatReadsScenes)
+{
+    const Error error = error_of("glTF", MeshFormat::glb);
+    EXPECT_EQ(error.code, ErrorCode::unsupported_format);
+    EXPECT_NE(error.message.find("PROXIMA_WITH_ASSIMP"), std::string::npos);
+}
+#endif
+
+TEST(MeshIo, ReadsTheMeshesAtHand)
+{
+    const fs::path shared = fs::path(PROXIMA_SOURCE_DIR) / ".." / "shared" / "meshes";
+    const struct {
+        fs::path path;
+        std::size_t triangles;
+        std::size_t vertices;
+    } files[] = {
+        {shared / "bun_zipper_res2.ply", 16301, 8171},
+        {shared / "dragon_vrip_res3.ply", 47794, 22998},
+        {shared / "fandisk.obj", 12946, 6475},
+        {"/usr/share/glmark2/models/bunny.obj", 69666, 34835},
+    };
+    std::string absent;
+    for (const auto& file : files) {
+        if (!fs::exists(file.path)) {
+            absent.append(" ").append(file.path.string());
+            continue;
+        }
+        const auto mesh = read_mesh(file.path);
+        ASSERT_TRUE(mesh) << describe(mesh.error());
+        EXPECT_EQ(mesh->triangle_count(), file.triangles) << file.path;
+        EXPECT_EQ(mesh->vertex_count(), file.vertices) << file.path;
+    }
+    if (!absent.empty()) GTEST_SKIP() << "not there:" << absent;
+}
+
+class MeshFileTest : public FolderTest {};
+
+TEST_F(MeshFileTest, SaysWhichFilesCannotBeOpened)
+{
+    EXPECT_EQ(read_mesh(path("missing.ply")).error().code, ErrorCode::file_not_found);
+    EXPECT_EQ(read_mesh(path("missing.ply")).error().where, path("missing.ply").string());
+    fs::create_directory(path("folder.ply"));
+    EXPECT_EQ(read_mesh(path("folder.ply")).error().code, ErrorCode::file_not_found);
+    EXPECT_NE(read_mesh(path(".")).error().message.find("folder"), std::string::npos);
+    std::ofstream(path("mesh.xyz")) << "1 2 3\n";
+    const Error unknown = read_mesh(path("mesh.xyz")).error();
+    EXPECT_EQ(unknown.code, ErrorCode::unsupported_format);
+    EXPECT_NE(unknown.message.find(".obj, .ply, .stl, .off, .3ds, .gltf, .glb"), std::string::npos);
+    std::ofstream(path("empty.off")).flush();
+    EXPECT_EQ(read_mesh(path("empty.off")).error().code, ErrorCode::malformed_file);
+    fs::create_symlink("/dev/zero", path("endless.ply"));
+    EXPECT_EQ(read_mesh(path("endless.ply")).error().code, ErrorCode::file_not_found);
+}
+
+TEST_F(MeshFileTest, TakesExtensionsInAnyCase)
+{
+    std::ofstream(path("MESH.Obj")) << "v 0 0 0\nf 1 1 1\n";
+    EXPECT_TRUE(read_mesh(path("MESH.Obj")));
+}
+
+TEST_F(MeshFileTest, NamesFileAndLine)
+{
+    std::ofstream(path("mesh.obj")) << "v 0 0 0\nv 1 0 0\n\nf 1 2 3\n";
+    const Error error = read_mesh(path("mesh.obj")).error();
+    EXPECT_EQ(error.where, path("mesh.obj").string() + ":4");
+    EXPECT_NE(error.message.find("vertex 3"), std::string::npos) << error.message;
+}
+
+TEST(MeshIoErrors, NameTheLineOrByteAndTheElement)
+{
+    const std::string head = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty "
+                             "float y\nproperty float z\nelement face 2\nproperty list uchar int "
+                             "vertex_indices\nend_header\n";
+    const std::string vertices = "0 0 0\n1 0 0\n0 1 0\n";
+    const struct {
+        MeshFormat format;
+        std::string text;
+        std::string where;
+        std::string part;
+    } cases[] = {
+        {MeshFormat::ply, head + vertices + "3 0 1 2\n3 0 1 3\n", ":14", "face 1 uses vertex 3"},
+        {MeshFormat::ply, head + vertices + "3 0 1 2\n3 0 -1 2\n", ":14", "uses vertex -1"},
+        {MeshFormat::ply, head + vertices + "3 0 1 2\n", "", "face 1 of 2"},
+        {MeshFormat::ply, head + vertices + "3 0 1\n3 0 1 2\n", ":13", "fewer values"},
+        {MeshFormat::ply, head + vertices + "3 0 1 2 3\n3 0 1 2\n", ":13", "more values"},
+        {MeshFormat::ply, head + vertices + "2 0 1\n3 0 1 2\n", ":13", "2 corners"},
+        {MeshFormat::ply, head + vertices + "3 0 1 2\n3 0 1 2\n3 0 1 2\n", ":15", "more data"},
+        {MeshFormat::ply, head + "0 0 0\n1 zero 0\n0 1 0\n3 0 1 2\n3 0 1 2\n", ":11", "vertex 1"},
+        {MeshFormat::ply, "ply\nformat ascii 1.0\nelement vertex x\n", ":3", "element NAME COUNT"},
+        {MeshFormat::ply, "ply\nformat ascii 2.0\nend_header\n", ":2", "1.0"},
+        {MeshFormat::ply, "ply\nformat ascii 1.0\nproperty float x\n", ":3", "before the first"},
+        {MeshFormat::ply, "ply\nformat ascii 1.0\n", "", "end_header"},
+        {MeshFormat::obj, "v 0 0 0\nf 0 1 1\n", ":2", "vertex 0"},
+        {MeshFormat::obj, "v 0 0 0\nf -2 1 1\n", ":2", "vertex -2"},
+        {MeshFormat::obj, "v 0 0 0\nf 1 1\n", ":2", "2 corners"},
+        {MeshFormat::obj, "v 0 0\n", ":1", "2 numbers"},
+        {MeshFormat::obj, "v 0 0 0\nf 1 1 1x\n", ":2", "not an index"},
+        {MeshFormat::obj, "v 0 0 0\nface 1 1 1\n", ":2", "\"face\""},
+        {MeshFormat::obj, "v 0 0 0\nsurf 0 1 0 1 1 2 3\n", ":2", "free-form"},
+        {MeshFormat::off, "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", ":6", "uses vertex 3"},
+        {MeshFormat::off, "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n1\n", ":7", "more data"},
+        {MeshFormat::off, "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 x\n3 0 1 2\n", ":5", "vertex 2"},
+        {MeshFormat::off, "4OFF\n3 1 0\n", ":1", "4OFF"},
+        {MeshFormat::off, "OFF BINARY\n", ":1", "binary"},
+        {MeshFormat::stl,
+         "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop", ":6",
+         "2 corners"},
+        {MeshFormat::stl, "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n", ":5", "cut off"},
+        {MeshFormat::stl, "solid\nfacets\n", ":2", "\"facets\""},
+        {MeshFormat::stl, "something else", "", "14"},
+    };
+    for (const auto& test : cases) {
+        const Error error = error_of(test.text, test.format);
+        const std::string name = concat(format_name(test.format), " data");
+        EXPECT_TRUE(error.code == ErrorCode::malformed_file ||
+                    error.code == ErrorCode::unsupported_format);
+        if (!test.where.empty()) {
+            EXPECT_EQ(error.where, concat(name, test.where)) << test.text;
+        }
+        EXPECT_NE(error.message.find(test.part), std::string::npos) << error.message;
+    }
+}
+
+TEST(MeshIoErrors, RefuseBinaryPlyByItsByte)
+{
+    std::string text = file_content(fs::path(PROXIMA_SOURCE_DIR) / "fuzz/corpus/ply/little.ply");
+    text[text.size() - 1] = 1; // the high byte of the last index
+    const Error error = error_of(text, MeshFormat::ply);
+    EXPECT_EQ(error.where, concat("PLY data, byte ", text.size()));
+    EXPECT_NE(error.message.find("face 3"), std::string::npos);
+}
+
+// No small file makes a reader take gigabytes: the promise is refused before memory is taken.
+TEST(MeshIoErrors, RefuseCountsThatTheFileCannotHold)
+{
+    const auto ply = [](const char* format, const char* vertices, const char* faces,
+                        const char* rest) {
+        return concat("ply\nformat ", format, " 1.0\nelement vertex ", vertices,
+                      "\nproperty char x\nproperty char y\nproperty char z\nelement face ", faces,
+                      "\nproperty list uint char vertex_indices\nend_header\n", rest);
+    };
+    std::string stl(84, ' ');
+    stl[80] = stl[81] = stl[82] = stl[83] = '\xFF';
+    const std::pair<MeshFormat, std::string> files[] = {
+        {MeshFormat::ply, ply("ascii", "4000000000", "0", "")},
+        {MeshFormat::ply, ply("ascii", "999999999999999999", "0", "")},
+        {MeshFormat::ply, ply("ascii", "99999999999999999999999", "0", "")},
+        {MeshFormat::ply, ply("binary_little_endian", "0", "2000000000", "")},
+        {MeshFormat::ply, ply("binary_little_endian", "1", "1", "abc\xFF\xFF\xFF\xFF")},
+        {MeshFormat::ply, ply("binary_big_endian", "1", "1", "abc\x7F\xFF\xFF\xFF")},
+        {MeshFormat::ply, ply("ascii", "1", "1", "0 0 0\n1000000 0")},
+        {MeshFormat::off, "OFF\n4000000000 1 0\n"},
+        {MeshFormat::off, "OFF\n1 4000000000 0\n0 0 0\n"},
+        {MeshFormat::off, "OFF\n-1 1 0\n"},
+        {MeshFormat::off, "OFF\n3 1 0\n0 0 0\n0 0 0\n0 0 0\n1000000 0 1 2\n"},
+        {MeshFormat::stl, stl},
+    };
+    for (const auto& [format, text] : files) {
+        // Any allocation by the promised counts would exceed this.
+        const Error error = error_of(text, format, {.budget = {.bytes = 100'000}});
+        EXPECT_EQ(error.code, ErrorCode::malformed_file) << describe(error) << "\n" << text;
+    }
+}
+
+TEST(MeshIoErrors, RefuseFacesBeyondTheLimit)
+{
+    constexpr std::size_t too_many = (std::size_t{1} << 20U) + 1;
+    std::string obj = "v 0 0 0\nf";
+    std::string off = concat("OFF\n1 1 0\n0 0 0\n", too_many);
+    std::string ply =
+        concat("ply\nformat ascii 1.0\nelement vertex 1\nproperty int x\nproperty int "
+               "y\nproperty int z\nelement face 1\nproperty list int int "
+               "vertex_index\nend_header\n0 0 0\n",
+               too_many);
+    for (std::size_t i = 0; i < too_many; ++i) {
+        obj += " 1";
+        off += " 0";
+        ply += " 0";
+    }
+    EXPECT_EQ(error_of(obj, MeshFormat::obj).code, ErrorCode::limit_exceeded);
+    EXPECT_EQ(error_of(off, MeshFormat::off).code, ErrorCode::limit_exceeded);
+    EXPECT_EQ(error_of(ply, MeshFormat::ply).code, ErrorCode::limit_exceeded);
+}
+
+TEST(MeshIoErrors, KeepTheMemoryBudget)
+{
+    std::string obj;
+    for (int i = 0; i < 20'000; ++i) obj += "v 1 1 1\nf 1 1 1 1\n";
+    EXPECT_TRUE(read_text(obj, MeshFormat::obj, {.budget = {.bytes = 20'000'000}}));
+    const Error error = error_of(obj, MeshFormat::obj, {.budget = {.bytes = 1'000'000}});
+    EXPECT_EQ(error.code, ErrorCode::budget_exceeded);
+    EXPECT_NE(error.message.find("OBJ data"), std::string::npos);
+}
+
+TEST(MeshIoErrors, StopWhenAsked)
+{
+    for (const SeedFile& seed : seed_files()) {
+        Progress progress;
+        progress.cancel();
+        const auto mesh = read_text(seed.content, seed.format, {.progress = &progress});
+        ASSERT_FALSE(mesh) << seed.name;
+        EXPECT_EQ(mesh.error().code, ErrorCode::cancelled) << seed.name;
+    }
+}
+
+TEST(MeshIo, ReportsProgress)
+{
+    std::string obj;
+    for (int i = 0; i < 400'000; ++i) obj += "v 1 1 1\n";
+    Progress progress;
+    ASSERT_TRUE(read_text(obj, MeshFormat::obj, {.progress = &progress}));
+    EXPECT_STREQ(progress.stage(), "reading mesh");
+    EXPECT_GT(progress.fraction(), 0.5);
+}
+
+} // namespace
+} // namespace proxima
