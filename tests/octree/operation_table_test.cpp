@@ -50,6 +50,16 @@ TEST(OperationTable, MeasuresTable32)
     const OperationCounts pairwise = row(rows, "Pairwise intersection").counts;
     EXPECT_LE(pairwise.flops(), 930 + 6);
     EXPECT_GT(pairwise.flops(), 400);
+    // The closed form: a fourth of the thesis's 130 and less than half of 83, then additions alone.
+    EXPECT_EQ(row(rows, "Fast, constants of a triangle").counts.flops(), 61);
+    EXPECT_EQ(row(rows, "Fast, constants of a depth").counts.flops(), 27);
+    EXPECT_EQ(row(rows, "Fast, one cell").counts.flops(), 32);
+    const OperationCounts children = row(rows, "Fast, all eight children of a cell").counts;
+    EXPECT_EQ(children.flops(), 34);
+    EXPECT_EQ(children.additions, 34);
+    const OperationCounts child = row(rows, "Fast, going down to a child").counts;
+    EXPECT_EQ(child.flops(), 21);
+    EXPECT_EQ(child.additions, 21);
     EXPECT_GT(row(rows, "Incremental convex hull method").counts.flops(), geometric.flops());
 }
 

@@ -136,8 +136,7 @@ protected:
             }
             cells.clear();
             for (const CellKey cell : touched) {
-                for (int i = 0; i < 8; ++i)
-                    cells.push_back(child(cell, i));
+                for (int i = 0; i < 8; ++i) cells.push_back(child(cell, i));
             }
         }
     }

@@ -3,6 +3,8 @@
 #include "proxima/base/check.h"
 #include "proxima/minkowski/geometric_method.h"
 #include "proxima/minkowski/incremental_hull.h"
+#include "proxima/minkowski/triangle_cube_descent.h"
+#include "proxima/minkowski/triangle_cube_sum.h"
 #include "proxima/octree/overlap_index_tracking.h"
 #include "proxima/octree/overlap_minkowski.h"
 #include "proxima/octree/overlap_pairwise.h"
@@ -88,6 +90,42 @@ struct OverlapRows {
     Overlap last_answer; ///< keeps the counted call from being dropped
 };
 
+/// The rows of the closed form: 17 half-spaces, followed from cell to children by additions.
+struct ClosedFormRows {
+    WorstCase triangle{"Fast, constants of a triangle"};
+    WorstCase depth{"Fast, constants of a depth"};
+    WorstCase cell{"Fast, one cell"};
+    WorstCase children{"Fast, all eight children of a cell"};
+    WorstCase child{"Fast, going down to a child"};
+
+    void measure(const Pair& pair)
+    {
+        TriangleCorners<Counted> corners;
+        for (std::size_t j = 0; j < 3; ++j) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                corners[j][k] = pair.triangle.vertices[j][static_cast<int>(k)];
+            }
+        }
+        std::optional<TriangleCubeSum<Counted>> sum;
+        triangle.measure([&] { sum.emplace(corners); });
+        depth.measure([&] { sum->set_half_size(1); });
+        cell.measure([&] { last_answer = sum->contains({0, 0, 0}) ? 1 : 0; });
+
+        // The descent wants its root at the origin: move [-4, 4]^3 there.
+        for (auto& corner : corners) {
+            for (Counted& coordinate : corner) coordinate += 4;
+        }
+        using Descent = TriangleCubeDescent<Counted>;
+        const Descent descent(corners, 8, 0);
+        const Descent::Level& level = descent.root_level();
+        const Descent::Cell& root = descent.root_cell();
+        children.measure([&] { last_answer = Descent::half_space_octants(level, root); });
+        child.measure([&] { static_cast<void>(Descent::child(level, root, 7)); });
+    }
+
+    unsigned last_answer = 0; ///< keeps the counted calls from being dropped
+};
+
 } // namespace
 
 std::vector<OperationCountRow> count_operations(const OperationCountOptions& options)
@@ -123,6 +161,7 @@ std::vector<OperationCountRow> count_operations(const OperationCountOptions& opt
     WorstCase geometric("Geometric method", ThesisRow{312, 27, 1713});
     WorstCase hull("Incremental convex hull method", ThesisRow{440, 60, 3040});
 
+    ClosedFormRows fast;
     PairSource source;
     for (int i = 0; i < options.pairs; ++i) {
         const Pair pair = source.next();
@@ -131,6 +170,7 @@ std::vector<OperationCountRow> count_operations(const OperationCountOptions& opt
         if (pair.general_position) general_position.measure(pair);
         index_tracking.measure(pair);
         pairwise.measure(pair);
+        fast.measure(pair);
 
         const auto features = triangle_features<Counted>(pair.triangle);
         const Vector3<Counted> half = to_scalar<Counted>(Vec3::Ones());
@@ -139,28 +179,36 @@ std::vector<OperationCountRow> count_operations(const OperationCountOptions& opt
         if (pair.general_position) geometric_general.measure(find_sum);
 
         std::array<Vector3<Counted>, 8> cube;
-        for (int k = 0; k < 8; ++k)
-            cube[static_cast<std::size_t>(k)] = cube_vertex(k, half);
+        for (int k = 0; k < 8; ++k) cube[static_cast<std::size_t>(k)] = cube_vertex(k, half);
         std::array<Vector3<Counted>, 24> sums;
         form_sum_vertices<Counted>(cube, features.vertices, sums);
         hull.measure([&] { static_cast<void>(incremental_hull<Counted>(sums)); });
     }
-    return {separating_axis.cell.row(),
-            minkowski.cell.row(),
-            pairwise.cell.row(),
-            geometric.row(),
-            hull.row(),
-            general_position.cell.row(),
-            geometric_general.row(),
-            index_tracking.cell.row(),
-            index_tracking.depth.row(),
-            index_tracking.triangle.row(),
-            separating_axis.depth.row(),
-            separating_axis.triangle.row(),
-            minkowski.depth.row(),
-            minkowski.triangle.row(),
-            pairwise.depth.row(),
-            pairwise.triangle.row()};
+    std::vector<OperationCountRow> rows;
+    for (const WorstCase* worst : {&separating_axis.cell,
+                                   &minkowski.cell,
+                                   &pairwise.cell,
+                                   &geometric,
+                                   &hull,
+                                   &general_position.cell,
+                                   &geometric_general,
+                                   &index_tracking.cell,
+                                   &index_tracking.depth,
+                                   &fast.cell,
+                                   &fast.children,
+                                   &fast.child,
+                                   &fast.depth,
+                                   &fast.triangle,
+                                   &separating_axis.depth,
+                                   &separating_axis.triangle,
+                                   &minkowski.depth,
+                                   &minkowski.triangle,
+                                   &pairwise.depth,
+                                   &pairwise.triangle,
+                                   &index_tracking.triangle}) {
+        rows.push_back(worst->row());
+    }
+    return rows;
 }
 
 } // namespace proxima

@@ -33,9 +33,9 @@ struct OperationCountOptions {
     int pairs = 4000; ///< triangle-cube pairs to take the worst of
 };
 
-/// The rows of Table 3.2, then ours: general position, index tracking, constants of a triangle and
-/// of a depth. Deterministic; about a quarter of a second by default. Uses the calling thread's
-/// counters. \pre options.pairs > 0
+/// The rows of Table 3.2, then ours: general position, index tracking, the closed form of the fast
+/// method, constants of a triangle and of a depth. Deterministic; about a quarter of a second by
+/// default. Uses the calling thread's counters. \pre options.pairs > 0
 [[nodiscard]] std::vector<OperationCountRow>
 count_operations(const OperationCountOptions& options = {});
 
