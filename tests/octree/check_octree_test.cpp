@@ -50,7 +50,8 @@ TEST_F(CheckOctree, AcceptsWhatTheOracleBuilds)
 TEST_F(CheckOctree, AcceptsConservativeListsOnlyWhereTheySayNotExact)
 {
     const auto fat = [](const Triangle& triangle, const Box& box) {
-        return slow_overlap(triangle, {box.lower - Vec3::Constant(0.05), box.upper + Vec3::Constant(0.05)});
+        return slow_overlap(triangle,
+                            {box.lower - Vec3::Constant(0.05), box.upper + Vec3::Constant(0.05)});
     };
     EditableOctree edit(slow_octree(mesh, options, fat));
     EXPECT_NE(reason(check_octree(edit.octree(), mesh)).find("does not touch"), std::string::npos);
@@ -61,10 +62,10 @@ TEST_F(CheckOctree, AcceptsConservativeListsOnlyWhereTheySayNotExact)
 TEST_F(CheckOctree, FindsAMissedTriangle)
 {
     const auto thin = [](const Triangle& triangle, const Box& box) {
-        return slow_overlap(triangle, {box.lower + Vec3::Constant(0.001), box.upper - Vec3::Constant(0.001)});
+        return slow_overlap(triangle,
+                            {box.lower + Vec3::Constant(0.001), box.upper - Vec3::Constant(0.001)});
     };
-    EXPECT_NE(reason(check_octree(slow_octree(mesh, options, thin), mesh))
-                  .find("is not listed"),
+    EXPECT_NE(reason(check_octree(slow_octree(mesh, options, thin), mesh)).find("is not listed"),
               std::string::npos);
 }
 
@@ -77,7 +78,8 @@ TEST_F(CheckOctree, FindsAWrongThreshold)
         if (!adaptive.is_leaf(cell)) {
             for (int octant = 0; octant < 8; ++octant) visit(adaptive.child(cell, octant));
         } else if (depth(cell.key) < adaptive.parameters().max_depth) {
-            longest = std::max(longest, static_cast<std::uint32_t>(adaptive.triangles(cell).size()));
+            longest =
+                std::max(longest, static_cast<std::uint32_t>(adaptive.triangles(cell).size()));
         }
     };
     visit(adaptive.root());

@@ -47,7 +47,8 @@ std::vector<std::size_t> slow_components(const std::vector<Leaf>& leaves)
             for (std::size_t j = 0; j < i; ++j) {
                 if (component[i] == component[j]) continue;
                 const auto common = (leaves[i].box.upper.cwiseMin(leaves[j].box.upper) -
-                                     leaves[i].box.lower.cwiseMax(leaves[j].box.lower)).eval();
+                                     leaves[i].box.lower.cwiseMax(leaves[j].box.lower))
+                                        .eval();
                 int flat = 0;
                 int thick = 0;
                 for (int axis = 0; axis < 3; ++axis) {
@@ -115,7 +116,8 @@ void expect_right(const Octree& octree, const TriangleMesh& mesh)
     const std::vector<Leaf> leaves = empty_leaves(*classified);
     ASSERT_EQ(leaves.size(), truth.types.size());
     int wrong = 0;
-    for (std::size_t i = 0; i < leaves.size(); ++i) wrong += leaves[i].type != truth.types[i] ? 1 : 0;
+    for (std::size_t i = 0; i < leaves.size(); ++i)
+        wrong += leaves[i].type != truth.types[i] ? 1 : 0;
     EXPECT_EQ(wrong, 0) << "of " << leaves.size();
     EXPECT_EQ(octree_statistics(*classified).unclassified, 0U);
     EXPECT_EQ(classified->references().data(), octree.references().data());
@@ -125,7 +127,8 @@ void expect_right(const TriangleMesh& mesh)
 {
     for (const int max_depth : {0, 2, 4, 5}) {
         for (const std::uint32_t threshold : {1U, 30U}) {
-            SCOPED_TRACE(::testing::Message() << "depth " << max_depth << " threshold " << threshold);
+            SCOPED_TRACE(::testing::Message()
+                         << "depth " << max_depth << " threshold " << threshold);
             expect_right(slow_octree(mesh, {.max_depth = max_depth, .threshold = threshold}), mesh);
         }
     }
@@ -148,9 +151,11 @@ TEST(ClassifyCells, ClosedSurfaces)
         {"cube", cube_mesh(Vec3::Zero(), 1.0)},
         {"sphere", ball},
         {"torus", torus()},
-        {"hollow shell", joined(cube_mesh(Vec3::Zero(), 1.0), inverted(cube_mesh(Vec3::Zero(), 0.5)))},
+        {"hollow shell",
+         joined(cube_mesh(Vec3::Zero(), 1.0), inverted(cube_mesh(Vec3::Zero(), 0.5)))},
         {"nested, same way round", joined(ball, core)},
-        {"overlapping", joined(ball, moved(ball, [](const Vec3& p) { return Vec3(p + Vec3(0.9, 0.1, 0)); }))},
+        {"overlapping",
+         joined(ball, moved(ball, [](const Vec3& p) { return Vec3(p + Vec3(0.9, 0.1, 0)); }))},
         {"inside out", inverted(ball)}};
     for (const auto& [name, mesh] : meshes) {
         SCOPED_TRACE(name);
@@ -196,7 +201,8 @@ TEST(ClassifyCells, SurfacesWithHoles)
         const int max_depth = 3 + round % 3;
         const Octree octree = slow_octree(open, {.max_depth = max_depth, .threshold = 2});
         expect_right(octree, open);
-        expect_right(slow_octree(open, {.max_depth = 4, .subdivision = Subdivision::uniform}), open);
+        expect_right(slow_octree(open, {.max_depth = 4, .subdivision = Subdivision::uniform}),
+                     open);
     }
 }
 
@@ -254,8 +260,10 @@ TEST(ClassifyCells, BadSurfaces)
         }
         const TriangleMesh soup = mesh_of(positions, triangles);
         expect_right(soup);
-        EXPECT_EQ(classify_cells(slow_octree(soup, {.max_depth = 4}), soup)->parameters()
-                      .classification.leaked_components, 0U);
+        EXPECT_EQ(classify_cells(slow_octree(soup, {.max_depth = 4}), soup)
+                      ->parameters()
+                      .classification.leaked_components,
+                  0U);
     }
     {
         SCOPED_TRACE("every triangle twice");
@@ -267,7 +275,8 @@ TEST(ClassifyCells, BadSurfaces)
     }
     {
         SCOPED_TRACE("degenerate triangles");
-        expect_right(mesh_of({Vec3(0, 0, 0), Vec3(1, 0, 0.3), Vec3(0, 1, 0.7)}, {{0, 1, 1}, {2, 2, 2}}));
+        expect_right(
+            mesh_of({Vec3(0, 0, 0), Vec3(1, 0, 0.3), Vec3(0, 1, 0.7)}, {{0, 1, 1}, {2, 2, 2}}));
     }
     {
         SCOPED_TRACE("half a sphere");
@@ -281,7 +290,8 @@ TEST(ClassifyCells, BadSurfaces)
         SCOPED_TRACE(::testing::Message() << "random triangles, round " << round << " of seed 9");
         std::vector<Vec3> positions;
         std::vector<TriangleCorners> triangles;
-        for (int i = 0; i < 12; ++i) positions.emplace_back(place(random), place(random), place(random));
+        for (int i = 0; i < 12; ++i)
+            positions.emplace_back(place(random), place(random), place(random));
         for (int i = 0; i < 20; ++i) {
             triangles.push_back({static_cast<std::uint32_t>(random() % 12),
                                  static_cast<std::uint32_t>(random() % 12),
@@ -310,7 +320,8 @@ TEST(ClassifyCells, MovedTurnedAndScaled)
 
 TEST(ClassifyCells, SameBitsForAnyNumberOfThreads)
 {
-    const TriangleMesh open = without(torus_mesh(1.0, 0.4, 60, 30), [](std::size_t i) { return i < 200; });
+    const TriangleMesh open =
+        without(torus_mesh(1.0, 0.4, 60, 30), [](std::size_t i) { return i < 200; });
     const Octree octree = slow_octree(open, {.max_depth = 6});
     const auto one = classify_cells(octree, open, {.threads = {1}}).value();
     for (const int threads : {2, 5}) {

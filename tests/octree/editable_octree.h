@@ -20,15 +20,14 @@ struct EditableOctree {
           triangle_count(octree.triangle_count()),
           nodes(octree.nodes().begin(), octree.nodes().end()),
           references(octree.references().begin(), octree.references().end())
-    {
-    }
+    {}
 
     /// An octree on copies of the arrays.
     [[nodiscard]] Octree octree() const
     {
         auto storage = std::make_shared<EditableOctree>(*this);
-        return Octree::adopt(frame, parameters, triangle_count, storage->nodes,
-                             storage->references, storage);
+        return Octree::adopt(frame, parameters, triangle_count, storage->nodes, storage->references,
+                             storage);
     }
 };
 

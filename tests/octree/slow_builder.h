@@ -48,7 +48,8 @@ struct SlowOctreeOptions {
     int max_depth = 5;
     std::uint32_t threshold = 1;
     Subdivision subdivision = Subdivision::adaptive;
-    std::optional<OctreeFrame> root = {}; ///< default: the cube on the bounding box, a little larger
+    std::optional<OctreeFrame> root =
+        {}; ///< default: the cube on the bounding box, a little larger
 };
 
 namespace detail {
@@ -112,8 +113,7 @@ inline OctreeFrame slow_root(const TriangleMesh& mesh)
 
 /// Builds an unclassified octree by `overlaps(triangle, box)`.
 template <class OverlapsBox>
-Octree slow_octree(const TriangleMesh& mesh, const SlowOctreeOptions& options,
-                   OverlapsBox overlaps)
+Octree slow_octree(const TriangleMesh& mesh, const SlowOctreeOptions& options, OverlapsBox overlaps)
 {
     const OctreeFrame frame = options.root ? *options.root : slow_root(mesh);
     std::vector<TriangleId> all(mesh.triangle_count());

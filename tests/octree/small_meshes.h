@@ -26,8 +26,18 @@ inline TriangleMesh cube_mesh(const Vec3& center, double half)
                                                  (corner & 2) != 0 ? 1 : -1,
                                                  (corner & 4) != 0 ? 1 : -1));
     }
-    return mesh_of(positions, {{0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}, {0, 1, 5}, {0, 5, 4},
-                               {2, 6, 7}, {2, 7, 3}, {0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}});
+    return mesh_of(positions, {{0, 4, 6},
+                               {0, 6, 2},
+                               {1, 3, 7},
+                               {1, 7, 5},
+                               {0, 1, 5},
+                               {0, 5, 4},
+                               {2, 6, 7},
+                               {2, 7, 3},
+                               {0, 2, 3},
+                               {0, 3, 1},
+                               {4, 5, 7},
+                               {4, 7, 6}});
 }
 
 /// A closed grid of stacks x slices points on a sphere-like or torus-like surface.

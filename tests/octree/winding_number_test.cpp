@@ -20,9 +20,9 @@ double plain_winding_number(const TriangleMesh& mesh, const Vec3& point)
         const Vector a = (triangle[0] - point).cast<long double>();
         const Vector b = (triangle[1] - point).cast<long double>();
         const Vector c = (triangle[2] - point).cast<long double>();
-        sum += 2 * std::atan2(a.dot(b.cross(c)),
-                              a.norm() * b.norm() * c.norm() + a.dot(b) * c.norm() +
-                                  b.dot(c) * a.norm() + c.dot(a) * b.norm());
+        sum +=
+            2 * std::atan2(a.dot(b.cross(c)), a.norm() * b.norm() * c.norm() + a.dot(b) * c.norm() +
+                                                  b.dot(c) * a.norm() + c.dot(a) * b.norm());
     }
     return static_cast<double>(sum / (4 * std::numbers::pi_v<long double>));
 }
@@ -53,18 +53,20 @@ std::vector<NamedMesh> meshes()
     std::vector<Vec3> corners;
     std::vector<TriangleCorners> soup;
     for (std::uint32_t i = 0; i < 500; ++i) {
-        for (int k = 0; k < 3; ++k) corners.emplace_back(place(random), place(random), place(random));
+        for (int k = 0; k < 3; ++k)
+            corners.emplace_back(place(random), place(random), place(random));
         soup.push_back({3 * i, 3 * i + 1, 3 * i + 2});
     }
-    return {{"sphere", sphere},
-            {"torus", torus},
-            {"open torus", without(torus, [](std::size_t i) { return i < 400; })},
-            {"shell", joined(sphere, inverted(sphere_mesh(Vec3(0.1, 0.2, 0.3), 0.5, 20, 20)))},
-            {"soup", mesh_of(corners, soup)},
-            {"one triangle", mesh_of({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, {{0, 1, 2}})},
-            {"far away", moved(sphere, [](const Vec3& p) { return Vec3(p + Vec3(1e9, -1e9, 1e9)); })},
-            {"tiny", moved(torus, [](const Vec3& p) { return Vec3(p * 1e-30); })},
-            {"huge", moved(torus, [](const Vec3& p) { return Vec3(p * 1e30); })}};
+    return {
+        {"sphere", sphere},
+        {"torus", torus},
+        {"open torus", without(torus, [](std::size_t i) { return i < 400; })},
+        {"shell", joined(sphere, inverted(sphere_mesh(Vec3(0.1, 0.2, 0.3), 0.5, 20, 20)))},
+        {"soup", mesh_of(corners, soup)},
+        {"one triangle", mesh_of({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, {{0, 1, 2}})},
+        {"far away", moved(sphere, [](const Vec3& p) { return Vec3(p + Vec3(1e9, -1e9, 1e9)); })},
+        {"tiny", moved(torus, [](const Vec3& p) { return Vec3(p * 1e-30); })},
+        {"huge", moved(torus, [](const Vec3& p) { return Vec3(p * 1e30); })}};
 }
 
 TEST(WindingNumber, StaysWithinItsErrorOfThePlainSum)
@@ -122,7 +124,8 @@ TEST(WindingNumber, CountsAHalfAsInside)
     const TriangleMesh half = without(sphere, [&](std::size_t i) {
         return sphere.triangle(TriangleId{static_cast<std::uint32_t>(i)})[0][2] +
                    sphere.triangle(TriangleId{static_cast<std::uint32_t>(i)})[1][2] +
-                   sphere.triangle(TriangleId{static_cast<std::uint32_t>(i)})[2][2] < 0.0;
+                   sphere.triangle(TriangleId{static_cast<std::uint32_t>(i)})[2][2] <
+               0.0;
     });
     const auto winding = build_winding_number(half).value();
     EXPECT_NEAR(brute_winding_number(half, Vec3::Zero()), 0.5, 1e-13);
@@ -149,8 +152,9 @@ TEST(WindingNumber, RefusesWhatHasNoSurfaceAndStopsOnRequest)
     EXPECT_EQ(build_winding_number(nan).error().code, ErrorCode::invalid_mesh);
     Progress progress;
     progress.cancel();
-    EXPECT_EQ(build_winding_number(cube_mesh(Vec3::Zero(), 1.0), {.progress = &progress}).error().code,
-              ErrorCode::cancelled);
+    EXPECT_EQ(
+        build_winding_number(cube_mesh(Vec3::Zero(), 1.0), {.progress = &progress}).error().code,
+        ErrorCode::cancelled);
 }
 
 } // namespace

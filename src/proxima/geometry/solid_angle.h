@@ -24,8 +24,7 @@ public:
         const double la = a.norm();
         const double lb = b.norm();
         const double lc = c.norm();
-        const double denominator =
-            la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+        const double denominator = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
         const double real = real_ * denominator - imaginary_ * numerator;
         const double imaginary = real_ * numerator + imaginary_ * denominator;
         if (numerator > 0.0) {

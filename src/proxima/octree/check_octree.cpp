@@ -15,8 +15,7 @@ namespace {
 class InvariantChecker {
 public:
     InvariantChecker(const Octree& octree, const TriangleMesh& mesh) : octree_(octree), mesh_(mesh)
-    {
-    }
+    {}
 
     Status run()
     {
@@ -80,9 +79,8 @@ private:
     {
         const Box box = octree_.box(cell);
         std::vector<TriangleId> touching;
-        std::copy_if(ids.begin(), ids.end(), std::back_inserter(touching), [&](TriangleId id) {
-            return triangle_overlaps_box(mesh_.triangle(id), box);
-        });
+        std::copy_if(ids.begin(), ids.end(), std::back_inserter(touching),
+                     [&](TriangleId id) { return triangle_overlaps_box(mesh_.triangle(id), box); });
         return touching;
     }
 
@@ -117,8 +115,9 @@ private:
         const bool crowded =
             parameters.subdivision == Subdivision::uniform || count > parameters.threshold;
         if (leaf == (crowded && depth(cell.key) < parameters.max_depth)) {
-            return bad(cell, concat("a cell of ", count, " triangles is ", leaf ? "not split" : "split",
-                                    ", the threshold is ", parameters.threshold));
+            return bad(cell,
+                       concat("a cell of ", count, " triangles is ", leaf ? "not split" : "split",
+                              ", the threshold is ", parameters.threshold));
         }
         return {};
     }

@@ -25,8 +25,7 @@ public:
     explicit StructureChecker(const Octree& octree)
         : octree_(octree), nodes_(octree.nodes()), reached_(nodes_.size()),
           listed_(octree.references().size())
-    {
-    }
+    {}
 
     Status run()
     {
@@ -60,7 +59,8 @@ public:
 private:
     static tl::unexpected<Error> bad(std::string message, std::uint32_t record)
     {
-        return fail(ErrorCode::malformed_file, std::move(message), concat("octree record ", record));
+        return fail(ErrorCode::malformed_file, std::move(message),
+                    concat("octree record ", record));
     }
 
     [[nodiscard]] bool uniform() const noexcept
@@ -141,9 +141,9 @@ private:
         }
         const std::uint64_t children = static_cast<std::uint64_t>(std::popcount(recorded));
         if (node.first + children > nodes_.size()) {
-            return bad(concat("children end at record ", node.first + children, " of ",
-                              nodes_.size()),
-                       at.record);
+            return bad(
+                concat("children end at record ", node.first + children, " of ", nodes_.size()),
+                at.record);
         }
         bool all_empty = true;
         for (std::uint64_t i = 0; i < children; ++i) {

@@ -61,8 +61,7 @@ public:
           regions_(caps_.triangle_count() > 0 ? cells_.keys.size() : 0),
           at_cap_(caps_.triangle_count() > 0 ? cells_.keys.size() : 0),
           labels_(cells_.keys.size(), Label::outer)
-    {
-    }
+    {}
 
     Result<Octree> run()
     {
@@ -197,8 +196,8 @@ private:
         const std::size_t count = cells_.keys.size();
         if (!capped()) {
             for (CellNumber cell = 0; cell < count; ++cell) {
-                labels_[cell] = region_winding_[components_.find(cell)] >= 1 ? Label::inner
-                                                                            : Label::outer;
+                labels_[cell] =
+                    region_winding_[components_.find(cell)] >= 1 ? Label::inner : Label::outer;
             }
             return;
         }
@@ -303,9 +302,9 @@ private:
     const ClassifyOptions& options_;
     TriangleMesh caps_;
     EmptyCells cells_;
-    DisjointSets components_;          ///< cells that share faces
-    DisjointSets regions_;             ///< the same, parted by caps; unused without caps
-    std::vector<bool> at_cap_;         ///< cells that a cap may touch
+    DisjointSets components_;  ///< cells that share faces
+    DisjointSets regions_;     ///< the same, parted by caps; unused without caps
+    std::vector<bool> at_cap_; ///< cells that a cap may touch
     std::vector<Label> labels_;
     std::vector<std::int32_t> region_winding_; ///< by the region's smallest cell
     std::optional<WindingNumber> winding_;     ///< absent where few queries are needed

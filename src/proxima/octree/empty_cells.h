@@ -17,8 +17,8 @@ namespace proxima {
 
 /// Empty cells by number, near ones close together.
 struct EmptyCells {
-    std::vector<CellKey> keys;             ///< address of each
-    std::vector<std::uint32_t> first_of;   ///< number of each split record's first empty octant
+    std::vector<CellKey> keys;           ///< address of each
+    std::vector<std::uint32_t> first_of; ///< number of each split record's first empty octant
 
     /// Number of an empty octant. \pre mask == empty_octants(octree, record), contains octant
     [[nodiscard]] std::uint32_t number(std::uint32_t record, std::uint32_t mask,
@@ -42,8 +42,7 @@ class EmptyFaces {
 public:
     EmptyFaces(const Octree& octree, const EmptyCells& cells, Meet& meet) noexcept
         : octree_(octree), cells_(cells), meet_(meet)
-    {
-    }
+    {}
 
     void visit_all()
     {
@@ -65,7 +64,8 @@ private:
         if ((empty & bit) != 0) return {Kind::empty, cells_.number(record, empty, octant)};
         const OctreeNode node = octree_.nodes()[record];
         const std::uint32_t child =
-            node.first + static_cast<std::uint32_t>(std::popcount(node.recorded_mask() & (bit - 1)));
+            node.first +
+            static_cast<std::uint32_t>(std::popcount(node.recorded_mask() & (bit - 1)));
         return {octree_.nodes()[child].is_leaf() ? Kind::occupied_leaf : Kind::split, child};
     }
 
@@ -100,13 +100,12 @@ private:
             high.kind == Kind::split ? empty_octants(octree_, high.id) : 0;
         for (std::size_t octant = 0; octant < 8; ++octant) {
             if ((octant & axis) != 0) continue;
-            visit_face(low.kind == Kind::split
-                           ? side(low.id, low_empty, static_cast<int>(octant | axis))
-                           : low,
-                       high.kind == Kind::split
-                           ? side(high.id, high_empty, static_cast<int>(octant))
-                           : high,
-                       axis);
+            visit_face(
+                low.kind == Kind::split ? side(low.id, low_empty, static_cast<int>(octant | axis))
+                                        : low,
+                high.kind == Kind::split ? side(high.id, high_empty, static_cast<int>(octant))
+                                         : high,
+                axis);
         }
     }
 

@@ -123,7 +123,8 @@ TriangleMesh hole_caps(const TriangleMesh& mesh)
     std::vector<Vec3> positions;
     for (const UnbalancedEdge& edge : edges) {
         for (const std::uint32_t vertex : {edge.from, edge.to}) {
-            if (renumbered.try_emplace(vertex, static_cast<std::uint32_t>(positions.size())).second) {
+            if (renumbered.try_emplace(vertex, static_cast<std::uint32_t>(positions.size()))
+                    .second) {
                 positions.push_back(mesh.positions()[vertex]);
             }
         }

@@ -38,10 +38,18 @@ struct Counter {
         statistics.depth_reached = std::max(statistics.depth_reached, level);
         ++statistics.leaves_at_depth[static_cast<std::size_t>(level)];
         switch (cell.type) {
-        case CellClass::inner: ++statistics.inner; break;
-        case CellClass::outer: ++statistics.outer; break;
-        case CellClass::boundary: ++statistics.boundary; break;
-        case CellClass::unclassified: ++statistics.unclassified; break;
+        case CellClass::inner:
+            ++statistics.inner;
+            break;
+        case CellClass::outer:
+            ++statistics.outer;
+            break;
+        case CellClass::boundary:
+            ++statistics.boundary;
+            break;
+        case CellClass::unclassified:
+            ++statistics.unclassified;
+            break;
         }
         return true;
     }
@@ -72,8 +80,8 @@ OctreeStatistics octree_statistics(const Octree& octree) noexcept
 
     statistics.occupied_percent = 100.0 * ratio(statistics.occupied_leaves, statistics.leaves);
     statistics.mean_triangles = ratio(statistics.references, statistics.occupied_leaves);
-    statistics.std_triangles = population_deviation(
-        statistics.occupied_leaves, statistics.references, counter.sum_of_squares);
+    statistics.std_triangles = population_deviation(statistics.occupied_leaves,
+                                                    statistics.references, counter.sum_of_squares);
     statistics.mean_all_leaves = ratio(statistics.references, statistics.leaves);
     statistics.std_all_leaves =
         population_deviation(statistics.leaves, statistics.references, counter.sum_of_squares);

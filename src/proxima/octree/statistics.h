@@ -10,7 +10,7 @@ namespace proxima {
 
 /// What `octree_statistics` counts. Cells include empty leaves that have no record.
 struct OctreeStatistics {
-    std::uint64_t total = 0;           ///< all cells: 8 per split cell, and the root
+    std::uint64_t total = 0; ///< all cells: 8 per split cell, and the root
     std::uint64_t leaves = 0;
     std::uint64_t occupied_leaves = 0; ///< leaves that some triangle touches
     double occupied_percent = 0.0;     ///< occupied leaves per 100 leaves

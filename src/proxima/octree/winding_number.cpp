@@ -6,9 +6,10 @@
 //                          + (15 (s.R)^2 (n.R) - ... ) / (2 R^7)                 order 3
 //                          + ...
 //
-// where order l is the gradient of the solid harmonic s^l P_l / R^(l+1), at most l s^(l-1) / R^(l+1)
-// long, because P_n^2 + (1 - x^2) P_n'^2 / (n (n + 1)) <= 1. Orders 4 and up thus sum to at most
-// (s^3 / R^5) (4 - 3t) / (1 - t)^2 with t = s / R, and with radius r >= s the integral is at most
+// where order l is the gradient of the solid harmonic s^l P_l / R^(l+1), at most l s^(l-1) /
+// R^(l+1) long, because P_n^2 + (1 - x^2) P_n'^2 / (n (n + 1)) <= 1. Orders 4 and up thus sum to at
+// most (s^3 / R^5) (4 - 3t) / (1 - t)^2 with t = s / R, and with radius r >= s the integral is at
+// most
 //
 //     r (integral of s^2) / R^5 * (4 - 3t) / (1 - t)^2,   t = r / R.
 //
@@ -102,8 +103,8 @@ void fill_leaf(WindingCluster& cluster, Extent& extent, const TriangleMesh& mesh
         extent.area += area;
         weighted += area * centroid;
     }
-    cluster.center = extent.area > 0.0 ? Vec3(origin + weighted / (extent.area * unit))
-                                       : extent.box.center();
+    cluster.center =
+        extent.area > 0.0 ? Vec3(origin + weighted / (extent.area * unit)) : extent.box.center();
     for (const TriangleId id : ids) {
         const Triangle triangle = mesh.triangle(id);
         std::array<Vec3, 3> s;
@@ -142,8 +143,8 @@ void add_child(WindingCluster& parent, Extent& extent, const WindingCluster& chi
 }
 
 void fill_parent(WindingCluster& parent, Extent& extent, const WindingCluster& left,
-                 const Extent& left_extent, const WindingCluster& right,
-                 const Extent& right_extent, double unit) noexcept
+                 const Extent& left_extent, const WindingCluster& right, const Extent& right_extent,
+                 double unit) noexcept
 {
     extent.area = left_extent.area + right_extent.area;
     extent.box = left_extent.box;
@@ -153,8 +154,8 @@ void fill_parent(WindingCluster& parent, Extent& extent, const WindingCluster& l
     parent.center = left.center + part * (right.center - left.center);
     add_child(parent, extent, left, left_extent, unit);
     add_child(parent, extent, right, right_extent, unit);
-    const Vec3 corner = (parent.center - extent.box.lower)
-                            .cwiseMax(extent.box.upper - parent.center);
+    const Vec3 corner =
+        (parent.center - extent.box.lower).cwiseMax(extent.box.upper - parent.center);
     parent.radius = std::min(parent.radius, corner.norm() * unit);
     remove_traces(parent);
 }
@@ -173,7 +174,8 @@ std::vector<KeyedIndex> morton_order(const TriangleMesh& mesh, const Box& bounds
         for (int axis = 0; axis < 3; ++axis) {
             const double low = bounds.lower[axis];
             const double mean = ((triangle[0][axis] - low) + (triangle[1][axis] - low) +
-                                 (triangle[2][axis] - low)) / 3.0;
+                                 (triangle[2][axis] - low)) /
+                                3.0;
             at[static_cast<std::size_t>(axis)] =
                 static_cast<std::uint32_t>(std::clamp(mean * scale, 0.0, cells - 1.0));
         }
@@ -225,8 +227,8 @@ double far_field(const WindingCluster& cluster, const Vec3& eye, double squared_
     const double zz = z * z;
     const double xy = x * y;
     const double first = cluster.dipole.dot(eye);
-    const double second = q[0] * xx + q[1] * yy + q[2] * zz +
-                          2.0 * (q[3] * xy + q[4] * (x * z) + q[5] * (y * z));
+    const double second =
+        q[0] * xx + q[1] * yy + q[2] * zz + 2.0 * (q[3] * xy + q[4] * (x * z) + q[5] * (y * z));
     const double third = o[0] * (xx * x) + o[1] * (yy * y) + o[2] * (zz * z) +
                          3.0 * (xx * (o[3] * y + o[4] * z) + yy * (o[5] * x + o[6] * z) +
                                 zz * (o[7] * x + o[8] * y)) +
@@ -238,8 +240,7 @@ double far_field(const WindingCluster& cluster, const Vec3& eye, double squared_
 }
 
 /// One pass down the clusters: expansions where their bound is below `tolerance`.
-WindingEstimate estimate(const WindingNumber& winding, const Vec3& point,
-                         double tolerance) noexcept
+WindingEstimate estimate(const WindingNumber& winding, const Vec3& point, double tolerance) noexcept
 {
     const auto clusters = winding.clusters();
     const TriangleMesh& mesh = winding.mesh();
@@ -345,8 +346,7 @@ Result<WindingNumber> build_winding_number(const TriangleMesh& mesh, const Windi
     for (std::size_t i = 0; i < clusters.size(); ++i) {
         constexpr double outward = 1.0 + 1e-9; // rounding of the bound itself
         clusters[i].radius *= outward;
-        clusters[i].remainder =
-            outward * inverse_sphere * clusters[i].radius * extents[i].second;
+        clusters[i].remainder = outward * inverse_sphere * clusters[i].radius * extents[i].second;
     }
     return winding;
 }

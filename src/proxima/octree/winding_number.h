@@ -35,12 +35,12 @@ struct WindingOptions {
 /// Triangles `first` to `first + count` of WindingNumber::order, seen from far away. Lengths are in
 /// units of WindingNumber::unit.
 struct WindingCluster {
-    Vec3 center = Vec3::Zero();                ///< centre of area, in the mesh's coordinates
-    Vec3 dipole = Vec3::Zero();                ///< integral of the normal n
-    std::array<double, 6> quadrupole{};        ///< of s n, symmetric and trace-free, s from center
-    std::array<double, 10> octupole{};         ///< of s s n, symmetric and trace-free
-    double radius = 0.0;                       ///< no point is farther from the centre
-    double remainder = 0.0;                    ///< bound's factor, see winding_number.cpp
+    Vec3 center = Vec3::Zero();         ///< centre of area, in the mesh's coordinates
+    Vec3 dipole = Vec3::Zero();         ///< integral of the normal n
+    std::array<double, 6> quadrupole{}; ///< of s n, symmetric and trace-free, s from center
+    std::array<double, 10> octupole{};  ///< of s s n, symmetric and trace-free
+    double radius = 0.0;                ///< no point is farther from the centre
+    double remainder = 0.0;             ///< bound's factor, see winding_number.cpp
     std::uint32_t first = 0;
     std::uint32_t count = 0;
     std::uint32_t next = 0; ///< the cluster after all below this one, which follow it

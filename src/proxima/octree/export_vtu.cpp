@@ -1,0 +1,53 @@
+#include "proxima/base/text.h"
+#include "proxima/octree/export.h"
+#include "proxima/octree/leaf_boxes.h"
+#include "proxima/octree/vtk_xml.h"
+
+namespace proxima {
+
+Status export_vtu(const Octree& octree, const std::filesystem::path& path)
+{
+    constexpr std::uint8_t vtk_voxel = 11; // corners in the order of octants
+    const std::vector<LeafBox> leaves = leaf_boxes(octree, LeafChoice::all);
+    const LeafCorners corners(leaves);
+    std::vector<double> points;
+    points.reserve(3 * corners.size());
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        const Vec3 point = corners.position(octree, i);
+        points.insert(points.end(), point.begin(), point.end());
+    }
+    std::vector<std::int64_t> connectivity;
+    std::vector<std::int64_t> offsets;
+    std::vector<std::uint8_t> classes;
+    std::vector<std::uint8_t> depths;
+    std::vector<std::uint32_t> triangles;
+    connectivity.reserve(8 * leaves.size());
+    for (const LeafBox& leaf : leaves) {
+        for (int corner = 0; corner < 8; ++corner) {
+            connectivity.push_back(static_cast<std::int64_t>(corners.number(leaf, corner)));
+        }
+        offsets.push_back(static_cast<std::int64_t>(connectivity.size()));
+        classes.push_back(static_cast<std::uint8_t>(leaf.type));
+        depths.push_back(leaf.depth);
+        triangles.push_back(leaf.triangles);
+    }
+    const std::vector<std::uint8_t> types(leaves.size(), vtk_voxel);
+
+    VtkXml xml("UnstructuredGrid", "1.0");
+    xml.text(concat("<UnstructuredGrid>\n<Piece NumberOfPoints=\"", corners.size(),
+                    "\" NumberOfCells=\"", leaves.size(), "\">\n<Points>\n"));
+    xml.array("Float64", "Name=\"Points\" NumberOfComponents=\"3\"",
+              std::as_bytes(std::span(points)));
+    xml.text("</Points>\n<Cells>\n");
+    xml.array("Int64", "Name=\"connectivity\"", std::as_bytes(std::span(connectivity)));
+    xml.array("Int64", "Name=\"offsets\"", std::as_bytes(std::span(offsets)));
+    xml.array("UInt8", "Name=\"types\"", std::as_bytes(std::span(types)));
+    xml.text("</Cells>\n<CellData Scalars=\"class\">\n");
+    xml.array("UInt8", "Name=\"class\"", std::as_bytes(std::span(classes)));
+    xml.array("UInt8", "Name=\"depth\"", std::as_bytes(std::span(depths)));
+    xml.array("UInt32", "Name=\"triangles\"", std::as_bytes(std::span(triangles)));
+    xml.text("</CellData>\n</Piece>\n</UnstructuredGrid>\n");
+    return xml.write(path);
+}
+
+} // namespace proxima
