@@ -141,8 +141,8 @@ void draw_mesh(Canvas& canvas, const Camera& camera, const TriangleMesh& mesh)
 /// Colour of cells at `part` of the way from the coarsest leaves (0) to the finest (1).
 Color depth_color(double part)
 {
-    const std::array<Color, 5> stops = {srgb(0x4527A0), srgb(0x1565C0), srgb(0x00897B),
-                                        srgb(0xEF6C00), srgb(0xC2185B)};
+    const std::array<Color, 6> stops = {srgb(0x4527A0), srgb(0x1565C0), srgb(0x00897B),
+                                        srgb(0x689F38), srgb(0xEF6C00), srgb(0xC2185B)};
     const double place = std::clamp(part, 0.0, 1.0) * (stops.size() - 1);
     const auto stop = std::min(static_cast<std::size_t>(place), stops.size() - 2);
     const auto rest = static_cast<float>(place - static_cast<double>(stop));
@@ -215,29 +215,35 @@ void draw_edges(Canvas& canvas, const Camera& camera, const Box& box, const Colo
     }
 }
 
-/// The leaves that hold triangles, coarse ones first.
+/// The leaves that hold triangles, fine ones first.
 std::vector<Leaf> occupied_leaves(const Octree& octree)
 {
     std::vector<Leaf> leaves;
     traverse(octree, LeafCollector{octree, leaves});
-    const auto by_depth = [](const Leaf& a, const Leaf& b) { return depth(a.key) < depth(b.key); };
-    std::ranges::stable_sort(leaves, by_depth);
+    const auto finer = [](const Leaf& a, const Leaf& b) { return depth(a.key) > depth(b.key); };
+    std::ranges::stable_sort(leaves, finer);
     return leaves;
 }
 
 void draw_leaves(Canvas& canvas, const Camera& camera, std::span<const Leaf> leaves)
 {
     if (leaves.empty()) return;
-    const int coarsest = depth(leaves.front().key);
-    const int finest = std::max(depth(leaves.back().key), coarsest + 1);
-    for (const Leaf& leaf : leaves) hide_lines_behind(canvas, camera, leaf.box);
+    const int coarsest = depth(leaves.back().key);
+    const int finest = std::max(depth(leaves.front().key), coarsest + 1);
+    // Cells are glass that hides lines of cells as coarse or coarser behind it: a large cell that
+    // touches the surface with a corner lets the small ones behind it be seen.
+    std::size_t paned = 0;
     for (const Leaf& leaf : leaves) {
+        while (paned < leaves.size() && depth(leaves[paned].key) == depth(leaf.key)) {
+            hide_lines_behind(canvas, camera, leaves[paned].box);
+            ++paned;
+        }
         const ScreenPoint lower = camera.project(leaf.box.lower);
         const ScreenPoint upper = camera.project(leaf.box.upper);
         const double pixels = std::hypot(upper.x - lower.x, upper.y - lower.y);
         const double part = static_cast<double>(depth(leaf.key) - coarsest) / (finest - coarsest);
         const LineStyle style{.width = std::clamp(0.05 * pixels, 0.9, 2.0),
-                              .opacity = static_cast<float>(std::clamp(0.04 * pixels, 0.3, 0.95)),
+                              .opacity = static_cast<float>(std::clamp(0.04 * pixels, 0.18, 0.95)),
                               .lift = 2e-3};
         draw_edges(canvas, camera, leaf.box, depth_color(part), style);
     }

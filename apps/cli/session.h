@@ -41,6 +41,9 @@ public:
     /// Writes the result where --json says; nothing without it.
     [[nodiscard]] Status write_json(const nlohmann::ordered_json& result) const;
 
+    /// Error file_not_writable where stdout did not take everything: to be asked last.
+    [[nodiscard]] Status finish() const;
+
     /// The mesh of a built-in name or a file.
     [[nodiscard]] Result<TriangleMesh> load_model(const std::string& model);
 
