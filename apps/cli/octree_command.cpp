@@ -12,6 +12,8 @@
 #include "proxima/octree/statistics.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fmt/core.h>
 #include <memory>
@@ -35,16 +37,27 @@ struct OctreeCommandOptions {
     std::vector<std::string> exports;
 };
 
+/// ".png" and the like, in lower case.
+std::string extension(const std::string& path)
+{
+    std::string text = std::filesystem::path(path).extension();
+    for (char& letter : text) {
+        if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
+    }
+    return text;
+}
+
 bool is_picture(const std::string& path)
 {
-    return std::filesystem::path(path).extension() == ".png";
+    return extension(path) == ".png";
 }
 
 /// Refuses before the work what could not be written after it.
 Status check_outputs(const OctreeCommandOptions& options)
 {
     for (const std::string& path : options.exports) {
-        if (!is_picture(path) && !is_octree_export_path(path)) {
+        constexpr std::array known = {".png", ".vtu", ".htg", ".glb", ".ply"};
+        if (std::ranges::find(known, extension(path)) == known.end()) {
             return fail(ErrorCode::unsupported_format,
                         "unknown extension: export to .png, .vtu, .htg, .glb or .ply", path);
         }

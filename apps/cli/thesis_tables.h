@@ -69,21 +69,6 @@ inline constexpr std::array<Model, 3> table_2_3 = {
       47794,
       {{{1, 14257, 12475, 55.9, 17.32, 19.86}, {89, 7545, 6602, 77.8, 29.16, 22.71}}}}}};
 
-/// A row of Table 3.2.
-struct ComplexityRow {
-    std::string_view method;
-    int dot_products;
-    int cross_products;
-    int flops;
-};
-
-inline constexpr std::array<ComplexityRow, 5> table_3_2 = {
-    {{"Separating-axis-based intersection", 13, 0, 83},
-     {"Minkowski-sum-based intersection", 26, 0, 130},
-     {"Pairwise intersection", 138, 0, 930},
-     {"Geometric method", 312, 27, 1713},
-     {"Incremental convex hull method", 440, 60, 3040}}};
-
 /// A row of Table 3.3: seconds on a Pentium 4 of 3.2 GHz.
 struct TimeRow {
     int depth;
