@@ -1,0 +1,231 @@
+#include "cli/canvas.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace proxima {
+
+namespace {
+
+constexpr int samples_per_axis = 2;
+
+std::uint8_t to_srgb_byte(float linear)
+{
+    const float clamped = std::clamp(linear, 0.0F, 1.0F);
+    const float encoded = clamped <= 0.0031308F ? 12.92F * clamped
+                                                : 1.055F * std::pow(clamped, 1.0F / 2.4F) - 0.055F;
+    return static_cast<std::uint8_t>(std::lround(255.0F * encoded));
+}
+
+float from_srgb_byte(unsigned byte)
+{
+    const float encoded = static_cast<float>(byte) / 255.0F;
+    return encoded <= 0.04045F ? encoded / 12.92F : std::pow((encoded + 0.055F) / 1.055F, 2.4F);
+}
+
+/// Whole numbers of the samples whose centres lie in [lower, upper], cut to [0, count).
+struct SampleRange {
+    int first;
+    int last;
+
+    SampleRange(double lower, double upper, int count)
+        : first(static_cast<int>(std::ceil(std::clamp(lower - 0.5, 0.0, 1.0 * count)))),
+          last(static_cast<int>(std::floor(std::clamp(upper - 0.5, -1.0, count - 1.0))))
+    {
+    }
+};
+
+} // namespace
+
+Color srgb(unsigned hex)
+{
+    return {from_srgb_byte(hex >> 16U & 0xFFU), from_srgb_byte(hex >> 8U & 0xFFU),
+            from_srgb_byte(hex & 0xFFU)};
+}
+
+Canvas::Canvas(int width, int height)
+    : width_(width), height_(height), columns_(width * samples_per_axis),
+      rows_(height * samples_per_axis),
+      colors_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)),
+      nearness_(colors_.size()), line_nearness_(colors_.size())
+{
+    fill_background(Color::Ones(), Color::Ones());
+}
+
+void Canvas::fill_background(const Color& top, const Color& bottom)
+{
+    std::ranges::fill(nearness_, 0.0F);
+    std::ranges::fill(line_nearness_, 0.0F);
+    for (int y = 0; y < rows_; ++y) {
+        const float part = (static_cast<float>(y) + 0.5F) / static_cast<float>(rows_);
+        const Color color = (1.0F - part) * top + part * bottom;
+        std::fill_n(colors_.begin() + static_cast<std::ptrdiff_t>(sample_index(0, y)), columns_,
+                    color);
+    }
+}
+
+template <class Put>
+void Canvas::cover(const std::array<ScreenPoint, 3>& triangle, std::vector<float>& nearest,
+                   const Put& put)
+{
+    const auto corner = [&](std::size_t i) -> Vec2 {
+        return samples_per_axis * Vec2(triangle[i].x, triangle[i].y);
+    };
+    const Vec2 a = corner(0);
+    const Vec2 ab = corner(1) - a;
+    const Vec2 ac = corner(2) - a;
+    const double area = ab.x() * ac.y() - ab.y() * ac.x();
+    if (area == 0.0 || !std::isfinite(area)) return;
+    const Vec2 lower = a.cwiseMin(corner(1)).cwiseMin(corner(2));
+    const Vec2 upper = a.cwiseMax(corner(1)).cwiseMax(corner(2));
+    const SampleRange across(lower.x(), upper.x(), columns_);
+    const SampleRange down(lower.y(), upper.y(), rows_);
+    for (int y = down.first; y <= down.last; ++y) {
+        for (int x = across.first; x <= across.last; ++x) {
+            const Vec2 offset = Vec2(x + 0.5, y + 0.5) - a;
+            const double v = (offset.x() * ac.y() - offset.y() * ac.x()) / area;
+            const double w = (ab.x() * offset.y() - ab.y() * offset.x()) / area;
+            const double u = 1.0 - v - w;
+            if (u < 0.0 || v < 0.0 || w < 0.0) continue;
+            const auto nearness = static_cast<float>(
+                u * triangle[0].nearness + v * triangle[1].nearness + w * triangle[2].nearness);
+            const std::size_t sample = sample_index(x, y);
+            if (nearness <= nearest[sample]) continue;
+            nearest[sample] = nearness;
+            put(sample, static_cast<float>(u), static_cast<float>(v), static_cast<float>(w));
+        }
+    }
+}
+
+void Canvas::draw_triangle(const std::array<ScreenVertex, 3>& triangle)
+{
+    cover({triangle[0].point, triangle[1].point, triangle[2].point}, nearness_,
+          [&](std::size_t sample, float u, float v, float w) {
+              colors_[sample] =
+                  u * triangle[0].color + v * triangle[1].color + w * triangle[2].color;
+          });
+}
+
+void Canvas::hide_lines_behind(const std::array<ScreenPoint, 3>& triangle)
+{
+    cover(triangle, line_nearness_, [](std::size_t, float, float, float) {});
+}
+
+void Canvas::draw_line(const ScreenPoint& from, const ScreenPoint& to, const Color& color,
+                       const LineStyle& style)
+{
+    const Vec2 start = samples_per_axis * Vec2(from.x, from.y);
+    const Vec2 along = samples_per_axis * Vec2(to.x, to.y) - start;
+    const double length_squared = std::max(along.squaredNorm(), 1e-12);
+    if (!std::isfinite(length_squared)) return;
+    const double half_width = 0.5 * samples_per_axis * style.width;
+    const double reach = half_width + 0.5;
+    const Vec2 lower = start.cwiseMin(start + along);
+    const Vec2 upper = start.cwiseMax(start + along);
+    const SampleRange down(lower.y() - reach, upper.y() + reach, rows_);
+    for (int y = down.first; y <= down.last; ++y) {
+        // The part of this row that the line may cover.
+        double left = lower.x();
+        double right = upper.x();
+        if (std::abs(along.y()) > 1e-9) {
+            const double t0 = std::clamp((y + 0.5 - reach - start.y()) / along.y(), 0.0, 1.0);
+            const double t1 = std::clamp((y + 0.5 + reach - start.y()) / along.y(), 0.0, 1.0);
+            const double x0 = start.x() + t0 * along.x();
+            const double x1 = start.x() + t1 * along.x();
+            left = std::min(x0, x1);
+            right = std::max(x0, x1);
+        }
+        const SampleRange across(left - reach, right + reach, columns_);
+        for (int x = across.first; x <= across.last; ++x) {
+            const Vec2 offset = Vec2(x + 0.5, y + 0.5) - start;
+            const double t = std::clamp(offset.dot(along) / length_squared, 0.0, 1.0);
+            const double distance = (offset - t * along).norm();
+            const double coverage = std::clamp(half_width + 0.5 - distance, 0.0, 1.0);
+            if (coverage <= 0.0) continue;
+            const double nearness = (1.0 - t) * from.nearness + t * to.nearness;
+            const std::size_t sample = sample_index(x, y);
+            if (nearness * (1.0 + style.lift) <
+                static_cast<double>(std::max(nearness_[sample], line_nearness_[sample]))) {
+                continue;
+            }
+            const float opacity = style.opacity * static_cast<float>(coverage);
+            colors_[sample] = (1.0F - opacity) * colors_[sample] + opacity * color;
+        }
+    }
+}
+
+void Canvas::darken_creases(double radius, float strength)
+{
+    // Directions on two rings, turned from sample to sample in a 4x4 pattern, which the average over
+    // samples and neighbours smooths.
+    constexpr int directions = 12;
+    constexpr double golden_angle = 2.399963229728653;
+    std::vector<float> light(colors_.size(), 1.0F);
+    for (int y = 0; y < rows_; ++y) {
+        for (int x = 0; x < columns_; ++x) {
+            const float here = nearness_[sample_index(x, y)];
+            if (here == 0.0F) continue;
+            const double turn = 0.39269908169872414 * ((x & 3) * 4 + (y & 3));
+            const double reach = samples_per_axis * radius;
+            float closed = 0.0F;
+            for (int i = 0; i < directions; ++i) {
+                const double angle = turn + golden_angle * i;
+                const double length = reach * std::sqrt((i + 0.5) / directions);
+                const int dx = static_cast<int>(std::lround(length * std::cos(angle)));
+                const int dy = static_cast<int>(std::lround(length * std::sin(angle)));
+                // Two opposite neighbours that together are nearer than this place close a crease;
+                // on a plane, whatever its slope, they balance.
+                const auto neighbour = [&](int nx, int ny) {
+                    if (nx < 0 || ny < 0 || nx >= columns_ || ny >= rows_) return 0.0F;
+                    const float nearness = nearness_[sample_index(nx, ny)];
+                    return nearness == 0.0F ? -0.02F : nearness / here - 1.0F;
+                };
+                const float bend = neighbour(x + dx, y + dy) + neighbour(x - dx, y - dy);
+                closed += std::clamp(bend * 60.0F, -0.3F, 1.0F);
+            }
+            light[sample_index(x, y)] =
+                1.0F - strength * std::clamp(closed / directions, -0.2F, 1.0F);
+        }
+    }
+    constexpr int blur = 2; // samples to each side: the size of the pattern
+    for (int y = 0; y < rows_; ++y) {
+        for (int x = 0; x < columns_; ++x) {
+            const std::size_t sample = sample_index(x, y);
+            const float here = nearness_[sample];
+            if (here == 0.0F) continue;
+            float sum = 0.0F;
+            float weight = 0.0F;
+            for (int ny = std::max(0, y - blur); ny < std::min(rows_, y + blur); ++ny) {
+                for (int nx = std::max(0, x - blur); nx < std::min(columns_, x + blur); ++nx) {
+                    const std::size_t neighbour = sample_index(nx, ny);
+                    if (std::abs(nearness_[neighbour] / here - 1.0F) > 0.02F) continue;
+                    sum += light[neighbour];
+                    weight += 1.0F;
+                }
+            }
+            if (weight > 0.0F) colors_[sample] *= sum / weight;
+        }
+    }
+}
+
+Image Canvas::image() const
+{
+    Image image{width_, height_, {}};
+    image.bytes.reserve(3 * static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
+    for (int y = 0; y < height_; ++y) {
+        for (int x = 0; x < width_; ++x) {
+            Color sum = Color::Zero();
+            for (int sample = 0; sample < samples_per_axis * samples_per_axis; ++sample) {
+                sum += colors_[sample_index(x * samples_per_axis + sample % samples_per_axis,
+                                            y * samples_per_axis + sample / samples_per_axis)];
+            }
+            sum /= samples_per_axis * samples_per_axis;
+            for (const float channel : {sum[0], sum[1], sum[2]}) {
+                image.bytes.push_back(to_srgb_byte(channel));
+            }
+        }
+    }
+    return image;
+}
+
+} // namespace proxima

@@ -1,0 +1,89 @@
+// A small software renderer: triangles with a depth buffer, then lines over them, averaged down.
+//
+//     Canvas canvas(1600, 1200);
+//     canvas.fill_background(top, bottom);
+//     canvas.draw_triangle({a, b, c});       // vertices as Camera::project gives them, with colour
+//     canvas.draw_line(a, b, color, style);
+//     const Image image = canvas.image();
+#pragma once
+
+#include "cli/image.h"
+#include "proxima/geometry/vec.h"
+
+#include <array>
+#include <vector>
+
+namespace proxima {
+
+/// Linear light, each channel 0 to 1.
+using Color = Eigen::Array3f;
+
+/// A colour by its sRGB bytes, 0xRRGGBB.
+[[nodiscard]] Color srgb(unsigned hex);
+
+/// A point on the screen: pixels from the upper left corner, and nearness 1 / distance along the view axis,
+/// which is linear on the screen.
+struct ScreenPoint {
+    double x = 0.0;
+    double y = 0.0;
+    double nearness = 0.0;
+};
+
+struct ScreenVertex {
+    ScreenPoint point;
+    Color color = Color::Zero();
+};
+
+struct LineStyle {
+    double width = 1.0; ///< pixels
+    float opacity = 1.0F;
+    double lift = 0.0;  ///< part of the distance by which it is drawn nearer
+};
+
+class Canvas {
+public:
+    /// \pre both positive
+    Canvas(int width, int height);
+
+    /// A vertical gradient; forgets what was drawn.
+    void fill_background(const Color& top, const Color& bottom);
+
+    /// Fills the triangle where nothing drawn before is nearer. Parts outside the canvas are cut.
+    /// \pre all three in front of the eye
+    void draw_triangle(const std::array<ScreenVertex, 3>& triangle);
+
+    /// Hides lines behind the triangle without drawing it: a pane of glass that only lines heed.
+    void hide_lines_behind(const std::array<ScreenPoint, 3>& triangle);
+
+    /// Blends a line over what lies there, where no triangle or pane is nearer.
+    void draw_line(const ScreenPoint& from, const ScreenPoint& to, const Color& color,
+                   const LineStyle& style);
+
+    /// Darkens creases and places near other surfaces: ambient light that neighbours of up to
+    /// `radius` pixels keep away. To be called after the triangles, before the lines.
+    void darken_creases(double radius, float strength);
+
+    /// The picture so far.
+    [[nodiscard]] Image image() const;
+
+private:
+    template <class Put>
+    void cover(const std::array<ScreenPoint, 3>& triangle, std::vector<float>& nearest,
+               const Put& put);
+
+    [[nodiscard]] std::size_t sample_index(int x, int y) const noexcept
+    {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) +
+               static_cast<std::size_t>(x);
+    }
+
+    int width_;
+    int height_;
+    int columns_; // samples across
+    int rows_;    // samples down
+    std::vector<Color> colors_;
+    std::vector<float> nearness_;      // of triangles drawn, 0 = background
+    std::vector<float> line_nearness_; // of panes
+};
+
+} // namespace proxima

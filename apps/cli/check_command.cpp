@@ -1,0 +1,163 @@
+// proxima check: what is wrong with a mesh, where, and what still works.
+#include "cli/commands.h"
+#include "cli/model_options.h"
+#include "cli/text_table.h"
+#include "proxima/base/text.h"
+#include "proxima/mesh/mesh_report.h"
+
+#include <fmt/core.h>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+namespace proxima {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const Vec3& point)
+{
+    return {point.x(), point.y(), point.z()};
+}
+
+template <class T>
+Json json_of(const std::optional<T>& value)
+{
+    return value ? Json(*value) : Json();
+}
+
+Json json_of(const MeshFinding& finding)
+{
+    Json places = Json::array();
+    for (const Vec3& place : finding.first_places) places.push_back(json_of(place));
+    return {{"kind", name_of(finding.kind)},       {"severity", name_of(finding.severity)},
+            {"element", name_of(finding.element)}, {"count", finding.count},
+            {"first_ids", finding.first_ids},      {"first_places", places},
+            {"meaning", finding.meaning}};
+}
+
+Json json_of(const MeshReport& report, const std::string& model)
+{
+    Json bounds;
+    if (!report.bounds.empty()) {
+        bounds = {{"lower", json_of(report.bounds.lower)}, {"upper", json_of(report.bounds.upper)}};
+    }
+    Json findings = Json::array();
+    for (const MeshFinding& finding : report.findings) findings.push_back(json_of(finding));
+    Json outlook = Json::array();
+    for (const QueryOutlook& query : report.outlook) {
+        outlook.push_back({{"query", name_of(query.query)},
+                           {"outlook", name_of(query.outlook)},
+                           {"reason", query.reason}});
+    }
+    return {{"model", model},
+            {"vertices", report.vertices},
+            {"triangles", report.triangles},
+            {"edges", report.edges},
+            {"components", report.components},
+            {"boundary_loops", report.boundary_loops},
+            {"bounds", bounds},
+            {"area", report.area},
+            {"min_edge_length", report.min_edge_length},
+            {"max_edge_length", report.max_edge_length},
+            {"closed", report.closed},
+            {"consistently_oriented", report.consistently_oriented},
+            {"closed_if_welded", json_of(report.closed_if_welded)},
+            {"orientation", name_of(report.orientation)},
+            {"signed_volume", json_of(report.signed_volume)},
+            {"euler_characteristic", report.euler_characteristic},
+            {"genus", json_of(report.genus)},
+            {"findings", findings},
+            {"outlook", outlook}};
+}
+
+std::string point_text(const Vec3& point)
+{
+    return fmt::format("({:.6g}, {:.6g}, {:.6g})", point.x(), point.y(), point.z());
+}
+
+/// "boundary_edges" as people write it.
+std::string words(std::string_view name)
+{
+    std::string text(name);
+    for (char& letter : text) {
+        if (letter == '_') letter = ' ';
+    }
+    return text;
+}
+
+std::string finding_text(const MeshFinding& finding)
+{
+    std::string text = finding.element == ElementKind::mesh
+                           ? words(name_of(finding.kind))
+                           : fmt::format("{} {}", finding.count, words(name_of(finding.kind)));
+    text = fmt::format("{}: {}\n    {}\n", name_of(finding.severity), text, finding.meaning);
+    if (!finding.first_ids.empty()) {
+        text += fmt::format("    {}:", finding.count > finding.first_ids.size() ? "the first" : "at");
+        for (std::size_t i = 0; i < finding.first_ids.size(); ++i) {
+            text += fmt::format("{} {} {}", i == 0 ? "" : ",", name_of(finding.element),
+                                finding.first_ids[i]);
+            if (i < finding.first_places.size()) text += ' ' + point_text(finding.first_places[i]);
+        }
+        text += '\n';
+    }
+    return text;
+}
+
+std::string report_text(const MeshReport& report, const std::string& model)
+{
+    std::string text = fmt::format("{}: {} vertices, {} triangles, {} edges, {} components\n",
+                                   model, report.vertices, report.triangles, report.edges,
+                                   report.components);
+    if (!report.bounds.empty()) {
+        text += fmt::format("from {} to {}, area {:.6g}, edges {:.3g} to {:.3g} long\n",
+                            point_text(report.bounds.lower), point_text(report.bounds.upper),
+                            report.area, report.min_edge_length, report.max_edge_length);
+    }
+    text += report.closed ? "closed" : fmt::format("open, {} boundary loops", report.boundary_loops);
+    text += report.consistently_oriented ? ", consistently oriented" : ", not consistently oriented";
+    if (report.signed_volume) {
+        text += fmt::format(", {}, volume {:.6g}", name_of(report.orientation),
+                            *report.signed_volume);
+    }
+    if (report.genus) text += fmt::format(", genus {}", *report.genus);
+    text += fmt::format(", Euler characteristic {}\n", report.euler_characteristic);
+    if (report.closed_if_welded.value_or(false)) {
+        text += "it would be closed if vertices at the same position were one\n";
+    }
+    text += '\n';
+    if (report.findings.empty()) text += "nothing is wrong with it\n";
+    for (const MeshFinding& finding : report.findings) text += finding_text(finding);
+
+    TextTable outlook({"Query", "Outlook", "Why"});
+    for (const QueryOutlook& query : report.outlook) {
+        outlook.add_row({words(name_of(query.query)), words(name_of(query.outlook)), query.reason});
+    }
+    return text + '\n' + outlook.text();
+}
+
+Status run_check(const std::string& model, Session& session)
+{
+    const auto mesh = session.load_model(model);
+    if (!mesh) return tl::unexpected(mesh.error());
+    const auto report = [&] {
+        const ProgressBar shown(session.progress(), session.bar());
+        return report_mesh(*mesh, {.threads = session.threads(), .progress = &session.progress()});
+    }();
+    if (!report) return at_model(report.error(), model);
+    session.print(report_text(*report, model));
+    return session.write_json(json_of(*report, model));
+}
+
+} // namespace
+
+Command add_check_command(CLI::App& app)
+{
+    CLI::App* const parser =
+        app.add_subcommand("check", "Say what is wrong with a mesh and what still works");
+    const auto model = std::make_shared<std::string>();
+    add_model_option(*parser, *model);
+    return {parser, [model](Session& session) { return run_check(*model, session); }};
+}
+
+} // namespace proxima

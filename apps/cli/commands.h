@@ -1,0 +1,23 @@
+// The subcommands: each adds its options to the parser and returns what runs it.
+#pragma once
+
+#include "cli/session.h"
+#include "proxima/base/result.h"
+
+#include <CLI/App.hpp>
+#include <functional>
+
+namespace proxima {
+
+/// A subcommand that was added to the parser.
+struct Command {
+    CLI::App* parser = nullptr; ///< says whether it was asked for
+    std::function<Status(Session&)> run;
+};
+
+[[nodiscard]] Command add_octree_command(CLI::App& app);
+[[nodiscard]] Command add_compare_command(CLI::App& app);
+[[nodiscard]] Command add_tables_command(CLI::App& app);
+[[nodiscard]] Command add_check_command(CLI::App& app);
+
+} // namespace proxima

@@ -1,0 +1,51 @@
+#include "cli/interrupt.h"
+
+#include <atomic>
+#include <csignal>
+
+namespace proxima {
+
+namespace {
+
+std::atomic<Progress*> watched{nullptr};
+std::atomic<int> received{0};
+
+extern "C" void cancel_work(int signal)
+{
+    received.store(signal);
+    if (Progress* const progress = watched.load()) progress->cancel();
+}
+
+void handle(int signal, void (*handler)(int), int flags) noexcept
+{
+    struct sigaction action = {};
+    action.sa_handler = handler;
+    action.sa_flags = flags;
+    sigemptyset(&action.sa_mask);
+    sigaction(signal, &action, nullptr);
+}
+
+} // namespace
+
+InterruptGuard::InterruptGuard(Progress& progress) noexcept
+{
+    received.store(0);
+    watched.store(&progress);
+    for (const int signal : {SIGINT, SIGTERM}) {
+        // The default action returns after the first signal: whoever asks twice need not wait.
+        handle(signal, cancel_work, static_cast<int>(SA_RESETHAND) | SA_RESTART);
+    }
+}
+
+InterruptGuard::~InterruptGuard()
+{
+    for (const int signal : {SIGINT, SIGTERM}) handle(signal, SIG_DFL, 0);
+    watched.store(nullptr);
+}
+
+int InterruptGuard::signal_number() noexcept
+{
+    return received.load();
+}
+
+} // namespace proxima

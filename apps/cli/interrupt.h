@@ -1,0 +1,21 @@
+// Ctrl-C and the request to terminate, handed on to the work in progress.
+#pragma once
+
+#include "proxima/base/progress.h"
+
+namespace proxima {
+
+/// While it lives, SIGINT and SIGTERM cancel the work that `progress` watches. A second signal ends
+/// the program at once. One at a time.
+class InterruptGuard {
+public:
+    explicit InterruptGuard(Progress& progress) noexcept;
+    InterruptGuard(const InterruptGuard&) = delete;
+    InterruptGuard& operator=(const InterruptGuard&) = delete;
+    ~InterruptGuard();
+
+    /// The signal that came, 0 if none did.
+    [[nodiscard]] static int signal_number() noexcept;
+};
+
+} // namespace proxima

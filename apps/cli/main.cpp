@@ -1,0 +1,94 @@
+// proxima: the library on the command line. One subcommand per file; here is what they share:
+// the common options, exit status, and one line on stderr for whatever went wrong.
+//
+//     0 done    1 a bad input or output    2 wrong usage    130, 143 stopped by a signal
+#include "cli/commands.h"
+#include "cli/interrupt.h"
+#include "cli/session.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <exception>
+#include <fmt/core.h>
+#include <string>
+#include <vector>
+
+namespace {
+
+using proxima::Command;
+using proxima::CommonOptions;
+using proxima::ErrorCode;
+
+constexpr int bad_input = 1;
+constexpr int wrong_usage = 2;
+constexpr int first_signal_status = 128;
+
+/// Prints "proxima: message" as one line.
+void report(std::string message)
+{
+    std::ranges::replace(message, '\n', ' ');
+    fmt::print(stderr, "proxima: {}\n", message);
+}
+
+void add_common_options(CLI::App& parser, CommonOptions& options)
+{
+    parser.add_option("--json", options.json, "Write the result as JSON to FILE, or to stdout: -")
+        ->type_name("FILE");
+    parser.add_option("--threads", options.threads, "Threads to use; 0 for all")
+        ->check(CLI::Range(0, 1024))
+        ->type_name("N");
+    parser.add_flag("--quiet", options.quiet, "Print nothing for people");
+}
+
+int run(const Command& command, const CommonOptions& options)
+{
+    proxima::Session session(options);
+    const proxima::InterruptGuard guard(session.progress());
+    proxima::Status status = proxima::Session::check_writable(options.json);
+    if (status) status = command.run(session);
+    if (status) status = session.finish();
+    if (status) return 0;
+    report(describe(status.error()));
+    const int signal = proxima::InterruptGuard::signal_number();
+    return status.error().code == ErrorCode::cancelled && signal != 0
+               ? first_signal_status + signal
+               : bad_input;
+}
+
+int parse_and_run(int argc, char** argv)
+{
+    CLI::App app("One octree for every spatial question about a triangle mesh.", "proxima");
+    app.set_version_flag("--version", PROXIMA_VERSION);
+    app.require_subcommand(1);
+    app.get_formatter()->column_width(32);
+    CommonOptions options;
+    const std::vector<Command> commands = {
+        proxima::add_octree_command(app), proxima::add_compare_command(app),
+        proxima::add_tables_command(app), proxima::add_check_command(app)};
+    for (const Command& command : commands) add_common_options(*command.parser, options);
+    const auto asked_for = [](const Command& command) { return command.parser->parsed(); };
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        if (error.get_exit_code() == 0) return app.exit(error); // help or version
+        const auto found = std::ranges::find_if(commands, asked_for);
+        report(fmt::format("{}; see proxima {}--help", error.what(),
+                           found == commands.end() ? "" : found->parser->get_name() + ' '));
+        return wrong_usage;
+    }
+    return run(*std::ranges::find_if(commands, asked_for), options);
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+    try {
+        return parse_and_run(argc, argv);
+    } catch (const std::bad_alloc&) {
+        report("out of memory: give a --budget-mb that this machine has, or a smaller task");
+    } catch (const std::exception& error) {
+        report(error.what());
+    }
+    return bad_input;
+}

@@ -1,0 +1,51 @@
+#include "cli/model_options.h"
+
+#include "cli/names.h"
+#include "proxima/base/text.h"
+#include "proxima/mesh/mesh_format.h"
+#include "proxima/mesh/sample_meshes.h"
+
+#include <CLI/CLI.hpp>
+#include <utility>
+
+namespace proxima {
+
+void add_model_option(CLI::App& parser, std::string& model)
+{
+    parser
+        .add_option("MODEL", model,
+                    concat("A file (", known_mesh_extensions(), ") or one of ",
+                           sample_mesh_names()))
+        ->required()
+        ->type_name("");
+}
+
+void add_method_option(CLI::App& parser, OverlapMethod& method)
+{
+    parser
+        .add_option_function<std::string>(
+            "--method",
+            [&method](const std::string& name) {
+                const auto found = find_method(name);
+                if (!found) {
+                    throw CLI::ValidationError(
+                        "--method", concat(name, " is no method: they are ", method_names()));
+                }
+                method = *found;
+            },
+            concat("Overlap test: ", method_names()))
+        ->type_name("NAME");
+}
+
+UpAxis up_axis_of_model(const std::string& model)
+{
+    return is_sample_mesh_name(model) ? UpAxis::z : UpAxis::y;
+}
+
+tl::unexpected<Error> at_model(Error error, const std::string& model)
+{
+    error.where = error.where.empty() ? model : concat(model, ": ", error.where);
+    return tl::unexpected(std::move(error));
+}
+
+} // namespace proxima

@@ -1,0 +1,25 @@
+// The options that several subcommands have in the same words.
+#pragma once
+
+#include "cli/octree_picture.h"
+#include "proxima/base/result.h"
+#include "proxima/octree/octree.h"
+
+#include <CLI/App.hpp>
+#include <string>
+
+namespace proxima {
+
+/// MODEL, required: a file or a built-in.
+void add_model_option(CLI::App& parser, std::string& model);
+
+/// --method NAME.
+void add_method_option(CLI::App& parser, OverlapMethod& method);
+
+/// The up axis that a model is drawn with: built-ins stand on z, files mostly on y.
+[[nodiscard]] UpAxis up_axis_of_model(const std::string& model);
+
+/// The error with the model as its place, where it named none.
+[[nodiscard]] tl::unexpected<Error> at_model(Error error, const std::string& model);
+
+} // namespace proxima

@@ -1,0 +1,182 @@
+// proxima octree: builds the octree of a mesh, counts it, saves and exports it.
+#include "cli/commands.h"
+#include "cli/model_options.h"
+#include "cli/names.h"
+#include "cli/octree_picture.h"
+#include "cli/statistics_text.h"
+#include "cli/stopwatch.h"
+#include "proxima/base/text.h"
+#include "proxima/octree/build_octree.h"
+#include "proxima/octree/export.h"
+#include "proxima/octree/octree_file.h"
+#include "proxima/octree/statistics.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fmt/core.h>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+namespace proxima {
+
+namespace {
+
+struct OctreeCommandOptions {
+    std::string model;
+    int depth = 5;
+    std::uint32_t threshold = 1;
+    OverlapMethod method = OverlapMethod::fast;
+    bool exact = false;
+    bool uniform = false;
+    bool two_pass = false;
+    RootShape root = RootShape::cube;
+    std::uint64_t budget_mb = 0;
+    std::string save;
+    std::vector<std::string> exports;
+};
+
+/// ".png" and the like, in lower case.
+std::string extension(const std::string& path)
+{
+    std::string text = std::filesystem::path(path).extension();
+    for (char& letter : text) {
+        if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
+    }
+    return text;
+}
+
+bool is_picture(const std::string& path)
+{
+    return extension(path) == ".png";
+}
+
+/// Refuses before the work what could not be written after it.
+Status check_outputs(const OctreeCommandOptions& options)
+{
+    for (const std::string& path : options.exports) {
+        constexpr std::array known = {".png", ".vtu", ".htg", ".glb", ".ply"};
+        if (std::ranges::find(known, extension(path)) == known.end()) {
+            return fail(ErrorCode::unsupported_format,
+                        "unknown extension: export to .png, .vtu, .htg, .glb or .ply", path);
+        }
+        if (auto status = Session::check_writable(path); !status) return status;
+    }
+    return Session::check_writable(options.save);
+}
+
+Status write_outputs(const OctreeCommandOptions& options, const Octree& octree,
+                     const TriangleMesh& mesh, Session& session)
+{
+    if (!options.save.empty()) {
+        if (auto status = save_octree(octree, options.save); !status) return status;
+        session.print(fmt::format("wrote {}\n", options.save));
+    }
+    for (const std::string& path : options.exports) {
+        if (auto status = session.check_running(); !status) return status;
+        const Status status =
+            is_picture(path)
+                ? write_png(draw_octree(octree, mesh, {.up = up_axis_of_model(options.model)}),
+                            path)
+                : export_octree(octree, mesh, path);
+        if (!status) return status;
+        session.print(fmt::format("wrote {}\n", path));
+    }
+    return {};
+}
+
+Status run_octree(const OctreeCommandOptions& options, Session& session)
+{
+    if (auto status = check_outputs(options); !status) return status;
+    const auto mesh = session.load_model(options.model);
+    if (!mesh) return tl::unexpected(mesh.error());
+
+    const OctreeOptions build_options{
+        .max_depth = options.depth,
+        .threshold = options.threshold,
+        .method = options.method,
+        .exactness = options.exact ? Exactness::exact : Exactness::conservative,
+        .subdivision = options.uniform ? Subdivision::uniform : Subdivision::adaptive,
+        .root_shape = options.root,
+        .budget = {options.budget_mb * 1'000'000},
+        .threads = session.threads(),
+        .progress = &session.progress()};
+    const Stopwatch watch;
+    const auto octree = [&] {
+        const ProgressBar shown(session.progress(), session.bar());
+        return options.two_pass ? build_octree_two_pass(*mesh, build_options)
+                                : build_octree(*mesh, build_options);
+    }();
+    const double seconds = watch.seconds();
+    if (!octree) return at_model(octree.error(), options.model);
+
+    const OctreeStatistics statistics = octree_statistics(*octree);
+    const std::string_view method = method_name(options.method);
+    session.print(
+        fmt::format("{}: {} triangles, method {}{}, {:.3f} s\n\n{}\n", options.model,
+                    mesh->triangle_count(), method, options.exact ? ", exact" : "", seconds,
+                    statistics_text(octree->parameters(), statistics)));
+    if (auto status = session.check_running(); !status) return status;
+    if (auto status = write_outputs(options, *octree, *mesh, session); !status) return status;
+    return session.write_json({{"model", options.model},
+                               {"triangles", mesh->triangle_count()},
+                               {"depth", octree->parameters().max_depth},
+                               {"threshold", octree->parameters().threshold},
+                               {"method", method},
+                               {"total", statistics.total},
+                               {"leaves", statistics.leaves},
+                               {"occupied_percent", statistics.occupied_percent},
+                               {"min_triangles", statistics.min_triangles},
+                               {"max_triangles", statistics.max_triangles},
+                               {"references", statistics.references},
+                               {"mean_triangles", statistics.mean_triangles},
+                               {"std_triangles", statistics.std_triangles},
+                               {"mean_all_leaves", statistics.mean_all_leaves},
+                               {"std_all_leaves", statistics.std_all_leaves},
+                               {"inner", statistics.inner},
+                               {"outer", statistics.outer},
+                               {"boundary", statistics.boundary},
+                               {"bytes", statistics.bytes},
+                               {"seconds", seconds}});
+}
+
+} // namespace
+
+Command add_octree_command(CLI::App& app)
+{
+    CLI::App* const parser =
+        app.add_subcommand("octree", "Build the octree of a mesh, count it, save and export it");
+    const auto options = std::make_shared<OctreeCommandOptions>();
+    add_model_option(*parser, options->model);
+    parser->add_option("--depth", options->depth, "Deepest level, the root is 0")
+        ->check(CLI::Range(0, max_octree_depth))
+        ->capture_default_str()
+        ->type_name("N");
+    parser->add_option("--threshold", options->threshold, "Split cells of more triangles than this")
+        ->check(CLI::Range(std::uint32_t{1}, std::numeric_limits<std::uint32_t>::max()))
+        ->capture_default_str()
+        ->type_name("N");
+    add_method_option(*parser, options->method);
+    parser->add_flag("--exact", options->exact, "List only triangles that touch, in exact numbers");
+    parser->add_flag("--uniform", options->uniform, "Split every cell to the deepest level");
+    parser->add_flag("--two-pass", options->two_pass,
+                     "Build again with the longest list as threshold (thesis 2.1.1)");
+    parser->add_option("--root", options->root, "Shape of the root: cube or box (default cube)")
+        ->transform(CLI::Transformer(
+            std::vector<std::pair<std::string, RootShape>>{{"cube", RootShape::cube},
+                                                           {"box", RootShape::box}}))
+        ->type_name("SHAPE");
+    parser->add_option("--budget-mb", options->budget_mb,
+                       "Memory the build may use, in 10^6 bytes (default: 3/4 of the machine's)")
+        ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40U))
+        ->type_name("N");
+    parser->add_option("--save", options->save, "Write the octree's own format")
+        ->type_name("FILE.pxo");
+    parser->add_option("--export", options->exports,
+                       "Write a picture (.png), for ParaView (.vtu, .htg), or boxes (.glb, .ply)")
+        ->type_name("FILE");
+    return {parser, [options](Session& session) { return run_octree(*options, session); }};
+}
+
+} // namespace proxima

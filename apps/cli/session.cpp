@@ -1,0 +1,70 @@
+#include "cli/session.h"
+
+#include "proxima/base/output_file.h"
+#include "proxima/base/text.h"
+#include "proxima/mesh/mesh_io.h"
+#include "proxima/mesh/sample_meshes.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+namespace proxima {
+
+namespace {
+
+constexpr const char* to_stdout = "-";
+
+} // namespace
+
+void Session::print(std::string_view text) const
+{
+    if (options_.quiet || options_.json == to_stdout) return;
+    std::fwrite(text.data(), 1, text.size(), stdout); // finish() asks whether it arrived
+}
+
+Status Session::write_json(const nlohmann::ordered_json& result) const
+{
+    if (options_.json.empty()) return {};
+    const std::string text = result.dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
+    if (options_.json == to_stdout) {
+        std::fwrite(text.data(), 1, text.size(), stdout);
+        std::fputc('\n', stdout);
+        return {};
+    }
+    auto file = OutputFile::create(options_.json);
+    if (!file) return tl::unexpected(file.error());
+    if (auto status = file->write(text + '\n'); !status) return status;
+    return file->commit();
+}
+
+Status Session::finish() const
+{
+    if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return {};
+    return fail(ErrorCode::file_not_writable,
+                concat("cannot write: ", std::strerror(errno), "; the output is incomplete"),
+                "standard output");
+}
+
+Result<TriangleMesh> Session::load_model(const std::string& model)
+{
+    if (is_sample_mesh_name(model)) return sample_mesh(model);
+    const ProgressBar shown(progress_, bar());
+    return read_mesh(model, {.progress = &progress_});
+}
+
+Status Session::check_running() const
+{
+    if (!progress_.cancelled()) return {};
+    return fail(ErrorCode::cancelled, "stopped on request; nothing more was written");
+}
+
+Status Session::check_writable(const std::string& path)
+{
+    if (path.empty() || path == to_stdout) return {};
+    auto file = OutputFile::create(path); // thrown away uncommitted
+    return file ? Status{} : tl::unexpected(file.error());
+}
+
+} // namespace proxima

@@ -1,0 +1,94 @@
+// proxima tables: every table of the thesis, ours beside its values, and why they differ.
+#include "cli/commands.h"
+#include "cli/names.h"
+#include "cli/thesis_comparison.h"
+#include "proxima/base/text.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <fmt/core.h>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+namespace proxima {
+
+namespace {
+
+struct TablesOptions {
+    std::vector<std::string> only;
+    ThesisComparisonOptions comparison;
+};
+
+Status run_tables(const TablesOptions& options, Session& session)
+{
+    ThesisComparisonOptions comparison = options.comparison;
+    comparison.threads = session.threads();
+    comparison.progress = &session.progress();
+    nlohmann::ordered_json tables = nlohmann::ordered_json::array();
+    for (const ThesisTable& table : thesis_tables()) {
+        const bool wanted =
+            options.only.empty() || std::ranges::find(options.only, table.number) != options.only.end();
+        if (!wanted) continue;
+        const auto result = [&] {
+            const ProgressBar shown(session.progress(), session.bar());
+            return table.compare(comparison);
+        }();
+        if (!result) return tl::unexpected(result.error());
+        session.print(fmt::format("Table {}. {}\n\n{}", table.number, table.title, result->text));
+        nlohmann::ordered_json notes = nlohmann::ordered_json::array();
+        for (const std::string& note : result->notes) {
+            session.print(fmt::format("  * {}\n", note));
+            notes.push_back(note);
+        }
+        session.print("\n");
+        tables.push_back({{"table", table.number},
+                          {"title", table.title},
+                          {"rows", result->rows},
+                          {"notes", notes}});
+    }
+    return session.write_json({{"tables", tables}});
+}
+
+std::string table_numbers()
+{
+    std::string numbers;
+    for (const ThesisTable& table : thesis_tables()) {
+        if (!numbers.empty()) numbers += ", ";
+        numbers += table.number;
+    }
+    return numbers;
+}
+
+} // namespace
+
+Command add_tables_command(CLI::App& app)
+{
+    CLI::App* const parser =
+        app.add_subcommand("tables", "Print every table of the thesis, ours beside its values");
+    const auto options = std::make_shared<TablesOptions>();
+    parser
+        ->add_option_function<std::string>(
+            "--only",
+            [options](const std::string& text) {
+                options->only = split_list(text);
+                for (const std::string& number : options->only) {
+                    if (std::ranges::none_of(thesis_tables(), [&](const ThesisTable& table) {
+                            return table.number == number;
+                        })) {
+                        throw CLI::ValidationError("--only", concat('"', number,
+                                                                    "\" is no table here: they are ",
+                                                                    table_numbers()));
+                    }
+                }
+            },
+            concat("Only these, of ", table_numbers()))
+        ->type_name("LIST");
+    parser
+        ->add_option("--meshes", options->comparison.meshes,
+                     "Folder with the Stanford models of Table 2.3")
+        ->capture_default_str()
+        ->type_name("DIR");
+    return {parser, [options](Session& session) { return run_tables(*options, session); }};
+}
+
+} // namespace proxima

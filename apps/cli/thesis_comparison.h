@@ -1,0 +1,44 @@
+// The thesis's tables, measured here and set beside its values.
+#pragma once
+
+#include "proxima/base/parallel.h"
+#include "proxima/base/progress.h"
+#include "proxima/base/result.h"
+
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace proxima {
+
+struct ThesisComparisonOptions {
+    std::string meshes = "../shared/meshes"; ///< folder with the models of Table 2.3
+    Threads threads = {};
+    Progress* progress = nullptr;
+};
+
+/// One table: rows for people and for programs, and a note for every difference.
+struct ThesisComparison {
+    std::string text;
+    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+    std::vector<std::string> notes;
+};
+
+struct ThesisTable {
+    std::string_view number;
+    std::string_view title;
+    Result<ThesisComparison> (*compare)(const ThesisComparisonOptions& options);
+};
+
+/// The tables of chapters 2 and 3, in their order.
+[[nodiscard]] std::span<const ThesisTable> thesis_tables() noexcept;
+
+[[nodiscard]] Result<ThesisComparison> compare_table_2_1(const ThesisComparisonOptions& options);
+[[nodiscard]] Result<ThesisComparison> compare_table_2_2(const ThesisComparisonOptions& options);
+[[nodiscard]] Result<ThesisComparison> compare_table_2_3(const ThesisComparisonOptions& options);
+[[nodiscard]] Result<ThesisComparison> compare_table_3_2(const ThesisComparisonOptions& options);
+[[nodiscard]] Result<ThesisComparison> compare_table_3_3(const ThesisComparisonOptions& options);
+
+} // namespace proxima

@@ -1,0 +1,254 @@
+"""Bad input and outputs that fail: a status, one line that says what, where and what to do, nothing left behind."""
+import os
+import random
+import resource
+import signal
+import subprocess
+import time
+import unittest
+
+import mesh_files
+from proxima_program import PROXIMA, ProgramTest, run
+
+TRIANGLE = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"
+
+
+def off(points, triangles):
+    lines = ["OFF", f"{len(points)} {len(triangles)} 0"] + [" ".join(map(repr, p)) for p in points]
+    return "\n".join(lines + ["3 %d %d %d" % t for t in triangles]) + "\n"
+
+
+def tetrahedron(scale=1.0, offset=0.0):
+    return off([tuple(scale * x + offset for x in point) for point in mesh_files.POSITIONS],
+               mesh_files.TRIANGLES)
+
+
+class Models(ProgramTest):
+    def test_every_format_is_read_when_whole(self):
+        for name, content in mesh_files.ALL.items():
+            with self.subTest(name):
+                self.assertEqual(self.json_of("octree", self.file(name, content))["triangles"], 4)
+
+    def test_missing_file(self):
+        path = self.folder / "missing.obj"
+        self.refuse("octree", path, says=(str(path),))
+
+    def test_a_folder_is_no_model(self):
+        self.refuse("octree", self.folder, says=str(self.folder))
+
+    def test_unknown_extension(self):
+        self.refuse("octree", self.file("a.xyz", TRIANGLE), says=("a.xyz", ".obj"))
+        self.refuse("octree", self.file("a", TRIANGLE), says=".obj")
+
+    def test_unknown_built_in_size(self):
+        self.refuse("octree", "sphere:1x1", says="sphere")
+        self.refuse("octree", "sphere:axb", says="sphere")
+        self.refuse("octree", "spaceship:33001", says="even")
+
+    def test_truncated_files(self):
+        for name, content in mesh_files.ALL.items():
+            for part in (0.35, 0.6, 0.97):
+                with self.subTest(name, part=part):
+                    cut = content[:int(part * len(content))]
+                    if name == "a.obj":  # lines alone would be a smaller, valid file
+                        cut = cut[:cut.rindex(b"\n", 0, -1) + 3]
+                    self.refuse("octree", self.file(name, cut), says=name)
+
+    def test_garbage(self):
+        generator = random.Random(7)
+        for name in mesh_files.ALL:
+            for size in (0, 1, 83, 5000):
+                with self.subTest(name, size=size):
+                    self.refuse("octree", self.file(name, generator.randbytes(size)), says=name)
+
+    def test_one_format_under_the_name_of_another(self):
+        for name in mesh_files.ALL:
+            for other, content in mesh_files.ALL.items():
+                if name.split(".")[1] != other.split(".")[1]:
+                    with self.subTest(name, content=other):
+                        self.refuse("octree", self.file(name, content), says=name)
+
+    def test_empty_mesh(self):
+        for name, content in {"a.off": "OFF\n0 0 0\n", "b.off": off([(0.0, 0.0, 0.0)], []),
+                              "a.obj": "v 0 0 0\n", "a.stl": "solid s\nendsolid s\n"}.items():
+            with self.subTest(name):
+                self.refuse("octree", self.file(name, content), says=name)
+
+    def test_nan_and_infinity(self):
+        for word in ("nan", "inf", "-inf"):
+            path = self.file("a.off", TRIANGLE.replace("0 1 0\n3", f"0 {word} 0\n3"))
+            self.refuse("octree", path, says=(str(path), "vertex 2"))
+
+    def test_index_out_of_range(self):
+        self.refuse("octree", self.file("a.off", TRIANGLE.replace("3 0 1 2", "3 0 1 3")), says="a.off:6")
+        self.refuse("octree", self.file("a.obj", "v 0 0 0\nf 1 1 2\n"), says="a.obj:2")
+        self.refuse("octree", self.file("b.obj", "v 0 0 0\nf 0 0 0\n"), says="b.obj:2")
+
+
+class Geometry(ProgramTest):
+    """Meshes that are strange and still right."""
+
+    def octree(self, content, **expected):
+        for method in ("fast", "separating-axis", "index-tracking", "minkowski", "pairwise"):
+            for extra in ((), ("--exact",)):
+                with self.subTest(method=method, extra=extra):
+                    result = self.json_of("octree", self.file("a.off", content), "--method", method,
+                                          "--depth", 4, *extra)
+                    self.assertGreaterEqual(result["references"], result["triangles"])
+                    for key, value in expected.items():
+                        self.assertEqual(result[key], value, key)
+
+    def test_one_triangle(self):
+        self.octree(TRIANGLE, triangles=1, total=1, references=1)
+
+    def test_a_flat_mesh(self):
+        self.octree(off([(0.0, 0.0, 5.0), (1.0, 0.0, 5.0), (1.0, 1.0, 5.0), (0.0, 1.0, 5.0)],
+                        [(0, 1, 2), (0, 2, 3)]), triangles=2)
+
+    def test_all_triangles_degenerate(self):
+        self.octree(off([(1.0, 2.0, 3.0)], [(0, 0, 0), (0, 0, 0)]), triangles=2)
+        self.octree(off([(0.0, 0.0, 0.0), (1.0, 1.0, 1.0)], [(0, 0, 1), (0, 1, 1)]), triangles=2)
+
+    def test_far_from_the_origin(self):
+        near = self.json_of("octree", self.file("near.off", tetrahedron(1024.0)), "--exact")
+        far = self.json_of("octree", self.file("far.off", tetrahedron(1024.0, 2.0**30)), "--exact")
+        for key in ("total", "leaves", "references", "inner", "outer"):
+            self.assertEqual(near[key], far[key], key)
+        self.octree(tetrahedron(1.0, 1e9), triangles=4)
+
+    def test_tiny_and_huge(self):
+        usual = self.json_of("octree", self.file("usual.off", tetrahedron()), "--exact")
+        for power in (-100, 100):  # about 1e-30 and 1e30, exactly the same shape
+            scaled = self.json_of("octree", self.file("scaled.off", tetrahedron(2.0**power)), "--exact")
+            for key in ("total", "leaves", "references", "inner", "outer"):
+                self.assertEqual(usual[key], scaled[key], key)
+        self.octree(tetrahedron(1e-30), triangles=4)
+        self.octree(tetrahedron(1e30), triangles=4)
+
+    def test_pictures_of_them(self):
+        for name, content in {"one": TRIANGLE, "point": off([(1.0, 2.0, 3.0)], [(0, 0, 0)]),
+                              "tiny": tetrahedron(1e-30), "huge": tetrahedron(1e30),
+                              "far": tetrahedron(1.0, 1e9)}.items():
+            with self.subTest(name):
+                self.succeed("octree", self.file(name + ".off", content), "--quiet", "--export",
+                             self.folder / (name + ".png"))
+
+    def test_check_says_what_they_mean(self):
+        text = self.succeed("check", self.file("a.off", off([(1.0, 2.0, 3.0)], [(0, 0, 0), (0, 0, 0)])))
+        self.assertIn("degenerate", text)
+
+
+class Options(ProgramTest):
+    def test_depth_over_the_limit(self):
+        self.refuse("octree", "cube", "--depth", 20, status=2, says=("--depth", "19"))
+        self.refuse("octree", "cube", "--depth", -1, status=2, says="--depth")
+        self.refuse("compare", "cube", "--depths", "1-20", status=2, says=("--depths", "19"))
+
+    def test_threshold_zero_or_negative(self):
+        for value in ("0", "-1", "1.5", "many", "4294967296"):
+            self.refuse("octree", "cube", "--threshold", value, status=2, says="--threshold")
+
+    def test_budget_too_small(self):
+        self.refuse("octree", "spaceship:100000", "--depth", 8, "--budget-mb", 1, says=("budget", "MB"))
+        self.refuse("octree", "cube", "--depth", 10, "--uniform", "--budget-mb", 100,
+                    says=("budget", "depth"))
+        self.refuse("octree", "cube", "--depth", 19, "--uniform")
+
+
+class Outputs(ProgramTest):
+    """Every kind of output where it cannot be written."""
+    OPTIONS = {"--json": "a.json", "--save": "a.pxo", "--export": ("a.png", "a.vtu", "a.htg", "a.glb", "a.ply")}
+
+    def each(self):
+        for option, names in self.OPTIONS.items():
+            for name in [names] if isinstance(names, str) else names:
+                yield option, name
+
+    def test_folder_missing(self):
+        for option, name in self.each():
+            with self.subTest(option, name=name):
+                self.refuse("octree", "cube", option, self.folder / "missing" / name, says=name)
+
+    def test_folder_that_takes_no_files(self):
+        # Root may write into read-only folders, but not below a file or into /proc.
+        below = self.file("file", "")
+        for option, name in self.each():
+            with self.subTest(option, name=name):
+                self.refuse("octree", "cube", option, below / name, says=name)
+                self.refuse("octree", "cube", option, "/proc/" + name, says=name)
+
+    def test_a_folder_is_no_output(self):
+        for option, name in self.each():
+            (self.folder / name).mkdir()
+            with self.subTest(option, name=name):
+                self.refuse("octree", "cube", option, self.folder / name, says=name)
+
+    def test_unknown_extension_is_said_before_the_work(self):
+        start = time.monotonic()
+        self.refuse("octree", "spaceship:2000000", "--depth", 12, "--export", self.folder / "a.bmp",
+                    says=(".png", "a.bmp"))
+        self.assertLess(time.monotonic() - start, 5)
+
+    def test_disk_full(self):
+        for option, name in self.each():
+            (self.folder / name).symlink_to("/dev/full")
+            with self.subTest(option, name=name):
+                self.refuse("octree", "cube", "--depth", 4, option, self.folder / name, says=name)
+
+    def test_stdout_full(self):
+        for extra in ((), ("--json", "-")):
+            with open("/dev/full", "w") as full, self.subTest(extra=extra):
+                self.refuse("octree", "cube", *extra, stdout=full, says="standard output")
+
+    def test_file_size_limit_keeps_the_old_file(self):
+        for option, name in self.each():
+            if option == "--json":
+                continue  # smaller than any limit that the program could start with
+            path = self.file(name, "old")
+            with self.subTest(option, name=name):
+                self.refuse("octree", "icosphere:3", "--depth", 6, option, path, says=name,
+                            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096)))
+                self.assertEqual(path.read_text(), "old")
+
+
+class Interrupts(ProgramTest):
+    """Signals during work that would take minutes."""
+
+    def interrupt(self, *arguments, sent=signal.SIGINT, after=1.0):
+        command = [PROXIMA, *arguments, "--save", str(self.folder / "a.pxo"),
+                   "--json", str(self.folder / "a.json"), "--export", str(self.folder / "a.vtu")]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+            time.sleep(after)
+            self.assertIsNone(process.poll(), "the work was over too soon for this test")
+            start = time.monotonic()
+            process.send_signal(sent)
+            _, error = process.communicate(timeout=60)
+        self.assertLess(time.monotonic() - start, 20)
+        self.assertEqual(process.returncode, 128 + sent, error)
+        self.assertEqual(error.count("\n"), 1, error)
+        self.assertTrue(error.startswith("proxima: "), error)
+        self.assertEqual(list(self.folder.iterdir()), [], "something was left behind")
+
+    def test_slow_method(self):
+        self.interrupt("octree", "spaceship:300000", "--depth", "10", "--method", "pairwise")
+
+    def test_fast_method(self):
+        self.interrupt("octree", "spaceship:4000000", "--depth", "14", "--threads", "1", after=4)
+
+    def test_termination(self):
+        self.interrupt("octree", "spaceship:300000", "--depth", "10", "--method", "minkowski",
+                       sent=signal.SIGTERM)
+
+    def test_compare(self):
+        path = self.folder / "a.json"
+        with subprocess.Popen([PROXIMA, "compare", "spaceship:300000", "--json", str(path)],
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+            time.sleep(2)
+            process.send_signal(signal.SIGINT)
+            _, error = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 130, error)
+        self.assertFalse(path.exists())
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,241 @@
+"""What the command line does when all is well."""
+import json
+import os
+import pty
+import struct
+import subprocess
+import unittest
+import zlib
+
+from proxima_program import PROXIMA, ProgramTest, run
+
+OCTREE_KEYS = ["model", "triangles", "depth", "threshold", "method", "total", "leaves",
+               "occupied_percent", "min_triangles", "max_triangles", "references", "mean_triangles",
+               "std_triangles", "mean_all_leaves", "std_all_leaves", "inner", "outer", "boundary",
+               "bytes", "seconds"]
+METHODS = ["fast", "separating-axis", "index-tracking", "minkowski", "pairwise"]
+
+
+def without_seconds(result):
+    return {key: value for key, value in result.items() if key != "seconds"}
+
+
+class Octree(ProgramTest):
+    def test_json_has_the_documented_keys_in_order(self):
+        result = self.json_of("octree", "cube", "--depth", 3)
+        self.assertEqual(list(result), OCTREE_KEYS)
+        self.assertEqual((result["model"], result["triangles"], result["depth"], result["threshold"],
+                          result["method"]), ("cube", 12, 3, 1, "fast"))
+        self.assertEqual(result["boundary"] + result["inner"] + result["outer"], result["leaves"])
+
+    def test_counts_of_the_thesis_sphere(self):
+        expected = {1: (9, 8, 22392, 2799, 2799), 3: (521, 456, 28208, 9, 570),
+                    5: (11977, 10480, 54344, 1, 198)}
+        for depth, counts in expected.items():
+            result = self.json_of("octree", "sphere:100x100", "--depth", depth, "--exact")
+            self.assertEqual(tuple(result[key] for key in ("total", "leaves", "references",
+                                                           "min_triangles", "max_triangles")), counts)
+
+    def test_all_methods_give_one_octree_when_exact(self):
+        results = [self.json_of("octree", "torus:24x12", "--depth", 4, "--exact", "--method", method)
+                   for method in METHODS]
+        for method, result in zip(METHODS, results):
+            self.assertEqual(result.pop("method"), method)
+            result.pop("seconds")
+            self.assertEqual(result, results[0])
+
+    def test_uniform_subdivision_splits_every_cell(self):
+        result = self.json_of("octree", "cube", "--depth", 3, "--uniform")
+        self.assertEqual((result["total"], result["leaves"]), (585, 512))
+
+    def test_two_passes_end_with_the_longest_list_as_threshold(self):
+        first = self.json_of("octree", "spaceship:4000", "--depth", 4)
+        second = self.json_of("octree", "spaceship:4000", "--depth", 4, "--two-pass")
+        self.assertEqual(second["threshold"], first["max_triangles"])
+        self.assertLessEqual(second["max_triangles"], first["max_triangles"])
+        self.assertLess(second["total"], first["total"])
+
+    def test_box_roots_fit_tighter(self):
+        cube = self.json_of("octree", "spaceship:4000", "--depth", 3, "--uniform")
+        box = self.json_of("octree", "spaceship:4000", "--depth", 3, "--uniform", "--root", "box")
+        self.assertGreater(box["occupied_percent"], cube["occupied_percent"])
+
+    def test_threads_do_not_change_the_result(self):
+        results = [without_seconds(self.json_of("octree", "spaceship:4000", "--depth", 6,
+                                                "--threads", threads)) for threads in (1, 2, 3)]
+        self.assertEqual(results[0], results[1])
+        self.assertEqual(results[0], results[2])
+
+    def test_json_to_a_file_beside_text_for_people(self):
+        path = self.folder / "result.json"
+        text = self.succeed("octree", "cube", "--json", path)
+        self.assertIn("Pointers", text)
+        self.assertEqual(list(json.loads(path.read_text())), OCTREE_KEYS)
+
+    def test_quiet_prints_nothing(self):
+        self.assertEqual(self.succeed("octree", "cube", "--quiet"), "")
+
+    def test_writes_its_own_format_and_every_export(self):
+        names = ["a.pxo", "a.vtu", "a.htg", "a.glb", "a.ply"]
+        arguments = ["--save", self.folder / "a.pxo"]
+        for name in names[1:]:
+            arguments += ["--export", self.folder / name]
+        self.succeed("octree", "icosphere:2", "--depth", 4, *arguments)
+        self.assertEqual(sorted(path.name for path in self.folder.iterdir()), sorted(names))
+        begins = {"a.vtu": b"<", "a.htg": b"<", "a.glb": b"glTF", "a.ply": b"ply"}
+        for name, begin in begins.items():
+            self.assertTrue((self.folder / name).read_bytes().startswith(begin), name)
+
+    def test_picture_is_a_valid_png_with_something_in_it(self):
+        path = self.folder / "a.png"
+        self.succeed("octree", "icosphere:2", "--depth", 4, "--export", path)
+        data = path.read_bytes()
+        self.assertEqual(data[:8], b"\x89PNG\r\n\x1a\n")
+        self.assertEqual(struct.unpack(">II", data[16:24]), (1600, 1200))
+        pixels, position = b"", 8
+        while position < len(data):
+            length, kind = struct.unpack(">I4s", data[position:position + 8])
+            content = data[position + 8:position + 8 + length]
+            self.assertEqual(zlib.crc32(kind + content),
+                             struct.unpack(">I", data[position + 8 + length:position + 12 + length])[0])
+            pixels += content if kind == b"IDAT" else b""
+            position += 12 + length
+        rows = zlib.decompress(pixels)
+        self.assertEqual(len(rows), 1200 * (1 + 3 * 1600))
+        self.assertGreater(len(set(rows)), 100)
+
+    def test_an_output_replaces_the_old_file(self):
+        path = self.file("a.pxo", "old")
+        self.succeed("octree", "cube", "--save", path)
+        self.assertNotEqual(path.read_bytes(), b"old")
+
+
+class Compare(ProgramTest):
+    def test_json_has_a_row_for_each_depth_and_method(self):
+        result = self.json_of("compare", "torus:12x6", "--depths", "1-3", "--exact")
+        self.assertEqual(list(result), ["model", "triangles", "rows"])
+        self.assertEqual([(row["depth"], row["method"]) for row in result["rows"]],
+                         [(depth, method) for depth in (1, 2, 3) for method in METHODS])
+        for row in result["rows"]:
+            self.assertEqual(list(row), ["depth", "method", "total", "references", "seconds",
+                                         "ratio_to_separating_axis"])
+            self.assertGreater(row["seconds"], 0)
+            if row["method"] == "separating-axis":
+                self.assertEqual(row["ratio_to_separating_axis"], 1)
+        self.assertEqual(len({(row["depth"], row["total"], row["references"])
+                              for row in result["rows"]}), 3)
+
+    def test_ratio_is_null_without_separating_axes(self):
+        result = self.json_of("compare", "cube", "--depths", "2", "--methods", "fast,pairwise")
+        self.assertEqual([row["ratio_to_separating_axis"] for row in result["rows"]], [None, None])
+
+    def test_says_that_all_methods_agree(self):
+        self.assertIn("All methods gave the same octree",
+                      self.succeed("compare", "cube", "--depths", "2,4", "--exact"))
+
+
+class Tables(ProgramTest):
+    def test_table_2_1_has_the_structure_of_the_thesis(self):
+        result = self.json_of("tables", "--only", "2.1")
+        table, = result["tables"]
+        self.assertEqual(list(table), ["table", "title", "rows", "notes"])
+        for row in table["rows"]:
+            for key in ("total", "leaves"):
+                self.assertEqual(row[key]["proxima"], row[key]["thesis"])
+        self.assertEqual([row["references"]["proxima"] for row in table["rows"]],
+                         [22392, 24280, 28208, 36360, 54344])
+        self.assertEqual([(row["min_triangles"]["proxima"], row["max_triangles"]["proxima"])
+                          for row in table["rows"]],
+                         [(2799, 2799), (78, 1101), (9, 570), (3, 315), (1, 198)])
+
+    def test_table_2_2_has_the_totals_that_rounding_leaves_alone(self):
+        table, = self.json_of("tables", "--only", "2.2")["tables"]
+        totals = {row["threshold"]: row["total"]["proxima"] for row in table["rows"]}
+        self.assertEqual([totals[threshold] for threshold in (1, 50, 150, 200)], [11977, 3017, 777, 713])
+
+    def test_table_2_3_says_what_is_absent(self):
+        table, = self.json_of("tables", "--only", "2.3", "--meshes", self.folder)["tables"]
+        self.assertEqual(table["rows"], [])
+        for model in ("Bunny", "Buddha", "Dragon"):
+            self.assertTrue(any(model in note and "absent" in note for note in table["notes"]), model)
+
+    def test_text_shows_both_values_and_a_reason(self):
+        text = self.succeed("tables", "--only", "2.1")
+        for part in ("22392", "22476", "thesis", "rounding"):
+            self.assertIn(part, text)
+
+
+class Check(ProgramTest):
+    def test_a_closed_mesh_has_no_findings(self):
+        result = self.json_of("check", "octahedron")
+        self.assertEqual(list(result), [
+            "model", "vertices", "triangles", "edges", "components", "boundary_loops", "bounds", "area",
+            "min_edge_length", "max_edge_length", "closed", "consistently_oriented", "closed_if_welded",
+            "orientation", "signed_volume", "euler_characteristic", "genus", "findings", "outlook"])
+        self.assertEqual((result["vertices"], result["edges"], result["triangles"]), (6, 12, 8))
+        self.assertEqual((result["closed"], result["genus"], result["findings"]), (True, 0, []))
+
+    def test_a_hole_is_found_and_said(self):
+        path = self.file("open.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
+        result = self.json_of("check", path)
+        finding, = [finding for finding in result["findings"] if finding["kind"] == "boundary_edges"]
+        self.assertEqual(finding["count"], 3)
+        self.assertEqual(list(finding), ["kind", "severity", "element", "count", "first_ids",
+                                         "first_places", "meaning"])
+        self.assertIn("3 boundary edges", self.succeed("check", path))
+
+    def test_infinity_is_null(self):
+        path = self.file("nan.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 nan 0\n3 0 1 2\n")
+        self.assertIsNone(self.json_of("check", path)["findings"][0]["first_places"][0][1])
+
+
+class Parser(ProgramTest):
+    def test_help_and_version(self):
+        self.assertIn("octree", self.succeed("--help"))
+        self.assertIn("--threshold", self.succeed("octree", "--help"))
+        self.assertRegex(self.succeed("--version"), r"^\d+\.\d+\.\d+\n$")
+
+    def test_wrong_usage_has_status_2(self):
+        self.refuse(status=2, says="subcommand")
+        self.refuse("octre", status=2, says="octre")
+        self.refuse("octree", status=2, says="MODEL")
+        self.refuse("octree", "cube", "--dept", 3, status=2, says=("--dept", "--help"))
+        self.refuse("octree", "cube", "--method", "quick", status=2, says=("quick", "index-tracking"))
+        self.refuse("octree", "cube", "--root", "ball", status=2, says="--root")
+        self.refuse("compare", "cube", "--depths", "5-1", status=2, says=("5-1", "list of depths"))
+        self.refuse("compare", "cube", "--methods", "fast,,pairwise", status=2, says="--methods")
+        self.refuse("tables", "--only", "9.9", status=2, says=("9.9", "2.1"))
+        self.refuse("octree", "cube", "--threads", -1, status=2, says="--threads")
+
+
+class Terminal(ProgramTest):
+    """A long build shows a progress bar on a terminal, and nothing anywhere else."""
+    ARGUMENTS = [PROXIMA, "octree", "spaceship:200000", "--depth", "9", "--method", "minkowski",
+                 "--threads", "1"]
+
+    def test_a_bar_on_a_terminal(self):
+        master, slave = pty.openpty()
+        with subprocess.Popen(self.ARGUMENTS, stdout=subprocess.DEVNULL, stderr=slave) as process:
+            os.close(slave)
+            seen = b""
+            while b"%" not in seen and process.poll() is None:
+                try:
+                    seen += os.read(master, 4096)
+                except OSError:
+                    break
+            process.terminate()
+        os.close(master)
+        self.assertRegex(seen.decode(), r"\r\x1b\[K\[[#.]{40}\] +\d+ %")
+
+    def test_no_bar_in_a_pipe(self):
+        with subprocess.Popen(self.ARGUMENTS, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as process:
+            try:
+                process.wait(timeout=1.5)
+            except subprocess.TimeoutExpired:
+                pass
+            process.terminate()
+            self.assertNotIn("%", process.stderr.read().decode())
+
+
+if __name__ == "__main__":
+    unittest.main()
