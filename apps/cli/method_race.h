@@ -16,7 +16,7 @@ struct MethodRaceOptions {
     std::vector<int> depths = {1, 2, 3, 4, 5};
     std::vector<OverlapMethod> methods = {all_methods.begin(), all_methods.end()};
     std::uint32_t threshold = 1;
-    Exactness exactness = Exactness::conservative;
+    Exactness exactness = Exactness::rounded;
     int repeats = 3; ///< runs of each, interleaved; one that takes over a second runs once
     Threads threads = {};
     Progress* progress = nullptr;

@@ -96,7 +96,7 @@ Status run_octree(const OctreeCommandOptions& options, Session& session)
         .max_depth = options.depth,
         .threshold = options.threshold,
         .method = options.method,
-        .exactness = options.exact ? Exactness::exact : Exactness::conservative,
+        .exactness = options.exact ? Exactness::exact : Exactness::rounded,
         .subdivision = options.uniform ? Subdivision::uniform : Subdivision::adaptive,
         .root_shape = options.root,
         .budget = {options.budget_mb * 1'000'000},
