@@ -1,0 +1,192 @@
+// Builds octrees: ours on one and two threads, the usual recursive builder, and the thesis's
+// methods. Run by scripts/bench octree, which prints the ratios of one interleaved run.
+//
+// PROXIMA_BENCH_MESH names a further mesh, built to depth 9 with threshold 8. Every row's label is
+// cells, references and a hash of the lists: a faster wrong answer would show.
+
+#include "akenine_moller.h"
+#include "proxima/mesh/mesh_io.h"
+#include "proxima/mesh/sample_meshes.h"
+#include "proxima/octree/build_octree.h"
+#include "proxima/octree/statistics.h"
+
+#include <benchmark/benchmark.h>
+#include <malloc.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace proxima::bench {
+namespace {
+
+struct Workload {
+    std::string name;
+    std::shared_ptr<const TriangleMesh> mesh;
+    int depth = 5;
+    std::uint32_t threshold = 1;
+};
+
+/// A sum over the ids that does not depend on their order in the array.
+std::uint64_t hash_of_lists(const std::uint32_t* ids, std::size_t count)
+{
+    std::uint64_t hash = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        std::uint64_t value = ids[i] + 0x9E3779B97F4A7C15U;
+        value = (value ^ value >> 30U) * 0xBF58476D1CE4E5B9U;
+        hash += value ^ value >> 31U;
+    }
+    return hash;
+}
+
+std::string label(std::uint64_t cells, std::uint64_t references, std::uint64_t hash)
+{
+    char text[128];
+    (void)std::snprintf(text, sizeof text, "cells %llu references %llu hash %016llx",
+                        static_cast<unsigned long long>(cells),
+                        static_cast<unsigned long long>(references),
+                        static_cast<unsigned long long>(hash));
+    return text;
+}
+
+/// A figure in kilobytes of this process from the kernel, for example "VmHWM:".
+double kilobytes(const std::string& key)
+{
+    std::ifstream status("/proc/self/status");
+    for (std::string word; status >> word;) {
+        double value = 0;
+        if (word == key && status >> value) return value;
+    }
+    return 0;
+}
+
+void build_ours(benchmark::State& state, const Workload& load, OverlapMethod method, int threads)
+{
+    const OctreeOptions options{.max_depth = load.depth,
+                                .threshold = load.threshold,
+                                .method = method,
+                                .classification = Classification::none,
+                                .threads = {threads}};
+    std::string text;
+    double bytes = 0;
+    for (auto _ : state) {
+        auto octree = build_octree(*load.mesh, options);
+        state.PauseTiming();
+        if (!octree) {
+            state.SkipWithError(describe(octree.error()).c_str());
+            return;
+        }
+        const auto references = octree->references();
+        text = label(octree_statistics(*octree).total, references.size(),
+                     hash_of_lists(reinterpret_cast<const std::uint32_t*>(references.data()),
+                                   references.size()));
+        bytes = static_cast<double>(octree->bytes());
+        octree = Octree{};
+        state.ResumeTiming();
+    }
+    // Peak memory of one more build, beyond what the process held before.
+    malloc_trim(0);
+    std::ofstream("/proc/self/clear_refs") << 5;
+    const double before = kilobytes("VmRSS:");
+    const auto octree = build_octree(*load.mesh, options);
+    const double peak = (kilobytes("VmHWM:") - before) * 1024;
+    state.SetLabel(text);
+    state.counters["bytes"] = bytes;
+    state.counters["peak_over_octree"] = peak / bytes;
+    state.counters["triangles"] = static_cast<double>(load.mesh->triangle_count());
+    state.counters["references"] = static_cast<double>(octree->references().size());
+}
+
+void build_akenine_moller(benchmark::State& state, const Workload& load)
+{
+    const OctreeFrame frame = tight_root(bounding_box(*load.mesh), RootShape::cube);
+    std::string text;
+    double pairs = 0;
+    for (auto _ : state) {
+        const AkenineMollerOctree octree(*load.mesh, frame, load.depth, load.threshold);
+        state.PauseTiming();
+        pairs = static_cast<double>(octree.pair_count());
+        text = label(octree.cell_count(), octree.references().size(),
+                     hash_of_lists(octree.references().data(), octree.references().size()));
+        state.ResumeTiming();
+    }
+    state.SetLabel(text);
+    state.counters["seconds_per_pair"] =
+        benchmark::Counter(pairs, benchmark::Counter::kIsIterationInvariantRate |
+                                      benchmark::Counter::kInvert);
+}
+
+void add(const Workload& load, bool with_thesis_methods)
+{
+    const auto name = [&](const char* method) { return load.name + "/" + method; };
+    const auto register_ours = [&](const char* label_of, OverlapMethod method, int threads) {
+        benchmark::RegisterBenchmark(name(label_of).c_str(),
+                                     [load, method, threads](benchmark::State& state) {
+                                         build_ours(state, load, method, threads);
+                                     })
+            ->UseRealTime()
+            ->Unit(benchmark::kMillisecond);
+    };
+    register_ours("fast", OverlapMethod::fast, 1);
+    register_ours("fast-2-threads", OverlapMethod::fast, 2);
+    benchmark::RegisterBenchmark(
+        name("akenine-moller").c_str(),
+        [load](benchmark::State& state) { build_akenine_moller(state, load); })
+        ->UseRealTime()
+        ->Unit(benchmark::kMillisecond);
+    if (!with_thesis_methods) return;
+    register_ours("separating-axis", OverlapMethod::separating_axis, 1);
+    register_ours("index-tracking", OverlapMethod::index_tracking, 1);
+    register_ours("minkowski", OverlapMethod::minkowski, 1);
+    register_ours("pairwise", OverlapMethod::pairwise, 1);
+}
+
+std::shared_ptr<const TriangleMesh> load(const std::string& name)
+{
+    auto mesh = is_sample_mesh_name(name) ? sample_mesh(name) : read_mesh(name);
+    if (!mesh) {
+        (void)std::fprintf(stderr, "%s\n", describe(mesh.error()).c_str());
+        return nullptr;
+    }
+    return std::make_shared<const TriangleMesh>(std::move(*mesh));
+}
+
+void add_all()
+{
+    const char* const bunny = "/usr/share/glmark2/models/bunny.obj";
+    add({"spaceship-33000-d5-t1", load("spaceship:33000"), 5, 1}, true);
+    add({"sphere-19800-d5-t1", load("sphere:100x100"), 5, 1}, false);
+    if (std::filesystem::exists(bunny)) {
+        add({"bunny-d8-t8", load(bunny), 8, 8}, false);
+        add({"bunny-d9-t1", load(bunny), 9, 1}, false);
+    }
+    if (const char* const file = std::getenv("PROXIMA_BENCH_MESH"); file != nullptr) {
+        if (auto mesh = load(file)) add({"file-d9-t8", std::move(mesh), 9, 8}, false);
+    }
+    for (const char* const count : {"10000", "100000", "1000000"}) {
+        const Workload growth{std::string("growth-") + count,
+                              load(std::string("spaceship:") + count), 9, 8};
+        benchmark::RegisterBenchmark((growth.name + "/fast").c_str(),
+                                     [growth](benchmark::State& state) {
+                                         build_ours(state, growth, OverlapMethod::fast, 1);
+                                     })
+            ->UseRealTime()
+            ->Unit(benchmark::kMillisecond);
+    }
+}
+
+} // namespace
+} // namespace proxima::bench
+
+int main(int argc, char** argv)
+{
+    benchmark::Initialize(&argc, argv);
+    if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+    proxima::bench::add_all();
+    benchmark::RunSpecifiedBenchmarks();
+    return 0;
+}

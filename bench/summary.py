@@ -1,0 +1,44 @@
+#!/usr/bin/env python3
+"""Prints medians of a Google Benchmark report, and within each group "name/" the ratio to its first.
+
+    bench/summary.py REPORT.json
+"""
+import json
+import statistics
+import sys
+
+
+def main(path):
+    with open(path) as file:
+        report = json.load(file)
+    context = report["context"]
+    print(f"{context['num_cpus']} cores at {context['mhz_per_cpu']} MHz, load {context['load_avg']}, "
+          "medians of interleaved repetitions")
+    groups = {}
+    for run in report["benchmarks"]:
+        if run.get("run_type") != "iteration" or run.get("error_occurred"):
+            continue
+        group, _, method = run["run_name"].removesuffix("/real_time").partition("/")
+        groups.setdefault(group, {}).setdefault(method, []).append(run)
+    for group, methods in groups.items():
+        print(f"\n{group}")
+        first = None
+        for method, runs in methods.items():
+            time = statistics.median(run["real_time"] for run in runs)
+            first = first or time
+            notes = []
+            if "references" in runs[0]:
+                notes.append(f"{1e6 * time / runs[0]['references']:.1f} ns/reference")
+                notes.append(f"{runs[0]['bytes'] / runs[0]['triangles']:.1f} bytes/triangle")
+                notes.append(f"peak {max(run['peak_over_octree'] for run in runs):.2f} x octree")
+            if "seconds_per_pair" in runs[0]:
+                per_pair = statistics.median(run["seconds_per_pair"] for run in runs)
+                notes.append(f"{1e9 * per_pair:.0f} ns/(triangle, cell)")
+            if runs[0].get("label"):
+                notes.append(runs[0]["label"])
+            print(f"  {method:18s} {time:10.3f} {runs[0]['time_unit']}  {time / first:8.2f} x"
+                  f"  {', '.join(notes)}")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])
