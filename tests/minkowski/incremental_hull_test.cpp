@@ -31,7 +31,7 @@ void expect_convex_hull(const std::vector<HullFace<double>>& faces, const Points
         EXPECT_EQ(sides.count({side.second, side.first}), 1U);
     }
     std::ranges::sort(corners);
-    corners.erase(std::ranges::unique(corners).begin(), corners.end());
+    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
     const auto edges = static_cast<int>(sides.size()) / 2;
     EXPECT_EQ(static_cast<int>(corners.size()) - edges + static_cast<int>(faces.size()), 2);
 }
