@@ -68,5 +68,19 @@ TEST(UnitCircle, MirrorImagesAreExact)
     }
 }
 
+TEST(UnitCircle, ProductsOnItsGridAreMultiplesOfItsStep)
+{
+    for (std::uint32_t step = 0; step < 199; ++step) {
+        const CirclePoint point = unit_circle(step, 199);
+        const double product = point.cosine * point.sine;
+        const double rounded = on_circle_grid(product);
+        EXPECT_EQ(rounded, std::ldexp(std::nearbyint(std::ldexp(product, 40)), -40));
+        EXPECT_FALSE(rounded == 0.0 && std::signbit(rounded));
+    }
+    EXPECT_EQ(on_circle_grid(unit_circle(3, 20).sine * unit_circle(1, 5).cosine), 0.25);
+    EXPECT_FALSE(std::signbit(on_circle_grid(-0.0)));
+    EXPECT_EQ(on_circle_grid(-1.0), -1.0);
+}
+
 } // namespace
 } // namespace proxima

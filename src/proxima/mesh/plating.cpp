@@ -94,7 +94,7 @@ private:
     std::size_t cells(double side, double small_side) noexcept
     {
         const double ratio = std::min(side / small_side, 5.0);
-        return static_cast<std::size_t>(ratio + 0.5) + dice_.next() % 2;
+        return static_cast<std::size_t>(std::lround(ratio)) + dice_.next() % 2;
     }
 
     [[nodiscard]] Patch patch_of(const Corners& quad) const noexcept

@@ -34,7 +34,8 @@ inline constexpr std::size_t max_sample_triangles = std::size_t{1} << 27U;
 /// Radius 1 around the origin, poles on z, vertex 0 at +z, then the rings from the top, each
 /// starting on the +x side, last vertex at -z. The quads between two rings have their diagonal
 /// from (ring i, slice j) to (i + 1, j + 1). 2 + (stacks - 1) slices vertices and 2 slices
-/// (stacks - 1) triangles. Mirror images are exact. \pre stacks >= 2, slices >= 3
+/// (stacks - 1) triangles. Coordinates are multiples of 2^-40; mirror images are exact.
+/// \pre stacks >= 2, slices >= 3
 [[nodiscard]] TriangleMesh make_sphere(int stacks, int slices);
 
 /// Icosahedron with corners at (0, +-1, +-golden ratio) and permutations, every triangle split in
