@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Prints medians of a Google Benchmark report, and within each group "name/" the ratio to its first.
+"""Prints medians of a Google Benchmark report, and within each group "name/" the ratio to `fast`, or to
+the first row where there is none. Rows of one thread count processor time, others wall time.
 
     bench/summary.py REPORT.json
 """
@@ -22,10 +23,13 @@ def main(path):
         groups.setdefault(group, {}).setdefault(method, []).append(run)
     for group, methods in groups.items():
         print(f"\n{group}")
-        first = None
-        for method, runs in methods.items():
-            time = statistics.median(run["real_time"] for run in runs)
-            first = first or time
+        times = {
+            method: statistics.median(
+                run["real_time" if "threads" in method else "cpu_time"] for run in runs)
+            for method, runs in methods.items()}
+        first = times.get("fast", next(iter(times.values())))
+        for method, runs in sorted(methods.items(), key=lambda item: times[item[0]]):
+            time = times[method]
             notes = []
             if "references" in runs[0]:
                 notes.append(f"{1e6 * time / runs[0]['references']:.1f} ns/reference")

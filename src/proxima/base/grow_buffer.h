@@ -3,14 +3,24 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdlib>
 #include <memory>
-#include <new>
 #include <span>
 #include <type_traits>
 #include <utility>
 
 namespace proxima {
+
+namespace detail {
+
+/// Uninitialised memory, grown or shrunk to `bytes` with its content kept as far as it fits; from
+/// nothing where `memory` is null. Large blocks are pages of their own, huge ones where the system
+/// offers them, and move without copying. Throws std::bad_alloc.
+[[nodiscard]] void* resize_memory(void* memory, std::size_t old_bytes, std::size_t bytes);
+
+/// Gives back what resize_memory returned for `bytes`.
+void free_memory(void* memory, std::size_t bytes) noexcept;
+
+} // namespace detail
 
 /// Like a vector of plain values, but new elements are left as they come, and growing moves pages
 /// instead of copying where the system can. Throws std::bad_alloc when memory runs out.
@@ -19,6 +29,22 @@ class GrowBuffer {
     static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
 
 public:
+    GrowBuffer() = default;
+    GrowBuffer(GrowBuffer&& other) noexcept
+        : data_(std::move(other.data_)), size_(std::exchange(other.size_, 0)),
+          capacity_(std::exchange(other.capacity_, 0))
+    {}
+    GrowBuffer& operator=(GrowBuffer&& other) noexcept
+    {
+        data_ = std::move(other.data_);
+        size_ = std::exchange(other.size_, 0);
+        capacity_ = std::exchange(other.capacity_, 0);
+        return *this;
+    }
+    GrowBuffer(const GrowBuffer&) = delete;
+    GrowBuffer& operator=(const GrowBuffer&) = delete;
+    ~GrowBuffer() = default;
+
     [[nodiscard]] std::size_t size() const noexcept { return size_; }
     [[nodiscard]] std::size_t capacity() const noexcept { return capacity_; }
     [[nodiscard]] bool empty() const noexcept { return size_ == 0; }
@@ -65,16 +91,16 @@ public:
 
 private:
     struct Free {
-        void operator()(T* data) const noexcept { std::free(data); }
+        std::size_t bytes = 0;
+        void operator()(T* data) const noexcept { detail::free_memory(data, bytes); }
     };
 
     void reallocate(std::size_t capacity)
     {
         const std::size_t bytes = std::max<std::size_t>(capacity, 1) * sizeof(T);
-        void* const moved = std::realloc(data_.get(), bytes);
-        if (moved == nullptr) throw std::bad_alloc();
+        void* const moved = detail::resize_memory(data_.get(), data_.get_deleter().bytes, bytes);
         (void)data_.release();
-        data_.reset(static_cast<T*>(moved));
+        data_ = std::unique_ptr<T, Free>(static_cast<T*>(moved), Free{bytes});
         capacity_ = capacity;
     }
 
