@@ -154,8 +154,7 @@ TriangleCubeDescent<T>::TriangleCubeDescent(const TriangleCorners<T>& vertices, 
 {
     const TriangleCubeSum<T> sum(vertices);
     const T half = halved(root_edge);
-    const T zero(0);
-    const auto positive = [&zero](const T& value) { return zero < value ? value : zero; };
+    const auto positive = [](const T& value) { return T(0) < value ? value : T(0); };
     for (int k = 0; k < 3; ++k) {
         for (int i = 0; i < 3; ++i) {
             const auto& side = sum.edge_side(k, i);
@@ -175,7 +174,7 @@ TriangleCubeDescent<T>::TriangleCubeDescent(const TriangleCorners<T>& vertices, 
     root_cell_.plane = -sum.normal_offset();
     lower_ = sum.lowest();
     upper_ = sum.highest();
-    if (!(zero < margin)) return;
+    if (!(T(0) < margin)) return;
     for (int k = 0; k < 3; ++k) {
         for (int i = 0; i < 3; ++i) {
             const std::size_t index = at(3 * k + i);
