@@ -75,11 +75,12 @@ TEST(Orient3d, EqualsIntegersAtAnyExponents)
         };
         const int expected =
             sign_of(minor(1, 2) * ad[0] + minor(2, 0) * ad[1] + minor(0, 1) * ad[2]);
-        ++seen[static_cast<std::size_t>(expected + 1)];
+        ++seen[expected < 0 ? 0U : expected == 0 ? 1U : 2U];
         std::array<int, 3> exponents = {0, 0, 0};
-        if (i % 16 >= 12)
+        if (i % 16 >= 12) {
             for (int& exponent : exponents)
                 exponent = static_cast<int>(generate.below(2050)) - 1074;
+        }
         const auto point = [&](const Point& p) { return to_double(p, exponents); };
         ASSERT_EQ(orient3d(point(a), point(b), point(c), point(d)), expected) << "case " << i;
         ASSERT_EQ(orient3d(point(b), point(a), point(c), point(d)), -expected) << "case " << i;
@@ -110,7 +111,7 @@ TEST(Orient2d, IsConsistentWithinUlpsOfALine)
 {
     const Vec2 from(12, 12);
     const Vec2 to(24, 24);
-    for (int i = 0; i < 64; ++i)
+    for (int i = 0; i < 64; ++i) {
         for (int j = 0; j < 64; ++j) {
             const Vec2 point(0.5 + i * 0x1p-53, 0.5 + j * 0x1p-53);
             const int expected = (point.y() > point.x() ? 1 : 0) - (point.y() < point.x() ? 1 : 0);
@@ -119,6 +120,7 @@ TEST(Orient2d, IsConsistentWithinUlpsOfALine)
             // From the point both differences are rounded.
             ASSERT_EQ(orient2d(point, from, to), expected) << i << ' ' << j;
         }
+    }
 }
 
 RC_GTEST_PROP(Expansion, ProductsOfDifferencesEqualWideIntegers, ())

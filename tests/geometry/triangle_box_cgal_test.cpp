@@ -140,11 +140,12 @@ TEST(OrientationAgainstCgal, AgreesOnNearlyFlatDoubles)
         const Vec3& a = triangle[0];
         const Vec3& b = triangle[1];
         const Vec3& c = triangle[2];
-        for (const Vec3& point : {box.lower, box.upper, Vec3(a + 2 * (b - a) - (c - a))})
+        for (const Vec3& point : {box.lower, box.upper, Vec3(a + 2 * (b - a) - (c - a))}) {
             ASSERT_EQ(orient3d(a, b, c, point),
                       static_cast<int>(CGAL::orientation(cgal_point(a), cgal_point(b),
                                                          cgal_point(c), cgal_point(point))))
                 << "case " << i;
+        }
         ASSERT_EQ(is_degenerate(triangle),
                   CGAL::collinear(cgal_point(a), cgal_point(b), cgal_point(c)));
     }

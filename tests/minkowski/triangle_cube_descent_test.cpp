@@ -72,13 +72,14 @@ public:
         IntegerTriangle triangle;
         oracle::Point place;
         for (Integer& coordinate : place) coordinate = below(root_edge + 1);
-        for (oracle::Point& vertex : triangle.vertices)
+        for (oracle::Point& vertex : triangle.vertices) {
             for (std::size_t k = 0; k < 3; ++k) {
                 Integer value =
                     std::clamp<Integer>(place[k] + below(2 * reach + 1) - reach, 0, root_edge);
                 if (below(4) != 0) value = value >> grid_bits << grid_bits;
                 vertex[k] = value;
             }
+        }
         auto& v = triangle.vertices;
         switch (below(8)) {
         case 0:
@@ -197,7 +198,7 @@ TEST(TriangleCubeDescent, TracksTheValuesItWouldComputeAfresh)
             ASSERT_EQ(static_cast<oracle::Wide>(cell.plane),
                       oracle::dot(sum.triangle_normal(), from))
                 << "seed " << seed << " path " << path << " depth " << depth;
-            for (int k = 0; k < 3; ++k)
+            for (int k = 0; k < 3; ++k) {
                 for (int i = 0; i < 3; ++i) {
                     const auto& side = sum.edge_side(k, i);
                     const auto to_corner =
@@ -207,6 +208,7 @@ TEST(TriangleCubeDescent, TracksTheValuesItWouldComputeAfresh)
                                   side.w * to_corner[static_cast<std::size_t>((k + 2) % 3)])
                         << "seed " << seed << " path " << path << " depth " << depth;
                 }
+            }
             if (depth + 1 < deepest) level = descent.next_level(level);
         }
     }
@@ -243,11 +245,12 @@ TEST(TriangleCubeDescent, MarginOfOneUnitMissesNothingOfTheOriginal)
     for (int i = 0; i < 3'000; ++i) {
         IntegerTriangle original = generate();
         TriangleCorners<Integer> snapped;
-        for (std::size_t j = 0; j < 3; ++j)
+        for (std::size_t j = 0; j < 3; ++j) {
             for (std::size_t k = 0; k < 3; ++k) {
                 original.vertices[j][k] = original.vertices[j][k] % (edge * fine + 1);
                 snapped[j][k] = (original.vertices[j][k] + fine / 2) / fine;
             }
+        }
         const Descent descent(snapped, edge, 1);
         Descent::Level level = descent.root_level();
         Descent::Cell cell = descent.root_cell();
@@ -282,11 +285,12 @@ TEST(TriangleCubeDescent, DoublesFollowWhileNothingRounds)
     for (int i = 0; i < 5'000; ++i) {
         IntegerTriangle triangle = generate();
         TriangleCorners<double> vertices;
-        for (std::size_t j = 0; j < 3; ++j)
+        for (std::size_t j = 0; j < 3; ++j) {
             for (std::size_t k = 0; k < 3; ++k) {
                 triangle.vertices[j][k] >>= 6; // 14 bits: products of three stay below 2^53
                 vertices[j][k] = static_cast<double>(triangle.vertices[j][k]);
             }
+        }
         const Descent exact(triangle.vertices, root_edge >> 6, 1);
         const TriangleCubeDescent<double> rounded(vertices, static_cast<double>(root_edge >> 6), 1);
         Descent::Level level = exact.root_level();

@@ -11,6 +11,7 @@
 #include <numeric>
 #include <random>
 #include <set>
+#include <utility>
 
 namespace proxima {
 namespace {
@@ -20,12 +21,7 @@ using oracle::IntegerPair;
 using oracle::PairGenerator;
 
 /// A half-space normal . x <= offset with coprime components, so that equal ones compare equal.
-struct HalfSpace {
-    Triple<Integer> normal;
-    Integer offset;
-
-    friend auto operator<=>(const HalfSpace&, const HalfSpace&) = default;
-};
+using HalfSpace = std::pair<Triple<Integer>, Integer>;
 
 HalfSpace reduced(const Triple<Integer>& normal, Integer offset)
 {
@@ -56,8 +52,8 @@ std::set<HalfSpace> facets_by_brute_force(const TriangleCorners<Integer>& vertic
     for (int k = 0; k < 24; ++k)
         points[static_cast<std::size_t>(k)] = sum_vertex(vertices, k, half_size);
     std::set<HalfSpace> facets;
-    for (std::size_t a = 0; a < 24; ++a)
-        for (std::size_t b = a + 1; b < 24; ++b)
+    for (std::size_t a = 0; a < 24; ++a) {
+        for (std::size_t b = a + 1; b < 24; ++b) {
             for (std::size_t c = b + 1; c < 24; ++c) {
                 const Triple<Integer> normal = oracle::cross(
                     oracle::subtract(points[b], points[a]), oracle::subtract(points[c], points[a]));
@@ -74,6 +70,8 @@ std::set<HalfSpace> facets_by_brute_force(const TriangleCorners<Integer>& vertic
                 if (!above) facets.insert(reduced(normal, offset));
                 if (!below) facets.insert(reduced({-normal[0], -normal[1], -normal[2]}, -offset));
             }
+        }
+    }
     return facets;
 }
 
@@ -131,9 +129,10 @@ TEST(TriangleCubeSum, KeepsItsSupportsAtEverySize)
             for (const Integer half_size : {0, 1, 17, 4096}) {
                 const Integer at_support =
                     dot(normal, sum_vertex(vertices, support.index(), half_size));
-                for (int k = 0; k < 24; ++k)
+                for (int k = 0; k < 24; ++k) {
                     ASSERT_LE(dot(normal, sum_vertex(vertices, k, half_size)), at_support)
                         << "seed " << seed << " triangle " << i << " half-space " << side;
+                }
             }
         }
     }
@@ -159,8 +158,9 @@ bool contains_center(const IntegerPair& pair, bool cube)
     for (std::size_t k = 0; k < 3; ++k) {
         for (std::size_t j = 0; j < 3; ++j)
             vertices[j][k] = static_cast<T>(pair.triangle.vertices[j][k]);
-        center[k] = static_cast<T>((pair.box.lower[k] + pair.box.upper[k]) / 2);
-        half[k] = static_cast<T>((pair.box.upper[k] - pair.box.lower[k]) / 2);
+        const Integer whole_half = (pair.box.upper[k] - pair.box.lower[k]) / 2;
+        center[k] = static_cast<T>(pair.box.lower[k] + whole_half);
+        half[k] = static_cast<T>(whole_half);
     }
     TriangleCubeSum<T> sum(vertices);
     if (cube) {
@@ -199,9 +199,10 @@ TEST(TriangleCubeSum, IsExactInIntegersToTheEndOfTheGrid)
     PairGenerator generate(seed, 1 << 20);
     for (int i = 0; i < 100'000; ++i) {
         IntegerPair pair = with_even_box(generate(), false);
-        for (auto& vertex : pair.triangle.vertices)
+        for (auto& vertex : pair.triangle.vertices) {
             for (Integer& coordinate : vertex)
                 coordinate = std::clamp<Integer>(coordinate, 0, 1 << 20);
+        }
         ASSERT_EQ(contains_center<Integer>(pair, false), oracle::overlaps(pair.triangle, pair.box))
             << "seed " << seed << " pair " << i;
     }

@@ -94,9 +94,10 @@ using Axis = std::array<Wide, 3>;
     const std::array<Point, 3> edges = {subtract(v[1], v[0]), subtract(v[2], v[1]),
                                         subtract(v[0], v[2])};
     if (axis_separates(triangle, box, axis_across(edges[0], edges[1]))) return false;
-    for (const Point& axis : axes)
+    for (const Point& axis : axes) {
         for (const Point& edge : edges)
             if (axis_separates(triangle, box, axis_across(axis, edge))) return false;
+    }
     return true;
 }
 

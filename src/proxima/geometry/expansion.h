@@ -102,8 +102,7 @@ public:
     [[nodiscard]] Expansion operator-() const noexcept
     {
         Expansion negated;
-        for (int i = 0; i < size_; ++i)
-            negated.append(-(*this)[i]);
+        for (int i = 0; i < size_; ++i) negated.append(-(*this)[i]);
         return negated;
     }
 
@@ -181,8 +180,7 @@ template <int A>
     if (b.size() == 0) return result;
     if (b.size() == 1) {
         const Expansion<2 * A> product = scaled(a, b[0]);
-        for (int i = 0; i < product.size(); ++i)
-            result.append(product[i]);
+        for (int i = 0; i < product.size(); ++i) result.append(product[i]);
         return result;
     }
     return scaled(a, b[0]) + scaled(a, b[1]);

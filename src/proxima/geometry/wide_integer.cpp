@@ -38,8 +38,7 @@ WideInteger::WideInteger(double value) noexcept
 
 void WideInteger::trim() noexcept
 {
-    while (size_ > 0 && limb(size_ - 1) == 0)
-        --size_;
+    while (size_ > 0 && limb(size_ - 1) == 0) --size_;
     if (size_ == 0) sign_ = 0;
 }
 
