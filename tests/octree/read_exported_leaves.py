@@ -32,9 +32,13 @@ def vtk_output(path, reader_name):
 
 
 def read_vtu(path):
-    _, grid, arrays = vtk_output(path, "vtkXMLUnstructuredGridReader")
+    vtk, grid, arrays = vtk_output(path, "vtkXMLUnstructuredGridReader")
     for cell in range(grid.GetNumberOfCells()):
         b = grid.GetCell(cell).GetBounds()
+        points = grid.GetCell(cell).GetPoints()
+        assert grid.GetCellType(cell) == vtk.VTK_VOXEL
+        for corner in range(8):
+            assert points.GetPoint(corner) == tuple(b[2 * k + (corner >> k & 1)] for k in range(3))
         yield leaf_line((b[0], b[2], b[4], b[1], b[3], b[5]),
                         *(array.GetValue(cell) for array in arrays))
 

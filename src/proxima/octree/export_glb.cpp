@@ -101,27 +101,26 @@ public:
         const std::uint64_t points = std::span(geometry.points).size_bytes();
         const std::uint64_t indices = std::span(geometry.indices).size_bytes();
         const char* const comma = count_ == 0 ? "" : ",";
-        nodes_ += concat(comma, "{\"name\":\"", name, "\",\"mesh\":", count_, ",\"translation\":[",
+        nodes_ += concat(comma, R"({"name":")", name, R"(","mesh":)", count_, R"(,"translation":[)",
                          origin[0], ",", origin[1], ",", origin[2], "]}");
         scene_ += concat(comma, count_);
-        meshes_ += concat(comma, "{\"name\":\"", name,
-                          "\",\"primitives\":[{\"attributes\":{\"POSITION\":", 2 * count_,
-                          "},\"indices\":", 2 * count_ + 1, ",\"mode\":", mode,
-                          ",\"material\":", count_, "}]}");
-        materials_ += concat(comma, "{\"name\":\"", name,
-                             "\",\"doubleSided\":true,\"pbrMetallicRoughness\":{"
-                             "\"baseColorFactor\":",
-                             colour, ",\"metallicFactor\":0,\"roughnessFactor\":0.8}}");
+        meshes_ +=
+            concat(comma, R"({"name":")", name, R"(","primitives":[{"attributes":{"POSITION":)",
+                   2 * count_, R"(},"indices":)", 2 * count_ + 1, R"(,"mode":)", mode,
+                   R"(,"material":)", count_, "}]}");
+        materials_ += concat(comma, R"({"name":")", name,
+                             R"(","doubleSided":true,"pbrMetallicRoughness":{)"
+                             R"("baseColorFactor":)",
+                             colour, R"(,"metallicFactor":0,"roughnessFactor":0.8}})");
         accessors_ +=
-            concat(comma, "{\"bufferView\":", 2 * count_, ",\"componentType\":", float_type,
-                   ",\"count\":", geometry.points.size(),
-                   ",\"type\":\"VEC3\",\"min\":", triple(geometry.lower),
-                   ",\"max\":", triple(geometry.upper), "},{\"bufferView\":", 2 * count_ + 1,
-                   ",\"componentType\":", index_type, ",\"count\":", geometry.indices.size(),
-                   ",\"type\":\"SCALAR\"}");
-        views_ += concat(comma, "{\"buffer\":0,\"byteOffset\":", bytes_, ",\"byteLength\":", points,
-                         ",\"target\":34962},{\"buffer\":0,\"byteOffset\":", bytes_ + points,
-                         ",\"byteLength\":", indices, ",\"target\":34963}");
+            concat(comma, R"({"bufferView":)", 2 * count_, R"(,"componentType":)", float_type,
+                   R"(,"count":)", geometry.points.size(), R"(,"type":"VEC3","min":)",
+                   triple(geometry.lower), R"(,"max":)", triple(geometry.upper),
+                   R"(},{"bufferView":)", 2 * count_ + 1, R"(,"componentType":)", index_type,
+                   R"(,"count":)", geometry.indices.size(), R"(,"type":"SCALAR"})");
+        views_ += concat(comma, R"({"buffer":0,"byteOffset":)", bytes_, R"(,"byteLength":)", points,
+                         R"(,"target":34962},{"buffer":0,"byteOffset":)", bytes_ + points,
+                         R"(,"byteLength":)", indices, R"(,"target":34963})");
         bytes_ += points + indices;
         ++count_;
     }
@@ -133,9 +132,9 @@ public:
     {
         std::string text = concat(
             R"({"asset":{"version":"2.0","generator":"proxima"},"scene":0,"scenes":[{"nodes":[)",
-            scene_, "]}],\"nodes\":[", nodes_, "],\"meshes\":[", meshes_, "],\"materials\":[",
-            materials_, "],\"accessors\":[", accessors_, "],\"bufferViews\":[", views_,
-            "],\"buffers\":[{\"byteLength\":", bytes_, "}]}");
+            scene_, R"(]}],"nodes":[)", nodes_, R"(],"meshes":[)", meshes_, R"(],"materials":[)",
+            materials_, R"(],"accessors":[)", accessors_, R"(],"bufferViews":[)", views_,
+            R"(],"buffers":[{"byteLength":)", bytes_, "}]}");
         text.resize((text.size() + 3) / 4 * 4, ' ');
         return text;
     }

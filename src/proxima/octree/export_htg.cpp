@@ -60,27 +60,28 @@ Status export_htg(const Octree& octree, const std::filesystem::path& path)
     const auto levels = static_cast<std::uint32_t>(cells_at_depth.size());
 
     VtkXml xml("HyperTreeGrid", "2.0");
-    xml.text("<HyperTreeGrid BranchFactor=\"2\" TransposedRootIndexing=\"0\" "
+    xml.text(R"(<HyperTreeGrid BranchFactor="2" TransposedRootIndexing="0" )"
              "Dimensions=\"2 2 2\">\n<Grid>\n");
     constexpr std::array<const char*, 3> names = {"XCoordinates", "YCoordinates", "ZCoordinates"};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        xml.array("Float64", concat("Name=\"", names[axis], "\" NumberOfTuples=\"2\""),
+        xml.array("Float64", concat(R"(Name=")", names[axis], R"(" NumberOfTuples="2")"),
                   std::as_bytes(std::span(planes[axis])));
     }
     xml.text("</Grid>\n<Trees>\n");
-    xml.array("Bit", concat("Name=\"Descriptors\" NumberOfTuples=\"", descriptor.count, "\""),
+    xml.array("Bit", concat(R"(Name="Descriptors" NumberOfTuples=")", descriptor.count, R"(")"),
               std::as_bytes(std::span(descriptor.bits)));
-    xml.array("Int64", concat("Name=\"NumberOfVerticesPerDepth\" NumberOfTuples=\"", levels, "\""),
+    xml.array("Int64",
+              concat(R"(Name="NumberOfVerticesPerDepth" NumberOfTuples=")", levels, R"(")"),
               std::as_bytes(std::span(cells_at_depth)));
-    xml.array("Int64", "Name=\"TreeIds\" NumberOfTuples=\"1\"",
+    xml.array("Int64", R"(Name="TreeIds" NumberOfTuples="1")",
               std::as_bytes(std::span(&tree_id, 1)));
-    xml.array("UInt32", "Name=\"DepthPerTree\" NumberOfTuples=\"1\"",
+    xml.array("UInt32", R"(Name="DepthPerTree" NumberOfTuples="1")",
               std::as_bytes(std::span(&levels, 1)));
     xml.text("</Trees>\n<CellData Scalars=\"class\">\n");
-    const std::string tuples = concat(" NumberOfTuples=\"", classes.size(), "\"");
-    xml.array("UInt8", "Name=\"class\"" + tuples, std::as_bytes(std::span(classes)));
-    xml.array("UInt8", "Name=\"depth\"" + tuples, std::as_bytes(std::span(depths)));
-    xml.array("UInt32", "Name=\"triangles\"" + tuples, std::as_bytes(std::span(triangles)));
+    const std::string tuples = concat(R"( NumberOfTuples=")", classes.size(), R"(")");
+    xml.array("UInt8", R"(Name="class")" + tuples, std::as_bytes(std::span(classes)));
+    xml.array("UInt8", R"(Name="depth")" + tuples, std::as_bytes(std::span(depths)));
+    xml.array("UInt32", R"(Name="triangles")" + tuples, std::as_bytes(std::span(triangles)));
     xml.text("</CellData>\n</HyperTreeGrid>\n");
     return xml.write(path);
 }

@@ -35,17 +35,17 @@ Status export_vtu(const Octree& octree, const std::filesystem::path& path)
 
     VtkXml xml("UnstructuredGrid", "1.0");
     xml.text(concat("<UnstructuredGrid>\n<Piece NumberOfPoints=\"", corners.size(),
-                    "\" NumberOfCells=\"", leaves.size(), "\">\n<Points>\n"));
-    xml.array("Float64", "Name=\"Points\" NumberOfComponents=\"3\"",
+                    R"(" NumberOfCells=")", leaves.size(), "\">\n<Points>\n"));
+    xml.array("Float64", R"(Name="Points" NumberOfComponents="3")",
               std::as_bytes(std::span(points)));
     xml.text("</Points>\n<Cells>\n");
-    xml.array("Int64", "Name=\"connectivity\"", std::as_bytes(std::span(connectivity)));
-    xml.array("Int64", "Name=\"offsets\"", std::as_bytes(std::span(offsets)));
-    xml.array("UInt8", "Name=\"types\"", std::as_bytes(std::span(types)));
+    xml.array("Int64", R"(Name="connectivity")", std::as_bytes(std::span(connectivity)));
+    xml.array("Int64", R"(Name="offsets")", std::as_bytes(std::span(offsets)));
+    xml.array("UInt8", R"(Name="types")", std::as_bytes(std::span(types)));
     xml.text("</Cells>\n<CellData Scalars=\"class\">\n");
-    xml.array("UInt8", "Name=\"class\"", std::as_bytes(std::span(classes)));
-    xml.array("UInt8", "Name=\"depth\"", std::as_bytes(std::span(depths)));
-    xml.array("UInt32", "Name=\"triangles\"", std::as_bytes(std::span(triangles)));
+    xml.array("UInt8", R"(Name="class")", std::as_bytes(std::span(classes)));
+    xml.array("UInt8", R"(Name="depth")", std::as_bytes(std::span(depths)));
+    xml.array("UInt32", R"(Name="triangles")", std::as_bytes(std::span(triangles)));
     xml.text("</CellData>\n</Piece>\n</UnstructuredGrid>\n");
     return xml.write(path);
 }

@@ -34,7 +34,7 @@ struct Collector {
         return choice == LeafChoice::all || cell.type == CellClass::boundary;
     }
 
-    Flow visit_leaf(const Cell& cell, std::span<const TriangleId> triangles) const
+    [[nodiscard]] Flow visit_leaf(const Cell& cell, std::span<const TriangleId> triangles) const
     {
         const int level = depth(cell.key);
         const auto up = static_cast<unsigned>(octree.parameters().max_depth - level);

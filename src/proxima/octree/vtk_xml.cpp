@@ -7,8 +7,8 @@
 namespace proxima {
 
 VtkXml::VtkXml(const std::string& type, const std::string& version)
-    : text_(concat("<?xml version=\"1.0\"?>\n<VTKFile type=\"", type, "\" version=\"", version,
-                   "\" byte_order=\"",
+    : text_(concat("<?xml version=\"1.0\"?>\n<VTKFile type=\"", type, R"(" version=")", version,
+                   R"(" byte_order=")",
                    std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian",
                    "\" header_type=\"UInt64\">\n"))
 {}
@@ -16,8 +16,8 @@ VtkXml::VtkXml(const std::string& type, const std::string& version)
 void VtkXml::array(const std::string& type, const std::string& attributes,
                    std::span<const std::byte> bytes)
 {
-    text_ += concat("<DataArray type=\"", type, "\" ", attributes, " format=\"appended\" offset=\"",
-                    offset_, "\"/>\n");
+    text_ += concat(R"(<DataArray type=")", type, R"(" )", attributes,
+                    R"( format="appended" offset=")", offset_, "\"/>\n");
     arrays_.push_back(bytes);
     offset_ += sizeof(std::uint64_t) + bytes.size();
 }
