@@ -50,9 +50,8 @@ int run(const Command& command, const CommonOptions& options)
     if (status) return 0;
     report(describe(status.error()));
     const int signal = proxima::InterruptGuard::signal_number();
-    return status.error().code == ErrorCode::cancelled && signal != 0
-               ? first_signal_status + signal
-               : bad_input;
+    return status.error().code == ErrorCode::cancelled && signal != 0 ? first_signal_status + signal
+                                                                      : bad_input;
 }
 
 int parse_and_run(int argc, char** argv)

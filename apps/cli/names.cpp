@@ -20,11 +20,16 @@ std::optional<int> parse_number(std::string_view text)
 std::string_view method_name(OverlapMethod method) noexcept
 {
     switch (method) {
-    case OverlapMethod::fast: return "fast";
-    case OverlapMethod::index_tracking: return "index-tracking";
-    case OverlapMethod::minkowski: return "minkowski";
-    case OverlapMethod::separating_axis: return "separating-axis";
-    case OverlapMethod::pairwise: return "pairwise";
+    case OverlapMethod::fast:
+        return "fast";
+    case OverlapMethod::index_tracking:
+        return "index-tracking";
+    case OverlapMethod::minkowski:
+        return "minkowski";
+    case OverlapMethod::separating_axis:
+        return "separating-axis";
+    case OverlapMethod::pairwise:
+        return "pairwise";
     }
     return "";
 }

@@ -12,9 +12,9 @@
 namespace proxima {
 
 /// All five methods, the fast one first.
-inline constexpr std::array all_methods = {
-    OverlapMethod::fast, OverlapMethod::separating_axis, OverlapMethod::index_tracking,
-    OverlapMethod::minkowski, OverlapMethod::pairwise};
+inline constexpr std::array all_methods = {OverlapMethod::fast, OverlapMethod::separating_axis,
+                                           OverlapMethod::index_tracking, OverlapMethod::minkowski,
+                                           OverlapMethod::pairwise};
 
 /// "fast", "index-tracking", ...
 [[nodiscard]] std::string_view method_name(OverlapMethod method) noexcept;
