@@ -86,6 +86,12 @@ std::string words(std::string_view name)
     return text;
 }
 
+/// "1 edge", "2 edges".
+std::string counted(std::uint64_t count, std::string_view noun, std::string_view plural)
+{
+    return fmt::format("{} {}", count, count == 1 ? noun : plural);
+}
+
 std::string finding_text(const MeshFinding& finding)
 {
     std::string text = finding.element == ElementKind::mesh
@@ -107,16 +113,18 @@ std::string finding_text(const MeshFinding& finding)
 
 std::string report_text(const MeshReport& report, const std::string& model)
 {
-    std::string text =
-        fmt::format("{}: {} vertices, {} triangles, {} edges, {} components\n", model,
-                    report.vertices, report.triangles, report.edges, report.components);
+    std::string text = fmt::format(
+        "{}: {}, {}, {}, {}\n", model, counted(report.vertices, "vertex", "vertices"),
+        counted(report.triangles, "triangle", "triangles"), counted(report.edges, "edge", "edges"),
+        counted(report.components, "component", "components"));
     if (!report.bounds.empty()) {
         text += fmt::format("from {} to {}, area {:.6g}, edges {:.3g} to {:.3g} long\n",
                             point_text(report.bounds.lower), point_text(report.bounds.upper),
                             report.area, report.min_edge_length, report.max_edge_length);
     }
-    text +=
-        report.closed ? "closed" : fmt::format("open, {} boundary loops", report.boundary_loops);
+    text += report.closed
+                ? std::string("closed")
+                : "open, " + counted(report.boundary_loops, "boundary loop", "boundary loops");
     text +=
         report.consistently_oriented ? ", consistently oriented" : ", not consistently oriented";
     if (report.signed_volume) {

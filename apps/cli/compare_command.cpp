@@ -111,7 +111,7 @@ Command add_compare_command(CLI::App& app)
         ->type_name("N");
     parser->add_flag_callback(
         "--exact", [options] { options->race.exactness = Exactness::exact; },
-        "List only triangles that touch, in exact numbers: all methods give one octree");
+        "Let the thesis's methods decide exactly too: all methods then give one octree");
     parser
         ->add_option("--repeats", options->race.repeats, "Runs of each, of which the median counts")
         ->check(CLI::Range(1, 1000))

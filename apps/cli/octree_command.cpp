@@ -157,7 +157,8 @@ Command add_octree_command(CLI::App& app)
         ->capture_default_str()
         ->type_name("N");
     add_method_option(*parser, options->method);
-    parser->add_flag("--exact", options->exact, "List only triangles that touch, in exact numbers");
+    parser->add_flag("--exact", options->exact,
+                     "Let the thesis's methods decide exactly too, as fast always does");
     parser->add_flag("--uniform", options->uniform, "Split every cell to the deepest level");
     parser->add_flag("--two-pass", options->two_pass,
                      "Build again with the longest list as threshold (thesis 2.1.1)");
