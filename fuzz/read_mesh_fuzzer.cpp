@@ -1,4 +1,5 @@
-// Reads any bytes as a mesh of one format: refused with a reason, or a mesh that keeps its promises.
+// Reads any bytes as a mesh of one format: refused with a reason, or a mesh that keeps its
+// promises.
 #include "proxima/base/check.h"
 #include "proxima/mesh/mesh_io.h"
 
@@ -9,10 +10,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 {
     using namespace proxima;
     const std::uint64_t budget = 256'000'000;
-    const auto mesh =
-        read_mesh_from_memory(std::as_bytes(std::span(data, size)), MeshFormat::PROXIMA_FUZZED_FORMAT,
-                              {.weld = size % 2 == 0 ? Weld::by_format : Weld::exact_positions,
-                               .budget = {.bytes = budget}});
+    const auto mesh = read_mesh_from_memory(
+        std::as_bytes(std::span(data, size)), MeshFormat::PROXIMA_FUZZED_FORMAT,
+        {.weld = size % 2 == 0 ? Weld::by_format : Weld::exact_positions,
+         .budget = {.bytes = budget}});
     if (!mesh) {
         PROXIMA_CHECK(!mesh.error().message.empty());
         PROXIMA_CHECK(!mesh.error().where.empty());

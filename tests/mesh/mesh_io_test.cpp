@@ -230,6 +230,23 @@ TEST(MeshIo, PlacesTheMeshesOfAScene)
     }
 }
 
+TEST(MeshIo, RefusesScenesThatPromiseMoreThanTheBudgetBeforeAssimpTakesIt)
+{
+    const fs::path corpus = fs::path(PROXIMA_SOURCE_DIR) / "fuzz" / "corpus";
+    std::string gltf = file_content(corpus / "gltf" / "two_tetrahedra.gltf");
+    gltf.replace(gltf.find("\"count\":4"), 9, "\"count\": 4e9");
+    EXPECT_EQ(error_of(gltf, MeshFormat::gltf, {.budget = {.bytes = 100'000'000}}).code,
+              ErrorCode::budget_exceeded);
+    const std::string glb = file_content(corpus / "glb" / "two_tetrahedra.glb");
+    for (const std::size_t length_byte : {11U, 15U}) { // of the file, of its first part
+        std::string damaged = glb;
+        damaged[length_byte] = '\x7F';
+        const Error error = error_of(damaged, MeshFormat::glb);
+        EXPECT_EQ(error.code, ErrorCode::malformed_file);
+        EXPECT_EQ(error.message.find("assimp"), std::string::npos) << error.message;
+    }
+}
+
 TEST(MeshIo, WeldsThreeDsByFormat)
 {
     const TriangleMesh mesh = read_seed("3ds/tetrahedron.3ds");
@@ -387,6 +404,15 @@ TEST(MeshIoErrors, RefuseBinaryPlyByItsByte)
     const Error error = error_of(text, MeshFormat::ply);
     EXPECT_EQ(error.where, concat("PLY data, byte ", text.size()));
     EXPECT_NE(error.message.find("face 3"), std::string::npos);
+}
+
+TEST(MeshIoErrors, RefuseBinaryStlThatIsLongerThanItsCount)
+{
+    std::string text = file_content(fs::path(PROXIMA_SOURCE_DIR) / "fuzz/corpus/stl/binary.stl");
+    text[80] = 3; // of 4 triangles
+    const Error error = error_of(text, MeshFormat::stl);
+    EXPECT_EQ(error.code, ErrorCode::malformed_file);
+    EXPECT_NE(error.message.find("3 triangles"), std::string::npos) << error.message;
 }
 
 // No small file makes a reader take gigabytes: the promise is refused before memory is taken.

@@ -8,7 +8,7 @@
 //     property list uchar int vertex_indices
 //     end_header
 //
-// Greg Turk, "The PLY Polygon File Format", 1994.
+// [Turk 1994]
 #pragma once
 
 #include "proxima/mesh/io/mesh_source.h"

@@ -1,6 +1,7 @@
 #include "proxima/mesh/io/read_with_assimp.h"
 
 #include "proxima/base/text.h"
+#include "proxima/mesh/io/number_text.h"
 
 #include <assimp/Importer.hpp>
 #include <assimp/scene.h>
@@ -21,6 +22,85 @@ Transform transform_of(const aiNode& node)
     transform << m.a1, m.a2, m.a3, m.a4, m.b1, m.b2, m.b3, m.b4, m.c1, m.c2, m.c3, m.c4, m.d1, m.d2,
         m.d3, m.d4;
     return transform;
+}
+
+// Assimp takes the lengths of a GLB's parts at their word and allocates by them.
+//
+//     "glTF" | version | length of all | then parts: length, kind, content
+//     version 1: length and kind of the JSON follow the header as a first part would
+Status check_glb_lengths(const MeshSource& source)
+{
+    const std::string_view text = source.text;
+    constexpr std::size_t header_bytes = 12;
+    constexpr std::size_t part_header_bytes = 8;
+    const auto number = [&](std::size_t place) {
+        std::uint32_t value = 0;
+        for (std::size_t i = 4; i > 0; --i) {
+            value = value << 8U | static_cast<unsigned char>(text[place + i - 1]);
+        }
+        return value;
+    };
+    if (text.size() < header_bytes + part_header_bytes || !text.starts_with("glTF")) {
+        return fail(ErrorCode::malformed_file, "this is no GLB file: its header is missing",
+                    source.name);
+    }
+    if (number(8) != text.size()) {
+        return fail(ErrorCode::malformed_file,
+                    concat("the header promises ", number(8), " bytes, the file has ", text.size(),
+                           ": it is cut off or damaged"),
+                    source.name);
+    }
+    const bool has_one_part = number(4) == 1; // what follows its JSON has no header
+    for (std::size_t place = header_bytes; place < text.size();) {
+        const std::size_t left = text.size() - place;
+        if (left < part_header_bytes || number(place) > left - part_header_bytes) {
+            return fail(ErrorCode::malformed_file,
+                        "a part is longer than what is left of the file: it is damaged",
+                        source.at_byte(text.data() + place));
+        }
+        if (has_one_part) break;
+        place += part_header_bytes + number(place);
+    }
+    return {};
+}
+
+// An accessor without data stands for that many zeros, so a few bytes of JSON can ask for any
+// amount of memory: what the numbers ask for must fit the budget before assimp reads them.
+Status check_gltf_counts(const MeshSource& source, MemoryBudget budget)
+{
+    constexpr std::string_view keys[] = {"\"count\"", "\"byteLength\"", "\"byteOffset\"",
+                                         "\"byteStride\""};
+    constexpr double bytes_of_an_item = 64; // a 4x4 matrix of float32
+    const auto limit = static_cast<double>(budget_bytes(budget));
+    const char* const end = source.text.data() + source.text.size();
+    for (const std::string_view key : keys) {
+        for (std::size_t found = source.text.find(key); found != std::string_view::npos;
+             found = source.text.find(key, found + 1)) {
+            const char* place = source.text.data() + found + key.size();
+            while (place < end && (*place == ' ' || *place == ':' || *place == '\t' ||
+                                   *place == '\r' || *place == '\n')) {
+                ++place;
+            }
+            double number = 0;
+            const double item = key == keys[0] ? bytes_of_an_item : 1;
+            if (parse_real(place, end, number) != nullptr && number * item > limit) {
+                return fail(ErrorCode::budget_exceeded,
+                            concat(key, " of ", number, " may need more memory than the budget ",
+                                   "has: raise it or decimate the mesh"),
+                            source.at_byte(place));
+            }
+        }
+    }
+    return {};
+}
+
+Status check_before_reading(const MeshSource& source, MeshFormat format, MemoryBudget budget)
+{
+    if (format == MeshFormat::three_ds) return {};
+    if (format == MeshFormat::glb) {
+        if (auto status = check_glb_lengths(source); !status) return status;
+    }
+    return check_gltf_counts(source, budget);
 }
 
 // One mesh of the scene in one place.
@@ -159,6 +239,9 @@ Result<TriangleMesh> read_with_assimp(const MeshSource& source, const std::files
                                       Vertices vertices)
 {
     ReadProgress progress(options.progress, source.text);
+    if (auto status = check_before_reading(source, format, options.budget); !status) {
+        return tl::unexpected(status.error());
+    }
     try {
         // No post-processing: joining vertices and finding degenerates go by tolerances.
         Assimp::Importer importer;
