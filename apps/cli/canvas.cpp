@@ -12,8 +12,8 @@ constexpr int samples_per_axis = 2;
 std::uint8_t to_srgb_byte(float linear)
 {
     const float clamped = std::clamp(linear, 0.0F, 1.0F);
-    const float encoded = clamped <= 0.0031308F ? 12.92F * clamped
-                                                : 1.055F * std::pow(clamped, 1.0F / 2.4F) - 0.055F;
+    const float encoded =
+        clamped <= 0.0031308F ? 12.92F * clamped : 1.055F * std::pow(clamped, 1.0F / 2.4F) - 0.055F;
     return static_cast<std::uint8_t>(std::lround(255.0F * encoded));
 }
 
@@ -31,8 +31,7 @@ struct SampleRange {
     SampleRange(double lower, double upper, int count)
         : first(static_cast<int>(std::ceil(std::clamp(lower - 0.5, 0.0, 1.0 * count)))),
           last(static_cast<int>(std::floor(std::clamp(upper - 0.5, -1.0, count - 1.0))))
-    {
-    }
+    {}
 };
 
 } // namespace
@@ -156,8 +155,8 @@ void Canvas::draw_line(const ScreenPoint& from, const ScreenPoint& to, const Col
 
 void Canvas::darken_creases(double radius, float strength)
 {
-    // Directions on two rings, turned from sample to sample in a 4x4 pattern, which the average over
-    // samples and neighbours smooths.
+    // Directions on two rings, turned from sample to sample in a 4x4 pattern, which the average
+    // over samples and neighbours smooths.
     constexpr int directions = 12;
     constexpr double golden_angle = 2.399963229728653;
     std::vector<float> light(colors_.size(), 1.0F);

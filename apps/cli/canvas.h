@@ -21,8 +21,8 @@ using Color = Eigen::Array3f;
 /// A colour by its sRGB bytes, 0xRRGGBB.
 [[nodiscard]] Color srgb(unsigned hex);
 
-/// A point on the screen: pixels from the upper left corner, and nearness 1 / distance along the view axis,
-/// which is linear on the screen.
+/// A point on the screen: pixels from the upper left corner, and nearness 1 / distance along the
+/// view axis, which is linear on the screen.
 struct ScreenPoint {
     double x = 0.0;
     double y = 0.0;
@@ -37,7 +37,7 @@ struct ScreenVertex {
 struct LineStyle {
     double width = 1.0; ///< pixels
     float opacity = 1.0F;
-    double lift = 0.0;  ///< part of the distance by which it is drawn nearer
+    double lift = 0.0; ///< part of the distance by which it is drawn nearer
 };
 
 class Canvas {

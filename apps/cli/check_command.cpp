@@ -86,6 +86,12 @@ std::string words(std::string_view name)
     return text;
 }
 
+/// "1 edge", "2 edges".
+std::string counted(std::uint64_t count, std::string_view noun, std::string_view plural)
+{
+    return fmt::format("{} {}", count, count == 1 ? noun : plural);
+}
+
 std::string finding_text(const MeshFinding& finding)
 {
     std::string text = finding.element == ElementKind::mesh
@@ -93,7 +99,8 @@ std::string finding_text(const MeshFinding& finding)
                            : fmt::format("{} {}", finding.count, words(name_of(finding.kind)));
     text = fmt::format("{}: {}\n    {}\n", name_of(finding.severity), text, finding.meaning);
     if (!finding.first_ids.empty()) {
-        text += fmt::format("    {}:", finding.count > finding.first_ids.size() ? "the first" : "at");
+        text +=
+            fmt::format("    {}:", finding.count > finding.first_ids.size() ? "the first" : "at");
         for (std::size_t i = 0; i < finding.first_ids.size(); ++i) {
             text += fmt::format("{} {} {}", i == 0 ? "" : ",", name_of(finding.element),
                                 finding.first_ids[i]);
@@ -106,19 +113,23 @@ std::string finding_text(const MeshFinding& finding)
 
 std::string report_text(const MeshReport& report, const std::string& model)
 {
-    std::string text = fmt::format("{}: {} vertices, {} triangles, {} edges, {} components\n",
-                                   model, report.vertices, report.triangles, report.edges,
-                                   report.components);
+    std::string text = fmt::format(
+        "{}: {}, {}, {}, {}\n", model, counted(report.vertices, "vertex", "vertices"),
+        counted(report.triangles, "triangle", "triangles"), counted(report.edges, "edge", "edges"),
+        counted(report.components, "component", "components"));
     if (!report.bounds.empty()) {
         text += fmt::format("from {} to {}, area {:.6g}, edges {:.3g} to {:.3g} long\n",
                             point_text(report.bounds.lower), point_text(report.bounds.upper),
                             report.area, report.min_edge_length, report.max_edge_length);
     }
-    text += report.closed ? "closed" : fmt::format("open, {} boundary loops", report.boundary_loops);
-    text += report.consistently_oriented ? ", consistently oriented" : ", not consistently oriented";
+    text += report.closed
+                ? std::string("closed")
+                : "open, " + counted(report.boundary_loops, "boundary loop", "boundary loops");
+    text +=
+        report.consistently_oriented ? ", consistently oriented" : ", not consistently oriented";
     if (report.signed_volume) {
-        text += fmt::format(", {}, volume {:.6g}", name_of(report.orientation),
-                            *report.signed_volume);
+        text +=
+            fmt::format(", {}, volume {:.6g}", name_of(report.orientation), *report.signed_volume);
     }
     if (report.genus) text += fmt::format(", genus {}", *report.genus);
     text += fmt::format(", Euler characteristic {}\n", report.euler_characteristic);

@@ -28,9 +28,9 @@ void add_depths_option(CLI::App& parser, std::vector<int>& depths)
             [&depths](const std::string& text) {
                 const auto numbers = parse_numbers(text, 0, max_octree_depth);
                 if (!numbers) {
-                    throw CLI::ValidationError(
-                        "--depths", concat(text, " is no list of depths from 0 to ",
-                                           max_octree_depth, ", such as 1-5 or 3,5"));
+                    throw CLI::ValidationError("--depths",
+                                               concat(text, " is no list of depths from 0 to ",
+                                                      max_octree_depth, ", such as 1-5 or 3,5"));
                 }
                 depths = *numbers;
             },
@@ -49,8 +49,8 @@ void add_methods_option(CLI::App& parser, std::vector<OverlapMethod>& methods)
                     const auto method = find_method(name);
                     if (!method) {
                         throw CLI::ValidationError(
-                            "--methods", concat('"', name, "\" is no method: they are ",
-                                                method_names()));
+                            "--methods",
+                            concat('"', name, "\" is no method: they are ", method_names()));
                     }
                     methods.push_back(*method);
                 }
@@ -111,8 +111,9 @@ Command add_compare_command(CLI::App& app)
         ->type_name("N");
     parser->add_flag_callback(
         "--exact", [options] { options->race.exactness = Exactness::exact; },
-        "List only triangles that touch, in exact numbers: all methods give one octree");
-    parser->add_option("--repeats", options->race.repeats, "Runs of each, of which the median counts")
+        "Let the thesis's methods decide exactly too: all methods then give one octree");
+    parser
+        ->add_option("--repeats", options->race.repeats, "Runs of each, of which the median counts")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str()
         ->type_name("N");

@@ -19,8 +19,9 @@ struct Image {
     /// \pre 0 <= x < width, 0 <= y < height
     [[nodiscard]] std::array<std::uint8_t, 3> pixel(int x, int y) const noexcept
     {
-        const std::size_t first = 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-                                       static_cast<std::size_t>(x));
+        const std::size_t first =
+            3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                 static_cast<std::size_t>(x));
         return {bytes[first], bytes[first + 1], bytes[first + 2]};
     }
 };

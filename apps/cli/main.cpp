@@ -4,6 +4,7 @@
 //     0 done    1 a bad input or output    2 wrong usage    130, 143 stopped by a signal
 #include "cli/commands.h"
 #include "cli/interrupt.h"
+#include "cli/names.h"
 #include "cli/session.h"
 
 #include <CLI/CLI.hpp>
@@ -11,6 +12,7 @@
 #include <exception>
 #include <fmt/core.h>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace {
@@ -23,11 +25,24 @@ constexpr int bad_input = 1;
 constexpr int wrong_usage = 2;
 constexpr int first_signal_status = 128;
 
-/// Prints "proxima: message" as one line.
-void report(std::string message)
+/// Prints "proxima: message" as one line. Messages may quote what a damaged file holds: what is no
+/// printable text of a terminal is shown as \xNN.
+void report(std::string_view message)
 {
-    std::ranges::replace(message, '\n', ' ');
-    fmt::print(stderr, "proxima: {}\n", message);
+    std::string line = "proxima: ";
+    for (std::size_t place = 0; place < message.size();) {
+        const std::size_t length = proxima::utf8_length(message.substr(place));
+        if (length > 0) {
+            line += message.substr(place, length);
+            place += length;
+        } else {
+            line += message[place] == '\n'
+                        ? " "
+                        : fmt::format("\\x{:02X}", static_cast<unsigned char>(message[place]));
+            ++place;
+        }
+    }
+    fmt::print(stderr, "{}\n", line);
 }
 
 void add_common_options(CLI::App& parser, CommonOptions& options)
@@ -50,9 +65,8 @@ int run(const Command& command, const CommonOptions& options)
     if (status) return 0;
     report(describe(status.error()));
     const int signal = proxima::InterruptGuard::signal_number();
-    return status.error().code == ErrorCode::cancelled && signal != 0
-               ? first_signal_status + signal
-               : bad_input;
+    return status.error().code == ErrorCode::cancelled && signal != 0 ? first_signal_status + signal
+                                                                      : bad_input;
 }
 
 int parse_and_run(int argc, char** argv)
@@ -72,6 +86,12 @@ int parse_and_run(int argc, char** argv)
     } catch (const CLI::ParseError& error) {
         if (error.get_exit_code() == 0) return app.exit(error); // help or version
         const auto found = std::ranges::find_if(commands, asked_for);
+        if (found == commands.end() && argc > 1 && argv[1][0] != '-') {
+            report(fmt::format("{} is no command: they are octree, compare, tables and check; see "
+                               "proxima --help",
+                               argv[1]));
+            return wrong_usage;
+        }
         report(fmt::format("{}; see proxima {}--help", error.what(),
                            found == commands.end() ? "" : found->parser->get_name() + ' '));
         return wrong_usage;

@@ -13,9 +13,9 @@ namespace proxima {
 void add_model_option(CLI::App& parser, std::string& model)
 {
     parser
-        .add_option("MODEL", model,
-                    concat("A file (", known_mesh_extensions(), ") or one of ",
-                           sample_mesh_names()))
+        .add_option(
+            "MODEL", model,
+            concat("A file (", known_mesh_extensions(), ") or one of ", sample_mesh_names()))
         ->required()
         ->type_name("");
 }

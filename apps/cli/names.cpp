@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdint>
 
 namespace proxima {
 
@@ -20,11 +21,16 @@ std::optional<int> parse_number(std::string_view text)
 std::string_view method_name(OverlapMethod method) noexcept
 {
     switch (method) {
-    case OverlapMethod::fast: return "fast";
-    case OverlapMethod::index_tracking: return "index-tracking";
-    case OverlapMethod::minkowski: return "minkowski";
-    case OverlapMethod::separating_axis: return "separating-axis";
-    case OverlapMethod::pairwise: return "pairwise";
+    case OverlapMethod::fast:
+        return "fast";
+    case OverlapMethod::index_tracking:
+        return "index-tracking";
+    case OverlapMethod::minkowski:
+        return "minkowski";
+    case OverlapMethod::separating_axis:
+        return "separating-axis";
+    case OverlapMethod::pairwise:
+        return "pairwise";
     }
     return "";
 }
@@ -73,6 +79,28 @@ std::optional<std::vector<int>> parse_numbers(std::string_view text, int lowest,
     std::ranges::sort(numbers);
     numbers.erase(std::ranges::unique(numbers).begin(), numbers.end());
     return numbers;
+}
+
+std::size_t utf8_length(std::string_view text) noexcept
+{
+    if (text.empty()) return 0;
+    const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+    if (byte(0) < 0x80) return byte(0) >= 0x20 && byte(0) != 0x7F ? 1 : 0;
+    const std::size_t length = byte(0) >= 0xF5   ? 0
+                               : byte(0) >= 0xF0 ? 4
+                               : byte(0) >= 0xE0 ? 3
+                               : byte(0) >= 0xC2 ? 2
+                                                 : 0;
+    if (length == 0 || text.size() < length) return 0;
+    std::uint32_t code = byte(0) & (0x7FU >> length);
+    for (std::size_t i = 1; i < length; ++i) {
+        if ((byte(i) & 0xC0U) != 0x80) return 0;
+        code = code << 6U | (byte(i) & 0x3FU);
+    }
+    const bool is_overlong = code < (length == 4 ? 0x10000U : length == 3 ? 0x800U : 0x80U);
+    const bool is_surrogate = code >= 0xD800 && code < 0xE000;
+    const bool is_control = code < 0xA0;
+    return is_overlong || is_surrogate || is_control || code > 0x10FFFF ? 0 : length;
 }
 
 } // namespace proxima

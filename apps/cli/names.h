@@ -1,9 +1,11 @@
-// Words of the command line for the library's enums, and lists of numbers as options have them.
+// Words of the command line: names of the library's enums, lists of numbers as options have them,
+// text that a terminal can show.
 #pragma once
 
 #include "proxima/octree/octree.h"
 
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -12,9 +14,9 @@
 namespace proxima {
 
 /// All five methods, the fast one first.
-inline constexpr std::array all_methods = {
-    OverlapMethod::fast, OverlapMethod::separating_axis, OverlapMethod::index_tracking,
-    OverlapMethod::minkowski, OverlapMethod::pairwise};
+inline constexpr std::array all_methods = {OverlapMethod::fast, OverlapMethod::separating_axis,
+                                           OverlapMethod::index_tracking, OverlapMethod::minkowski,
+                                           OverlapMethod::pairwise};
 
 /// "fast", "index-tracking", ...
 [[nodiscard]] std::string_view method_name(OverlapMethod method) noexcept;
@@ -32,5 +34,9 @@ inline constexpr std::array all_methods = {
 /// or a number lies outside [lowest, highest].
 [[nodiscard]] std::optional<std::vector<int>> parse_numbers(std::string_view text, int lowest,
                                                             int highest);
+
+/// Bytes of the printable character that `text` begins with, 0 where it begins with a control
+/// character or is no UTF-8.
+[[nodiscard]] std::size_t utf8_length(std::string_view text) noexcept;
 
 } // namespace proxima

@@ -113,10 +113,9 @@ Status run_octree(const OctreeCommandOptions& options, Session& session)
 
     const OctreeStatistics statistics = octree_statistics(*octree);
     const std::string_view method = method_name(options.method);
-    session.print(
-        fmt::format("{}: {} triangles, method {}{}, {:.3f} s\n\n{}\n", options.model,
-                    mesh->triangle_count(), method, options.exact ? ", exact" : "", seconds,
-                    statistics_text(octree->parameters(), statistics)));
+    session.print(fmt::format("{}: {} triangles, method {}{}, {:.3f} s\n\n{}\n", options.model,
+                              mesh->triangle_count(), method, options.exact ? ", exact" : "",
+                              seconds, statistics_text(octree->parameters(), statistics)));
     if (auto status = session.check_running(); !status) return status;
     if (auto status = write_outputs(options, *octree, *mesh, session); !status) return status;
     return session.write_json({{"model", options.model},
@@ -158,23 +157,25 @@ Command add_octree_command(CLI::App& app)
         ->capture_default_str()
         ->type_name("N");
     add_method_option(*parser, options->method);
-    parser->add_flag("--exact", options->exact, "List only triangles that touch, in exact numbers");
+    parser->add_flag("--exact", options->exact,
+                     "Let the thesis's methods decide exactly too, as fast always does");
     parser->add_flag("--uniform", options->uniform, "Split every cell to the deepest level");
     parser->add_flag("--two-pass", options->two_pass,
                      "Build again with the longest list as threshold (thesis 2.1.1)");
     parser->add_option("--root", options->root, "Shape of the root: cube or box (default cube)")
-        ->transform(CLI::Transformer(
-            std::vector<std::pair<std::string, RootShape>>{{"cube", RootShape::cube},
-                                                           {"box", RootShape::box}}))
+        ->transform(CLI::Transformer(std::vector<std::pair<std::string, RootShape>>{
+            {"cube", RootShape::cube}, {"box", RootShape::box}}))
         ->type_name("SHAPE");
-    parser->add_option("--budget-mb", options->budget_mb,
-                       "Memory the build may use, in 10^6 bytes (default: 3/4 of the machine's)")
+    parser
+        ->add_option("--budget-mb", options->budget_mb,
+                     "Memory the build may use, in 10^6 bytes (default: 3/4 of the machine's)")
         ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40U))
         ->type_name("N");
     parser->add_option("--save", options->save, "Write the octree's own format")
         ->type_name("FILE.pxo");
-    parser->add_option("--export", options->exports,
-                       "Write a picture (.png), for ParaView (.vtu, .htg), or boxes (.glb, .ply)")
+    parser
+        ->add_option("--export", options->exports,
+                     "Write a picture (.png), for ParaView (.vtu, .htg), or boxes (.glb, .ply)")
         ->type_name("FILE");
     return {parser, [options](Session& session) { return run_octree(*options, session); }};
 }

@@ -84,8 +84,7 @@ public:
         : key_(camera.from_screen(Vec3(-0.45, 0.65, 0.60).normalized())),
           fill_(camera.from_screen(Vec3(0.80, 0.10, 0.45).normalized())),
           sky_(camera.from_screen(Vec3(0.0, 1.0, 0.0)))
-    {
-    }
+    {}
 
     [[nodiscard]] Color shade(const Vec3& normal, const Color& surface) const
     {

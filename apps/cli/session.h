@@ -15,8 +15,8 @@ namespace proxima {
 
 /// Options of every subcommand.
 struct CommonOptions {
-    std::string json;  ///< file for the JSON result, "-" for stdout, empty for none
-    int threads = 0;   ///< 0 = all that the machine offers
+    std::string json;   ///< file for the JSON result, "-" for stdout, empty for none
+    int threads = 0;    ///< 0 = all that the machine offers
     bool quiet = false; ///< nothing for people, neither text nor a progress bar
 };
 

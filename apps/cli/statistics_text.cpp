@@ -11,14 +11,14 @@ std::string statistics_text(const OctreeParameters& parameters, const OctreeStat
 {
     TextTable counts({"Depth", "Threshold", "Total", "Leaves", "Occ. %", "Min-Tri", "Max-Tri",
                       "Pointers", "Mean", "Std.", "Mean/all", "Std./all"});
-    counts.add_row({to_text(parameters.max_depth), to_text(parameters.threshold),
-                    to_text(statistics.total), to_text(statistics.leaves),
-                    fmt::format("{:.1f}", statistics.occupied_percent),
-                    to_text(statistics.min_triangles), to_text(statistics.max_triangles),
-                    to_text(statistics.references), fmt::format("{:.2f}", statistics.mean_triangles),
-                    fmt::format("{:.2f}", statistics.std_triangles),
-                    fmt::format("{:.2f}", statistics.mean_all_leaves),
-                    fmt::format("{:.2f}", statistics.std_all_leaves)});
+    counts.add_row(
+        {to_text(parameters.max_depth), to_text(parameters.threshold), to_text(statistics.total),
+         to_text(statistics.leaves), fmt::format("{:.1f}", statistics.occupied_percent),
+         to_text(statistics.min_triangles), to_text(statistics.max_triangles),
+         to_text(statistics.references), fmt::format("{:.2f}", statistics.mean_triangles),
+         fmt::format("{:.2f}", statistics.std_triangles),
+         fmt::format("{:.2f}", statistics.mean_all_leaves),
+         fmt::format("{:.2f}", statistics.std_all_leaves)});
     TextTable classes({"Boundary", "Inner", "Outer", "Depth reached", "Bytes", "Bytes/pointer"});
     classes.add_row({to_text(statistics.boundary), to_text(statistics.inner),
                      to_text(statistics.outer), to_text(statistics.depth_reached),

@@ -26,8 +26,8 @@ Status run_tables(const TablesOptions& options, Session& session)
     comparison.progress = &session.progress();
     nlohmann::ordered_json tables = nlohmann::ordered_json::array();
     for (const ThesisTable& table : thesis_tables()) {
-        const bool wanted =
-            options.only.empty() || std::ranges::find(options.only, table.number) != options.only.end();
+        const bool wanted = options.only.empty() ||
+                            std::ranges::find(options.only, table.number) != options.only.end();
         if (!wanted) continue;
         const auto result = [&] {
             const ProgressBar shown(session.progress(), session.bar());
@@ -75,9 +75,9 @@ Command add_tables_command(CLI::App& app)
                     if (std::ranges::none_of(thesis_tables(), [&](const ThesisTable& table) {
                             return table.number == number;
                         })) {
-                        throw CLI::ValidationError("--only", concat('"', number,
-                                                                    "\" is no table here: they are ",
-                                                                    table_numbers()));
+                        throw CLI::ValidationError(
+                            "--only",
+                            concat('"', number, "\" is no table here: they are ", table_numbers()));
                     }
                 }
             },

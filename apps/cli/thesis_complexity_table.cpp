@@ -47,11 +47,13 @@ Result<ThesisComparison> compare_table_3_2(const ThesisComparisonOptions& /*opti
                              "negations; dots and crosses are part of them\n\n",
                              table.text(), "\n");
     comparison.notes = {
-        "The thesis counts 81 flops for edge x axis products; they are copies and negations. Opposite "
+        "The thesis counts 81 flops for edge x axis products; they are copies and negations. "
+        "Opposite "
         "normals share a dot product, so 13 serve where it counts 26.",
         "Its 27 cross products of the geometric method are the components of nine. Its hull method "
         "sums 4 + ... + 42 to 440, which is 460.",
-        "Lines without a thesis value are ours: what is prepared once per triangle or depth, and the "
+        "Lines without a thesis value are ours: what is prepared once per triangle or depth, and "
+        "the "
         "closed form of the method fast, which goes down by additions alone."};
     return comparison;
 }

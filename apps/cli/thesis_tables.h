@@ -81,11 +81,16 @@ struct TimeRow {
     [[nodiscard]] constexpr double seconds(OverlapMethod method) const noexcept
     {
         switch (method) {
-        case OverlapMethod::separating_axis: return separating_axis;
-        case OverlapMethod::index_tracking: return index_tracking;
-        case OverlapMethod::minkowski: return minkowski;
-        case OverlapMethod::pairwise: return pairwise;
-        case OverlapMethod::fast: break;
+        case OverlapMethod::separating_axis:
+            return separating_axis;
+        case OverlapMethod::index_tracking:
+            return index_tracking;
+        case OverlapMethod::minkowski:
+            return minkowski;
+        case OverlapMethod::pairwise:
+            return pairwise;
+        case OverlapMethod::fast:
+            break;
         }
         return 0.0;
     }

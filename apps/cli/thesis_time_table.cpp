@@ -15,7 +15,8 @@ Result<ThesisComparison> compare_table_3_3(const ThesisComparisonOptions& option
 {
     const auto ship = sample_mesh("spaceship:33000");
     if (!ship) return tl::unexpected(ship.error());
-    const auto rows = race_methods(*ship, {.threads = options.threads, .progress = options.progress});
+    const auto rows =
+        race_methods(*ship, {.threads = options.threads, .progress = options.progress});
     if (!rows) return tl::unexpected(rows.error());
 
     TextTable table({"Depth", "Method", "Seconds", "Thesis", "x separating-axis", "Thesis"});
@@ -27,11 +28,10 @@ Result<ThesisComparison> compare_table_3_3(const ThesisComparisonOptions& option
         const bool known = seconds > 0.0; // not of `fast`
         const double ratio = seconds / printed->separating_axis;
         const double our_ratio = row.ratio_to_separating_axis.value_or(0.0);
-        table.add_row({to_text(row.depth), std::string(method_name(row.method)),
-                       fmt::format("{:.4f}", row.seconds),
-                       known ? fmt::format("{:.3f}", seconds) : "-",
-                       fmt::format("{:.3g}", our_ratio),
-                       known ? fmt::format("{:.3g}", ratio) : "-"});
+        table.add_row(
+            {to_text(row.depth), std::string(method_name(row.method)),
+             fmt::format("{:.4f}", row.seconds), known ? fmt::format("{:.3f}", seconds) : "-",
+             fmt::format("{:.3g}", our_ratio), known ? fmt::format("{:.3g}", ratio) : "-"});
         nlohmann::ordered_json line = {{"depth", row.depth},
                                        {"method", method_name(row.method)},
                                        {"seconds", {{"proxima", row.seconds}}},
@@ -42,12 +42,13 @@ Result<ThesisComparison> compare_table_3_3(const ThesisComparisonOptions& option
         }
         comparison.rows.push_back(line);
     }
-    comparison.text = concat("spaceship:33000, threshold 1, medians of interleaved runs\n\n",
-                             table.text(), "\n");
+    comparison.text =
+        concat("spaceship:33000, threshold 1, medians of interleaved runs\n\n", table.text(), "\n");
     comparison.notes = {
         "The thesis measured another ship of 33,000 triangles, AKIRA, on a Pentium 4 of 3.2 GHz: "
         "seconds tell of the machines, ratios of the methods.",
-        "Its text calls index tracking 1.6 times slower than separating axes, by flops; its own table "
+        "Its text calls index tracking 1.6 times slower than separating axes, by flops; its own "
+        "table "
         "has 26 times (depth 1) to 17 times (depth 5).",
         "fast is ours: 17 half-spaces in vector lanes, exact where lanes are unsure."};
     return comparison;

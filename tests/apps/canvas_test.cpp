@@ -92,7 +92,8 @@ TEST(Canvas, TakesWhatLiesOutsideOrNowhere)
     Canvas canvas(20, 20);
     for (const double far : {-1e30, -30.0, 50.0, 1e30}) {
         canvas.draw_line({far, far, 1.0}, {far, far + 1, 1.0}, blue, {});
-        canvas.draw_triangle({{{{far, far, 1}, red}, {{far + 1, far, 1}, red}, {{far, far + 1, 1}, red}}});
+        canvas.draw_triangle(
+            {{{{far, far, 1}, red}, {{far + 1, far, 1}, red}, {{far, far + 1, 1}, red}}});
     }
     canvas.draw_line({nan, 0, 1.0}, {1, nan, 1.0}, blue, {});
     canvas.draw_triangle({{{{nan, 0, 1}, red}, {{1, 0, 1}, red}, {{0, 1, 1}, red}}});

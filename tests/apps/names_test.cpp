@@ -38,5 +38,18 @@ TEST(Names, SplittingKeepsEmptyParts)
     EXPECT_EQ(split_list(""), (std::vector<std::string>{""}));
 }
 
+TEST(Names, PrintableCharactersAreTold)
+{
+    for (const std::string_view text : {"a", " ", "~", "\u00e4", "\u20ac", "\U0001F407"}) {
+        EXPECT_EQ(utf8_length(text), text.size()) << text;
+    }
+    // Nothing, control characters, strays, cut off, overlong, surrogate, beyond the last.
+    for (const std::string_view text :
+         {"", "\n", "\x1b[K", "\x7f", "\x80", "\xff", "\xc3", "\xe2\x82", "\xc0\xaf",
+          "\xe0\x80\xaf", "\xed\xa0\x80", "\xf4\x90\x80\x80", "\xc2\x85"}) {
+        EXPECT_EQ(utf8_length(text), 0U);
+    }
+}
+
 } // namespace
 } // namespace proxima

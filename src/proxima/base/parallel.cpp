@@ -1,5 +1,8 @@
 #include "proxima/base/parallel.h"
 
+#include <optional>
+#include <tbb/global_control.h>
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -57,6 +60,12 @@ void detail::parallel_for(std::size_t count, int threads, LoopBody body, void* c
         body(context, index);
         release(&join_flag);
     };
+    // More threads than processors are given only on demand, and refused with a line on stderr.
+    std::optional<tbb::global_control> demand;
+    if (threads > tbb::info::default_concurrency()) {
+        demand.emplace(tbb::global_control::max_allowed_parallelism,
+                       static_cast<std::size_t>(threads));
+    }
     release(&fork_flag);
     tbb::task_arena arena(threads);
     arena.execute(

@@ -6,6 +6,7 @@
 #include <assimp/Importer.hpp>
 #include <assimp/scene.h>
 #include <exception>
+#include <string_view>
 #include <vector>
 
 namespace proxima::detail {
@@ -224,6 +225,13 @@ const char* hint_of(MeshFormat format) noexcept
     return format == MeshFormat::gltf ? "gltf" : "glb";
 }
 
+bool begins_with_brace(std::string_view text)
+{
+    if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+    const std::size_t first = text.find_first_not_of(" \t\r\n");
+    return first != std::string_view::npos && text[first] == '{';
+}
+
 } // namespace
 
 Result<TriangleMesh> read_with_assimp(const MeshSource& source, const std::filesystem::path& path,
@@ -238,6 +246,11 @@ Result<TriangleMesh> read_with_assimp(const MeshSource& source, const std::files
         // No post-processing: joining vertices and finding degenerates go by tolerances.
         Assimp::Importer importer;
         constexpr unsigned no_steps = 0;
+        // What its glTF readers do not know, assimp would give to readers that are not safe.
+        if (format == MeshFormat::gltf && !begins_with_brace(source.text)) {
+            return fail(ErrorCode::malformed_file, "this is no glTF file: it is no JSON object",
+                        source.name);
+        }
         const aiScene* scene =
             path.empty() ? importer.ReadFileFromMemory(source.text.data(), source.text.size(),
                                                        no_steps, hint_of(format))
