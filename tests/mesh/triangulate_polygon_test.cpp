@@ -71,7 +71,8 @@ TEST(TriangulatePolygon, TakesTheRightDiagonalOfAnArrowFromEveryStart)
     const std::vector<Vec3> arrow{{0, 0, 0}, {2, 1, 0}, {0, 2, 0}, {0.5, 1, 0}};
     for (std::size_t start = 0; start < 4; ++start) {
         std::vector<Vec3> turned = arrow;
-        std::ranges::rotate(turned, turned.begin() + static_cast<std::ptrdiff_t>(start));
+        std::rotate(turned.begin(), turned.begin() + static_cast<std::ptrdiff_t>(start),
+                    turned.end());
         expect_cover(turned, triangulate(turned));
         std::ranges::reverse(turned);
         expect_cover(turned, triangulate(turned));
@@ -92,8 +93,8 @@ TEST(TriangulatePolygon, CoversRandomConcavePolygonsOnce)
         for (int i = 0; i < count; ++i) {
             const double angle = (i + 0.8 * unit(random)) * 2 * M_PI / count;
             const double radius = unit(random);
-            positions.push_back(axes * Vec3(radius * std::cos(angle), radius * std::sin(angle), 0) +
-                                Vec3(10, -20, 30));
+            const Vec3 flat(radius * std::cos(angle), radius * std::sin(angle), 0);
+            positions.emplace_back(axes * flat + Vec3(10, -20, 30));
         }
         expect_cover(positions, triangulate(positions));
     }
