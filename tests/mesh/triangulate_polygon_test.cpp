@@ -59,6 +59,7 @@ void expect_cover(const std::vector<Vec3>& positions, const std::vector<Triangle
 TEST(TriangulatePolygon, FansConvexPolygons)
 {
     std::vector<Vec3> positions;
+    positions.reserve(9);
     for (int i = 0; i < 9; ++i) positions.emplace_back(std::cos(0.7 * i), std::sin(0.7 * i), 3);
     const auto triangles = triangulate(positions);
     for (std::uint32_t i = 0; i < 7; ++i) {
