@@ -59,6 +59,7 @@ void expect_cover(const std::vector<Vec3>& positions, const std::vector<Triangle
 TEST(TriangulatePolygon, FansConvexPolygons)
 {
     std::vector<Vec3> positions;
+    positions.reserve(9);
     for (int i = 0; i < 9; ++i) positions.emplace_back(std::cos(0.7 * i), std::sin(0.7 * i), 3);
     const auto triangles = triangulate(positions);
     for (std::uint32_t i = 0; i < 7; ++i) {
@@ -71,7 +72,8 @@ TEST(TriangulatePolygon, TakesTheRightDiagonalOfAnArrowFromEveryStart)
     const std::vector<Vec3> arrow{{0, 0, 0}, {2, 1, 0}, {0, 2, 0}, {0.5, 1, 0}};
     for (std::size_t start = 0; start < 4; ++start) {
         std::vector<Vec3> turned = arrow;
-        std::ranges::rotate(turned, turned.begin() + static_cast<std::ptrdiff_t>(start));
+        std::rotate(turned.begin(), turned.begin() + static_cast<std::ptrdiff_t>(start),
+                    turned.end());
         expect_cover(turned, triangulate(turned));
         std::ranges::reverse(turned);
         expect_cover(turned, triangulate(turned));
@@ -92,8 +94,8 @@ TEST(TriangulatePolygon, CoversRandomConcavePolygonsOnce)
         for (int i = 0; i < count; ++i) {
             const double angle = (i + 0.8 * unit(random)) * 2 * M_PI / count;
             const double radius = unit(random);
-            positions.push_back(axes * Vec3(radius * std::cos(angle), radius * std::sin(angle), 0) +
-                                Vec3(10, -20, 30));
+            const Vec3 flat(radius * std::cos(angle), radius * std::sin(angle), 0);
+            positions.emplace_back(axes * flat + Vec3(10, -20, 30));
         }
         expect_cover(positions, triangulate(positions));
     }

@@ -37,6 +37,7 @@ TEST(WeldVertices, AgreesWithComparingAllPairs)
         const std::size_t count = 1 + random() % 60;
         for (std::size_t i = 0; i < count; ++i) positions.emplace_back(any(), any(), any());
         const auto vertex = [&] { return static_cast<std::uint32_t>(random() % count); };
+        triangles.reserve(40);
         for (int i = 0; i < 40; ++i) triangles.push_back({vertex(), vertex(), vertex()});
 
         std::vector<Vec3> expected;

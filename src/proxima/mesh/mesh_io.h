@@ -35,8 +35,8 @@ struct ReadOptions {
 /// mesh; normals, texture coordinates, colours and unknown PLY elements are passed over, and so are
 /// points and lines. Polygons of n corners become n - 2 triangles: a fan where that is right, ears
 /// where it is not; degenerate triangles are kept. NaN and infinite coordinates are values here;
-/// checked_bounding_box() refuses them later. A file whose records end early, promise more than there
-/// is, or are followed by something that does not belong to them is refused: nothing is lost
+/// checked_bounding_box() refuses them later. A file whose records end early, promise more than
+/// there is, or are followed by something that does not belong to them is refused: nothing is lost
 /// silently. Errors: file_not_found, unsupported_format, malformed_file (with file and line, or
 /// byte), limit_exceeded (a face of more than 2^20 corners, or a concave one of more than 2^14),
 /// budget_exceeded (before the memory is taken), cancelled.

@@ -131,8 +131,7 @@ bool PolygonTriangulator::is_ear(std::uint32_t corner)
 std::uint32_t PolygonTriangulator::corner_of_last_resort() const noexcept
 {
     std::uint32_t first = 0;
-    while (ring_[first].removed)
-        ++first;
+    while (ring_[first].removed) ++first;
     std::uint32_t convex = first;
     std::uint32_t corner = first;
     do {

@@ -51,8 +51,7 @@ void weld_vertices(std::vector<Vec3>& positions, std::vector<TriangleCorners>& t
     }
     positions.resize(kept);
     for (TriangleCorners& corners : triangles) {
-        for (std::uint32_t& corner : corners)
-            corner = new_ids[corner];
+        for (std::uint32_t& corner : corners) corner = new_ids[corner];
     }
 }
 

@@ -61,7 +61,7 @@ public:
     }
 
 private:
-    tl::unexpected<Error> refuse(ErrorCode code, std::string message) const
+    [[nodiscard]] tl::unexpected<Error> refuse(ErrorCode code, std::string message) const
     {
         return fail(code, std::move(message), source_.at_line(line_));
     }
@@ -144,7 +144,7 @@ private:
         return {};
     }
 
-    tl::unexpected<Error> unknown_type(std::string_view type) const
+    [[nodiscard]] tl::unexpected<Error> unknown_type(std::string_view type) const
     {
         return refuse(ErrorCode::malformed_file,
                       concat("\"", type.substr(0, 40),

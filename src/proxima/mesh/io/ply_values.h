@@ -75,7 +75,7 @@ private:
 };
 
 /// Packed bytes of the given order.
-template <std::endian order>
+template <std::endian Order>
 class PlyBinaryValues {
 public:
     explicit PlyBinaryValues(std::string_view body) noexcept
@@ -139,7 +139,7 @@ private:
     {
         unsigned char bytes[sizeof(T)];
         std::memcpy(bytes, place_, sizeof(T));
-        if constexpr (order != std::endian::native) {
+        if constexpr (Order != std::endian::native) {
             for (std::size_t i = 0; i < sizeof(T) / 2; ++i) {
                 std::swap(bytes[i], bytes[sizeof(T) - 1 - i]);
             }

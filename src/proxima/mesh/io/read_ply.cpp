@@ -188,7 +188,7 @@ private:
         });
     }
 
-    template <ElementKind kind>
+    template <ElementKind Kind>
     bool read_lists()
     {
         const auto lists = std::ranges::count_if(element_->properties, names_corners);
@@ -198,9 +198,9 @@ private:
             return refuse(
                 ErrorCode::malformed_file,
                 concat("the element \"", element_->name,
-                       "\" needs one list property \"vertex_indices\" or \"vertex_index\""));
+                       R"(" needs one list property "vertex_indices" or "vertex_index")"));
         }
-        if (kind == ElementKind::face && !mesh_.reserve_triangles(element_->count)) {
+        if (Kind == ElementKind::face && !mesh_.reserve_triangles(element_->count)) {
             return refused_by_mesh();
         }
         const auto list_index = list - element_->properties.begin();
@@ -208,7 +208,7 @@ private:
             for (std::ptrdiff_t i = 0; i < std::ssize(element_->properties); ++i) {
                 const PlyProperty& property = element_->properties[static_cast<std::size_t>(i)];
                 const bool read = i != list_index             ? skip_property(property)
-                                  : kind == ElementKind::face ? read_face(property)
+                                  : Kind == ElementKind::face ? read_face(property)
                                                               : read_strips(property);
                 if (!read) return false;
             }

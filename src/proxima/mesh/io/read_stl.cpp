@@ -57,13 +57,13 @@ Result<TriangleMesh> read_binary(const MeshSource& source, const ReadOptions& op
     const char* place = text.data() + first_triangle;
     for (std::uint32_t triangle = 0; triangle < count; ++triangle, place += triangle_bytes) {
         if (!progress.may_continue(place)) return tl::unexpected(reading_cancelled(source));
-        const auto value = [&](std::uint32_t index) {
+        const auto value = [&](std::size_t index) {
             return static_cast<double>(std::bit_cast<float>(load_uint32(place + index * 4)));
         };
         const std::uint32_t first = 3 * triangle;
         bool added = true;
-        for (std::uint32_t corner = 1; corner <= 3; ++corner) {
-            const std::uint32_t x = 3 * corner;
+        for (std::size_t corner = 1; corner <= 3; ++corner) {
+            const std::size_t x = 3 * corner;
             added = added && mesh.add_vertex({value(x), value(x + 1), value(x + 2)});
         }
         if (!added || !mesh.add_triangle({first, first + 1, first + 2})) {

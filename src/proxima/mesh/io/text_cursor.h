@@ -22,7 +22,7 @@ struct TextDialect {
 };
 
 /// Cheap to copy; never reads beyond the text it was given.
-template <TextDialect dialect>
+template <TextDialect Dialect>
 class TextCursor {
 public:
     explicit TextCursor(std::string_view text) noexcept
@@ -41,10 +41,10 @@ public:
     {
         for (; place_ < end_; ++place_) {
             if (is_blank(*place_)) continue;
-            if constexpr (dialect.line_ends_are_blanks) {
+            if constexpr (Dialect.line_ends_are_blanks) {
                 if (*place_ == '\n') continue;
             }
-            if constexpr (dialect.continues_lines) {
+            if constexpr (Dialect.continues_lines) {
                 if (*place_ == '\\' && step_over_continuation()) continue;
             }
             return;
@@ -58,7 +58,7 @@ public:
         while (true) {
             skip_blanks();
             if (place_ == end_) return false;
-            if constexpr (dialect.has_comments) {
+            if constexpr (Dialect.has_comments) {
                 if (*place_ == '#') skip_physical_line();
                 if (place_ == end_) return false;
             }
@@ -72,7 +72,7 @@ public:
     {
         skip_blanks();
         if (place_ == end_ || *place_ == '\n') return true;
-        return dialect.has_comments && *place_ == '#';
+        return Dialect.has_comments && *place_ == '#';
     }
 
     /// Moves behind the end of this line.
@@ -83,7 +83,7 @@ public:
             skip_physical_line();
             const char* last = place_;
             if (place_ < end_) ++place_;
-            if constexpr (!dialect.continues_lines) return;
+            if constexpr (!Dialect.continues_lines) return;
             if (last > begin && last[-1] == '\r') --last;
             if (place_ == end_ || last == begin || last[-1] != '\\') return;
         }
@@ -114,8 +114,7 @@ public:
     {
         skip_blanks();
         const char* const begin = place_;
-        while (place_ < end_ && !ends_value(place_))
-            ++place_;
+        while (place_ < end_ && !ends_value(place_)) ++place_;
         return {begin, static_cast<std::size_t>(place_ - begin)};
     }
 
@@ -149,8 +148,8 @@ private:
     [[nodiscard]] bool ends_value(const char* place) const noexcept
     {
         if (place == end_ || is_blank(*place) || *place == '\n') return true;
-        if (dialect.has_comments && *place == '#') return true;
-        return dialect.continues_lines && *place == '\\';
+        if (Dialect.has_comments && *place == '#') return true;
+        return Dialect.continues_lines && *place == '\\';
     }
 
     // From the backslash to the line end that it hides.
