@@ -77,7 +77,7 @@ std::optional<std::vector<int>> parse_numbers(std::string_view text, int lowest,
         for (int number = *first; number <= *last; ++number) numbers.push_back(number);
     }
     std::ranges::sort(numbers);
-    numbers.erase(std::ranges::unique(numbers).begin(), numbers.end());
+    numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
     return numbers;
 }
 

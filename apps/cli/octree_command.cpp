@@ -75,7 +75,7 @@ Status write_outputs(const OctreeCommandOptions& options, const Octree& octree,
     }
     for (const std::string& path : options.exports) {
         if (auto status = session.check_running(); !status) return status;
-        const Status status =
+        Status status =
             is_picture(path)
                 ? write_png(draw_octree(octree, mesh, {.up = up_axis_of_model(options.model)}),
                             path)

@@ -159,7 +159,7 @@ struct LeafCollector {
     std::vector<Leaf>& leaves;
 
     [[nodiscard]] bool should_enter(const Cell&) const { return true; }
-    Flow visit_leaf(const Cell& cell, std::span<const TriangleId> triangles) const
+    Flow visit_leaf(const Cell& cell, std::span<const TriangleId> triangles)
     {
         if (!triangles.empty()) leaves.push_back({cell.key, octree.box(cell)});
         return Flow::proceed;
