@@ -3,6 +3,7 @@
 #include "cli/stopwatch.h"
 #include "cli/text_table.h"
 #include "proxima/base/text.h"
+#include "proxima/octree/same_cells.h"
 #include "proxima/octree/statistics.h"
 
 #include <algorithm>
@@ -25,12 +26,6 @@ double median(std::vector<double> values)
     std::ranges::sort(values);
     const std::size_t middle = values.size() / 2;
     return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
-}
-
-bool same_octree(const Octree& a, const Octree& b)
-{
-    return std::ranges::equal(a.nodes(), b.nodes()) &&
-           std::ranges::equal(a.references(), b.references());
 }
 
 /// Runs all methods at one depth, turn by turn.
@@ -78,7 +73,7 @@ Result<std::vector<RaceRow>> race_methods(const TriangleMesh& mesh,
                         .seconds = median(contender.seconds),
                         .ratio_to_separating_axis = {},
                         .same_as_first =
-                            same_octree(*contender.octree, *contenders->front().octree)};
+                            same_cells(*contender.octree, *contenders->front().octree)};
             if (separating_axis != contenders->end()) {
                 row.ratio_to_separating_axis = row.seconds / median(separating_axis->seconds);
             }

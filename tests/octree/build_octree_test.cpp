@@ -8,6 +8,7 @@
 #include "proxima/mesh/sample_meshes.h"
 #include "proxima/octree/check_octree.h"
 #include "proxima/octree/check_structure.h"
+#include "proxima/octree/same_cells.h"
 #include "proxima/octree/statistics.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +23,6 @@ namespace {
 
 using testing::nasty_mesh;
 using testing::same_arrays;
-using testing::same_cells;
 using testing::slow_octree;
 
 constexpr std::array all_methods = {OverlapMethod::fast, OverlapMethod::index_tracking,
@@ -37,6 +37,7 @@ OctreeOptions random_options(std::uint32_t seed)
     options.max_depth = static_cast<int>(random() % 6);
     options.threshold = random() % 2 == 0 ? 1U : static_cast<std::uint32_t>(random() % 12);
     options.root_shape = random() % 4 == 0 ? RootShape::box : RootShape::cube;
+    options.classification = Classification::none;
     options.threads = {1};
     return options;
 }
@@ -84,6 +85,18 @@ TEST(BuildOctree, FewTrianglesAtTheGreatestDepthStayExact)
             triangle_overlaps_box);
         ASSERT_TRUE(same_cells(*octree, slow));
     }
+}
+
+TEST(SameCells, TellsOctreesApart)
+{
+    const TriangleMesh mesh = make_torus(20, 12);
+    const auto build = [&](const OctreeOptions& options) { return *build_octree(mesh, options); };
+    const Octree octree = build({});
+    EXPECT_TRUE(same_cells(octree, build({.method = OverlapMethod::pairwise,
+                                          .exactness = Exactness::exact})));
+    EXPECT_FALSE(same_cells(octree, build({.classification = Classification::none})));
+    EXPECT_FALSE(same_cells(octree, build({.max_depth = 4})));
+    EXPECT_FALSE(same_cells(octree, build({.root_shape = RootShape::box})));
 }
 
 TEST(BuildOctree, AllMethodsGiveTheSameExactTree)
@@ -317,7 +330,6 @@ TEST(BuildOctree, ScalingByPowersOfTwoAndReorderingChangeNothing)
         const TriangleMesh mesh = nasty_mesh(seed);
         OctreeOptions options = random_options(seed);
         options.exactness = Exactness::exact;
-        options.classification = Classification::none;
         const auto octree = build_octree(mesh, options);
         std::vector<Vec3> scaled(mesh.positions().begin(), mesh.positions().end());
         for (Vec3& position : scaled) position *= 0x1p-13;
