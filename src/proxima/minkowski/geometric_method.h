@@ -135,5 +135,3 @@ template <class Scalar>
                                                  const Vector3<Scalar>& half_size) noexcept;
 
 } // namespace proxima
-
-#include "proxima/minkowski/geometric_method_impl.h"

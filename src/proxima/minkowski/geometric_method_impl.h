@@ -1,4 +1,5 @@
-// How planes are pushed; included by geometric_method.h only, which explains it (thesis 3.2.1).
+// How planes are pushed, for callers of push_planes and form_edge_normals with polyhedra of their
+// own; geometric_method.h explains it (thesis 3.2.1).
 #pragma once
 
 #include "proxima/minkowski/geometric_method.h"
