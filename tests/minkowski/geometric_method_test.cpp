@@ -1,4 +1,5 @@
 #include "proxima/minkowski/geometric_method.h"
+#include "proxima/minkowski/geometric_method_impl.h"
 #include "proxima/minkowski/incremental_hull.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,6 @@
 #include "proxima/minkowski/geometric_method.h"
 
+#include "proxima/minkowski/geometric_method_impl.h"
 #include "proxima/minkowski/operation_counts.h"
 
 namespace proxima {
