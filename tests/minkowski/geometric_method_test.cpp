@@ -1,5 +1,4 @@
 #include "proxima/minkowski/geometric_method.h"
-#include "proxima/minkowski/geometric_method_impl.h"
 #include "proxima/minkowski/incremental_hull.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,5 @@
 #include "proxima/minkowski/geometric_method.h"
 
-#include "proxima/minkowski/geometric_method_impl.h"
 #include "proxima/minkowski/operation_counts.h"
 
 namespace proxima {
