@@ -1,6 +1,5 @@
 #include "proxima/octree/build_fast.h"
 
-#include "proxima/base/text.h"
 #include "proxima/octree/coarse_bins.h"
 #include "proxima/octree/top_tree.h"
 
@@ -135,13 +134,6 @@ Status join(std::vector<OctreeOutput>& chunks, const std::vector<std::size_t>& b
 Result<OctreeOutput> build_fast(const TriangleMesh& mesh, const OctreeFrame& frame,
                                 const OctreeOptions& options, GrowLimits& limits)
 {
-    if (mesh.vertex_count() > SnappedArrays::max_vertices ||
-        mesh.triangle_count() > SnappedArrays::max_triangles) {
-        return fail(ErrorCode::limit_exceeded,
-                    concat("the fast method takes at most ", SnappedArrays::max_vertices,
-                           " vertices and ", SnappedArrays::max_triangles,
-                           " triangles: choose another method"));
-    }
     const SnappedMesh snapped(mesh, frame, options.threads);
     const int bin_depth = choose_bin_depth(snapped, options.max_depth);
     const CoarseBins bins = bin_triangles(snapped, bin_depth, options.threads);

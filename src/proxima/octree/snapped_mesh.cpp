@@ -52,11 +52,19 @@ void SnappedMesh::load(std::span<const std::uint32_t> ids, const GridPoint& orig
                        LocalTriangles& local) const
 {
     local.origin = origin;
-    local.ids.resize(ids.size() + lane_padding);
-    std::copy(ids.begin(), ids.end(), local.ids.begin());
-    std::fill_n(local.ids.begin() + ids.size(), lane_padding, 0U);
-    local.snapped.resize(ids.size());
-    load_triangles(arrays(), local.ids.data(), ids.size(), origin, local.snapped);
+    local.ids = ids;
+    // Lanes without a triangle of their own look at the first.
+    local.triangles.resize(std::max<std::size_t>(ids.size(), 1));
+    for (std::size_t slot = 0; slot < ids.size(); ++slot) {
+        const TriangleCorners& corners = mesh_.triangles()[ids[slot]];
+        for (std::size_t j = 0; j < 3; ++j) {
+            const SnappedPoint& vertex = vertices_[corners[j]];
+            for (std::size_t k = 0; k < 3; ++k) {
+                local.triangles[slot][j][k] = vertex[k] - origin[k];
+            }
+            local.triangles[slot][j][3] = 0;
+        }
+    }
 }
 
 bool SnappedMesh::touches(std::uint32_t triangle, const GridPoint& lower, int depth) const noexcept
@@ -88,7 +96,7 @@ void SnappedMesh::find_touched(const LocalTriangles& local, const PairLevel& lev
             .half = level.half,
             .error = static_cast<float>(error_steps_ * (1 + 1e-6) / level.half),
             .margin = margin_};
-        find_touched_children(local.snapped, lanes, pairs, scratch, masks);
+        find_touched_children(local.triangles.data(), lanes, pairs, scratch, masks);
     }
     if (level.allowed != nullptr) {
         for (std::size_t pair = 0; pair < pairs.count; ++pair) masks[pair] &= level.allowed[pair];

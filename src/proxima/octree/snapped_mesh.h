@@ -17,8 +17,8 @@ using GridPoint = std::array<std::int32_t, 3>;
 
 /// Some triangles relative to a grid point, and the ids they have in the mesh.
 struct LocalTriangles {
-    SnappedTriangles snapped;
-    GrowBuffer<std::uint32_t> ids; ///< padded with zeros
+    GrowBuffer<SnappedTriangle> triangles;
+    std::span<const std::uint32_t> ids;
     GridPoint origin = {};
 };
 
@@ -43,21 +43,21 @@ public:
 
     [[nodiscard]] const TriangleMesh& mesh() const noexcept { return mesh_; }
 
-    /// Vertex on the grid; the fourth number is unused.
-    [[nodiscard]] const std::array<std::int32_t, 4>& vertex(std::uint32_t id) const noexcept
+    /// Vertex on the grid.
+    [[nodiscard]] const SnappedPoint& vertex(std::uint32_t id) const noexcept
     {
         return vertices_[id];
     }
 
     [[nodiscard]] SnappedArrays arrays() const noexcept
     {
-        return {vertices_.data()->data(), mesh_.triangles().data()->data()};
+        return {vertices_.data(), mesh_.triangles().data()};
     }
 
     /// Distance in whole steps that a vertex may be off against any cell plane.
     [[nodiscard]] std::int32_t margin() const noexcept { return margin_; }
 
-    /// Sets `local` to these triangles of the mesh, relative to `origin`.
+    /// Sets `local` to these triangles of the mesh, relative to `origin`; the ids must outlive it.
     void load(std::span<const std::uint32_t> ids, const GridPoint& origin,
               LocalTriangles& local) const;
 
@@ -73,7 +73,7 @@ private:
     OctreeFrame frame_;
     double error_steps_ = 0;
     std::int32_t margin_ = 1;
-    GrowBuffer<std::array<std::int32_t, 4>> vertices_;
+    GrowBuffer<SnappedPoint> vertices_;
 };
 
 } // namespace proxima

@@ -35,24 +35,62 @@ using Words = hn::Vec<MaskTag>;
 constexpr std::uint32_t lower_children[3] = {0x55, 0x33, 0x0F};
 constexpr std::uint32_t upper_children[3] = {0xAA, 0xCC, 0xF0};
 
-void load_triangles(const SnappedArrays& mesh, const std::uint32_t* ids, std::size_t count,
-                    const std::array<std::int32_t, 3>& origin, SnappedTriangles& triangles)
+#if HWY_TARGET == HWY_SCALAR
+
+/// Coordinates of one point per lane, by axis; point(lane) is where lane's point lies.
+template <class PointOf>
+HWY_INLINE void load_points(const PointOf& point, Ints (&coordinates)[3])
 {
     const IntTag di;
-    const MaskTag dm;
-    for (std::size_t first = 0; first < count; first += hn::Lanes(di)) {
-        const auto is_triangle = hn::FirstN(dm, count - first);
-        const auto id = hn::IfThenElseZero(is_triangle, hn::LoadU(dm, ids + first));
-        const auto place = hn::Add(id, hn::Add(id, id));
-        for (int j = 0; j < 3; ++j) {
-            const auto corner = hn::GatherIndex(dm, mesh.corners + j, hn::BitCast(di, place));
-            const auto vertex = hn::BitCast(di, hn::ShiftLeft<2>(corner));
-            for (int axis = 0; axis < 3; ++axis) {
-                const auto position = hn::GatherIndex(di, mesh.vertices + axis, vertex);
-                hn::StoreU(hn::Sub(position, hn::Set(di, origin[axis])), di,
-                           triangles.coordinate[3 * j + axis].data() + first);
-            }
-        }
+    for (int axis = 0; axis < 3; ++axis) {
+        coordinates[axis] = hn::Set(di, (*point(std::size_t{0}))[static_cast<std::size_t>(axis)]);
+    }
+}
+
+#else
+
+/// Four numbers from each of the places that lanes 4 L + row stand for, one per 128-bit block L.
+template <std::size_t lanes, class PointOf>
+HWY_INLINE auto load_rows(const PointOf& point, std::size_t lane)
+{
+    const hn::FixedTag<std::int32_t, lanes> tag;
+    if constexpr (lanes == 4) {
+        return hn::LoadU(tag, point(lane)->data());
+    } else {
+        return hn::Combine(tag, load_rows<lanes / 2>(point, lane + lanes / 2),
+                           load_rows<lanes / 2>(point, lane));
+    }
+}
+
+/// Coordinates of one point per lane, by axis; point(lane) is where lane's point lies. Whole points
+/// are loaded and turned: several times faster than gathering numbers one by one.
+template <class PointOf>
+HWY_INLINE void load_points(const PointOf& point, Ints (&coordinates)[3])
+{
+    constexpr std::size_t lanes = HWY_MAX_BYTES / sizeof(std::int32_t);
+    const IntTag di;
+    const hn::Repartition<std::int64_t, IntTag> pairs;
+    const auto a = load_rows<lanes>(point, 0);
+    const auto b = load_rows<lanes>(point, 1);
+    const auto c = load_rows<lanes>(point, 2);
+    const auto d = load_rows<lanes>(point, 3);
+    const auto xy_ab = hn::BitCast(pairs, hn::InterleaveLower(di, a, b));
+    const auto xy_cd = hn::BitCast(pairs, hn::InterleaveLower(di, c, d));
+    const auto zw_ab = hn::BitCast(pairs, hn::InterleaveUpper(di, a, b));
+    const auto zw_cd = hn::BitCast(pairs, hn::InterleaveUpper(di, c, d));
+    coordinates[0] = hn::BitCast(di, hn::InterleaveLower(pairs, xy_ab, xy_cd));
+    coordinates[1] = hn::BitCast(di, hn::InterleaveUpper(pairs, xy_ab, xy_cd));
+    coordinates[2] = hn::BitCast(di, hn::InterleaveLower(pairs, zw_ab, zw_cd));
+}
+
+#endif
+
+/// Corners of the lanes' triangles; corner[j][axis].
+HWY_INLINE void load_corners(const SnappedTriangle* triangles, const std::uint32_t* indices,
+                             Ints (&corner)[3][3])
+{
+    for (std::size_t j = 0; j < 3; ++j) {
+        load_points([&](std::size_t lane) { return &triangles[indices[lane]][j]; }, corner[j]);
     }
 }
 
@@ -67,20 +105,22 @@ void find_cells_of_boxes(const SnappedArrays& mesh, std::size_t first, std::size
     const auto grown = hn::Set(di, margin);
     const int shift = snapped_bits - depth;
     for (std::size_t block = 0; block < count; block += hn::Lanes(di)) {
-        const auto offset = hn::Iota(dm, static_cast<std::uint32_t>(first + block));
-        const auto id = hn::IfThenElseZero(hn::FirstN(dm, count - block), offset);
-        const auto place = hn::Add(id, hn::Add(id, id));
-        Ints vertex[3] = {zero, zero, zero};
-        for (int j = 0; j < 3; ++j) {
-            const auto corner = hn::GatherIndex(dm, mesh.corners + j, hn::BitCast(di, place));
-            vertex[j] = hn::BitCast(di, hn::ShiftLeft<2>(corner));
+        Ints corner[3][3];
+        for (std::size_t j = 0; j < 3; ++j) {
+            // Lanes beyond the last triangle see it again.
+            load_points(
+                [&](std::size_t lane) {
+                    const std::size_t triangle = first + HWY_MIN(block + lane, count - 1);
+                    return &mesh.vertices[mesh.corners[triangle][j]];
+                },
+                corner[j]);
         }
         auto low_cells = zero;
         auto high_cells = zero;
         for (int axis = 0; axis < 3; ++axis) {
-            const auto a = hn::GatherIndex(di, mesh.vertices + axis, vertex[0]);
-            const auto b = hn::GatherIndex(di, mesh.vertices + axis, vertex[1]);
-            const auto c = hn::GatherIndex(di, mesh.vertices + axis, vertex[2]);
+            const auto a = corner[0][axis];
+            const auto b = corner[1][axis];
+            const auto c = corner[2][axis];
             const auto low = hn::Sub(hn::Min(hn::Min(a, b), c), grown);
             const auto high = hn::Add(hn::Max(hn::Max(a, b), c), grown);
             const auto low_cell = hn::Max(zero, hn::ShiftRightSame(low, shift));
@@ -94,9 +134,8 @@ void find_cells_of_boxes(const SnappedArrays& mesh, std::size_t first, std::size
 }
 
 /// Stage 1: box and vertex tests in exact integers. Returns the number of pairs left open.
-std::size_t test_boxes(const SnappedTriangles& triangles, const SnappedLevel& level,
-                       const SnappedPairs& pairs, std::uint32_t* open_pairs,
-                       std::uint32_t* open_children, std::uint32_t* masks)
+std::size_t test_boxes(const SnappedTriangle* triangles, const SnappedLevel& level,
+                       const SnappedPairs& pairs, SnappedScratch& scratch, std::uint32_t* masks)
 {
     const IntTag di;
     const MaskTag dm;
@@ -108,19 +147,21 @@ std::size_t test_boxes(const SnappedTriangles& triangles, const SnappedLevel& le
     const auto zero = hn::Zero(di);
     std::size_t open_count = 0;
     for (std::size_t first = 0; first < pairs.count; first += hn::Lanes(di)) {
-        const auto triangle = hn::BitCast(di, hn::LoadU(dm, pairs.triangle + first));
+        Ints corners[3][3];
+        load_corners(triangles, pairs.triangle + first, corners);
         Words box = hn::Set(dm, 0xFF);
         Words octant[3] = {hn::Set(dm, 0xFF), hn::Set(dm, 0xFF), hn::Set(dm, 0xFF)};
         Ints nearest[3] = {hn::Set(di, INT32_MAX), hn::Set(di, INT32_MAX), hn::Set(di, INT32_MAX)};
         Ints farthest[3] = {zero, zero, zero};
+        Ints centers[3];
         for (int axis = 0; axis < 3; ++axis) {
             const auto center = hn::LoadU(di, pairs.center[axis] + first);
+            centers[axis] = center;
             const auto lower_bits = hn::Set(dm, lower_children[axis]);
             const auto upper_bits = hn::Set(dm, upper_children[axis]);
             Ints corner[3] = {zero, zero, zero};
             for (int j = 0; j < 3; ++j) {
-                const auto* coordinates = triangles.coordinate[3 * j + axis].data();
-                corner[j] = hn::Sub(hn::GatherIndex(di, coordinates, triangle), center);
+                corner[j] = hn::Sub(corners[j][axis], center);
                 const auto distance = hn::Abs(corner[j]);
                 nearest[j] = hn::Min(nearest[j], distance);
                 farthest[j] = hn::Max(farthest[j], distance);
@@ -148,8 +189,16 @@ std::size_t test_boxes(const SnappedTriangles& triangles, const SnappedLevel& le
         const auto is_pair = hn::FirstN(dm, pairs.count - first);
         const auto is_open = hn::And(is_pair, hn::Ne(open, hn::Zero(dm)));
         const auto pair = hn::Iota(dm, static_cast<std::uint32_t>(first));
-        hn::StoreU(hn::Compress(pair, is_open), dm, open_pairs + open_count);
-        hn::StoreU(hn::Compress(open, is_open), dm, open_children + open_count);
+        const auto keep = [&](Words values, std::uint32_t* out) {
+            hn::StoreU(hn::Compress(values, is_open), dm, out + open_count);
+        };
+        keep(pair, scratch.open_pairs.data());
+        keep(open, scratch.open_children.data());
+        keep(hn::LoadU(dm, pairs.triangle + first), scratch.open_triangles.data());
+        for (int axis = 0; axis < 3; ++axis) {
+            hn::StoreU(hn::Compress(centers[axis], hn::RebindMask(di, is_open)), di,
+                       scratch.open_centers[axis].data() + open_count);
+        }
         open_count += hn::CountTrue(dm, is_open);
     }
     return open_count;
@@ -301,27 +350,21 @@ HWY_INLINE Words trust(const SnappedLevel& level, const Lanes& lanes, const Ints
 }
 
 /// Stage 2: planes and edges of the open pairs.
-void test_planes_and_edges(const SnappedTriangles& triangles, const SnappedLevel& level,
-                           const SnappedPairs& pairs, const std::uint32_t* open_pairs,
-                           const std::uint32_t* open_children, std::size_t open_count,
-                           GrowBuffer<UnsurePair>& unsure, std::uint32_t* masks)
+void test_planes_and_edges(const SnappedTriangle* triangles, const SnappedLevel& level,
+                           std::size_t open_count, SnappedScratch& scratch, std::uint32_t* masks)
 {
+    const std::uint32_t* const open_pairs = scratch.open_pairs.data();
     const FloatTag df;
     const IntTag di;
     const MaskTag dm;
     const auto scale = hn::Set(df, 1.0F / static_cast<float>(level.half));
     for (std::size_t first = 0; first < open_count; first += hn::Lanes(df)) {
-        const auto pair = hn::LoadU(dm, open_pairs + first);
-        const auto pair_index = hn::BitCast(di, pair);
-        const auto triangle = hn::BitCast(di, hn::GatherIndex(dm, pairs.triangle, pair_index));
         Lanes lanes;
         Ints corner[3][3];
+        load_corners(triangles, scratch.open_triangles.data() + first, corner);
         for (int axis = 0; axis < 3; ++axis) {
-            const auto center = hn::GatherIndex(di, pairs.center[axis], pair_index);
-            for (int j = 0; j < 3; ++j) {
-                const auto* coordinates = triangles.coordinate[3 * j + axis].data();
-                corner[j][axis] = hn::Sub(hn::GatherIndex(di, coordinates, triangle), center);
-            }
+            const auto center = hn::LoadU(di, scratch.open_centers[axis].data() + first);
+            for (int j = 0; j < 3; ++j) corner[j][axis] = hn::Sub(corner[j][axis], center);
             for (int j = 0; j < 3; ++j) {
                 const auto along = hn::Sub(corner[(j + 1) % 3][axis], corner[j][axis]);
                 lanes.corner[j][axis] = hn::Mul(hn::ConvertTo(df, corner[j][axis]), scale);
@@ -342,7 +385,7 @@ void test_planes_and_edges(const SnappedTriangles& triangles, const SnappedLevel
         test_edges<1>(lanes, possible, certain);
         test_edges<2>(lanes, possible, certain);
         certain = trust(level, lanes, corner, certain);
-        const auto open = hn::LoadU(dm, open_children + first);
+        const auto open = hn::LoadU(dm, scratch.open_children.data() + first);
         const auto is_open = hn::FirstN(dm, open_count - first);
         const auto touched = hn::And(open, certain);
         const auto undecided = hn::And(open, hn::AndNot(certain, possible));
@@ -359,29 +402,28 @@ void test_planes_and_edges(const SnappedTriangles& triangles, const SnappedLevel
             hn::Store(undecided, dm, lanes_left);
             for (std::size_t lane = 0; lane < count; ++lane) {
                 if (lanes_left[lane] != 0) {
-                    unsure.push_back({open_pairs[first + lane], lanes_left[lane]});
+                    scratch.unsure.push_back({open_pairs[first + lane], lanes_left[lane]});
                 }
             }
         }
     }
 }
 
-void find_touched_children(const SnappedTriangles& triangles, const SnappedLevel& level,
+void find_touched_children(const SnappedTriangle* triangles, const SnappedLevel& level,
                            const SnappedPairs& pairs, SnappedScratch& scratch,
                            std::uint32_t* masks)
 {
     scratch.open_pairs.resize(pairs.count + lane_padding);
     scratch.open_children.resize(pairs.count + lane_padding);
+    scratch.open_triangles.resize(pairs.count + lane_padding);
+    for (auto& centers : scratch.open_centers) centers.resize(pairs.count + lane_padding);
     scratch.unsure.clear();
-    const std::size_t open_count =
-        test_boxes(triangles, level, pairs, scratch.open_pairs.data(),
-                   scratch.open_children.data(), masks);
-    // Lanes beyond the last open pair look at pair 0 and are ignored.
+    const std::size_t open_count = test_boxes(triangles, level, pairs, scratch, masks);
+    // Lanes beyond the last open pair look at triangle 0 and are ignored.
     for (std::size_t lane = 0; lane < lane_padding; ++lane) {
-        scratch.open_pairs[open_count + lane] = 0;
+        scratch.open_triangles[open_count + lane] = 0;
     }
-    test_planes_and_edges(triangles, level, pairs, scratch.open_pairs.data(),
-                          scratch.open_children.data(), open_count, scratch.unsure, masks);
+    test_planes_and_edges(triangles, level, open_count, scratch, masks);
 }
 
 } // namespace proxima::HWY_NAMESPACE
@@ -392,28 +434,13 @@ HWY_AFTER_NAMESPACE();
 namespace proxima {
 
 HWY_EXPORT(find_touched_children);
-HWY_EXPORT(load_triangles);
 HWY_EXPORT(find_cells_of_boxes);
 
-void SnappedTriangles::resize(std::size_t count)
-{
-    for (auto& array : coordinate) {
-        array.resize(count + lane_padding);
-        for (std::size_t lane = 0; lane < lane_padding; ++lane) array[count + lane] = 0;
-    }
-}
-
-void find_touched_children(const SnappedTriangles& triangles, const SnappedLevel& level,
+void find_touched_children(const SnappedTriangle* triangles, const SnappedLevel& level,
                            const SnappedPairs& pairs, SnappedScratch& scratch,
                            std::uint32_t* masks)
 {
     HWY_DYNAMIC_DISPATCH(find_touched_children)(triangles, level, pairs, scratch, masks);
-}
-
-void load_triangles(const SnappedArrays& mesh, const std::uint32_t* ids, std::size_t count,
-                    const std::array<std::int32_t, 3>& origin, SnappedTriangles& triangles)
-{
-    HWY_DYNAMIC_DISPATCH(load_triangles)(mesh, ids, count, origin, triangles);
 }
 
 void find_cells_of_boxes(const SnappedArrays& mesh, std::size_t first, std::size_t count,

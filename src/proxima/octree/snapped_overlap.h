@@ -25,28 +25,17 @@ inline constexpr int snapped_bits = 30;
 /// Elements that every array handed to the lanes must have beyond its count, readable.
 inline constexpr std::size_t lane_padding = 64;
 
-/// Triangles on the grid, relative to some origin: coordinate[3 * corner + axis][triangle].
-struct SnappedTriangles {
-    std::array<GrowBuffer<std::int32_t>, 9> coordinate;
+/// A point on the grid; the fourth number fills a vector register.
+using SnappedPoint = std::array<std::int32_t, 4>;
 
-    /// Room for `count` triangles and the lane padding, which is zeroed.
-    void resize(std::size_t count);
-};
+/// A triangle on the grid, relative to some origin: what lanes load by three registers.
+using SnappedTriangle = std::array<SnappedPoint, 3>;
 
-/// A mesh on the grid, as lanes gather from it: four numbers a vertex, three corners a triangle.
+/// A mesh on the grid.
 struct SnappedArrays {
-    const std::int32_t* vertices = nullptr;
-    const std::uint32_t* corners = nullptr;
-
-    // Lanes address both by signed 32-bit offsets.
-    static constexpr std::size_t max_vertices = (std::size_t{1} << 31U) / 4;
-    static constexpr std::size_t max_triangles = (std::size_t{1} << 31U) / 3;
+    const SnappedPoint* vertices = nullptr;
+    const std::array<std::uint32_t, 3>* corners = nullptr;
 };
-
-/// Sets triangles[i] to mesh triangle ids[i], relative to `origin`, for i in [0, count).
-/// \pre triangles.resize(count) was called, ids are padded with valid ones
-void load_triangles(const SnappedArrays& mesh, const std::uint32_t* ids, std::size_t count,
-                    const std::array<std::int32_t, 3>& origin, SnappedTriangles& triangles);
 
 /// The inclusive range of cells at `depth` (7 at most) that the boxes of triangles [first, first +
 /// count), grown by `margin` steps, touch: x | y << 8 | z << 16 of the lowest and the highest cell.
@@ -62,8 +51,8 @@ struct SnappedLevel {
     std::int32_t margin = 1; ///< the same in grid steps, rounded up
 };
 
-/// (triangle, cell) pairs: index into SnappedTriangles, and the cell's centre in grid steps. The
-/// triangle array's padding must hold valid indices (zeros).
+/// (triangle, cell) pairs: index into an array of triangles, and the cell's centre in grid steps.
+/// The triangle array's padding must hold valid indices (zeros).
 /// Every triangle touches its cell.
 struct SnappedPairs {
     const std::uint32_t* triangle = nullptr;
@@ -81,6 +70,8 @@ struct UnsurePair {
 struct SnappedScratch {
     GrowBuffer<std::uint32_t> open_pairs;
     GrowBuffer<std::uint32_t> open_children;
+    GrowBuffer<std::uint32_t> open_triangles;
+    std::array<GrowBuffer<std::int32_t>, 3> open_centers;
     GrowBuffer<UnsurePair> unsure; ///< result, ascending by pair
 };
 
@@ -88,7 +79,7 @@ struct SnappedScratch {
 /// to masks[pair] (pairs.count + lane_padding elements), and lists those that it might touch in
 /// scratch.unsure; all others it certainly does not touch. Bits are the same on every instruction
 /// set.
-void find_touched_children(const SnappedTriangles& triangles, const SnappedLevel& level,
+void find_touched_children(const SnappedTriangle* triangles, const SnappedLevel& level,
                            const SnappedPairs& pairs, SnappedScratch& scratch,
                            std::uint32_t* masks);
 
