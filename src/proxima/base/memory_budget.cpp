@@ -2,17 +2,33 @@
 
 #include "proxima/base/text.h"
 
+#include <algorithm>
+#include <fstream>
+#include <limits>
 #include <unistd.h>
 
 namespace proxima {
 
-std::uint64_t budget_bytes(MemoryBudget budget) noexcept
+namespace {
+
+/// The limit that a container sets on its processes; "max" or no file where there is none.
+std::uint64_t container_limit()
+{
+    std::uint64_t limit = 0;
+    std::ifstream file("/sys/fs/cgroup/memory.max");
+    return file >> limit ? limit : std::numeric_limits<std::uint64_t>::max();
+}
+
+} // namespace
+
+std::uint64_t budget_bytes(MemoryBudget budget)
 {
     if (budget.bytes != 0) return budget.bytes;
     const auto pages = sysconf(_SC_PHYS_PAGES);
     const auto page_size = sysconf(_SC_PAGE_SIZE);
     if (pages <= 0 || page_size <= 0) return std::uint64_t{1} << 31U;
-    return static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page_size) / 4 * 3;
+    const auto memory = static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page_size);
+    return std::min(memory, container_limit()) / 4 * 3;
 }
 
 Status check_budget(MemoryBudget budget, std::uint64_t needed, std::string_view what,

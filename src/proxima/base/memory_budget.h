@@ -9,13 +9,13 @@
 namespace proxima {
 
 /// How much memory an operation may use for its result and its scratch, in bytes.
-/// 0 = three quarters of the machine's physical memory.
+/// 0 = three quarters of the machine's physical memory, or of the container's limit.
 struct MemoryBudget {
     std::uint64_t bytes = 0;
 };
 
 /// The limit in bytes that `budget` stands for.
-[[nodiscard]] std::uint64_t budget_bytes(MemoryBudget budget) noexcept;
+[[nodiscard]] std::uint64_t budget_bytes(MemoryBudget budget);
 
 /// An error that names both figures and what to change unless `needed` bytes fit the budget.
 /// `what` names the consumer, `advice` what to do: "lower the depth or raise the budget".

@@ -134,10 +134,19 @@ Status join(std::vector<OctreeOutput>& chunks, const std::vector<std::size_t>& b
 Result<OctreeOutput> build_fast(const TriangleMesh& mesh, const OctreeFrame& frame,
                                 const OctreeOptions& options, GrowLimits& limits)
 {
+    // Vertices on the grid, and a coverage and an id per triangle: before anything is allocated.
+    limits.used_bytes += sizeof(SnappedPoint) * mesh.vertex_count() +
+                         2 * sizeof(std::uint32_t) * mesh.triangle_count();
+    const auto fits = check_budget({limits.budget_bytes}, limits.used_bytes, "the octree's scratch",
+                                   "raise the budget");
+    if (!fits) return tl::unexpected(fits.error());
+    if (options.progress != nullptr) options.progress->begin_stage("snapping", 2);
     const SnappedMesh snapped(mesh, frame, options.threads);
+    if (is_cancelled(options.progress)) return cancelled_build();
+    if (options.progress != nullptr) options.progress->advance(1);
     const int bin_depth = choose_bin_depth(snapped, options.max_depth);
     const CoarseBins bins = bin_triangles(snapped, bin_depth, options.threads);
-    limits.used_bytes += 16 * mesh.vertex_count() + bins.ids.size() * sizeof(std::uint32_t);
+    if (is_cancelled(options.progress)) return cancelled_build();
 
     OctreeOutput output;
     const std::vector<SubtreeSlot> slots = build_top_tree(bins, options.threshold, output);
@@ -163,9 +172,13 @@ Result<OctreeOutput> build_fast(const TriangleMesh& mesh, const OctreeFrame& fra
         for (const Status& status : statuses) {
             if (!status) return tl::unexpected(status.error());
         }
-        if (auto status = join(chunks, bounds, slots, roots, options.threads, output); !status) {
-            return tl::unexpected(status.error());
-        }
+        // The chunks are copied and freed one by one; the whole is there beside them.
+        std::uint64_t joined = 0;
+        for (const OctreeOutput& chunk : chunks) joined += bytes(chunk);
+        auto status = check_budget({limits.budget_bytes}, limits.used_bytes + joined, "the octree",
+                                   "use one thread, lower the depth or raise the budget");
+        if (status) status = join(chunks, bounds, slots, roots, options.threads, output);
+        if (!status) return tl::unexpected(status.error());
     }
     output.nodes.shrink_to_fit();
     output.references.shrink_to_fit();

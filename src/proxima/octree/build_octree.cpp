@@ -71,7 +71,7 @@ Status fill_uniformly(int max_depth, const GrowLimits& limits, OctreeOutput& out
     std::size_t first = 0;
     for (int depth = 0; depth < max_depth; ++depth) {
         if (is_cancelled(limits.progress)) {
-            return fail(ErrorCode::cancelled, "building the octree was cancelled");
+            return cancelled_build();
         }
         std::vector<std::uint32_t> children;
         children.reserve(8 * sources.size());
@@ -125,7 +125,8 @@ Result<OctreeOutput> build_arrays(const TriangleMesh& mesh, const OctreeFrame& f
     if (uniform) {
         const std::uint64_t cells = ((std::uint64_t{1} << (3 * (options.max_depth + 1))) - 1) / 7;
         const auto status =
-            check_budget(options.budget, cells * sizeof(OctreeNode), "the uniform octree",
+            check_budget(options.budget, cells * (sizeof(OctreeNode) + 2 * sizeof(std::uint32_t)),
+                         "the uniform octree",
                          "lower the depth, subdivide adaptively or raise the budget");
         if (!status) return tl::unexpected(status.error());
     }

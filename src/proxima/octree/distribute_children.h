@@ -46,6 +46,13 @@ struct OctreeOutput {
     GrowBuffer<TriangleId> references;
 };
 
+/// Bytes that the output holds, unused capacity included.
+[[nodiscard]] inline std::uint64_t bytes(const OctreeOutput& output) noexcept
+{
+    return output.nodes.capacity() * sizeof(OctreeNode) +
+           output.references.capacity() * sizeof(TriangleId);
+}
+
 /// What decides whether a child is split again.
 struct SplitRule {
     std::uint32_t threshold = 0;

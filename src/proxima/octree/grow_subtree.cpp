@@ -13,18 +13,17 @@ namespace {
 /// Bytes of one pair: triangle, centre and mask.
 constexpr std::uint64_t pair_bytes = 5 * sizeof(std::uint32_t);
 
-std::uint64_t bytes(const OctreeOutput& output) noexcept
-{
-    return output.nodes.capacity() * sizeof(OctreeNode) +
-           output.references.capacity() * sizeof(TriangleId);
-}
-
 std::uint64_t bytes(const SplitLevel& level) noexcept
 {
     return level.triangle.capacity() * pair_bytes + level.cells.capacity() * sizeof(SplitCell);
 }
 
 } // namespace
+
+tl::unexpected<Error> cancelled_build()
+{
+    return fail(ErrorCode::cancelled, "building the octree was cancelled");
+}
 
 Status SubtreeGrower::make_room(std::uint64_t children, const OctreeOutput& output)
 {
@@ -71,7 +70,7 @@ Result<OctreeNode> SubtreeGrower::grow(const Subtree& subtree, ChildTest& test,
 
     for (int depth = subtree.depth; level_.pair_count != 0; ++depth, half /= 2) {
         if (is_cancelled(limits_.progress)) {
-            return fail(ErrorCode::cancelled, "building the octree was cancelled");
+            return cancelled_build();
         }
         masks_.resize(level_.pair_count + lane_padding);
         test.find_touched(level_, depth, masks_.data());
