@@ -100,8 +100,8 @@ std::string agreement_text(const std::vector<RaceRow>& rows)
 {
     const auto different = std::ranges::count(rows, false, &RaceRow::same_as_first);
     if (different == 0) return "All methods gave the same octree at each depth, list for list.";
-    return fmt::format("{} of {} octrees differ from the first method's at their depth; with "
-                       "--exact all are the same.",
+    return fmt::format("{} of {} octrees differ from the first method's at their depth: rounding "
+                       "decides otherwise where triangles only just touch or miss a cell.",
                        different, rows.size());
 }
 
