@@ -1,6 +1,6 @@
 // The usual way to build an octree, as a peer: recursive, one triangle and one cell at a time, with
-// the early-out triangle-box test of Akenine-Moller (docs/bibliography.md: akenine-moller-2001) in
-// floats. Cheap box comparisons come first, then the nine edge axes, then the plane.
+// the early-out triangle-box test of [akenine-moller-2001] in floats. Cheap box comparisons come
+// first, then the nine edge axes, then the plane.
 #pragma once
 
 #include "proxima/mesh/triangle_mesh.h"

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Prints medians of a Google Benchmark report, and within each group "name/" the ratio to `fast`, or to
-the first row where there is none. Rows of one thread count processor time, others wall time.
+"""Prints medians of a Google Benchmark report, wall and processor time, and within each group "name/" the
+ratio to `fast`, or to the first row where there is none. Rows with "threads" in their name compare wall time
+with wall time, the others processor time with processor time.
 
     bench/summary.py REPORT.json
 """
@@ -23,14 +24,15 @@ def main(path):
         groups.setdefault(group, {}).setdefault(method, []).append(run)
     for group, methods in groups.items():
         print(f"\n{group}")
-        times = {
-            method: statistics.median(
-                run["real_time" if "threads" in method else "cpu_time"] for run in runs)
-            for method, runs in methods.items()}
-        first = times.get("fast", next(iter(times.values())))
-        for method, runs in sorted(methods.items(), key=lambda item: times[item[0]]):
-            time = times[method]
-            notes = []
+        wall, cpu = ({method: statistics.median(run[clock] for run in runs)
+                      for method, runs in methods.items()} for clock in ("real_time", "cpu_time"))
+        base = "fast" if "fast" in methods else next(iter(methods))
+        print(f"  {'':18s} {'wall':>10s}    {'cpu':>10s}    {'ratio':>10s}")
+        for method, runs in sorted(methods.items(), key=lambda item: wall[item[0]]):
+            clock = wall if "threads" in method else cpu
+            time = clock[method]
+            unit = runs[0]["time_unit"]
+            notes = ["by wall time"] if clock is wall else []
             if "references" in runs[0]:
                 notes.append(f"{1e6 * time / runs[0]['references']:.1f} ns/reference")
                 notes.append(f"{runs[0]['bytes'] / runs[0]['triangles']:.1f} bytes/triangle")
@@ -40,8 +42,8 @@ def main(path):
                 notes.append(f"{1e9 * per_pair:.0f} ns/(triangle, cell)")
             if runs[0].get("label"):
                 notes.append(runs[0]["label"])
-            print(f"  {method:18s} {time:10.3f} {runs[0]['time_unit']}  {time / first:8.2f} x"
-                  f"  {', '.join(notes)}")
+            print(f"  {method:18s} {wall[method]:10.3f} {unit} {cpu[method]:10.3f} {unit} "
+                  f"{time / clock[base]:8.2f} x  {', '.join(notes)}")
 
 
 if __name__ == "__main__":

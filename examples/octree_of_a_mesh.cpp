@@ -6,7 +6,7 @@
 int main(int argc, char** argv)
 {
     const auto leaves =
-        proxima::read_mesh(argc > 1 ? argv[1] : "bunny.obj")
+        proxima::read_mesh(argc > 1 ? argv[1] : "/usr/share/glmark2/models/bunny.obj")
             .and_then([](const proxima::TriangleMesh& mesh) {
                 return proxima::build_octree(mesh, {.max_depth = 8, .threshold = 8});
             })

@@ -92,11 +92,23 @@ std::string counted(std::uint64_t count, std::string_view noun, std::string_view
     return fmt::format("{} {}", count, count == 1 ? noun : plural);
 }
 
+/// "boundary edges", of one "boundary edge".
+std::string words(FindingKind kind, std::uint64_t count)
+{
+    std::string text = words(name_of(kind));
+    if (count != 1) return text;
+    constexpr std::string_view vertices = "vertices";
+    if (text.ends_with(vertices)) return text.replace(text.size() - vertices.size(), 8, "vertex");
+    if (text.ends_with('s')) text.pop_back();
+    return text;
+}
+
 std::string finding_text(const MeshFinding& finding)
 {
-    std::string text = finding.element == ElementKind::mesh
-                           ? words(name_of(finding.kind))
-                           : fmt::format("{} {}", finding.count, words(name_of(finding.kind)));
+    std::string text =
+        finding.element == ElementKind::mesh
+            ? words(name_of(finding.kind))
+            : fmt::format("{} {}", finding.count, words(finding.kind, finding.count));
     text = fmt::format("{}: {}\n    {}\n", name_of(finding.severity), text, finding.meaning);
     if (!finding.first_ids.empty()) {
         text +=

@@ -64,7 +64,7 @@ Status run_compare(const CompareOptions& options, Session& session)
     const auto mesh = session.load_model(options.model);
     if (!mesh) return tl::unexpected(mesh.error());
     MethodRaceOptions race = options.race;
-    race.threads = session.threads();
+    race.threads = session.threads_to_measure();
     race.progress = &session.progress();
     const auto rows = [&] {
         const ProgressBar shown(session.progress(), session.bar());
@@ -72,11 +72,12 @@ Status run_compare(const CompareOptions& options, Session& session)
     }();
     if (!rows) return at_model(rows.error(), options.model);
 
-    session.print(fmt::format("{}: {} triangles, threshold {}{}, medians of {} interleaved runs\n\n"
-                              "{}\n{}\n",
+    session.print(fmt::format("{}: {} triangles, threshold {}{}, {}, medians of up to {} "
+                              "interleaved runs\n\n{}\n{}\n",
                               options.model, mesh->triangle_count(), race.threshold,
-                              race.exactness == Exactness::exact ? ", exact" : "", race.repeats,
-                              race_text(*rows), agreement_text(*rows)));
+                              race.exactness == Exactness::exact ? ", exact" : "",
+                              threads_text(race.threads), race.repeats, race_text(*rows),
+                              agreement_text(*rows)));
     nlohmann::ordered_json result = {{"model", options.model},
                                      {"triangles", mesh->triangle_count()},
                                      {"rows", nlohmann::ordered_json::array()}};

@@ -59,7 +59,7 @@ int run(const Command& command, const CommonOptions& options)
 {
     proxima::Session session(options);
     const proxima::InterruptGuard guard(session.progress());
-    proxima::Status status = proxima::Session::check_writable(options.json);
+    proxima::Status status = session.check_outputs({});
     if (status) status = command.run(session);
     if (status) status = session.finish();
     if (status) return 0;

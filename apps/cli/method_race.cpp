@@ -83,6 +83,12 @@ Result<std::vector<RaceRow>> race_methods(const TriangleMesh& mesh,
     return rows;
 }
 
+std::string threads_text(Threads threads)
+{
+    const int count = thread_count(threads);
+    return fmt::format("{} {}", count, count == 1 ? "thread" : "threads");
+}
+
 std::string race_text(const std::vector<RaceRow>& rows)
 {
     TextTable table({"Depth", "Method", "Total", "Pointers", "Seconds", "x separating-axis"});

@@ -36,6 +36,9 @@ struct RaceRow {
 [[nodiscard]] Result<std::vector<RaceRow>> race_methods(const TriangleMesh& mesh,
                                                         const MethodRaceOptions& options);
 
+/// "1 thread", "2 threads": the number that works.
+[[nodiscard]] std::string threads_text(Threads threads);
+
 /// A table for people.
 [[nodiscard]] std::string race_text(const std::vector<RaceRow>& rows);
 

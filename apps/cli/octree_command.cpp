@@ -53,17 +53,18 @@ bool is_picture(const std::string& path)
 }
 
 /// Refuses before the work what could not be written after it.
-Status check_outputs(const OctreeCommandOptions& options)
+Status check_outputs(const OctreeCommandOptions& options, const Session& session)
 {
+    std::vector<std::string> files = {options.save};
     for (const std::string& path : options.exports) {
         constexpr std::array known = {".png", ".vtu", ".htg", ".glb", ".ply"};
-        if (std::ranges::find(known, extension(path)) == known.end()) {
+        if (path != "-" && std::ranges::find(known, extension(path)) == known.end()) {
             return fail(ErrorCode::unsupported_format,
                         "unknown extension: export to .png, .vtu, .htg, .glb or .ply", path);
         }
-        if (auto status = Session::check_writable(path); !status) return status;
+        files.push_back(path);
     }
-    return Session::check_writable(options.save);
+    return session.check_outputs(files);
 }
 
 Status write_outputs(const OctreeCommandOptions& options, const Octree& octree,
@@ -88,7 +89,7 @@ Status write_outputs(const OctreeCommandOptions& options, const Octree& octree,
 
 Status run_octree(const OctreeCommandOptions& options, Session& session)
 {
-    if (auto status = check_outputs(options); !status) return status;
+    if (auto status = check_outputs(options, session); !status) return status;
     const auto mesh = session.load_model(options.model);
     if (!mesh) return tl::unexpected(mesh.error());
 
@@ -162,9 +163,17 @@ Command add_octree_command(CLI::App& app)
     parser->add_flag("--uniform", options->uniform, "Split every cell to the deepest level");
     parser->add_flag("--two-pass", options->two_pass,
                      "Build again with the longest list as threshold (thesis 2.1.1)");
-    parser->add_option("--root", options->root, "Shape of the root: cube or box (default cube)")
-        ->transform(CLI::Transformer(std::vector<std::pair<std::string, RootShape>>{
-            {"cube", RootShape::cube}, {"box", RootShape::box}}))
+    parser
+        ->add_option_function<std::string>(
+            "--root",
+            [options](const std::string& name) {
+                if (name != "cube" && name != "box") {
+                    throw CLI::ValidationError(
+                        "--root", concat(name, " is no shape of a root: they are cube, box"));
+                }
+                options->root = name == "cube" ? RootShape::cube : RootShape::box;
+            },
+            "Shape of the root: cube, box (default cube)")
         ->type_name("SHAPE");
     parser
         ->add_option("--budget-mb", options->budget_mb,

@@ -5,16 +5,28 @@
 #include "proxima/mesh/mesh_io.h"
 #include "proxima/mesh/sample_meshes.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <system_error>
 
 namespace proxima {
 
 namespace {
 
 constexpr const char* to_stdout = "-";
+
+/// One text for all names of a file, whether it exists or not.
+std::string true_path(const std::string& path)
+{
+    std::error_code error;
+    const auto whole =
+        std::filesystem::weakly_canonical(std::filesystem::absolute(path, error), error);
+    return error ? path : whole.string();
+}
 
 } // namespace
 
@@ -60,11 +72,29 @@ Status Session::check_running() const
     return fail(ErrorCode::cancelled, "stopped on request; nothing more was written");
 }
 
-Status Session::check_writable(const std::string& path)
+Status Session::check_outputs(const std::vector<std::string>& files) const
 {
-    if (path.empty() || path == to_stdout) return {};
-    auto file = OutputFile::create(path); // thrown away uncommitted
-    return file ? Status{} : tl::unexpected(file.error());
+    std::vector<std::string> seen;
+    const auto check = [&](const std::string& path) -> Status {
+        if (path.empty()) return {};
+        const std::string file = true_path(path);
+        if (std::ranges::find(seen, file) != seen.end()) {
+            return fail(ErrorCode::invalid_argument,
+                        "two outputs would go to this file: give each a name of its own", path);
+        }
+        seen.push_back(file);
+        auto output = OutputFile::create(path); // thrown away uncommitted
+        return output ? Status{} : tl::unexpected(output.error());
+    };
+    for (const std::string& path : files) {
+        if (path == to_stdout) {
+            return fail(ErrorCode::invalid_argument,
+                        "only --json can write to stdout: name a file (./- for one called -)",
+                        path);
+        }
+        if (auto status = check(path); !status) return status;
+    }
+    return options_.json == to_stdout ? Status{} : check(options_.json);
 }
 
 } // namespace proxima

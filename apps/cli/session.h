@@ -8,16 +8,18 @@
 #include "proxima/mesh/triangle_mesh.h"
 
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace proxima {
 
 /// Options of every subcommand.
 struct CommonOptions {
-    std::string json;   ///< file for the JSON result, "-" for stdout, empty for none
-    int threads = 0;    ///< 0 = all that the machine offers
-    bool quiet = false; ///< nothing for people, neither text nor a progress bar
+    std::string json;           ///< file for the JSON result, "-" for stdout, empty for none
+    std::optional<int> threads; ///< 0 = all that the machine offers; none where not asked for
+    bool quiet = false;         ///< nothing for people, neither text nor a progress bar
 };
 
 /// One run of a subcommand.
@@ -26,7 +28,15 @@ public:
     explicit Session(CommonOptions options) : options_(std::move(options)) {}
 
     [[nodiscard]] const CommonOptions& options() const noexcept { return options_; }
-    [[nodiscard]] Threads threads() const noexcept { return {options_.threads}; }
+
+    /// As --threads says, all without it.
+    [[nodiscard]] Threads threads() const noexcept { return {options_.threads.value_or(0)}; }
+
+    /// As --threads says, one without it: for measurements, which others must be able to repeat.
+    [[nodiscard]] Threads threads_to_measure() const noexcept
+    {
+        return {options_.threads.value_or(1)};
+    }
     [[nodiscard]] Progress& progress() noexcept { return progress_; }
 
     /// Whether to show a progress bar.
@@ -50,9 +60,11 @@ public:
     /// Error cancelled once somebody asked to stop: to be asked between steps.
     [[nodiscard]] Status check_running() const;
 
-    /// Error file_not_writable where `path` could not be written: to be asked before long work, so
-    /// that a wrong folder does not cost its result. "" and "-" are fine.
-    [[nodiscard]] static Status check_writable(const std::string& path);
+    /// What would go wrong with writing to --json and to `files`: to be asked before long work, so
+    /// that a wrong folder does not cost its result. Empty names are left out. Errors:
+    /// invalid_argument (two outputs that are one file, or stdout for other than --json),
+    /// file_not_writable.
+    [[nodiscard]] Status check_outputs(const std::vector<std::string>& files) const;
 
 private:
     CommonOptions options_;

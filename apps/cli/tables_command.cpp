@@ -23,6 +23,7 @@ Status run_tables(const TablesOptions& options, Session& session)
 {
     ThesisComparisonOptions comparison = options.comparison;
     comparison.threads = session.threads();
+    comparison.threads_to_measure = session.threads_to_measure();
     comparison.progress = &session.progress();
     nlohmann::ordered_json tables = nlohmann::ordered_json::array();
     for (const ThesisTable& table : thesis_tables()) {

@@ -183,6 +183,19 @@ class Outputs(ProgramTest):
             with self.subTest(option, name=name):
                 self.refuse("octree", "cube", option, self.folder / name, says=name)
 
+    def test_only_json_goes_to_stdout(self):
+        for option in ("--save", "--export"):
+            with self.subTest(option):
+                self.refuse("octree", "cube", option, "-", says=("-", "--json", "stdout"))
+
+    def test_two_outputs_in_one_file(self):
+        (self.folder / "folder").mkdir()
+        path, same = self.folder / "a.ply", self.folder / "folder" / ".." / "a.ply"
+        for first, second in (("--save", "--json"), ("--save", "--export"), ("--export", "--json"),
+                              ("--export", "--export")):
+            with self.subTest(first, second=second):
+                self.refuse("octree", "cube", first, path, second, same, says=("a.ply", "two outputs"))
+
     def test_unknown_extension_is_said_before_the_work(self):
         start = time.monotonic()
         self.refuse("octree", "spaceship:2000000", "--depth", 12, "--export", self.folder / "a.bmp",

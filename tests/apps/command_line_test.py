@@ -129,6 +129,12 @@ class Compare(ProgramTest):
         result = self.json_of("compare", "cube", "--depths", "2", "--methods", "fast,pairwise")
         self.assertEqual([row["ratio_to_separating_axis"] for row in result["rows"]], [None, None])
 
+    def test_says_how_it_measured(self):
+        self.assertIn("1 thread, medians of up to 3 interleaved runs",
+                      self.succeed("compare", "cube", "--depths", "1"))
+        self.assertIn("2 threads, medians of up to 5 interleaved runs",
+                      self.succeed("compare", "cube", "--depths", "1", "--threads", 2, "--repeats", 5))
+
     def test_says_that_all_methods_agree(self):
         self.assertIn("All methods gave the same octree",
                       self.succeed("compare", "cube", "--depths", "2,4", "--exact"))
@@ -184,6 +190,16 @@ class Check(ProgramTest):
                                          "first_places", "meaning"])
         self.assertIn("3 boundary edges", self.succeed("check", path))
 
+    def test_people_read_words(self):
+        one = "OFF\n%d 1 0\n0 0 0\n1 0 0\n0 1 0\n" + "5 5 5\n%s3 0 1 2\n"
+        self.assertIn("1 unreferenced vertex\n",
+                      self.succeed("check", self.file("one.off", one % (4, ""))))
+        self.assertIn("2 unreferenced vertices\n",
+                      self.succeed("check", self.file("two.off", one % (5, "6 6 6\n"))))
+        path = self.file("none.off", "OFF\n1 0 0\n0 0 0\n")
+        self.assertEqual({query["reason"] for query in self.json_of("check", path)["outlook"]},
+                         {"no triangles"})
+
     def test_infinity_is_null(self):
         path = self.file("nan.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 nan 0\n3 0 1 2\n")
         self.assertIsNone(self.json_of("check", path)["findings"][0]["first_places"][0][1])
@@ -201,7 +217,8 @@ class Parser(ProgramTest):
         self.refuse("octree", status=2, says="MODEL")
         self.refuse("octree", "cube", "--dept", 3, status=2, says=("--dept", "--help"))
         self.refuse("octree", "cube", "--method", "quick", status=2, says=("quick", "index-tracking"))
-        self.refuse("octree", "cube", "--root", "ball", status=2, says="--root")
+        self.refuse("octree", "cube", "--root", "ball", status=2,
+                    says=("--root", "ball", "cube, box"))
         self.refuse("compare", "cube", "--depths", "5-1", status=2, says=("5-1", "list of depths"))
         self.refuse("compare", "cube", "--methods", "fast,,pairwise", status=2, says="--methods")
         self.refuse("tables", "--only", "9.9", status=2, says=("9.9", "2.1"))

@@ -1,8 +1,9 @@
 // Solid angles of triangles, summed without an arc tangent each.
 //
 // A triangle seen from a point spans the angle 2 arg(z), z = (denominator, numerator) of Van
-// Oosterom and Strackee 1983. The sum over triangles is twice the argument of the product of their
-// z, plus full turns, which are counted where the product crosses the negative real axis.
+// Oosterom and Strackee [van-oosterom-1983]. The sum over triangles is twice the argument of the
+// product of their z, plus full turns, which are counted where the product crosses the negative
+// real axis.
 #pragma once
 
 #include "proxima/geometry/shapes.h"

@@ -5,7 +5,7 @@
 //
 // The Minkowski sum of triangle and box has at most 17 facets: 6 of the box (the comparison of
 // boxes), 2 of the triangle's plane, and 9 = 3 axes x 3 edges (thesis 3.3; the same tests in
-// [schwarz-seidel-2010]). Seen along axis k, the nine say: the projected box is not beyond any edge
+// [schwarz-2010]). Seen along axis k, the nine say: the projected box is not beyond any edge
 // of the projected triangle. With u, w the axes after k,
 //
 //     L(x) = (b - a)_u (x - a)_w - (b - a)_w (x - a)_u       edge a -> b

@@ -70,6 +70,14 @@ QueryOutlook expect(QueryKind query, Outlook outlook, std::string_view reason)
     return {query, outlook, std::string(reason)};
 }
 
+/// "no_triangles" as people write it.
+std::string spaced(std::string_view name)
+{
+    std::string text(name);
+    std::replace(text.begin(), text.end(), '_', ' ');
+    return text;
+}
+
 bool any(const MeshReport& report, std::initializer_list<FindingKind> kinds) noexcept
 {
     return std::any_of(kinds.begin(), kinds.end(),
@@ -138,7 +146,7 @@ std::vector<QueryOutlook> detail::outlook_of(const MeshReport& report)
                      [](const MeshFinding& each) { return each.severity == Severity::error; });
     if (refusal != report.findings.end()) {
         for (const QueryKind query : queries) {
-            all.push_back(expect(query, refused, name_of(refusal->kind)));
+            all.push_back(expect(query, refused, spaced(name_of(refusal->kind))));
         }
         return all;
     }

@@ -3,7 +3,7 @@
 //     convex: a fan         concave: ears
 //     3-----2               4---3   2     ear = corner whose triangle lies inside
 //     |   / |               |    \ / \    and holds no other corner
-//     | /   |               |     x   \   [Meisters 1975]
+//     | /   |               |     x   \   [meisters-1975]
 //     0-----1               0----------1
 #pragma once
 

@@ -43,8 +43,8 @@ struct OctreeOptions {
 
 /// Builds the octree; the same bits for any number of threads and any instruction set.
 /// Errors: invalid_argument (depth, root), invalid_mesh (empty, NaN), budget_exceeded,
-/// limit_exceeded (2^32 references), cancelled. Cost: linear in the references times a few tens of
-/// nanoseconds for OverlapMethod::fast, see docs/benchmarks.md.
+/// limit_exceeded (2^31 references), cancelled. Cost: linear in the references times a few tens of
+/// nanoseconds for OverlapMethod::fast: `scripts/bench octree` measures it.
 [[nodiscard]] Result<Octree> build_octree(const TriangleMesh& mesh,
                                           const OctreeOptions& options = {});
 

@@ -1,12 +1,12 @@
 // How often a surface winds round a point: 1 inside a closed outward mesh, 0 outside, in between
-// near holes (Jacobson, Kavan and Sorkine-Hornung 2013).
+// near holes [jacobson-2013].
 //
 //     const auto winding = build_winding_number(mesh);            // once
 //     const WindingEstimate w = winding_number(*winding, point);   // microseconds each
 //
 // Triangles in Morton order form a binary tree of clusters. From far away a cluster is its
-// multipole expansion up to the third order (Barill, Dickson, Schmidt, Levin and Jacobson 2018),
-// with a proven bound on what that leaves out; from near, its triangles are summed exactly.
+// multipole expansion up to the third order [barill-2018], with a proven bound on what that leaves
+// out; from near, its triangles are summed exactly.
 #pragma once
 
 #include "proxima/base/parallel.h"

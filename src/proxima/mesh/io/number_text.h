@@ -2,7 +2,7 @@
 //
 // Most coordinates have at most 15 digits and a small exponent. Then both the digits and the power
 // of ten are exact doubles, and one multiplication or division rounds once: correct by construction
-// [Clinger 1990]. The rest goes to from_chars.
+// [clinger-1990]. The rest goes to from_chars.
 #pragma once
 
 #include <cstdint>

@@ -8,7 +8,7 @@
 //     property list uchar int vertex_indices
 //     end_header
 //
-// [Turk 1994]
+// [turk-1994]
 #pragma once
 
 #include "proxima/mesh/io/mesh_source.h"
