@@ -115,9 +115,8 @@ void build_akenine_moller(benchmark::State& state, const Workload& load)
         state.ResumeTiming();
     }
     state.SetLabel(text);
-    state.counters["seconds_per_pair"] =
-        benchmark::Counter(pairs, benchmark::Counter::kIsIterationInvariantRate |
-                                      benchmark::Counter::kInvert);
+    state.counters["seconds_per_pair"] = benchmark::Counter(
+        pairs, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
 void add(const Workload& load, bool with_thesis_methods)

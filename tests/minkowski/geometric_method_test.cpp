@@ -28,8 +28,7 @@ WholePlane whole_plane(const Vec3& normal, double offset)
     EXPECT_NE(divisor, 0);
     plane[3] = std::llround(offset);
     EXPECT_EQ(plane[3] % divisor, 0);
-    for (std::int64_t& term : plane)
-        term /= divisor;
+    for (std::int64_t& term : plane) term /= divisor;
     return plane;
 }
 
@@ -37,8 +36,7 @@ std::vector<Vec3> sum_points(const Triangle& triangle, const Vec3& half_size)
 {
     std::vector<Vec3> points;
     for (const Vec3& vertex : triangle.vertices) {
-        for (int i = 0; i < 8; ++i)
-            points.push_back(cube_vertex(i, half_size) + vertex);
+        for (int i = 0; i < 8; ++i) points.push_back(cube_vertex(i, half_size) + vertex);
     }
     return points;
 }
@@ -83,8 +81,7 @@ TEST(GeometricMethod, FacetsAreThoseOfTheConvexHullOnWholeNumbers)
         const auto hull = incremental_hull<double>(sum_points(triangle, half_size));
         ASSERT_TRUE(hull);
         std::set<WholePlane> expected;
-        for (const auto& face : *hull)
-            expected.insert(whole_plane(face.normal, face.offset));
+        for (const auto& face : *hull) expected.insert(whole_plane(face.normal, face.offset));
         std::set<WholePlane> found;
         const auto sum = sum_of(triangle, half_size);
         for (const auto& plane : sum.planes()) {
@@ -155,8 +152,7 @@ TEST(GeometricMethod, SupportsAreVerticesOnTheirPlanes)
         for (const auto& plane : sum.planes()) {
             EXPECT_EQ(plane.normal.dot(points[static_cast<std::size_t>(plane.support)]),
                       plane.offset);
-            for (const Vec3& point : points)
-                EXPECT_LE(plane.normal.dot(point), plane.offset);
+            for (const Vec3& point : points) EXPECT_LE(plane.normal.dot(point), plane.offset);
         }
     }
 }
@@ -197,8 +193,7 @@ TEST(GeometricMethod, AddsAnOctahedronAndACube)
     const std::vector<Vec3> octahedron = {{2, 0, 0},  {-2, 0, 0}, {0, 2, 0},
                                           {0, -2, 0}, {0, 0, 2},  {0, 0, -2}};
     std::vector<Vec3> cube;
-    for (int i = 0; i < 8; ++i)
-        cube.push_back(cube_vertex<double>(i, Vec3::Ones()));
+    for (int i = 0; i < 8; ++i) cube.push_back(cube_vertex<double>(i, Vec3::Ones()));
     std::vector<Vec3> sums(octahedron.size() * cube.size());
     form_sum_vertices<double>(cube, octahedron, sums);
 
@@ -207,8 +202,7 @@ TEST(GeometricMethod, AddsAnOctahedronAndACube)
                                      {1, 0, -1}, {0, 1, 1},  {0, 1, -1}};
     std::vector<CandidateNormal<double>> normals(axes.size() * edges.size());
     form_edge_normals<double>(axes, edges, normals);
-    for (const Vec3& axis : axes)
-        normals.push_back({axis, axis, NormalSource::face});
+    for (const Vec3& axis : axes) normals.push_back({axis, axis, NormalSource::face});
     for (int i = 0; i < 4; ++i) {
         const Vec3 diagonal(1, (i & 1) != 0 ? 1 : -1, (i & 2) != 0 ? 1 : -1);
         normals.push_back({diagonal, diagonal.cwiseAbs(), NormalSource::face});
@@ -223,8 +217,7 @@ TEST(GeometricMethod, AddsAnOctahedronAndACube)
     std::set<WholePlane> expected;
     const auto hull = incremental_hull<double>(sums);
     ASSERT_TRUE(hull);
-    for (const auto& face : *hull)
-        expected.insert(whole_plane(face.normal, face.offset));
+    for (const auto& face : *hull) expected.insert(whole_plane(face.normal, face.offset));
     EXPECT_EQ(found, expected);
     EXPECT_EQ(found.size(), 26U); // 6 + 8 + 12
 }

@@ -69,11 +69,14 @@ TEST(BuildOctree, FewTrianglesAtTheGreatestDepthStayExact)
         const auto real = [&] { return std::uniform_real_distribution<double>(-1, 1)(random); };
         // A speck and a shard that almost touch it far down, in a root kept large by two corners.
         const Vec3 at(0.5 * real(), 0.5 * real(), 0.5 * real());
-        const auto near = [&](double size) { return Vec3(at + size * Vec3(real(), real(), real())); };
-        const std::vector<Vec3> positions = {near(1e-6), near(1e-6), near(1e-6), near(1e-6),
-                                             near(1e-5), near(1e-5), Vec3::Constant(-1),
-                                             Vec3::Constant(1)};
-        const auto mesh = make_triangle_mesh(positions, {{0, 1, 2}, {3, 4, 5}, {6, 6, 6}, {7, 7, 7}});
+        const auto near = [&](double size) {
+            return Vec3(at + size * Vec3(real(), real(), real()));
+        };
+        const std::vector<Vec3> positions = {near(1e-6),         near(1e-6),       near(1e-6),
+                                             near(1e-6),         near(1e-5),       near(1e-5),
+                                             Vec3::Constant(-1), Vec3::Constant(1)};
+        const auto mesh =
+            make_triangle_mesh(positions, {{0, 1, 2}, {3, 4, 5}, {6, 6, 6}, {7, 7, 7}});
         const auto octree = build_octree(*mesh, {.max_depth = max_octree_depth,
                                                  .threshold = 0,
                                                  .exactness = Exactness::exact,
@@ -92,8 +95,8 @@ TEST(SameCells, TellsOctreesApart)
     const TriangleMesh mesh = make_torus(20, 12);
     const auto build = [&](const OctreeOptions& options) { return *build_octree(mesh, options); };
     const Octree octree = build({});
-    EXPECT_TRUE(same_cells(octree, build({.method = OverlapMethod::pairwise,
-                                          .exactness = Exactness::exact})));
+    EXPECT_TRUE(same_cells(
+        octree, build({.method = OverlapMethod::pairwise, .exactness = Exactness::exact})));
     EXPECT_FALSE(same_cells(octree, build({.classification = Classification::none})));
     EXPECT_FALSE(same_cells(octree, build({.max_depth = 4})));
     EXPECT_FALSE(same_cells(octree, build({.root_shape = RootShape::box})));
@@ -283,8 +286,8 @@ TEST(BuildOctree, RefusesWhatItCannotBuild)
     const auto broken = make_triangle_mesh({{0, 0, 0}, {1, 0, 0}, {0, nan, 0}}, {{0, 1, 2}});
     EXPECT_NE(code(*broken, {}).find("vertex 2"), std::string::npos);
     // A vertex that no triangle uses may be anything.
-    const auto unused = make_triangle_mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {nan, 1e300, 0}},
-                                           {{0, 1, 2}});
+    const auto unused =
+        make_triangle_mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {nan, 1e300, 0}}, {{0, 1, 2}});
     EXPECT_EQ(code(*unused, {}), "built");
     EXPECT_NE(code(cube, {.root = OctreeFrame{Vec3::Zero(), Vec3::Ones()}}).find("contain"),
               std::string::npos);
@@ -305,7 +308,8 @@ TEST(BuildOctree, StopsWhenCancelled)
     for (const OverlapMethod method : all_methods) {
         Progress progress;
         progress.cancel();
-        const auto before = build_octree(mesh, {.max_depth = 9, .method = method, .progress = &progress});
+        const auto before =
+            build_octree(mesh, {.max_depth = 9, .method = method, .progress = &progress});
         ASSERT_FALSE(before);
         EXPECT_EQ(before.error().code, ErrorCode::cancelled);
     }
@@ -315,9 +319,8 @@ TEST(BuildOctree, StopsWhenCancelled)
         while (progress.stage()[0] == '\0') std::this_thread::yield();
         progress.cancel();
     });
-    const auto octree = build_octree(mesh, {.max_depth = 12,
-                                            .method = OverlapMethod::pairwise,
-                                            .progress = &progress});
+    const auto octree = build_octree(
+        mesh, {.max_depth = 12, .method = OverlapMethod::pairwise, .progress = &progress});
     canceller.join();
     ASSERT_FALSE(octree);
     EXPECT_EQ(octree.error().code, ErrorCode::cancelled);

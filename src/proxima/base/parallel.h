@@ -20,9 +20,10 @@ using LoopBody = void (*)(void* context, std::size_t index);
 void parallel_for(std::size_t count, int threads, LoopBody body, void* context);
 } // namespace detail
 
-/// Calls body(i) once for every i in [0, count), in any order, on at most `threads` threads; returns
-/// when all are done. Each index is a task of its own: give it a chunk worth microseconds or more.
-/// With one thread the calls are made in order on the calling thread. The body must not throw.
+/// Calls body(i) once for every i in [0, count), in any order, on at most `threads` threads;
+/// returns when all are done. Each index is a task of its own: give it a chunk worth microseconds
+/// or more. With one thread the calls are made in order on the calling thread. The body must not
+/// throw.
 template <class Body>
 void parallel_for(std::size_t count, Threads threads, Body&& body)
 {

@@ -23,7 +23,10 @@ public:
     }
 
     /// The worker finished `steps` more steps of the stage.
-    void advance(std::uint64_t steps) noexcept { done_.fetch_add(steps, std::memory_order_relaxed); }
+    void advance(std::uint64_t steps) noexcept
+    {
+        done_.fetch_add(steps, std::memory_order_relaxed);
+    }
 
     /// Asks the worker to stop; it returns ErrorCode::cancelled soon after.
     void cancel() noexcept { cancelled_.store(true, std::memory_order_relaxed); }

@@ -72,7 +72,8 @@ Result<Box> checked_bounding_box(const TriangleMesh& mesh)
         // Zero times infinity or NaN is NaN.
         if (!((position * 0.0).sum() == 0.0)) {
             return fail(ErrorCode::invalid_mesh,
-                        concat("vertex ", vertex, ", which triangles use, has a NaN or infinite "
+                        concat("vertex ", vertex,
+                               ", which triangles use, has a NaN or infinite "
                                "coordinate: repair or remove it"));
         }
     }

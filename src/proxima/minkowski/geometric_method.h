@@ -68,8 +68,7 @@ void form_sum_vertices(std::span<const Vector3<Scalar>> a, std::span<const Vecto
                        std::span<Vector3<Scalar>> sums) noexcept
 {
     for (std::size_t j = 0; j < b.size(); ++j) {
-        for (std::size_t i = 0; i < a.size(); ++i)
-            sums[i + a.size() * j] = a[i] + b[j];
+        for (std::size_t i = 0; i < a.size(); ++i) sums[i + a.size() * j] = a[i] + b[j];
     }
 }
 

@@ -116,8 +116,7 @@ Status join(std::vector<OctreeOutput>& chunks, const std::vector<std::size_t>& b
         const auto node_offset = static_cast<std::uint32_t>(first_node[index]);
         const auto reference_offset = static_cast<std::uint32_t>(first_reference[index]);
         for (std::size_t i = 0; i < chunk.nodes.size(); ++i) {
-            output.nodes[node_offset + i] =
-                moved(chunk.nodes[i], node_offset, reference_offset);
+            output.nodes[node_offset + i] = moved(chunk.nodes[i], node_offset, reference_offset);
         }
         std::copy(chunk.references.begin(), chunk.references.end(),
                   output.references.begin() + reference_offset);

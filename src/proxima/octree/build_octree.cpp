@@ -100,7 +100,8 @@ Result<OctreeOutput> build_by_method(const TriangleMesh& mesh, const OctreeFrame
                                      const OctreeOptions& options, GrowLimits& limits)
 {
     switch (options.method) {
-    case OverlapMethod::fast: return build_fast(mesh, frame, options, limits);
+    case OverlapMethod::fast:
+        return build_fast(mesh, frame, options, limits);
     case OverlapMethod::index_tracking:
         return build_with_test<IndexTrackingTest>(mesh, frame, options, limits);
     case OverlapMethod::minkowski:
@@ -124,10 +125,9 @@ Result<OctreeOutput> build_arrays(const TriangleMesh& mesh, const OctreeFrame& f
     limits.progress = options.progress;
     if (uniform) {
         const std::uint64_t cells = ((std::uint64_t{1} << (3 * (options.max_depth + 1))) - 1) / 7;
-        const auto status =
-            check_budget(options.budget, cells * (sizeof(OctreeNode) + 2 * sizeof(std::uint32_t)),
-                         "the uniform octree",
-                         "lower the depth, subdivide adaptively or raise the budget");
+        const auto status = check_budget(
+            options.budget, cells * (sizeof(OctreeNode) + 2 * sizeof(std::uint32_t)),
+            "the uniform octree", "lower the depth, subdivide adaptively or raise the budget");
         if (!status) return tl::unexpected(status.error());
     }
     OctreeOptions used = options;
@@ -160,18 +160,17 @@ Result<Octree> build_unguarded(const TriangleMesh& mesh, const OctreeOptions& op
     Octree octree = Octree::adopt(frame, parameters, mesh.triangle_count(), storage->nodes.span(),
                                   storage->references.span(), storage);
     if (options.classification == Classification::none) return octree;
-    return classify_cells(octree, mesh,
-                          {.threads = options.threads,
-                           .progress = options.progress,
-                           .budget = options.budget});
+    return classify_cells(
+        octree, mesh,
+        {.threads = options.threads, .progress = options.progress, .budget = options.budget});
 }
 
 } // namespace
 
 OctreeFrame tight_root(const Box& box, RootShape shape) noexcept
 {
-    const double magnitude = std::max(box.lower.cwiseAbs().maxCoeff(),
-                                      box.upper.cwiseAbs().maxCoeff());
+    const double magnitude =
+        std::max(box.lower.cwiseAbs().maxCoeff(), box.upper.cwiseAbs().maxCoeff());
     const double smallest = 1e-6 * std::max(magnitude, 1.0);
     const Vec3 center = box.center();
     Vec3 edge = box.extent();

@@ -56,14 +56,13 @@ private:
         }
         const Vec3 half = frame_.edge / static_cast<double>(std::uint64_t{2} << child_depth);
         constexpr std::size_t chunk = 256;
-        parallel_for((tests_.size() + chunk - 1) / chunk, options_.threads,
-                     [&](std::size_t index) {
-                         if (is_cancelled(options_.progress)) return;
-                         const std::size_t end = std::min(tests_.size(), (index + 1) * chunk);
-                         for (std::size_t id = index * chunk; id < end; ++id) {
-                             if (is_used[id] != 0) tests_[id].set_half_size(half);
-                         }
-                     });
+        parallel_for((tests_.size() + chunk - 1) / chunk, options_.threads, [&](std::size_t index) {
+            if (is_cancelled(options_.progress)) return;
+            const std::size_t end = std::min(tests_.size(), (index + 1) * chunk);
+            for (std::size_t id = index * chunk; id < end; ++id) {
+                if (is_used[id] != 0) tests_[id].set_half_size(half);
+            }
+        });
     }
 
     void test_cell(const SplitLevel& level, const SplitCell& cell, int depth,
@@ -129,8 +128,7 @@ private:
 template <OverlapTest Test>
 [[nodiscard]] Result<OctreeOutput> build_with_test(const TriangleMesh& mesh,
                                                    const OctreeFrame& frame,
-                                                   const OctreeOptions& options,
-                                                   GrowLimits& limits)
+                                                   const OctreeOptions& options, GrowLimits& limits)
 {
     limits.used_bytes += mesh.triangle_count() * sizeof(Test);
     if (auto status = check_budget({limits.budget_bytes}, limits.used_bytes, "the overlap test",

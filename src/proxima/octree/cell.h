@@ -49,8 +49,7 @@ struct CellKey {
 [[nodiscard]] std::array<std::uint32_t, 3> cell_coordinates(CellKey key) noexcept;
 
 /// The cell with these coordinates. \pre each in [0, 2^depth), depth in [0, max_octree_depth]
-[[nodiscard]] CellKey cell_key(const std::array<std::uint32_t, 3>& coordinates,
-                               int depth) noexcept;
+[[nodiscard]] CellKey cell_key(const std::array<std::uint32_t, 3>& coordinates, int depth) noexcept;
 
 /// The root cell in space: a cube, or a box whose cells are boxes of its proportions.
 struct OctreeFrame {

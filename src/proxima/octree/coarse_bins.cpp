@@ -68,8 +68,8 @@ public:
         std::array<std::uint32_t, block_size + lane_padding> highest;
         for (std::uint32_t first = begin_; first < end_; first += block_size) {
             const std::uint32_t count = std::min<std::uint32_t>(block_size, end_ - first);
-            find_cells_of_boxes(mesh_.arrays(), first, count, depth_, mesh_.margin(),
-                                lowest.data(), highest.data());
+            find_cells_of_boxes(mesh_.arrays(), first, count, depth_, mesh_.margin(), lowest.data(),
+                                highest.data());
             for (std::uint32_t i = 0; i < count; ++i) cover_one(first + i, lowest[i], highest[i]);
         }
         flush_block();
@@ -275,7 +275,8 @@ CoarseBins bin_triangles(const SnappedMesh& mesh, int depth, Threads threads)
     if (depth == 0) {
         bins.first[1] = count;
         bins.ids.resize(count);
-        for (std::uint32_t triangle = 0; triangle < count; ++triangle) bins.ids[triangle] = triangle;
+        for (std::uint32_t triangle = 0; triangle < count; ++triangle)
+            bins.ids[triangle] = triangle;
         return bins;
     }
     const std::size_t ranges =

@@ -174,9 +174,8 @@ HWY_INLINE std::uint32_t distribute_blocks(const SplitCell& cell, const std::uin
 }
 
 void distribute_children(const SplitLevel& level, const std::uint32_t* masks,
-                         std::uint64_t child_count, const std::uint32_t* ids,
-                         const SplitRule& rule, SplitLevel& next, OctreeOutput& output,
-                         OctreeNode& root)
+                         std::uint64_t child_count, const std::uint32_t* ids, const SplitRule& rule,
+                         SplitLevel& next, OctreeOutput& output, OctreeNode& root)
 {
     const std::size_t first_reference = output.references.size();
     output.nodes.reserve(output.nodes.size() + HWY_MIN(8 * level.cells.size(), child_count));
@@ -187,8 +186,8 @@ void distribute_children(const SplitLevel& level, const std::uint32_t* masks,
         const std::uint32_t first_child = writer.node_count();
         const std::uint32_t* const cell_masks = masks + cell.first;
         const std::uint32_t* const triangles = level.triangle.data() + cell.first;
-        const std::uint32_t recorded =
-            cell.count <= hn::Lanes(Tag()) ? distribute_block(cell, cell_masks, triangles, writer)
+        const std::uint32_t recorded = cell.count <= hn::Lanes(Tag())
+                                           ? distribute_block(cell, cell_masks, triangles, writer)
                                            : distribute_blocks(cell, cell_masks, triangles, writer);
         (cell.record == SplitCell::no_record ? root : writer.node(cell.record)) =
             OctreeNode::split(first_child, recorded);
@@ -232,9 +231,8 @@ SnappedPairs SplitLevel::pairs() const noexcept
 }
 
 void distribute_children(const SplitLevel& level, const std::uint32_t* masks,
-                         std::uint64_t child_count, const std::uint32_t* ids,
-                         const SplitRule& rule, SplitLevel& next, OctreeOutput& output,
-                         OctreeNode& root)
+                         std::uint64_t child_count, const std::uint32_t* ids, const SplitRule& rule,
+                         SplitLevel& next, OctreeOutput& output, OctreeNode& root)
 {
     HWY_DYNAMIC_DISPATCH(distribute_children)
     (level, masks, child_count, ids, rule, next, output, root);

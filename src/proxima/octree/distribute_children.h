@@ -62,12 +62,11 @@ struct SplitRule {
 
 /// Reads level.cells and masks[pair] (bit = octant touched; child_count bits in all); writes the
 /// children's nodes and the leaves' references (ids[triangle]) to the output, the children to split
-/// to `next`, and each cell's own node to its record, or to `root` where it has none. Triangles keep
-/// their order.
+/// to `next`, and each cell's own node to its record, or to `root` where it has none. Triangles
+/// keep their order.
 void distribute_children(const SplitLevel& level, const std::uint32_t* masks,
-                         std::uint64_t child_count, const std::uint32_t* ids,
-                         const SplitRule& rule, SplitLevel& next, OctreeOutput& output,
-                         OctreeNode& root);
+                         std::uint64_t child_count, const std::uint32_t* ids, const SplitRule& rule,
+                         SplitLevel& next, OctreeOutput& output, OctreeNode& root);
 
 /// How many (triangle, child) pairs the masks of `count` pairs stand for. \pre padded
 [[nodiscard]] std::uint64_t count_children(const std::uint32_t* masks, std::size_t count) noexcept;

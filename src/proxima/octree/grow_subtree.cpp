@@ -63,8 +63,8 @@ Result<OctreeNode> SubtreeGrower::grow(const Subtree& subtree, ChildTest& test,
         level_.triangle[i] = static_cast<std::uint32_t>(i);
         for (auto& center : level_.center) center[i] = half;
     }
-    level_.cells.push_back({SplitCell::no_record, 0, static_cast<std::uint32_t>(count),
-                            {half, half, half}});
+    level_.cells.push_back(
+        {SplitCell::no_record, 0, static_cast<std::uint32_t>(count), {half, half, half}});
     level_.pair_count = count;
     level_.pad();
 

@@ -1,8 +1,8 @@
 // The immutable octree: who its cells are, which triangles touch them, inner, outer or boundary.
 //
 //     nodes       8 bytes each, only for split cells and occupied leaves (uniform trees: all cells)
-//       split     { first child record, recorded-children mask 8 | inner-children mask 8 | empty bit }
-//       leaf      { first reference, leaf bit 31 | count 30 }
+//       split     { first child record, recorded-children mask 8 | inner-children mask 8 | empty
+//       bit } leaf      { first reference, leaf bit 31 | count 30 }
 //     references  triangle ids, ascending within a leaf, a leaf's contiguous
 //
 // An empty child is no record, only a clear bit of the recorded mask; its class is its bit of the
@@ -120,10 +120,7 @@ public:
         return nodes_.size_bytes() + references_.size_bytes();
     }
 
-    [[nodiscard]] Cell root() const noexcept
-    {
-        return {CellKey{}, 0, CellClass::boundary};
-    }
+    [[nodiscard]] Cell root() const noexcept { return {CellKey{}, 0, CellClass::boundary}; }
 
     [[nodiscard]] bool is_leaf(const Cell& cell) const noexcept
     {
@@ -135,14 +132,14 @@ public:
     {
         const OctreeNode parent_node = nodes_[cell.node];
         const std::uint32_t bit = 1U << static_cast<unsigned>(octant);
-        const CellClass empty_type = !parameters_.classified         ? CellClass::unclassified
+        const CellClass empty_type = !parameters_.classified            ? CellClass::unclassified
                                      : (parent_node.inner_mask() & bit) ? CellClass::inner
                                                                         : CellClass::outer;
         if ((parent_node.recorded_mask() & bit) == 0) {
             return {proxima::child(cell.key, octant), Cell::no_node, empty_type};
         }
-        const auto rank = static_cast<std::uint32_t>(
-            std::popcount(parent_node.recorded_mask() & (bit - 1)));
+        const auto rank =
+            static_cast<std::uint32_t>(std::popcount(parent_node.recorded_mask() & (bit - 1)));
         const std::uint32_t record = parent_node.first + rank;
         return {proxima::child(cell.key, octant), record,
                 nodes_[record].is_empty() ? empty_type : CellClass::boundary};

@@ -92,10 +92,10 @@ void SnappedMesh::find_touched(const LocalTriangles& local, const PairLevel& lev
             scratch.unsure.push_back({static_cast<std::uint32_t>(pair), 0xFF});
         }
     } else {
-        const SnappedLevel lanes{
-            .half = level.half,
-            .error = static_cast<float>(error_steps_ * (1 + 1e-6) / level.half),
-            .margin = margin_};
+        const SnappedLevel lanes{.half = level.half,
+                                 .error =
+                                     static_cast<float>(error_steps_ * (1 + 1e-6) / level.half),
+                                 .margin = margin_};
         find_touched_children(local.triangles.data(), lanes, pairs, scratch, masks);
     }
     if (level.allowed != nullptr) {

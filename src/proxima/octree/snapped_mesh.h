@@ -62,8 +62,8 @@ public:
               LocalTriangles& local) const;
 
     /// masks[pair] = children that the pair's triangle touches, exactly.
-    void find_touched(const LocalTriangles& local, const PairLevel& level,
-                      SnappedScratch& scratch, std::uint32_t* masks) const;
+    void find_touched(const LocalTriangles& local, const PairLevel& level, SnappedScratch& scratch,
+                      std::uint32_t* masks) const;
 
 private:
     [[nodiscard]] bool touches(std::uint32_t triangle, const GridPoint& lower,

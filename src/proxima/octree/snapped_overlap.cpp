@@ -94,9 +94,8 @@ HWY_INLINE void load_corners(const SnappedTriangle* triangles, const std::uint32
     }
 }
 
-void find_cells_of_boxes(const SnappedArrays& mesh, std::size_t first, std::size_t count,
-                         int depth, std::int32_t margin, std::uint32_t* lowest,
-                         std::uint32_t* highest)
+void find_cells_of_boxes(const SnappedArrays& mesh, std::size_t first, std::size_t count, int depth,
+                         std::int32_t margin, std::uint32_t* lowest, std::uint32_t* highest)
 {
     const IntTag di;
     const MaskTag dm;
@@ -238,14 +237,13 @@ HWY_INLINE void find_errors(const SnappedLevel& level, Lanes& lanes)
     const auto unit_size = times(u, size);
     const auto error_size = hn::Mul(error, size);
     lanes.normal_error = hn::Mul(hn::Add(times(9, unit_size), times(9, error)), size);
-    lanes.plane_error =
-        hn::Add(hn::Mul(hn::Mul(unit_size, size), hn::Add(times(72, reach), hn::Set(df, 52))),
-                hn::Mul(error_size, hn::Add(hn::Add(times(27, reach), hn::Set(df, 27)),
-                                            times(8, size))));
+    lanes.plane_error = hn::Add(
+        hn::Mul(hn::Mul(unit_size, size), hn::Add(times(72, reach), hn::Set(df, 52))),
+        hn::Mul(error_size, hn::Add(hn::Add(times(27, reach), hn::Set(df, 27)), times(8, size))));
     const auto rounding =
         hn::Mul(unit_size, hn::Add(hn::Add(times(18, reach), times(10, size)), hn::Set(df, 14)));
-    const auto snapping = hn::Mul(
-        error, hn::Add(hn::Add(times(5, reach), times(13, size)), hn::Set(df, 6)));
+    const auto snapping =
+        hn::Mul(error, hn::Add(hn::Add(times(5, reach), times(13, size)), hn::Set(df, 6)));
     lanes.edge_error = hn::Add(rounding, snapping);
 }
 
@@ -257,11 +255,11 @@ HWY_INLINE void test_planes(const Lanes& lanes, Words& possible, Words& certain)
     const MaskTag dm;
     const auto* n = lanes.normal;
     const auto* p = lanes.corner[0];
-    const auto at_center = hn::Add(hn::Add(hn::Mul(n[0], p[0]), hn::Mul(n[1], p[1])),
-                                   hn::Mul(n[2], p[2]));
+    const auto at_center =
+        hn::Add(hn::Add(hn::Mul(n[0], p[0]), hn::Mul(n[1], p[1])), hn::Mul(n[2], p[2]));
     const auto half = hn::Set(df, 0.5F);
-    const auto radius = hn::Mul(
-        half, hn::Add(hn::Add(hn::Abs(n[0]), hn::Abs(n[1])), hn::Abs(n[2])));
+    const auto radius =
+        hn::Mul(half, hn::Add(hn::Add(hn::Abs(n[0]), hn::Abs(n[1])), hn::Abs(n[2])));
     const auto outer = hn::Add(radius, lanes.plane_error);
     const auto inner = hn::Sub(radius, lanes.plane_error);
     Floats value[8];
@@ -275,10 +273,10 @@ HWY_INLINE void test_planes(const Lanes& lanes, Words& possible, Words& certain)
     for (int child = 0; child < 8; ++child) {
         const auto bit = hn::Set(dm, 1U << child);
         const auto distance = hn::Abs(value[child]);
-        possible = hn::Or(
-            possible, hn::IfThenElseZero(hn::RebindMask(dm, hn::Le(distance, outer)), bit));
-        certain = hn::Or(certain,
-                         hn::IfThenElseZero(hn::RebindMask(dm, hn::Le(distance, inner)), bit));
+        possible =
+            hn::Or(possible, hn::IfThenElseZero(hn::RebindMask(dm, hn::Le(distance, outer)), bit));
+        certain =
+            hn::Or(certain, hn::IfThenElseZero(hn::RebindMask(dm, hn::Le(distance, inner)), bit));
     }
 }
 
@@ -306,8 +304,7 @@ HWY_INLINE void test_edges(const Lanes& lanes, Words& possible, Words& certain)
         const auto upper_a = hn::Sub(lower, m_a);
         const Floats value[4] = {lower, upper_a, hn::Sub(lower, m_b), hn::Sub(upper_a, m_b)};
         for (int quadrant = 0; quadrant < 4; ++quadrant) {
-            least[quadrant] =
-                j == 0 ? value[quadrant] : hn::Min(least[quadrant], value[quadrant]);
+            least[quadrant] = j == 0 ? value[quadrant] : hn::Min(least[quadrant], value[quadrant]);
         }
     }
     const auto minus_error = hn::Neg(lanes.edge_error);
@@ -339,9 +336,8 @@ HWY_INLINE Words trust(const SnappedLevel& level, const Lanes& lanes, const Ints
         const auto high = hn::Max(hn::Max(corner[0][axis], corner[1][axis]), corner[2][axis]);
         const auto in_lower = hn::RebindMask(dm, hn::Lt(low, minus_margin));
         const auto in_upper = hn::RebindMask(dm, hn::Gt(high, margin));
-        const auto boxes =
-            hn::Or(hn::IfThenElseZero(in_lower, hn::Set(dm, lower_children[axis])),
-                   hn::IfThenElseZero(in_upper, hn::Set(dm, upper_children[axis])));
+        const auto boxes = hn::Or(hn::IfThenElseZero(in_lower, hn::Set(dm, lower_children[axis])),
+                                  hn::IfThenElseZero(in_upper, hn::Set(dm, upper_children[axis])));
         const auto sign_known =
             hn::RebindMask(dm, hn::Gt(hn::Abs(lanes.normal[axis]), lanes.normal_error));
         certain = hn::IfThenElseZero(sign_known, hn::And(certain, boxes));
@@ -410,8 +406,7 @@ void test_planes_and_edges(const SnappedTriangle* triangles, const SnappedLevel&
 }
 
 void find_touched_children(const SnappedTriangle* triangles, const SnappedLevel& level,
-                           const SnappedPairs& pairs, SnappedScratch& scratch,
-                           std::uint32_t* masks)
+                           const SnappedPairs& pairs, SnappedScratch& scratch, std::uint32_t* masks)
 {
     scratch.open_pairs.resize(pairs.count + lane_padding);
     scratch.open_children.resize(pairs.count + lane_padding);
@@ -437,15 +432,13 @@ HWY_EXPORT(find_touched_children);
 HWY_EXPORT(find_cells_of_boxes);
 
 void find_touched_children(const SnappedTriangle* triangles, const SnappedLevel& level,
-                           const SnappedPairs& pairs, SnappedScratch& scratch,
-                           std::uint32_t* masks)
+                           const SnappedPairs& pairs, SnappedScratch& scratch, std::uint32_t* masks)
 {
     HWY_DYNAMIC_DISPATCH(find_touched_children)(triangles, level, pairs, scratch, masks);
 }
 
-void find_cells_of_boxes(const SnappedArrays& mesh, std::size_t first, std::size_t count,
-                         int depth, std::int32_t margin, std::uint32_t* lowest,
-                         std::uint32_t* highest)
+void find_cells_of_boxes(const SnappedArrays& mesh, std::size_t first, std::size_t count, int depth,
+                         std::int32_t margin, std::uint32_t* lowest, std::uint32_t* highest)
 {
     HWY_DYNAMIC_DISPATCH(find_cells_of_boxes)(mesh, first, count, depth, margin, lowest, highest);
 }

@@ -54,8 +54,7 @@ private:
         auto& states = states_[static_cast<std::size_t>(depth)];
         states.resize(std::size_t{1} << (3 * depth));
         for (std::size_t cell = 0; cell < states.size(); ++cell) {
-            const std::uint32_t pairs =
-                bins_.first[(cell + 1) * below] - bins_.first[cell * below];
+            const std::uint32_t pairs = bins_.first[(cell + 1) * below] - bins_.first[cell * below];
             if (pairs == 0) {
                 states[cell] = TopState::empty;
             } else if (pairs <= threshold_) {
@@ -82,8 +81,7 @@ private:
     {
         const std::size_t below = cells_below(depth);
         const auto ids = bins_.ids.span().subspan(
-            bins_.first[cell * below],
-            bins_.first[(cell + 1) * below] - bins_.first[cell * below]);
+            bins_.first[cell * below], bins_.first[(cell + 1) * below] - bins_.first[cell * below]);
         merged_.assign(ids.begin(), ids.end());
         std::sort(merged_.begin(), merged_.end());
         merged_.erase(std::unique(merged_.begin(), merged_.end()), merged_.end());

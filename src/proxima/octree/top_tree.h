@@ -18,8 +18,7 @@ struct SubtreeSlot {
 /// Appends the nodes above and of the coarse cells to the empty output, breadth first, and the
 /// references of leaves above them. A cell overlaps a triangle iff a coarse cell below it does, so
 /// no test is made. Returns the coarse cells in Morton order.
-[[nodiscard]] std::vector<SubtreeSlot> build_top_tree(const CoarseBins& bins,
-                                                      std::uint32_t threshold,
-                                                      OctreeOutput& output);
+[[nodiscard]] std::vector<SubtreeSlot>
+build_top_tree(const CoarseBins& bins, std::uint32_t threshold, OctreeOutput& output);
 
 } // namespace proxima

@@ -1,6 +1,7 @@
 // Depth-first visits of an octree's cells.
 //
-//     traverse(octree, Visitor{...});   // should_enter(cell) prunes, visit_leaf(cell, ids) sees leaves
+//     traverse(octree, Visitor{...});   // should_enter(cell) prunes, visit_leaf(cell, ids) sees
+//     leaves
 #pragma once
 
 #include "proxima/base/fixed_stack.h"
@@ -15,16 +16,20 @@ namespace proxima {
 enum class Flow : std::uint8_t { proceed, stop };
 
 template <class V>
-concept CellVisitor =
-    requires(V visitor, const Cell& cell, std::span<const TriangleId> triangles) {
-        { visitor.should_enter(cell) } -> std::convertible_to<bool>;
-        { visitor.visit_leaf(cell, triangles) } -> std::same_as<Flow>;
-    };
+concept CellVisitor = requires(V visitor, const Cell& cell, std::span<const TriangleId> triangles)
+{
+    {
+        visitor.should_enter(cell)
+        } -> std::convertible_to<bool>;
+    {
+        visitor.visit_leaf(cell, triangles)
+        } -> std::same_as<Flow>;
+};
 
 /// Visits cells depth first in Morton order, empty leaves included. Never allocates: each level
 /// leaves at most seven siblings pending. Thread safe.
 template <class V>
-    requires CellVisitor<std::remove_reference_t<V>>
+requires CellVisitor<std::remove_reference_t<V>>
 void traverse(const Octree& octree, V&& visitor)
 {
     FixedStack<Cell, 7 * max_octree_depth + 1> pending;
