@@ -86,21 +86,27 @@ private:
                 }
                 if (overlap.overlaps) mask |= 1U << child;
             }
-            masks[pair] = mask != 0 ? mask : nearest_child(id, boxes[0].upper);
+            masks[pair] = mask != 0 ? mask : rescue(id, boxes);
         }
     }
 
-    /// Rounding may keep a triangle in a cell and in none of its children. It is not lost: it goes
-    /// to the child on its centroid's side.
-    [[nodiscard]] std::uint32_t nearest_child(std::uint32_t id, const Vec3& center) const
+    /// Rounding may keep a triangle in a cell and in none of its children. It is not lost: it goes to
+    /// the children that it touches exactly, or, if the cell should not have had it, to the one on
+    /// its centroid's side.
+    [[nodiscard]] std::uint32_t rescue(std::uint32_t id, const std::array<Box, 8>& children) const
     {
         const Triangle triangle = mesh_.triangle(TriangleId{id});
-        const Vec3 centroid = triangle[0] / 3 + triangle[1] / 3 + triangle[2] / 3;
-        unsigned child = 0;
-        for (unsigned axis = 0; axis < 3; ++axis) {
-            if (centroid[axis] > center[axis]) child |= 1U << axis;
+        std::uint32_t touched = 0;
+        for (unsigned child = 0; child < 8; ++child) {
+            if (triangle_overlaps_box(triangle, children[child])) touched |= 1U << child;
         }
-        return 1U << child;
+        if (touched != 0) return touched;
+        const Vec3 centroid = triangle[0] / 3 + triangle[1] / 3 + triangle[2] / 3;
+        unsigned nearest = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+            if (centroid[axis] > children[0].upper[axis]) nearest |= 1U << axis;
+        }
+        return 1U << nearest;
     }
 
     [[nodiscard]] Box child_box(const SplitCell& cell, unsigned child, int depth) const
