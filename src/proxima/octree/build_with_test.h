@@ -90,9 +90,9 @@ private:
         }
     }
 
-    /// Rounding may keep a triangle in a cell and in none of its children. It is not lost: it goes to
-    /// the children that it touches exactly, or, if the cell should not have had it, to the one on
-    /// its centroid's side.
+    /// Rounding may keep a triangle in a cell and in none of its children. It is not lost: it goes
+    /// to the children that it touches exactly, or, if the cell should not have had it, to the one
+    /// on its centroid's side.
     [[nodiscard]] std::uint32_t rescue(std::uint32_t id, const std::array<Box, 8>& children) const
     {
         const Triangle triangle = mesh_.triangle(TriangleId{id});
