@@ -4,10 +4,7 @@
 #include "proxima/octree/top_tree.h"
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
-#include <memory>
-#include <optional>
 #include <vector>
 
 namespace proxima {
