@@ -18,38 +18,47 @@ struct ByWideIntegers {
     static auto difference(double a, double b) noexcept { return WideInteger(a) - WideInteger(b); }
 };
 
-bool fits(const Vec2& p) noexcept
-{
-    return detail::fits_expansion(p.x()) && detail::fits_expansion(p.y());
-}
-
 bool fits(const Vec3& p) noexcept
 {
     return detail::fits_expansion(p.x()) && detail::fits_expansion(p.y()) &&
            detail::fits_expansion(p.z());
 }
 
-template <class Exact>
-int orient2d_sign(const Vec2& a, const Vec2& b, const Vec2& c) noexcept
+bool fits(const Displacement& u) noexcept
 {
-    const auto left = Exact::difference(b.x(), a.x()) * Exact::difference(c.y(), a.y());
-    const auto right = Exact::difference(b.y(), a.y()) * Exact::difference(c.x(), a.x());
-    return (left - right).sign();
+    return fits(u.from) && fits(u.to);
 }
 
 template <class Exact>
-int orient3d_sign(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) noexcept
+auto component(const Displacement& u, int axis) noexcept
 {
-    const auto bx = Exact::difference(b.x(), a.x());
-    const auto by = Exact::difference(b.y(), a.y());
-    const auto bz = Exact::difference(b.z(), a.z());
-    const auto cx = Exact::difference(c.x(), a.x());
-    const auto cy = Exact::difference(c.y(), a.y());
-    const auto cz = Exact::difference(c.z(), a.z());
-    const auto x = (by * cz - bz * cy) * Exact::difference(d.x(), a.x());
-    const auto y = (bz * cx - bx * cz) * Exact::difference(d.y(), a.y());
-    const auto z = (bx * cy - by * cx) * Exact::difference(d.z(), a.z());
+    return Exact::difference(u.to[axis], u.from[axis]);
+}
+
+template <class Exact>
+int exact_determinant_sign(const Displacement& u, const Displacement& v,
+                           const Displacement& w) noexcept
+{
+    const auto ux = component<Exact>(u, 0);
+    const auto uy = component<Exact>(u, 1);
+    const auto uz = component<Exact>(u, 2);
+    const auto vx = component<Exact>(v, 0);
+    const auto vy = component<Exact>(v, 1);
+    const auto vz = component<Exact>(v, 2);
+    const auto x = (uy * vz - uz * vy) * component<Exact>(w, 0);
+    const auto y = (uz * vx - ux * vz) * component<Exact>(w, 1);
+    const auto z = (ux * vy - uy * vx) * component<Exact>(w, 2);
     return (x + y + z).sign();
+}
+
+template <class Exact>
+int exact_cross_component_sign(const Displacement& u, const Displacement& v, int axis) noexcept
+{
+    const int p = (axis + 1) % 3;
+    const int q = (axis + 2) % 3;
+    return (component<Exact>(u, p) * component<Exact>(v, q) -
+            component<Exact>(u, q) * component<Exact>(v, p))
+        .sign();
 }
 
 // Filter bounds. u = 2^-53. A computed difference is the true one times 1 + d, |d| <= u. A product
@@ -67,32 +76,28 @@ constexpr double safe_size = 0x1p+300;
 
 int orient2d(const Vec2& a, const Vec2& b, const Vec2& c) noexcept
 {
-    const double left = (b.x() - a.x()) * (c.y() - a.y());
-    const double right = (b.y() - a.y()) * (c.x() - a.x());
-    const double value = left - right;
-    const double sizes = std::abs(left) + std::abs(right);
-    const double error = 5 * unit_roundoff * sizes;
-    if (sizes >= safe_sum) {
-        if (value - error > 0) return 1;
-        if (value + error < 0) return -1;
-    }
-    if (fits(a) && fits(b) && fits(c)) return orient2d_sign<ByExpansions>(a, b, c);
-    return orient2d_sign<ByWideIntegers>(a, b, c);
+    const auto flat = [](const Vec2& p) noexcept { return Vec3(p.x(), p.y(), 0); };
+    return cross_component_sign({flat(a), flat(b)}, {flat(a), flat(c)}, 2);
 }
 
 int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) noexcept
 {
-    const Vec3 ab = b - a;
-    const Vec3 ac = c - a;
-    const Vec3 ad = d - a;
-    const double yz = ab.y() * ac.z();
-    const double zy = ab.z() * ac.y();
-    const double zx = ab.z() * ac.x();
-    const double xz = ab.x() * ac.z();
-    const double xy = ab.x() * ac.y();
-    const double yx = ab.y() * ac.x();
-    const double value = (yz - zy) * ad.x() + (zx - xz) * ad.y() + (xy - yx) * ad.z();
-    const Vec3 reach = ad.cwiseAbs();
+    return determinant_sign({a, b}, {a, c}, {a, d});
+}
+
+int determinant_sign(const Displacement& u, const Displacement& v, const Displacement& w) noexcept
+{
+    const Vec3 p = u.rounded();
+    const Vec3 q = v.rounded();
+    const Vec3 r = w.rounded();
+    const double yz = p.y() * q.z();
+    const double zy = p.z() * q.y();
+    const double zx = p.z() * q.x();
+    const double xz = p.x() * q.z();
+    const double xy = p.x() * q.y();
+    const double yx = p.y() * q.x();
+    const double value = (yz - zy) * r.x() + (zx - xz) * r.y() + (xy - yx) * r.z();
+    const Vec3 reach = r.cwiseAbs();
     const double sizes = (std::abs(yz) + std::abs(zy)) * reach.x() +
                          (std::abs(zx) + std::abs(xz)) * reach.y() +
                          (std::abs(xy) + std::abs(yx)) * reach.z();
@@ -101,8 +106,47 @@ int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) noexcep
         if (value - error > 0) return 1;
         if (value + error < 0) return -1;
     }
-    if (fits(a) && fits(b) && fits(c) && fits(d)) return orient3d_sign<ByExpansions>(a, b, c, d);
-    return orient3d_sign<ByWideIntegers>(a, b, c, d);
+    if (fits(u) && fits(v) && fits(w)) return exact_determinant_sign<ByExpansions>(u, v, w);
+    return exact_determinant_sign<ByWideIntegers>(u, v, w);
+}
+
+int cross_component_sign(const Displacement& u, const Displacement& v, int axis) noexcept
+{
+    const Vec3 a = u.rounded();
+    const Vec3 b = v.rounded();
+    const int p = (axis + 1) % 3;
+    const int q = (axis + 2) % 3;
+    const double left = a[p] * b[q];
+    const double right = a[q] * b[p];
+    const double value = left - right;
+    const double sizes = std::abs(left) + std::abs(right);
+    const double error = 5 * unit_roundoff * sizes;
+    if (sizes >= safe_sum) {
+        if (value - error > 0) return 1;
+        if (value + error < 0) return -1;
+    }
+    if (fits(u) && fits(v)) return exact_cross_component_sign<ByExpansions>(u, v, axis);
+    return exact_cross_component_sign<ByWideIntegers>(u, v, axis);
+}
+
+bool are_parallel(const Displacement& u, const Displacement& v) noexcept
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        if (cross_component_sign(u, v, axis) != 0) return false;
+    }
+    return true;
+}
+
+bool point_same_way(const Displacement& u, const Displacement& v) noexcept
+{
+    const auto sign = [](const Displacement& d, int axis) {
+        return static_cast<int>(d.to[axis] > d.from[axis]) -
+               static_cast<int>(d.to[axis] < d.from[axis]);
+    };
+    for (int axis = 0; axis < 3; ++axis) {
+        if (sign(u, axis) * sign(v, axis) < 0) return false;
+    }
+    return true;
 }
 
 bool is_degenerate(const Triangle& triangle) noexcept
