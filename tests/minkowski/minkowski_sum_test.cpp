@@ -271,5 +271,54 @@ TEST(MinkowskiSum, EqualsBruteForceOnNastyUnboundedShapes)
     EXPECT_GT(lines, 50);
 }
 
+/// Facets by normal: offset, corners as pairs, origin.
+struct Described {
+    std::int64_t offset = 0;
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> corners;
+    FacetOrigin origin = FacetOrigin::a;
+    friend bool operator==(const Described&, const Described&) = default;
+};
+
+std::map<Whole, Described> described(const MinkowskiSum& sum)
+{
+    std::map<Whole, Described> result;
+    for (std::uint32_t f = 0; f < sum.facet_count(); ++f) {
+        const Whole n = exact_normal(sum, f);
+        Described facet;
+        for (const std::uint32_t v : sum.facet_loop(f)) {
+            facet.corners.emplace_back(sum.corner(v).a, sum.corner(v).b);
+        }
+        // Loops are the same up to where they start.
+        std::ranges::rotate(facet.corners, std::ranges::min_element(facet.corners));
+        facet.offset = dot(whole(sum.position(sum.facet_loop(f)[0])), n);
+        facet.origin = sum.facet(f).origin;
+        EXPECT_TRUE(result.emplace(n, facet).second);
+    }
+    return result;
+}
+
+TEST(MinkowskiSum, TheThreeMethodsAgree)
+{
+    int compared = 0;
+    for (unsigned seed = 0; seed < 400; ++seed) {
+        SCOPED_TRACE(seed);
+        std::mt19937 random(seed);
+        const auto a = test::hull_of(test::nasty_points(random));
+        const auto b = test::hull_of(test::nasty_points(random));
+        const auto arcs = minkowski_sum(a, b);
+        ASSERT_TRUE(arcs);
+        for (const auto method : {MinkowskiMethod::geometric, MinkowskiMethod::hull}) {
+            const auto sum = minkowski_sum(a, b, {.method = method});
+            EXPECT_EQ(sum.has_value(), arcs->dimension() == 3);
+            if (!sum) continue;
+            EXPECT_EQ(described(*sum), described(*arcs));
+            expect_euler(*sum);
+            ++compared;
+        }
+        if (HasFailure()) break;
+    }
+    EXPECT_GT(compared, 300);
+}
+
 } // namespace
 } // namespace proxima

@@ -1,6 +1,7 @@
 #include "proxima/minkowski/minkowski_sum.h"
 
 #include "proxima/base/check.h"
+#include "proxima/minkowski/sum_baselines.h"
 #include "proxima/minkowski/sum_by_arcs.h"
 
 #include <cmath>
@@ -60,6 +61,12 @@ HalfSpace MinkowskiSum::half_space(std::uint32_t facet) const noexcept
 Result<MinkowskiSum> minkowski_sum(const ConvexPolyhedron& a, const ConvexPolyhedron& b,
                                    const MinkowskiOptions& options)
 {
+    switch (options.method) {
+    case MinkowskiMethod::geometric:
+        return detail::sum_by_geometric_method(a, b, options.progress);
+    case MinkowskiMethod::hull: return detail::sum_by_hull(a, b, options.progress);
+    case MinkowskiMethod::arcs: break;
+    }
     return detail::sum_by_arcs(a, b, options.progress);
 }
 
