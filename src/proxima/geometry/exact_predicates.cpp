@@ -10,18 +10,54 @@ namespace {
 
 using detail::WideInteger;
 
-// Numbers of the exact stages: what difference() makes, and what +, - and * make of it.
+// Numbers of the exact stages: what difference() and sum_difference() make, and what +, - and *
+// make of it. sum_difference(p, a, b, s) is p - a - s b, of degree two: for wide integers in units
+// of 2^-2148, where the others count in 2^-1074.
 struct ByExpansions {
     static auto difference(double a, double b) noexcept { return detail::exact_difference(a, b); }
+    static auto sum_difference(double p, double a, double b, double s) noexcept
+    {
+        return detail::exact_difference(p, a) + detail::exact_product(-s, b);
+    }
 };
 struct ByWideIntegers {
     static auto difference(double a, double b) noexcept { return WideInteger(a) - WideInteger(b); }
+    static auto sum_difference(double p, double a, double b, double s) noexcept
+    {
+        return difference(p, a) * WideInteger(1.0) - WideInteger(s) * WideInteger(b);
+    }
 };
 
 bool fits(const Vec3& p) noexcept
 {
     return detail::fits_expansion(p.x()) && detail::fits_expansion(p.y()) &&
            detail::fits_expansion(p.z());
+}
+
+bool fits_quartic(const Vec3& p) noexcept
+{
+    return detail::fits_quartic_expansion(p.x()) && detail::fits_quartic_expansion(p.y()) &&
+           detail::fits_quartic_expansion(p.z());
+}
+
+bool fits_quartic(const Displacement& u) noexcept
+{
+    return fits_quartic(u.from) && fits_quartic(u.to);
+}
+
+bool fits_quartic(const SumDisplacement& w) noexcept
+{
+    return fits_quartic(w.point) && fits_quartic(w.a) && fits_quartic(w.b) &&
+           detail::fits_quartic_expansion(w.scale);
+}
+
+/// |u x v| at most, component by component, whatever cancels in it.
+Vec3 cross_sizes(const Vec3& u, const Vec3& v) noexcept
+{
+    const Vec3 p = u.cwiseAbs();
+    const Vec3 q = v.cwiseAbs();
+    return {p.y() * q.z() + p.z() * q.y(), p.z() * q.x() + p.x() * q.z(),
+            p.x() * q.y() + p.y() * q.x()};
 }
 
 bool fits(const Displacement& u) noexcept
@@ -36,8 +72,13 @@ auto component(const Displacement& u, int axis) noexcept
 }
 
 template <class Exact>
-int exact_determinant_sign(const Displacement& u, const Displacement& v,
-                           const Displacement& w) noexcept
+auto component(const SumDisplacement& w, int axis) noexcept
+{
+    return Exact::sum_difference(w.point[axis], w.a[axis], w.b[axis], w.scale);
+}
+
+template <class Exact, class Last>
+int exact_determinant_sign(const Displacement& u, const Displacement& v, const Last& w) noexcept
 {
     const auto ux = component<Exact>(u, 0);
     const auto uy = component<Exact>(u, 1);
@@ -51,8 +92,8 @@ int exact_determinant_sign(const Displacement& u, const Displacement& v,
     return (x + y + z).sign();
 }
 
-template <class Exact>
-int exact_cross_component_sign(const Displacement& u, const Displacement& v, int axis) noexcept
+template <class Exact, class Last>
+int exact_cross_component_sign(const Displacement& u, const Last& v, int axis) noexcept
 {
     const int p = (axis + 1) % 3;
     const int q = (axis + 2) % 3;
@@ -77,12 +118,12 @@ constexpr double safe_size = 0x1p+300;
 int orient2d(const Vec2& a, const Vec2& b, const Vec2& c) noexcept
 {
     const auto flat = [](const Vec2& p) noexcept { return Vec3(p.x(), p.y(), 0); };
-    return cross_component_sign({flat(a), flat(b)}, {flat(a), flat(c)}, 2);
+    return cross_component_sign({flat(a), flat(b)}, Displacement{flat(a), flat(c)}, 2);
 }
 
 int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) noexcept
 {
-    return determinant_sign({a, b}, {a, c}, {a, d});
+    return determinant_sign({a, b}, {a, c}, Displacement{a, d});
 }
 
 int determinant_sign(const Displacement& u, const Displacement& v, const Displacement& w) noexcept
@@ -127,6 +168,35 @@ int cross_component_sign(const Displacement& u, const Displacement& v, int axis)
     }
     if (fits(u) && fits(v)) return exact_cross_component_sign<ByExpansions>(u, v, axis);
     return exact_cross_component_sign<ByWideIntegers>(u, v, axis);
+}
+
+int determinant_sign(const Displacement& u, const Displacement& v,
+                     const SumDisplacement& w) noexcept
+{
+    // One rounding more than a difference has, and of terms that may cancel: bounded by their
+    // sizes.
+    const Vec3 p = u.rounded();
+    const Vec3 q = v.rounded();
+    const Vec3 normal = p.cross(q);
+    const Vec3 sizes = cross_sizes(p, q);
+    const Vec3 reach = w.point.cwiseAbs() + w.a.cwiseAbs() + std::abs(w.scale) * w.b.cwiseAbs();
+    const double value = normal.dot(w.rounded());
+    const double size = sizes.dot(reach);
+    const double error = 16 * unit_roundoff * size;
+    if (size >= safe_sum && reach.maxCoeff() <= safe_size) {
+        if (value - error > 0) return 1;
+        if (value + error < 0) return -1;
+    }
+    if (fits_quartic(u) && fits_quartic(v) && fits_quartic(w))
+        return exact_determinant_sign<ByExpansions>(u, v, w);
+    return exact_determinant_sign<ByWideIntegers>(u, v, w);
+}
+
+int cross_component_sign(const Displacement& u, const SumDisplacement& w, int axis) noexcept
+{
+    if (fits_quartic(u) && fits_quartic(w))
+        return exact_cross_component_sign<ByExpansions>(u, w, axis);
+    return exact_cross_component_sign<ByWideIntegers>(u, w, axis);
 }
 
 bool are_parallel(const Displacement& u, const Displacement& v) noexcept

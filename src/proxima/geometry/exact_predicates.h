@@ -1,6 +1,6 @@
 // Exact signs of orientation determinants of points with double coordinates.
 //
-//     double filter -> expansion arithmetic -> whole numbers of up to 6,400 bits
+//     double filter -> expansion arithmetic -> whole numbers of up to 8,704 bits
 //
 // The filter answers nearly always; expansions (expansion.h, [shewchuk-1997]) answer the rest where
 // every coordinate is zero or between 2^-288 and 2^300 in size; outside of that range whole numbers
@@ -21,8 +21,8 @@ namespace proxima {
 /// \pre all finite. Cost: about 10 ns, 1 us where the filter fails. Thread safe, no allocation.
 [[nodiscard]] int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) noexcept;
 
-/// A displacement known exactly though no double may hold it: from one point to another, or a vector
-/// as given, from the origin.
+/// A displacement known exactly though no double may hold it: from one point to another, or a
+/// vector as given, from the origin.
 struct Displacement {
     Vec3 from = Vec3::Zero();
     Vec3 to = Vec3::Zero();
@@ -35,6 +35,25 @@ struct Displacement {
 /// lie in a plane. Exact. \pre all finite. Cost as orient3d's.
 [[nodiscard]] int determinant_sign(const Displacement& u, const Displacement& v,
                                    const Displacement& w) noexcept;
+
+/// How far a point is from a sum of two, the second one scaled: point - a - scale b, exactly.
+struct SumDisplacement {
+    Vec3 point;
+    Vec3 a;
+    Vec3 b;
+    double scale = 1;
+
+    [[nodiscard]] Vec3 rounded() const noexcept { return point - a - scale * b; }
+};
+
+/// Sign of the determinant (u x v) . w of such a w. Exact. \pre all finite. Cost as orient3d's,
+/// some microseconds where the filter fails.
+[[nodiscard]] int determinant_sign(const Displacement& u, const Displacement& v,
+                                   const SumDisplacement& w) noexcept;
+
+/// Sign of the component of u x w along an axis, of such a w. Exact. \pre all finite
+[[nodiscard]] int cross_component_sign(const Displacement& u, const SumDisplacement& w,
+                                       int axis) noexcept;
 
 /// Sign of the component of u x v along an axis. Exact. \pre all finite, axis in [0, 3).
 /// Cost as orient2d's.

@@ -24,6 +24,17 @@ static_assert(std::numeric_limits<double>::is_iec559 && FLT_EVAL_METHOD == 0,
 inline constexpr double min_expansion_input = 0x1p-288;
 inline constexpr double max_expansion_input = 0x1p+300;
 
+/// The same where products of up to four are formed.
+inline constexpr double min_quartic_input = 0x1p-216;
+inline constexpr double max_quartic_input = 0x1p+216;
+
+/// Whether this number may enter an expansion of degree four.
+[[nodiscard]] inline bool fits_quartic_expansion(double value) noexcept
+{
+    const double size = std::abs(value);
+    return size <= max_quartic_input && (size >= min_quartic_input || size == 0);
+}
+
 /// Whether this number may enter an expansion of degree up to three.
 [[nodiscard]] inline bool fits_expansion(double value) noexcept
 {
@@ -184,6 +195,31 @@ template <int A>
         return result;
     }
     return scaled(a, b[0]) + scaled(a, b[1]);
+}
+
+template <int A>
+[[nodiscard]] Expansion<8 * A> operator*(const Expansion<A>& a, const Expansion<4>& b) noexcept
+{
+    Expansion<2> low;
+    Expansion<2> high;
+    for (int i = 0; i < b.size(); ++i) {
+        if (i < 2) {
+            low.append(b[i]);
+        } else {
+            high.append(b[i]);
+        }
+    }
+    return a * low + a * high;
+}
+
+/// a * b, exactly.
+[[nodiscard]] inline Expansion<2> exact_product(double a, double b) noexcept
+{
+    const RoundedWithError product = two_product(a, b, split(b));
+    Expansion<2> result;
+    result.append(product.error);
+    result.append(product.rounded);
+    return result;
 }
 
 } // namespace proxima::detail

@@ -1,8 +1,8 @@
 // Whole numbers wide enough for any orientation determinant of doubles, on the stack.
 //
-// Every double is a whole multiple of 2^-1074 of at most 2,098 bits. Three differences of them
-// multiply to 6,297 bits, and sums of a few such products stay below 6,400. Slow (microseconds):
-// for the inputs on which expansions would over- or underflow.
+// Every double is a whole multiple of 2^-1074 of at most 2,098 bits. Two differences of them and a
+// product of two doubles multiply to 8,394 bits, and sums of a few such products stay below 8,704.
+// Slow (microseconds): for the inputs on which expansions would over- or underflow.
 #pragma once
 
 #include <array>
@@ -24,11 +24,11 @@ public:
     [[nodiscard]] WideInteger operator-() const noexcept;
     friend WideInteger operator+(const WideInteger& a, const WideInteger& b) noexcept;
     friend WideInteger operator-(const WideInteger& a, const WideInteger& b) noexcept;
-    /// \pre the product has at most 6,400 bits
+    /// \pre the product has at most 8,704 bits
     friend WideInteger operator*(const WideInteger& a, const WideInteger& b) noexcept;
 
 private:
-    static constexpr int capacity = 200;
+    static constexpr int capacity = 272;
 
     [[nodiscard]] static int compare_sizes(const WideInteger& a, const WideInteger& b) noexcept;
     [[nodiscard]] static WideInteger add_sizes(const WideInteger& a, const WideInteger& b) noexcept;

@@ -64,8 +64,10 @@ Result<MinkowskiSum> minkowski_sum(const ConvexPolyhedron& a, const ConvexPolyhe
     switch (options.method) {
     case MinkowskiMethod::geometric:
         return detail::sum_by_geometric_method(a, b, options.progress);
-    case MinkowskiMethod::hull: return detail::sum_by_hull(a, b, options.progress);
-    case MinkowskiMethod::arcs: break;
+    case MinkowskiMethod::hull:
+        return detail::sum_by_hull(a, b, options.progress);
+    case MinkowskiMethod::arcs:
+        break;
     }
     return detail::sum_by_arcs(a, b, options.progress);
 }
