@@ -3,6 +3,7 @@
 #include "proxima/geometry/expansion.h"
 #include "proxima/geometry/wide_integer.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace proxima {
@@ -197,6 +198,37 @@ int cross_component_sign(const Displacement& u, const SumDisplacement& w, int ax
     if (fits_quartic(u) && fits_quartic(w))
         return exact_cross_component_sign<ByExpansions>(u, w, axis);
     return exact_cross_component_sign<ByWideIntegers>(u, w, axis);
+}
+
+Vec3 unit_normal(const Displacement& u, const Displacement& v) noexcept
+{
+    // Scaled by powers of two, so that products neither overflow nor vanish.
+    const auto scaled = [](const Displacement& d) noexcept {
+        const double size = std::max(d.from.cwiseAbs().maxCoeff(), d.to.cwiseAbs().maxCoeff());
+        const int exponent = size > 0 ? std::ilogb(size) : 0;
+        const auto scale = [&](const Vec3& p) noexcept {
+            return Vec3(std::scalbn(p.x(), -exponent), std::scalbn(p.y(), -exponent),
+                        std::scalbn(p.z(), -exponent));
+        };
+        return Displacement{scale(d.from), scale(d.to)};
+    };
+    const Displacement a = scaled(u);
+    const Displacement b = scaled(v);
+    const Vec3 p = a.rounded();
+    const Vec3 q = b.rounded();
+    Vec3 normal = p.cross(q);
+    constexpr double safe_share = 1.0 / 16;
+    if (normal.cwiseAbs().maxCoeff() < safe_share * cross_sizes(p, q).maxCoeff()) {
+        for (int axis = 0; axis < 3; ++axis) {
+            const int i = (axis + 1) % 3;
+            const int j = (axis + 2) % 3;
+            const auto exact = component<ByExpansions>(a, i) * component<ByExpansions>(b, j) -
+                               component<ByExpansions>(a, j) * component<ByExpansions>(b, i);
+            normal[axis] = 0;
+            for (int k = 0; k < exact.size(); ++k) normal[axis] += exact[k];
+        }
+    }
+    return normal.stableNormalized();
 }
 
 bool are_parallel(const Displacement& u, const Displacement& v) noexcept

@@ -60,6 +60,10 @@ struct SumDisplacement {
 [[nodiscard]] int cross_component_sign(const Displacement& u, const Displacement& v,
                                        int axis) noexcept;
 
+/// The direction of u x v, of length 1, each component within a few roundings of the length even
+/// where the product nearly cancels; zero if they are parallel. \pre all finite
+[[nodiscard]] Vec3 unit_normal(const Displacement& u, const Displacement& v) noexcept;
+
 /// Whether one is a multiple of the other: u x v = 0. Exact. \pre all finite.
 [[nodiscard]] bool are_parallel(const Displacement& u, const Displacement& v) noexcept;
 

@@ -4,7 +4,8 @@ namespace proxima {
 
 HalfSpace ConvexPolyhedron::half_space(std::uint32_t facet) const noexcept
 {
-    const Vec3 normal = facets_[facet].normal.stableNormalized();
+    const NormalFactors factors = normal_factors(facet);
+    const Vec3 normal = unit_normal(factors.u, factors.v);
     // The farthest corner of the loop: rounding leaves none of them outside by more than itself.
     double offset = -std::numeric_limits<double>::infinity();
     for (const std::uint32_t corner : facet_loop(facet)) {

@@ -158,7 +158,7 @@ Result<ConvexPolyhedron> polyhedron_of_half_spaces(std::span<const HalfSpace> gi
     for (const detail::HullTriangle& triangle : *triangles) {
         const auto& corner = triangle.vertices;
         const Vec3 p = duals[corner[0]];
-        const Vec3 normal = (duals[corner[1]] - p).cross(duals[corner[2]] - p).stableNormalized();
+        const Vec3 normal = unit_normal({p, duals[corner[1]]}, {p, duals[corner[2]]});
         const double offset = normal.dot(p);
         const double far = std::max({p.norm(), duals[corner[1]].norm(), duals[corner[2]].norm()});
         if (offset <= 1e-13 * far) {

@@ -53,7 +53,7 @@ ConvexPolyhedron::NormalFactors MinkowskiSum::normal_factors(std::uint32_t facet
 HalfSpace MinkowskiSum::half_space(std::uint32_t facet) const noexcept
 {
     const ConvexPolyhedron::NormalFactors factors = normal_factors(facet);
-    const Vec3 normal = factors.u.rounded().cross(factors.v.rounded()).stableNormalized();
+    const Vec3 normal = unit_normal(factors.u, factors.v);
     const SumCorner& rest = support(facet);
     return {normal, normal.dot(a().vertex(rest.a)) + scale_ * normal.dot(b().vertex(rest.b))};
 }

@@ -159,20 +159,24 @@ SurfacePoint signed_distance(const MinkowskiSum& sum, const Vec3& point) noexcep
     if (sum.dimension() == 0) return outside_point(sum.position(0), point, no_facet);
     if (sum.dimension() == 1)
         return outside_point(nearest_on_edge(sum, 0, 1, point), point, no_facet);
-    SurfacePoint inside = {-infinity, point, Vec3::Zero(), no_facet};
-    SurfacePoint outside = {infinity, point, Vec3::Zero(), no_facet};
+    const bool is_inside = sum.dimension() == 3 && contains(sum, point);
+    SurfacePoint best = {is_inside ? -infinity : infinity, point, Vec3::Zero(), no_facet};
     for (std::uint32_t f = 0; f < sum.facet_count(); ++f) {
         const HalfSpace plane = sum.half_space(f);
         const double height = plane.normal.dot(point) - plane.offset;
-        if (height <= 0 && sum.dimension() == 3) {
-            if (height > inside.distance)
-                inside = {height, point - height * plane.normal, plane.normal, f};
+        if (is_inside) {
+            // What rounding lifts above a plane touches it.
+            const double depth = std::min(height, 0.0);
+            if (depth > best.distance)
+                best = {depth, point - height * plane.normal, plane.normal, f};
             continue;
         }
+        // All facets: which ones the point sees is hidden by rounding where they are nearly
+        // parallel.
         const SurfacePoint there = outside_point(nearest_on_facet(sum, f, plane, point), point, f);
-        if (there.distance < outside.distance) outside = there;
+        if (there.distance < best.distance) best = there;
     }
-    return outside.facet != no_facet ? outside : inside;
+    return best;
 }
 
 std::optional<double> directional_depth(const MinkowskiSum& sum, const Vec3& point,

@@ -1,0 +1,245 @@
+#include "proxima/minkowski/make_polyhedron.h"
+
+#include "polytopes.h"
+#include "proxima/mesh/sample_meshes.h"
+#include "proxima/minkowski/half_space_intersection.h"
+#include "proxima/minkowski/unbounded_sum.h"
+#include "proxima/minkowski/voronoi_region.h"
+
+#include <gtest/gtest.h>
+
+namespace proxima {
+namespace {
+
+using test::Points;
+
+std::string message_of(const Result<ConvexPolyhedron>& result)
+{
+    return result ? "accepted" : describe(result.error());
+}
+
+TriangleMesh mesh_of(Points points, std::vector<TriangleCorners> triangles)
+{
+    return make_triangle_mesh(std::move(points), std::move(triangles)).value();
+}
+
+TEST(PolyhedronOfMesh, ConvexSamplesAreAccepted)
+{
+    for (const char* name : {"cube", "octahedron", "icosphere:3", "sphere:50x50"}) {
+        const auto mesh = sample_mesh(name);
+        const auto polyhedron = polyhedron_of_mesh(*mesh);
+        ASSERT_TRUE(polyhedron) << name << ": " << message_of(polyhedron);
+        EXPECT_EQ(polyhedron->points().size(), mesh->vertex_count());
+    }
+    EXPECT_EQ(polyhedron_of_mesh(make_cube())->facet_count(), 6U);
+}
+
+TEST(PolyhedronOfMesh, OthersAreRefusedWithTheirPlace)
+{
+    const auto torus = make_torus(12, 8);
+    EXPECT_NE(message_of(polyhedron_of_mesh(torus)).find("not convex"), std::string::npos);
+
+    // A cube with one corner pushed in.
+    const TriangleMesh cube = make_cube();
+    Points dented(cube.positions().begin(), cube.positions().end());
+    dented[0] *= 0.3;
+    const std::vector<TriangleCorners> sides(cube.triangles().begin(), cube.triangles().end());
+    EXPECT_NE(message_of(polyhedron_of_mesh(mesh_of(dented, sides))).find("beyond the plane of"),
+              std::string::npos);
+
+    std::vector<TriangleCorners> open = sides;
+    open.pop_back();
+    const Points corners(cube.positions().begin(), cube.positions().end());
+    EXPECT_NE(message_of(polyhedron_of_mesh(mesh_of(corners, open))).find("the mesh is open"),
+              std::string::npos);
+    std::vector<TriangleCorners> twice = sides;
+    twice.push_back(sides[0]);
+    EXPECT_NE(message_of(polyhedron_of_mesh(mesh_of(corners, twice))).find("branches"),
+              std::string::npos);
+
+    Points two = corners;
+    std::vector<TriangleCorners> both = sides;
+    for (const Vec3& p : corners) two.emplace_back(p + Vec3(5, 0, 0));
+    for (const auto& t : sides) both.push_back({t[0] + 8, t[1] + 8, t[2] + 8});
+    EXPECT_NE(message_of(polyhedron_of_mesh(mesh_of(two, both))).find("several components"),
+              std::string::npos);
+
+    Points flat = corners;
+    for (Vec3& p : flat) p.z() = 0;
+    EXPECT_NE(message_of(polyhedron_of_mesh(mesh_of(flat, sides))).find("no volume"),
+              std::string::npos);
+    Points bad = corners;
+    bad[3].x() = std::numeric_limits<double>::infinity();
+    EXPECT_FALSE(polyhedron_of_mesh(mesh_of(bad, sides)));
+    EXPECT_FALSE(polyhedron_of_mesh(TriangleMesh()));
+}
+
+TEST(PolyhedronOfMesh, TurnedTrianglesAndLooseVerticesDoNotMatter)
+{
+    const TriangleMesh cube = make_cube();
+    Points points(cube.positions().begin(), cube.positions().end());
+    points.emplace_back(100, 0, 0); // of no triangle
+    std::vector<TriangleCorners> sides(cube.triangles().begin(), cube.triangles().end());
+    std::swap(sides[4][0], sides[4][1]);
+    const auto polyhedron = polyhedron_of_mesh(mesh_of(points, sides));
+    ASSERT_TRUE(polyhedron) << message_of(polyhedron);
+    EXPECT_EQ(polyhedron->facet_count(), 6U);
+    EXPECT_EQ(polyhedron->points().size(), 8U);
+}
+
+/// Every corner is in all half-spaces, and every half-space that matters is reached.
+TEST(PolyhedronOfHalfSpaces, GivesBackAHull)
+{
+    for (unsigned seed = 0; seed < 300; ++seed) {
+        SCOPED_TRACE(seed);
+        std::mt19937 random(seed);
+        const bool unbounded = seed % 3 == 0;
+        Points rays;
+        if (unbounded) rays = {{1, 0, 0}, {3, 1, 0}, {3, 0, 1}};
+        const auto hull = convex_hull(test::nasty_points(random), rays).value();
+        if (hull.dimension() < 3) continue;
+        std::vector<HalfSpace> planes;
+        for (std::uint32_t f = 0; f < hull.facet_count(); ++f) {
+            planes.push_back(hull.half_space(f));
+            planes.push_back({2 * planes.back().normal, 2 * planes.back().offset + 5}); // idle
+        }
+        std::ranges::shuffle(planes, random);
+        const auto found = polyhedron_of_half_spaces(planes);
+        ASSERT_TRUE(found) << message_of(found);
+        ASSERT_EQ(found->points().size(), hull.points().size());
+        EXPECT_EQ(found->rays().size(), hull.rays().size());
+        double size = 1;
+        for (const Vec3& p : hull.points()) size = std::max(size, p.norm());
+        for (const Vec3& p : hull.points()) {
+            double nearest = size;
+            for (const Vec3& q : found->points()) nearest = std::min(nearest, (p - q).norm());
+            EXPECT_LT(nearest, 1e-10 * size);
+        }
+        for (const Vec3& r : hull.rays()) {
+            double nearest = 1;
+            for (const Vec3& q : found->rays())
+                nearest = std::min(nearest, (r.normalized() - q.normalized()).norm());
+            EXPECT_LT(nearest, 1e-9);
+        }
+    }
+}
+
+TEST(PolyhedronOfHalfSpaces, BadInputIsRefused)
+{
+    const auto refused = [](std::vector<HalfSpace> planes, const char* why) {
+        const auto result = polyhedron_of_half_spaces(planes);
+        EXPECT_NE(message_of(result).find(why), std::string::npos) << message_of(result);
+    };
+    const Vec3 x = Vec3::UnitX();
+    const Vec3 y = Vec3::UnitY();
+    const Vec3 z = Vec3::UnitZ();
+    refused({}, "line");
+    refused({{x, 1}}, "line");
+    refused({{x, 1}, {-x, 1}, {y, 1}, {-y, 1}}, "line");
+    refused({{x, -1}, {-x, -1}, {y, 1}, {-y, 1}, {z, 1}, {-z, 1}}, "no volume");
+    refused({{x, 0}, {-x, 0}, {y, 1}, {-y, 1}, {z, 1}, {-z, 1}}, "no volume");
+    refused({{Vec3::Zero(), 1}}, "no length");
+    refused({{x, std::numeric_limits<double>::quiet_NaN()}}, "NaN");
+    // Far from the origin, and a corner only.
+    std::vector<HalfSpace> far = {{x, 1001}, {-x, -1000}, {y, 1}, {-y, 1}, {z, 1}, {-z, 1}};
+    EXPECT_EQ(polyhedron_of_half_spaces(far)->points().size(), 8U);
+    const auto octant = polyhedron_of_half_spaces(std::vector<HalfSpace>{{x, 1}, {y, 2}, {z, 3}});
+    ASSERT_TRUE(octant) << message_of(octant);
+    EXPECT_EQ(octant->points().size(), 1U);
+    EXPECT_EQ(octant->rays().size(), 3U);
+}
+
+TEST(VoronoiRegions, OfASphereMeetTheThesisHalfSpaces)
+{
+    const TriangleMesh sphere = make_sphere(10, 10);
+    for (std::uint32_t t = 0; t < sphere.triangle_count(); t += 7) {
+        const Triangle triangle = sphere.triangle(TriangleId{t});
+        const auto region = voronoi_region_of_face(triangle);
+        ASSERT_TRUE(region);
+        EXPECT_EQ(region->facet_count(), 4U);
+        std::mt19937 random(t);
+        std::uniform_real_distribution<double> coordinate(-3, 3);
+        const Vec3 n = scaled_normal(triangle);
+        for (int i = 0; i < 200; ++i) {
+            const Vec3 x(coordinate(random), coordinate(random), coordinate(random));
+            bool inside = n.dot(x - triangle[0]) >= 0; // (4.4)
+            for (int j = 0; j < 3; ++j) {              // (4.3) with (4.5)
+                const Vec3 u = triangle[(j + 1) % 3] - triangle[j];
+                inside = inside && u.cross(n).dot(x - triangle[j]) <= 0;
+            }
+            bool in_region = true;
+            for (std::uint32_t f = 0; f < region->facet_count(); ++f) {
+                const HalfSpace plane = region->half_space(f);
+                in_region = in_region && plane.normal.dot(x) <= plane.offset;
+            }
+            EXPECT_EQ(in_region, inside);
+        }
+    }
+    // Coplanar faces at an edge: the region is a strip, not nothing.
+    const auto strip = voronoi_region_of_edge({0, 0, 0}, {1, 0, 0}, {0, 0, 1}, {0, 0, 2});
+    ASSERT_TRUE(strip);
+    EXPECT_EQ(strip->dimension(), 2);
+    EXPECT_FALSE(voronoi_region_of_face({{Vec3(0, 0, 0), Vec3(1, 1, 1), Vec3(2, 2, 2)}}));
+}
+
+TEST(MeshOfPolyhedron, DrawsRaysAtALength)
+{
+    const auto cube = test::hull_of(test::cube_points(1));
+    EXPECT_EQ(mesh_of_polyhedron(cube)->triangle_count(), 12U);
+    const auto prism = voronoi_region_of_face({{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}});
+    const auto mesh = mesh_of_polyhedron(*prism, 10);
+    ASSERT_TRUE(mesh);
+    EXPECT_EQ(mesh->vertex_count(), 6U);
+    EXPECT_EQ(mesh->triangle_count(), 7U);
+    EXPECT_EQ(bounding_box(*mesh).upper.z(), 10);
+    EXPECT_FALSE(mesh_of_polyhedron(test::hull_of({{0, 0, 0}, {1, 0, 0}})));
+}
+
+/// Sums by rays and by cutting have the same half-spaces for every length of the cut.
+TEST(UnboundedSum, EqualsCuttingForAnyLength)
+{
+    const TriangleMesh sphere = make_sphere(8, 9);
+    for (unsigned seed = 0; seed < 60; ++seed) {
+        SCOPED_TRACE(seed);
+        std::mt19937 random(seed);
+        const auto pick = static_cast<std::uint32_t>(random() % sphere.triangle_count());
+        const Triangle t = sphere.triangle(TriangleId{pick});
+        const Vec3 n = scaled_normal(t);
+        Result<ConvexPolyhedron> region = voronoi_region_of_face(t);
+        if (seed % 3 == 1) {
+            region = voronoi_region_of_edge(t[0], t[1], n, Vec3(n + 0.1 * Vec3(1, -1, 0.5)));
+        }
+        if (seed % 3 == 2) {
+            const Points normals = {n, n + Vec3(0.1, 0, 0.01), n + Vec3(0.1, 0.1, 0),
+                                    n + Vec3(0, 0.1, 0)};
+            region = voronoi_region_of_vertex(t[0], normals);
+        }
+        ASSERT_TRUE(region) << message_of(region);
+        const auto cube = test::hull_of(test::cube_points(0.125));
+        const auto by_rays = minkowski_sum(*region, cube);
+        ASSERT_TRUE(by_rays);
+        for (const double length : {1e-3, 1.0, 100.0}) {
+            const auto cut = sum_by_cutting(*region, cube, length);
+            ASSERT_TRUE(cut);
+            EXPECT_FALSE(cut->obstructing.empty());
+            const auto same = [](const HalfSpace& p, const HalfSpace& q) {
+                return (p.normal - q.normal).norm() < 1e-7 && std::abs(p.offset - q.offset) < 1e-7;
+            };
+            std::vector<bool> is_found(by_rays->facet_count(), false);
+            for (const std::uint32_t f : cut->remaining) {
+                bool known = false;
+                for (std::uint32_t g = 0; g < by_rays->facet_count(); ++g) {
+                    if (same(cut->intermediate.half_space(f), by_rays->half_space(g))) {
+                        known = true;
+                        is_found[g] = true;
+                    }
+                }
+                EXPECT_TRUE(known) << "length " << length;
+            }
+            EXPECT_EQ(std::ranges::count(is_found, false), 0) << "length " << length;
+        }
+    }
+}
+
+} // namespace
+} // namespace proxima

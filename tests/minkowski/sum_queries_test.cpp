@@ -1,0 +1,197 @@
+#include "proxima/minkowski/sum_queries.h"
+
+#include "polytopes.h"
+#include "proxima/minkowski/make_polyhedron.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace proxima {
+namespace {
+
+using test::Points;
+
+/// In the hull of all pair sums, by exact orientation: for whole numbers and scales.
+bool in_hull_of_pairs(const ConvexPolyhedron& a, const ConvexPolyhedron& b, double scale,
+                      const Vec3& x)
+{
+    Points sums;
+    for (const Vec3& p : a.points()) {
+        for (const Vec3& q : b.points()) sums.emplace_back(p + scale * q);
+    }
+    Points with = sums;
+    const ConvexPolyhedron hull = test::hull_of(sums);
+    // x is in it exactly if the hull with x is the same.
+    with.push_back(x);
+    const ConvexPolyhedron more = test::hull_of(with);
+    if (more.vertex_count() != hull.vertex_count() || more.dimension() != hull.dimension())
+        return false;
+    return std::ranges::equal(more.points(), hull.points()) ||
+           std::ranges::none_of(more.points(), [&](const Vec3& p) { return p == x; }) ||
+           std::ranges::any_of(hull.points(), [&](const Vec3& p) { return p == x; });
+}
+
+TEST(SumQueries, ContainsIsExactOnNastySumsOfAllDimensions)
+{
+    int inside = 0;
+    for (unsigned seed = 0; seed < 200; ++seed) {
+        SCOPED_TRACE(seed);
+        std::mt19937 random(seed);
+        const auto a = test::hull_of(test::nasty_points(random));
+        const auto b = test::hull_of(test::nasty_points(random));
+        const double scale = seed % 2 == 0 ? 1 : 0.25 * (1 + static_cast<double>(random() % 9));
+        const auto sum = minkowski_sum(a, b)->scaled(scale);
+        Points tests;
+        for (std::uint32_t v = 0; v < sum.vertex_count(); ++v) tests.push_back(sum.position(v));
+        const std::size_t corners = tests.size();
+        for (int i = 0; i < 8; ++i) { // centres of pairs: on edges, facets, inside; and beside
+            const Vec3 p = tests[random() % corners];
+            const Vec3 q = tests[random() % corners];
+            tests.emplace_back(0.5 * p + 0.5 * q);
+            tests.emplace_back(p + 0.25 * test::whole_points(random, 1, 2)[0]);
+            tests.emplace_back(p + 0x1p-40 * test::whole_points(random, 1, 1)[0]);
+        }
+        for (const Vec3& x : tests) {
+            const bool expected = in_hull_of_pairs(a, b, scale, x);
+            EXPECT_EQ(contains(sum, x), expected) << x.transpose();
+            inside += expected ? 1 : 0;
+        }
+        if (HasFailure()) break;
+    }
+    EXPECT_GT(inside, 1000);
+}
+
+TEST(SumQueries, SignedDistanceIsTheDistanceToTheNearestPlaceAndItsSign)
+{
+    for (unsigned seed = 0; seed < 300; ++seed) {
+        SCOPED_TRACE(seed);
+        std::mt19937 random(seed);
+        const auto a = test::hull_of(test::nasty_points(random));
+        const auto b = test::hull_of(test::nasty_points(random));
+        const auto sum = *minkowski_sum(a, b);
+        std::uniform_real_distribution<double> coordinate(-8, 8);
+        for (int i = 0; i < 10; ++i) {
+            const Vec3 x(coordinate(random), coordinate(random), coordinate(random));
+            const SurfacePoint found = signed_distance(sum, x);
+            const double reach = 1e-9 * (1 + x.norm() + found.nearest.norm());
+            EXPECT_NEAR((x - found.nearest).norm(), std::abs(found.distance), reach);
+            if (sum.dimension() == 3) {
+                EXPECT_EQ(found.distance <= 0, contains(sum, x));
+            }
+            EXPECT_LE(found.distance < 0 ? -1 : 1, found.distance < 0 ? 0 : 1);
+            if (found.distance >= 0) {
+                // The plane through the nearest place across the way there separates: no corner is
+                // nearer along it. That proves it the nearest of a convex set.
+                for (std::uint32_t v = 0; v < sum.vertex_count(); ++v)
+                    EXPECT_LE(found.direction.dot(sum.position(v) - found.nearest), reach);
+            } else {
+                // A ball of that size fits: it keeps to this side of every plane.
+                for (std::uint32_t f = 0; f < sum.facet_count(); ++f) {
+                    const HalfSpace plane = sum.half_space(f);
+                    EXPECT_LE(plane.normal.dot(x) - found.distance, plane.offset + reach);
+                }
+                EXPECT_FALSE(
+                    contains(sum, x + (1e-9 - found.distance) * found.direction * 1.0000001));
+            }
+        }
+        if (HasFailure()) break;
+    }
+}
+
+TEST(SumQueries, UnboundedSumsHaveDistancesToo)
+{
+    // A quadrant of columns: x, y >= 0, grown by a cube.
+    const auto corner = test::hull_of({{0, 0, 0}}, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
+    const auto cube = test::hull_of(test::cube_points(1));
+    const auto sum = *minkowski_sum(corner, cube);
+    EXPECT_EQ(sum.facet_count(), 3U);
+    EXPECT_DOUBLE_EQ(signed_distance(sum, {-1, 5, 5}).distance, 0);
+    EXPECT_DOUBLE_EQ(signed_distance(sum, {-4, -5, 5}).distance, 5);
+    EXPECT_DOUBLE_EQ(signed_distance(sum, {1, 5, 7}).distance, -2);
+    EXPECT_EQ(directional_depth(sum, {1, 1, 1}, Vec3(0, 0, 1)),
+              std::numeric_limits<double>::infinity());
+    EXPECT_DOUBLE_EQ(directional_depth(sum, {1, 1, 1}, Vec3(0, 0, -1)).value(), 2);
+    EXPECT_FALSE(directional_depth(sum, {-3, 1, 1}, Vec3(0, 0, -1)));
+    EXPECT_TRUE(contains(sum, {1e80, 0, 0}));
+
+    // Opposite corners make all of space.
+    const auto opposite = test::hull_of({{0, 0, 0}}, {{-1, 0, 0}, {0, -1, 0}, {0, 0, -1}});
+    const auto everything = *minkowski_sum(corner, opposite);
+    EXPECT_TRUE(everything.is_all_of_space());
+    EXPECT_TRUE(contains(everything, {7, -9, 11}));
+    EXPECT_FALSE(separation(corner, corner));
+    EXPECT_DOUBLE_EQ(separation(corner, opposite)->distance, 0);
+    // Two wedges that share a wall's direction make a half-space.
+    const auto up = test::hull_of({{0, 0, 0}}, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
+    const auto down = test::hull_of({{0, 0, 0}}, {{-1, 0, 0}, {0, -1, 0}, {0, 0, 1}});
+    const auto half = *minkowski_sum(up, down);
+    EXPECT_TRUE(half.holds_line());
+    ASSERT_EQ(half.facet_count(), 1U);
+    EXPECT_EQ(half.half_space(0).normal, Vec3(0, 0, -1));
+    EXPECT_TRUE(contains(half, {-5, 9, 0}));
+    EXPECT_FALSE(contains(half, {-5, 9, -1e-300}));
+}
+
+TEST(SumQueries, SeparationLetsGo)
+{
+    for (unsigned seed = 0; seed < 200; ++seed) {
+        SCOPED_TRACE(seed);
+        std::mt19937 random(seed);
+        const Points points_b = test::nasty_points(random);
+        const auto a = test::hull_of(test::nasty_points(random));
+        const auto b = test::hull_of(points_b);
+        const auto found = separation(a, b);
+        ASSERT_TRUE(found);
+        if (found->distance == 0) continue;
+        const auto moved_by = [&](double distance) {
+            Points moved = points_b;
+            for (Vec3& p : moved) p += distance * found->direction;
+            return separation(a, test::hull_of(moved))->distance;
+        };
+        const double size = 1e-9 * (1 + std::abs(found->distance));
+        EXPECT_NEAR(moved_by(-found->distance), 0, size);
+        EXPECT_GT(moved_by(1 - found->distance), 0.5);
+        if (found->distance < 0) {
+            EXPECT_LT(moved_by(-0.5 * found->distance), 0);
+        }
+    }
+}
+
+TEST(MinkowskiSum, ScalingKeepsTheTopology)
+{
+    for (unsigned seed = 0; seed < 100; ++seed) {
+        SCOPED_TRACE(seed);
+        std::mt19937 random(seed);
+        const Points points_b = test::nasty_points(random);
+        const auto a = test::hull_of(test::nasty_points(random));
+        const auto sum = *minkowski_sum(a, test::hull_of(points_b));
+        for (const double lambda : {0.5, 3.0}) {
+            Points larger = points_b;
+            for (Vec3& p : larger) p *= lambda;
+            const auto built = *minkowski_sum(a, test::hull_of(larger));
+            const auto scaled = sum.scaled(lambda);
+            ASSERT_EQ(built.vertex_count(), scaled.vertex_count());
+            ASSERT_EQ(built.facet_count(), scaled.facet_count());
+            // The order depends on the hulls' inner ways: compare as sets of sets.
+            const auto described = [](const MinkowskiSum& of) {
+                std::set<std::set<std::array<double, 3>>> facets;
+                for (std::uint32_t f = 0; f < of.facet_count(); ++f) {
+                    std::set<std::array<double, 3>> corners;
+                    for (const std::uint32_t v : of.facet_loop(f)) {
+                        const Vec3 p = of.position(v);
+                        corners.insert({p.x(), p.y(), p.z()});
+                        EXPECT_NEAR(of.half_space(f).normal.dot(p), of.half_space(f).offset,
+                                    1e-12 * (1 + p.norm()));
+                    }
+                    facets.insert(corners);
+                }
+                return facets;
+            };
+            EXPECT_EQ(described(built), described(scaled));
+        }
+    }
+}
+
+} // namespace
+} // namespace proxima
