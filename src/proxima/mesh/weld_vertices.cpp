@@ -30,8 +30,10 @@ std::uint64_t table_size(std::uint64_t vertex_count) noexcept
 
 } // namespace
 
-void weld_vertices(std::vector<Vec3>& positions, std::vector<TriangleCorners>& triangles)
+bool weld_vertices(std::vector<Vec3>& positions, std::vector<TriangleCorners>& triangles,
+                   Progress* progress)
 {
+    StageSteps steps(progress, "welding vertices", positions.size() + triangles.size());
     // Open addressing by linear probing; entries are new ids.
     std::vector<std::uint32_t> table(table_size(positions.size()), no_vertex);
     std::vector<std::uint32_t> new_ids(positions.size());
@@ -48,11 +50,14 @@ void weld_vertices(std::vector<Vec3>& positions, std::vector<TriangleCorners>& t
             positions[kept++] = positions[vertex];
         }
         new_ids[vertex] = table[slot];
+        if (!steps.done(1)) return false;
     }
     positions.resize(kept);
     for (TriangleCorners& corners : triangles) {
         for (std::uint32_t& corner : corners) corner = new_ids[corner];
+        if (!steps.done(1)) return false;
     }
+    return true;
 }
 
 std::uint64_t weld_scratch_bytes(std::uint64_t vertex_count) noexcept

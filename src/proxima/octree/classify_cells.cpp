@@ -55,8 +55,9 @@ bool touches_root_face(CellKey key) noexcept
 
 class Classifier {
 public:
-    Classifier(const Octree& octree, const TriangleMesh& mesh, const ClassifyOptions& options)
-        : octree_(octree), mesh_(mesh), options_(options), caps_(hole_caps(mesh)),
+    Classifier(const Octree& octree, const TriangleMesh& mesh, TriangleMesh caps,
+               const ClassifyOptions& options)
+        : octree_(octree), mesh_(mesh), options_(options), caps_(std::move(caps)),
           cells_(collect_empty_cells(octree)), components_(cells_.keys.size()),
           regions_(caps_.triangle_count() > 0 ? cells_.keys.size() : 0),
           at_cap_(caps_.triangle_count() > 0 ? cells_.keys.size() : 0),
@@ -341,7 +342,9 @@ Result<Octree> classify_cells(const Octree& octree, const TriangleMesh& mesh,
         !status) {
         return tl::unexpected<Error>(status.error());
     }
-    return Classifier(octree, mesh, options).run();
+    auto caps = hole_caps(mesh, options.progress);
+    if (!caps) return tl::unexpected<Error>(caps.error());
+    return Classifier(octree, mesh, std::move(*caps), options).run();
 }
 
 } // namespace proxima

@@ -94,7 +94,7 @@ Status MeshAssembler::cut_polygons()
         }
         constexpr std::size_t large = 64;
         if ((count > large || polygon % large == 0) && is_cancelled(options_.progress)) {
-            return tl::unexpected(reading_cancelled(source_));
+            return tl::unexpected(reading_cancelled(source_.name));
         }
     }
     polygons_ = {};
@@ -106,7 +106,9 @@ Result<TriangleMesh> MeshAssembler::finish(Vertices vertices)
     if (auto status = cut_polygons(); !status) return tl::unexpected(status.error());
     if (vertices == Vertices::welded) {
         if (!fits_budget(weld_scratch_bytes(positions_.size()))) return tl::unexpected(error_);
-        weld_vertices(positions_, triangles_);
+        if (!weld_vertices(positions_, triangles_, options_.progress)) {
+            return tl::unexpected(reading_cancelled(source_.name));
+        }
         positions_.shrink_to_fit();
     }
     auto mesh = make_triangle_mesh(std::move(positions_), std::move(triangles_));

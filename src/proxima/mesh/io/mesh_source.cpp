@@ -51,7 +51,8 @@ std::string MeshSource::at_byte(const char* place) const
     return concat(name, ", byte ", place - text.data());
 }
 
-Result<FileBytes> read_file(const std::filesystem::path& path, MemoryBudget budget)
+Result<FileBytes> read_file(const std::filesystem::path& path, MemoryBudget budget,
+                            Progress* progress)
 {
     const Descriptor file(path);
     struct stat information {};
@@ -83,8 +84,11 @@ Result<FileBytes> read_file(const std::filesystem::path& path, MemoryBudget budg
                     concat("no memory for the ", bytes.size, " bytes of this file: split the mesh"),
                     path.string());
     }
+    constexpr std::size_t block = std::size_t{1} << 24U;
+    StageSteps steps(progress, "loading file", bytes.size, block);
     for (std::size_t done = 0; done < bytes.size;) {
-        const ssize_t count = ::read(file.value(), bytes.data.get() + done, bytes.size - done);
+        const ssize_t count =
+            ::read(file.value(), bytes.data.get() + done, std::min(block, bytes.size - done));
         if (count < 0 && errno == EINTR) continue;
         if (count < 0) return unreadable(path, errno);
         if (count == 0) {
@@ -94,13 +98,16 @@ Result<FileBytes> read_file(const std::filesystem::path& path, MemoryBudget budg
                         path.string());
         }
         done += static_cast<std::size_t>(count);
+        if (!steps.done(static_cast<std::size_t>(count))) {
+            return tl::unexpected(reading_cancelled(path.string()));
+        }
     }
     return bytes;
 }
 
-Error reading_cancelled(const MeshSource& source)
+Error reading_cancelled(const std::string& name)
 {
-    return {ErrorCode::cancelled, "reading was stopped on request", source.name};
+    return {ErrorCode::cancelled, "reading was stopped on request", name};
 }
 
 } // namespace proxima::detail

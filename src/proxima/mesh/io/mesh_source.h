@@ -33,8 +33,10 @@ struct FileBytes {
 };
 
 /// Reads a regular file at once (a memory map would end the process by SIGBUS if the file shrank
-/// meanwhile). Errors: file_not_found, budget_exceeded, malformed_file if it is empty.
-[[nodiscard]] Result<FileBytes> read_file(const std::filesystem::path& path, MemoryBudget budget);
+/// meanwhile). `progress` sees the stage "loading file", steps are bytes. Errors: file_not_found,
+/// budget_exceeded, malformed_file if it is empty, cancelled.
+[[nodiscard]] Result<FileBytes> read_file(const std::filesystem::path& path, MemoryBudget budget,
+                                          Progress* progress);
 
 /// Tells the watcher how far the reader is and the reader whether to stop. One comparison per call,
 /// but once per MiB.
@@ -69,7 +71,7 @@ private:
     const char* next_;
 };
 
-/// The error of a cancelled reader.
-[[nodiscard]] Error reading_cancelled(const MeshSource& source);
+/// The error of a cancelled reader of the file or data of this name.
+[[nodiscard]] Error reading_cancelled(const std::string& name);
 
 } // namespace proxima::detail

@@ -56,7 +56,7 @@ Result<TriangleMesh> read_binary(const MeshSource& source, const ReadOptions& op
     }
     const char* place = text.data() + first_triangle;
     for (std::uint32_t triangle = 0; triangle < count; ++triangle, place += triangle_bytes) {
-        if (!progress.may_continue(place)) return tl::unexpected(reading_cancelled(source));
+        if (!progress.may_continue(place)) return tl::unexpected(reading_cancelled(source.name));
         const auto value = [&](std::size_t index) {
             return static_cast<double>(std::bit_cast<float>(load_uint32(place + index * 4)));
         };
@@ -98,7 +98,7 @@ private:
         skip_name();
         while (true) {
             if (!progress_.may_continue(cursor_.place())) {
-                error_ = reading_cancelled(source_);
+                error_ = reading_cancelled(source_.name);
                 return false;
             }
             const std::string_view word = cursor_.word();
