@@ -75,21 +75,17 @@ struct UnbalancedEdge {
 };
 
 /// Edges grouped by their lower vertex, then matched within the group; nothing where stopped.
-std::optional<std::vector<UnbalancedEdge>> unbalanced_edges(const TriangleMesh& mesh,
-                                                            Progress* progress)
+/// Corners are numbered by vertex_of(corner).
+template <class VertexOf>
+std::optional<std::vector<UnbalancedEdge>>
+unbalanced_edges(const TriangleMesh& mesh, const VertexOf& vertex_of, StageSteps& steps)
 {
-    StageSteps steps(progress, "looking for holes",
-                     (radix_passes(hash_bits) + 2) * mesh.vertex_count() +
-                         2 * mesh.triangle_count());
-    const auto first = first_at_same_position(mesh, steps);
-    if (!first) return std::nullopt;
-    const std::vector<std::uint32_t>& vertex = *first;
     const auto for_each_edge = [&](const auto& visit) {
         for (const TriangleCorners& corners : mesh.triangles()) {
             if (!steps.done(1)) return false;
             for (std::size_t k = 0; k < 3; ++k) {
-                const std::uint32_t a = vertex[corners[k]];
-                const std::uint32_t b = vertex[corners[(k + 1) % 3]];
+                const std::uint32_t a = vertex_of(corners[k]);
+                const std::uint32_t b = vertex_of(corners[(k + 1) % 3]);
                 if (a != b) visit(a, b);
             }
         }
@@ -99,7 +95,7 @@ std::optional<std::vector<UnbalancedEdge>> unbalanced_edges(const TriangleMesh& 
         std::uint32_t upper = 0;
         std::int32_t sign = 0;
     };
-    std::vector<std::uint64_t> group(vertex.size() + 1);
+    std::vector<std::uint64_t> group(mesh.vertex_count() + 1);
     const bool counted =
         for_each_edge([&](std::uint32_t a, std::uint32_t b) { ++group[std::min(a, b)]; });
     if (!counted) return std::nullopt;
@@ -112,7 +108,7 @@ std::optional<std::vector<UnbalancedEdge>> unbalanced_edges(const TriangleMesh& 
     if (!grouped) return std::nullopt;
     std::vector<UnbalancedEdge> edges;
     std::uint64_t begin = 0; // group[v] is now the end of v's group
-    for (std::uint32_t lower = 0; lower < vertex.size(); ++lower) {
+    for (std::uint32_t lower = 0; lower < mesh.vertex_count(); ++lower) {
         const auto at = directions.begin() + static_cast<std::ptrdiff_t>(begin);
         const auto end = directions.begin() + static_cast<std::ptrdiff_t>(group[lower]);
         std::sort(at, end,
@@ -128,6 +124,23 @@ std::optional<std::vector<UnbalancedEdge>> unbalanced_edges(const TriangleMesh& 
         if (!steps.done(1)) return std::nullopt;
     }
     return edges;
+}
+
+/// The edges with vertices at equal positions as one; nothing where stopped.
+std::optional<std::vector<UnbalancedEdge>> unbalanced_edges(const TriangleMesh& mesh,
+                                                            Progress* progress)
+{
+    const std::uint64_t match_steps = mesh.vertex_count() + 2 * mesh.triangle_count();
+    StageSteps steps(progress, "looking for holes",
+                     (radix_passes(hash_bits) + 1) * mesh.vertex_count() + 2 * match_steps);
+    // What is balanced by vertices is so by positions too, and needs no search for equal ones.
+    auto by_vertex = unbalanced_edges(
+        mesh, [](std::uint32_t corner) { return corner; }, steps);
+    if (!by_vertex || by_vertex->empty()) return by_vertex;
+    const auto first = first_at_same_position(mesh, steps);
+    if (!first) return std::nullopt;
+    return unbalanced_edges(
+        mesh, [&](std::uint32_t corner) { return (*first)[corner]; }, steps);
 }
 
 } // namespace
