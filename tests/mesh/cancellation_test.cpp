@@ -55,7 +55,7 @@ TEST_F(Cancellation, OfReading)
                 [&](Progress& progress) {
                     return read_mesh(path(name), {.weld = weld, .progress = &progress});
                 },
-                [] { return true; }, weld == Weld::never ? 2 : 4);
+                [] { return true; }, weld == Weld::never ? 2 : 3);
         }
     }
 }

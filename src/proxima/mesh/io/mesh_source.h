@@ -1,13 +1,13 @@
 // The bytes of a mesh file, and how messages name a place in them.
 #pragma once
 
+#include "proxima/base/grow_buffer.h"
 #include "proxima/base/memory_budget.h"
 #include "proxima/base/progress.h"
 #include "proxima/base/result.h"
 
 #include <cstddef>
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <string_view>
 
@@ -26,10 +26,9 @@ struct MeshSource {
 
 /// The whole content of a file.
 struct FileBytes {
-    std::unique_ptr<char[]> data;
-    std::size_t size = 0;
+    GrowBuffer<char> bytes;
 
-    [[nodiscard]] std::string_view text() const noexcept { return {data.get(), size}; }
+    [[nodiscard]] std::string_view text() const noexcept { return {bytes.data(), bytes.size()}; }
 };
 
 /// Reads a regular file at once (a memory map would end the process by SIGBUS if the file shrank
