@@ -42,8 +42,8 @@ Color srgb(unsigned hex)
             from_srgb_byte(hex & 0xFFU)};
 }
 
-Canvas::Canvas(int width, int height)
-    : width_(width), height_(height), columns_(width * samples_per_axis),
+Canvas::Canvas(int width, int height, const Progress* progress)
+    : progress_(progress), width_(width), height_(height), columns_(width * samples_per_axis),
       rows_(height * samples_per_axis),
       colors_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)),
       nearness_(colors_.size()), line_nearness_(colors_.size())
@@ -79,7 +79,7 @@ void Canvas::cover(const std::array<ScreenPoint, 3>& triangle, std::vector<float
     const Vec2 upper = a.cwiseMax(corner(1)).cwiseMax(corner(2));
     const SampleRange across(lower.x(), upper.x(), columns_);
     const SampleRange down(lower.y(), upper.y(), rows_);
-    for (int y = down.first; y <= down.last; ++y) {
+    for (int y = down.first; y <= down.last && !stopped(); ++y) {
         for (int x = across.first; x <= across.last; ++x) {
             const Vec2 offset = Vec2(x + 0.5, y + 0.5) - a;
             const double v = (offset.x() * ac.y() - offset.y() * ac.x()) / area;
@@ -122,7 +122,7 @@ void Canvas::draw_line(const ScreenPoint& from, const ScreenPoint& to, const Col
     const Vec2 lower = start.cwiseMin(start + along);
     const Vec2 upper = start.cwiseMax(start + along);
     const SampleRange down(lower.y() - reach, upper.y() + reach, rows_);
-    for (int y = down.first; y <= down.last; ++y) {
+    for (int y = down.first; y <= down.last && !stopped(); ++y) {
         // The part of this row that the line may cover.
         double left = lower.x();
         double right = upper.x();
@@ -160,7 +160,7 @@ void Canvas::darken_creases(double radius, float strength)
     constexpr int directions = 12;
     constexpr double golden_angle = 2.399963229728653;
     std::vector<float> light(colors_.size(), 1.0F);
-    for (int y = 0; y < rows_; ++y) {
+    for (int y = 0; y < rows_ && !stopped(); ++y) {
         for (int x = 0; x < columns_; ++x) {
             const float here = nearness_[sample_index(x, y)];
             if (here == 0.0F) continue;
@@ -187,7 +187,7 @@ void Canvas::darken_creases(double radius, float strength)
         }
     }
     constexpr int blur = 2; // samples to each side: the size of the pattern
-    for (int y = 0; y < rows_; ++y) {
+    for (int y = 0; y < rows_ && !stopped(); ++y) {
         for (int x = 0; x < columns_; ++x) {
             const std::size_t sample = sample_index(x, y);
             const float here = nearness_[sample];
@@ -211,7 +211,7 @@ Image Canvas::image() const
 {
     Image image{width_, height_, {}};
     image.bytes.reserve(3 * static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
-    for (int y = 0; y < height_; ++y) {
+    for (int y = 0; y < height_ && !stopped(); ++y) {
         for (int x = 0; x < width_; ++x) {
             Color sum = Color::Zero();
             for (int sample = 0; sample < samples_per_axis * samples_per_axis; ++sample) {

@@ -8,6 +8,7 @@
 #pragma once
 
 #include "cli/image.h"
+#include "proxima/base/progress.h"
 #include "proxima/geometry/vec.h"
 
 #include <array>
@@ -42,8 +43,9 @@ struct LineStyle {
 
 class Canvas {
 public:
-    /// \pre both positive
-    Canvas(int width, int height);
+    /// Once `progress`, where given, is cancelled, nothing more is drawn: what there is then is no
+    /// picture. \pre both positive
+    Canvas(int width, int height, const Progress* progress = nullptr);
 
     /// A vertical gradient; forgets what was drawn.
     void fill_background(const Color& top, const Color& bottom);
@@ -77,6 +79,9 @@ private:
                static_cast<std::size_t>(x);
     }
 
+    [[nodiscard]] bool stopped() const noexcept { return is_cancelled(progress_); }
+
+    const Progress* progress_;
     int width_;
     int height_;
     int columns_; // samples across

@@ -1,6 +1,9 @@
-// proxima check: what is wrong with a mesh, where, and what still works.
+// proxima check: what is wrong with a mesh, where, and what still works; whether an octree file is
+// sound.
+#include "cli/check_octree_file.h"
 #include "cli/commands.h"
 #include "cli/model_options.h"
+#include "cli/octree_file_model.h"
 #include "cli/text_table.h"
 #include "proxima/base/text.h"
 #include "proxima/mesh/mesh_report.h"
@@ -14,6 +17,11 @@ namespace proxima {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+struct CheckOptions {
+    std::string model;
+    std::string mesh; ///< of an octree file, may be empty
+};
 
 Json json_of(const Vec3& point)
 {
@@ -159,7 +167,7 @@ std::string report_text(const MeshReport& report, const std::string& model)
     return text + '\n' + outlook.text();
 }
 
-Status run_check(const std::string& model, Session& session)
+Status check_mesh(const std::string& model, Session& session)
 {
     const auto mesh = session.load_model(model);
     if (!mesh) return tl::unexpected(mesh.error());
@@ -177,10 +185,15 @@ Status run_check(const std::string& model, Session& session)
 Command add_check_command(CLI::App& app)
 {
     CLI::App* const parser =
-        app.add_subcommand("check", "Say what is wrong with a mesh and what still works");
-    const auto model = std::make_shared<std::string>();
-    add_model_option(*parser, *model);
-    return {parser, [model](Session& session) { return run_check(*model, session); }};
+        app.add_subcommand("check", "Say what is wrong with a mesh or a saved octree");
+    const auto options = std::make_shared<CheckOptions>();
+    add_model_option(*parser, options->model, ModelKinds::meshes_and_octrees);
+    add_mesh_option(*parser, options->model, options->mesh, {});
+    return {parser, [options](Session& session) {
+                return is_octree_file(options->model)
+                           ? check_octree_file(options->model, options->mesh, session)
+                           : check_mesh(options->model, session);
+            }};
 }
 
 } // namespace proxima

@@ -8,7 +8,7 @@
 
 namespace proxima {
 
-Status write_png(const Image& image, const std::string& path)
+Status write_png(const Image& image, const std::string& path, Progress* progress)
 {
     png_image header = {};
     header.version = PNG_IMAGE_VERSION;
@@ -23,7 +23,7 @@ Status write_png(const Image& image, const std::string& path)
                     path);
     }
     file.resize(size);
-    auto output = OutputFile::create(path);
+    auto output = OutputFile::create(path, {progress, size});
     if (!output) return tl::unexpected(output.error());
     if (auto status = output->write(file); !status) return status;
     return output->commit();

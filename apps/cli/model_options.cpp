@@ -10,12 +10,14 @@
 
 namespace proxima {
 
-void add_model_option(CLI::App& parser, std::string& model)
+void add_model_option(CLI::App& parser, std::string& model, ModelKinds kinds)
 {
+    const bool octrees = kinds == ModelKinds::meshes_and_octrees;
     parser
-        .add_option(
-            "MODEL", model,
-            concat("A file (", known_mesh_extensions(), ") or one of ", sample_mesh_names()))
+        .add_option("MODEL", model,
+                    concat("A file (", known_mesh_extensions(),
+                           octrees ? "; .pxo for an octree that is saved)" : ")", " or one of ",
+                           sample_mesh_names()))
         ->required()
         ->type_name("");
 }

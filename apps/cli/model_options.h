@@ -10,8 +10,11 @@
 
 namespace proxima {
 
+/// What MODEL may be.
+enum class ModelKinds { meshes, meshes_and_octrees };
+
 /// MODEL, required: a file or a built-in.
-void add_model_option(CLI::App& parser, std::string& model);
+void add_model_option(CLI::App& parser, std::string& model, ModelKinds kinds = ModelKinds::meshes);
 
 /// --method NAME.
 void add_method_option(CLI::App& parser, OverlapMethod& method);

@@ -1,10 +1,12 @@
-// proxima octree: builds the octree of a mesh, counts it, saves and exports it.
+// proxima octree: builds the octree of a mesh or opens a saved one, counts it, saves and exports it.
 #include "cli/commands.h"
 #include "cli/model_options.h"
 #include "cli/names.h"
+#include "cli/octree_file_model.h"
 #include "cli/octree_picture.h"
 #include "cli/statistics_text.h"
 #include "cli/stopwatch.h"
+#include "proxima/base/file_extension.h"
 #include "proxima/base/text.h"
 #include "proxima/octree/build_octree.h"
 #include "proxima/octree/export.h"
@@ -14,7 +16,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <filesystem>
 #include <fmt/core.h>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -25,6 +26,7 @@ namespace {
 
 struct OctreeCommandOptions {
     std::string model;
+    std::string mesh; ///< of an octree file, may be empty
     int depth = 5;
     std::uint32_t threshold = 1;
     OverlapMethod method = OverlapMethod::fast;
@@ -37,28 +39,13 @@ struct OctreeCommandOptions {
     std::vector<std::string> exports;
 };
 
-/// ".png" and the like, in lower case.
-std::string extension(const std::string& path)
-{
-    std::string text = std::filesystem::path(path).extension();
-    for (char& letter : text) {
-        if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
-    }
-    return text;
-}
-
-bool is_picture(const std::string& path)
-{
-    return extension(path) == ".png";
-}
-
 /// Refuses before the work what could not be written after it.
 Status check_outputs(const OctreeCommandOptions& options, const Session& session)
 {
     std::vector<std::string> files = {options.save};
     for (const std::string& path : options.exports) {
         constexpr std::array known = {".png", ".vtu", ".htg", ".glb", ".ply"};
-        if (path != "-" && std::ranges::find(known, extension(path)) == known.end()) {
+        if (path != "-" && std::ranges::find(known, lower_case_extension(path)) == known.end()) {
             return fail(ErrorCode::unsupported_format,
                         "unknown extension: export to .png, .vtu, .htg, .glb or .ply", path);
         }
@@ -67,32 +54,55 @@ Status check_outputs(const OctreeCommandOptions& options, const Session& session
     return session.check_outputs(files);
 }
 
-Status write_outputs(const OctreeCommandOptions& options, const Octree& octree,
-                     const TriangleMesh& mesh, Session& session)
+/// What the command works on: built, or loaded from a file.
+struct OctreeAndMesh {
+    Octree octree;
+    TriangleMesh mesh; ///< without triangles where the octree is a file's and no mesh was named
+    double seconds = 0.0;
+};
+
+/// The picture, of the cells alone where there is no mesh.
+Status draw(const OctreeAndMesh& model, UpAxis up, const std::string& path, Progress& progress)
 {
+    const auto image = draw_octree(model.octree, model.mesh, {.up = up, .progress = &progress});
+    if (!image) return tl::unexpected(image.error());
+    return write_png(*image, path, &progress);
+}
+
+Status write_outputs(const OctreeCommandOptions& options, const OctreeAndMesh& model,
+                     Session& session)
+{
+    Progress* const progress = &session.progress();
+    const auto write = [&](const std::string& path, const auto& write_file) -> Status {
+        const Status status = [&] {
+            const ProgressBar shown(session.progress(), session.bar());
+            return write_file();
+        }();
+        if (status) session.print(fmt::format("wrote {}\n", path));
+        return status;
+    };
     if (!options.save.empty()) {
-        if (auto status = save_octree(octree, options.save); !status) return status;
-        session.print(fmt::format("wrote {}\n", options.save));
+        const auto save = [&] {
+            return save_octree(model.octree, options.save, {.progress = progress});
+        };
+        if (auto status = write(options.save, save); !status) return status;
     }
+    const std::string& shape = options.mesh.empty() ? options.model : options.mesh;
     for (const std::string& path : options.exports) {
-        if (auto status = session.check_running(); !status) return status;
-        Status status =
-            is_picture(path)
-                ? write_png(draw_octree(octree, mesh, {.up = up_axis_of_model(options.model)}),
-                            path)
-                : export_octree(octree, mesh, path);
-        if (!status) return status;
-        session.print(fmt::format("wrote {}\n", path));
+        const auto write_export = [&] {
+            return lower_case_extension(path) == ".png"
+                       ? draw(model, up_axis_of_model(shape), path, *progress)
+                       : export_octree(model.octree, model.mesh, path, {.progress = progress});
+        };
+        if (auto status = write(path, write_export); !status) return status;
     }
     return {};
 }
 
-Status run_octree(const OctreeCommandOptions& options, Session& session)
+Result<OctreeAndMesh> build(const OctreeCommandOptions& options, Session& session)
 {
-    if (auto status = check_outputs(options, session); !status) return status;
-    const auto mesh = session.load_model(options.model);
+    auto mesh = session.load_model(options.model);
     if (!mesh) return tl::unexpected(mesh.error());
-
     const OctreeOptions build_options{
         .max_depth = options.depth,
         .threshold = options.threshold,
@@ -104,25 +114,49 @@ Status run_octree(const OctreeCommandOptions& options, Session& session)
         .threads = session.threads(),
         .progress = &session.progress()};
     const Stopwatch watch;
-    const auto octree = [&] {
+    auto octree = [&] {
         const ProgressBar shown(session.progress(), session.bar());
         return options.two_pass ? build_octree_two_pass(*mesh, build_options)
                                 : build_octree(*mesh, build_options);
     }();
     const double seconds = watch.seconds();
     if (!octree) return at_model(octree.error(), options.model);
+    return OctreeAndMesh{std::move(*octree), std::move(*mesh), seconds};
+}
 
-    const OctreeStatistics statistics = octree_statistics(*octree);
-    const std::string_view method = method_name(options.method);
-    session.print(fmt::format("{}: {} triangles, method {}{}, {:.3f} s\n\n{}\n", options.model,
-                              mesh->triangle_count(), method, options.exact ? ", exact" : "",
-                              seconds, statistics_text(octree->parameters(), statistics)));
+Result<OctreeAndMesh> load(const OctreeCommandOptions& options, Session& session)
+{
+    const Stopwatch watch;
+    auto octree = load_octree_file(options.model, session);
+    const double seconds = watch.seconds();
+    if (!octree) return tl::unexpected(octree.error());
+    auto mesh = load_mesh_of(*octree, options.mesh, session);
+    if (!mesh) return tl::unexpected(mesh.error());
+    return OctreeAndMesh{std::move(*octree), std::move(*mesh), seconds};
+}
+
+Status run_octree(const OctreeCommandOptions& options, Session& session)
+{
+    if (auto status = check_outputs(options, session); !status) return status;
+    const bool is_loaded = is_octree_file(options.model);
+    const auto model = is_loaded ? load(options, session) : build(options, session);
+    if (!model) return tl::unexpected(model.error());
+
+    const Octree& octree = model->octree;
+    const OctreeParameters& parameters = octree.parameters();
+    const OctreeStatistics statistics = octree_statistics(octree);
+    const std::string_view method = method_name(parameters.method);
+    const bool says_exact = parameters.exact && parameters.method != OverlapMethod::fast;
+    session.print(fmt::format("{}: {}{} triangles, method {}{}, {}{:.3f} s\n\n{}\n", options.model,
+                              is_loaded ? "octree of " : "", octree.triangle_count(), method,
+                              says_exact ? ", exact" : "", is_loaded ? "loaded in " : "",
+                              model->seconds, statistics_text(parameters, statistics)));
     if (auto status = session.check_running(); !status) return status;
-    if (auto status = write_outputs(options, *octree, *mesh, session); !status) return status;
+    if (auto status = write_outputs(options, *model, session); !status) return status;
     return session.write_json({{"model", options.model},
-                               {"triangles", mesh->triangle_count()},
-                               {"depth", octree->parameters().max_depth},
-                               {"threshold", octree->parameters().threshold},
+                               {"triangles", octree.triangle_count()},
+                               {"depth", parameters.max_depth},
+                               {"threshold", parameters.threshold},
                                {"method", method},
                                {"total", statistics.total},
                                {"leaves", statistics.leaves},
@@ -138,7 +172,7 @@ Status run_octree(const OctreeCommandOptions& options, Session& session)
                                {"outer", statistics.outer},
                                {"boundary", statistics.boundary},
                                {"bytes", statistics.bytes},
-                               {"seconds", seconds}});
+                               {"seconds", model->seconds}});
 }
 
 } // namespace
@@ -146,9 +180,10 @@ Status run_octree(const OctreeCommandOptions& options, Session& session)
 Command add_octree_command(CLI::App& app)
 {
     CLI::App* const parser =
-        app.add_subcommand("octree", "Build the octree of a mesh, count it, save and export it");
+        app.add_subcommand(
+        "octree", "Build the octree of a mesh or open a saved one, count it, save and export it");
     const auto options = std::make_shared<OctreeCommandOptions>();
-    add_model_option(*parser, options->model);
+    add_model_option(*parser, options->model, ModelKinds::meshes_and_octrees);
     parser->add_option("--depth", options->depth, "Deepest level, the root is 0")
         ->check(CLI::Range(0, max_octree_depth))
         ->capture_default_str()
@@ -186,6 +221,9 @@ Command add_octree_command(CLI::App& app)
         ->add_option("--export", options->exports,
                      "Write a picture (.png), for ParaView (.vtu, .htg), or boxes (.glb, .ply)")
         ->type_name("FILE");
+    add_mesh_option(*parser, options->model, options->mesh,
+                    {"--depth", "--threshold", "--method", "--exact", "--uniform", "--two-pass",
+                     "--root", "--budget-mb"});
     return {parser, [options](Session& session) { return run_octree(*options, session); }};
 }
 

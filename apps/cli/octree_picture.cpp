@@ -104,23 +104,28 @@ private:
     Vec3 sky_;
 };
 
+/// Few enough triangles or leaves to be drawn in some milliseconds.
+constexpr std::uint64_t block = 256;
+
 /// Area-weighted vertex normals, not of unit length.
-std::vector<Vec3> vertex_normals(const TriangleMesh& mesh)
+std::vector<Vec3> vertex_normals(const TriangleMesh& mesh, StageSteps& steps)
 {
     std::vector<Vec3> normals(mesh.vertex_count(), Vec3::Zero());
     for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
         const Vec3 normal = scaled_normal(mesh.triangle(TriangleId{i}));
         for (const std::uint32_t corner : mesh.triangles()[i]) normals[corner] += normal;
+        if (!steps.done(1)) break;
     }
     return normals;
 }
 
-void draw_mesh(Canvas& canvas, const Camera& camera, const TriangleMesh& mesh)
+void draw_mesh(Canvas& canvas, const Camera& camera, const TriangleMesh& mesh, Progress* progress)
 {
     constexpr double smooth_below = 0.7; // cosine of the angle between a face and its smooth normal
     const Color surface = srgb(0xE9E1D2);
     const Lamps lamps(camera);
-    const std::vector<Vec3> normals = vertex_normals(mesh);
+    StageSteps steps(progress, "drawing the mesh", 2 * mesh.triangle_count(), block);
+    const std::vector<Vec3> normals = vertex_normals(mesh, steps);
     for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
         const Triangle triangle = mesh.triangle(TriangleId{i});
         const Vec3 face = scaled_normal(triangle).normalized();
@@ -134,6 +139,7 @@ void draw_mesh(Canvas& canvas, const Camera& camera, const TriangleMesh& mesh)
                                 lamps.shade(normal, surface)};
         }
         canvas.draw_triangle(vertices);
+        if (!steps.done(1)) return;
     }
 }
 
@@ -157,12 +163,13 @@ struct Leaf {
 struct LeafCollector {
     const Octree& octree;
     std::vector<Leaf>& leaves;
+    const Progress* progress;
 
     [[nodiscard]] bool should_enter(const Cell&) const { return true; }
     Flow visit_leaf(const Cell& cell, std::span<const TriangleId> triangles)
     {
         if (!triangles.empty()) leaves.push_back({cell.key, octree.box(cell)});
-        return Flow::proceed;
+        return is_cancelled(progress) ? Flow::stop : Flow::proceed;
     }
 };
 
@@ -215,17 +222,19 @@ void draw_edges(Canvas& canvas, const Camera& camera, const Box& box, const Colo
 }
 
 /// The leaves that hold triangles, fine ones first.
-std::vector<Leaf> occupied_leaves(const Octree& octree)
+std::vector<Leaf> occupied_leaves(const Octree& octree, const Progress* progress)
 {
     std::vector<Leaf> leaves;
-    traverse(octree, LeafCollector{octree, leaves});
+    traverse(octree, LeafCollector{octree, leaves, progress});
     const auto finer = [](const Leaf& a, const Leaf& b) { return depth(a.key) > depth(b.key); };
     std::ranges::stable_sort(leaves, finer);
     return leaves;
 }
 
-void draw_leaves(Canvas& canvas, const Camera& camera, std::span<const Leaf> leaves)
+void draw_leaves(Canvas& canvas, const Camera& camera, std::span<const Leaf> leaves,
+                 Progress* progress)
 {
+    StageSteps steps(progress, "drawing the cells", 2 * leaves.size(), block);
     if (leaves.empty()) return;
     const int coarsest = depth(leaves.back().key);
     const int finest = std::max(depth(leaves.front().key), coarsest + 1);
@@ -236,6 +245,7 @@ void draw_leaves(Canvas& canvas, const Camera& camera, std::span<const Leaf> lea
         while (paned < leaves.size() && depth(leaves[paned].key) == depth(leaf.key)) {
             hide_lines_behind(canvas, camera, leaves[paned].box);
             ++paned;
+            if (!steps.done(1)) return;
         }
         const ScreenPoint lower = camera.project(leaf.box.lower);
         const ScreenPoint upper = camera.project(leaf.box.upper);
@@ -245,26 +255,37 @@ void draw_leaves(Canvas& canvas, const Camera& camera, std::span<const Leaf> lea
                               .opacity = static_cast<float>(std::clamp(0.04 * pixels, 0.18, 0.95)),
                               .lift = 2e-3};
         draw_edges(canvas, camera, leaf.box, depth_color(part), style);
+        if (!steps.done(1)) return;
     }
 }
 
 } // namespace
 
-Image draw_octree(const Octree& octree, const TriangleMesh& mesh, const PictureOptions& options)
+Result<Image> draw_octree(const Octree& octree, const TriangleMesh& mesh,
+                          const PictureOptions& options)
 {
-    Canvas canvas(options.width, options.height);
+    Canvas canvas(options.width, options.height, options.progress);
     canvas.fill_background(srgb(0xFBFCFE), srgb(0xE3E8EF));
-    const std::vector<Leaf> leaves = occupied_leaves(octree);
+    const std::vector<Leaf> leaves = occupied_leaves(octree, options.progress);
     std::vector<Vec3> corners;
     for (const Leaf& leaf : leaves) {
         for (int bits = 0; bits < 8; ++bits) corners.push_back(box_corner(leaf.box, bits));
     }
-    Camera camera(bounding_box(mesh), options.up);
+    Box shown = bounding_box(mesh);
+    if (shown.empty()) {
+        for (const Vec3& corner : corners) shown.extend(corner);
+    }
+    Camera camera(shown, options.up);
     camera.fit(corners, options);
-    draw_mesh(canvas, camera, mesh);
+    draw_mesh(canvas, camera, mesh, options.progress);
+    if (options.progress != nullptr) options.progress->begin_stage("shading", 1);
     canvas.darken_creases(14.0, 0.55F);
-    draw_leaves(canvas, camera, leaves);
-    return canvas.image();
+    draw_leaves(canvas, camera, leaves, options.progress);
+    Image image = canvas.image();
+    if (is_cancelled(options.progress)) {
+        return fail(ErrorCode::cancelled, "drawing was stopped on request");
+    }
+    return image;
 }
 
 } // namespace proxima

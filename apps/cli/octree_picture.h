@@ -2,6 +2,8 @@
 #pragma once
 
 #include "cli/image.h"
+#include "proxima/base/progress.h"
+#include "proxima/base/result.h"
 #include "proxima/mesh/triangle_mesh.h"
 #include "proxima/octree/octree.h"
 
@@ -13,11 +15,13 @@ struct PictureOptions {
     int width = 1600;
     int height = 1200;
     UpAxis up = UpAxis::y; ///< which axis of the mesh points up in the picture
+    Progress* progress = nullptr; ///< stages "drawing the mesh", "shading" and "drawing the cells"
 };
 
 /// Draws the mesh, shaded, and the edges of the leaves that hold triangles, seen three-quarter from
-/// above. \pre octree was built from mesh, sizes are positive
-[[nodiscard]] Image draw_octree(const Octree& octree, const TriangleMesh& mesh,
-                                const PictureOptions& options = {});
+/// above. A mesh without triangles leaves the cells alone. Error cancelled. \pre octree was built
+/// from the mesh unless that has no triangles, sizes are positive
+[[nodiscard]] Result<Image> draw_octree(const Octree& octree, const TriangleMesh& mesh,
+                                        const PictureOptions& options = {});
 
 } // namespace proxima

@@ -61,8 +61,8 @@ Status Session::finish() const
 
 Result<TriangleMesh> Session::load_model(const std::string& model)
 {
-    if (is_sample_mesh_name(model)) return sample_mesh(model);
     const ProgressBar shown(progress_, bar());
+    if (is_sample_mesh_name(model)) return sample_mesh(model, {.progress = &progress_});
     return read_mesh(model, {.progress = &progress_});
 }
 

@@ -1,14 +1,11 @@
 """Bad input and outputs that fail: a status, one line that says what, where and what to do, nothing left behind."""
-import os
 import random
 import resource
-import signal
-import subprocess
 import time
 import unittest
 
 import mesh_files
-from proxima_program import PROXIMA, ProgramTest, run
+from proxima_program import ProgramTest
 
 TRIANGLE = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"
 
@@ -222,45 +219,6 @@ class Outputs(ProgramTest):
                 self.refuse("octree", "icosphere:3", "--depth", 6, option, path, says=name,
                             preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096)))
                 self.assertEqual(path.read_text(), "old")
-
-
-class Interrupts(ProgramTest):
-    """Signals during work that would take minutes."""
-
-    def interrupt(self, *arguments, sent=signal.SIGINT, after=1.0):
-        command = [PROXIMA, *arguments, "--save", str(self.folder / "a.pxo"),
-                   "--json", str(self.folder / "a.json"), "--export", str(self.folder / "a.vtu")]
-        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-            time.sleep(after)
-            self.assertIsNone(process.poll(), "the work was over too soon for this test")
-            start = time.monotonic()
-            process.send_signal(sent)
-            _, error = process.communicate(timeout=60)
-        self.assertLess(time.monotonic() - start, 20)
-        self.assertEqual(process.returncode, 128 + sent, error)
-        self.assertEqual(error.count("\n"), 1, error)
-        self.assertTrue(error.startswith("proxima: "), error)
-        self.assertEqual(list(self.folder.iterdir()), [], "something was left behind")
-
-    def test_slow_method(self):
-        self.interrupt("octree", "spaceship:300000", "--depth", "10", "--method", "pairwise")
-
-    def test_fast_method(self):
-        self.interrupt("octree", "spaceship:4000000", "--depth", "14", "--threads", "1", after=4)
-
-    def test_termination(self):
-        self.interrupt("octree", "spaceship:300000", "--depth", "10", "--method", "minkowski",
-                       sent=signal.SIGTERM)
-
-    def test_compare(self):
-        path = self.folder / "a.json"
-        with subprocess.Popen([PROXIMA, "compare", "spaceship:300000", "--json", str(path)],
-                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-            time.sleep(2)
-            process.send_signal(signal.SIGINT)
-            _, error = process.communicate(timeout=60)
-        self.assertEqual(process.returncode, 130, error)
-        self.assertFalse(path.exists())
 
 
 if __name__ == "__main__":

@@ -34,5 +34,29 @@ TEST(DisjointSets, TheRootIsTheLowestOfWhatWasUnited)
     }
 }
 
+TEST(DisjointOffsets, TellDifferencesOfHiddenNumbers)
+{
+    for (std::uint64_t seed = 0; seed < 50; ++seed) {
+        SCOPED_TRACE(seed);
+        std::mt19937_64 random(seed);
+        constexpr std::uint32_t count = 60;
+        std::vector<std::int64_t> hidden(count);
+        for (std::int64_t& number : hidden) number = static_cast<std::int64_t>(random() % 100) - 50;
+        DisjointOffsets offsets(count);
+        DisjointSets sets(count);
+        for (int i = 0; i < 50; ++i) {
+            const auto a = static_cast<std::uint32_t>(random() % count);
+            const auto b = static_cast<std::uint32_t>(random() % count);
+            offsets.unite(a, b, hidden[b] - hidden[a]);
+            sets.unite(a, b);
+            for (std::uint32_t member = 0; member < count; ++member) {
+                const auto found = offsets.find(member);
+                EXPECT_EQ(found.smallest, sets.find(member));
+                EXPECT_EQ(found.difference, hidden[member] - hidden[found.smallest]);
+            }
+        }
+    }
+}
+
 } // namespace
 } // namespace proxima

@@ -57,6 +57,22 @@ TEST_F(OutputFileTest, KeepsTheOldContentUntilCommitted)
     EXPECT_EQ(entries(), 1);
 }
 
+TEST_F(OutputFileTest, KeepsTheOldContentWhenCancelled)
+{
+    std::ofstream(path("a.txt")) << "old";
+    Progress progress;
+    auto file = OutputFile::create(path("a.txt"), {&progress, 3'000'000});
+    ASSERT_TRUE(file) << describe(file.error());
+    ASSERT_TRUE(file->write(std::string(1'000'000, 'x')));
+    EXPECT_STREQ(progress.stage(), "writing");
+    EXPECT_GT(progress.fraction(), 0.2);
+    progress.cancel();
+    EXPECT_EQ(file->write(std::string(1'000'000, 'x')).error().code, ErrorCode::cancelled);
+    EXPECT_EQ(file->commit().error().code, ErrorCode::cancelled);
+    EXPECT_EQ(content(path("a.txt")), "old");
+    EXPECT_EQ(entries(), 1);
+}
+
 TEST_F(OutputFileTest, LeavesNothingBehindWhenDiscarded)
 {
     {

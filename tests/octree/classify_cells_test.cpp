@@ -123,6 +123,13 @@ void expect_right(const Octree& octree, const TriangleMesh& mesh)
     EXPECT_EQ(classified->references().data(), octree.references().data());
 }
 
+/// Exact lists, unclassified: rays may be cast through it.
+Octree exact_octree(const TriangleMesh& mesh, OctreeOptions options)
+{
+    options.classification = Classification::none;
+    return build_octree(mesh, options).value();
+}
+
 void expect_right(const TriangleMesh& mesh)
 {
     for (const int max_depth : {0, 2, 4, 5}) {
@@ -130,10 +137,14 @@ void expect_right(const TriangleMesh& mesh)
             SCOPED_TRACE(::testing::Message()
                          << "depth " << max_depth << " threshold " << threshold);
             expect_right(slow_octree(mesh, {.max_depth = max_depth, .threshold = threshold}), mesh);
+            SCOPED_TRACE("exact lists");
+            expect_right(exact_octree(mesh, {.max_depth = max_depth, .threshold = threshold}),
+                         mesh);
         }
     }
     SCOPED_TRACE("uniform");
     expect_right(slow_octree(mesh, {.max_depth = 4, .subdivision = Subdivision::uniform}), mesh);
+    expect_right(exact_octree(mesh, {.max_depth = 4, .subdivision = Subdivision::uniform}), mesh);
 }
 
 const TriangleMesh& torus()
@@ -322,7 +333,7 @@ TEST(ClassifyCells, SameBitsForAnyNumberOfThreads)
 {
     const TriangleMesh open =
         without(torus_mesh(1.0, 0.4, 60, 30), [](std::size_t i) { return i < 200; });
-    const Octree octree = slow_octree(open, {.max_depth = 6});
+    const Octree octree = exact_octree(open, {.max_depth = 6});
     const auto one = classify_cells(octree, open, {.threads = {1}}).value();
     for (const int threads : {2, 5}) {
         const auto more = classify_cells(octree, open, {.threads = {threads}}).value();

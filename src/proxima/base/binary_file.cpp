@@ -3,6 +3,7 @@
 #include "proxima/base/mapped_file.h"
 #include "proxima/base/text.h"
 
+#include <algorithm>
 #include <cstring>
 // The state of a running checksum lies on the stack.
 #define XXH_STATIC_LINKING_ONLY
@@ -42,9 +43,28 @@ std::uint64_t aligned(std::uint64_t offset) noexcept
     return (offset + alignment - 1) / alignment * alignment;
 }
 
-std::uint64_t checksum(std::span<const std::byte> bytes) noexcept
+/// Of a section. Once `progress` is cancelled, any number.
+std::uint64_t checksum(std::span<const std::byte> bytes, Progress* progress) noexcept
 {
-    return XXH3_64bits(bytes.data(), bytes.size());
+    constexpr std::size_t block = std::size_t{1} << 22U;
+    if (bytes.size() <= block) {
+        if (progress != nullptr) progress->advance(bytes.size());
+        return XXH3_64bits(bytes.data(), bytes.size());
+    }
+    XXH3_state_t state;
+    XXH3_64bits_reset(&state);
+    while (!bytes.empty() && !is_cancelled(progress)) {
+        const auto part = bytes.first(std::min(block, bytes.size()));
+        XXH3_64bits_update(&state, part.data(), part.size());
+        bytes = bytes.subspan(part.size());
+        if (progress != nullptr) progress->advance(part.size());
+    }
+    return XXH3_64bits_digest(&state);
+}
+
+void begin_checksums(Progress* progress, std::uint64_t bytes) noexcept
+{
+    if (progress != nullptr) progress->begin_stage("checksums", bytes);
 }
 
 /// Of header and table as they lie in the file, but with zeros for the checksum itself.
@@ -69,7 +89,7 @@ bool all_zero(std::span<const std::byte> bytes) noexcept
 } // namespace
 
 Status write_binary_file(const std::filesystem::path& path, const FileFormat& format,
-                         std::span<const BinarySection> sections)
+                         std::span<const BinarySection> sections, Progress* progress)
 {
     if (sections.size() > max_sections) {
         return fail(ErrorCode::limit_exceeded, "too many sections", path.string());
@@ -79,17 +99,20 @@ Status write_binary_file(const std::filesystem::path& path, const FileFormat& fo
     header.version = format.version;
     header.sections = static_cast<std::uint32_t>(sections.size());
     std::vector<TableEntry> table;
+    std::uint64_t content = 0;
+    for (const BinarySection& section : sections) content += section.bytes.size();
+    begin_checksums(progress, content);
     std::uint64_t end = sizeof header + sections.size() * sizeof(TableEntry);
     for (const BinarySection& section : sections) {
         const std::uint64_t offset = aligned(end);
         table.push_back({section.id, section.element_bytes, offset, section.bytes.size(),
-                         checksum(section.bytes)});
+                         checksum(section.bytes, progress)});
         end = offset + section.bytes.size();
     }
     header.file_bytes = end;
     header.checksum = head_checksum(header, std::as_bytes(std::span(table)));
 
-    auto file = OutputFile::create(path);
+    auto file = OutputFile::create(path, {progress, header.file_bytes});
     if (!file) return tl::unexpected<Error>(file.error());
     constexpr std::array<std::byte, alignment> zeros{};
     if (auto status = file->write(std::as_bytes(std::span(&header, 1))); !status) return status;
@@ -116,7 +139,7 @@ void reseal_binary_file(std::span<std::byte> bytes) noexcept
         TableEntry entry;
         std::memcpy(&entry, &table[at], sizeof entry);
         if (entry.offset > bytes.size() || entry.bytes > bytes.size() - entry.offset) continue;
-        entry.checksum = checksum(bytes.subspan(entry.offset, entry.bytes));
+        entry.checksum = checksum(bytes.subspan(entry.offset, entry.bytes), nullptr);
         std::memcpy(&table[at], &entry, sizeof entry);
     }
     header.checksum = head_checksum(header, table);
@@ -124,18 +147,19 @@ void reseal_binary_file(std::span<std::byte> bytes) noexcept
 }
 
 Result<BinaryFile> BinaryFile::open(const std::filesystem::path& path, const FileFormat& format,
-                                    Verification verification)
+                                    Verification verification, Progress* progress)
 {
     auto mapped = MappedFile::open(path);
     if (!mapped) return tl::unexpected<Error>(mapped.error());
     auto storage = std::make_shared<MappedFile>(std::move(*mapped));
     const auto bytes = storage->bytes();
-    return read(bytes, std::move(storage), path.string(), format, verification);
+    return read(bytes, std::move(storage), path.string(), format, verification, progress);
 }
 
 Result<BinaryFile> BinaryFile::read(std::span<const std::byte> bytes,
                                     std::shared_ptr<const void> storage, const std::string& name,
-                                    const FileFormat& format, Verification verification)
+                                    const FileFormat& format, Verification verification,
+                                    Progress* progress)
 {
     const auto refuse = [&](ErrorCode code, std::string message) {
         return fail(code, std::move(message), name);
@@ -183,6 +207,7 @@ Result<BinaryFile> BinaryFile::read(std::span<const std::byte> bytes,
     file.storage_ = std::move(storage);
     file.name_ = name;
     file.version_ = header.version;
+    begin_checksums(progress, verification == Verification::full ? bytes.size() : 0);
     std::uint64_t end = sizeof header + table.size() * sizeof(TableEntry);
     for (const TableEntry& entry : table) {
         if (entry.offset != aligned(end) || entry.offset > bytes.size() ||
@@ -195,7 +220,12 @@ Result<BinaryFile> BinaryFile::read(std::span<const std::byte> bytes,
         if (!all_zero(bytes.subspan(end, entry.offset - end))) {
             return refuse(ErrorCode::malformed_file, "bytes between sections are damaged");
         }
-        if (verification == Verification::full && checksum(content) != entry.checksum) {
+        const bool is_damaged = verification == Verification::full &&
+                                checksum(content, progress) != entry.checksum;
+        if (is_cancelled(progress)) {
+            return refuse(ErrorCode::cancelled, "reading was stopped on request");
+        }
+        if (is_damaged) {
             return refuse(ErrorCode::malformed_file,
                           concat("the checksum of section ", entry.id, " is wrong: damaged"));
         }

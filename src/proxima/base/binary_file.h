@@ -10,6 +10,7 @@
 #pragma once
 
 #include "proxima/base/output_file.h"
+#include "proxima/base/progress.h"
 #include "proxima/base/result.h"
 
 #include <array>
@@ -47,9 +48,11 @@ requires std::has_unique_object_representations_v<T> || std::is_floating_point_v
 }
 
 /// Writes the sections in order, whole or not at all. Same sections, same bytes.
-/// Error file_not_writable.
+/// `progress` sees the stages "checksums" and "writing", steps are bytes. Errors:
+/// file_not_writable, cancelled.
 [[nodiscard]] Status write_binary_file(const std::filesystem::path& path, const FileFormat& format,
-                                       std::span<const BinarySection> sections);
+                                       std::span<const BinarySection> sections,
+                                       Progress* progress = nullptr);
 
 /// Sets a file's checksums to those of its bytes, as far as it has a table; what a crafted file has
 /// done. For tests of readers, whose damaged files checksums would refuse before anything else.
@@ -67,16 +70,20 @@ class BinaryFile {
 public:
     /// Maps the file and checks it. Errors: file_not_found; unsupported_format for a foreign
     /// file, a newer version or the other byte order; malformed_file where it is truncated, longer
-    /// than it says, or a checksum or an offset is wrong.
-    [[nodiscard]] static Result<BinaryFile>
-    open(const std::filesystem::path& path, const FileFormat& format, Verification verification);
+    /// than it says, or a checksum or an offset is wrong; cancelled by `progress`, which sees the
+    /// stage "checksums", steps are bytes.
+    [[nodiscard]] static Result<BinaryFile> open(const std::filesystem::path& path,
+                                                 const FileFormat& format,
+                                                 Verification verification,
+                                                 Progress* progress = nullptr);
 
     /// The same for a file already in memory, which `storage` keeps alive and which is aligned to
     /// 64 bytes. `name` stands for the path in messages.
     [[nodiscard]] static Result<BinaryFile> read(std::span<const std::byte> bytes,
                                                  std::shared_ptr<const void> storage,
                                                  const std::string& name, const FileFormat& format,
-                                                 Verification verification);
+                                                 Verification verification,
+                                                 Progress* progress = nullptr);
 
     /// The array in place. Error malformed_file where it is missing or has other elements.
     template <class T>

@@ -113,6 +113,8 @@ struct OutputFile::State {
     fs::path temporary;   ///< empty: the destination is written directly
     int descriptor = -1;
     int error_number = 0; ///< of the first failed write
+    Progress* progress = nullptr;
+    bool stopped = false; ///< by progress
     std::vector<char> buffer;
 
     State() = default;
@@ -159,12 +161,20 @@ struct OutputFile::State {
 
     void flush() noexcept
     {
-        if (error_number == 0) error_number = write_all(descriptor, buffer.data(), buffer.size());
+        stopped = stopped || is_cancelled(progress);
+        if (!failed()) error_number = write_all(descriptor, buffer.data(), buffer.size());
+        if (progress != nullptr) progress->advance(buffer.size());
         buffer.clear();
     }
 
+    [[nodiscard]] bool failed() const noexcept { return stopped || error_number != 0; }
+
     [[nodiscard]] Status status() const
     {
+        if (stopped) {
+            return fail(ErrorCode::cancelled, "writing was stopped on request; nothing was kept",
+                        name.string());
+        }
         if (error_number == 0) return {};
         return not_writable(name, reason(error_number) + ": nothing was kept");
     }
@@ -175,10 +185,12 @@ OutputFile::OutputFile(OutputFile&&) noexcept = default;
 OutputFile& OutputFile::operator=(OutputFile&&) noexcept = default;
 OutputFile::~OutputFile() = default;
 
-Result<OutputFile> OutputFile::create(const fs::path& path)
+Result<OutputFile> OutputFile::create(const fs::path& path, const OutputOptions& options)
 {
+    if (options.progress != nullptr) options.progress->begin_stage("writing", options.bytes);
     auto state = std::make_unique<State>();
     state->name = path;
+    state->progress = options.progress;
     state->destination = path;
     if (path.filename().empty()) return not_writable(path, "this is not the name of a file");
 
@@ -203,7 +215,7 @@ Result<OutputFile> OutputFile::create(const fs::path& path)
 Status OutputFile::write(std::string_view text)
 {
     PROXIMA_CHECK(state_ != nullptr);
-    while (!text.empty() && state_->error_number == 0) {
+    while (!text.empty() && !state_->failed()) {
         const std::size_t part = std::min(text.size(), buffer_size - state_->buffer.size());
         state_->buffer.insert(state_->buffer.end(), text.begin(), text.begin() + part);
         text.remove_prefix(part);

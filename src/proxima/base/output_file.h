@@ -7,15 +7,22 @@
 //     return file->commit();                                         // commit, which repeats them
 #pragma once
 
+#include "proxima/base/progress.h"
 #include "proxima/base/result.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <span>
 #include <string_view>
 
 namespace proxima {
+
+struct OutputOptions {
+    Progress* progress = nullptr; ///< stage "writing", steps are bytes
+    std::uint64_t bytes = 0;      ///< about how many there will be, for the stage alone
+};
 
 /// A file being written. Until commit() succeeds the destination keeps what it had; the destructor
 /// throws away what was not committed and leaves no temporary behind. An existing file keeps its
@@ -29,7 +36,8 @@ class OutputFile {
 public:
     /// Error file_not_writable with the reason: folder missing or read-only, destination is a
     /// folder or read-only, disk full.
-    [[nodiscard]] static Result<OutputFile> create(const std::filesystem::path& path);
+    [[nodiscard]] static Result<OutputFile> create(const std::filesystem::path& path,
+                                                   const OutputOptions& options = {});
 
     OutputFile(OutputFile&&) noexcept;
     OutputFile& operator=(OutputFile&&) noexcept;
@@ -38,7 +46,8 @@ public:
     ~OutputFile();
 
     /// Appends. Error file_not_writable where the system refuses bytes (disk full, file-size
-    /// limit); from then on every call returns the same error. A file-size limit raises no signal.
+    /// limit), cancelled where options.progress asks to stop; from then on every call returns the
+    /// same error. A file-size limit raises no signal.
     [[nodiscard]] Status write(std::span<const std::byte> bytes);
     [[nodiscard]] Status write(std::string_view text);
 

@@ -20,16 +20,25 @@ public:
         done_.store(0, std::memory_order_relaxed);
         steps_.store(steps, std::memory_order_relaxed);
         stage_.store(name, std::memory_order_release);
+        count_report();
     }
 
     /// The worker finished `steps` more steps of the stage.
     void advance(std::uint64_t steps) noexcept
     {
         done_.fetch_add(steps, std::memory_order_relaxed);
+        count_report();
     }
 
     /// Asks the worker to stop; it returns ErrorCode::cancelled soon after.
     void cancel() noexcept { cancelled_.store(true, std::memory_order_relaxed); }
+
+    /// Cancels by itself at the worker's `reports`-th call of begin_stage or advance from now on: a
+    /// moment that tests can choose and repeat. \pre reports > 0, no work is going on
+    void cancel_after(std::uint64_t reports) noexcept
+    {
+        reports_left_.store(reports, std::memory_order_relaxed);
+    }
 
     [[nodiscard]] bool cancelled() const noexcept
     {
@@ -52,9 +61,16 @@ public:
     }
 
 private:
+    void count_report() noexcept
+    {
+        if (reports_left_.load(std::memory_order_relaxed) == 0) return;
+        if (reports_left_.fetch_sub(1, std::memory_order_relaxed) == 1) cancel();
+    }
+
     std::atomic<const char*> stage_{""};
     std::atomic<std::uint64_t> done_{0};
     std::atomic<std::uint64_t> steps_{0};
+    std::atomic<std::uint64_t> reports_left_{0}; ///< until it cancels by itself; 0 = never
     std::atomic<bool> cancelled_{false};
 };
 
@@ -63,5 +79,39 @@ private:
 {
     return progress != nullptr && progress->cancelled();
 }
+
+/// One thread's small steps of a stage, handed on in blocks: one comparison per step.
+///
+///     StageSteps steps(progress, "collecting leaves", leaves.size());
+///     for (...) if (!steps.done(1)) return cancelled;
+class StageSteps {
+public:
+    /// Enters the stage. Progress may be null. A block should take well below 100 ms.
+    StageSteps(Progress* progress, const char* name, std::uint64_t steps,
+               std::uint64_t block = 4096) noexcept
+        : progress_(progress), block_(block)
+    {
+        if (progress_ != nullptr) progress_->begin_stage(name, steps);
+    }
+
+    /// False where the work shall stop.
+    [[nodiscard]] bool done(std::uint64_t steps) noexcept
+    {
+        waiting_ += steps;
+        return waiting_ < block_ || report();
+    }
+
+private:
+    [[nodiscard]] bool report() noexcept
+    {
+        if (progress_ != nullptr) progress_->advance(waiting_);
+        waiting_ = 0;
+        return !is_cancelled(progress_);
+    }
+
+    Progress* progress_;
+    std::uint64_t block_;
+    std::uint64_t waiting_ = 0;
+};
 
 } // namespace proxima

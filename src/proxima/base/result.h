@@ -15,6 +15,7 @@ enum class ErrorCode {
     unsupported_format, ///< unknown extension or a variant that is not read
     malformed_file,     ///< truncated, damaged or contradicting itself
     invalid_mesh,       ///< a mesh that the operation cannot take
+    broken_invariant,   ///< an object that contradicts itself or what it was built from
     limit_exceeded,     ///< a documented size or depth limit
     budget_exceeded,    ///< would need more memory than the budget allows
     cancelled           ///< stopped on request; nothing was kept

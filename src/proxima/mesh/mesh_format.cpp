@@ -1,6 +1,7 @@
 #include "proxima/mesh/mesh_format.h"
 
-#include <algorithm>
+#include "proxima/base/file_extension.h"
+
 #include <array>
 
 namespace proxima {
@@ -23,11 +24,6 @@ constexpr std::array<FormatNames, 7> format_names{{
     {MeshFormat::glb, "GLB", ".glb"},
 }};
 
-char lower(char letter) noexcept
-{
-    return letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter - 'A' + 'a') : letter;
-}
-
 } // namespace
 
 std::string_view format_name(MeshFormat format) noexcept
@@ -37,8 +33,7 @@ std::string_view format_name(MeshFormat format) noexcept
 
 std::optional<MeshFormat> format_of_path(const std::filesystem::path& path)
 {
-    std::string extension = path.extension().string();
-    std::ranges::transform(extension, extension.begin(), lower);
+    const std::string extension = lower_case_extension(path);
     for (const FormatNames& names : format_names) {
         if (names.extension == extension) return names.format;
     }

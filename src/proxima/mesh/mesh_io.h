@@ -27,7 +27,7 @@ enum class Weld : std::uint8_t { by_format, never, exact_positions };
 
 struct ReadOptions {
     Weld weld = Weld::by_format;
-    Progress* progress = nullptr; ///< stage "reading mesh", steps are bytes of the file
+    Progress* progress = nullptr; ///< stages "loading file", "reading mesh": steps are bytes
     MemoryBudget budget = {};     ///< the file, the mesh and the scratch together
 };
 

@@ -37,19 +37,24 @@ class Plater {
 public:
     Plater(QuadSurface& surface, std::size_t triangles, Dice dice)
         : surface_(surface), triangles_(triangles), dice_(dice)
-    {
-        for (std::size_t quad = 0; quad < surface.quads.size(); ++quad) enqueue(quad);
-    }
+    {}
 
-    void grow()
+    bool grow(StageSteps& steps)
     {
+        for (std::size_t quad = 0; quad < surface_.quads.size(); ++quad) {
+            enqueue(quad);
+            if (!steps.done(1)) return false;
+        }
         surface_.positions.reserve(triangles_ / 2 + surface_.positions.size());
         while (surface_.triangle_count() < triangles_) {
             PROXIMA_CHECK(!queue_.empty());
             const std::uint32_t quad = queue_.top().quad;
             queue_.pop();
-            grow_on(quad, triangles_ - surface_.triangle_count());
+            const std::size_t before = surface_.triangle_count();
+            grow_on(quad, triangles_ - before);
+            if (!steps.done(surface_.triangle_count() - before)) return false;
         }
+        return true;
     }
 
 private:
@@ -230,11 +235,11 @@ private:
 
 } // namespace
 
-void grow_plating(QuadSurface& surface, std::size_t triangles, Dice dice)
+bool grow_plating(QuadSurface& surface, std::size_t triangles, Dice dice, StageSteps& steps)
 {
     PROXIMA_CHECK_GE(triangles, surface.triangle_count());
     PROXIMA_CHECK_EQ(triangles % 2, surface.triangle_count() % 2);
-    Plater(surface, triangles, dice).grow();
+    return Plater(surface, triangles, dice).grow(steps);
 }
 
 } // namespace proxima::detail

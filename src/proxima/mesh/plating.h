@@ -10,6 +10,7 @@
 // None of them touches a quad's own four edges, so the surface stays closed.
 #pragma once
 
+#include "proxima/base/progress.h"
 #include "proxima/geometry/vec.h"
 #include "proxima/mesh/triangle_mesh.h"
 
@@ -61,8 +62,10 @@ private:
     std::uint64_t state_;
 };
 
-/// Grows the surface to exactly `triangles` triangles, largest weighted quads first.
+/// Grows the surface to exactly `triangles` triangles, largest weighted quads first; a step each.
+/// False where `steps` asks to stop.
 /// \pre triangles >= surface.triangle_count(), an even number of steps away; some detail > 0
-void grow_plating(QuadSurface& surface, std::size_t triangles, Dice dice);
+[[nodiscard]] bool grow_plating(QuadSurface& surface, std::size_t triangles, Dice dice,
+                                StageSteps& steps);
 
 } // namespace proxima::detail

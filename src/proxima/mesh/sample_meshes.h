@@ -7,6 +7,7 @@
 // degenerate triangles, and has the same bits on every machine.
 #pragma once
 
+#include "proxima/base/progress.h"
 #include "proxima/base/result.h"
 #include "proxima/mesh/triangle_mesh.h"
 
@@ -25,11 +26,16 @@ inline constexpr std::size_t max_sample_triangles = std::size_t{1} << 27U;
 /// What names there are, for help texts: "sphere:STACKSxSLICES, icosphere:N, ...".
 [[nodiscard]] std::string_view sample_mesh_names() noexcept;
 
+struct SampleOptions {
+    Progress* progress = nullptr; ///< stage "making mesh", steps are triangles
+};
+
 /// The mesh of a name: `sphere:STACKSxSLICES`, `icosphere:N`, `cube`, `octahedron`, `torus:NxM`,
 /// `spaceship:TRIANGLES`. Errors: invalid_argument (unknown name; a size out of its range, the
 /// message gives the range), limit_exceeded (more than max_sample_triangles), budget_exceeded
-/// (more memory than the machine can spare). All before anything is allocated.
-[[nodiscard]] Result<TriangleMesh> sample_mesh(std::string_view name);
+/// (more memory than the machine can spare), all before anything is allocated; cancelled.
+[[nodiscard]] Result<TriangleMesh> sample_mesh(std::string_view name,
+                                               const SampleOptions& options = {});
 
 /// Radius 1 around the origin, poles on z, vertex 0 at +z, then the rings from the top, each
 /// starting on the +x side, last vertex at -z. The quads between two rings have their diagonal
@@ -63,8 +69,9 @@ inline constexpr std::size_t min_spaceship_triangles = 1300;
 /// It consists of several closed components that reach into each other, as modelled ships do:
 /// every edge has two triangles in opposite directions, and the inside is where the winding number
 /// is at least 1. Errors: invalid_argument for fewer than min_spaceship_triangles or an odd
-/// number (a closed surface has none), limit_exceeded for more than max_sample_triangles.
-/// O(triangles log triangles).
-[[nodiscard]] Result<TriangleMesh> make_spaceship(std::size_t triangles);
+/// number (a closed surface has none), limit_exceeded for more than max_sample_triangles,
+/// cancelled. O(triangles log triangles).
+[[nodiscard]] Result<TriangleMesh> make_spaceship(std::size_t triangles,
+                                                  const SampleOptions& options = {});
 
 } // namespace proxima

@@ -1,5 +1,4 @@
 // The built-in ship: lofted parts, as fine as the size allows, and plating up to the exact count.
-#include "proxima/base/check.h"
 #include "proxima/base/text.h"
 #include "proxima/mesh/plating.h"
 #include "proxima/mesh/sample_meshes.h"
@@ -86,18 +85,21 @@ public:
           first_(static_cast<std::uint32_t>(surface.positions.size())), dice_(dice)
     {}
 
-    void add()
+    /// False where `steps`, of triangles, asks to stop.
+    bool add(StageSteps& steps)
     {
         const auto intervals = static_cast<std::uint32_t>(part_.sections.size() - 1);
         for (std::uint32_t interval = 0; interval < intervals; ++interval) {
             for (std::uint32_t step = 0; step < level_; ++step) {
                 add_ring(between(part_.sections[interval], part_.sections[interval + 1],
                                  static_cast<double>(step) / static_cast<double>(level_)));
+                if (!steps.done(segments_)) return false;
             }
         }
         add_ring(part_.sections.back());
-        add_quads(intervals);
+        if (!add_quads(intervals, steps)) return false;
         add_caps(intervals * level_);
+        return true;
     }
 
 private:
@@ -112,7 +114,7 @@ private:
     }
 
     // Neighbouring quads share how much grows on them, by the cells of the drawing.
-    void add_quads(std::uint32_t intervals)
+    bool add_quads(std::uint32_t intervals, StageSteps& steps)
     {
         for (std::uint32_t interval = 0; interval < intervals; ++interval) {
             std::vector<double> details(part_.segments);
@@ -125,8 +127,10 @@ private:
                          details[segment / level_]});
                     if (is_mirrored()) std::swap(last_corners()[1], last_corners()[3]);
                 }
+                if (!steps.done(segments_)) return false;
             }
         }
+        return true;
     }
 
     void add_caps(std::uint32_t last_ring)
@@ -179,22 +183,27 @@ private:
     Dice dice_;
 };
 
-TriangleMesh triangulated(QuadSurface surface, std::size_t triangles)
+tl::unexpected<Error> making_cancelled(std::size_t triangles)
+{
+    return fail(ErrorCode::cancelled, "making the mesh was stopped on request",
+                concat("spaceship:", triangles));
+}
+
+Result<TriangleMesh> triangulated(QuadSurface surface, std::size_t triangles, StageSteps& steps)
 {
     std::vector<TriangleCorners> corners = std::move(surface.triangles);
     corners.reserve(triangles);
     for (const auto& [quad, detail] : surface.quads) {
         corners.push_back({quad[0], quad[1], quad[2]});
         corners.push_back({quad[0], quad[2], quad[3]});
+        if (!steps.done(2)) return making_cancelled(triangles);
     }
-    auto mesh = make_triangle_mesh(std::move(surface.positions), std::move(corners));
-    PROXIMA_CHECK(mesh.has_value());
-    return *std::move(mesh);
+    return make_triangle_mesh(std::move(surface.positions), std::move(corners));
 }
 
 } // namespace
 
-Result<TriangleMesh> make_spaceship(std::size_t triangles)
+Result<TriangleMesh> make_spaceship(std::size_t triangles, const SampleOptions& options)
 {
     if (triangles < min_spaceship_triangles || triangles % 2 != 0) {
         return fail(ErrorCode::invalid_argument,
@@ -214,11 +223,17 @@ Result<TriangleMesh> make_spaceship(std::size_t triangles)
     std::uint32_t level = 1;
     while (lofted_triangles(parts, level + 1) <= smooth) ++level;
 
+    // Most triangles are counted twice: when their quad grows, and when it is cut.
+    StageSteps steps(options.progress, "making mesh", 2 * triangles);
     QuadSurface surface;
     Dice dice(33000);
-    for (const ShipPart& part : parts) Loft(surface, part, level, Dice(dice.next())).add();
-    detail::grow_plating(surface, triangles, dice);
-    return triangulated(std::move(surface), triangles);
+    for (const ShipPart& part : parts) {
+        if (!Loft(surface, part, level, Dice(dice.next())).add(steps)) {
+            return making_cancelled(triangles);
+        }
+    }
+    if (!detail::grow_plating(surface, triangles, dice, steps)) return making_cancelled(triangles);
+    return triangulated(std::move(surface), triangles, steps);
 }
 
 } // namespace proxima

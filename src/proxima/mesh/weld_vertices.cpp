@@ -1,63 +1,47 @@
 #include "proxima/mesh/weld_vertices.h"
 
+#include "proxima/mesh/vertex_table.h"
+
+#include <algorithm>
 #include <array>
-#include <bit>
-#include <limits>
-#include <xxhash.h>
 
 namespace proxima {
 
-namespace {
-
-constexpr std::uint32_t no_vertex = std::numeric_limits<std::uint32_t>::max();
-
-// Coordinates as bits, with one zero.
-using Key = std::array<std::uint64_t, 3>;
-
-Key key_of(const Vec3& position) noexcept
+bool weld_vertices(std::vector<Vec3>& positions, std::vector<TriangleCorners>& triangles,
+                   Progress* progress)
 {
-    const auto bits = [](double value) {
-        return std::bit_cast<std::uint64_t>(value == 0 ? 0.0 : value);
-    };
-    return {bits(position.x()), bits(position.y()), bits(position.z())};
-}
-
-// A power of two, at most two thirds full.
-std::uint64_t table_size(std::uint64_t vertex_count) noexcept
-{
-    return std::bit_ceil(vertex_count + vertex_count / 2 + 1);
-}
-
-} // namespace
-
-void weld_vertices(std::vector<Vec3>& positions, std::vector<TriangleCorners>& triangles)
-{
-    // Open addressing by linear probing; entries are new ids.
-    std::vector<std::uint32_t> table(table_size(positions.size()), no_vertex);
+    StageSteps steps(progress, "welding vertices", positions.size() + triangles.size());
+    VertexTable table(positions.size());
     std::vector<std::uint32_t> new_ids(positions.size());
-    const std::uint64_t mask = table.size() - 1;
-    std::uint32_t kept = 0;
-    for (std::size_t vertex = 0; vertex < positions.size(); ++vertex) {
-        const Key key = key_of(positions[vertex]);
-        std::uint64_t slot = XXH3_64bits(key.data(), sizeof(key)) & mask;
-        while (table[slot] != no_vertex && key_of(positions[table[slot]]) != key) {
-            slot = (slot + 1) & mask;
+    constexpr std::size_t block = 256;
+    std::array<std::uint64_t, block> hashes{};
+    for (std::size_t begin = 0; begin < positions.size(); begin += block) {
+        const std::size_t count = std::min(block, positions.size() - begin);
+        for (std::size_t i = 0; i < count; ++i) {
+            hashes[i] = VertexTable::hash(positions[begin + i]);
+            table.prefetch(hashes[i]);
         }
-        if (table[slot] == no_vertex) {
-            table[slot] = kept;
-            positions[kept++] = positions[vertex];
+        for (std::size_t i = 0; i < count; ++i) {
+            // What is kept moves to the front, never past the vertex that is looked at.
+            const Vec3 position = positions[begin + i];
+            const std::uint32_t next = table.size();
+            const std::uint32_t id = table.find_or_add(hashes[i], position, positions.data());
+            if (id == next) positions[id] = position;
+            new_ids[begin + i] = id;
         }
-        new_ids[vertex] = table[slot];
+        if (!steps.done(count)) return false;
     }
-    positions.resize(kept);
+    positions.resize(table.size());
     for (TriangleCorners& corners : triangles) {
         for (std::uint32_t& corner : corners) corner = new_ids[corner];
+        if (!steps.done(1)) return false;
     }
+    return true;
 }
 
 std::uint64_t weld_scratch_bytes(std::uint64_t vertex_count) noexcept
 {
-    return (table_size(vertex_count) + vertex_count) * sizeof(std::uint32_t);
+    return VertexTable::bytes_for(vertex_count) + vertex_count * sizeof(std::uint32_t);
 }
 
 } // namespace proxima

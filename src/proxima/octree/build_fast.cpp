@@ -89,7 +89,7 @@ OctreeNode moved(OctreeNode node, std::uint32_t nodes, std::uint32_t references)
 /// Appends the chunks to the top in order, in parallel, freeing each.
 Status join(std::vector<OctreeOutput>& chunks, const std::vector<std::size_t>& bounds,
             const std::vector<SubtreeSlot>& slots, const std::vector<OctreeNode>& roots,
-            Threads threads, OctreeOutput& output)
+            Threads threads, Progress* progress, OctreeOutput& output)
 {
     std::vector<std::size_t> first_node;
     std::vector<std::size_t> first_reference;
@@ -109,6 +109,7 @@ Status join(std::vector<OctreeOutput>& chunks, const std::vector<std::size_t>& b
     output.nodes.resize(nodes);
     output.references.resize(references);
     parallel_for(chunks.size(), threads, [&](std::size_t index) {
+        if (is_cancelled(progress)) return;
         OctreeOutput& chunk = chunks[index];
         const auto node_offset = static_cast<std::uint32_t>(first_node[index]);
         const auto reference_offset = static_cast<std::uint32_t>(first_reference[index]);
@@ -122,6 +123,7 @@ Status join(std::vector<OctreeOutput>& chunks, const std::vector<std::size_t>& b
         }
         chunk = OctreeOutput{};
     });
+    if (is_cancelled(progress)) return cancelled_build();
     return {};
 }
 
@@ -136,12 +138,13 @@ Result<OctreeOutput> build_fast(const TriangleMesh& mesh, const OctreeFrame& fra
     const auto fits = check_budget({limits.budget_bytes}, limits.used_bytes, "the octree's scratch",
                                    "raise the budget");
     if (!fits) return tl::unexpected(fits.error());
-    if (options.progress != nullptr) options.progress->begin_stage("snapping", 2);
-    const SnappedMesh snapped(mesh, frame, options.threads);
+    if (options.progress != nullptr) {
+        options.progress->begin_stage("snapping", mesh.vertex_count() + 2 * mesh.triangle_count());
+    }
+    const SnappedMesh snapped(mesh, frame, options.threads, options.progress);
     if (is_cancelled(options.progress)) return cancelled_build();
-    if (options.progress != nullptr) options.progress->advance(1);
     const int bin_depth = choose_bin_depth(snapped, options.max_depth);
-    const CoarseBins bins = bin_triangles(snapped, bin_depth, options.threads);
+    const CoarseBins bins = bin_triangles(snapped, bin_depth, options.threads, options.progress);
     if (is_cancelled(options.progress)) return cancelled_build();
 
     OctreeOutput output;
@@ -173,7 +176,9 @@ Result<OctreeOutput> build_fast(const TriangleMesh& mesh, const OctreeFrame& fra
         for (const OctreeOutput& chunk : chunks) joined += bytes(chunk);
         auto status = check_budget({limits.budget_bytes}, limits.used_bytes + joined, "the octree",
                                    "use one thread, lower the depth or raise the budget");
-        if (status) status = join(chunks, bounds, slots, roots, options.threads, output);
+        if (status) {
+            status = join(chunks, bounds, slots, roots, options.threads, options.progress, output);
+        }
         if (!status) return tl::unexpected(status.error());
     }
     output.nodes.shrink_to_fit();

@@ -62,6 +62,7 @@ Status fill_uniformly(int max_depth, const GrowLimits& limits, OctreeOutput& out
                     concat("a uniform octree of depth ", max_depth, " has ", total,
                            " cells: at most 2^31 are possible, lower the depth"));
     }
+    StageSteps steps(limits.progress, "uniform cells", total);
     GrowBuffer<OctreeNode> nodes;
     nodes.reserve(total);
     nodes.push_back(output.nodes[0]);
@@ -70,12 +71,10 @@ Status fill_uniformly(int max_depth, const GrowLimits& limits, OctreeOutput& out
     std::vector<std::uint32_t> sources = {0};
     std::size_t first = 0;
     for (int depth = 0; depth < max_depth; ++depth) {
-        if (is_cancelled(limits.progress)) {
-            return cancelled_build();
-        }
         std::vector<std::uint32_t> children;
         children.reserve(8 * sources.size());
         for (std::size_t i = 0; i < sources.size(); ++i) {
+            if (!steps.done(8)) return cancelled_build();
             const bool is_empty = sources[i] == none;
             const OctreeNode source = is_empty ? OctreeNode{} : output.nodes[sources[i]];
             OctreeNode node = OctreeNode::split(static_cast<std::uint32_t>(nodes.size()), 0xFF);

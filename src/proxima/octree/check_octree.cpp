@@ -14,8 +14,12 @@ namespace {
 
 class InvariantChecker {
 public:
-    InvariantChecker(const Octree& octree, const TriangleMesh& mesh) : octree_(octree), mesh_(mesh)
-    {}
+    InvariantChecker(const Octree& octree, const TriangleMesh& mesh, Progress* progress)
+        : octree_(octree), mesh_(mesh), progress_(progress)
+    {
+        if (progress_ == nullptr) return;
+        progress_->begin_stage("checking the cells", octree.references().size());
+    }
 
     Status run()
     {
@@ -39,7 +43,7 @@ private:
     static tl::unexpected<Error> bad(const Cell& cell, std::string message)
     {
         const auto at = cell_coordinates(cell.key);
-        return fail(ErrorCode::malformed_file, std::move(message),
+        return fail(ErrorCode::broken_invariant, std::move(message),
                     concat("octree cell (", at[0], ", ", at[1], ", ", at[2], ") at depth ",
                            depth(cell.key)));
     }
@@ -49,11 +53,15 @@ private:
     Result<std::vector<TriangleId>> check_cell(const Cell& cell,
                                                const std::vector<TriangleId>& touching)
     {
+        if (is_cancelled(progress_)) {
+            return fail(ErrorCode::cancelled, "checking was stopped on request");
+        }
         std::vector<TriangleId> listed;
         const bool leaf = octree_.is_leaf(cell);
         if (leaf) {
             const auto list = octree_.triangles(cell);
             listed.assign(list.begin(), list.end());
+            if (progress_ != nullptr) progress_->advance(listed.size());
             if (const Status status = check_list(cell, listed, touching); !status) {
                 return tl::unexpected<Error>(status.error());
             }
@@ -124,14 +132,15 @@ private:
 
     const Octree& octree_;
     const TriangleMesh& mesh_;
+    Progress* progress_;
 };
 
 } // namespace
 
-Status check_octree(const Octree& octree, const TriangleMesh& mesh)
+Status check_octree(const Octree& octree, const TriangleMesh& mesh, Progress* progress)
 {
-    if (Status status = check_structure(octree); !status) return status;
-    return InvariantChecker(octree, mesh).run();
+    if (Status status = check_structure(octree, progress); !status) return status;
+    return InvariantChecker(octree, mesh, progress).run();
 }
 
 } // namespace proxima

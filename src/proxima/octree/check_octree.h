@@ -1,6 +1,7 @@
 // The octree's invariants: what every builder owes and every query relies on.
 #pragma once
 
+#include "proxima/base/progress.h"
 #include "proxima/base/result.h"
 #include "proxima/mesh/triangle_mesh.h"
 #include "proxima/octree/octree.h"
@@ -14,8 +15,10 @@ namespace proxima {
 /// - completeness: every triangle is listed in every leaf that it touches, so that no point of it
 ///   lies in a leaf that does not list it;
 /// - minimality where parameters().exact: no leaf lists a triangle that does not touch it.
-/// Touching is decided by the exact triangle_overlaps_box. Error malformed_file naming the cell.
-/// Slow: a few exact tests per cell and triangle. For tests, tools and doubt.
-[[nodiscard]] Status check_octree(const Octree& octree, const TriangleMesh& mesh);
+/// Touching is decided by the exact triangle_overlaps_box. Errors: broken_invariant naming the
+/// cell; cancelled by `progress`, stage "checking the cells", steps are references. Slow: a few
+/// exact tests per cell and triangle. For tests, tools and doubt.
+[[nodiscard]] Status check_octree(const Octree& octree, const TriangleMesh& mesh,
+                                  Progress* progress = nullptr);
 
 } // namespace proxima

@@ -22,9 +22,10 @@ struct Pending {
 
 class StructureChecker {
 public:
-    explicit StructureChecker(const Octree& octree)
+    StructureChecker(const Octree& octree, Progress* progress)
         : octree_(octree), nodes_(octree.nodes()), reached_(nodes_.size()),
-          listed_(octree.references().size())
+          listed_(octree.references().size()),
+          steps_(progress, "checking the octree", nodes_.size() + listed_.size())
     {}
 
     Status run()
@@ -36,6 +37,7 @@ public:
         while (!pending.empty()) {
             const Pending top = pending.pop();
             const OctreeNode node = nodes_[top.record];
+            if (!steps_.done(1)) return stopped();
             if (node.is_leaf()) {
                 if (const Status status = check_leaf(top, node); !status) return status;
                 continue;
@@ -59,8 +61,13 @@ public:
 private:
     static tl::unexpected<Error> bad(std::string message, std::uint32_t record)
     {
-        return fail(ErrorCode::malformed_file, std::move(message),
+        return fail(ErrorCode::broken_invariant, std::move(message),
                     concat("octree record ", record));
+    }
+
+    static tl::unexpected<Error> stopped()
+    {
+        return fail(ErrorCode::cancelled, "checking was stopped on request");
     }
 
     [[nodiscard]] bool uniform() const noexcept
@@ -114,6 +121,7 @@ private:
         const std::span<const TriangleId> list =
             octree_.references().subspan(node.first, node.count());
         for (std::size_t i = 0; i < list.size(); ++i) {
+            if (!steps_.done(1)) return stopped();
             if (index(list[i]) >= octree_.triangle_count()) {
                 return bad(concat("triangle ", index(list[i]), " of ", octree_.triangle_count()),
                            at.record);
@@ -180,15 +188,16 @@ private:
     std::span<const OctreeNode> nodes_;
     std::vector<bool> reached_; ///< records that are the root or some cell's child
     std::vector<bool> listed_;  ///< references that some leaf holds
+    StageSteps steps_;
     std::size_t reached_count_ = 0;
     std::size_t listed_count_ = 0;
 };
 
 } // namespace
 
-Status check_structure(const Octree& octree)
+Status check_structure(const Octree& octree, Progress* progress)
 {
-    return StructureChecker(octree).run();
+    return StructureChecker(octree, progress).run();
 }
 
 } // namespace proxima

@@ -1,6 +1,7 @@
 // Whether an octree's arrays form an octree at all: the part of the invariants that needs no mesh.
 #pragma once
 
+#include "proxima/base/progress.h"
 #include "proxima/base/result.h"
 #include "proxima/octree/octree.h"
 
@@ -10,8 +11,9 @@ namespace proxima {
 /// parameters are in range; records form one tree, each reached exactly once; no cell is deeper
 /// than parameters().max_depth; lists ascend, name triangles of the mesh, and cover the references
 /// exactly once; class bits say what parameters().classified and Subdivision allow.
-/// Error malformed_file naming the record. For any content of the arrays, also a crafted one.
-/// O(nodes + references), one bit of scratch each.
-[[nodiscard]] Status check_structure(const Octree& octree);
+/// Errors: broken_invariant naming the record; cancelled by `progress`, stage "checking the
+/// octree". For any content of the arrays, also a crafted one. O(nodes + references), one bit of
+/// scratch each.
+[[nodiscard]] Status check_structure(const Octree& octree, Progress* progress = nullptr);
 
 } // namespace proxima

@@ -5,6 +5,7 @@
 #include "proxima/base/text.h"
 #include "proxima/octree/empty_cells.h"
 #include "proxima/octree/hole_caps.h"
+#include "proxima/octree/region_rays.h"
 #include "proxima/octree/winding_number.h"
 
 #include <algorithm>
@@ -22,6 +23,8 @@ namespace {
 /// So few winding numbers are found faster from all triangles than by sorting them first.
 constexpr std::size_t few_queries = 8;
 constexpr std::size_t chunk = 64;
+/// Each ray looks at every cap; of more caps, a region's winding number is asked for.
+constexpr std::size_t most_caps_for_rays = 20'000;
 
 /// What is known of one empty cell.
 enum class Label : std::uint8_t { outer, inner };
@@ -55,8 +58,9 @@ bool touches_root_face(CellKey key) noexcept
 
 class Classifier {
 public:
-    Classifier(const Octree& octree, const TriangleMesh& mesh, const ClassifyOptions& options)
-        : octree_(octree), mesh_(mesh), options_(options), caps_(hole_caps(mesh)),
+    Classifier(const Octree& octree, const TriangleMesh& mesh, TriangleMesh caps,
+               const ClassifyOptions& options)
+        : octree_(octree), mesh_(mesh), options_(options), caps_(std::move(caps)),
           cells_(collect_empty_cells(octree)), components_(cells_.keys.size()),
           regions_(caps_.triangle_count() > 0 ? cells_.keys.size() : 0),
           at_cap_(caps_.triangle_count() > 0 ? cells_.keys.size() : 0),
@@ -68,6 +72,8 @@ public:
         begin_stage("empty cells", 1);
         if (capped()) mark_cells_at_caps();
         unite_cells();
+        if (cancelled()) return stopped();
+        number_regions();
         find_region_windings();
         if (cancelled()) return stopped();
         label_cells();
@@ -144,33 +150,64 @@ private:
             components_.unite(a, b);
             if (capped() && !at_cap_[a] && !at_cap_[b]) regions_.unite(a, b);
         };
-        EmptyFaces(octree_, cells_, meet).visit_all();
+        EmptyFaces(octree_, cells_, meet, options_.progress).visit_all();
+    }
+
+    /// Regions without caps, by their smallest cells; each starts at its largest.
+    void number_regions()
+    {
+        const std::size_t count = cells_.keys.size();
+        areas_.of_cell.assign(count, EmptyRegions::none);
+        for (CellNumber cell = 0; cell < count; ++cell) {
+            if (at_cap(cell)) continue;
+            const CellNumber smallest = regions().find(cell);
+            std::uint32_t& region = areas_.of_cell[cell];
+            if (smallest == cell) {
+                region = static_cast<std::uint32_t>(areas_.start.size());
+                areas_.start.push_back(cell);
+            } else {
+                region = areas_.of_cell[smallest];
+            }
+            CellNumber& start = areas_.start[region];
+            if (cells_.keys[cell] < cells_.keys[start]) start = cell;
+        }
     }
 
     /// The whole winding number of mesh and caps in each region: 0 where it reaches the root's
-    /// faces, else found at the centre of its largest cell.
+    /// faces, beyond which all is outside; elsewhere what rays from region to region make of that.
     void find_region_windings()
     {
-        const std::size_t count = cells_.keys.size();
-        constexpr CellNumber outside = std::numeric_limits<CellNumber>::max();
-        std::vector<CellNumber> largest(count); // by region; `outside` where no query is needed
-        for (CellNumber cell = 0; cell < count; ++cell) {
-            const CellNumber region = regions().find(cell);
-            if (region == cell) largest[cell] = at_cap(cell) ? outside : cell;
-            if (largest[region] == outside) continue;
-            const CellKey key = cells_.keys[cell];
-            if (touches_root_face(key)) {
-                largest[region] = outside;
-            } else if (key < cells_.keys[largest[region]]) {
-                largest[region] = cell;
+        const auto outside = static_cast<std::uint32_t>(areas_.start.size());
+        DisjointOffsets windings(areas_.start.size() + 1);
+        for (CellNumber cell = 0; cell < cells_.keys.size(); ++cell) {
+            if (!at_cap(cell) && touches_root_face(cells_.keys[cell])) {
+                windings.unite(outside, areas_.of_cell[cell], 0);
             }
         }
-        std::vector<CellNumber> asked;
-        std::size_t direct = 0;
-        for (CellNumber cell = 0; cell < count; ++cell) {
-            if (regions().find(cell) == cell && largest[cell] != outside) asked.push_back(cell);
-            if (at_cap(cell)) ++direct;
+        // Rounded lists may lack a triangle that a ray crosses.
+        if (octree_.parameters().exact && caps_.triangle_count() <= most_caps_for_rays) {
+            const RegionRays rays(octree_, mesh_, caps_, cells_, areas_);
+            tie_regions(rays, windings, options_.threads, options_.progress);
         }
+        ask_winding_numbers(outside, windings);
+        if (cancelled()) return;
+        const std::int64_t winding_outside = windings.find(outside).difference;
+        for (std::uint32_t region = 0; region < outside; ++region) {
+            const auto found = windings.find(region);
+            region_winding_.push_back(
+                static_cast<std::int32_t>(found.difference - winding_outside));
+        }
+    }
+
+    /// Asks for the winding number in one region of each set that is not tied to the outside.
+    void ask_winding_numbers(std::uint32_t outside, DisjointOffsets& windings)
+    {
+        std::vector<std::uint32_t> asked;
+        for (std::uint32_t region = 0; region < outside; ++region) {
+            const bool first = windings.find(region).smallest == region;
+            if (first && !are_tied(windings, region, outside)) asked.push_back(region);
+        }
+        const auto direct = static_cast<std::size_t>(std::ranges::count(at_cap_, true));
         if (asked.size() + direct > few_queries) {
             auto built = build_winding_number(mesh_, {options_.threads, options_.progress});
             if (!built) return; // cancelled
@@ -181,14 +218,15 @@ private:
             if (!built) return; // cancelled
             cap_winding_ = std::move(*built);
         }
-        region_winding_.assign(count, 0);
+        std::vector<std::int64_t> found(asked.size());
         for_each("regions", asked.size(), [&](std::size_t i) {
-            const Vec3 point = center(largest[asked[i]]);
+            const Vec3 point = center(areas_.start[asked[i]]);
             double sum = winding_ ? winding_number(*winding_, point, 0.2).value
                                   : brute_winding_number(mesh_, point);
             if (cap_winding_) sum += winding_number(*cap_winding_, point, 0.2).value;
-            region_winding_[asked[i]] = static_cast<std::int32_t>(std::lround(sum));
+            found[i] = std::lround(sum);
         });
+        for (std::size_t i = 0; i < asked.size(); ++i) windings.unite(outside, asked[i], found[i]);
     }
 
     void label_cells()
@@ -197,12 +235,10 @@ private:
         if (!capped()) {
             for (CellNumber cell = 0; cell < count; ++cell) {
                 labels_[cell] =
-                    region_winding_[components_.find(cell)] >= 1 ? Label::inner : Label::outer;
+                    region_winding_[areas_.of_cell[cell]] >= 1 ? Label::inner : Label::outer;
             }
             return;
         }
-        std::vector<CellNumber> region(count);
-        for (CellNumber cell = 0; cell < count; ++cell) region[cell] = regions_.find(cell);
         for_each("cells near holes", count, [&](std::size_t i) {
             const auto cell = static_cast<CellNumber>(i);
             const Vec3 point = center(cell);
@@ -210,7 +246,8 @@ private:
             if (at_cap_[cell]) {
                 inside = winding_ ? is_inside(*winding_, point) : brute_is_inside(mesh_, point);
             } else {
-                inside = is_inside_but_for(*cap_winding_, point, region_winding_[region[cell]]);
+                inside =
+                    is_inside_but_for(*cap_winding_, point, region_winding_[areas_.of_cell[cell]]);
             }
             labels_[cell] = inside ? Label::inner : Label::outer;
         });
@@ -306,7 +343,8 @@ private:
     DisjointSets regions_;     ///< the same, parted by caps; unused without caps
     std::vector<bool> at_cap_; ///< cells that a cap may touch
     std::vector<Label> labels_;
-    std::vector<std::int32_t> region_winding_; ///< by the region's smallest cell
+    EmptyRegions areas_;                       ///< the sets of regions(), numbered
+    std::vector<std::int32_t> region_winding_; ///< of mesh and caps
     std::optional<WindingNumber> winding_;     ///< absent where few queries are needed
     std::optional<WindingNumber> cap_winding_;
     ClassificationSummary summary_;
@@ -333,7 +371,7 @@ Result<Octree> classify_cells(const Octree& octree, const TriangleMesh& mesh,
         return fail(ErrorCode::limit_exceeded, concat(cells, " empty cells, at most 2^32 - 2: "
                                                              "lower the depth"));
     }
-    // Nodes and their first cells; keys, sets, windings and counts of cells; edges of the mesh.
+    // Nodes and their first cells; keys, sets, regions and counts of cells; edges of the mesh.
     const std::uint64_t needed =
         octree.nodes().size() * 12 + cells * 48 + mesh.triangle_count() * 100;
     if (const Status status = check_budget(options.budget, needed, "classifying the cells",
@@ -341,7 +379,9 @@ Result<Octree> classify_cells(const Octree& octree, const TriangleMesh& mesh,
         !status) {
         return tl::unexpected<Error>(status.error());
     }
-    return Classifier(octree, mesh, options).run();
+    auto caps = hole_caps(mesh, options.progress);
+    if (!caps) return tl::unexpected<Error>(caps.error());
+    return Classifier(octree, mesh, std::move(*caps), options).run();
 }
 
 } // namespace proxima

@@ -5,6 +5,9 @@
 //     . . | inside | . |      into regions with one whole winding number I each.
 //     . . |  . .  cap  |   3. A leaf's winding number is I minus that of the caps, and inside
 //     . . +---- ---+ . |      means 1/2 or more. A component with leaves of both kinds has leaked.
+//
+// I is 0 outside the root. From region to region it changes by the crossings of a ray, exactly
+// (region_rays.h); only where no ray leads out are solid angles summed.
 #pragma once
 
 #include "proxima/base/memory_budget.h"
@@ -28,8 +31,9 @@ struct ClassifyOptions {
 /// yet with inner leaves. Empty cells of a uniform octree are classified as a whole, by the largest
 /// cell that is empty. Same bits for any number of threads.
 /// Errors: invalid_argument (another mesh's octree), invalid_mesh, budget_exceeded, limit_exceeded
-/// (2^32 empty cells), cancelled. O(nodes) on a closed mesh, and one winding number per component
-/// that does not reach the root's faces; more near large holes.
+/// (2^32 empty cells), cancelled. O(nodes) on a closed mesh, and a few rays per component that does
+/// not reach the root's faces, or a winding number where the lists are not exact; more near large
+/// holes.
 [[nodiscard]] Result<Octree> classify_cells(const Octree& octree, const TriangleMesh& mesh,
                                             const ClassifyOptions& options = {});
 

@@ -55,8 +55,9 @@ std::uint32_t morton(std::uint32_t x, std::uint32_t y, std::uint32_t z) noexcept
 /// Bins a contiguous range of triangles.
 class RangeBinner {
 public:
-    RangeBinner(const SnappedMesh& mesh, int depth, std::uint32_t begin, std::uint32_t end)
-        : mesh_(mesh), depth_(depth), begin_(begin), end_(end)
+    RangeBinner(const SnappedMesh& mesh, int depth, std::uint32_t begin, std::uint32_t end,
+                Progress* progress)
+        : mesh_(mesh), depth_(depth), begin_(begin), end_(end), progress_(progress)
     {}
 
     /// Finds which cells every triangle of the range touches.
@@ -71,6 +72,8 @@ public:
             find_cells_of_boxes(mesh_.arrays(), first, count, depth_, mesh_.margin(), lowest.data(),
                                 highest.data());
             for (std::uint32_t i = 0; i < count; ++i) cover_one(first + i, lowest[i], highest[i]);
+            if (progress_ != nullptr) progress_->advance(count);
+            if (is_cancelled(progress_)) break;
         }
         flush_block();
         descend_wide_triangles();
@@ -82,6 +85,7 @@ public:
     {
         auto wide = wide_pairs_.begin();
         for (std::uint32_t triangle = begin_; triangle < end_; ++triangle) {
+            if ((triangle - begin_) % block_size == 0 && is_cancelled(progress_)) return;
             const Coverage& coverage = coverages_[triangle];
             for (std::uint32_t octants = coverage.touched; octants != 0; octants &= octants - 1) {
                 const auto octant = static_cast<std::uint32_t>(std::countr_zero(octants));
@@ -216,6 +220,7 @@ private:
     int depth_;
     std::uint32_t begin_;
     std::uint32_t end_;
+    Progress* progress_;
     Coverage* coverages_ = nullptr;
     LocalTriangles blocks_;
     std::size_t block_count_ = 0;
@@ -265,7 +270,7 @@ int choose_bin_depth(const SnappedMesh& mesh, int max_depth)
     return depth;
 }
 
-CoarseBins bin_triangles(const SnappedMesh& mesh, int depth, Threads threads)
+CoarseBins bin_triangles(const SnappedMesh& mesh, int depth, Threads threads, Progress* progress)
 {
     const auto count = static_cast<std::uint32_t>(mesh.mesh().triangle_count());
     CoarseBins bins;
@@ -289,7 +294,7 @@ CoarseBins bin_triangles(const SnappedMesh& mesh, int depth, Threads threads)
         const auto bound = [&](std::size_t index) {
             return static_cast<std::uint32_t>(std::uint64_t{count} * index / ranges);
         };
-        binners.emplace_back(mesh, depth, bound(range), bound(range + 1));
+        binners.emplace_back(mesh, depth, bound(range), bound(range + 1), progress);
     }
     GrowBuffer<Coverage> coverages;
     coverages.resize(count);
@@ -300,6 +305,7 @@ CoarseBins bin_triangles(const SnappedMesh& mesh, int depth, Threads threads)
         binners[range].visit_pairs(
             [&](std::uint32_t, std::uint32_t cell) { ++places[range][cell]; });
     });
+    if (is_cancelled(progress)) return bins;
     // Counts become places: cells in order, and within a cell the ranges in order.
     std::uint32_t total = 0;
     for (std::size_t cell = 0; cell < cells; ++cell) {
@@ -316,6 +322,7 @@ CoarseBins bin_triangles(const SnappedMesh& mesh, int depth, Threads threads)
         binners[range].visit_pairs([&](std::uint32_t triangle, std::uint32_t cell) {
             bins.ids[places[range][cell]++] = triangle;
         });
+        if (progress != nullptr) progress->advance(count / ranges);
     });
     return bins;
 }

@@ -34,7 +34,9 @@ struct CoarseBins {
 /// most triangles, at most max_depth.
 [[nodiscard]] int choose_bin_depth(const SnappedMesh& mesh, int max_depth);
 
-/// Bins all triangles; the result does not depend on the threads.
-[[nodiscard]] CoarseBins bin_triangles(const SnappedMesh& mesh, int depth, Threads threads);
+/// Bins all triangles; the result does not depend on the threads. Not to be used once `progress` is
+/// cancelled; two steps per triangle.
+[[nodiscard]] CoarseBins bin_triangles(const SnappedMesh& mesh, int depth, Threads threads,
+                                       Progress* progress);
 
 } // namespace proxima

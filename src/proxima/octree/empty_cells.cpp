@@ -23,7 +23,7 @@ std::uint64_t count_empty_cells(const Octree& octree) noexcept
     for (std::uint32_t record = 0; record < octree.nodes().size(); ++record) {
         const OctreeNode node = octree.nodes()[record];
         if (node.is_leaf() || node.is_empty()) continue;
-        count += static_cast<std::uint64_t>(std::popcount(empty_octants(octree, record)));
+        count += count_octants(empty_octants(octree, record));
     }
     return count;
 }
@@ -53,8 +53,7 @@ EmptyCells collect_empty_cells(const Octree& octree)
             const std::uint32_t bit = 1U << static_cast<unsigned>(octant);
             if ((node.recorded_mask() & ~empty & bit) == 0) continue;
             const std::uint32_t record =
-                node.first +
-                static_cast<std::uint32_t>(std::popcount(node.recorded_mask() & (bit - 1)));
+                node.first + count_octants(node.recorded_mask() & (bit - 1));
             if (!octree.nodes()[record].is_leaf()) pending.push({record, child(top.key, octant)});
         }
     }

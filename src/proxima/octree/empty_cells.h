@@ -4,13 +4,27 @@
 // stands for all leaves below it, so that both kinds are classified alike.
 #pragma once
 
+#include "proxima/base/progress.h"
 #include "proxima/octree/octree.h"
 
-#include <bit>
+#include <array>
 #include <cstdint>
 #include <vector>
 
 namespace proxima {
+
+/// Set bits of eight; a table, because not every machine of this instruction set has one for it.
+[[nodiscard]] inline std::uint32_t count_octants(std::uint32_t mask) noexcept
+{
+    static constexpr auto counts = [] {
+        std::array<std::uint8_t, 256> table{};
+        for (std::uint32_t bits = 0; bits < table.size(); ++bits) {
+            for (std::uint32_t left = bits; left != 0; left &= left - 1) ++table[bits];
+        }
+        return table;
+    }();
+    return counts[mask & 0xFFU];
+}
 
 /// Octants of a split record that no triangle touches, as bits. \pre the record is split, not empty
 [[nodiscard]] std::uint32_t empty_octants(const Octree& octree, std::uint32_t record) noexcept;
@@ -25,7 +39,7 @@ struct EmptyCells {
                                        int octant) const noexcept
     {
         const std::uint32_t before = (1U << static_cast<unsigned>(octant)) - 1;
-        return first_of[record] + static_cast<std::uint32_t>(std::popcount(mask & before));
+        return first_of[record] + count_octants(mask & before);
     }
 };
 
@@ -40,10 +54,12 @@ struct EmptyCells {
 template <class Meet>
 class EmptyFaces {
 public:
-    EmptyFaces(const Octree& octree, const EmptyCells& cells, Meet& meet) noexcept
-        : octree_(octree), cells_(cells), meet_(meet)
+    EmptyFaces(const Octree& octree, const EmptyCells& cells, Meet& meet,
+               const Progress* progress) noexcept
+        : octree_(octree), cells_(cells), meet_(meet), progress_(progress)
     {}
 
+    /// Not all of them once `progress` is cancelled.
     void visit_all()
     {
         if (!octree_.nodes()[0].is_leaf()) visit_cell(0);
@@ -63,14 +79,13 @@ private:
         const std::uint32_t bit = 1U << static_cast<unsigned>(octant);
         if ((empty & bit) != 0) return {Kind::empty, cells_.number(record, empty, octant)};
         const OctreeNode node = octree_.nodes()[record];
-        const std::uint32_t child =
-            node.first +
-            static_cast<std::uint32_t>(std::popcount(node.recorded_mask() & (bit - 1)));
+        const std::uint32_t child = node.first + count_octants(node.recorded_mask() & (bit - 1));
         return {octree_.nodes()[child].is_leaf() ? Kind::occupied_leaf : Kind::split, child};
     }
 
     void visit_cell(std::uint32_t record)
     {
+        if (is_cancelled(progress_)) return;
         const std::uint32_t empty = empty_octants(octree_, record);
         std::array<Side, 8> sides;
         for (int octant = 0; octant < 8; ++octant) {
@@ -112,6 +127,7 @@ private:
     const Octree& octree_;
     const EmptyCells& cells_;
     Meet& meet_;
+    const Progress* progress_;
 };
 
 } // namespace proxima

@@ -1,5 +1,6 @@
 #include "proxima/octree/export.h"
 
+#include "proxima/base/file_extension.h"
 #include "proxima/base/text.h"
 
 #include <string>
@@ -7,16 +8,13 @@
 namespace proxima {
 
 Status export_octree(const Octree& octree, const TriangleMesh& mesh,
-                     const std::filesystem::path& path)
+                     const std::filesystem::path& path, const ExportOptions& options)
 {
-    std::string extension = path.extension().string();
-    for (char& letter : extension) {
-        if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
-    }
-    if (extension == ".vtu") return export_vtu(octree, path);
-    if (extension == ".htg") return export_htg(octree, path);
-    if (extension == ".ply") return export_ply(octree, path);
-    if (extension == ".glb") return export_glb(octree, mesh, path);
+    const std::string extension = lower_case_extension(path);
+    if (extension == ".vtu") return export_vtu(octree, path, options);
+    if (extension == ".htg") return export_htg(octree, path, options);
+    if (extension == ".ply") return export_ply(octree, path, options);
+    if (extension == ".glb") return export_glb(octree, mesh, path, options);
     return fail(
         ErrorCode::unsupported_format,
         concat("octrees are exported as .vtu, .htg, .ply or .glb, not as \"", extension, "\""),

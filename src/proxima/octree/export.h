@@ -8,6 +8,7 @@
 // "class" is the number of CellClass: 0 outer, 1 inner, 2 boundary, 3 unclassified.
 #pragma once
 
+#include "proxima/base/progress.h"
 #include "proxima/base/result.h"
 #include "proxima/mesh/triangle_mesh.h"
 #include "proxima/octree/octree.h"
@@ -16,19 +17,28 @@
 
 namespace proxima {
 
+struct ExportOptions {
+    Progress* progress = nullptr; ///< several stages, the last one "writing"
+};
+
 /// Writes the format that the extension names (upper or lower case), whole or not at all.
 /// Coordinates are doubles, the octree's exact planes, except in .glb: floats relative to the
 /// root's centre, which is the nodes' translation. `mesh` is used by .glb only.
 /// Errors: unsupported_format, file_not_writable, limit_exceeded (a .glb beyond 4 GB or
-/// coordinates beyond float). O(leaves) memory; points cost a sort.
+/// coordinates beyond float), cancelled. O(leaves) memory; points cost a sort.
 [[nodiscard]] Status export_octree(const Octree& octree, const TriangleMesh& mesh,
-                                   const std::filesystem::path& path);
+                                   const std::filesystem::path& path,
+                                   const ExportOptions& options = {});
 
 // One function per format, for any extension.
-[[nodiscard]] Status export_vtu(const Octree& octree, const std::filesystem::path& path);
-[[nodiscard]] Status export_htg(const Octree& octree, const std::filesystem::path& path);
-[[nodiscard]] Status export_ply(const Octree& octree, const std::filesystem::path& path);
+[[nodiscard]] Status export_vtu(const Octree& octree, const std::filesystem::path& path,
+                                const ExportOptions& options = {});
+[[nodiscard]] Status export_htg(const Octree& octree, const std::filesystem::path& path,
+                                const ExportOptions& options = {});
+[[nodiscard]] Status export_ply(const Octree& octree, const std::filesystem::path& path,
+                                const ExportOptions& options = {});
 [[nodiscard]] Status export_glb(const Octree& octree, const TriangleMesh& mesh,
-                                const std::filesystem::path& path);
+                                const std::filesystem::path& path,
+                                const ExportOptions& options = {});
 
 } // namespace proxima

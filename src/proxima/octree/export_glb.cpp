@@ -54,8 +54,9 @@ struct Geometry {
 };
 
 /// The mesh's vertices that triangles use, in order of first use.
-Geometry mesh_geometry(const TriangleMesh& mesh, const Vec3& origin)
+Result<Geometry> mesh_geometry(const TriangleMesh& mesh, const Vec3& origin, Progress* progress)
 {
+    StageSteps steps(progress, "collecting triangles", mesh.triangle_count());
     constexpr std::uint32_t unused = std::numeric_limits<std::uint32_t>::max();
     std::vector<std::uint32_t> number(mesh.vertex_count(), unused);
     Geometry geometry;
@@ -67,22 +68,28 @@ Geometry mesh_geometry(const TriangleMesh& mesh, const Vec3& origin)
             }
             geometry.indices.push_back(number[corner]);
         }
+        if (!steps.done(1)) return export_cancelled();
     }
     return geometry;
 }
 
-Geometry box_geometry(const Octree& octree, const Vec3& origin)
+Result<Geometry> box_geometry(const Octree& octree, const Vec3& origin, Progress* progress)
 {
-    const std::vector<LeafBox> leaves = leaf_boxes(octree, LeafChoice::boundary);
-    const LeafCorners corners(leaves);
+    const auto leaves = leaf_boxes(octree, LeafChoice::boundary, progress);
+    if (!leaves) return tl::unexpected(leaves.error());
+    const auto corners = LeafCorners::find(*leaves, progress);
+    if (!corners) return tl::unexpected(corners.error());
+    StageSteps steps(progress, "arranging boxes", corners->size() + 24 * leaves->size());
     Geometry geometry;
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-        geometry.add_point(corners.position(octree, i), origin);
+    for (std::size_t i = 0; i < corners->size(); ++i) {
+        geometry.add_point(corners->position(octree, i), origin);
+        if (!steps.done(1)) return export_cancelled();
     }
-    for (const LeafBox& leaf : leaves) {
+    for (const LeafBox& leaf : *leaves) {
         for (const std::uint8_t corner : edges) {
-            geometry.indices.push_back(static_cast<std::uint32_t>(corners.number(leaf, corner)));
+            geometry.indices.push_back(static_cast<std::uint32_t>(corners->number(leaf, corner)));
         }
+        if (!steps.done(24)) return export_cancelled();
     }
     return geometry;
 }
@@ -152,11 +159,15 @@ private:
 
 } // namespace
 
-Status export_glb(const Octree& octree, const TriangleMesh& mesh, const std::filesystem::path& path)
+Status export_glb(const Octree& octree, const TriangleMesh& mesh, const std::filesystem::path& path,
+                  const ExportOptions& options)
 {
     const Vec3 origin = octree.box(octree.root()).center();
-    const std::array<Geometry, 2> parts = {mesh_geometry(mesh, origin),
-                                           box_geometry(octree, origin)};
+    auto surface = mesh_geometry(mesh, origin, options.progress);
+    if (!surface) return tl::unexpected(surface.error());
+    auto boxes = box_geometry(octree, origin, options.progress);
+    if (!boxes) return tl::unexpected(boxes.error());
+    const std::array<Geometry, 2> parts = {std::move(*surface), std::move(*boxes)};
     constexpr int triangles_mode = 4;
     constexpr int lines_mode = 1;
     Document document;
@@ -180,7 +191,7 @@ Status export_glb(const Octree& octree, const TriangleMesh& mesh, const std::fil
                            "lower the depth or export as .htg"),
                     path.string());
     }
-    auto file = OutputFile::create(path);
+    auto file = OutputFile::create(path, {options.progress, total});
     if (!file) return tl::unexpected<Error>(file.error());
     const std::array<std::uint32_t, 5> head = {glb_magic, 2, static_cast<std::uint32_t>(total),
                                                static_cast<std::uint32_t>(json.size()), json_chunk};

@@ -2,6 +2,7 @@
 // descriptor has a bit for every cell above the deepest level: 1 where it is split.
 #include "proxima/base/text.h"
 #include "proxima/octree/export.h"
+#include "proxima/octree/leaf_boxes.h"
 #include "proxima/octree/vtk_xml.h"
 
 #include <array>
@@ -24,8 +25,10 @@ struct Descriptor {
 
 } // namespace
 
-Status export_htg(const Octree& octree, const std::filesystem::path& path)
+Status export_htg(const Octree& octree, const std::filesystem::path& path,
+                  const ExportOptions& options)
 {
+    StageSteps steps(options.progress, "collecting cells", octree.nodes().size());
     Descriptor descriptor;
     std::vector<std::int64_t> cells_at_depth;
     std::vector<std::uint8_t> classes;
@@ -36,6 +39,7 @@ Status export_htg(const Octree& octree, const std::filesystem::path& path)
         std::vector<Cell> below;
         std::vector<bool> split;
         for (const Cell& cell : level) {
+            if (!steps.done(1)) return export_cancelled();
             split.push_back(!octree.is_leaf(cell));
             classes.push_back(static_cast<std::uint8_t>(cell.type));
             depths.push_back(static_cast<std::uint8_t>(cells_at_depth.size()));
@@ -83,7 +87,7 @@ Status export_htg(const Octree& octree, const std::filesystem::path& path)
     xml.array("UInt8", R"(Name="depth")" + tuples, std::as_bytes(std::span(depths)));
     xml.array("UInt32", R"(Name="triangles")" + tuples, std::as_bytes(std::span(triangles)));
     xml.text("</CellData>\n</HyperTreeGrid>\n");
-    return xml.write(path);
+    return xml.write(path, options.progress);
 }
 
 } // namespace proxima

@@ -48,16 +48,22 @@ void append_colour(std::string& bytes, CellClass type)
 
 } // namespace
 
-Status export_ply(const Octree& octree, const std::filesystem::path& path)
+Status export_ply(const Octree& octree, const std::filesystem::path& path,
+                  const ExportOptions& options)
 {
-    const std::vector<LeafBox> leaves = leaf_boxes(octree, LeafChoice::all);
+    constexpr std::size_t bytes_per_vertex = 3 * sizeof(double) + 3;
+    constexpr std::size_t bytes_per_face = 1 + 4 * sizeof(std::uint32_t) + 3 + 2;
+    const auto found = leaf_boxes(octree, LeafChoice::all, options.progress);
+    if (!found) return tl::unexpected(found.error());
+    const std::vector<LeafBox>& leaves = *found;
     if (8 * leaves.size() > std::numeric_limits<std::uint32_t>::max()) {
         return fail(ErrorCode::limit_exceeded,
                     concat(leaves.size(), " leaves have more corners than .ply can number: export "
                                           "as .vtu or .htg"),
                     path.string());
     }
-    auto file = OutputFile::create(path);
+    auto file = OutputFile::create(
+        path, {options.progress, leaves.size() * (8 * bytes_per_vertex + 6 * bytes_per_face)});
     if (!file) return tl::unexpected<Error>(file.error());
     const char* const order = std::endian::native == std::endian::little ? "little" : "big";
     Status status = file->write(

@@ -7,6 +7,7 @@
 #include <bit>
 #include <cstdlib>
 #include <map>
+#include <optional>
 #include <utility>
 
 namespace proxima {
@@ -31,16 +32,18 @@ std::uint64_t hash(const Vec3& position) noexcept
     return bits;
 }
 
-/// For each vertex the first one at the same position.
-std::vector<std::uint32_t> first_at_same_position(const TriangleMesh& mesh)
+constexpr unsigned hash_bits = 44;
+
+/// For each vertex the first one at the same position; nothing where `steps` asks to stop.
+std::optional<std::vector<std::uint32_t>> first_at_same_position(const TriangleMesh& mesh,
+                                                                 StageSteps& steps)
 {
-    constexpr unsigned hash_bits = 44;
     const auto positions = mesh.positions();
     std::vector<KeyedIndex> items(positions.size());
     for (std::size_t i = 0; i < items.size(); ++i) {
         items[i] = {hash(positions[i]) >> (64 - hash_bits), static_cast<std::uint32_t>(i)};
     }
-    radix_sort(items, hash_bits);
+    if (!radix_sort(items, hash_bits, steps)) return std::nullopt;
     std::vector<std::uint32_t> first(items.size());
     for (std::size_t begin = 0; begin < items.size();) {
         std::size_t end = begin;
@@ -58,6 +61,7 @@ std::vector<std::uint32_t> first_at_same_position(const TriangleMesh& mesh)
                 i > begin && positions[items[i].index] == positions[items[i - 1].index];
             first[items[i].index] = repeats ? first[items[i - 1].index] : items[i].index;
         }
+        if (!steps.done(end - begin)) return std::nullopt;
         begin = end;
     }
     return first;
@@ -70,34 +74,41 @@ struct UnbalancedEdge {
     std::int64_t excess = 0;
 };
 
-/// Edges grouped by their lower vertex, then matched within the group.
-std::vector<UnbalancedEdge> unbalanced_edges(const TriangleMesh& mesh)
+/// Edges grouped by their lower vertex, then matched within the group; nothing where stopped.
+/// Corners are numbered by vertex_of(corner).
+template <class VertexOf>
+std::optional<std::vector<UnbalancedEdge>>
+unbalanced_edges(const TriangleMesh& mesh, const VertexOf& vertex_of, StageSteps& steps)
 {
-    const std::vector<std::uint32_t> vertex = first_at_same_position(mesh);
     const auto for_each_edge = [&](const auto& visit) {
         for (const TriangleCorners& corners : mesh.triangles()) {
+            if (!steps.done(1)) return false;
             for (std::size_t k = 0; k < 3; ++k) {
-                const std::uint32_t a = vertex[corners[k]];
-                const std::uint32_t b = vertex[corners[(k + 1) % 3]];
+                const std::uint32_t a = vertex_of(corners[k]);
+                const std::uint32_t b = vertex_of(corners[(k + 1) % 3]);
                 if (a != b) visit(a, b);
             }
         }
+        return true;
     };
     struct Direction {
         std::uint32_t upper = 0;
         std::int32_t sign = 0;
     };
-    std::vector<std::uint64_t> group(vertex.size() + 1);
-    for_each_edge([&](std::uint32_t a, std::uint32_t b) { ++group[std::min(a, b)]; });
+    std::vector<std::uint64_t> group(mesh.vertex_count() + 1);
+    const bool counted =
+        for_each_edge([&](std::uint32_t a, std::uint32_t b) { ++group[std::min(a, b)]; });
+    if (!counted) return std::nullopt;
     std::uint64_t sum = 0;
     for (std::uint64_t& start : group) sum += std::exchange(start, sum);
     std::vector<Direction> directions(sum);
-    for_each_edge([&](std::uint32_t a, std::uint32_t b) {
+    const bool grouped = for_each_edge([&](std::uint32_t a, std::uint32_t b) {
         directions[group[std::min(a, b)]++] = {std::max(a, b), a < b ? 1 : -1};
     });
+    if (!grouped) return std::nullopt;
     std::vector<UnbalancedEdge> edges;
     std::uint64_t begin = 0; // group[v] is now the end of v's group
-    for (std::uint32_t lower = 0; lower < vertex.size(); ++lower) {
+    for (std::uint32_t lower = 0; lower < mesh.vertex_count(); ++lower) {
         const auto at = directions.begin() + static_cast<std::ptrdiff_t>(begin);
         const auto end = directions.begin() + static_cast<std::ptrdiff_t>(group[lower]);
         std::sort(at, end,
@@ -110,15 +121,37 @@ std::vector<UnbalancedEdge> unbalanced_edges(const TriangleMesh& mesh)
             if (excess < 0) edges.push_back({upper, lower, -excess});
         }
         begin = group[lower];
+        if (!steps.done(1)) return std::nullopt;
     }
     return edges;
 }
 
+/// The edges with vertices at equal positions as one; nothing where stopped.
+std::optional<std::vector<UnbalancedEdge>> unbalanced_edges(const TriangleMesh& mesh,
+                                                            Progress* progress)
+{
+    const std::uint64_t match_steps = mesh.vertex_count() + 2 * mesh.triangle_count();
+    StageSteps steps(progress, "looking for holes",
+                     (radix_passes(hash_bits) + 1) * mesh.vertex_count() + 2 * match_steps);
+    // What is balanced by vertices is so by positions too, and needs no search for equal ones.
+    auto by_vertex = unbalanced_edges(
+        mesh, [](std::uint32_t corner) { return corner; }, steps);
+    if (!by_vertex || by_vertex->empty()) return by_vertex;
+    const auto first = first_at_same_position(mesh, steps);
+    if (!first) return std::nullopt;
+    return unbalanced_edges(
+        mesh, [&](std::uint32_t corner) { return (*first)[corner]; }, steps);
+}
+
 } // namespace
 
-TriangleMesh hole_caps(const TriangleMesh& mesh)
+Result<TriangleMesh> hole_caps(const TriangleMesh& mesh, Progress* progress)
 {
-    const std::vector<UnbalancedEdge> edges = unbalanced_edges(mesh);
+    const auto found = unbalanced_edges(mesh, progress);
+    if (!found) {
+        return fail(ErrorCode::cancelled, "looking for holes was stopped on request");
+    }
+    const std::vector<UnbalancedEdge>& edges = *found;
     std::map<std::uint32_t, std::uint32_t> renumbered; // vertices of the mesh to those of the caps
     std::vector<Vec3> positions;
     for (const UnbalancedEdge& edge : edges) {

@@ -6,6 +6,8 @@
 // middle to its edges makes them balanced too.
 #pragma once
 
+#include "proxima/base/progress.h"
+#include "proxima/base/result.h"
 #include "proxima/mesh/triangle_mesh.h"
 
 namespace proxima {
@@ -13,7 +15,8 @@ namespace proxima {
 /// The fans; no triangles where the mesh is closed and consistently oriented. Vertices at equal
 /// positions are one. With w the mesh's winding number and c that of the caps, w + c is a whole
 /// number everywhere off both surfaces, and 0 outside the mesh's bounding box, which contains the
-/// caps. O(triangles) time and scratch. \pre checked_bounding_box(mesh)
-[[nodiscard]] TriangleMesh hole_caps(const TriangleMesh& mesh);
+/// caps. O(triangles) time and scratch. Error cancelled by `progress`, stage "looking for holes".
+/// \pre checked_bounding_box(mesh)
+[[nodiscard]] Result<TriangleMesh> hole_caps(const TriangleMesh& mesh, Progress* progress);
 
 } // namespace proxima

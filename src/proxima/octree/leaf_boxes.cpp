@@ -1,5 +1,6 @@
 #include "proxima/octree/leaf_boxes.h"
 
+#include "proxima/base/radix_sort.h"
 #include "proxima/octree/traverse.h"
 
 #include <algorithm>
@@ -28,13 +29,15 @@ struct Collector {
     const Octree& octree;
     LeafChoice choice;
     std::vector<LeafBox>& leaves;
+    StageSteps& steps;
+    bool stopped = false;
 
     [[nodiscard]] bool should_enter(const Cell& cell) const noexcept
     {
         return choice == LeafChoice::all || cell.type == CellClass::boundary;
     }
 
-    [[nodiscard]] Flow visit_leaf(const Cell& cell, std::span<const TriangleId> triangles) const
+    [[nodiscard]] Flow visit_leaf(const Cell& cell, std::span<const TriangleId> triangles)
     {
         const int level = depth(cell.key);
         const auto up = static_cast<unsigned>(octree.parameters().max_depth - level);
@@ -46,27 +49,43 @@ struct Collector {
         leaf.type = cell.type;
         leaf.depth = static_cast<std::uint8_t>(level);
         leaves.push_back(leaf);
-        return Flow::proceed;
+        stopped = !steps.done(1);
+        return stopped ? Flow::stop : Flow::proceed;
     }
 };
 
 } // namespace
 
-std::vector<LeafBox> leaf_boxes(const Octree& octree, LeafChoice choice)
+tl::unexpected<Error> export_cancelled()
+{
+    return fail(ErrorCode::cancelled, "exporting was stopped on request; nothing was kept");
+}
+
+Result<std::vector<LeafBox>> leaf_boxes(const Octree& octree, LeafChoice choice, Progress* progress)
 {
     std::vector<LeafBox> leaves;
-    traverse(octree, Collector{octree, choice, leaves});
+    StageSteps steps(progress, "collecting leaves", octree.nodes().size());
+    Collector collector{octree, choice, leaves, steps};
+    traverse(octree, collector);
+    if (collector.stopped) return export_cancelled();
     return leaves;
 }
 
-LeafCorners::LeafCorners(const std::vector<LeafBox>& leaves)
+Result<LeafCorners> LeafCorners::find(const std::vector<LeafBox>& leaves, Progress* progress)
 {
-    codes_.reserve(8 * leaves.size());
+    constexpr unsigned sort_passes = radix_passes(3 * axis_bits);
+    StageSteps steps(progress, "numbering corners", (2 + 8 * sort_passes) * leaves.size());
+    LeafCorners corners;
+    std::vector<std::uint64_t>& codes = corners.codes_;
+    codes.reserve(8 * leaves.size());
     for (const LeafBox& leaf : leaves) {
-        for (int corner = 0; corner < 8; ++corner) codes_.push_back(code(leaf, corner));
+        for (int corner = 0; corner < 8; ++corner) codes.push_back(code(leaf, corner));
+        if (!steps.done(1)) return export_cancelled();
     }
-    std::sort(codes_.begin(), codes_.end());
-    codes_.erase(std::unique(codes_.begin(), codes_.end()), codes_.end());
+    const auto key_of = [](std::uint64_t code) { return code; };
+    if (!radix_sort(codes, 3 * axis_bits, key_of, steps)) return export_cancelled();
+    codes.erase(std::unique(codes.begin(), codes.end()), codes.end());
+    return corners;
 }
 
 std::uint64_t LeafCorners::number(const LeafBox& leaf, int corner) const noexcept

@@ -1,6 +1,8 @@
 // An octree's leaves as boxes on the lattice of its deepest cells: what exports draw.
 #pragma once
 
+#include "proxima/base/progress.h"
+#include "proxima/base/result.h"
 #include "proxima/octree/octree.h"
 
 #include <array>
@@ -20,14 +22,19 @@ struct LeafBox {
 
 enum class LeafChoice : std::uint8_t { all, boundary };
 
-/// Leaves in Morton order.
-[[nodiscard]] std::vector<LeafBox> leaf_boxes(const Octree& octree, LeafChoice choice);
+/// Leaves in Morton order. Error cancelled by `progress`, stage "collecting leaves".
+[[nodiscard]] Result<std::vector<LeafBox>> leaf_boxes(const Octree& octree, LeafChoice choice,
+                                                      Progress* progress);
+
+/// The error of a cancelled export.
+[[nodiscard]] tl::unexpected<Error> export_cancelled();
 
 /// The distinct corners of boxes, each once.
 class LeafCorners {
 public:
-    /// Sorts all corners: O(n log n).
-    explicit LeafCorners(const std::vector<LeafBox>& leaves);
+    /// Sorts all corners, in linear time. Error cancelled by `progress`, stage "numbering corners".
+    [[nodiscard]] static Result<LeafCorners> find(const std::vector<LeafBox>& leaves,
+                                                  Progress* progress);
 
     [[nodiscard]] std::size_t size() const noexcept { return codes_.size(); }
 

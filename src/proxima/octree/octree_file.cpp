@@ -85,7 +85,7 @@ Octree make_octree(const OctreeFileHeader& header, std::span<const OctreeNode> n
                          std::move(storage));
 }
 
-Result<Octree> octree_of(const BinaryFile& file, const std::string& name)
+Result<Octree> octree_of(const BinaryFile& file, const std::string& name, Progress* progress)
 {
     const auto headers = file.section<OctreeFileHeader>(header_section);
     if (!headers) return tl::unexpected<Error>(headers.error());
@@ -97,38 +97,42 @@ Result<Octree> octree_of(const BinaryFile& file, const std::string& name)
         return fail(ErrorCode::malformed_file, "the octree's parameters are damaged", name);
     }
     Octree octree = make_octree(headers->front(), *nodes, *references, file.storage());
-    if (const Status status = check_structure(octree); !status) {
-        return fail(status.error().code, describe(status.error()), name);
+    if (const Status status = check_structure(octree, progress); !status) {
+        // What would be a fault of the program in an octree of its own is damage in a file.
+        const bool stopped = status.error().code == ErrorCode::cancelled;
+        return fail(stopped ? ErrorCode::cancelled : ErrorCode::malformed_file,
+                    describe(status.error()), name);
     }
     return octree;
 }
 
 } // namespace
 
-Status save_octree(const Octree& octree, const std::filesystem::path& path)
+Status save_octree(const Octree& octree, const std::filesystem::path& path,
+                   const SaveOptions& options)
 {
     const OctreeFileHeader header = file_header(octree);
     const std::array<BinarySection, 3> sections = {
         binary_section(header_section, std::span(&header, 1)),
         binary_section(nodes_section, octree.nodes()),
         binary_section(references_section, octree.references())};
-    return write_binary_file(path, octree_format, sections);
+    return write_binary_file(path, octree_format, sections, options.progress);
 }
 
 Result<Octree> load_octree(const std::filesystem::path& path, const LoadOptions& options)
 {
-    const auto file = BinaryFile::open(path, octree_format, options.verify);
+    const auto file = BinaryFile::open(path, octree_format, options.verify, options.progress);
     if (!file) return tl::unexpected<Error>(file.error());
-    return octree_of(*file, path.string());
+    return octree_of(*file, path.string(), options.progress);
 }
 
 Result<Octree> load_octree(std::span<const std::byte> bytes, std::shared_ptr<const void> storage,
                            const std::string& name, const LoadOptions& options)
 {
-    const auto file =
-        BinaryFile::read(bytes, std::move(storage), name, octree_format, options.verify);
+    const auto file = BinaryFile::read(bytes, std::move(storage), name, octree_format,
+                                       options.verify, options.progress);
     if (!file) return tl::unexpected<Error>(file.error());
-    return octree_of(*file, name);
+    return octree_of(*file, name, options.progress);
 }
 
 } // namespace proxima

@@ -21,14 +21,20 @@ struct LoadOptions {
     /// `full` also compares the checksums, so that any damage is found. Both check the structure
     /// (check_structure.h), so that no content of a file can lead a query out of its arrays.
     Verification verify = Verification::full;
+    Progress* progress = nullptr; ///< stages "checksums" (bytes) and "checking the octree" (nodes)
 };
 
-/// Error file_not_writable. The same octree gives the same bytes. O(bytes).
-[[nodiscard]] Status save_octree(const Octree& octree, const std::filesystem::path& path);
+struct SaveOptions {
+    Progress* progress = nullptr; ///< stages "checksums" and "writing", steps are bytes
+};
+
+/// The same octree gives the same bytes. Errors: file_not_writable, cancelled. O(bytes).
+[[nodiscard]] Status save_octree(const Octree& octree, const std::filesystem::path& path,
+                                 const SaveOptions& options = {});
 
 /// The octree on the memory-mapped file, which must not change while the octree lives. Errors:
 /// file_not_found, unsupported_format (foreign file, newer version, other byte order),
-/// malformed_file (truncated, damaged, contradicting itself). O(nodes + references).
+/// malformed_file (truncated, damaged, contradicting itself), cancelled. O(nodes + references).
 [[nodiscard]] Result<Octree> load_octree(const std::filesystem::path& path,
                                          const LoadOptions& options = {});
 

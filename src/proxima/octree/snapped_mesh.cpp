@@ -31,7 +31,8 @@ std::int32_t snap(double offset, double scale) noexcept
 
 } // namespace
 
-SnappedMesh::SnappedMesh(const TriangleMesh& mesh, const OctreeFrame& frame, Threads threads)
+SnappedMesh::SnappedMesh(const TriangleMesh& mesh, const OctreeFrame& frame, Threads threads,
+                         Progress* progress)
     : mesh_(mesh), frame_(frame), error_steps_(snapping_error(frame)),
       margin_(static_cast<std::int32_t>(std::ceil(std::min(error_steps_, max_error_steps))))
 {
@@ -39,12 +40,14 @@ SnappedMesh::SnappedMesh(const TriangleMesh& mesh, const OctreeFrame& frame, Thr
     vertices_.resize(mesh.vertex_count());
     constexpr std::size_t chunk = 1 << 14;
     parallel_for((mesh.vertex_count() + chunk - 1) / chunk, threads, [&](std::size_t index) {
+        if (is_cancelled(progress)) return;
         const std::size_t end = std::min(mesh.vertex_count(), (index + 1) * chunk);
         for (std::size_t vertex = index * chunk; vertex < end; ++vertex) {
             const Vec3 offset = mesh.positions()[vertex] - frame.lower;
             vertices_[vertex] = {snap(offset[0], scale[0]), snap(offset[1], scale[1]),
                                  snap(offset[2], scale[2]), 0};
         }
+        if (progress != nullptr) progress->advance(end - index * chunk);
     });
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "proxima/base/parallel.h"
+#include "proxima/base/progress.h"
 #include "proxima/mesh/triangle_mesh.h"
 #include "proxima/octree/cell.h"
 #include "proxima/octree/snapped_overlap.h"
@@ -38,8 +39,10 @@ public:
     /// distance from the origin.
     static constexpr double max_error_steps = 1 << 24;
 
+    /// Not to be used once `progress` is cancelled; a step per vertex.
     /// \pre all vertices that triangles use lie in the frame; both outlive this object
-    SnappedMesh(const TriangleMesh& mesh, const OctreeFrame& frame, Threads threads);
+    SnappedMesh(const TriangleMesh& mesh, const OctreeFrame& frame, Threads threads,
+                Progress* progress);
 
     [[nodiscard]] const TriangleMesh& mesh() const noexcept { return mesh_; }
 

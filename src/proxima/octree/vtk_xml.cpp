@@ -22,9 +22,9 @@ void VtkXml::array(const std::string& type, const std::string& attributes,
     offset_ += sizeof(std::uint64_t) + bytes.size();
 }
 
-Status VtkXml::write(const std::filesystem::path& path) const
+Status VtkXml::write(const std::filesystem::path& path, Progress* progress) const
 {
-    auto file = OutputFile::create(path);
+    auto file = OutputFile::create(path, {progress, text_.size() + offset_});
     if (!file) return tl::unexpected<Error>(file.error());
     if (auto status = file->write(text_); !status) return status;
     if (auto status = file->write("<AppendedData encoding=\"raw\">\n_"); !status) return status;

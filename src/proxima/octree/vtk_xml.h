@@ -28,7 +28,8 @@ public:
     void array(const std::string& type, const std::string& attributes,
                std::span<const std::byte> bytes);
 
-    [[nodiscard]] Status write(const std::filesystem::path& path) const;
+    /// Errors: file_not_writable, cancelled.
+    [[nodiscard]] Status write(const std::filesystem::path& path, Progress* progress) const;
 
 private:
     std::string text_;

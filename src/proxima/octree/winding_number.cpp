@@ -25,6 +25,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 namespace proxima {
 
@@ -162,8 +163,13 @@ void fill_parent(WindingCluster& parent, Extent& extent, const WindingCluster& l
 
 // Topology: halves of Morton ranges, cut where the codes' highest bit changes.
 
-std::vector<KeyedIndex> morton_order(const TriangleMesh& mesh, const Box& bounds)
+/// Nothing where `progress` asks to stop.
+std::optional<std::vector<KeyedIndex>> morton_order(const TriangleMesh& mesh, const Box& bounds,
+                                                    Progress* progress)
 {
+    constexpr unsigned key_bits = 3 * max_octree_depth + 1;
+    StageSteps steps(progress, "sorting triangles",
+                     (radix_passes(key_bits) + 1) * mesh.triangle_count());
     constexpr double cells = static_cast<double>(1U << max_octree_depth);
     const double edge = bounds.extent().maxCoeff();
     const double scale = edge > 0.0 ? cells / edge : 0.0;
@@ -180,8 +186,9 @@ std::vector<KeyedIndex> morton_order(const TriangleMesh& mesh, const Box& bounds
                 static_cast<std::uint32_t>(std::clamp(mean * scale, 0.0, cells - 1.0));
         }
         items[i] = {cell_key(at, max_octree_depth).bits, static_cast<std::uint32_t>(i)};
+        if (!steps.done(1)) return std::nullopt;
     }
-    radix_sort(items, 3 * max_octree_depth + 1);
+    if (!radix_sort(items, key_bits, steps)) return std::nullopt;
     return items;
 }
 
@@ -295,6 +302,11 @@ double unit_for(double size) noexcept
     return std::ldexp(1.0, std::clamp(-std::ilogb(size), -1000, 1000));
 }
 
+tl::unexpected<Error> cancelled()
+{
+    return fail(ErrorCode::cancelled, "stopped while summing moments");
+}
+
 } // namespace
 
 Result<WindingNumber> build_winding_number(const TriangleMesh& mesh, const WindingOptions& options)
@@ -306,18 +318,19 @@ Result<WindingNumber> build_winding_number(const TriangleMesh& mesh, const Windi
     if (!bounds.extent().allFinite()) {
         return fail(ErrorCode::invalid_mesh, "the mesh is too large for its extent to be a number");
     }
-    if (options.progress != nullptr) {
-        options.progress->begin_stage("winding number", mesh.triangle_count());
-    }
     WindingNumber winding;
     winding.mesh_ = &mesh;
     winding.unit_ = unit_for(bounds.extent().maxCoeff());
     std::vector<WindingCluster>& clusters = winding.clusters_;
     {
-        const std::vector<KeyedIndex> items = morton_order(mesh, bounds);
-        winding.order_.reserve(items.size());
-        for (const KeyedIndex& item : items) winding.order_.push_back(TriangleId{item.index});
-        append_clusters(clusters, items, 0, static_cast<std::uint32_t>(items.size()));
+        const auto items = morton_order(mesh, bounds, options.progress);
+        if (!items) return cancelled();
+        winding.order_.reserve(items->size());
+        for (const KeyedIndex& item : *items) winding.order_.push_back(TriangleId{item.index});
+        append_clusters(clusters, *items, 0, static_cast<std::uint32_t>(items->size()));
+    }
+    if (options.progress != nullptr) {
+        options.progress->begin_stage("winding number", mesh.triangle_count());
     }
     std::vector<Extent> extents(clusters.size());
     constexpr std::size_t chunk = 256;
@@ -332,9 +345,7 @@ Result<WindingNumber> build_winding_number(const TriangleMesh& mesh, const Windi
             if (options.progress != nullptr) options.progress->advance(clusters[i].count);
         }
     });
-    if (is_cancelled(options.progress)) {
-        return fail(ErrorCode::cancelled, "stopped while summing moments");
-    }
+    if (is_cancelled(options.progress)) return cancelled();
     for (std::size_t i = clusters.size(); i-- > 0;) {
         if (!is_leaf(clusters, i)) {
             const std::size_t left = i + 1;

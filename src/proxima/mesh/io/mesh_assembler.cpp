@@ -5,6 +5,7 @@
 #include "proxima/mesh/weld_vertices.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 namespace proxima::detail {
@@ -44,6 +45,34 @@ bool MeshAssembler::reserve_triangles(std::uint64_t count)
     return true;
 }
 
+bool MeshAssembler::reserve_welded(std::size_t more)
+{
+    const std::uint64_t needed = welded_.size() + more;
+    if (needed > welded_.capacity()) {
+        // The old table and the new one live side by side for a moment.
+        const std::uint64_t vertices = std::max<std::uint64_t>(needed, 2 * welded_.capacity());
+        if (!fits_budget(VertexTable::bytes_for(vertices))) return false;
+        welded_.reserve(vertices);
+    }
+    return needed <= positions_.capacity() ||
+           reserve_vertices(std::max<std::uint64_t>(more, growth(positions_)));
+}
+
+bool MeshAssembler::add_welded(std::span<const Vec3> positions, std::span<std::uint32_t> ids)
+{
+    if (!reserve_welded(positions.size())) return false;
+    std::array<std::uint64_t, weld_block> hashes{};
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+        hashes[i] = VertexTable::hash(positions[i]);
+        welded_.prefetch(hashes[i]);
+    }
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+        ids[i] = welded_.find_or_add(hashes[i], positions[i], positions_.data());
+        if (ids[i] == positions_.size()) positions_.push_back(positions[i]);
+    }
+    return true;
+}
+
 bool MeshAssembler::add_polygon(std::span<const std::uint32_t> corners)
 {
     if (polygons_.size() == polygons_.capacity()) {
@@ -69,7 +98,8 @@ bool MeshAssembler::fits_budget(std::uint64_t more_bytes)
 {
     const std::uint64_t needed = source_.text.size() + positions_.capacity() * sizeof(Vec3) +
                                  triangles_.capacity() * sizeof(TriangleCorners) +
-                                 polygons_.capacity() * sizeof(Polygon) + more_bytes;
+                                 polygons_.capacity() * sizeof(Polygon) +
+                                 (welded_.size() > 0 ? welded_.bytes() : 0) + more_bytes;
     auto status = check_budget(options_.budget, needed, "reading " + source_.name,
                                "raise the budget or decimate the mesh");
     if (!status) error_ = std::move(status.error());
@@ -94,7 +124,7 @@ Status MeshAssembler::cut_polygons()
         }
         constexpr std::size_t large = 64;
         if ((count > large || polygon % large == 0) && is_cancelled(options_.progress)) {
-            return tl::unexpected(reading_cancelled(source_));
+            return tl::unexpected(reading_cancelled(source_.name));
         }
     }
     polygons_ = {};
@@ -104,9 +134,11 @@ Status MeshAssembler::cut_polygons()
 Result<TriangleMesh> MeshAssembler::finish(Vertices vertices)
 {
     if (auto status = cut_polygons(); !status) return tl::unexpected(status.error());
-    if (vertices == Vertices::welded) {
+    if (vertices == Vertices::welded && welded_.size() == 0) {
         if (!fits_budget(weld_scratch_bytes(positions_.size()))) return tl::unexpected(error_);
-        weld_vertices(positions_, triangles_);
+        if (!weld_vertices(positions_, triangles_, options_.progress)) {
+            return tl::unexpected(reading_cancelled(source_.name));
+        }
         positions_.shrink_to_fit();
     }
     auto mesh = make_triangle_mesh(std::move(positions_), std::move(triangles_));

@@ -3,6 +3,7 @@
 
 #include "proxima/mesh/io/mesh_source.h"
 #include "proxima/mesh/mesh_io.h"
+#include "proxima/mesh/vertex_table.h"
 
 #include <cstdint>
 #include <span>
@@ -20,7 +21,7 @@ enum class Vertices : std::uint8_t { as_they_are, welded };
 /// properly at the end, when all positions are known.
 class MeshAssembler {
 public:
-    MeshAssembler(const MeshSource& source, const ReadOptions& options) noexcept
+    MeshAssembler(const MeshSource& source, const ReadOptions& options)
         : source_(source), options_(options)
     {}
 
@@ -45,6 +46,14 @@ public:
         triangles_.push_back(corners);
         return true;
     }
+
+    /// Adds the vertices of which there is no equal one yet (see weld_vertices), and tells the ids
+    /// of all: for formats without indices, whose loose corners would be many times the vertices.
+    /// Not to be mixed with add_vertex. \pre ids.size() == positions.size() <= weld_block
+    static constexpr std::size_t weld_block = 192;
+    /// Makes room for so many more different vertices.
+    [[nodiscard]] bool reserve_welded(std::size_t more);
+    [[nodiscard]] bool add_welded(std::span<const Vec3> positions, std::span<std::uint32_t> ids);
 
     /// \pre 3 <= corners.size() <= max_face_corners
     [[nodiscard]] bool add_face(std::span<const std::uint32_t> corners)
@@ -83,6 +92,7 @@ private:
     std::vector<Vec3> positions_;
     std::vector<TriangleCorners> triangles_;
     std::vector<Polygon> polygons_;
+    VertexTable welded_; ///< of positions_, by add_welded
     Error error_;
 };
 

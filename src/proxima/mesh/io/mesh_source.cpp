@@ -51,7 +51,8 @@ std::string MeshSource::at_byte(const char* place) const
     return concat(name, ", byte ", place - text.data());
 }
 
-Result<FileBytes> read_file(const std::filesystem::path& path, MemoryBudget budget)
+Result<FileBytes> read_file(const std::filesystem::path& path, MemoryBudget budget,
+                            Progress* progress)
 {
     const Descriptor file(path);
     struct stat information {};
@@ -66,41 +67,48 @@ Result<FileBytes> read_file(const std::filesystem::path& path, MemoryBudget budg
         return fail(ErrorCode::file_not_found, "this is not a regular file: copy it to one first",
                     path.string());
     }
-    FileBytes bytes;
-    bytes.size = static_cast<std::size_t>(information.st_size);
-    if (bytes.size == 0) {
+    const auto size = static_cast<std::size_t>(information.st_size);
+    if (size == 0) {
         return fail(ErrorCode::malformed_file, "the file is empty: write or copy it again",
                     path.string());
     }
-    if (auto status = check_budget(budget, bytes.size, "reading " + path.string(),
+    if (auto status = check_budget(budget, size, "reading " + path.string(),
                                    "raise the budget or split the mesh");
         !status) {
         return tl::unexpected(status.error());
     }
-    bytes.data.reset(new (std::nothrow) char[bytes.size]);
-    if (bytes.data == nullptr) {
+    FileBytes file_bytes;
+    try {
+        file_bytes.bytes.resize(size);
+    } catch (const std::bad_alloc&) {
         return fail(ErrorCode::budget_exceeded,
-                    concat("no memory for the ", bytes.size, " bytes of this file: split the mesh"),
+                    concat("no memory for the ", size, " bytes of this file: split the mesh"),
                     path.string());
     }
-    for (std::size_t done = 0; done < bytes.size;) {
-        const ssize_t count = ::read(file.value(), bytes.data.get() + done, bytes.size - done);
+    constexpr std::size_t block = std::size_t{1} << 24U;
+    StageSteps steps(progress, "loading file", size, block);
+    for (std::size_t done = 0; done < size;) {
+        const ssize_t count =
+            ::read(file.value(), file_bytes.bytes.data() + done, std::min(block, size - done));
         if (count < 0 && errno == EINTR) continue;
         if (count < 0) return unreadable(path, errno);
         if (count == 0) {
             return fail(ErrorCode::malformed_file,
-                        concat("the file shrank from ", bytes.size, " to ", done,
+                        concat("the file shrank from ", size, " to ", done,
                                " bytes while it was read: wait until it is written"),
                         path.string());
         }
         done += static_cast<std::size_t>(count);
+        if (!steps.done(static_cast<std::size_t>(count))) {
+            return tl::unexpected(reading_cancelled(path.string()));
+        }
     }
-    return bytes;
+    return file_bytes;
 }
 
-Error reading_cancelled(const MeshSource& source)
+Error reading_cancelled(const std::string& name)
 {
-    return {ErrorCode::cancelled, "reading was stopped on request", source.name};
+    return {ErrorCode::cancelled, "reading was stopped on request", name};
 }
 
 } // namespace proxima::detail

@@ -1,13 +1,13 @@
 // The bytes of a mesh file, and how messages name a place in them.
 #pragma once
 
+#include "proxima/base/grow_buffer.h"
 #include "proxima/base/memory_budget.h"
 #include "proxima/base/progress.h"
 #include "proxima/base/result.h"
 
 #include <cstddef>
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <string_view>
 
@@ -26,15 +26,16 @@ struct MeshSource {
 
 /// The whole content of a file.
 struct FileBytes {
-    std::unique_ptr<char[]> data;
-    std::size_t size = 0;
+    GrowBuffer<char> bytes;
 
-    [[nodiscard]] std::string_view text() const noexcept { return {data.get(), size}; }
+    [[nodiscard]] std::string_view text() const noexcept { return {bytes.data(), bytes.size()}; }
 };
 
 /// Reads a regular file at once (a memory map would end the process by SIGBUS if the file shrank
-/// meanwhile). Errors: file_not_found, budget_exceeded, malformed_file if it is empty.
-[[nodiscard]] Result<FileBytes> read_file(const std::filesystem::path& path, MemoryBudget budget);
+/// meanwhile). `progress` sees the stage "loading file", steps are bytes. Errors: file_not_found,
+/// budget_exceeded, malformed_file if it is empty, cancelled.
+[[nodiscard]] Result<FileBytes> read_file(const std::filesystem::path& path, MemoryBudget budget,
+                                          Progress* progress);
 
 /// Tells the watcher how far the reader is and the reader whether to stop. One comparison per call,
 /// but once per MiB.
@@ -69,7 +70,7 @@ private:
     const char* next_;
 };
 
-/// The error of a cancelled reader.
-[[nodiscard]] Error reading_cancelled(const MeshSource& source);
+/// The error of a cancelled reader of the file or data of this name.
+[[nodiscard]] Error reading_cancelled(const std::string& name);
 
 } // namespace proxima::detail

@@ -36,7 +36,7 @@ public:
     {
         while (cursor_.next_filled_line()) {
             if (!progress_.may_continue(cursor_.place())) {
-                return tl::unexpected(reading_cancelled(source_));
+                return tl::unexpected(reading_cancelled(source_.name));
             }
             line_ = cursor_.place();
             if (!read_statement()) return tl::unexpected(error_);

@@ -160,7 +160,7 @@ private:
     bool begin_line(std::string_view what, std::uint64_t index, std::uint64_t count)
     {
         if (!progress_.may_continue(cursor_.place())) {
-            error_ = reading_cancelled(source_);
+            error_ = reading_cancelled(source_.name);
             return false;
         }
         if (cursor_.next_filled_line()) return true;

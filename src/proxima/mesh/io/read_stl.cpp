@@ -7,6 +7,8 @@
 #include <array>
 #include <bit>
 #include <cstring>
+#include <numeric>
+#include <span>
 #include <vector>
 
 namespace proxima::detail {
@@ -30,6 +32,16 @@ std::uint32_t load_uint32(const char* bytes) noexcept
            std::uint32_t{octets[3]} << 24U;
 }
 
+/// Of the triangle at `place`; the normal comes before the corners.
+Vec3 load_corner(const char* place, std::size_t corner) noexcept
+{
+    const auto value = [&](std::size_t index) {
+        return static_cast<double>(std::bit_cast<float>(load_uint32(place + index * 4)));
+    };
+    const std::size_t x = 3 * (corner + 1);
+    return {value(x), value(x + 1), value(x + 2)};
+}
+
 bool equals_any_case(std::string_view word, std::string_view lower_case) noexcept
 {
     return std::ranges::equal(word, lower_case, [](char letter, char expected) {
@@ -51,24 +63,40 @@ Result<TriangleMesh> read_binary(const MeshSource& source, const ReadOptions& op
     MeshAssembler mesh(source, options);
     ReadProgress progress(options.progress, text);
     const std::uint32_t count = load_uint32(text.data() + header_bytes);
-    if (!mesh.reserve_vertices(std::uint64_t{3} * count) || !mesh.reserve_triangles(count)) {
+    const bool welds = vertices == Vertices::welded;
+    // A closed surface has half as many vertices as triangles.
+    if (!(welds ? mesh.reserve_welded(count / 2)
+                : mesh.reserve_vertices(std::uint64_t{3} * count)) ||
+        !mesh.reserve_triangles(count)) {
         return tl::unexpected(mesh.error());
     }
+    constexpr std::uint32_t block = MeshAssembler::weld_block / 3;
+    std::array<Vec3, 3 * block> corners;
+    std::array<std::uint32_t, 3 * block> ids{};
     const char* place = text.data() + first_triangle;
-    for (std::uint32_t triangle = 0; triangle < count; ++triangle, place += triangle_bytes) {
-        if (!progress.may_continue(place)) return tl::unexpected(reading_cancelled(source));
-        const auto value = [&](std::size_t index) {
-            return static_cast<double>(std::bit_cast<float>(load_uint32(place + index * 4)));
-        };
-        const std::uint32_t first = 3 * triangle;
+    for (std::uint32_t first = 0; first < count; first += block) {
+        if (!progress.may_continue(place)) return tl::unexpected(reading_cancelled(source.name));
+        const std::uint32_t triangles = std::min(block, count - first);
+        for (std::uint32_t triangle = 0; triangle < triangles; ++triangle) {
+            for (std::size_t corner = 0; corner < 3; ++corner) {
+                corners[3 * triangle + corner] = load_corner(place, corner);
+            }
+            place += triangle_bytes;
+        }
+        const std::span found = std::span(ids).first(3 * triangles);
         bool added = true;
-        for (std::size_t corner = 1; corner <= 3; ++corner) {
-            const std::size_t x = 3 * corner;
-            added = added && mesh.add_vertex({value(x), value(x + 1), value(x + 2)});
+        if (welds) {
+            added = mesh.add_welded(std::span(corners).first(found.size()), found);
+        } else {
+            std::iota(found.begin(), found.end(), 3 * first);
+            for (std::size_t i = 0; i < found.size(); ++i) {
+                added = added && mesh.add_vertex(corners[i]);
+            }
         }
-        if (!added || !mesh.add_triangle({first, first + 1, first + 2})) {
-            return tl::unexpected(mesh.error());
+        for (std::size_t i = 0; i < found.size(); i += 3) {
+            added = added && mesh.add_triangle({found[i], found[i + 1], found[i + 2]});
         }
+        if (!added) return tl::unexpected(mesh.error());
     }
     return mesh.finish(vertices);
 }
@@ -76,19 +104,20 @@ Result<TriangleMesh> read_binary(const MeshSource& source, const ReadOptions& op
 // solid NAME / facet normal x y z / outer loop / vertex x y z ... / endloop / endfacet / endsolid
 class TextReader {
 public:
-    TextReader(const MeshSource& source, const ReadOptions& options)
-        : source_(source), cursor_(source.text), mesh_(source, options),
+    TextReader(const MeshSource& source, const ReadOptions& options, Vertices vertices)
+        : source_(source), vertices_(vertices), cursor_(source.text), mesh_(source, options),
           progress_(options.progress, source.text)
     {}
 
-    Result<TriangleMesh> read(Vertices vertices)
+    Result<TriangleMesh> read()
     {
         cursor_.skip_blanks();
         while (!cursor_.at_end()) {
             if (!read_solid()) return tl::unexpected(error_);
             cursor_.skip_blanks();
         }
-        return mesh_.finish(vertices);
+        if (!add_facets()) return tl::unexpected(mesh_.error());
+        return mesh_.finish(vertices_);
     }
 
 private:
@@ -98,12 +127,14 @@ private:
         skip_name();
         while (true) {
             if (!progress_.may_continue(cursor_.place())) {
-                error_ = reading_cancelled(source_);
+                error_ = reading_cancelled(source_.name);
                 return false;
             }
-            const std::string_view word = cursor_.word();
-            if (equals_any_case(word, "endsolid")) break;
-            if (!equals_any_case(word, "facet")) return refuse_word(word, "facet or endsolid");
+            if (!cursor_.take_word("facet")) {
+                const std::string_view word = cursor_.word();
+                if (equals_any_case(word, "endsolid")) break;
+                if (!equals_any_case(word, "facet")) return refuse_word(word, "facet or endsolid");
+            }
             if (!read_facet()) return false;
         }
         skip_name();
@@ -123,37 +154,72 @@ private:
         if (!expect("normal")) return false;
         for (int i = 0; i < 3; ++i) (void)cursor_.word();
         if (!expect("outer") || !expect("loop")) return false;
-        corners_.clear();
+        const std::size_t first = positions_.size();
         while (true) {
-            const std::string_view word = cursor_.word();
-            if (equals_any_case(word, "endloop")) break;
-            if (!equals_any_case(word, "vertex")) return refuse_word(word, "vertex or endloop");
+            if (!cursor_.take_word("vertex")) {
+                const std::string_view word = cursor_.word();
+                if (equals_any_case(word, "endloop")) break;
+                if (!equals_any_case(word, "vertex")) return refuse_word(word, "vertex or endloop");
+            }
+            const std::size_t corner = positions_.size() - first;
             Vec3 position;
             for (int axis = 0; axis < 3; ++axis) {
                 if (!cursor_.real(position[axis])) {
-                    return refuse(concat("vertex ", corners_.size(), " of facet ", facet_,
-                                         " has not three numbers"));
+                    return refuse(
+                        concat("vertex ", corner, " of facet ", facet_, " has not three numbers"));
                 }
             }
-            if (corners_.size() == max_face_corners) {
+            if (corner == max_face_corners) {
                 return refuse(concat("facet ", facet_, " has more than ", max_face_corners,
                                      " corners: cut it in the program that made it"),
                               ErrorCode::limit_exceeded);
             }
-            corners_.push_back(static_cast<std::uint32_t>(mesh_.vertex_count()));
-            if (!mesh_.add_vertex(position)) return refused_by_mesh();
+            positions_.push_back(position);
         }
-        if (corners_.size() < 3) {
-            return refuse(concat("facet ", facet_, " has ", corners_.size(),
+        const std::size_t corners = positions_.size() - first;
+        if (corners < 3) {
+            return refuse(concat("facet ", facet_, " has ", corners,
                                  " corners, it needs at least 3: remove it"));
         }
         if (!expect("endfacet")) return false;
         ++facet_;
-        return mesh_.add_face(corners_) || refused_by_mesh();
+        facet_ends_.push_back(static_cast<std::uint32_t>(positions_.size()));
+        return positions_.size() < MeshAssembler::weld_block || add_facets() || refused_by_mesh();
+    }
+
+    // Those that wait: many at a time, so that the memory of one is fetched while others are met.
+    bool add_facets()
+    {
+        corners_.resize(positions_.size());
+        for (std::size_t begin = 0; begin < positions_.size();) {
+            const std::size_t count =
+                std::min(MeshAssembler::weld_block, positions_.size() - begin);
+            const auto positions = std::span<const Vec3>(positions_).subspan(begin, count);
+            const auto corners = std::span(corners_).subspan(begin, count);
+            if (vertices_ == Vertices::welded) {
+                if (!mesh_.add_welded(positions, corners)) return false;
+            } else {
+                std::iota(corners.begin(), corners.end(),
+                          static_cast<std::uint32_t>(mesh_.vertex_count()));
+                for (const Vec3& position : positions) {
+                    if (!mesh_.add_vertex(position)) return false;
+                }
+            }
+            begin += count;
+        }
+        std::uint32_t begin = 0;
+        for (const std::uint32_t end : facet_ends_) {
+            if (!mesh_.add_face(std::span(corners_).subspan(begin, end - begin))) return false;
+            begin = end;
+        }
+        positions_.clear();
+        facet_ends_.clear();
+        return true;
     }
 
     bool expect(std::string_view expected)
     {
+        if (cursor_.take_word(expected)) return true;
         const std::string_view word = cursor_.word();
         return equals_any_case(word, expected) || refuse_word(word, expected);
     }
@@ -181,11 +247,15 @@ private:
     }
 
     const MeshSource& source_;
+    Vertices vertices_;
     Cursor cursor_;
     MeshAssembler mesh_;
     ReadProgress progress_;
     std::uint64_t facet_ = 0;
-    std::vector<std::uint32_t> corners_;
+    // Facets that wait to be added:
+    std::vector<Vec3> positions_;
+    std::vector<std::uint32_t> facet_ends_; ///< in positions_
+    std::vector<std::uint32_t> corners_;    ///< the vertices at positions_
     Error error_;
 };
 
@@ -218,7 +288,7 @@ Result<TriangleMesh> read_stl(const MeshSource& source, const ReadOptions& optio
     const bool is_text =
         equals_any_case(start.word(), "solid") && source.text.find('\0') == std::string_view::npos;
     if (!is_text) return refuse_binary(source);
-    return TextReader(source, options).read(vertices);
+    return TextReader(source, options, vertices).read();
 }
 
 } // namespace proxima::detail

@@ -129,7 +129,7 @@ public:
             return tl::unexpected(mesh_.error());
         }
         for (const Instance& instance : instances_) {
-            if (is_cancelled(options_.progress)) return tl::unexpected(reading_cancelled(source_));
+            if (is_cancelled(options_.progress)) return tl::unexpected(reading_cancelled(source_.name));
             if (!add(instance)) return tl::unexpected(error_);
         }
         return mesh_.finish(vertices);
@@ -263,7 +263,7 @@ Result<TriangleMesh> read_with_assimp(const MeshSource& source, const std::files
                         source.name);
         }
         if (!progress.may_continue(source.text.data() + source.text.size())) {
-            return tl::unexpected(reading_cancelled(source));
+            return tl::unexpected(reading_cancelled(source.name));
         }
         return SceneReader(source, options, *scene).read(vertices);
     } catch (const std::exception& exception) {

@@ -8,6 +8,7 @@
 
 #include "proxima/mesh/io/number_text.h"
 
+#include <bit>
 #include <cstdint>
 #include <cstring>
 #include <string_view>
@@ -109,11 +110,34 @@ public:
         return true;
     }
 
+    /// Moves over this very word if it is the next one of this line.
+    [[nodiscard]] bool take_word(std::string_view word) noexcept
+    {
+        skip_blanks();
+        if (remaining() < word.size() || std::memcmp(place_, word.data(), word.size()) != 0 ||
+            !ends_value(place_ + word.size())) {
+            return false;
+        }
+        place_ += word.size();
+        return true;
+    }
+
     /// Reads letters up to the next blank of this line; empty at its end.
     [[nodiscard]] std::string_view word() noexcept
     {
         skip_blanks();
         const char* const begin = place_;
+        if constexpr (std::endian::native == std::endian::little && only_blanks_end_values) {
+            // Eight letters at a time while all are above the blank.
+            while (remaining() >= 8) {
+                std::uint64_t letters = 0;
+                std::memcpy(&letters, place_, sizeof letters);
+                const std::uint64_t low =
+                    (letters - 0x2121212121212121U) & ~letters & 0x8080808080808080U;
+                place_ += std::countr_zero(low) / 8;
+                if (low != 0) break;
+            }
+        }
         while (place_ < end_ && !ends_value(place_)) ++place_;
         return {begin, static_cast<std::size_t>(place_ - begin)};
     }
@@ -139,15 +163,20 @@ public:
     [[nodiscard]] bool ends_value() const noexcept { return ends_value(place_); }
 
 private:
+    static constexpr bool only_blanks_end_values =
+        !Dialect.has_comments && !Dialect.continues_lines;
+
     static bool is_blank(char letter) noexcept
     {
+        if (static_cast<unsigned char>(letter) > ' ') return false;
         return letter == ' ' || letter == '\t' || letter == '\r' || letter == '\v' ||
                letter == '\f';
     }
 
     [[nodiscard]] bool ends_value(const char* place) const noexcept
     {
-        if (place == end_ || is_blank(*place) || *place == '\n') return true;
+        if (place == end_) return true;
+        if (static_cast<unsigned char>(*place) <= ' ') return is_blank(*place) || *place == '\n';
         if (Dialect.has_comments && *place == '#') return true;
         return Dialect.continues_lines && *place == '\\';
     }

@@ -1,0 +1,64 @@
+#include "cli/octree_file_model.h"
+
+#include "proxima/base/file_extension.h"
+#include "proxima/base/text.h"
+#include "proxima/octree/octree_file.h"
+
+#include <CLI/CLI.hpp>
+
+namespace proxima {
+
+bool is_octree_file(const std::string& model)
+{
+    return lower_case_extension(model) == ".pxo";
+}
+
+void add_mesh_option(CLI::App& parser, const std::string& model, std::string& mesh,
+                     std::vector<std::string> not_for_files)
+{
+    parser
+        .add_option("--mesh", mesh,
+                    "The mesh of an octree file: a file or a built-in, as MODEL may be")
+        ->type_name("MODEL");
+    parser.parse_complete_callback([&parser, &model, names = std::move(not_for_files)] {
+        if (!is_octree_file(model)) {
+            if (parser.count("--mesh") == 0) return;
+            throw CLI::ValidationError("--mesh", "it goes with an octree file (.pxo) alone");
+        }
+        for (const std::string& name : names) {
+            if (parser.count(name) == 0) continue;
+            throw CLI::ValidationError(
+                name, concat("an octree file is built already: leave it out or give a mesh "
+                             "instead of ",
+                             model));
+        }
+    });
+}
+
+Result<Octree> load_octree_file(const std::string& path, Session& session)
+{
+    const ProgressBar shown(session.progress(), session.bar());
+    return load_octree(path, {.progress = &session.progress()});
+}
+
+Result<TriangleMesh> load_mesh_of(const Octree& octree, const std::string& mesh, Session& session)
+{
+    if (mesh.empty()) return TriangleMesh{};
+    auto loaded = session.load_model(mesh);
+    if (!loaded) return loaded;
+    if (loaded->triangle_count() != octree.triangle_count()) {
+        return fail(ErrorCode::invalid_argument,
+                    concat("this is not the octree's mesh: it has ", loaded->triangle_count(),
+                           " triangles, the octree was built from ", octree.triangle_count()),
+                    mesh);
+    }
+    const Box root = octree.box(octree.root());
+    const Box bounds = bounding_box(*loaded);
+    if (!root.contains(bounds.lower) || !root.contains(bounds.upper)) {
+        return fail(ErrorCode::invalid_argument,
+                    "this is not the octree's mesh: it reaches out of the root cell", mesh);
+    }
+    return loaded;
+}
+
+} // namespace proxima

@@ -1,0 +1,50 @@
+// Cancelling work at moments that can be repeated.
+#pragma once
+
+#include "proxima/base/progress.h"
+#include "proxima/base/result.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <iterator>
+#include <map>
+#include <string>
+
+namespace proxima::testing {
+
+/// Runs work(progress) again and again, cancelled at its first report, its second, fourth and so
+/// on, until a run ends before. Each but the last says `cancelled`, and is_unchanged() holds after
+/// it. At least `least_runs` were cancelled.
+template <class Work, class IsUnchanged>
+void cancel_at_every_stage(const Work& work, const IsUnchanged& is_unchanged, int least_runs = 2)
+{
+    int runs = 0;
+    for (std::uint64_t reports = 1;; reports *= 2) {
+        Progress progress;
+        progress.cancel_after(reports);
+        const auto result = work(progress);
+        // The last report of all comes when there is nothing left to stop.
+        if (result && reports > 1) break;
+        ++runs;
+        ASSERT_FALSE(result) << "not stopped at the first report";
+        EXPECT_EQ(result.error().code, ErrorCode::cancelled) << describe(result.error());
+        EXPECT_TRUE(progress.cancelled());
+        EXPECT_TRUE(is_unchanged()) << "after report " << reports;
+    }
+    EXPECT_GE(runs, least_runs);
+}
+
+/// The names and contents of a folder's files.
+inline std::map<std::string, std::string> files_in(const std::filesystem::path& folder)
+{
+    std::map<std::string, std::string> files;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+        std::ifstream file(entry.path(), std::ios::binary);
+        files[entry.path().filename()] = {std::istreambuf_iterator<char>(file), {}};
+    }
+    return files;
+}
+
+} // namespace proxima::testing

@@ -1,0 +1,123 @@
+// Everything in this layer that takes long stops when asked to, and leaves nothing behind.
+#include "cancellation.h"
+
+#include "proxima/mesh/sample_meshes.h"
+#include "proxima/octree/build_octree.h"
+#include "proxima/octree/check_octree.h"
+#include "proxima/octree/classify_cells.h"
+#include "proxima/octree/export.h"
+#include "proxima/octree/octree_file.h"
+
+#include <algorithm>
+#include <unistd.h>
+
+namespace proxima {
+namespace {
+
+using testing::cancel_at_every_stage;
+using testing::files_in;
+
+const TriangleMesh& large_mesh()
+{
+    static const TriangleMesh mesh = *make_spaceship(20000);
+    return mesh;
+}
+
+const Octree& large_octree()
+{
+    static const Octree octree = *build_octree(large_mesh(), {.max_depth = 8, .threshold = 4});
+    return octree;
+}
+
+class OctreeCancellation : public ::testing::Test {
+protected:
+    void SetUp() override
+    {
+        std::string name =
+            (std::filesystem::temp_directory_path() / "proxima_cancel_XXXXXX").string();
+        ASSERT_NE(::mkdtemp(name.data()), nullptr);
+        folder = name;
+    }
+    void TearDown() override { std::filesystem::remove_all(folder); }
+
+    std::filesystem::path folder;
+};
+
+TEST_F(OctreeCancellation, OfSavingAndLoading)
+{
+    const auto path = folder / "a.pxo";
+    std::ofstream(path) << "old";
+    const auto before = files_in(folder);
+    cancel_at_every_stage(
+        [&](Progress& progress) {
+            return save_octree(large_octree(), path, {.progress = &progress});
+        },
+        [&] { return files_in(folder) == before; }, 3);
+
+    ASSERT_TRUE(save_octree(large_octree(), path));
+    cancel_at_every_stage(
+        [&](Progress& progress) { return load_octree(path, {.progress = &progress}); },
+        [] { return true; }, 3);
+}
+
+TEST_F(OctreeCancellation, OfExporting)
+{
+    for (const char* const name : {"a.vtu", "a.htg", "a.ply", "a.glb"}) {
+        SCOPED_TRACE(name);
+        std::ofstream(folder / name) << "old";
+        const auto before = files_in(folder);
+        cancel_at_every_stage(
+            [&](Progress& progress) {
+                return export_octree(large_octree(), large_mesh(), folder / name,
+                                     {.progress = &progress});
+            },
+            [&] { return files_in(folder) == before; }, 5);
+    }
+}
+
+TEST(OctreeBuildCancellation, AtEveryStage)
+{
+    for (const Subdivision subdivision : {Subdivision::adaptive, Subdivision::uniform}) {
+        for (const int threads : {1, 2}) {
+            SCOPED_TRACE(threads);
+            cancel_at_every_stage(
+                [&](Progress& progress) {
+                    return build_octree(large_mesh(), {.max_depth = 6,
+                                                       .threshold = 4,
+                                                       .subdivision = subdivision,
+                                                       .threads = {threads},
+                                                       .progress = &progress});
+                },
+                [] { return true; }, 6);
+        }
+    }
+}
+
+TEST(OctreeBuildCancellation, OfClassifyingAMeshWithAHole)
+{
+    std::vector<Vec3> positions(large_mesh().positions().begin(), large_mesh().positions().end());
+    std::vector<TriangleCorners> triangles(large_mesh().triangles().begin() + 500,
+                                           large_mesh().triangles().end());
+    const auto open = make_triangle_mesh(std::move(positions), std::move(triangles));
+    ASSERT_TRUE(open);
+    const auto octree = build_octree(*open, {.max_depth = 7, .classification = Classification::none});
+    ASSERT_TRUE(octree);
+    cancel_at_every_stage(
+        [&](Progress& progress) {
+            return classify_cells(*octree, *open, {.threads = {1}, .progress = &progress});
+        },
+        [] { return true; }, 6);
+}
+
+TEST(OctreeCheckCancellation, StopsAndSaysSo)
+{
+    const TriangleMesh mesh = make_sphere(40, 40);
+    const auto octree = build_octree(mesh, {.max_depth = 5});
+    ASSERT_TRUE(octree);
+    cancel_at_every_stage(
+        [&](Progress& progress) { return check_octree(*octree, mesh, &progress); },
+        [] { return true; }, 4);
+}
+
+} // namespace
+} // namespace proxima
