@@ -42,11 +42,12 @@ def command_of(source, commands):
 
 def findings_of(source, command, folder, tidied, rules):
     """What clang-tidy prints; None where the source passed."""
-    # With comments, for they can silence a rule.
-    text = subprocess.run([*command, "-E", "-CC", source], cwd=folder, capture_output=True)
+    # With comments, for they can silence a rule; without the checkout's place, for copies of it pass alike.
+    text = subprocess.run([*command, "-E", "-CC", "-P", source], cwd=folder, capture_output=True)
     if text.returncode != 0:
         return text.stderr.decode()
-    stamp = tidied / hashlib.sha256(rules + repr(command).encode() + text.stdout).hexdigest()
+    said = " ".join([*command, str(source)]).replace(str(ROOT), ".")
+    stamp = tidied / hashlib.sha256(rules + said.encode() + text.stdout).hexdigest()
     if stamp.exists():
         return None
     result = subprocess.run([TIDY, "--quiet", str(source), "--", *command[1:]], cwd=folder, capture_output=True, text=True)
