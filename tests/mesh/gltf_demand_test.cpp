@@ -13,7 +13,7 @@ struct Scene {
     std::string roots = "0";
     std::string primitives = R"({"attributes":{"POSITION":0}})";
     std::string accessors = R"({"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"})";
-    std::string more;
+    std::string more{};
 };
 
 std::string repeated(const std::string& text, int times)
