@@ -12,7 +12,8 @@ if(PROXIMA_SANITIZE)
   target_link_options(proxima_developer_options INTERFACE -fsanitize=${PROXIMA_SANITIZE})
 endif()
 
-# Headers that many files of a target share; sources include what they use all the same.
+# Headers that many files of a target share; sources include what they use all the same. Not for headers of
+# many templates: these are instantiated anew in every source that loads them.
 function(proxima_precompile target)
   if(PROXIMA_PRECOMPILE_HEADERS)
     target_precompile_headers(${target} PRIVATE ${ARGN})
