@@ -73,7 +73,7 @@ void build_ours(benchmark::State& state, const Workload& load, OverlapMethod met
                                 .threads = {threads}};
     std::string text;
     double bytes = 0;
-    for (auto _ : state) {
+    while (state.KeepRunning()) {
         auto octree = build_octree(*load.mesh, options);
         state.PauseTiming();
         if (!octree) {
@@ -106,7 +106,7 @@ void build_akenine_moller(benchmark::State& state, const Workload& load)
     const OctreeFrame frame = tight_root(bounding_box(*load.mesh), RootShape::cube);
     std::string text;
     double pairs = 0;
-    for (auto _ : state) {
+    while (state.KeepRunning()) {
         const AkenineMollerOctree octree(*load.mesh, frame, load.depth, load.threshold);
         state.PauseTiming();
         pairs = static_cast<double>(octree.pair_count());

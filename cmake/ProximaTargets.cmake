@@ -12,6 +12,14 @@ if(PROXIMA_SANITIZE)
   target_link_options(proxima_developer_options INTERFACE -fsanitize=${PROXIMA_SANITIZE})
 endif()
 
+# Headers that many files of a target share; sources include what they use all the same. Not for headers of
+# many templates: these are instantiated anew in every source that loads them.
+function(proxima_precompile target)
+  if(PROXIMA_PRECOMPILE_HEADERS)
+    target_precompile_headers(${target} PRIVATE ${ARGN})
+  endif()
+endfunction()
+
 # proxima_add_layer(NAME HEADERS ... SOURCES ... LINK ... PRIVATE_LINK ...)
 # One static library per layer: target proxima_NAME, exported as proxima::NAME.
 function(proxima_add_layer name)
@@ -26,5 +34,8 @@ function(proxima_add_layer name)
   target_link_libraries(${target} PUBLIC ${ARG_LINK}
     PRIVATE ${ARG_PRIVATE_LINK} $<BUILD_INTERFACE:proxima_developer_options>)
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  if(NOT name STREQUAL "base")
+    proxima_precompile(${target} <Eigen/Core> <algorithm> <string> <vector>)
+  endif()
   set_property(GLOBAL APPEND PROPERTY PROXIMA_LAYERS ${target})
 endfunction()

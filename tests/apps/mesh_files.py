@@ -1,6 +1,7 @@
-"""A tetrahedron in every format that proxima reads, as bytes."""
+"""A tetrahedron in every format that proxima reads, as bytes; READ are those that this build reads."""
 import base64
 import json
+import os
 import struct
 
 POSITIONS = [(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)]
@@ -91,7 +92,10 @@ def glb():
     return struct.pack("<4sII", b"glTF", 2, 12 + len(body)) + body
 
 
-ALL = {"a.obj": obj(), "a.off": off(), "ascii.ply": ply_ascii(),
-       "little.ply": ply_binary("<", "binary_little_endian"),
-       "big.ply": ply_binary(">", "binary_big_endian"), "ascii.stl": stl_ascii(),
-       "binary.stl": stl_binary(), "a.3ds": three_ds(), "a.gltf": gltf(), "a.glb": glb()}
+PLAIN = {"a.obj": obj(), "a.off": off(), "ascii.ply": ply_ascii(),
+         "little.ply": ply_binary("<", "binary_little_endian"),
+         "big.ply": ply_binary(">", "binary_big_endian"), "ascii.stl": stl_ascii(),
+         "binary.stl": stl_binary()}
+SCENES = {"a.3ds": three_ds(), "a.gltf": gltf(), "a.glb": glb()}
+READS_SCENES = os.environ.get("PROXIMA_WITH_ASSIMP", "ON") == "ON"  # what the program was built with
+READ = {**PLAIN, **(SCENES if READS_SCENES else {})}

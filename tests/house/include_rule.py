@@ -6,7 +6,8 @@
 
 proximity and query do not see each other; an app sees only itself among the apps. Includes are
 written as the path below src/ or apps/, files never include each other in a circle, and foreign
-headers stay in the layers that may use them.
+headers stay in the layers that may use them. Nobody, tests and benchmarks neither, writes for one
+processor: vector code goes through Highway, in base and in the kernels named below.
 
     include_rule.py ROOT      prints each broken rule as FILE:LINE: what; exit status 1 if any
 """
@@ -19,9 +20,16 @@ RANK = {"base": 0, "geometry": 1, "mesh": 2, "minkowski": 3, "octree": 4,
         "proximity": 5, "query": 5, "haptics": 6, "apps": 7}
 
 # Foreign headers (first part of the path) and the layers that may name them; None: all layers.
-FOREIGN = {"Eigen": None, "hwy": None, "tl": None, "xxhash.h": None, "sys": None, "sanitizer": {"base"},
+FOREIGN = {"Eigen": None, "hwy": {"base"}, "tl": None, "xxhash.h": None, "sys": None, "sanitizer": {"base"},
            "tbb": {"base"}, "oneapi": {"base"}, "assimp": {"mesh"}}
 FOREIGN_TO_ALL_BUT_APPS = {"CLI", "fmt", "nlohmann", "png.h", "GLFW", "epoxy", "imgui.h", "pybind11", "gtest"}
+
+# Files outside base that are compiled once per instruction set.
+KERNELS = {"src/proxima/octree/distribute_children.cpp", "src/proxima/octree/snapped_overlap.cpp"}
+
+# Headers of one processor: immintrin.h, x86intrin.h, arm_neon.h, riscv_vector.h and their like.
+INTRINSICS = re.compile(r"^(\w*intrin|cpuid|(arm|riscv)_\w+|altivec|wasm_simd128|msa)\.h$")
+OTHER_FOLDERS = ("tests", "bench", "fuzz", "examples")
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
 
@@ -37,10 +45,18 @@ def room_of(path):
     return path.parts[:2] if path.parts[0] == "apps" else path.parts[:3]
 
 
-def foreign_problem(name, layer):
-    first = name.split("/")[0]
-    if layer == "apps":
+def intrinsics_problem(name):
+    return f"<{name}> is for one processor only: use Highway" if INTRINSICS.match(name) else None
+
+
+def foreign_problem(name, source):
+    first, layer = name.split("/")[0], layer_of(source)
+    if INTRINSICS.match(name):
+        return intrinsics_problem(name)
+    if first == "hwy" and source.as_posix() in KERNELS:
         return None
+    if layer == "apps":
+        return None if first != "hwy" else f"<{name}> is for base and kernels only"
     if first in FOREIGN_TO_ALL_BUT_APPS:
         return f"<{name}> is for apps only"
     if first in FOREIGN:
@@ -106,9 +122,16 @@ def problems_of_file(root, source, targets):
         elif quoted:
             problem = f'"{name}" is no path below src/ or apps/'
         else:
-            problem = foreign_problem(name, layer)
+            problem = foreign_problem(name, source)
         if problem:
             yield f"{source}:{number}: {problem}"
+
+
+def intrinsics_in(root, source):
+    for number, line in enumerate((root / source).read_text().splitlines(), 1):
+        match = INCLUDE.match(line)
+        if match and intrinsics_problem(match[2]):
+            yield f"{source}:{number}: {intrinsics_problem(match[2])}"
 
 
 def problems(root):
@@ -118,6 +141,10 @@ def problems(root):
     for source in sorted(files):
         graph[source] = set()
         found += problems_of_file(root, source, graph[source])
+    for folder in OTHER_FOLDERS:
+        for path in sorted((root / folder).rglob("*")):
+            if path.suffix in (".h", ".cpp"):
+                found += intrinsics_in(root, path.relative_to(root))
     for circle in circles(graph):
         found.append(f"{circle[0]}:1: circle of includes: {' -> '.join(map(str, circle))}")
     return found, len(files)

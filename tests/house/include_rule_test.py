@@ -67,6 +67,18 @@ class IncludeRule(unittest.TestCase):
         self.check("src/proxima/mesh/wrong.h", "#include <fmt/format.h>\n", "for apps only")
         self.check("src/proxima/mesh/wrong.h", "#include <boost/array.hpp>\n", "no library the core may use")
 
+    def test_catches_vector_code_out_of_place(self):
+        self.check("src/proxima/octree/wrong.cpp", "#include <hwy/highway.h>\n", "for base only")
+        self.check("apps/cli/wrong.cpp", "#include <hwy/highway.h>\n", "kernels only")
+        for name in ("src/proxima/base/wrong.h", "src/proxima/octree/snapped_overlap.cpp", "apps/cli/wrong.cpp",
+                     "tests/octree/wrong_test.cpp", "bench/wrong.h", "fuzz/wrong.cpp", "examples/wrong.cpp"):
+            for header in ("immintrin.h", "x86intrin.h", "xmmintrin.h", "arm_neon.h"):
+                self.check(name, f"#include <vector>\n#include <{header}>\n", ":2:", "one processor")
+
+    def test_accepts_vector_code_where_it_belongs(self):
+        for name in ("src/proxima/base/simd.cpp", "src/proxima/octree/snapped_overlap.cpp"):
+            self.assertEqual(problems_with({name: "#include <hwy/highway.h>\n"}), [])
+
     def test_catches_circles(self):
         found = problems_with({
             "src/proxima/mesh/one.h": '#include "proxima/mesh/two.h"\n',

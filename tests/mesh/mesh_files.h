@@ -36,6 +36,13 @@ inline std::string file_content(const std::filesystem::path& path)
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
+/// Whether this build reads 3DS, glTF and GLB.
+#ifdef PROXIMA_WITH_ASSIMP
+inline constexpr bool reads_scenes = true;
+#else
+inline constexpr bool reads_scenes = false;
+#endif
+
 struct SeedFile {
     std::string name;
     MeshFormat format{};
@@ -51,9 +58,7 @@ inline std::vector<SeedFile> seed_files()
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
         const auto format = format_of_path(entry.path());
         if (!entry.is_regular_file() || !format) continue;
-#ifndef PROXIMA_WITH_ASSIMP
-        if (*format >= MeshFormat::three_ds) continue;
-#endif
+        if (!reads_scenes && *format >= MeshFormat::three_ds) continue;
         seeds.push_back({entry.path().lexically_relative(folder).string(), *format,
                          file_content(entry.path())});
     }

@@ -125,9 +125,9 @@ protected:
                 const Box box = cell_box(frame, cell);
                 const Overlap answer = test.overlap(centre(frame, cell, rounding));
                 const bool expected = triangle_overlaps_box(triangle, box);
-                ++tally_.cells;
-                tally_.uncertain += answer.certain ? 0 : 1;
-                tally_.differing += answer.overlaps != expected ? 1 : 0;
+                ++tally.cells;
+                tally.uncertain += answer.certain ? 0 : 1;
+                tally.differing += answer.overlaps != expected ? 1 : 0;
                 if (answer.certain) {
                     ASSERT_EQ(answer.overlaps, expected)
                         << "level " << level << " cell " << cell.bits;
@@ -141,7 +141,7 @@ protected:
         }
     }
 
-    Tally tally_;
+    Tally tally;
 
 private:
     [[nodiscard]] static Vec3 centre(const OctreeFrame& frame, CellKey cell, Rounding rounding)
@@ -194,9 +194,9 @@ TYPED_TEST(OverlapCertainty, CertainAnswersAreExactInAwkwardPlaces)
             }
         }
     }
-    std::cout << this->tally_.cells << " cells, " << this->tally_.uncertain << " uncertain, "
-              << this->tally_.differing << " of them differing from the exact answer\n";
-    EXPECT_GT(this->tally_.uncertain, 0);
+    std::cout << this->tally.cells << " cells, " << this->tally.uncertain << " uncertain, "
+              << this->tally.differing << " of them differing from the exact answer\n";
+    EXPECT_GT(this->tally.uncertain, 0);
 }
 
 /// In general position nearly every answer is certain.
@@ -213,9 +213,9 @@ TYPED_TEST(OverlapCertainty, RandomTrianglesAreNearlyAlwaysCertain)
         }
         this->descend(scene, triangle, Rounding::middle_of_box, 6, 40);
     }
-    std::cout << this->tally_.cells << " cells, " << this->tally_.uncertain << " uncertain\n";
-    EXPECT_EQ(this->tally_.uncertain, 0);
-    EXPECT_EQ(this->tally_.differing, 0);
+    std::cout << this->tally.cells << " cells, " << this->tally.uncertain << " uncertain\n";
+    EXPECT_EQ(this->tally.uncertain, 0);
+    EXPECT_EQ(this->tally.differing, 0);
 }
 
 } // namespace

@@ -20,11 +20,11 @@ inline TriangleMesh mesh_of(std::vector<Vec3> positions, std::vector<TriangleCor
 /// Twelve triangles, outward.
 inline TriangleMesh cube_mesh(const Vec3& center, double half)
 {
-    std::vector<Vec3> positions;
+    std::vector<Vec3> positions(8);
     for (int corner = 0; corner < 8; ++corner) {
-        positions.push_back(center + half * Vec3((corner & 1) != 0 ? 1 : -1,
-                                                 (corner & 2) != 0 ? 1 : -1,
-                                                 (corner & 4) != 0 ? 1 : -1));
+        positions[corner] =
+            center + half * Vec3((corner & 1) != 0 ? 1 : -1, (corner & 2) != 0 ? 1 : -1,
+                                 (corner & 4) != 0 ? 1 : -1);
     }
     return mesh_of(positions, {{0, 4, 6},
                                {0, 6, 2},
@@ -69,12 +69,12 @@ inline TriangleMesh sphere_mesh(const Vec3& center, double radius, int stacks, i
         for (int j = 0; j < slices; ++j) {
             const double polar = std::numbers::pi * i / stacks;
             const double angle = 2 * std::numbers::pi * j / slices;
-            positions.push_back(center + radius * Vec3(std::sin(polar) * std::cos(angle),
-                                                       std::sin(polar) * std::sin(angle),
-                                                       std::cos(polar)));
+            positions.emplace_back(center + radius * Vec3(std::sin(polar) * std::cos(angle),
+                                                          std::sin(polar) * std::sin(angle),
+                                                          std::cos(polar)));
         }
     }
-    positions.push_back(center - Vec3(0, 0, radius));
+    positions.emplace_back(center - Vec3(0, 0, radius));
     const auto ring = [&](int i, int j) {
         return static_cast<std::uint32_t>(1 + (i - 1) * slices + j % slices);
     };

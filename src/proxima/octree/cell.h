@@ -8,6 +8,7 @@
 
 #include <array>
 #include <bit>
+#include <compare>
 #include <cstdint>
 
 namespace proxima {
@@ -19,7 +20,11 @@ inline constexpr int max_octree_depth = 19;
 struct CellKey {
     std::uint64_t bits = 1;
 
-    friend constexpr auto operator<=>(CellKey, CellKey) = default;
+    friend constexpr bool operator==(CellKey, CellKey) = default;
+    friend constexpr std::strong_ordering operator<=>(CellKey one, CellKey other) noexcept
+    {
+        return one.bits <=> other.bits;
+    }
 };
 
 [[nodiscard]] constexpr int depth(CellKey key) noexcept

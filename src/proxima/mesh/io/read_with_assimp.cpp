@@ -1,7 +1,7 @@
 #include "proxima/mesh/io/read_with_assimp.h"
 
 #include "proxima/base/text.h"
-#include "proxima/mesh/io/number_text.h"
+#include "proxima/mesh/io/gltf_demand.h"
 
 #include <assimp/Importer.hpp>
 #include <assimp/scene.h>
@@ -24,6 +24,15 @@ Transform transform_of(const aiNode& node)
     return transform;
 }
 
+std::uint32_t glb_number(std::string_view text, std::size_t place)
+{
+    std::uint32_t value = 0;
+    for (std::size_t i = 4; i > 0; --i) {
+        value = value << 8U | static_cast<unsigned char>(text[place + i - 1]);
+    }
+    return value;
+}
+
 // Assimp takes the lengths of a GLB's parts at their word and allocates by them.
 //
 //     "glTF" | version | length of all | then parts: length, kind, content
@@ -33,13 +42,7 @@ Status check_glb_lengths(const MeshSource& source)
     const std::string_view text = source.text;
     constexpr std::size_t header_bytes = 12;
     constexpr std::size_t part_header_bytes = 8;
-    const auto number = [&](std::size_t place) {
-        std::uint32_t value = 0;
-        for (std::size_t i = 4; i > 0; --i) {
-            value = value << 8U | static_cast<unsigned char>(text[place + i - 1]);
-        }
-        return value;
-    };
+    const auto number = [&](std::size_t place) { return glb_number(text, place); };
     if (text.size() < header_bytes + part_header_bytes || !text.starts_with("glTF")) {
         return fail(ErrorCode::malformed_file, "this is no GLB file: its header is missing",
                     source.name);
@@ -64,34 +67,16 @@ Status check_glb_lengths(const MeshSource& source)
     return {};
 }
 
-// An accessor without data stands for that many zeros, so a few bytes of JSON can ask for any
-// amount of memory: what the numbers ask for must fit the budget before assimp reads them.
-Status check_gltf_counts(const MeshSource& source, MemoryBudget budget)
+// The JSON of a glTF, or of a GLB whose lengths are right.
+std::string_view json_of(const MeshSource& source, MeshFormat format)
 {
-    constexpr std::string_view keys[] = {"\"count\"", "\"byteLength\"", "\"byteOffset\"",
-                                         "\"byteStride\""};
-    constexpr double bytes_of_an_item = 64; // a 4x4 matrix of float32
-    const auto limit = static_cast<double>(budget_bytes(budget));
-    const char* const end = source.text.data() + source.text.size();
-    for (const std::string_view key : keys) {
-        for (std::size_t found = source.text.find(key); found != std::string_view::npos;
-             found = source.text.find(key, found + 1)) {
-            const char* place = source.text.data() + found + key.size();
-            while (place < end && (*place == ' ' || *place == ':' || *place == '\t' ||
-                                   *place == '\r' || *place == '\n')) {
-                ++place;
-            }
-            double number = 0;
-            const double item = key == keys[0] ? bytes_of_an_item : 1;
-            if (parse_real(place, end, number) != nullptr && number * item > limit) {
-                return fail(ErrorCode::budget_exceeded,
-                            concat(key, " of ", number, " may need more memory than the budget ",
-                                   "has: raise it or decimate the mesh"),
-                            source.at_byte(place));
-            }
-        }
+    constexpr std::size_t glb_json_begin = 20;
+    if (format == MeshFormat::glb) {
+        return source.text.substr(glb_json_begin, glb_number(source.text, 12));
     }
-    return {};
+    constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+    const bool has_mark = source.text.starts_with(byte_order_mark);
+    return source.text.substr(has_mark ? byte_order_mark.size() : 0);
 }
 
 Status check_before_reading(const MeshSource& source, MeshFormat format, MemoryBudget budget)
@@ -100,7 +85,15 @@ Status check_before_reading(const MeshSource& source, MeshFormat format, MemoryB
     if (format == MeshFormat::glb) {
         if (auto status = check_glb_lengths(source); !status) return status;
     }
-    return check_gltf_counts(source, budget);
+    const std::string_view json = json_of(source, format);
+    // What its glTF readers do not know, assimp would give to readers that are not safe.
+    const std::size_t first = json.find_first_not_of(" \t\r\n");
+    if (first == std::string_view::npos || json[first] != '{') {
+        return fail(ErrorCode::malformed_file,
+                    concat("this is no ", format_name(format), " file: it has no JSON object"),
+                    source.name);
+    }
+    return check_gltf_demand(source, json, budget);
 }
 
 // One mesh of the scene in one place.
@@ -225,13 +218,6 @@ const char* hint_of(MeshFormat format) noexcept
     return format == MeshFormat::gltf ? "gltf" : "glb";
 }
 
-bool begins_with_brace(std::string_view text)
-{
-    if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-    const std::size_t first = text.find_first_not_of(" \t\r\n");
-    return first != std::string_view::npos && text[first] == '{';
-}
-
 } // namespace
 
 Result<TriangleMesh> read_with_assimp(const MeshSource& source, const std::filesystem::path& path,
@@ -246,11 +232,6 @@ Result<TriangleMesh> read_with_assimp(const MeshSource& source, const std::files
         // No post-processing: joining vertices and finding degenerates go by tolerances.
         Assimp::Importer importer;
         constexpr unsigned no_steps = 0;
-        // What its glTF readers do not know, assimp would give to readers that are not safe.
-        if (format == MeshFormat::gltf && !begins_with_brace(source.text)) {
-            return fail(ErrorCode::malformed_file, "this is no glTF file: it is no JSON object",
-                        source.name);
-        }
         const aiScene* scene =
             path.empty() ? importer.ReadFileFromMemory(source.text.data(), source.text.size(),
                                                        no_steps, hint_of(format))

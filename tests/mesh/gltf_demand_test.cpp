@@ -1,0 +1,147 @@
+// Small scenes that ask for much are refused before assimp reads them; honest ones are read.
+#include "mesh/mesh_files.h"
+#include "proxima/base/text.h"
+
+namespace proxima {
+namespace {
+
+constexpr MemoryBudget ten_megabytes{.bytes = 10'000'000};
+
+// The parts of a scene of one triangle, each to be replaced.
+struct Scene {
+    std::string nodes = R"({"mesh":0})";
+    std::string roots = "0";
+    std::string primitives = R"({"attributes":{"POSITION":0}})";
+    std::string accessors = R"({"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"})";
+    std::string more{};
+};
+
+std::string repeated(const std::string& text, int times)
+{
+    std::string all = text;
+    for (int i = 1; i < times; ++i) all += "," + text;
+    return all;
+}
+
+std::string json_of(const Scene& scene)
+{
+    return concat(
+        R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[)", scene.roots,
+        R"(]}],"nodes":[)", scene.nodes, R"(],"meshes":[{"primitives":[)", scene.primitives,
+        R"(]}],"buffers":[{"byteLength":48}],"bufferViews":[{"buffer":0,"byteLength":48}],)",
+        R"("accessors":[)", scene.accessors, "]", scene.more, "}");
+}
+
+std::string glb_of(std::string json)
+{
+    json.resize((json.size() + 3) / 4 * 4, ' ');
+    const auto number = [](std::size_t value) {
+        std::string bytes;
+        for (unsigned i = 0; i < 4; ++i) bytes += static_cast<char>(value >> 8U * i & 0xFFU);
+        return bytes;
+    };
+    const float corners[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    const std::string data(reinterpret_cast<const char*>(corners), sizeof corners);
+    const std::string parts =
+        number(json.size()) + "JSON" + json + number(data.size()) + std::string("BIN\0", 4) + data;
+    return "glTF" + number(2) + number(12 + parts.size()) + parts;
+}
+
+Error error_of_scene(const Scene& scene)
+{
+    return error_of(glb_of(json_of(scene)), MeshFormat::glb, {.budget = ten_megabytes});
+}
+
+class GltfDemand : public testing::Test {
+protected:
+    void SetUp() override
+    {
+        if (!reads_scenes) GTEST_SKIP() << "built without assimp";
+    }
+};
+
+TEST_F(GltfDemand, ReadsHonestScenes)
+{
+    const Scene scenes[] = {
+        {},
+        {.roots = "0,0"},
+        {.nodes = R"({"children":[1,1,2]},{"children":[2,2]},{"mesh":0})"},
+        {.primitives = repeated(R"({"attributes":{"POSITION":0}})", 100)},
+        {.more = R"(,"extras":[[[[[[{"count":1e99}]]]]]])"},
+    };
+    const std::size_t triangles[] = {1, 2, 5, 100, 1};
+    for (std::size_t i = 0; i < std::size(scenes); ++i) {
+        const auto mesh =
+            read_text(glb_of(json_of(scenes[i])), MeshFormat::glb, {.budget = ten_megabytes});
+        ASSERT_TRUE(mesh) << i << ": " << describe(mesh.error());
+        EXPECT_EQ(mesh->triangle_count(), triangles[i]) << i;
+    }
+}
+
+TEST_F(GltfDemand, RefusesWhatNeedsMoreThanTheBudget)
+{
+    std::string doubling;
+    for (int i = 1; i <= 30; ++i) doubling += concat(R"({"children":[)", i, ",", i, "]},");
+    const std::string zeros =
+        R"({"componentType":5126,"count":100000000,"type":"VEC3","sparse":{"count":1,)"
+        R"("indices":{"bufferView":0,"componentType":5125},"values":{"bufferView":0}}})";
+    std::string escaped = zeros;
+    escaped.replace(escaped.find("count"), 5, R"(c\u006funt)");
+    const std::string big_view =
+        R"({"bufferView":0,"componentType":5126,"count":30000,"type":"VEC3"})";
+    const Scene scenes[] = {
+        {.nodes = doubling + R"({"mesh":0})"},
+        {.accessors = zeros},
+        {.accessors = escaped},
+        {.primitives = repeated(R"({"attributes":{"POSITION":0}})", 20), .accessors = big_view},
+        {.primitives = repeated(R"({"attributes":{},"indices":0,"mode":0})", 10),
+         .accessors = big_view},
+        {.primitives = R"({"attributes":{"POSITION":0},"targets":[)" +
+                       repeated(R"({"POSITION":0})", 20) + "]}",
+         .accessors = big_view},
+        {.accessors = R"({"bufferView":0,"componentType":5126,"count":-3,"type":"VEC3"})"},
+        {.accessors =
+             R"({"bufferView":0,"byteOffset":1e19,"componentType":5126,"count":3,"type":"VEC3"})"},
+        {.more = R"(,"materials":[)" + repeated("{}", 1000) + "]"},
+        {.more = R"(,"images":[)" + repeated("{}", 10000) + "]"},
+        {.more = R"(,"animations":[{"samplers":[{"input":0,"output":0}],"channels":[)" +
+                 repeated(R"({"sampler":0})", 10000) + "]}]"},
+        {.nodes = R"({"mesh":0,"skin":0})",
+         .primitives = repeated(R"({"attributes":{"POSITION":0}})", 100),
+         .more = R"(,"skins":[{"joints":[)" + repeated("0", 100) + "]}]"},
+    };
+    for (std::size_t i = 0; i < std::size(scenes); ++i) {
+        const Error error = error_of_scene(scenes[i]);
+        EXPECT_EQ(error.code, ErrorCode::budget_exceeded) << i << ": " << describe(error);
+        EXPECT_EQ(error.message.find("assimp"), std::string::npos) << i;
+    }
+}
+
+TEST_F(GltfDemand, CountsWhatGltf1Names)
+{
+    const std::string json =
+        R"({"asset":{"version":"1.0"},"scene":"s","scenes":{"s":{"nodes":["n0"]}},"nodes":{)";
+    std::string nodes;
+    for (int i = 1; i <= 30; ++i) {
+        nodes += concat("\"n", i - 1, R"(":{"children":["n)", i, R"(","n)", i, R"("]},)");
+    }
+    const Error error =
+        error_of(json + nodes + R"("n30":{}}})", MeshFormat::gltf, {.budget = ten_megabytes});
+    EXPECT_EQ(error.code, ErrorCode::budget_exceeded) << describe(error);
+}
+
+TEST_F(GltfDemand, RefusesWhatWouldOverflowTheStack)
+{
+    std::string chain;
+    for (int i = 1; i <= 2000; ++i) chain += concat(R"({"children":[)", i, "]},");
+    EXPECT_EQ(error_of_scene({.nodes = chain + R"({"mesh":0})"}).code, ErrorCode::limit_exceeded);
+    EXPECT_EQ(error_of_scene({.nodes = R"({"children":[1]},{"children":[0]})"}).code,
+              ErrorCode::malformed_file);
+    const std::string nested = std::string(100000, '[') + std::string(100000, ']');
+    const Error error = error_of_scene({.more = R"(,"extras":)" + nested});
+    EXPECT_EQ(error.code, ErrorCode::malformed_file);
+    EXPECT_EQ(error.message.find("assimp"), std::string::npos) << error.message;
+}
+
+} // namespace
+} // namespace proxima
