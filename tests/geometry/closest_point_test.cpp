@@ -81,7 +81,7 @@ TEST(ClosestPoint, OfASegment)
 TEST(ClosestPoint, OfATriangle)
 {
     std::array<int, 7> parts = {};
-    for (unsigned seed = 0; seed < 40000; ++seed) {
+    for (unsigned seed = 0; seed < 20000; ++seed) {
         SCOPED_TRACE(seed);
         Shapes shapes(seed);
         const Triangle triangle = shapes.triangle();
@@ -112,13 +112,13 @@ TEST(ClosestPoint, OfATriangle)
             EXPECT_EQ(closest.weights[i] == 0, is_zero);
         }
     }
-    for (const int count : parts) EXPECT_GT(count, 1000);
+    for (const int count : parts) EXPECT_GT(count, 500);
 }
 
 TEST(ClosestPoint, OfTwoSegments)
 {
     int crossing = 0;
-    for (unsigned seed = 0; seed < 40000; ++seed) {
+    for (unsigned seed = 0; seed < 20000; ++seed) {
         SCOPED_TRACE(seed);
         Shapes shapes(seed);
         const Segment first = shapes.segment();
@@ -131,7 +131,7 @@ TEST(ClosestPoint, OfTwoSegments)
         const auto is_inside = [](double t) { return t > 0 && t < 1; };
         crossing += is_inside(closest.first.t) && is_inside(closest.second.t) ? 1 : 0;
     }
-    EXPECT_GT(crossing, 2000);
+    EXPECT_GT(crossing, 1000);
 }
 
 } // namespace

@@ -371,7 +371,7 @@ TEST(PlanarSum, UnboundedSumsAreThoseOfBruteForceWhereverTheyAreCut)
             if (!edge.to_infinity) {
                 EXPECT_EQ(exact_point(sum, edge.to), found->to);
             }
-            EXPECT_EQ(exact_point(sum, edge.support), found->to);
+            EXPECT_EQ(cross(found->direction, exact_point(sum, edge.support) - found->to), 0);
         }
         for (std::size_t e = 1; e < sum.edges().size(); ++e) {
             if (!sum.edges()[e].from_infinity) {

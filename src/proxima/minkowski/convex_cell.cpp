@@ -7,13 +7,9 @@
 namespace proxima::detail {
 namespace {
 
-/// The pyramid over a polygon.
-double pyramid(const PolygonCorners& base, const Vec3& apex)
+double tetrahedron(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d)
 {
-    double sum = 0;
-    for (std::size_t i = 2; i < base.size(); ++i)
-        sum += std::abs((base[i - 1] - base[0]).cross(base[i] - base[0]).dot(apex - base[0]));
-    return sum / 6;
+    return std::abs((b - a).cross(c - a).dot(d - a)) / 6;
 }
 
 /// Calls visit for each point where the polygon's sides cross the plane.
@@ -30,19 +26,29 @@ void visit_crossings(const PolygonCorners& polygon, const HalfSpace& plane, Visi
     }
 }
 
+/// Calls visit for each corner of the part of a convex polygon in the half-space.
+template <class Visit>
+void visit_clipped(const PolygonCorners& polygon, const HalfSpace& half_space, Visit visit)
+{
+    double d = distance_beyond(half_space, polygon[0]);
+    const double first = d;
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+        const bool is_last = i + 1 == polygon.size();
+        const Vec3& from = polygon[i];
+        const Vec3& to = polygon[is_last ? 0 : i + 1];
+        const double e = is_last ? first : distance_beyond(half_space, to);
+        if (d <= 0) visit(from);
+        if ((d < 0 && e > 0) || (d > 0 && e < 0)) visit(Vec3(from + d / (d - e) * (to - from)));
+        d = e;
+    }
+}
+
 } // namespace
 
 PolygonCorners clipped(const PolygonCorners& polygon, const HalfSpace& half_space)
 {
     PolygonCorners result;
-    for (std::size_t i = 0; i < polygon.size(); ++i) {
-        const Vec3& from = polygon[i];
-        const Vec3& to = polygon[(i + 1) % polygon.size()];
-        const double d = distance_beyond(half_space, from);
-        const double e = distance_beyond(half_space, to);
-        if (d <= 0) result.push_back(from);
-        if ((d < 0 && e > 0) || (d > 0 && e < 0)) result.emplace_back(from + d / (d - e) * (to - from));
-    }
+    visit_clipped(polygon, half_space, [&](const Vec3& corner) { result.push_back(corner); });
     return result;
 }
 
@@ -75,28 +81,39 @@ double ConvexCell::volume() const
 {
     if (is_empty()) return 0;
     double sum = 0;
-    for (const PolygonCorners& face : faces_) sum += pyramid(face, faces_[0][0]);
+    for (const PolygonCorners& face : faces_)
+        for (std::size_t i = 2; i < face.size(); ++i)
+            sum += tetrahedron(face[0], face[i - 1], face[i], faces_[0][0]);
     return sum;
 }
 
 double ConvexCell::volume_within(const HalfSpace& half_space) const
 {
-    // From an apex on the cut, where the cut itself has no part in the volume.
-    const Vec3* beyond = nullptr;
-    Vec3 apex = Vec3::Zero();
+    // Pyramids from an apex on the cut, for which the cut itself adds none.
+    bool is_beyond = false;
     bool is_cut = false;
+    Vec3 apex = Vec3::Zero();
     for (const PolygonCorners& face : faces_) {
-        for (const Vec3& corner : face)
-            if (distance_beyond(half_space, corner) > 0) beyond = &corner;
         visit_crossings(face, half_space, [&](const Vec3& point) {
             apex = point;
             is_cut = true;
         });
+        is_beyond = is_beyond || distance_beyond(half_space, face[0]) > 0;
+        if (is_cut) break;
     }
-    if (beyond == nullptr) return volume();
-    if (!is_cut) return 0;
+    if (!is_cut) return is_beyond ? 0 : volume();
     double sum = 0;
-    for (const PolygonCorners& face : faces_) sum += pyramid(clipped(face, half_space), apex);
+    for (const PolygonCorners& face : faces_) {
+        std::size_t count = 0;
+        Vec3 first = Vec3::Zero();
+        Vec3 last = Vec3::Zero();
+        visit_clipped(face, half_space, [&](const Vec3& corner) {
+            if (count == 0) first = corner;
+            if (count >= 2) sum += tetrahedron(first, last, corner, apex);
+            last = corner;
+            ++count;
+        });
+    }
     return sum;
 }
 

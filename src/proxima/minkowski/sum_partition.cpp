@@ -145,6 +145,7 @@ private:
                                        const std::vector<Piece>& pieces) const
     {
         Candidate best;
+        if (pieces.size() == 1) return best; // costs one evaluation, as would any split
         const double volume = cell.volume();
         if (!(volume > 0)) return best;
         const auto offer = [&](Candidate candidate) {
@@ -189,41 +190,41 @@ private:
         std::vector<std::pair<double, std::size_t>> order;
         for (std::size_t i = 0; i < pieces.size(); ++i)
             order.emplace_back(-detail::area(pieces[i].corners), i);
-        const std::size_t count = std::min<std::size_t>(order.size(), max_facets_tried);
+        const std::size_t count = pieces.size() > many ? few_tried : order.size();
         std::ranges::partial_sort(order, order.begin() + static_cast<std::ptrdiff_t>(count));
         std::vector<std::size_t> result;
         for (std::size_t i = 0; i < count; ++i) result.push_back(order[i].second);
         return result;
     }
 
-    /// Where an axis is tried: just beside corners of pieces, where few facets are enough on one
-    /// side; of many pieces only even steps.
+    /// Where an axis is tried: at even steps and, of few pieces, just beside some of their corners,
+    /// where few facets are enough on one side.
     [[nodiscard]] std::vector<double> places(const Box& bounds, const std::vector<Piece>& pieces,
                                              int axis) const
     {
         const double lower = bounds.lower[axis];
         const double upper = bounds.upper[axis];
         std::vector<double> result;
-        for (int step = 1; step < even_steps; ++step)
-            result.push_back(lower + (upper - lower) * step / even_steps);
-        if (pieces.size() > max_pieces_with_corners_tried) return result;
+        for (std::size_t step = 1; step < few_tried; ++step)
+            result.push_back(lower + (upper - lower) * static_cast<double>(step) / few_tried);
+        if (pieces.size() > many) return result;
         std::vector<double> corners;
         for (const Piece& piece : pieces)
             for (const Vec3& corner : piece.corners) corners.push_back(corner[axis]);
         std::ranges::sort(corners);
-        double last = -std::numeric_limits<double>::infinity();
-        for (const double corner : corners) {
-            if (corner - last <= 4 * tolerance_) continue;
-            last = corner;
-            for (const double place : {corner - 3 * tolerance_, corner + 3 * tolerance_})
+        const auto is_close = [&](double a, double b) { return b - a <= 4 * tolerance_; };
+        corners.erase(std::unique(corners.begin(), corners.end(), is_close), corners.end());
+        const std::size_t stride = corners.size() / max_corners_tried + 1;
+        for (std::size_t i = 0; i < corners.size(); i += stride) {
+            for (const double place : {corners[i] - 3 * tolerance_, corners[i] + 3 * tolerance_})
                 if (place > lower && place < upper) result.push_back(place);
         }
         return result;
     }
 
-    static constexpr std::size_t max_facets_tried = 17;
-    static constexpr std::size_t max_pieces_with_corners_tried = 24;
-    static constexpr int even_steps = 8;
+    static constexpr std::size_t many = 17; ///< pieces; above only few splits are tried
+    static constexpr std::size_t few_tried = 4;
+    static constexpr std::size_t max_corners_tried = 8; ///< per axis
 
     PartitionOptions options_;
     SumPartition partition_;
