@@ -6,6 +6,9 @@
 //     normals   faces of A, faces of B, edges of A x edges of B           1 + 3 + 9
 //     pushing   every normal both ways: 26 planes; kept where three supports span a facet
 //
+// The pushing is the same in the plane, where lines are pushed and two supports span an edge
+// (planar_sum.h).
+//
 // Errata of the thesis that are put right here:
 // - (3.2), (3.5): the union with V_A is left out; its points belong to the sum only if B holds 0.
 // - (3.9): the indices of n_ij run over the edges, |E_A| and |E_B|, not over the normals.
@@ -28,6 +31,7 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <type_traits>
 
 namespace proxima {
 
@@ -37,35 +41,46 @@ inline constexpr double unit_roundoff = std::numeric_limits<double>::epsilon() /
 /// Normals of faces always bound the sum; those of edge pairs only where the edges' arcs meet.
 enum class NormalSource : std::uint8_t { face, edge_pair };
 
+/// Whether a plane is pushed along its normal only, or one of the opposite normal as well.
+enum class PushedWays : std::uint8_t { both, outward };
+
 /// A direction, of any length, that a facet of the sum may have.
-template <class Scalar>
+template <class Scalar, int Dim = 3>
 struct CandidateNormal {
-    Vector3<Scalar> direction;
-    Vec3 magnitude; ///< bounds |direction| by component, whatever cancels in it
+    Vector<Scalar, Dim> direction;
+    Vector<double, Dim> magnitude; ///< bounds |direction| by component, whatever cancels in it
     NormalSource source = NormalSource::face;
+    PushedWays ways = PushedWays::both;
 };
 
-/// The half-space normal . x <= offset, which holds the sum and touches it at vertex v_support.
-template <class Scalar>
+/// The half-space normal . x <= offset, which holds the sum and touches it at vertex v_support. In
+/// the plane, a half-plane.
+template <class Scalar, int Dim = 3>
 struct SupportPlane {
-    Vector3<Scalar> normal;
+    Vector<Scalar, Dim> normal;
     Scalar offset;
-    Vec3 magnitude;
+    Vector<double, Dim> magnitude;
     int support = 0;
 };
 
 /// The vertices whose hull is the sum: sums[i + |a| j] = a[i] + b[j].
-template <class Scalar>
+template <class Scalar, int Dim = 3>
 struct SumVertices {
-    std::span<const Vector3<Scalar>> a;
-    std::span<const Vector3<Scalar>> b;
-    std::span<const Vector3<Scalar>> sums;
+    std::span<const Vector<Scalar, Dim>> a;
+    std::span<const Vector<Scalar, Dim>> b;
+    std::span<const Vector<Scalar, Dim>> sums;
 };
 
+/// A span of vectors that a call's explicit template arguments fix, so that containers convert.
+template <class Scalar, int Dim>
+using VectorSpan = std::type_identity_t<std::span<Vector<Scalar, Dim>>>;
+template <class Scalar, int Dim>
+using ConstVectorSpan = std::type_identity_t<std::span<const Vector<Scalar, Dim>>>;
+
 /// Writes a[i] + b[j] to sums[i + |a| j]. \pre sums.size() == a.size() * b.size()
-template <class Scalar>
-void form_sum_vertices(std::span<const Vector3<Scalar>> a, std::span<const Vector3<Scalar>> b,
-                       std::span<Vector3<Scalar>> sums) noexcept
+template <class Scalar, int Dim = 3>
+void form_sum_vertices(ConstVectorSpan<Scalar, Dim> a, ConstVectorSpan<Scalar, Dim> b,
+                       VectorSpan<Scalar, Dim> sums) noexcept
 {
     for (std::size_t j = 0; j < b.size(); ++j) {
         for (std::size_t i = 0; i < a.size(); ++i) sums[i + a.size() * j] = a[i] + b[j];
@@ -79,16 +94,40 @@ void form_edge_normals(std::span<const Vector3<Scalar>> edges_a,
                        std::span<const Vector3<Scalar>> edges_b,
                        std::span<CandidateNormal<Scalar>> normals) noexcept;
 
-/// Pushes a plane of each normal, and one of its opposite, to the vertices most extreme along it;
-/// writes those that can be facets to `planes` and returns how many. No allocation; cost
-/// |sums| dot products per normal. Left out are only planes that in exact arithmetic are no facets:
-/// normals of zero magnitude (one rounded to zero is kept: the plane holds everything), and edge
-/// pairs with fewer than three supports or all of them collinear.
-/// \pre sums.size() <= MaxVertices, planes.size() >= 2 * normals.size()
-template <std::size_t MaxVertices, class Scalar>
-int push_planes(const SumVertices<Scalar>& vertices,
-                std::span<const CandidateNormal<Scalar>> normals,
-                std::span<SupportPlane<Scalar>> planes) noexcept;
+/// A plane where it came to rest.
+template <class Scalar, int Dim = 3>
+struct PushedPlane {
+    std::size_t candidate = 0; ///< its normal among those given
+    int sign = 1;              ///< -1: pushed the opposite way
+    const Scalar& offset;
+    int support = 0;                ///< the first of the vertices farthest along the normal
+    std::span<const int> supports;  ///< those that rounding cannot tell from it, itself included
+};
+
+/// Pushes a plane of each normal, and where asked one of its opposite, to the vertices most extreme
+/// along it. Calls visit(const PushedPlane&) for each, in order; its span and reference end with
+/// the call. Cost |sums| dot products per normal, no allocation. Normals of zero magnitude are left
+/// out. \pre !sums.empty(), scratch.size() >= 2 * sums.size()
+template <class Scalar, int Dim, class Visit>
+void push_each_plane(const SumVertices<Scalar, Dim>& vertices,
+                     std::span<const CandidateNormal<Scalar, Dim>> normals, std::span<int> scratch,
+                     Visit&& visit) noexcept;
+
+/// Whether the sum's vertices listed span a facet: three or more that are not collinear; in the
+/// plane two that are distinct. Directions of A come first: where A is a cube they are exact, and
+/// so is then the answer, unless products underflow.
+template <class Scalar, int Dim>
+[[nodiscard]] bool spans_facet(const SumVertices<Scalar, Dim>& vertices,
+                               std::span<const int> list) noexcept;
+
+/// Pushes planes as push_each_plane; writes those that can be facets to `planes` and returns how
+/// many. Left out are only planes that in exact arithmetic are no facets: normals of zero magnitude
+/// (one rounded to zero is kept: the plane holds everything), and edge pairs whose supports do not
+/// span a facet. \pre sums.size() <= MaxVertices, planes.size() >= 2 * normals.size()
+template <std::size_t MaxVertices, class Scalar, int Dim = 3>
+int push_planes(const SumVertices<Scalar, Dim>& vertices,
+                std::type_identity_t<std::span<const CandidateNormal<Scalar, Dim>>> normals,
+                std::type_identity_t<std::span<SupportPlane<Scalar, Dim>>> planes) noexcept;
 
 /// A triangle with the constants that its sums with cubes of all sizes share.
 template <class Scalar>
@@ -135,12 +174,13 @@ template <class Scalar>
 
 namespace detail {
 
-/// The vertices most extreme along one direction, with all that rounding cannot tell from them.
-template <std::size_t MaxVertices, class Scalar>
+/// The vertices most extreme along one direction, with all that rounding cannot tell from them,
+/// listed in the room given.
+template <class Scalar>
 class ExtremeVertices {
 public:
-    ExtremeVertices(const Scalar& product, double tie_tolerance) noexcept
-        : tie_tolerance_(tie_tolerance)
+    ExtremeVertices(const Scalar& product, double tie_tolerance, std::span<int> room) noexcept
+        : tie_tolerance_(tie_tolerance), list_(room)
     {
         restart(product, 0);
     }
@@ -157,7 +197,7 @@ public:
 
     [[nodiscard]] const Scalar& offset() const noexcept { return offset_; }
     [[nodiscard]] int support() const noexcept { return support_; }
-    [[nodiscard]] std::span<const int> list() const noexcept { return {list_.data(), count_}; }
+    [[nodiscard]] std::span<const int> list() const noexcept { return list_.first(count_); }
 
 private:
     void restart(const Scalar& product, int vertex) noexcept
@@ -179,49 +219,56 @@ private:
     Scalar tie_above_;
     Scalar tie_below_;
     int support_ = 0;
-    std::array<int, MaxVertices> list_;
+    std::span<int> list_;
     std::size_t count_ = 0;
 };
 
-/// Collects directions and tells when two of them are not parallel.
-template <class Scalar>
+/// Collects directions and tells when they span a plane; in the plane, a line.
+template <class Scalar, int Dim>
 class DirectionSpan {
 public:
-    /// True once the directions given span a plane.
-    [[nodiscard]] bool add(const Vector3<Scalar>& direction) noexcept
+    /// True once the directions given span what a facet spans.
+    [[nodiscard]] bool add(const Vector<Scalar, Dim>& direction) noexcept
     {
+        static_assert(Dim == 2 || Dim == 3);
         if (is_zero(direction)) return false;
-        if (!has_first_) {
-            first_ = direction;
-            has_first_ = true;
-            return false;
+        if constexpr (Dim == 2) {
+            return true;
+        } else {
+            if (!has_first_) {
+                first_ = direction;
+                has_first_ = true;
+                return false;
+            }
+            return !is_zero(cross(first_, direction));
         }
-        return !is_zero(cross(first_, direction));
     }
 
 private:
-    [[nodiscard]] static bool is_zero(const Vector3<Scalar>& vector) noexcept
+    [[nodiscard]] static bool is_zero(const Vector<Scalar, Dim>& vector) noexcept
     {
-        return vector.x() == Scalar(0) && vector.y() == Scalar(0) && vector.z() == Scalar(0);
+        for (int axis = 0; axis < Dim; ++axis) {
+            if (!(vector[axis] == Scalar(0))) return false;
+        }
+        return true;
     }
 
-    Vector3<Scalar> first_ = Vector3<Scalar>::Zero();
+    Vector<Scalar, Dim> first_ = Vector<Scalar, Dim>::Zero();
     bool has_first_ = false;
 };
 
-/// Whether listed vertices are three or more and not collinear. Directions of A come first: where A
-/// is a cube they are exact, and so is then the answer, unless products underflow.
-template <class Scalar>
-[[nodiscard]] bool spans_facet(const SumVertices<Scalar>& vertices,
-                               std::span<const int> list) noexcept
+} // namespace detail
+
+template <class Scalar, int Dim>
+bool spans_facet(const SumVertices<Scalar, Dim>& vertices, std::span<const int> list) noexcept
 {
-    if (list.size() < 3) return false;
+    if (list.size() < Dim) return false;
     const auto size_a = vertices.a.size();
     const auto index_a = [&](int k) { return static_cast<std::size_t>(k) % size_a; };
     const auto index_b = [&](int k) { return static_cast<std::size_t>(k) / size_a; };
     const std::size_t first_a = index_a(list[0]);
     const std::size_t first_b = index_b(list[0]);
-    DirectionSpan<Scalar> span;
+    detail::DirectionSpan<Scalar, Dim> span;
     for (const int k : list) {
         const std::size_t i = index_a(k);
         if (i != first_a && span.add(vertices.a[i] - vertices.a[first_a])) return true;
@@ -232,8 +279,6 @@ template <class Scalar>
     }
     return false;
 }
-
-} // namespace detail
 
 template <class Scalar>
 void form_edge_normals(std::span<const Vector3<Scalar>> edges_a,
@@ -252,46 +297,70 @@ void form_edge_normals(std::span<const Vector3<Scalar>> edges_a,
     }
 }
 
-template <std::size_t MaxVertices, class Scalar>
-int push_planes(const SumVertices<Scalar>& vertices,
-                std::span<const CandidateNormal<Scalar>> normals,
-                std::span<SupportPlane<Scalar>> planes) noexcept
+template <class Scalar, int Dim, class Visit>
+void push_each_plane(const SumVertices<Scalar, Dim>& vertices,
+                     std::span<const CandidateNormal<Scalar, Dim>> normals, std::span<int> scratch,
+                     Visit&& visit) noexcept
 {
-    Vec3 reach = Vec3::Zero();
-    for (const Vector3<Scalar>& vertex : vertices.sums) {
-        for (int axis = 0; axis < 3; ++axis) {
+    using Plain = Vector<double, Dim>;
+    Plain reach = Plain::Zero();
+    for (const Vector<Scalar, Dim>& vertex : vertices.sums) {
+        for (int axis = 0; axis < Dim; ++axis) {
             const double coordinate = to_double(vertex[axis]);
             if (coordinate > reach[axis]) reach[axis] = coordinate;
             if (-coordinate > reach[axis]) reach[axis] = -coordinate;
         }
     }
-    int count = 0;
-    for (const CandidateNormal<Scalar>& candidate : normals) {
-        if (candidate.magnitude == Vec3::Zero()) continue;
-        const Vector3<Scalar>& normal = candidate.direction;
-        // Each product is off by less than 8 roundings of its largest terms, two by less than 16.
-        const double tie_tolerance = 32 * unit_roundoff * candidate.magnitude.dot(reach);
+    const std::size_t room = vertices.sums.size();
+    for (std::size_t index = 0; index < normals.size(); ++index) {
+        const CandidateNormal<Scalar, Dim>& candidate = normals[index];
+        if (candidate.magnitude == Plain::Zero()) continue;
+        const Vector<Scalar, Dim>& normal = candidate.direction;
+        // Each product is off by less than 8 roundings of its largest terms, two by less than 16;
+        // what underflows is smaller than the smallest normal number.
+        const double tie_tolerance = 32 * unit_roundoff * candidate.magnitude.dot(reach) +
+                                     std::numeric_limits<double>::min();
 
+        const bool both = candidate.ways == PushedWays::both;
         const Scalar first = dot(vertices.sums[0], normal);
-        detail::ExtremeVertices<MaxVertices, Scalar> maximal(first, tie_tolerance);
-        detail::ExtremeVertices<MaxVertices, Scalar> minimal(-first, tie_tolerance);
+        using Extreme = detail::ExtremeVertices<Scalar>;
+        Extreme maximal(first, tie_tolerance, scratch.first(room));
+        Extreme minimal(both ? -first : first, tie_tolerance, scratch.subspan(room, room));
         for (std::size_t j = 1; j < vertices.sums.size(); ++j) {
             const Scalar product = dot(vertices.sums[j], normal);
             maximal.offer(product, static_cast<int>(j));
-            minimal.offer(-product, static_cast<int>(j));
+            if (both) minimal.offer(-product, static_cast<int>(j));
         }
-        const auto is_facet = [&](std::span<const int> list) {
-            return candidate.source == NormalSource::face || detail::spans_facet(vertices, list);
-        };
-        if (is_facet(maximal.list())) {
-            planes[static_cast<std::size_t>(count++)] = {normal, maximal.offset(),
-                                                         candidate.magnitude, maximal.support()};
-        }
-        if (is_facet(minimal.list())) {
-            planes[static_cast<std::size_t>(count++)] = {-normal, minimal.offset(),
-                                                         candidate.magnitude, minimal.support()};
+        visit(PushedPlane<Scalar, Dim>{index, 1, maximal.offset(), maximal.support(),
+                                       maximal.list()});
+        if (both) {
+            visit(PushedPlane<Scalar, Dim>{index, -1, minimal.offset(), minimal.support(),
+                                           minimal.list()});
         }
     }
+}
+
+template <std::size_t MaxVertices, class Scalar, int Dim>
+int push_planes(const SumVertices<Scalar, Dim>& vertices,
+                std::type_identity_t<std::span<const CandidateNormal<Scalar, Dim>>> normals,
+                std::type_identity_t<std::span<SupportPlane<Scalar, Dim>>> planes) noexcept
+{
+    std::array<int, 2 * MaxVertices> scratch;
+    int count = 0;
+    push_each_plane(vertices, normals, scratch, [&](const PushedPlane<Scalar, Dim>& pushed) {
+        const CandidateNormal<Scalar, Dim>& candidate = normals[pushed.candidate];
+        if (candidate.source != NormalSource::face && !spans_facet(vertices, pushed.supports))
+            return;
+        SupportPlane<Scalar, Dim>& plane = planes[static_cast<std::size_t>(count++)];
+        if (pushed.sign > 0) {
+            plane.normal = candidate.direction;
+        } else {
+            plane.normal = -candidate.direction;
+        }
+        plane.offset = pushed.offset;
+        plane.magnitude = candidate.magnitude;
+        plane.support = pushed.support;
+    });
     return count;
 }
 

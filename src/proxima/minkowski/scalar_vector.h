@@ -1,5 +1,5 @@
-// Vectors over any scalar, so that the thesis's methods run on doubles and on counting numbers
-// alike.
+// Vectors over any scalar and of any dimension, so that the thesis's methods run on doubles and on
+// counting numbers, in the plane and in space.
 //
 // dot() and cross() fix the order of operations, which the rounding bounds rely on, and let a
 // counting scalar know that a product of vectors took place (operation_counts.h).
@@ -9,8 +9,11 @@
 
 namespace proxima {
 
+template <class Scalar, int Dim>
+using Vector = Eigen::Matrix<Scalar, Dim, 1>;
+
 template <class Scalar>
-using Vector3 = Eigen::Matrix<Scalar, 3, 1>;
+using Vector3 = Vector<Scalar, 3>;
 
 /// The plain value of a scalar, for bookkeeping that is no part of a method.
 [[nodiscard]] inline double to_double(double value) noexcept
@@ -25,12 +28,14 @@ template <class Scalar>
     return {Scalar(vector.x()), Scalar(vector.y()), Scalar(vector.z())};
 }
 
-/// a . b: three products, two sums.
-template <class Scalar>
-[[nodiscard]] Scalar dot(const Vector3<Scalar>& a, const Vector3<Scalar>& b) noexcept
+/// a . b, summed from the first component on: Dim products, Dim - 1 sums.
+template <class Scalar, int Dim>
+[[nodiscard]] Scalar dot(const Vector<Scalar, Dim>& a, const Vector<Scalar, Dim>& b) noexcept
 {
     if constexpr (requires { Scalar::count_dot_product(); }) Scalar::count_dot_product();
-    return a.x() * b.x() + a.y() * b.y() + a.z() * b.z();
+    Scalar sum = a[0] * b[0];
+    for (int axis = 1; axis < Dim; ++axis) sum = sum + a[axis] * b[axis];
+    return sum;
 }
 
 /// a x b: six products, three differences.
