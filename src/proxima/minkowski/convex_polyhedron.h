@@ -18,8 +18,10 @@
 #include "proxima/geometry/exact_predicates.h"
 #include "proxima/geometry/shapes.h"
 #include "proxima/geometry/vec.h"
+#include "proxima/minkowski/scalar_vector.h"
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -125,17 +127,21 @@ public:
         return facets_[facet].normal;
     }
 
-    /// The sign of a facet's outward normal . direction. Exact. \pre direction finite
-    [[nodiscard]] int normal_sign(std::uint32_t facet, const Displacement& direction) const noexcept
+    /// The sign of a facet's outward normal . direction. Exact. Scalar is double, or one that counts
+    /// what the filter does (operation_counts.h). \pre direction finite
+    template <class Scalar = double>
+    [[nodiscard]] int normal_sign(std::uint32_t facet,
+                                  const Displacement& direction) const noexcept
     {
+        using std::abs;
         // Where this filter fails, exact numbers decide.
         const Facet& plane = facets_[facet];
-        const Vec3 d = direction.rounded();
-        const double value =
-            plane.normal.x() * d.x() + plane.normal.y() * d.y() + plane.normal.z() * d.z();
-        const double error =
-            plane.tolerance * (std::abs(d.x()) + std::abs(d.y()) + std::abs(d.z())) +
-            underflow_slack;
+        const Vector3<Scalar> d =
+            to_scalar<Scalar>(direction.to) - to_scalar<Scalar>(direction.from);
+        const Scalar value = dot(to_scalar<Scalar>(plane.normal), d);
+        const Scalar error =
+            Scalar(plane.tolerance) * (abs(d.x()) + abs(d.y()) + abs(d.z())) +
+            Scalar(underflow_slack);
         if (value > error) return 1;
         if (value < -error) return -1;
         return exact_normal_sign(facet, direction);

@@ -1,6 +1,7 @@
 #include "proxima/minkowski/gaussian_map.h"
 
 #include "proxima/base/check.h"
+#include "proxima/minkowski/operation_counts.h"
 
 namespace proxima {
 namespace {
@@ -17,11 +18,12 @@ bool same_direction(const ConvexPolyhedron::NormalFactors& p,
 
 } // namespace
 
+template <class Scalar>
 SupportFace support_face(const ConvexPolyhedron& polyhedron, const ConvexPolyhedron& other,
                          std::uint32_t other_facet, std::uint32_t start) noexcept
 {
     const auto sign_along = [&](const Displacement& d) noexcept {
-        return other.normal_sign(other_facet, d);
+        return other.template normal_sign<Scalar>(other_facet, d);
     };
     const std::uint32_t vertex = climb(polyhedron, sign_along, start);
     SupportFace face = {0, vertex, vertex};
@@ -47,16 +49,26 @@ SupportFace support_face(const ConvexPolyhedron& polyhedron, const ConvexPolyhed
     return face;
 }
 
+template <class Scalar>
 ArcCrossing arcs_cross(const ConvexPolyhedron& a, const PolyhedronEdge& edge_a,
                        const ConvexPolyhedron& b, const PolyhedronEdge& edge_b) noexcept
 {
     const Displacement along_a = a.direction(edge_a);
     const Displacement along_b = b.direction(edge_b);
-    const int left_a = a.normal_sign(edge_a.left, along_b);
-    if (left_a == 0 || a.normal_sign(edge_a.right, along_b) != -left_a) return ArcCrossing::none;
-    if (b.normal_sign(edge_b.left, along_a) != -left_a) return ArcCrossing::none;
-    if (b.normal_sign(edge_b.right, along_a) != left_a) return ArcCrossing::none;
+    const int left_a = a.template normal_sign<Scalar>(edge_a.left, along_b);
+    if (left_a == 0 || a.template normal_sign<Scalar>(edge_a.right, along_b) != -left_a) return ArcCrossing::none;
+    if (b.template normal_sign<Scalar>(edge_b.left, along_a) != -left_a) return ArcCrossing::none;
+    if (b.template normal_sign<Scalar>(edge_b.right, along_a) != left_a) return ArcCrossing::none;
     return left_a > 0 ? ArcCrossing::plus : ArcCrossing::minus;
 }
+
+template SupportFace support_face<double>(const ConvexPolyhedron&, const ConvexPolyhedron&,
+                                          std::uint32_t, std::uint32_t) noexcept;
+template SupportFace support_face<Counted>(const ConvexPolyhedron&, const ConvexPolyhedron&,
+                                           std::uint32_t, std::uint32_t) noexcept;
+template ArcCrossing arcs_cross<double>(const ConvexPolyhedron&, const PolyhedronEdge&,
+                                        const ConvexPolyhedron&, const PolyhedronEdge&) noexcept;
+template ArcCrossing arcs_cross<Counted>(const ConvexPolyhedron&, const PolyhedronEdge&,
+                                         const ConvexPolyhedron&, const PolyhedronEdge&) noexcept;
 
 } // namespace proxima

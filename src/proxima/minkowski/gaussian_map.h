@@ -59,7 +59,8 @@ template <class SignAlong>
 
 /// The face farthest along the outward normal of a facet of another polyhedron, found by climbing
 /// from a point. Of a polygon that faces exactly that way or the opposite: its front or its back.
-/// \pre ends_along that normal
+/// \pre ends_along that normal. Instantiated for double and Counted.
+template <class Scalar = double>
 [[nodiscard]] SupportFace support_face(const ConvexPolyhedron& polyhedron,
                                        const ConvexPolyhedron& other, std::uint32_t other_facet,
                                        std::uint32_t start) noexcept;
@@ -68,7 +69,9 @@ template <class SignAlong>
 enum class ArcCrossing : std::int8_t { minus = -1, none = 0, plus = 1 };
 
 /// Whether the arcs of two edges cross inside both: their sum is then a facet of the sum. By four
-/// signs and no cross product. \pre both have facets at their sides
+/// signs and no cross product. \pre both have facets at their sides. Instantiated for double and
+/// Counted.
+template <class Scalar = double>
 [[nodiscard]] ArcCrossing arcs_cross(const ConvexPolyhedron& a, const PolyhedronEdge& edge_a,
                                      const ConvexPolyhedron& b,
                                      const PolyhedronEdge& edge_b) noexcept;

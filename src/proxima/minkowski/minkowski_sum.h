@@ -13,6 +13,7 @@
 #include "proxima/base/result.h"
 #include "proxima/minkowski/convex_polyhedron.h"
 #include "proxima/minkowski/face_sum.h"
+#include "proxima/minkowski/operation_counts.h"
 
 #include <cstdint>
 #include <memory>
@@ -148,5 +149,18 @@ struct MinkowskiOptions {
 [[nodiscard]] Result<MinkowskiSum> minkowski_sum(const ConvexPolyhedron& a,
                                                  const ConvexPolyhedron& b,
                                                  const MinkowskiOptions& options = {});
+
+/// What a sum cost.
+struct CountedSum {
+    MinkowskiSum sum;
+    OperationCounts counts;
+};
+
+/// The same on numbers that count what is done to them: the thesis's Table 3.2 for any operands. Of
+/// `arcs` the signs of the Gaussian maps are counted, filters included; its merging of faces, and
+/// the few signs that exact numbers decide, are not arithmetic of a scalar. Errors as minkowski_sum.
+[[nodiscard]] Result<CountedSum> count_minkowski_sum(const ConvexPolyhedron& a,
+                                                     const ConvexPolyhedron& b,
+                                                     const MinkowskiOptions& options = {});
 
 } // namespace proxima

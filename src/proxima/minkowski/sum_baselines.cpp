@@ -2,6 +2,7 @@
 
 #include "proxima/minkowski/geometric_method.h"
 #include "proxima/minkowski/incremental_hull.h"
+#include "proxima/minkowski/operation_counts.h"
 #include "proxima/minkowski/sum_assembler.h"
 
 #include <algorithm>
@@ -150,27 +151,80 @@ Status check_operands(const ConvexPolyhedron& a, const ConvexPolyhedron& b)
     return {};
 }
 
-std::vector<Vec3> form_sums(const ConvexPolyhedron& a, const ConvexPolyhedron& b)
+template <class Scalar>
+std::vector<Vector3<Scalar>> to_scalars(std::span<const Vec3> vectors)
 {
-    std::vector<Vec3> sums(a.points().size() * b.points().size());
-    form_sum_vertices<double>(a.points(), b.points(), sums);
-    return sums;
+    std::vector<Vector3<Scalar>> result;
+    result.reserve(vectors.size());
+    for (const Vec3& v : vectors) result.push_back(to_scalar<Scalar>(v));
+    return result;
 }
 
-tl::unexpected<Error> no_body()
+template <class Scalar>
+Vec3 to_plain(const Vector3<Scalar>& v)
 {
+    return {to_double(v.x()), to_double(v.y()), to_double(v.z())};
+}
+
+/// The vertices of both, and their sums.
+template <class Scalar>
+struct Vertices {
+    std::vector<Vector3<Scalar>> a;
+    std::vector<Vector3<Scalar>> b;
+    std::vector<Vector3<Scalar>> sums;
+    std::vector<Vec3> plain_sums;
+
+    Vertices(const ConvexPolyhedron& polyhedron_a, const ConvexPolyhedron& polyhedron_b)
+        : a(to_scalars<Scalar>(polyhedron_a.points())),
+          b(to_scalars<Scalar>(polyhedron_b.points())), sums(a.size() * b.size())
+    {
+        form_sum_vertices<Scalar>(a, b, sums);
+        for (const Vector3<Scalar>& sum : sums) plain_sums.push_back(to_plain(sum));
+    }
+};
+
+template <class Scalar>
+CandidateNormal<Scalar> candidate(const Vec3& u, const Vec3& v)
+{
+    return {cross(to_scalar<Scalar>(u), to_scalar<Scalar>(v)), cross_magnitude(u, v),
+            NormalSource::edge_pair};
+}
+
+/// N_A, N_B, and N_AB of the pairs of edges that are not parallel (thesis 3.7 to 3.9).
+template <class Scalar>
+std::vector<CandidateNormal<Scalar>> candidate_normals(const ConvexPolyhedron& a,
+                                                       const ConvexPolyhedron& b)
+{
+    std::vector<CandidateNormal<Scalar>> normals;
+    for (const ConvexPolyhedron* polyhedron : {&a, &b}) {
+        for (std::uint32_t f = 0; f < polyhedron->facet_count(); ++f) {
+            const auto factors = polyhedron->normal_factors(f);
+            normals.push_back(candidate<Scalar>(factors.u.rounded(), factors.v.rounded()));
+        }
+    }
+    for (const PolyhedronEdge& edge_a : a.edges()) {
+        const Vec3 along_a = a.direction(edge_a).rounded();
+        for (const PolyhedronEdge& edge_b : b.edges()) {
+            const auto normal = candidate<Scalar>(along_a, b.direction(edge_b).rounded());
+            if (!to_plain(normal.direction).isZero(0)) normals.push_back(normal);
+        }
+    }
+    return normals;
+}
+
+Result<MinkowskiSum> sum_of_planes(const ConvexPolyhedron& a, const ConvexPolyhedron& b,
+                                   std::span<const Vec3> sums, const std::vector<Vec3>& outward)
+{
+    auto sum = PlanesToSum(a, b, sums).build(outward);
+    if (sum) return std::move(*sum);
     return fail(ErrorCode::invalid_argument,
                 "this method makes sums with a volume only, and needs facets wider than rounding: "
                 "use arcs");
 }
 
-CandidateNormal<double> candidate(const Vec3& u, const Vec3& v)
-{
-    return {u.cross(v), cross_magnitude(u, v), NormalSource::edge_pair};
-}
-
 } // namespace
 
+template <class Scalar>
 Result<MinkowskiSum> sum_by_geometric_method(const ConvexPolyhedron& a, const ConvexPolyhedron& b,
                                              Progress* progress)
 {
@@ -179,56 +233,48 @@ Result<MinkowskiSum> sum_by_geometric_method(const ConvexPolyhedron& a, const Co
         return fail(ErrorCode::limit_exceeded,
                     "this method would push more than 4 million planes: use arcs");
     }
-    const std::vector<Vec3> sums = form_sums(a, b);
-
-    std::vector<CandidateNormal<double>> normals;
-    for (const ConvexPolyhedron* polyhedron : {&a, &b}) {
-        for (std::uint32_t f = 0; f < polyhedron->facet_count(); ++f) {
-            const auto factors = polyhedron->normal_factors(f);
-            normals.push_back(candidate(factors.u.rounded(), factors.v.rounded()));
-        }
-    }
-    for (const PolyhedronEdge& edge_a : a.edges()) {
-        const Vec3 along_a = a.direction(edge_a).rounded();
-        for (const PolyhedronEdge& edge_b : b.edges()) {
-            const auto normal = candidate(along_a, b.direction(edge_b).rounded());
-            if (!normal.direction.isZero(0)) normals.push_back(normal);
-        }
-    }
+    const Vertices<Scalar> vertices(a, b);
+    const std::vector<CandidateNormal<Scalar>> normals = candidate_normals<Scalar>(a, b);
 
     // In batches, to be stopped between them.
     constexpr std::size_t batch = 256;
     std::vector<Vec3> outward;
-    std::array<SupportPlane<double>, 2 * batch> planes;
+    std::vector<SupportPlane<Scalar>> planes(2 * batch);
     if (progress != nullptr) progress->begin_stage("pushing planes", normals.size());
     for (std::size_t first = 0; first < normals.size(); first += batch) {
         if (is_cancelled(progress)) return fail(ErrorCode::cancelled, "stopped on request");
         const auto some =
             std::span(normals).subspan(first, std::min(batch, normals.size() - first));
-        const int count =
-            push_planes<max_baseline_pairs, double>({a.points(), b.points(), sums}, some, planes);
+        const int count = push_planes<max_baseline_pairs, Scalar>(
+            {vertices.a, vertices.b, vertices.sums}, some, planes);
         for (int i = 0; i < count; ++i)
-            outward.push_back(planes[static_cast<std::size_t>(i)].normal);
+            outward.push_back(to_plain(planes[static_cast<std::size_t>(i)].normal));
         if (progress != nullptr) progress->advance(some.size());
     }
-    auto sum = PlanesToSum(a, b, sums).build(outward);
-    if (!sum) return no_body();
-    return std::move(*sum);
+    return sum_of_planes(a, b, vertices.plain_sums, outward);
 }
 
+template <class Scalar>
 Result<MinkowskiSum> sum_by_hull(const ConvexPolyhedron& a, const ConvexPolyhedron& b,
                                  Progress* progress)
 {
     if (Status status = check_operands(a, b); !status) return tl::unexpected(status.error());
     if (is_cancelled(progress)) return fail(ErrorCode::cancelled, "stopped on request");
-    const std::vector<Vec3> sums = form_sums(a, b);
-    const auto faces = incremental_hull<double>(sums);
-    if (!faces) return no_body();
+    const Vertices<Scalar> vertices(a, b);
     std::vector<Vec3> outward;
-    for (const HullFace<double>& face : *faces) outward.push_back(face.normal);
-    auto sum = PlanesToSum(a, b, sums).build(outward);
-    if (!sum) return no_body();
-    return std::move(*sum);
+    if (const auto faces = incremental_hull<Scalar>(vertices.sums)) {
+        for (const HullFace<Scalar>& face : *faces) outward.push_back(to_plain(face.normal));
+    }
+    return sum_of_planes(a, b, vertices.plain_sums, outward);
 }
+
+template Result<MinkowskiSum> sum_by_geometric_method<double>(const ConvexPolyhedron&,
+                                                              const ConvexPolyhedron&, Progress*);
+template Result<MinkowskiSum> sum_by_geometric_method<Counted>(const ConvexPolyhedron&,
+                                                               const ConvexPolyhedron&, Progress*);
+template Result<MinkowskiSum> sum_by_hull<double>(const ConvexPolyhedron&, const ConvexPolyhedron&,
+                                                  Progress*);
+template Result<MinkowskiSum> sum_by_hull<Counted>(const ConvexPolyhedron&, const ConvexPolyhedron&,
+                                                   Progress*);
 
 } // namespace proxima::detail

@@ -22,11 +22,13 @@ inline constexpr std::size_t max_baseline_pairs = 4096;
 /// No more candidate normals are pushed.
 inline constexpr std::size_t max_baseline_normals = 1U << 22U;
 
-/// Errors: invalid_argument (unbounded operands, or a flat sum), limit_exceeded, cancelled.
+/// Instantiated, like the next, for double and Counted. Errors: invalid_argument (unbounded
+/// operands, or a flat sum), limit_exceeded, cancelled.
 [[nodiscard]] Result<MinkowskiSum>
 sum_by_geometric_method(const ConvexPolyhedron& a, const ConvexPolyhedron& b, Progress* progress);
 
 /// Errors: the same, and invalid_argument where rounding broke the hull.
+template <class Scalar = double>
 [[nodiscard]] Result<MinkowskiSum> sum_by_hull(const ConvexPolyhedron& a, const ConvexPolyhedron& b,
                                                Progress* progress);
 

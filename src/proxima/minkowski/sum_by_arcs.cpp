@@ -3,6 +3,7 @@
 #include "proxima/base/check.h"
 #include "proxima/minkowski/convex_hull.h"
 #include "proxima/minkowski/gaussian_map.h"
+#include "proxima/minkowski/operation_counts.h"
 #include "proxima/minkowski/sum_assembler.h"
 
 #include <algorithm>
@@ -135,6 +136,7 @@ private:
 };
 
 /// Walks the arcs of one map ("ours") through the regions of another ("theirs").
+template <class Scalar>
 class ArcWalk {
 public:
     ArcWalk(const ConvexPolyhedron& ours, const ConvexPolyhedron& theirs)
@@ -167,14 +169,14 @@ public:
             std::uint32_t through = no_facet;
             for (const PolyhedronNeighbour& next : theirs_.neighbours(at)) {
                 const Displacement step = {theirs_.vertex(at), theirs_.vertex(next.vertex)};
-                if (ours_.normal_sign(arc.to, step) <= 0) continue;
+                if (ours_.template normal_sign<Scalar>(arc.to, step) <= 0) continue;
                 const PolyhedronEdge& edge = theirs_.edges()[next.edge];
                 const bool forward = edge.from == at;
                 const std::uint32_t left = forward ? edge.left : edge.right;
                 const std::uint32_t right = forward ? edge.right : edge.left;
-                const int left_sign = theirs_.normal_sign(left, arc.along);
+                const int left_sign = theirs_.template normal_sign<Scalar>(left, arc.along);
                 if (left_sign < 0) continue;
-                const int right_sign = theirs_.normal_sign(right, arc.along);
+                const int right_sign = theirs_.template normal_sign<Scalar>(right, arc.along);
                 if (right_sign > 0) continue;
                 if (left_sign > 0 && right_sign < 0) {
                     crossing(next.edge, forward ? 1 : -1);
@@ -202,7 +204,7 @@ private:
         if (face.dimension == 0) return best;
         const FaceVertices vertices(theirs_, face);
         for (const std::uint32_t vertex : vertices.view().vertices) {
-            if (ours_.normal_sign(our_facet, {theirs_.vertex(best), theirs_.vertex(vertex)}) > 0)
+            if (ours_.template normal_sign<Scalar>(our_facet, {theirs_.vertex(best), theirs_.vertex(vertex)}) > 0)
                 best = vertex;
         }
         return best;
@@ -241,6 +243,7 @@ private:
 };
 
 /// Both are polygons or bodies.
+template <class Scalar>
 class Overlay {
 public:
     Overlay(const ConvexPolyhedron& a, const ConvexPolyhedron& b, bool holds_line,
@@ -290,7 +293,7 @@ private:
     [[nodiscard]] bool walk_map(const ConvexPolyhedron& ours, const ConvexPolyhedron& theirs,
                                 FacetFound facet_found, Crossing crossing)
     {
-        const ArcWalk walk(ours, theirs);
+        const ArcWalk<Scalar> walk(ours, theirs);
         const FacetGraph graph(ours);
         struct Visit {
             std::uint32_t facet;
@@ -298,7 +301,7 @@ private:
         };
         std::vector<bool> is_met(ours.facet_count(), false);
         std::vector<bool> is_walked(ours.edges().size(), false);
-        std::vector<Visit> to_do = {{0, support_face(theirs, ours, 0, 0)}};
+        std::vector<Visit> to_do = {{0, support_face<Scalar>(theirs, ours, 0, 0)}};
         is_met[0] = true;
         while (!to_do.empty()) {
             const Visit visit = to_do.back();
@@ -309,7 +312,7 @@ private:
                 if (is_walked[e]) continue;
                 is_walked[e] = true;
                 const PolyhedronEdge& edge = ours.edges()[e];
-                const ArcWalk::Arc arc = walk.arc(edge, visit.facet);
+                const typename ArcWalk<Scalar>::Arc arc = walk.arc(edge, visit.facet);
                 const int from_left = visit.facet == edge.left ? 1 : -1;
                 const std::uint32_t end =
                     walk.walk(arc, visit.theirs, [&](std::uint32_t their_edge, int out) {
@@ -317,7 +320,7 @@ private:
                     });
                 if (is_met[arc.to]) continue;
                 is_met[arc.to] = true;
-                to_do.push_back({arc.to, support_face(theirs, ours, arc.to, end)});
+                to_do.push_back({arc.to, support_face<Scalar>(theirs, ours, arc.to, end)});
             }
         }
         return true;
@@ -341,10 +344,10 @@ private:
             to_do.pop_back();
             if (!go_on()) return false;
             const auto sign_along = [&, f = facet](const Displacement& d) noexcept {
-                return theirs.normal_sign(f, d);
+                return theirs.template normal_sign<Scalar>(f, d);
             };
             if (ends_along(ours, sign_along)) {
-                const SupportFace face = support_face(ours, theirs, facet, start);
+                const SupportFace face = support_face<Scalar>(ours, theirs, facet, start);
                 start = face.vertex;
                 facet_found(facet, face);
             }
@@ -406,7 +409,7 @@ private:
         for (std::uint32_t e = 0; e < a.edges().size(); ++e) {
             if (is_cancelled(progress_)) return false;
             for (std::uint32_t g = 0; g < b.edges().size(); ++g) {
-                const ArcCrossing crossing = arcs_cross(a, a.edges()[e], b, b.edges()[g]);
+                const ArcCrossing crossing = arcs_cross<Scalar>(a, a.edges()[e], b, b.edges()[g]);
                 if (crossing != ArcCrossing::none)
                     facets_.add_swept(e, g, static_cast<int>(crossing));
             }
@@ -421,6 +424,7 @@ private:
 };
 
 /// One of both is a segment or a half-line.
+template <class Scalar>
 class Sweep {
 public:
     Sweep(const ConvexPolyhedron& a, const ConvexPolyhedron& b, bool holds_line)
@@ -434,7 +438,7 @@ public:
         const Displacement along = line.direction(line.edges()[0]);
         const bool ends = line.is_bounded();
         for (std::uint32_t f = 0; f < body.facet_count(); ++f) {
-            const int sign = body.normal_sign(f, along);
+            const int sign = body.template normal_sign<Scalar>(f, along);
             if (sign > 0 && !ends) continue;
             const std::uint32_t end = sign > 0 ? 1 : 0;
             const SupportFace face = sign == 0 ? SupportFace{1, 0, 0} : SupportFace{0, end, end};
@@ -446,8 +450,8 @@ public:
         }
         for (std::uint32_t e = 0; e < body.edges().size(); ++e) {
             const PolyhedronEdge& edge = body.edges()[e];
-            const int left = body.normal_sign(edge.left, along);
-            if (left == 0 || body.normal_sign(edge.right, along) != -left) continue;
+            const int left = body.template normal_sign<Scalar>(edge.left, along);
+            if (left == 0 || body.template normal_sign<Scalar>(edge.right, along) != -left) continue;
             if (line_is_b_) {
                 facets_.add_swept(e, 0, left);
             } else {
@@ -525,6 +529,7 @@ bool rays_span_a_line(const ConvexPolyhedron& a, const ConvexPolyhedron& b)
 
 } // namespace
 
+template <class Scalar>
 Result<MinkowskiSum> sum_by_arcs(const ConvexPolyhedron& a, const ConvexPolyhedron& b,
                                  Progress* progress)
 {
@@ -535,8 +540,13 @@ Result<MinkowskiSum> sum_by_arcs(const ConvexPolyhedron& a, const ConvexPolyhedr
                     "the sum of these unbounded flat sets holds a whole line: cut one of them off");
     }
     if (a.dimension() == 1 && b.dimension() == 1) return sum_of_lines(a, b);
-    if (a.dimension() == 1 || b.dimension() == 1) return Sweep(a, b, holds_line).build(holds_line);
-    return Overlay(a, b, holds_line, progress).build(holds_line);
+    if (a.dimension() == 1 || b.dimension() == 1) return Sweep<Scalar>(a, b, holds_line).build(holds_line);
+    return Overlay<Scalar>(a, b, holds_line, progress).build(holds_line);
 }
+
+template Result<MinkowskiSum> sum_by_arcs<double>(const ConvexPolyhedron&, const ConvexPolyhedron&,
+                                                  Progress*);
+template Result<MinkowskiSum> sum_by_arcs<Counted>(const ConvexPolyhedron&, const ConvexPolyhedron&,
+                                                   Progress*);
 
 } // namespace proxima::detail
