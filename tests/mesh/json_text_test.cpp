@@ -42,10 +42,10 @@ TEST(JsonText, ResolvesEscapes)
 TEST(JsonText, RefusesDamage)
 {
     for (const char* text :
-         {"",      " ",   "{",       "[",        "[1",        "[1,",         "[1,]",
-          "[1 2]", "[1}", "{\"a\"}", "{\"a\":}", "{\"a\":1",  "{\"a\":1,}",  "{\"a\" 1}",
-          "{a:1}", "{,}", "\"a",     "\"\\x\"",  "\"\\u12\"", "\"\\u00zz\"", "\"\\",
-          "tru",   "nan", "+1",      "-",        "{} {}",     "1 2",         "]"}) {
+         {"",      " ",   "{",        "[",         "[1",        "[1,",         "[1,]",
+          "[1 2]", "[1}", R"({"a"})", R"({"a":})", R"({"a":1)", R"({"a":1,})", R"({"a" 1})",
+          "{a:1}", "{,}", R"("a)",    R"("\x")",   R"("\u12")", R"("\u00zz")", R"("\)",
+          "tru",   "nan", "+1",       "-",         "{} {}",     "1 2",         "]"}) {
         const auto json = parsed(text);
         ASSERT_FALSE(json) << text;
         EXPECT_EQ(json.error().code, ErrorCode::malformed_file) << text;
