@@ -82,7 +82,8 @@ int closed_form(const Triangle& triangle)
 
 int geometric(const Triangle& triangle)
 {
-    const auto sum = geometric_sum<double>(triangle_features<double>(triangle), Vec3::Constant(half_size));
+    const auto sum =
+        geometric_sum<double>(triangle_features<double>(triangle), Vec3::Constant(half_size));
     benchmark::DoNotOptimize(sum);
     return sum.count;
 }

@@ -77,8 +77,7 @@ PartitionWorkload partition_workload(const std::string& name, const std::string&
         std::sort(touching.begin(), touching.end());
         touching.erase(std::unique(touching.begin(), touching.end()), touching.end());
         const WholePoint lower = whole(cell_box(octree->frame(), cell.key).lower);
-        for (const std::uint32_t id : touching)
-            cells[{id, depth(cell.key)}].push_back(lower);
+        for (const std::uint32_t id : touching) cells[{id, depth(cell.key)}].push_back(lower);
         return touching;
     };
     static_cast<void>(collect(octree->root()));
@@ -86,7 +85,8 @@ PartitionWorkload partition_workload(const std::string& name, const std::string&
     for (auto& [key, lower_corners] : cells) {
         WorkloadGroup group;
         const auto& corners = mesh->triangles()[key.first];
-        for (std::size_t j = 0; j < 3; ++j) group.triangle[j] = whole(mesh->positions()[corners[j]]);
+        for (std::size_t j = 0; j < 3; ++j)
+            group.triangle[j] = whole(mesh->positions()[corners[j]]);
         group.child_half = std::int64_t{1} << (workload_grid_bits - key.second - 2);
         load.pairs += lower_corners.size();
         group.cells = std::move(lower_corners);

@@ -31,8 +31,8 @@ struct PartitionWorkload {
 
 /// The workload of building an octree over a mesh (a sample's name or a file), of every nth
 /// triangle. Empty if there is no such mesh.
-[[nodiscard]] PartitionWorkload partition_workload(const std::string& name,
-                                                   const std::string& mesh, int max_depth,
-                                                   std::size_t threshold, std::size_t every_nth);
+[[nodiscard]] PartitionWorkload partition_workload(const std::string& name, const std::string& mesh,
+                                                   int max_depth, std::size_t threshold,
+                                                   std::size_t every_nth);
 
 } // namespace proxima::bench

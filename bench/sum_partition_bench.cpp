@@ -2,7 +2,8 @@
 // octree builder, and by a tree of planes (thesis 3.6.4's future work). Run by
 // scripts/bench sum_partition, which prints the ratios of one interleaved run.
 //
-//     octree workloads   every (triangle, child cell) that building an octree asks about; the sum is
+//     octree workloads   every (triangle, child cell) that building an octree asks about; the sum
+//     is
 //                        of triangle and child, and a tree is built per triangle and depth
 //     uniform            the same sums, asked about points spread over their bounding boxes, for
 //                        which the trees are built
@@ -102,12 +103,12 @@ Suite make_suite(const PartitionWorkload& load, Questions questions)
                               static_cast<double>(lower[2]));
             if (questions == Questions::children) {
                 const Vec3 middle = corner + Vec3::Constant(2 * half);
-                entry.cells.push_back({plain(corner), plain(middle),
-                                       plain(corner + Vec3::Constant(4 * half))});
+                entry.cells.push_back(
+                    {plain(corner), plain(middle), plain(corner + Vec3::Constant(4 * half))});
                 for (int octant = 0; octant < 8; ++octant)
-                    entry.points.emplace_back(
-                        middle + half * Vec3((octant & 1) != 0 ? 1 : -1, (octant & 2) != 0 ? 1 : -1,
-                                             (octant & 4) != 0 ? 1 : -1));
+                    entry.points.emplace_back(middle + half * Vec3((octant & 1) != 0 ? 1 : -1,
+                                                                   (octant & 2) != 0 ? 1 : -1,
+                                                                   (octant & 4) != 0 ? 1 : -1));
             } else {
                 const Box& box = entry.tree.bounds();
                 for (int i = 0; i < 8; ++i)
@@ -154,7 +155,8 @@ unsigned touched_children(const Case& entry, const CellPlanes<double>& planes, A
     const unsigned boxed = octants_touched(entry.ordered.lowest(), entry.ordered.highest(), planes);
     if (std::has_single_bit(boxed)) return boxed;
     unsigned touched = 0;
-    for (const DoublePoint& vertex : entry.corners) touched |= octants_touched(vertex, vertex, planes);
+    for (const DoublePoint& vertex : entry.corners)
+        touched |= octants_touched(vertex, vertex, planes);
     for (unsigned open = boxed & ~touched; open != 0; open &= open - 1) {
         const int octant = std::countr_zero(open);
         if (ask(octant)) touched |= 1U << static_cast<unsigned>(octant);
@@ -168,10 +170,9 @@ std::string label(const PartitionEvaluations& evaluations, std::size_t queries, 
         return static_cast<double>(n) / static_cast<double>(queries);
     };
     char text[160];
-    (void)std::snprintf(text, sizeof text,
-                        "per query %.2f comparisons + %.2f products; %zu queries, inside %zu",
-                        each(evaluations.comparisons), each(evaluations.dot_products), queries,
-                        inside);
+    (void)std::snprintf(
+        text, sizeof text, "per query %.2f comparisons + %.2f products; %zu queries, inside %zu",
+        each(evaluations.comparisons), each(evaluations.dot_products), queries, inside);
     return text;
 }
 
@@ -213,9 +214,8 @@ void by_free_accepts(benchmark::State& state, const Suite& suite)
     for (const Case& entry : suite.cases) {
         for (std::size_t i = 0; i < entry.cells.size(); ++i) {
             const Vec3* children = &entry.points[8 * i];
-            bool asked_vertices =
-                !std::has_single_bit(octants_touched(entry.ordered.lowest(), entry.ordered.highest(),
-                                                     entry.cells[i]));
+            bool asked_vertices = !std::has_single_bit(
+                octants_touched(entry.ordered.lowest(), entry.ordered.highest(), entry.cells[i]));
             // Twelve comparisons sort a box into eight children.
             evaluations.comparisons += asked_vertices ? 12 + 3 * 12 : 12;
             static_cast<void>(touched_children(entry, entry.cells[i], [&](int octant) {
@@ -251,11 +251,11 @@ void by_tree(benchmark::State& state, const Suite& suite)
     }
     const auto trees = static_cast<double>(suite.cases.size());
     char text[160];
-    (void)std::snprintf(text, sizeof text,
-                        "; a tree: %.1f splits, %.1f references, built in %.0f us, asked %.1f times",
-                        static_cast<double>(splits) / trees, static_cast<double>(references) / trees,
-                        1e6 * suite.build_seconds / trees,
-                        static_cast<double>(suite.queries) / trees);
+    (void)std::snprintf(
+        text, sizeof text,
+        "; a tree: %.1f splits, %.1f references, built in %.0f us, asked %.1f times",
+        static_cast<double>(splits) / trees, static_cast<double>(references) / trees,
+        1e6 * suite.build_seconds / trees, static_cast<double>(suite.queries) / trees);
     state.SetLabel(label(evaluations, suite.queries, inside) + text);
 }
 
@@ -278,7 +278,8 @@ struct LargeSuite {
 LargeSuite large_suite()
 {
     std::mt19937 random(1);
-    const MinkowskiSum sum = *minkowski_sum(round_polytope(random, 1000), round_polytope(random, 1000));
+    const MinkowskiSum sum =
+        *minkowski_sum(round_polytope(random, 1000), round_polytope(random, 1000));
     LargeSuite suite{*partition_sum(sum, {.max_depth = 0}), *partition_sum(sum), {}};
     std::uniform_real_distribution<double> unit(0, 1);
     const Box& box = suite.tree.bounds();
@@ -308,7 +309,8 @@ void large(benchmark::State& state, const SumPartition& partition, const std::ve
 void build_large(benchmark::State& state)
 {
     std::mt19937 random(1);
-    const MinkowskiSum sum = *minkowski_sum(round_polytope(random, 1000), round_polytope(random, 1000));
+    const MinkowskiSum sum =
+        *minkowski_sum(round_polytope(random, 1000), round_polytope(random, 1000));
     for (auto _ : state) benchmark::DoNotOptimize(partition_sum(sum)->split_count());
 }
 
@@ -346,11 +348,9 @@ void register_all()
                           64);
     const auto suite = std::make_shared<const LargeSuite>(large_suite());
     const auto add = [&](const char* name, const SumPartition& partition) {
-        benchmark::RegisterBenchmark(name,
-                                     [suite, &partition](benchmark::State& state) {
-                                         large(state, partition, suite->points);
-                                     })
-            ->Unit(benchmark::kMillisecond);
+        benchmark::RegisterBenchmark(name, [suite, &partition](benchmark::State& state) {
+            large(state, partition, suite->points);
+        })->Unit(benchmark::kMillisecond);
     };
     add("1000x1000/fixed_order", suite->list);
     add("1000x1000/tree", suite->tree);

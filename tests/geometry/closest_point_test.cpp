@@ -35,8 +35,7 @@ public:
         Triangle triangle = {{point(), point(), point()}};
         if (below(3) == 0) {
             const double t = below(5) / 4.0;
-            triangle.vertices[2] =
-                triangle[0] + t * (triangle[1] - triangle[0]) + nudge();
+            triangle.vertices[2] = triangle[0] + t * (triangle[1] - triangle[0]) + nudge();
         }
         return triangle;
     }
@@ -68,13 +67,14 @@ TEST(ClosestPoint, OfASegment)
         SCOPED_TRACE(seed);
         Shapes shapes(seed);
         const Segment segment = shapes.segment();
-        const Vec3 p = seed % 3 == 0 ? segment.at(shapes.below(5) / 4.0) + shapes.nudge()
-                                     : shapes.point();
+        const Vec3 p =
+            seed % 3 == 0 ? segment.at(shapes.below(5) / 4.0) + shapes.nudge() : shapes.point();
         const SegmentPoint closest = closest_point(segment, p);
         EXPECT_GE(closest.t, 0);
         EXPECT_LE(closest.t, 1);
         EXPECT_EQ(closest.point, segment.at(closest.t));
-        expect_distance(closest.point, p, root(oracle::squared_distance(p, segment.from, segment.to)));
+        expect_distance(closest.point, p,
+                        root(oracle::squared_distance(p, segment.from, segment.to)));
     }
 }
 
@@ -106,9 +106,7 @@ TEST(ClosestPoint, OfATriangle)
         const auto part = static_cast<std::size_t>(closest.part);
         ++parts[part];
         for (std::size_t i = 0; i < 3; ++i) {
-            const bool is_zero = part == 6 ? false
-                                 : part < 3 ? i != part
-                                            : i == (part - 3 + 2) % 3;
+            const bool is_zero = part == 6 ? false : part < 3 ? i != part : i == (part - 3 + 2) % 3;
             EXPECT_EQ(closest.weights[i] == 0, is_zero);
         }
     }

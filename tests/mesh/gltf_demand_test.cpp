@@ -92,12 +92,12 @@ TEST_F(GltfDemand, RefusesWhatNeedsMoreThanTheBudget)
     const Scene scenes[] = {
         {.nodes = doubling + R"({"mesh":0})"},
         {.accessors = zeros},
+        {.accessors = Scene().accessors + "," + zeros},
         {.accessors = escaped},
         {.primitives = repeated(R"({"attributes":{"POSITION":0}})", 20), .accessors = big_view},
         {.primitives = repeated(R"({"attributes":{},"indices":0,"mode":0})", 10),
          .accessors = big_view},
-        {.primitives = R"({"attributes":{"POSITION":0},"targets":[)" +
-                       repeated(R"({"POSITION":0})", 20) + "]}",
+        {.primitives = R"({"attributes":{"POSITION":0},"targets":[)" + repeated("{}", 20) + "]}",
          .accessors = big_view},
         {.accessors = R"({"bufferView":0,"componentType":5126,"count":-3,"type":"VEC3"})"},
         {.accessors =

@@ -49,7 +49,8 @@ std::vector<Whole> hull_of(const std::vector<Whole>& points)
         Whole next = at;
         for (const Whole& p : points) {
             const Wide turn = cross(next - at, p - at);
-            if (next == at || turn < 0 || (turn == 0 && dot(p - at, p - at) > dot(next - at, next - at)))
+            if (next == at || turn < 0 ||
+                (turn == 0 && dot(p - at, p - at) > dot(next - at, next - at)))
                 next = p;
         }
         if (next == hull.front()) return hull;
@@ -141,7 +142,8 @@ TEST(PlanarSum, EdgesAreThoseOfTheHullOfAllPairs)
             EXPECT_EQ(exact_point(sum, edge.to), hull[at]);
             EXPECT_EQ(edge.support, edge.to);
             EXPECT_FALSE(edge.from_infinity || edge.to_infinity);
-            EXPECT_EQ(edge.offset, edge.normal.dot(sum.points()[static_cast<std::size_t>(edge.to)]));
+            EXPECT_EQ(edge.offset,
+                      edge.normal.dot(sum.points()[static_cast<std::size_t>(edge.to)]));
             EXPECT_NEAR(edge.normal.norm(), 1, 1e-15);
             with_parallel += edge.origin == FacetOrigin::both ? 1 : 0;
         }
@@ -160,7 +162,8 @@ TEST(PlanarSum, LinesTouchWhatIsFarthest)
         SCOPED_TRACE(seed);
         std::mt19937_64 random(seed);
         const Points points_a = nasty_points(random);
-        const PlanarSum sum = sum_of(polygon_of(points_a), polygon_of(nasty_partner(random, points_a)));
+        const PlanarSum sum =
+            sum_of(polygon_of(points_a), polygon_of(nasty_partner(random, points_a)));
         for (const PushedLine& line : sum.lines()) {
             ASSERT_GE(line.edge, 0);
             EXPECT_TRUE(line.spans_edge);
@@ -393,8 +396,8 @@ TEST(PlanarSum, FlagsTheEdgesThatObstructARegion)
         ASSERT_EQ(sum.edges().size(), 3U); // two of the rays, the lower side of the square
         int obstructing = 0;
         for (const PushedLine& line : sum.lines()) {
-            const bool is_positive = line.normal.dot(Vec2(1, 2)) > 1e-12 ||
-                                     line.normal.dot(Vec2(-2, 1)) > 1e-12;
+            const bool is_positive =
+                line.normal.dot(Vec2(1, 2)) > 1e-12 || line.normal.dot(Vec2(-2, 1)) > 1e-12;
             EXPECT_EQ(line.edge < 0, is_positive);
             EXPECT_TRUE(line.spans_edge);
             obstructing += line.edge < 0 ? 1 : 0;

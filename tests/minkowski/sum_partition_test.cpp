@@ -98,8 +98,8 @@ TEST(SumPartition, AnswersAsAllFacetsDo)
     for (unsigned seed = 0; seed < 400; ++seed) {
         SCOPED_TRACE(seed);
         std::mt19937 random(seed);
-        const MinkowskiSum sum =
-            sum_of(test::hull_of(test::nasty_points(random)), test::hull_of(test::nasty_points(random)));
+        const MinkowskiSum sum = sum_of(test::hull_of(test::nasty_points(random)),
+                                        test::hull_of(test::nasty_points(random)));
         if (sum.dimension() != 3) {
             EXPECT_EQ(partition_sum(sum).error().code, ErrorCode::invalid_argument);
             continue;

@@ -43,7 +43,9 @@ Pair make_pair(unsigned seed)
     }
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> coordinate(-1, 1);
-    const auto point = [&] { return Vec3(coordinate(random), coordinate(random), coordinate(random)); };
+    const auto point = [&] {
+        return Vec3(coordinate(random), coordinate(random), coordinate(random));
+    };
     Pair pair;
     // Small triangles in large boxes, the other way round, and in between.
     const double size = std::pow(10.0, std::uniform_real_distribution<double>(-3, 2)(random));
@@ -112,11 +114,13 @@ TEST(TriangleCubePenetration, FreesTheTriangleAndNoShorterMotionDoes)
         EXPECT_FALSE(triangle_overlaps_box(moved(pair.triangle, beyond), pair.box));
         if (found->depth < slack) continue;
         const double shorter = found->depth - slack;
-        EXPECT_TRUE(triangle_overlaps_box(moved(pair.triangle, shorter * found->direction), pair.box));
+        EXPECT_TRUE(
+            triangle_overlaps_box(moved(pair.triangle, shorter * found->direction), pair.box));
         std::mt19937 random(seed);
         std::normal_distribution<double> normal;
         for (int i = 0; i < 10; ++i) { // nor along any other direction
-            const Vec3 direction = Vec3(normal(random), normal(random), normal(random)).normalized();
+            const Vec3 direction =
+                Vec3(normal(random), normal(random), normal(random)).normalized();
             EXPECT_TRUE(triangle_overlaps_box(moved(pair.triangle, shorter * direction), pair.box));
         }
     }
@@ -131,7 +135,8 @@ TEST(TriangleCubePenetration, AlongADirectionEndsWhereTheExactTestSays)
         std::mt19937 random(seed);
         std::normal_distribution<double> normal;
         Vec3 direction = Vec3(normal(random), normal(random), normal(random));
-        if (seed % 5 == 0) direction = Vec3::Unit(static_cast<int>(seed % 3)) * (seed % 2 == 0 ? 3 : -3);
+        if (seed % 5 == 0)
+            direction = Vec3::Unit(static_cast<int>(seed % 3)) * (seed % 2 == 0 ? 3 : -3);
         const auto depth = penetration_along(pair.triangle, pair.box, direction);
         ASSERT_EQ(depth.has_value(), triangle_overlaps_box(pair.triangle, pair.box));
         if (!depth) continue;
@@ -155,7 +160,8 @@ TEST(TriangleCubePenetration, AlongADirectionEndsWhereTheExactTestSays)
         if (slack > 1e-6 * size) continue;
         ++checked;
         EXPECT_NEAR(*depth, static_cast<double>(least), slack);
-        EXPECT_FALSE(triangle_overlaps_box(moved(pair.triangle, (*depth + slack) * along), pair.box));
+        EXPECT_FALSE(
+            triangle_overlaps_box(moved(pair.triangle, (*depth + slack) * along), pair.box));
         if (*depth > slack) {
             const Triangle less = moved(pair.triangle, (*depth - slack) * along);
             EXPECT_TRUE(triangle_overlaps_box(less, pair.box));
@@ -170,7 +176,8 @@ TEST(TriangleCubePenetration, NeedlesAreFreedNearlyAsCheaplyAsSegments)
         SCOPED_TRACE(seed);
         Pair pair = make_pair(2 * seed + 1);
         std::mt19937 random(seed);
-        const double width = std::pow(10.0, std::uniform_real_distribution<double>(-17, -3)(random));
+        const double width =
+            std::pow(10.0, std::uniform_real_distribution<double>(-17, -3)(random));
         auto& v = pair.triangle.vertices;
         const double t = std::uniform_real_distribution<double>(0, 1)(random);
         v[2] = v[0] + t * (v[1] - v[0]) + width * (v[2] - v[0]);
@@ -221,7 +228,8 @@ TEST(TriangleCubeSeparation, IsTheDistanceOfTheClosestFeatures)
         for (const Vec3& vertex : pair.triangle.vertices)
             EXPECT_GE(across.dot(vertex - found.on_triangle), -1e-11 * size);
         for (int corner = 0; corner < 8; ++corner)
-            EXPECT_LE(across.dot(oracle::box_corner(pair.box, corner) - found.on_box), 1e-11 * size);
+            EXPECT_LE(across.dot(oracle::box_corner(pair.box, corner) - found.on_box),
+                      1e-11 * size);
     }
     EXPECT_GT(apart, 4000);
 }

@@ -100,7 +100,8 @@ TEST(OctreeBuildCancellation, OfClassifyingAMeshWithAHole)
                                            large_mesh().triangles().end());
     const auto open = make_triangle_mesh(std::move(positions), std::move(triangles));
     ASSERT_TRUE(open);
-    const auto octree = build_octree(*open, {.max_depth = 7, .classification = Classification::none});
+    const auto octree =
+        build_octree(*open, {.max_depth = 7, .classification = Classification::none});
     ASSERT_TRUE(octree);
     cancel_at_every_stage(
         [&](Progress& progress) {

@@ -68,8 +68,8 @@ struct QuadPoint {
     const QuadPoint a(triangle[0]);
     const QuadPoint b(triangle[1]);
     const QuadPoint c(triangle[2]);
-    Quad best = std::min({squared_distance(p, a, b), squared_distance(p, b, c),
-                          squared_distance(p, c, a)});
+    Quad best =
+        std::min({squared_distance(p, a, b), squared_distance(p, b, c), squared_distance(p, c, a)});
     const QuadPoint n = cross(b - a, c - a);
     const Quad area = dot(n, n);
     if (area == 0) return best;

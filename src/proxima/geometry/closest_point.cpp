@@ -24,8 +24,7 @@ Vec3 Segment::at(double t) const noexcept
 SegmentPoint closest_point(const Segment& segment, const Vec3& p) noexcept
 {
     const Vec3 along = segment.to - segment.from;
-    const double t =
-        std::clamp(foot(p - segment.from, along, along.squaredNorm()), 0.0, 1.0);
+    const double t = std::clamp(foot(p - segment.from, along, along.squaredNorm()), 0.0, 1.0);
     return {segment.at(t), t};
 }
 
@@ -60,8 +59,8 @@ TrianglePoint closest_point(const Triangle& triangle, const Vec3& p) noexcept
         result.weights[next] = at_next;
         result.weights[apex] = at_apex;
         // As seen from the corner that weighs most, which keeps rounding small.
-        const auto heaviest = static_cast<std::size_t>(
-            std::ranges::max_element(result.weights) - result.weights.begin());
+        const auto heaviest = static_cast<std::size_t>(std::ranges::max_element(result.weights) -
+                                                       result.weights.begin());
         const std::size_t second = (heaviest + 1) % 3;
         const std::size_t third = (heaviest + 2) % 3;
         result.point = v[heaviest] + result.weights[second] * sides[heaviest] -

@@ -48,8 +48,7 @@ Vec3 on_unit_sphere(const Vec3& point) noexcept
 // Every triangle into four; new vertices follow the old ones in the order of the edges.
 Result<TriangleMesh> subdivided_sphere(const TriangleMesh& mesh, Progress* progress)
 {
-    const Result<Topology> topology =
-        build_topology(mesh, {.threads = {1}, .progress = progress});
+    const Result<Topology> topology = build_topology(mesh, {.threads = {1}, .progress = progress});
     if (is_cancelled(progress)) return making_cancelled();
     PROXIMA_CHECK(topology.has_value());
     StageSteps steps = making_mesh(progress, 4 * mesh.triangle_count());
@@ -279,8 +278,7 @@ Result<TriangleMesh> sized_sphere(std::string_view name, const SampleOptions& op
     const std::uint64_t pairs = saturated_product(size->first - 1, size->second);
     const Status fits = check_size(name, saturated_product(pairs, 2), grid_bytes);
     if (!fits) return tl::unexpected(fits.error());
-    return sphere(static_cast<int>(size->first), static_cast<int>(size->second),
-                  options.progress);
+    return sphere(static_cast<int>(size->first), static_cast<int>(size->second), options.progress);
 }
 
 Result<TriangleMesh> sized_icosphere(std::string_view name, const SampleOptions& options)
@@ -305,8 +303,7 @@ Result<TriangleMesh> sized_torus(std::string_view name, const SampleOptions& opt
     const std::uint64_t quads = saturated_product(size->first, size->second);
     const Status fits = check_size(name, saturated_product(quads, 2), grid_bytes);
     if (!fits) return tl::unexpected(fits.error());
-    return torus(static_cast<int>(size->first), static_cast<int>(size->second),
-                  options.progress);
+    return torus(static_cast<int>(size->first), static_cast<int>(size->second), options.progress);
 }
 
 Result<TriangleMesh> sized_spaceship(std::string_view name, const SampleOptions& options)

@@ -100,8 +100,8 @@ struct PushedPlane {
     std::size_t candidate = 0; ///< its normal among those given
     int sign = 1;              ///< -1: pushed the opposite way
     const Scalar& offset;
-    int support = 0;                ///< the first of the vertices farthest along the normal
-    std::span<const int> supports;  ///< those that rounding cannot tell from it, itself included
+    int support = 0;               ///< the first of the vertices farthest along the normal
+    std::span<const int> supports; ///< those that rounding cannot tell from it, itself included
 };
 
 /// Pushes a plane of each normal, and where asked one of its opposite, to the vertices most extreme

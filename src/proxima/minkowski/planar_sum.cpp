@@ -148,9 +148,9 @@ private:
 
     /// Which of the corners touched are the farthest. `corner_of` gives the corner of a point k.
     template <class CornerOf>
-    [[nodiscard]] static ExtremeFace
-    extreme_face(const ConvexPolygon& whole, const CutPolygon& cut, const Displacement& direction,
-                 std::span<const int> touched, CornerOf corner_of)
+    [[nodiscard]] static ExtremeFace extreme_face(const ConvexPolygon& whole, const CutPolygon& cut,
+                                                  const Displacement& direction,
+                                                  std::span<const int> touched, CornerOf corner_of)
     {
         const auto step = [&](int from, int to) {
             const Vec2& p = cut.corners[static_cast<std::size_t>(from)];
@@ -165,8 +165,10 @@ private:
             if (side < 0) {
                 face.from = face.to = corner;
             } else if (side == 0) {
-                if (point_same_way(direction, step(face.to, corner))) face.to = corner;
-                else if (!point_same_way(direction, step(face.from, corner))) face.from = corner;
+                if (point_same_way(direction, step(face.to, corner)))
+                    face.to = corner;
+                else if (!point_same_way(direction, step(face.from, corner)))
+                    face.from = corner;
             }
         }
         face.last_real = face.to;
@@ -218,8 +220,8 @@ private:
         });
         std::vector<std::vector<std::size_t>> lines_of_edge;
         for (const std::size_t i : kept) {
-            const bool is_parallel =
-                !lines_of_edge.empty() && same_way(direction(lines_of_edge.back()[0]), direction(i));
+            const bool is_parallel = !lines_of_edge.empty() &&
+                                     same_way(direction(lines_of_edge.back()[0]), direction(i));
             if (is_parallel) {
                 sum_.edges_.back().origin = FacetOrigin::both;
                 lines_of_edge.back().push_back(i);
@@ -257,10 +259,10 @@ Result<PlanarSum> planar_sum(const ConvexPolygon& a, const ConvexPolygon& b,
                              const PlanarSumOptions& options)
 {
     if (!(options.cut_length > 0) || !(options.cut_length <= max_polyhedron_coordinate)) {
-        return fail(ErrorCode::invalid_argument,
-                    concat("Rays can be cut at a positive length up to ",
-                           max_polyhedron_coordinate, "."),
-                    "cut_length");
+        return fail(
+            ErrorCode::invalid_argument,
+            concat("Rays can be cut at a positive length up to ", max_polyhedron_coordinate, "."),
+            "cut_length");
     }
     PlanarSummation summation(a, b, options.cut_length);
     if (summation.point_count() > max_points) {

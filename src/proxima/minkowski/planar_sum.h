@@ -44,10 +44,10 @@ struct PushedLine {
     int source_edge = 0;                 ///< of the cut polygon A or B
     Vec2 normal;                         ///< outward, of length 1
     double offset = 0;
-    int support = 0;          ///< k of the first of the points farthest along the normal
-    bool spans_edge = false;  ///< it rests on two distinct points or more
-    int edge = -1;            ///< the edge of the sum on it, -1 where it is removed as obstructing
-    int first_touched = 0;    ///< see PlanarSum::touched
+    int support = 0;         ///< k of the first of the points farthest along the normal
+    bool spans_edge = false; ///< it rests on two distinct points or more
+    int edge = -1;           ///< the edge of the sum on it, -1 where it is removed as obstructing
+    int first_touched = 0;   ///< see PlanarSum::touched
     int touched_count = 0;
 };
 
@@ -56,9 +56,10 @@ struct PlanarEdge {
     FacetOrigin origin = FacetOrigin::a; ///< a, b or both, where edges are parallel
     Vec2 normal;                         ///< outward, of length 1
     double offset = 0;
-    int support = 0; ///< k of the corner pair it rests on at every scale: its end where that is finite
-    int from = 0;    ///< k where it begins; of an infinite edge the cut's point
-    int to = 0;      ///< k where it ends
+    int support =
+        0;        ///< k of the corner pair it rests on at every scale: its end where that is finite
+    int from = 0; ///< k where it begins; of an infinite edge the cut's point
+    int to = 0;   ///< k where it ends
     bool from_infinity = false;
     bool to_infinity = false;
 };
@@ -93,8 +94,8 @@ public:
                                            static_cast<std::size_t>(line.touched_count));
     }
 
-    /// Edges counter-clockwise: each ends where the next begins. An unbounded sum's first comes from
-    /// infinity, a bounded one's has the direction of least angle to the x axis, in [0, 360)
+    /// Edges counter-clockwise: each ends where the next begins. An unbounded sum's first comes
+    /// from infinity, a bounded one's has the direction of least angle to the x axis, in [0, 360)
     /// degrees. None of two points, and none where the sum is the whole plane.
     [[nodiscard]] std::span<const PlanarEdge> edges() const noexcept { return edges_; }
     /// An edge's offset for operands of other sizes.
@@ -103,10 +104,7 @@ public:
         return edge.normal.dot(point(edge.support, scales));
     }
 
-    [[nodiscard]] bool is_bounded() const noexcept
-    {
-        return a_.is_bounded() && b_.is_bounded();
-    }
+    [[nodiscard]] bool is_bounded() const noexcept { return a_.is_bounded() && b_.is_bounded(); }
     [[nodiscard]] bool is_whole_plane() const noexcept { return !is_bounded() && edges_.empty(); }
 
 private:

@@ -80,14 +80,12 @@ private:
     [[nodiscard]] Child grow(const ConvexCell& cell, std::vector<Piece> pieces, int depth)
     {
         partition_.depth_ = std::max(partition_.depth_, depth);
-        const Candidate best =
-            depth < options_.max_depth ? best_split(cell, pieces) : Candidate{};
+        const Candidate best = depth < options_.max_depth ? best_split(cell, pieces) : Candidate{};
         if (!(best.cost < leaf_cost(pieces.size()))) return add_leaf(std::move(pieces));
 
         const auto index = static_cast<Child>(partition_.splits_.size());
-        partition_.splits_.push_back(
-            {best.plane, parallel_axis(best.plane.normal).value_or(-1), SumPartition::outside,
-             SumPartition::outside});
+        partition_.splits_.push_back({best.plane, parallel_axis(best.plane.normal).value_or(-1),
+                                      SumPartition::outside, SumPartition::outside});
         const Child within = grow_part(cell, pieces, best, best.plane, depth + 1);
         partition_.splits_[static_cast<std::size_t>(index)].within = within;
         if (!best.facet) {

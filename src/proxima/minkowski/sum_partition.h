@@ -5,17 +5,17 @@
 //     leaf: outside, inside, or the facets that meet its cell
 //
 // Why a leaf needs no others. Let S be the sum, C a closed convex cell, I the facets F_i that meet
-// C, and H_i their half-spaces. If I is not empty, a point q of C is in S iff it is in H_i for all i
-// in I:
+// C, and H_i their half-spaces. If I is not empty, a point q of C is in S iff it is in H_i for all
+// i in I:
 //   - A point of S is in every H_i.
 //   - Let q in C be outside S. Some F_i meets C, so a point s of S lies in C, and with it the whole
 //     way from s to q. Let x be the last point of S on it. Near x, S is the intersection of the
 //     half-spaces of the facets that hold x; just beyond x one of them, H_i, is left, and being a
 //     half-space it is not entered again before q. Its facet F_i holds x, a point of C: i is in I.
-// If I is empty, C has no boundary of S in it and lies wholly inside or outside. A facet's own plane
-// as a split leaves nothing of S in front of it, and its facet need not be asked behind it. More
-// facets than I do no harm: pieces of facets are cut a little too large, so that rounding loses
-// none.
+// If I is empty, C has no boundary of S in it and lies wholly inside or outside. A facet's own
+// plane as a split leaves nothing of S in front of it, and its facet need not be asked behind it.
+// More facets than I do no harm: pieces of facets are cut a little too large, so that rounding
+// loses none.
 //
 // What it is worth, by bench/sum_partition_bench.cpp, is said in docs of partition_sum below.
 #pragma once
@@ -50,7 +50,8 @@ public:
     [[nodiscard]] bool contains(const Vec3& point) const noexcept;
 
     /// The same, adding up what it cost.
-    [[nodiscard]] bool contains(const Vec3& point, PartitionEvaluations& evaluations) const noexcept;
+    [[nodiscard]] bool contains(const Vec3& point,
+                                PartitionEvaluations& evaluations) const noexcept;
 
     [[nodiscard]] const Box& bounds() const noexcept { return bounds_; }
     /// Facets of the sum, those on its bounding box included.

@@ -175,8 +175,8 @@ private:
             if ((corner & 1) != 0) point[u] = pair_.box.upper[u];
             if ((corner & 2) != 0) point[w] = pair_.box.upper[w];
             const double step = normal.dot(pair_.triangle[0] - point) / normal[axis];
-            point[axis] = std::clamp(point[axis] + step, pair_.box.lower[axis],
-                                     pair_.box.upper[axis]);
+            point[axis] =
+                std::clamp(point[axis] + step, pair_.box.lower[axis], pair_.box.upper[axis]);
             offer(closest_point(pair_.triangle, point).point);
         }
     }
@@ -298,9 +298,8 @@ Separation separation(const Triangle& triangle, const Box& box) noexcept
     }
     result.distance = scale.multiplied(result.distance);
     result.on_triangle = box.lower + scale.multiplied(result.on_triangle);
-    result.on_box = (box.lower + scale.multiplied(result.on_box))
-                        .cwiseMax(box.lower)
-                        .cwiseMin(box.upper);
+    result.on_box =
+        (box.lower + scale.multiplied(result.on_box)).cwiseMax(box.lower).cwiseMin(box.upper);
     return result;
 }
 

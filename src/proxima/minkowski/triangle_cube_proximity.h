@@ -25,7 +25,7 @@ namespace proxima {
 
 /// Moving the triangle by depth * direction leaves it touching the box.
 struct Penetration {
-    double depth = 0;               ///< >= 0; 0 if it only touches
+    double depth = 0;              ///< >= 0; 0 if it only touches
     Vec3 direction = Vec3::Zero(); ///< of length 1
 };
 
