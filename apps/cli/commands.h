@@ -19,5 +19,6 @@ struct Command {
 [[nodiscard]] Command add_compare_command(CLI::App& app);
 [[nodiscard]] Command add_tables_command(CLI::App& app);
 [[nodiscard]] Command add_check_command(CLI::App& app);
+[[nodiscard]] Command add_minkowski_command(CLI::App& app);
 
 } // namespace proxima

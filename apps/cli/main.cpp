@@ -78,7 +78,8 @@ int parse_and_run(int argc, char** argv)
     CommonOptions options;
     const std::vector<Command> commands = {
         proxima::add_octree_command(app), proxima::add_compare_command(app),
-        proxima::add_tables_command(app), proxima::add_check_command(app)};
+        proxima::add_minkowski_command(app), proxima::add_tables_command(app),
+        proxima::add_check_command(app)};
     for (const Command& command : commands) add_common_options(*command.parser, options);
     const auto asked_for = [](const Command& command) { return command.parser->parsed(); };
     try {
@@ -87,9 +88,10 @@ int parse_and_run(int argc, char** argv)
         if (error.get_exit_code() == 0) return app.exit(error); // help or version
         const auto found = std::ranges::find_if(commands, asked_for);
         if (found == commands.end() && argc > 1 && argv[1][0] != '-') {
-            report(fmt::format("{} is no command: they are octree, compare, tables and check; see "
-                               "proxima --help",
-                               argv[1]));
+            report(fmt::format(
+                "{} is no command: they are octree, compare, minkowski, tables and check; see "
+                "proxima --help",
+                argv[1]));
             return wrong_usage;
         }
         report(fmt::format("{}; see proxima {}--help", error.what(),

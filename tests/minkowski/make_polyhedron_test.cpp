@@ -2,6 +2,7 @@
 
 #include "polytopes.h"
 #include "proxima/mesh/sample_meshes.h"
+#include "proxima/minkowski/drawn_surface.h"
 #include "proxima/minkowski/half_space_intersection.h"
 #include "proxima/minkowski/unbounded_sum.h"
 #include "proxima/minkowski/voronoi_region.h"
@@ -182,17 +183,27 @@ TEST(VoronoiRegions, OfASphereMeetTheThesisHalfSpaces)
     EXPECT_FALSE(voronoi_region_of_face({{Vec3(0, 0, 0), Vec3(1, 1, 1), Vec3(2, 2, 2)}}));
 }
 
-TEST(MeshOfPolyhedron, DrawsRaysAtALength)
+TEST(DrawnSurface, DrawsRaysAtALength)
 {
     const auto cube = test::hull_of(test::cube_points(1));
-    EXPECT_EQ(mesh_of_polyhedron(cube)->triangle_count(), 12U);
+    EXPECT_EQ(triangulate(*draw(cube))->triangle_count(), 12U);
     const auto prism = voronoi_region_of_face({{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}});
-    const auto mesh = mesh_of_polyhedron(*prism, 10);
+    const auto mesh = triangulate(*draw(*prism, 10));
     ASSERT_TRUE(mesh);
     EXPECT_EQ(mesh->vertex_count(), 6U);
     EXPECT_EQ(mesh->triangle_count(), 7U);
     EXPECT_EQ(bounding_box(*mesh).upper.z(), 10);
-    EXPECT_FALSE(mesh_of_polyhedron(test::hull_of({{0, 0, 0}, {1, 0, 0}})));
+    EXPECT_FALSE(draw(test::hull_of({{0, 0, 0}, {1, 0, 0}})));
+    // A closed surface: the volume of cube (+) octahedron is that of its parts (Steiner's formula
+    // by hand: 8 + 4/3 + 6 faces 4 x 1 + 12 edges' prisms 2 x 1/2).
+    const auto sum = *minkowski_sum(cube, test::hull_of(test::octahedron_points(1)));
+    const auto surface = *triangulate(*draw(sum));
+    double volume = 0;
+    for (std::uint32_t t = 0; t < surface.triangle_count(); ++t) {
+        const Triangle triangle = surface.triangle(TriangleId{t});
+        volume += triangle[0].dot(triangle[1].cross(triangle[2])) / 6;
+    }
+    EXPECT_DOUBLE_EQ(volume, 8 + 4.0 / 3 + 6 * 4 * 1 + 12 * 2 * 0.5);
 }
 
 /// Sums by rays and by cutting have the same half-spaces for every length of the cut.

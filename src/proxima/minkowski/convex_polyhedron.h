@@ -127,11 +127,10 @@ public:
         return facets_[facet].normal;
     }
 
-    /// The sign of a facet's outward normal . direction. Exact. Scalar is double, or one that counts
-    /// what the filter does (operation_counts.h). \pre direction finite
+    /// The sign of a facet's outward normal . direction. Exact. Scalar is double, or one that
+    /// counts what the filter does (operation_counts.h). \pre direction finite
     template <class Scalar = double>
-    [[nodiscard]] int normal_sign(std::uint32_t facet,
-                                  const Displacement& direction) const noexcept
+    [[nodiscard]] int normal_sign(std::uint32_t facet, const Displacement& direction) const noexcept
     {
         using std::abs;
         // Where this filter fails, exact numbers decide.
@@ -139,9 +138,8 @@ public:
         const Vector3<Scalar> d =
             to_scalar<Scalar>(direction.to) - to_scalar<Scalar>(direction.from);
         const Scalar value = dot(to_scalar<Scalar>(plane.normal), d);
-        const Scalar error =
-            Scalar(plane.tolerance) * (abs(d.x()) + abs(d.y()) + abs(d.z())) +
-            Scalar(underflow_slack);
+        const Scalar error = Scalar(plane.tolerance) * (abs(d.x()) + abs(d.y()) + abs(d.z())) +
+                             Scalar(underflow_slack);
         if (value > error) return 1;
         if (value < -error) return -1;
         return exact_normal_sign(facet, direction);

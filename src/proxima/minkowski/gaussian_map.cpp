@@ -56,7 +56,8 @@ ArcCrossing arcs_cross(const ConvexPolyhedron& a, const PolyhedronEdge& edge_a,
     const Displacement along_a = a.direction(edge_a);
     const Displacement along_b = b.direction(edge_b);
     const int left_a = a.template normal_sign<Scalar>(edge_a.left, along_b);
-    if (left_a == 0 || a.template normal_sign<Scalar>(edge_a.right, along_b) != -left_a) return ArcCrossing::none;
+    if (left_a == 0 || a.template normal_sign<Scalar>(edge_a.right, along_b) != -left_a)
+        return ArcCrossing::none;
     if (b.template normal_sign<Scalar>(edge_b.left, along_a) != -left_a) return ArcCrossing::none;
     if (b.template normal_sign<Scalar>(edge_b.right, along_a) != left_a) return ArcCrossing::none;
     return left_a > 0 ? ArcCrossing::plus : ArcCrossing::minus;

@@ -167,47 +167,4 @@ ConvexPolyhedron mirrored(const ConvexPolyhedron& polyhedron)
     return convex_hull(negated(polyhedron.points()), negated(polyhedron.rays())).value();
 }
 
-Result<TriangleMesh> mesh_of_polyhedron(const ConvexPolyhedron& polyhedron, double ray_length)
-{
-    if (polyhedron.dimension() < 2) {
-        return fail(ErrorCode::invalid_mesh, "a point or a segment has no triangles");
-    }
-    // A ray is drawn as one corner a length away from each point that it leaves from.
-    std::vector<Vec3> positions(polyhedron.points().begin(), polyhedron.points().end());
-    std::vector<std::uint32_t> end_of_edge(polyhedron.edges().size(), 0);
-    for (std::size_t e = 0; e < polyhedron.edges().size(); ++e) {
-        const PolyhedronEdge& edge = polyhedron.edges()[e];
-        if (!polyhedron.is_ray(edge.to)) continue;
-        end_of_edge[e] = static_cast<std::uint32_t>(positions.size());
-        positions.emplace_back(polyhedron.vertex(edge.from) +
-                               ray_length * polyhedron.vertex(edge.to).stableNormalized());
-    }
-    const auto end_of = [&](std::uint32_t point, std::uint32_t ray) {
-        for (const PolyhedronNeighbour& next : polyhedron.neighbours(point)) {
-            if (next.vertex == ray) return end_of_edge[next.edge];
-        }
-        return point;
-    };
-    std::vector<TriangleCorners> triangles;
-    std::vector<std::uint32_t> loop;
-    for (std::uint32_t f = 0; f < polyhedron.facet_count(); ++f) {
-        const auto vertices = polyhedron.facet_loop(f);
-        loop.clear();
-        for (std::size_t i = 0; i < vertices.size(); ++i) {
-            if (!polyhedron.is_ray(vertices[i])) {
-                loop.push_back(vertices[i]);
-                continue;
-            }
-            const std::uint32_t before = vertices[(i + vertices.size() - 1) % vertices.size()];
-            const std::uint32_t after = vertices[(i + 1) % vertices.size()];
-            if (!polyhedron.is_ray(before)) loop.push_back(end_of(before, vertices[i]));
-            if (!polyhedron.is_ray(after) && after != before)
-                loop.push_back(end_of(after, vertices[i]));
-        }
-        for (std::size_t i = 2; i < loop.size(); ++i)
-            triangles.push_back({loop[0], loop[i - 1], loop[i]});
-    }
-    return make_triangle_mesh(std::move(positions), std::move(triangles));
-}
-
 } // namespace proxima

@@ -34,9 +34,4 @@ struct ConvexMeshOptions {
 /// -x for all x of the polyhedron.
 [[nodiscard]] ConvexPolyhedron mirrored(const ConvexPolyhedron& polyhedron);
 
-/// The polyhedron as a mesh: facets as fans of triangles, rays drawn `ray_length` long. Of
-/// dimension 2 or 3. Errors: invalid_mesh for less.
-[[nodiscard]] Result<TriangleMesh> mesh_of_polyhedron(const ConvexPolyhedron& polyhedron,
-                                                      double ray_length = 1);
-
 } // namespace proxima

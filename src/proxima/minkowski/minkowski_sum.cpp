@@ -67,8 +67,10 @@ Result<MinkowskiSum> sum_on(const ConvexPolyhedron& a, const ConvexPolyhedron& b
     switch (options.method) {
     case MinkowskiMethod::geometric:
         return detail::sum_by_geometric_method<Scalar>(a, b, options.progress);
-    case MinkowskiMethod::hull: return detail::sum_by_hull<Scalar>(a, b, options.progress);
-    case MinkowskiMethod::arcs: break;
+    case MinkowskiMethod::hull:
+        return detail::sum_by_hull<Scalar>(a, b, options.progress);
+    case MinkowskiMethod::arcs:
+        break;
     }
     return detail::sum_by_arcs<Scalar>(a, b, options.progress);
 }

@@ -24,6 +24,7 @@ inline constexpr std::size_t max_baseline_normals = 1U << 22U;
 
 /// Instantiated, like the next, for double and Counted. Errors: invalid_argument (unbounded
 /// operands, or a flat sum), limit_exceeded, cancelled.
+template <class Scalar = double>
 [[nodiscard]] Result<MinkowskiSum>
 sum_by_geometric_method(const ConvexPolyhedron& a, const ConvexPolyhedron& b, Progress* progress);
 

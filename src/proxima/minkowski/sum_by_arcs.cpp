@@ -204,7 +204,8 @@ private:
         if (face.dimension == 0) return best;
         const FaceVertices vertices(theirs_, face);
         for (const std::uint32_t vertex : vertices.view().vertices) {
-            if (ours_.template normal_sign<Scalar>(our_facet, {theirs_.vertex(best), theirs_.vertex(vertex)}) > 0)
+            if (ours_.template normal_sign<Scalar>(
+                    our_facet, {theirs_.vertex(best), theirs_.vertex(vertex)}) > 0)
                 best = vertex;
         }
         return best;
@@ -451,7 +452,8 @@ public:
         for (std::uint32_t e = 0; e < body.edges().size(); ++e) {
             const PolyhedronEdge& edge = body.edges()[e];
             const int left = body.template normal_sign<Scalar>(edge.left, along);
-            if (left == 0 || body.template normal_sign<Scalar>(edge.right, along) != -left) continue;
+            if (left == 0 || body.template normal_sign<Scalar>(edge.right, along) != -left)
+                continue;
             if (line_is_b_) {
                 facets_.add_swept(e, 0, left);
             } else {
@@ -540,7 +542,8 @@ Result<MinkowskiSum> sum_by_arcs(const ConvexPolyhedron& a, const ConvexPolyhedr
                     "the sum of these unbounded flat sets holds a whole line: cut one of them off");
     }
     if (a.dimension() == 1 && b.dimension() == 1) return sum_of_lines(a, b);
-    if (a.dimension() == 1 || b.dimension() == 1) return Sweep<Scalar>(a, b, holds_line).build(holds_line);
+    if (a.dimension() == 1 || b.dimension() == 1)
+        return Sweep<Scalar>(a, b, holds_line).build(holds_line);
     return Overlay<Scalar>(a, b, holds_line, progress).build(holds_line);
 }
 

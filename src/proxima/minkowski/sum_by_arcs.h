@@ -15,7 +15,8 @@
 
 namespace proxima::detail {
 
-/// Instantiated for double and Counted. Errors: cancelled; invalid_argument (a flat sum that holds a line).
+/// Instantiated for double and Counted. Errors: cancelled; invalid_argument (a flat sum that holds
+/// a line).
 template <class Scalar = double>
 [[nodiscard]] Result<MinkowskiSum> sum_by_arcs(const ConvexPolyhedron& a, const ConvexPolyhedron& b,
                                                Progress* progress);

@@ -33,7 +33,8 @@ struct GlbPart {
 };
 
 /// Writes the parts that have indices, each as a node moved to the origin; whole or not at all.
-/// Errors: limit_exceeded (a coordinate beyond float, more than 4 GB), file_not_writable, cancelled.
+/// Errors: limit_exceeded (a coordinate beyond float, more than 4 GB), file_not_writable,
+/// cancelled.
 [[nodiscard]] Status write_glb(std::span<const GlbPart> parts, const Vec3& origin,
                                const std::filesystem::path& path, Progress* progress = nullptr);
 

@@ -1,0 +1,244 @@
+// proxima minkowski: the sum of two convex models, and what it costs by each method.
+#include "cli/commands.h"
+#include "cli/model_options.h"
+#include "cli/names.h"
+#include "cli/stopwatch.h"
+#include "cli/text_table.h"
+#include "proxima/base/text.h"
+#include "proxima/mesh/mesh_format.h"
+#include "proxima/mesh/sample_meshes.h"
+#include "proxima/minkowski/export_sum.h"
+#include "proxima/minkowski/make_polyhedron.h"
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <cmath>
+#include <fmt/core.h>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+namespace proxima {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Options {
+    std::array<std::string, 2> models;
+    MinkowskiMethod method = MinkowskiMethod::arcs;
+    double scale = 1;
+    bool take_hull = false;
+    bool count_operations = false;
+    std::string out;
+};
+
+constexpr std::array methods = {MinkowskiMethod::arcs, MinkowskiMethod::geometric,
+                                MinkowskiMethod::hull};
+
+const char* name_of(MinkowskiMethod method)
+{
+    switch (method) {
+    case MinkowskiMethod::geometric:
+        return "geometric";
+    case MinkowskiMethod::hull:
+        return "hull";
+    case MinkowskiMethod::arcs:
+        break;
+    }
+    return "arcs";
+}
+
+Result<ConvexPolyhedron> load_operand(const std::string& model, const Options& options,
+                                      Session& session)
+{
+    const auto mesh = session.load_model(model);
+    if (!mesh) return tl::unexpected(mesh.error());
+    Progress* const progress = &session.progress();
+    auto polyhedron = options.take_hull ? convex_hull(mesh->positions(), {}, progress)
+                                        : polyhedron_of_mesh(*mesh, {.progress = progress});
+    if (polyhedron) return polyhedron;
+    Error error = polyhedron.error();
+    if (error.code == ErrorCode::invalid_mesh && !options.take_hull)
+        error.message += " (--hull takes the convex hull)";
+    return at_model(std::move(error), model);
+}
+
+Json json_of(const OperationCounts& counts)
+{
+    return {{"dot_products", counts.dot_products},
+            {"cross_products", counts.cross_products},
+            {"flops", counts.flops()},
+            {"additions", counts.additions},
+            {"subtractions", counts.subtractions},
+            {"multiplications", counts.multiplications},
+            {"divisions", counts.divisions},
+            {"negations", counts.negations},
+            {"comparisons", counts.comparisons}};
+}
+
+/// Table 3.2's construction rows for these operands.
+struct CountedMethods {
+    std::string text;
+    Json json = Json::object();
+};
+
+Result<CountedMethods> count_methods(const ConvexPolyhedron& a, const ConvexPolyhedron& b,
+                                     Session& session)
+{
+    CountedMethods result;
+    TextTable table(
+        {"Method", "Dots", "Crosses", "Flops", "Add", "Sub", "Mul", "Div", "Neg", "Compare"});
+    for (const MinkowskiMethod method : methods) {
+        const auto counted =
+            count_minkowski_sum(a, b, {.method = method, .progress = &session.progress()});
+        if (!counted) {
+            if (counted.error().code == ErrorCode::cancelled)
+                return tl::unexpected(counted.error());
+            table.add_row({name_of(method), counted.error().message});
+            result.json[name_of(method)] = {{"error", counted.error().message}};
+            continue;
+        }
+        const OperationCounts& counts = counted->counts;
+        table.add_row({name_of(method), to_text(counts.dot_products),
+                       to_text(counts.cross_products), to_text(counts.flops()),
+                       to_text(counts.additions), to_text(counts.subtractions),
+                       to_text(counts.multiplications), to_text(counts.divisions),
+                       to_text(counts.negations), to_text(counts.comparisons)});
+        result.json[name_of(method)] = json_of(counts);
+    }
+    result.text = "\nOperations, counted while the code runs on counting numbers; flops leave out "
+                  "comparisons and negations\n\n" +
+                  table.text();
+    return result;
+}
+
+Json json_of(const ConvexPolyhedron& polyhedron, const std::string& model)
+{
+    return {{"model", model},
+            {"vertices", polyhedron.vertex_count()},
+            {"edges", polyhedron.edges().size()},
+            {"facets", polyhedron.facet_count()}};
+}
+
+Status run_minkowski(const Options& options, Session& session)
+{
+    if (!(options.scale > 0) || !std::isfinite(options.scale)) {
+        return fail(ErrorCode::invalid_argument, "must be a positive number", "--scale");
+    }
+    if (Status status = session.check_outputs({options.out}); !status) return status;
+    if (!options.out.empty()) {
+        if (Status status = check_sum_format(options.out); !status) return status;
+    }
+    const ProgressBar shown(session.progress(), session.bar());
+    const auto a = load_operand(options.models[0], options, session);
+    if (!a) return tl::unexpected(a.error());
+    const auto b = load_operand(options.models[1], options, session);
+    if (!b) return tl::unexpected(b.error());
+
+    const Stopwatch watch;
+    const auto unscaled =
+        minkowski_sum(*a, *b, {.method = options.method, .progress = &session.progress()});
+    if (!unscaled) return tl::unexpected(unscaled.error());
+    const MinkowskiSum sum = unscaled->scaled(options.scale);
+    const double seconds = watch.seconds();
+
+    std::map<FacetOrigin, std::size_t> origins;
+    for (std::uint32_t f = 0; f < sum.facet_count(); ++f) ++origins[sum.facet(f).origin];
+    Box bounds;
+    for (std::uint32_t v = 0; v < sum.point_count(); ++v) bounds.extend(sum.position(v));
+    CountedMethods counted;
+    if (options.count_operations) {
+        auto counts = count_methods(*a, *b, session);
+        if (!counts) return tl::unexpected(counts.error());
+        counted = std::move(*counts);
+    }
+    if (!options.out.empty()) {
+        const Status status = export_sum(sum, options.out, {.progress = &session.progress()});
+        if (!status) return status;
+    }
+
+    TextTable table({"", "Vertices", "Edges", "Facets"});
+    const auto row = [&](const std::string& name, const auto& body) {
+        table.add_row({name, to_text(body.vertex_count()), to_text(body.edges().size()),
+                       to_text(body.facet_count())});
+    };
+    row(options.models[0], *a);
+    row(options.models[1], *b);
+    row("sum", sum);
+    session.print(table.text());
+    session.print(
+        fmt::format("facets of A {}, of B {}, of both {}, swept {}; V - E + F = {}\n"
+                    "from ({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g}); {} in {:.3g} ms\n",
+                    origins[FacetOrigin::a], origins[FacetOrigin::b], origins[FacetOrigin::both],
+                    origins[FacetOrigin::swept],
+                    static_cast<std::int64_t>(sum.vertex_count()) -
+                        static_cast<std::int64_t>(sum.edges().size()) +
+                        static_cast<std::int64_t>(sum.facet_count()),
+                    bounds.lower.x(), bounds.lower.y(), bounds.lower.z(), bounds.upper.x(),
+                    bounds.upper.y(), bounds.upper.z(), name_of(options.method), 1e3 * seconds));
+    session.print(counted.text);
+
+    Json json = {{"a", json_of(*a, options.models[0])},
+                 {"b", json_of(*b, options.models[1])},
+                 {"method", name_of(options.method)},
+                 {"scale", options.scale},
+                 {"vertices", sum.vertex_count()},
+                 {"edges", sum.edges().size()},
+                 {"facets", sum.facet_count()},
+                 {"facets_of_a", origins[FacetOrigin::a]},
+                 {"facets_of_b", origins[FacetOrigin::b]},
+                 {"facets_of_both", origins[FacetOrigin::both]},
+                 {"facets_swept", origins[FacetOrigin::swept]},
+                 {"lower", {bounds.lower.x(), bounds.lower.y(), bounds.lower.z()}},
+                 {"upper", {bounds.upper.x(), bounds.upper.y(), bounds.upper.z()}},
+                 {"seconds", seconds}};
+    if (options.count_operations) json["operations"] = counted.json;
+    return session.write_json(json);
+}
+
+} // namespace
+
+Command add_minkowski_command(CLI::App& app)
+{
+    CLI::App* const parser =
+        app.add_subcommand("minkowski", "Sum two convex models: all points a + b of both");
+    const auto options = std::make_shared<Options>();
+    for (std::size_t i = 0; i < 2; ++i) {
+        parser
+            ->add_option(i == 0 ? "A" : "B", options->models[i],
+                         concat("A convex model: a file (", known_mesh_extensions(), ") or one of ",
+                                sample_mesh_names()))
+            ->required()
+            ->type_name("");
+    }
+    parser
+        ->add_option("--out", options->out,
+                     "Write the sum, facets coloured by origin: .obj, "
+                     ".ply, .glb")
+        ->type_name("FILE");
+    parser
+        ->add_option_function<std::string>(
+            "--method",
+            [options](const std::string& name) {
+                for (const MinkowskiMethod method : methods) {
+                    if (name == name_of(method)) {
+                        options->method = method;
+                        return;
+                    }
+                }
+                throw CLI::ValidationError(
+                    "--method", concat(name, " is no method: they are arcs, geometric and hull"));
+            },
+            "arcs (the fast one), geometric, hull (the thesis's)")
+        ->type_name("NAME");
+    parser->add_option("--scale", options->scale, "Sum A and this many times B")->type_name("L");
+    parser->add_flag("--hull", options->take_hull,
+                     "Take the convex hulls of the models, whatever they are");
+    parser->add_flag("--count-operations", options->count_operations,
+                     "Print what each method costs in products and flops, as Table 3.2");
+    return {parser, [options](Session& session) { return run_minkowski(*options, session); }};
+}
+
+} // namespace proxima
