@@ -1,4 +1,5 @@
-// proxima octree: builds the octree of a mesh or opens a saved one, counts it, saves and exports it.
+// proxima octree: builds the octree of a mesh or opens a saved one, counts it, saves and exports
+// it.
 #include "cli/commands.h"
 #include "cli/model_options.h"
 #include "cli/names.h"
@@ -179,8 +180,7 @@ Status run_octree(const OctreeCommandOptions& options, Session& session)
 
 Command add_octree_command(CLI::App& app)
 {
-    CLI::App* const parser =
-        app.add_subcommand(
+    CLI::App* const parser = app.add_subcommand(
         "octree", "Build the octree of a mesh or open a saved one, count it, save and export it");
     const auto options = std::make_shared<OctreeCommandOptions>();
     add_model_option(*parser, options->model, ModelKinds::meshes_and_octrees);

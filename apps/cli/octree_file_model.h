@@ -15,8 +15,8 @@ namespace proxima {
 /// Whether a MODEL is an octree file, by its extension.
 [[nodiscard]] bool is_octree_file(const std::string& model);
 
-/// --mesh MODEL, for octree files alone. Wrong usage where it stands beside another MODEL, or one of
-/// `not_for_files` beside an octree file. `model` and `mesh` outlive the parser.
+/// --mesh MODEL, for octree files alone. Wrong usage where it stands beside another MODEL, or one
+/// of `not_for_files` beside an octree file. `model` and `mesh` outlive the parser.
 void add_mesh_option(CLI::App& parser, const std::string& model, std::string& mesh,
                      std::vector<std::string> not_for_files);
 

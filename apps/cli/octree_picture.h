@@ -14,7 +14,7 @@ enum class UpAxis { y, z };
 struct PictureOptions {
     int width = 1600;
     int height = 1200;
-    UpAxis up = UpAxis::y; ///< which axis of the mesh points up in the picture
+    UpAxis up = UpAxis::y;        ///< which axis of the mesh points up in the picture
     Progress* progress = nullptr; ///< stages "drawing the mesh", "shading" and "drawing the cells"
 };
 

@@ -220,8 +220,8 @@ Result<BinaryFile> BinaryFile::read(std::span<const std::byte> bytes,
         if (!all_zero(bytes.subspan(end, entry.offset - end))) {
             return refuse(ErrorCode::malformed_file, "bytes between sections are damaged");
         }
-        const bool is_damaged = verification == Verification::full &&
-                                checksum(content, progress) != entry.checksum;
+        const bool is_damaged =
+            verification == Verification::full && checksum(content, progress) != entry.checksum;
         if (is_cancelled(progress)) {
             return refuse(ErrorCode::cancelled, "reading was stopped on request");
         }

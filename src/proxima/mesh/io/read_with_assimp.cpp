@@ -122,7 +122,8 @@ public:
             return tl::unexpected(mesh_.error());
         }
         for (const Instance& instance : instances_) {
-            if (is_cancelled(options_.progress)) return tl::unexpected(reading_cancelled(source_.name));
+            if (is_cancelled(options_.progress))
+                return tl::unexpected(reading_cancelled(source_.name));
             if (!add(instance)) return tl::unexpected(error_);
         }
         return mesh_.finish(vertices);
