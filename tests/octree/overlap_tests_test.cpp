@@ -83,7 +83,7 @@ Tally check_random_pairs(std::uint64_t seed, std::int64_t size, int count)
         Test test(to_triangle(pair.triangle));
         test.set_half_size(0.5 * (to_vec3(pair.box.upper) - to_vec3(pair.box.lower)));
         check(test, pair.triangle, pair.box, tally);
-        if (testing::Test::HasFatalFailure()) break;
+        if (::testing::Test::HasFatalFailure()) break;
     }
     return tally;
 }
