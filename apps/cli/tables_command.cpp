@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <filesystem>
 #include <fmt/core.h>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -19,9 +20,25 @@ struct TablesOptions {
     ThesisComparisonOptions comparison;
 };
 
+/// The folder "shared/meshes" beside the checkout that the running program was built in; empty
+/// where there is none, as for an installed program.
+std::string meshes_beside_checkout()
+{
+    std::error_code error;
+    const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
+    for (auto folder = program.parent_path(); folder.has_relative_path();
+         folder = folder.parent_path()) {
+        const bool is_checkout = std::filesystem::exists(folder / "CMakePresets.json", error);
+        const auto meshes = folder.parent_path() / "shared" / "meshes";
+        if (is_checkout && std::filesystem::is_directory(meshes, error)) return meshes.string();
+    }
+    return {};
+}
+
 Status run_tables(const TablesOptions& options, Session& session)
 {
     ThesisComparisonOptions comparison = options.comparison;
+    if (comparison.meshes.empty()) comparison.meshes = meshes_beside_checkout();
     comparison.threads = session.threads();
     comparison.threads_to_measure = session.threads_to_measure();
     comparison.progress = &session.progress();
@@ -86,8 +103,8 @@ Command add_tables_command(CLI::App& app)
         ->type_name("LIST");
     parser
         ->add_option("--meshes", options->comparison.meshes,
-                     "Folder with the Stanford models of Table 2.3")
-        ->capture_default_str()
+                     "Folder with the Stanford models of Table 2.3 (default: shared/meshes beside "
+                     "the checkout that the program was built in)")
         ->type_name("DIR");
     return {parser, [options](Session& session) { return run_tables(*options, session); }};
 }

@@ -14,7 +14,7 @@
 namespace proxima {
 
 struct ThesisComparisonOptions {
-    std::string meshes = "../shared/meshes"; ///< folder with the models of Table 2.3
+    std::string meshes; ///< folder with the models of Table 2.3, empty where none is known
     Threads threads = {};
     Threads threads_to_measure = {1}; ///< for Table 3.3
     Progress* progress = nullptr;

@@ -53,12 +53,15 @@ bool same_structure(const OctreeStatistics& ours, const thesis::SphereRow& row)
            std::abs(ours.occupied_percent - row.occupied_percent) < 0.0501;
 }
 
-/// Tables 2.1 and 2.2; `varied` is the column that changes from row to row.
-Result<ThesisComparison> compare_sphere(std::span<const thesis::SphereRow> rows, bool by_depth,
+/// The column of Tables 2.1 and 2.2 that changes from row to row.
+enum class Varied { depth, threshold };
+
+Result<ThesisComparison> compare_sphere(std::span<const thesis::SphereRow> rows, Varied varied,
                                         const ThesisComparisonOptions& options)
 {
     const auto sphere = sample_mesh("sphere:100x100");
     if (!sphere) return tl::unexpected(sphere.error());
+    const bool by_depth = varied == Varied::depth;
     TextTable table({by_depth ? "Depth" : "Threshold", "", "Total", "Leaves", "Occ. %", "Min-Tri",
                      "Max-Tri", "Pointers", "Total, Leaves, Occ."});
     ThesisComparison comparison;
@@ -149,7 +152,7 @@ Status add_model(const thesis::Model& model, const TriangleMesh& mesh,
 
 Result<ThesisComparison> compare_table_2_1(const ThesisComparisonOptions& options)
 {
-    auto comparison = compare_sphere(thesis::table_2_1, true, options);
+    auto comparison = compare_sphere(thesis::table_2_1, Varied::depth, options);
     if (!comparison) return comparison;
     comparison->notes = {
         "Pointers and Min-Tri differ: ours count every triangle that touches the closed cell, "
@@ -162,7 +165,7 @@ Result<ThesisComparison> compare_table_2_1(const ThesisComparisonOptions& option
 
 Result<ThesisComparison> compare_table_2_2(const ThesisComparisonOptions& options)
 {
-    auto comparison = compare_sphere(thesis::table_2_2, false, options);
+    auto comparison = compare_sphere(thesis::table_2_2, Varied::threshold, options);
     if (!comparison) return comparison;
     comparison->notes = {
         "A cell splits by its count, and the thesis's counts carry rounding of touching triangles "
@@ -181,9 +184,12 @@ Result<ThesisComparison> compare_table_2_3(const ThesisComparisonOptions& option
     for (const thesis::Model& model : thesis::table_2_3) {
         const std::filesystem::path path = std::filesystem::path(options.meshes) / model.file;
         std::error_code ignored;
-        if (!std::filesystem::exists(path, ignored)) {
-            comparison.notes.push_back(concat(model.name, " is absent: there is no ", path.string(),
-                                              "; --meshes names the folder."));
+        if (options.meshes.empty() || !std::filesystem::exists(path, ignored)) {
+            const std::string why = options.meshes.empty()
+                                        ? concat("no folder is known that may hold ", model.file)
+                                        : concat("there is no ", path.string());
+            comparison.notes.push_back(
+                concat(model.name, " is absent: ", why, "; --meshes names the folder."));
             continue;
         }
         const auto mesh = read_mesh(path, {.progress = options.progress});

@@ -2,11 +2,13 @@
 import json
 import os
 import pty
+import shutil
 import struct
 import subprocess
 import unittest
 import zlib
 
+import mesh_files
 from proxima_program import PROXIMA, ProgramTest, run
 
 OCTREE_KEYS = ["model", "triangles", "depth", "threshold", "method", "total", "leaves",
@@ -164,6 +166,57 @@ class Tables(ProgramTest):
         self.assertEqual(table["rows"], [])
         for model in ("Bunny", "Buddha", "Dragon"):
             self.assertTrue(any(model in note and "absent" in note for note in table["notes"]), model)
+
+    def test_rows_of_table_2_3(self):
+        # Any mesh under the model's name will do; that it is another one is said.
+        (self.folder / "bun_zipper_res2.ply").write_bytes(mesh_files.ALL["ascii.ply"])
+        table, = self.json_of("tables", "--only", "2.3", "--meshes", self.folder)["tables"]
+        self.assertTrue(any("4 triangles here and 16301 in the thesis" in note for note in table["notes"]))
+        self.assertEqual([(row["model"], row["passes"]) for row in table["rows"]], [("Bunny", 1), ("Bunny", 2)])
+        both = ["threshold", "total", "leaves", "occupied_percent", "mean_all_leaves", "std_all_leaves"]
+        for row in table["rows"]:
+            self.assertEqual(list(row), ["model", "triangles", "passes", "thesis", "cube", "box"])
+            self.assertEqual(row["triangles"], 4)
+            self.assertEqual(list(row["thesis"]), both)
+            for root in ("cube", "box"):
+                self.assertEqual(list(row[root]), both + ["mean_triangles", "std_triangles"])
+                self.assertGreaterEqual(row[root]["total"], row[root]["leaves"])
+                self.assertGreaterEqual(row[root]["mean_triangles"], row[root]["mean_all_leaves"])
+        first, second = table["rows"]
+        self.assertEqual(first["cube"]["threshold"], 1)
+        self.assertGreater(second["cube"]["threshold"], 1)
+        self.assertLess(second["cube"]["total"], first["cube"]["total"])
+
+    def test_table_2_3_says_that_no_folder_is_known(self):
+        # A copy outside of any checkout, as if installed.
+        copy = shutil.copy2(PROXIMA, self.folder / "proxima")
+        result = subprocess.run([copy, "tables", "--only", "2.3", "--json", "-"], cwd=self.folder,
+                                stdout=subprocess.PIPE, check=True)
+        table, = json.loads(result.stdout)["tables"]
+        self.assertEqual(table["rows"], [])
+        self.assertIn("Bunny is absent: no folder is known that may hold bun_zipper_res2.ply; "
+                      "--meshes names the folder.", table["notes"])
+
+    def test_rows_of_table_3_2(self):
+        table, = self.json_of("tables", "--only", "3.2")["tables"]
+        counts = ["dot_products", "cross_products", "flops", "additions", "subtractions",
+                  "multiplications", "divisions", "negations", "comparisons"]
+        self.assertGreaterEqual(len(table["rows"]), 5)
+        for row in table["rows"]:
+            self.assertEqual(list(row), ["method", *counts])
+            number = {key: value["proxima"] if isinstance(value, dict) else value
+                      for key, value in row.items() if key in counts}
+            self.assertEqual(number["flops"], number["additions"] + number["subtractions"] +
+                             number["multiplications"] + number["divisions"], row["method"])
+
+    def test_rows_of_table_3_3(self):
+        table, = self.json_of("tables", "--only", "3.3")["tables"]
+        self.assertEqual([(row["depth"], row["method"]) for row in table["rows"]],
+                         [(depth, method) for depth in range(1, 6) for method in METHODS])
+        for row in table["rows"]:
+            self.assertEqual(list(row), ["depth", "method", "seconds", "ratio_to_separating_axis"])
+            ours = row["seconds"]["proxima"] if isinstance(row["seconds"], dict) else row["seconds"]
+            self.assertGreater(ours, 0)
 
     def test_text_shows_both_values_and_a_reason(self):
         text = self.succeed("tables", "--only", "2.1")

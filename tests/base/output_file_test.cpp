@@ -1,5 +1,7 @@
 #include "proxima/base/output_file.h"
 
+#include "folder_test.h"
+
 #include <array>
 #include <cstdlib>
 #include <fcntl.h>
@@ -23,25 +25,7 @@ std::string content(const fs::path& path)
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
-class OutputFileTest : public ::testing::Test {
-protected:
-    void SetUp() override
-    {
-        std::string name = (fs::temp_directory_path() / "proxima_output_XXXXXX").string();
-        ASSERT_NE(::mkdtemp(name.data()), nullptr);
-        folder_ = name;
-    }
-    void TearDown() override { fs::remove_all(folder_); }
-
-    [[nodiscard]] fs::path path(const char* name) const { return folder_ / name; }
-    [[nodiscard]] long entries() const
-    {
-        return std::distance(fs::directory_iterator(folder_), fs::directory_iterator());
-    }
-
-private:
-    fs::path folder_;
-};
+class OutputFileTest : public FolderTest {};
 
 TEST_F(OutputFileTest, KeepsTheOldContentUntilCommitted)
 {

@@ -2,6 +2,7 @@
 // fuzzers.
 #pragma once
 
+#include "folder_test.h"
 #include "proxima/mesh/mesh_io.h"
 
 #include <algorithm>
@@ -66,31 +67,5 @@ inline std::vector<SeedFile> seed_files()
     EXPECT_GE(seeds.size(), 17U);
     return seeds;
 }
-
-/// A folder of its own for each test, removed afterwards.
-class FolderTest : public ::testing::Test {
-protected:
-    void SetUp() override
-    {
-        std::string name =
-            (std::filesystem::temp_directory_path() / "proxima_mesh_XXXXXX").string();
-        ASSERT_NE(::mkdtemp(name.data()), nullptr);
-        folder_ = name;
-    }
-    void TearDown() override { std::filesystem::remove_all(folder_); }
-
-    [[nodiscard]] std::filesystem::path path(const std::string& name) const
-    {
-        return folder_ / name;
-    }
-    [[nodiscard]] long entries() const
-    {
-        return std::distance(std::filesystem::directory_iterator(folder_),
-                             std::filesystem::directory_iterator());
-    }
-
-private:
-    std::filesystem::path folder_;
-};
 
 } // namespace proxima

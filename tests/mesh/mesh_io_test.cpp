@@ -1,9 +1,11 @@
-// What the readers make of well-formed files, and what they say about others.
+// What the readers make of well-formed files.
 #include "mesh/mesh_files.h"
 #include "proxima/base/text.h"
+#include "proxima/mesh/weld_vertices.h"
 
 #include <cmath>
 #include <map>
+#include <random>
 
 namespace proxima {
 namespace {
@@ -57,6 +59,39 @@ TEST(MeshIo, WeldsStlUnlessToldNotTo)
         ASSERT_TRUE(soup);
         EXPECT_EQ(soup->vertex_count(), 12U);
         EXPECT_EQ(soup->triangles()[3], (TriangleCorners{9, 10, 11}));
+    }
+}
+
+// Facets of three corners and of more, in blocks that end anywhere.
+TEST(MeshIo, WeldsStlAsItComesLikeAllAtOnce)
+{
+    for (std::uint32_t seed = 0; seed < 20; ++seed) {
+        SCOPED_TRACE(seed);
+        std::mt19937 random(seed);
+        std::string text = "solid\n";
+        const std::size_t facets = random() % 300;
+        for (std::size_t facet = 0; facet < facets; ++facet) {
+            text += facet % 3 == 0 ? "FACET normal 0 0 1\nOuter loop\n"
+                                   : "facet normal 0 0 1 outer loop\n";
+            const std::size_t corners = random() % 8 == 0 ? 3 + random() % 300 : 3;
+            for (std::size_t i = 0; i < corners; ++i) {
+                text += "\tvertex";
+                for (int axis = 0; axis < 3; ++axis)
+                    text += concat(" ", random() % 2 == 0 ? "-" : "", random() % 5);
+                text += '\n';
+            }
+            text += "endloop endfacet\n";
+        }
+        text += "endsolid\n";
+        const auto loose = read_text(text, MeshFormat::stl, {.weld = Weld::never});
+        const auto welded = read_text(text, MeshFormat::stl);
+        ASSERT_TRUE(loose && welded);
+        std::vector<Vec3> positions = positions_of(*loose);
+        Corners corners = corners_of(*loose);
+        ASSERT_TRUE(weld_vertices(positions, corners));
+        EXPECT_EQ(positions_of(*welded), positions);
+        // How a polygon is cut depends on its positions alone.
+        EXPECT_EQ(corners_of(*welded), corners);
     }
 }
 
@@ -346,152 +381,6 @@ TEST_F(MeshFileTest, NamesFileAndLine)
     const Error error = read_mesh(path("mesh.obj")).error();
     EXPECT_EQ(error.where, path("mesh.obj").string() + ":4");
     EXPECT_NE(error.message.find("vertex 3"), std::string::npos) << error.message;
-}
-
-TEST(MeshIoErrors, NameTheLineOrByteAndTheElement)
-{
-    const std::string head = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty "
-                             "float y\nproperty float z\nelement face 2\nproperty list uchar int "
-                             "vertex_indices\nend_header\n";
-    const std::string vertices = "0 0 0\n1 0 0\n0 1 0\n";
-    const struct {
-        MeshFormat format;
-        std::string text;
-        std::string where;
-        std::string part;
-    } cases[] = {
-        {MeshFormat::ply, head + vertices + "3 0 1 2\n3 0 1 3\n", ":14", "face 1 uses vertex 3"},
-        {MeshFormat::ply, head + vertices + "3 0 1 2\n3 0 -1 2\n", ":14", "uses vertex -1"},
-        {MeshFormat::ply, head + vertices + "3 0 1 2\n", "", "face 1 of 2"},
-        {MeshFormat::ply, head + vertices + "3 0 1\n3 0 1 2\n", ":13", "fewer values"},
-        {MeshFormat::ply, head + vertices + "3 0 1 2 3\n3 0 1 2\n", ":13", "more values"},
-        {MeshFormat::ply, head + vertices + "2 0 1\n3 0 1 2\n", ":13", "2 corners"},
-        {MeshFormat::ply, head + vertices + "3 0 1 2\n3 0 1 2\n3 0 1 2\n", ":15", "more data"},
-        {MeshFormat::ply, head + "0 0 0\n1 zero 0\n0 1 0\n3 0 1 2\n3 0 1 2\n", ":11", "vertex 1"},
-        {MeshFormat::ply, "ply\nformat ascii 1.0\nelement vertex x\n", ":3", "element NAME COUNT"},
-        {MeshFormat::ply, "ply\nformat ascii 2.0\nend_header\n", ":2", "1.0"},
-        {MeshFormat::ply, "ply\nformat ascii 1.0\nproperty float x\n", ":3", "before the first"},
-        {MeshFormat::ply, "ply\nformat ascii 1.0\n", "", "end_header"},
-        {MeshFormat::obj, "v 0 0 0\nf 0 1 1\n", ":2", "vertex 0"},
-        {MeshFormat::obj, "v 0 0 0\nf -2 1 1\n", ":2", "vertex -2"},
-        {MeshFormat::obj, "v 0 0 0\nf 1 1\n", ":2", "2 corners"},
-        {MeshFormat::obj, "v 0 0\n", ":1", "2 numbers"},
-        {MeshFormat::obj, "v 0 0 0\nf 1 1 1x\n", ":2", "not an index"},
-        {MeshFormat::obj, "v 0 0 0\nface 1 1 1\n", ":2", "\"face\""},
-        {MeshFormat::obj, "v 0 0 0\nsurf 0 1 0 1 1 2 3\n", ":2", "free-form"},
-        {MeshFormat::off, "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", ":6", "uses vertex 3"},
-        {MeshFormat::off, "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n1\n", ":7", "more data"},
-        {MeshFormat::off, "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 x\n3 0 1 2\n", ":5", "vertex 2"},
-        {MeshFormat::off, "4OFF\n3 1 0\n", ":1", "4OFF"},
-        {MeshFormat::off, "OFF BINARY\n", ":1", "binary"},
-        {MeshFormat::stl,
-         "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop", ":6",
-         "2 corners"},
-        {MeshFormat::stl, "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n", ":5", "cut off"},
-        {MeshFormat::stl, "solid\nfacets\n", ":2", "\"facets\""},
-        {MeshFormat::stl, "something else", "", "14"},
-    };
-    for (const auto& test : cases) {
-        const Error error = error_of(test.text, test.format);
-        const std::string name = concat(format_name(test.format), " data");
-        EXPECT_TRUE(error.code == ErrorCode::malformed_file ||
-                    error.code == ErrorCode::unsupported_format);
-        if (!test.where.empty()) {
-            EXPECT_EQ(error.where, concat(name, test.where)) << test.text;
-        }
-        EXPECT_NE(error.message.find(test.part), std::string::npos) << error.message;
-    }
-}
-
-TEST(MeshIoErrors, RefuseBinaryPlyByItsByte)
-{
-    std::string text = file_content(fs::path(PROXIMA_SOURCE_DIR) / "fuzz/corpus/ply/little.ply");
-    text[text.size() - 1] = 1; // the high byte of the last index
-    const Error error = error_of(text, MeshFormat::ply);
-    EXPECT_EQ(error.where, concat("PLY data, byte ", text.size()));
-    EXPECT_NE(error.message.find("face 3"), std::string::npos);
-}
-
-TEST(MeshIoErrors, RefuseBinaryStlThatIsLongerThanItsCount)
-{
-    std::string text = file_content(fs::path(PROXIMA_SOURCE_DIR) / "fuzz/corpus/stl/binary.stl");
-    text[80] = 3; // of 4 triangles
-    const Error error = error_of(text, MeshFormat::stl);
-    EXPECT_EQ(error.code, ErrorCode::malformed_file);
-    EXPECT_NE(error.message.find("3 triangles"), std::string::npos) << error.message;
-}
-
-// No small file makes a reader take gigabytes: the promise is refused before memory is taken.
-TEST(MeshIoErrors, RefuseCountsThatTheFileCannotHold)
-{
-    const auto ply = [](const char* format, const char* vertices, const char* faces,
-                        const char* rest) {
-        return concat("ply\nformat ", format, " 1.0\nelement vertex ", vertices,
-                      "\nproperty char x\nproperty char y\nproperty char z\nelement face ", faces,
-                      "\nproperty list uint char vertex_indices\nend_header\n", rest);
-    };
-    std::string stl(84, ' ');
-    stl[80] = stl[81] = stl[82] = stl[83] = '\xFF';
-    const std::pair<MeshFormat, std::string> files[] = {
-        {MeshFormat::ply, ply("ascii", "4000000000", "0", "")},
-        {MeshFormat::ply, ply("ascii", "999999999999999999", "0", "")},
-        {MeshFormat::ply, ply("ascii", "99999999999999999999999", "0", "")},
-        {MeshFormat::ply, ply("binary_little_endian", "0", "2000000000", "")},
-        {MeshFormat::ply, ply("binary_little_endian", "1", "1", "abc\xFF\xFF\xFF\xFF")},
-        {MeshFormat::ply, ply("binary_big_endian", "1", "1", "abc\x7F\xFF\xFF\xFF")},
-        {MeshFormat::ply, ply("ascii", "1", "1", "0 0 0\n1000000 0")},
-        {MeshFormat::off, "OFF\n4000000000 1 0\n"},
-        {MeshFormat::off, "OFF\n1 4000000000 0\n0 0 0\n"},
-        {MeshFormat::off, "OFF\n-1 1 0\n"},
-        {MeshFormat::off, "OFF\n3 1 0\n0 0 0\n0 0 0\n0 0 0\n1000000 0 1 2\n"},
-        {MeshFormat::stl, stl},
-    };
-    for (const auto& [format, text] : files) {
-        // Any allocation by the promised counts would exceed this.
-        const Error error = error_of(text, format, {.budget = {.bytes = 100'000}});
-        EXPECT_EQ(error.code, ErrorCode::malformed_file) << describe(error) << "\n" << text;
-    }
-}
-
-TEST(MeshIoErrors, RefuseFacesBeyondTheLimit)
-{
-    constexpr std::size_t too_many = (std::size_t{1} << 20U) + 1;
-    std::string obj = "v 0 0 0\nf";
-    std::string off = concat("OFF\n1 1 0\n0 0 0\n", too_many);
-    std::string ply =
-        concat("ply\nformat ascii 1.0\nelement vertex 1\nproperty int x\nproperty int "
-               "y\nproperty int z\nelement face 1\nproperty list int int "
-               "vertex_index\nend_header\n0 0 0\n",
-               too_many);
-    for (std::size_t i = 0; i < too_many; ++i) {
-        obj += " 1";
-        off += " 0";
-        ply += " 0";
-    }
-    EXPECT_EQ(error_of(obj, MeshFormat::obj).code, ErrorCode::limit_exceeded);
-    EXPECT_EQ(error_of(off, MeshFormat::off).code, ErrorCode::limit_exceeded);
-    EXPECT_EQ(error_of(ply, MeshFormat::ply).code, ErrorCode::limit_exceeded);
-}
-
-TEST(MeshIoErrors, KeepTheMemoryBudget)
-{
-    std::string obj;
-    for (int i = 0; i < 20'000; ++i) obj += "v 1 1 1\nf 1 1 1 1\n";
-    EXPECT_TRUE(read_text(obj, MeshFormat::obj, {.budget = {.bytes = 20'000'000}}));
-    const Error error = error_of(obj, MeshFormat::obj, {.budget = {.bytes = 1'000'000}});
-    EXPECT_EQ(error.code, ErrorCode::budget_exceeded);
-    EXPECT_NE(error.message.find("OBJ data"), std::string::npos);
-}
-
-TEST(MeshIoErrors, StopWhenAsked)
-{
-    for (const SeedFile& seed : seed_files()) {
-        Progress progress;
-        progress.cancel();
-        const auto mesh = read_text(seed.content, seed.format, {.progress = &progress});
-        ASSERT_FALSE(mesh) << seed.name;
-        EXPECT_EQ(mesh.error().code, ErrorCode::cancelled) << seed.name;
-    }
 }
 
 TEST(MeshIo, ReportsProgress)

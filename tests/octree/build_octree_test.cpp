@@ -43,6 +43,20 @@ OctreeOptions random_options(std::uint32_t seed)
     return options;
 }
 
+/// The octree is the slow builder's, and every invariant holds.
+void expect_right(const Octree& octree, const TriangleMesh& mesh, const OctreeOptions& options)
+{
+    const Octree slow = slow_octree(mesh,
+                                    {.max_depth = options.max_depth,
+                                     .threshold = options.threshold,
+                                     .subdivision = options.subdivision,
+                                     .root = octree.frame()},
+                                    triangle_overlaps_box);
+    ASSERT_TRUE(same_cells(octree, slow));
+    const Status status = check_octree(octree, mesh);
+    ASSERT_TRUE(status) << describe(status.error());
+}
+
 TEST(BuildOctree, FastAndExactEqualsTheSlowBuilder)
 {
     for (std::uint32_t seed = 0; seed < 400; ++seed) {
@@ -51,14 +65,7 @@ TEST(BuildOctree, FastAndExactEqualsTheSlowBuilder)
         OctreeOptions options = random_options(seed);
         const auto octree = build_octree(mesh, options);
         ASSERT_TRUE(octree) << describe(octree.error());
-        const Octree slow = slow_octree(mesh,
-                                        {.max_depth = options.max_depth,
-                                         .threshold = options.threshold,
-                                         .root = octree->frame()},
-                                        triangle_overlaps_box);
-        ASSERT_TRUE(same_cells(*octree, slow));
-        const Status status = check_octree(*octree, mesh);
-        ASSERT_TRUE(status) << describe(status.error());
+        ASSERT_NO_FATAL_FAILURE(expect_right(*octree, mesh, options));
     }
 }
 
@@ -263,15 +270,7 @@ TEST(BuildOctree, UniformSubdivisionSplitsEverything)
         const auto octree = build_octree(mesh, options);
         ASSERT_TRUE(octree) << describe(octree.error());
         EXPECT_EQ(octree_statistics(*octree).leaves, std::uint64_t{1} << (3 * options.max_depth));
-        const Octree slow = slow_octree(mesh,
-                                        {.max_depth = options.max_depth,
-                                         .threshold = options.threshold,
-                                         .subdivision = Subdivision::uniform,
-                                         .root = octree->frame()},
-                                        triangle_overlaps_box);
-        ASSERT_TRUE(same_cells(*octree, slow));
-        const Status status = check_octree(*octree, mesh);
-        ASSERT_TRUE(status) << describe(status.error());
+        ASSERT_NO_FATAL_FAILURE(expect_right(*octree, mesh, options));
     }
 }
 

@@ -1,6 +1,6 @@
 // Everything in this layer that takes long stops when asked to, and leaves nothing behind.
 #include "cancellation.h"
-
+#include "folder_test.h"
 #include "proxima/mesh/sample_meshes.h"
 #include "proxima/octree/build_octree.h"
 #include "proxima/octree/check_octree.h"
@@ -9,7 +9,6 @@
 #include "proxima/octree/octree_file.h"
 
 #include <algorithm>
-#include <unistd.h>
 
 namespace proxima {
 namespace {
@@ -29,34 +28,22 @@ const Octree& large_octree()
     return octree;
 }
 
-class OctreeCancellation : public ::testing::Test {
-protected:
-    void SetUp() override
-    {
-        std::string name =
-            (std::filesystem::temp_directory_path() / "proxima_cancel_XXXXXX").string();
-        ASSERT_NE(::mkdtemp(name.data()), nullptr);
-        folder = name;
-    }
-    void TearDown() override { std::filesystem::remove_all(folder); }
-
-    std::filesystem::path folder;
-};
+class OctreeCancellation : public FolderTest {};
 
 TEST_F(OctreeCancellation, OfSavingAndLoading)
 {
-    const auto path = folder / "a.pxo";
-    std::ofstream(path) << "old";
-    const auto before = files_in(folder);
+    const auto file = path("a.pxo");
+    std::ofstream(file) << "old";
+    const auto before = files_in(folder());
     cancel_at_every_stage(
         [&](Progress& progress) {
-            return save_octree(large_octree(), path, {.progress = &progress});
+            return save_octree(large_octree(), file, {.progress = &progress});
         },
-        [&] { return files_in(folder) == before; }, 3);
+        [&] { return files_in(folder()) == before; }, 3);
 
-    ASSERT_TRUE(save_octree(large_octree(), path));
+    ASSERT_TRUE(save_octree(large_octree(), file));
     cancel_at_every_stage(
-        [&](Progress& progress) { return load_octree(path, {.progress = &progress}); },
+        [&](Progress& progress) { return load_octree(file, {.progress = &progress}); },
         [] { return true; }, 3);
 }
 
@@ -64,14 +51,14 @@ TEST_F(OctreeCancellation, OfExporting)
 {
     for (const char* const name : {"a.vtu", "a.htg", "a.ply", "a.glb"}) {
         SCOPED_TRACE(name);
-        std::ofstream(folder / name) << "old";
-        const auto before = files_in(folder);
+        std::ofstream(path(name)) << "old";
+        const auto before = files_in(folder());
         cancel_at_every_stage(
             [&](Progress& progress) {
-                return export_octree(large_octree(), large_mesh(), folder / name,
+                return export_octree(large_octree(), large_mesh(), path(name),
                                      {.progress = &progress});
             },
-            [&] { return files_in(folder) == before; }, 5);
+            [&] { return files_in(folder()) == before; }, 5);
     }
 }
 

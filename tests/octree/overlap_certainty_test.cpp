@@ -1,11 +1,8 @@
 // Where rounding matters: certain answers of the four overlap tests are those for the exact boxes
 // of cells in awkward places, however their centres and half sizes were rounded.
+#include "octree/all_overlap_tests.h"
 #include "proxima/geometry/triangle_box.h"
 #include "proxima/octree/cell.h"
-#include "proxima/octree/overlap_index_tracking.h"
-#include "proxima/octree/overlap_minkowski.h"
-#include "proxima/octree/overlap_pairwise.h"
-#include "proxima/octree/overlap_separating_axis.h"
 
 #include <gtest/gtest.h>
 
@@ -108,7 +105,7 @@ struct Tally {
 };
 
 template <class Method>
-class OverlapCertainty : public testing::Test {
+class OverlapCertainty : public ::testing::Test {
 protected:
     /// Follows the triangle from the root as a builder does and compares all certain answers.
     void descend(const Scene& scene, const Triangle& triangle, Rounding rounding, int max_depth,
@@ -164,19 +161,7 @@ private:
     }
 };
 
-struct TestNames {
-    template <class Test>
-    static std::string GetName(int /*index*/) // NOLINT(readability-identifier-naming): gtest's name
-    {
-        if (std::is_same_v<Test, PairwiseTest>) return "Pairwise";
-        if (std::is_same_v<Test, SeparatingAxisTest>) return "SeparatingAxis";
-        if (std::is_same_v<Test, MinkowskiTest>) return "Minkowski";
-        return "IndexTracking";
-    }
-};
-
-using AllTests = testing::Types<PairwiseTest, SeparatingAxisTest, MinkowskiTest, IndexTrackingTest>;
-TYPED_TEST_SUITE(OverlapCertainty, AllTests, TestNames);
+TYPED_TEST_SUITE(OverlapCertainty, testing::AllOverlapTests, testing::OverlapTestNames);
 
 TYPED_TEST(OverlapCertainty, CertainAnswersAreExactInAwkwardPlaces)
 {

@@ -1,9 +1,6 @@
 // The four overlap tests where doubles are exact: whole coordinates, touching and degenerate pairs.
+#include "octree/all_overlap_tests.h"
 #include "oracles/integer_overlap.h"
-#include "proxima/octree/overlap_index_tracking.h"
-#include "proxima/octree/overlap_minkowski.h"
-#include "proxima/octree/overlap_pairwise.h"
-#include "proxima/octree/overlap_separating_axis.h"
 
 #include <gtest/gtest.h>
 
@@ -46,21 +43,9 @@ std::ostream& operator<<(std::ostream& out, const Tally& tally)
 }
 
 template <class Test>
-class OverlapTests : public testing::Test {};
+class OverlapTests : public ::testing::Test {};
 
-struct TestNames {
-    template <class Test>
-    static std::string GetName(int /*index*/) // NOLINT(readability-identifier-naming): gtest's name
-    {
-        if (std::is_same_v<Test, PairwiseTest>) return "Pairwise";
-        if (std::is_same_v<Test, SeparatingAxisTest>) return "SeparatingAxis";
-        if (std::is_same_v<Test, MinkowskiTest>) return "Minkowski";
-        return "IndexTracking";
-    }
-};
-
-using AllTests = testing::Types<PairwiseTest, SeparatingAxisTest, MinkowskiTest, IndexTrackingTest>;
-TYPED_TEST_SUITE(OverlapTests, AllTests, TestNames);
+TYPED_TEST_SUITE(OverlapTests, testing::AllOverlapTests, testing::OverlapTestNames);
 
 /// Only the pairwise test divides, and so rounds on whole numbers: its touching answers may be
 /// wrong where they are not certain. The others must be right.
@@ -98,7 +83,7 @@ Tally check_random_pairs(std::uint64_t seed, std::int64_t size, int count)
         Test test(to_triangle(pair.triangle));
         test.set_half_size(0.5 * (to_vec3(pair.box.upper) - to_vec3(pair.box.lower)));
         check(test, pair.triangle, pair.box, tally);
-        if (testing::Test::HasFatalFailure()) break;
+        if (::testing::Test::HasFatalFailure()) break;
     }
     return tally;
 }

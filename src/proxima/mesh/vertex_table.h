@@ -6,6 +6,7 @@
 // The positions themselves lie in the caller's array, by id: tags spare most looks at it.
 #pragma once
 
+#include "proxima/base/grow_buffer.h"
 #include "proxima/geometry/vec.h"
 
 #include <algorithm>
@@ -14,7 +15,6 @@
 #include <cstdint>
 #include <limits>
 #include <utility>
-#include <vector>
 
 namespace proxima {
 
@@ -29,7 +29,7 @@ public:
 
     /// Room for so many vertices. Throws std::bad_alloc.
     explicit VertexTable(std::size_t vertex_count = 0)
-        : slots_(slot_count(vertex_count)), mask_(slots_.size() - 1)
+        : slots_(free_slots(slot_count(vertex_count))), mask_(slots_.size() - 1)
     {}
 
     [[nodiscard]] static std::uint64_t hash(const Vec3& position) noexcept
@@ -77,7 +77,7 @@ public:
     void reserve(std::size_t vertex_count)
     {
         if (vertex_count <= capacity()) return;
-        std::vector<Slot> larger(slot_count(vertex_count));
+        GrowBuffer<Slot> larger = free_slots(slot_count(vertex_count));
         const std::uint64_t mask = larger.size() - 1;
         for (const Slot& slot : slots_) {
             if (slot.id == free_slot) continue;
@@ -107,6 +107,14 @@ private:
         return std::min(std::bit_ceil(2 * vertex_count + least), most_slots);
     }
 
+    [[nodiscard]] static GrowBuffer<Slot> free_slots(std::uint64_t count)
+    {
+        GrowBuffer<Slot> slots;
+        slots.resize(count);
+        std::ranges::fill(slots, Slot{});
+        return slots;
+    }
+
     [[nodiscard]] static bool equal(const Vec3& a, const Vec3& b) noexcept
     {
         bool all = true;
@@ -118,7 +126,7 @@ private:
         return all;
     }
 
-    std::vector<Slot> slots_;
+    GrowBuffer<Slot> slots_; ///< on huge pages where it is large
     std::uint64_t mask_;
     std::uint32_t size_ = 0;
 };

@@ -93,7 +93,8 @@ public:
 
 private:
     static constexpr std::size_t at(int index) noexcept { return static_cast<std::size_t>(index); }
-    [[nodiscard]] int extreme_vertex(int axis, bool highest) const;
+    enum class Extreme : std::uint8_t { lowest, highest };
+    [[nodiscard]] int extreme_vertex(int axis, Extreme extreme) const;
 
     TriangleCorners<T> vertices_;
     Triple<T> normal_;
@@ -222,13 +223,15 @@ Triple<T> TriangleCubeSum<T>::normal(int half_space) const
 }
 
 template <class T>
-int TriangleCubeSum<T>::extreme_vertex(int axis, bool highest) const
+int TriangleCubeSum<T>::extreme_vertex(int axis, Extreme extreme) const
 {
     int best = 0;
     for (int j = 1; j < 3; ++j) {
         const T& value = vertices_[at(j)][at(axis)];
         const T& best_value = vertices_[at(best)][at(axis)];
-        if (highest ? best_value < value : value < best_value) best = j;
+        const bool is_better =
+            extreme == Extreme::highest ? best_value < value : value < best_value;
+        if (is_better) best = j;
     }
     return best;
 }
@@ -243,7 +246,8 @@ SumSupport TriangleCubeSum<T>::support(int half_space) const
     if (half_space >= 8) {
         result.triangle_vertex = (half_space - 8) % 3;
     } else if (half_space >= 2) {
-        result.triangle_vertex = extreme_vertex((half_space - 2) / 2, half_space % 2 == 1);
+        const Extreme extreme = half_space % 2 == 1 ? Extreme::highest : Extreme::lowest;
+        result.triangle_vertex = extreme_vertex((half_space - 2) / 2, extreme);
     }
     return result;
 }

@@ -38,11 +38,11 @@ public:
             const Scalar product = dot(half_space.normal, point);
             const double depth = to_double(half_space.offset) - to_double(product);
             if (product > half_space.offset) {
-                return centres.judge(false, -depth > half_space.tolerance, centre);
+                return centres.judge({false, -depth > half_space.tolerance}, centre);
             }
             certain = certain && depth >= half_space.tolerance;
         }
-        return centres.judge(true, certain, centre);
+        return centres.judge({true, certain}, centre);
     }
 
 private:

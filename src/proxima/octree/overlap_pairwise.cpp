@@ -96,13 +96,13 @@ Overlap BasicPairwiseTest<Scalar>::overlap(const Vec3& centre) const noexcept
 {
     const CellPlanes cell(to_scalar<Scalar>(centre), half_size_);
     const Verdict vertices = test_vertices(cell);
-    if (vertices.overlaps) return centres_.judge(true, vertices.certain, centre);
+    if (vertices.overlaps) return centres_.judge({true, vertices.certain}, centre);
     const Verdict triangle_edges = test_triangle_edges(cell);
-    if (triangle_edges.overlaps) return centres_.judge(true, triangle_edges.certain, centre);
+    if (triangle_edges.overlaps) return centres_.judge({true, triangle_edges.certain}, centre);
     const Verdict cell_edges = test_cell_edges(cell);
-    if (cell_edges.overlaps) return centres_.judge(true, cell_edges.certain, centre);
+    if (cell_edges.overlaps) return centres_.judge({true, cell_edges.certain}, centre);
     const bool certain = vertices.certain && triangle_edges.certain && cell_edges.certain;
-    return centres_.judge(false, certain, centre);
+    return centres_.judge({false, certain}, centre);
 }
 
 template <class Scalar>

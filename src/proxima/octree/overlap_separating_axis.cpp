@@ -102,9 +102,9 @@ Overlap BasicSeparatingAxisTest<Scalar>::overlap(const Vec3& centre) const noexc
             low = smaller(low, p2);
             high = larger(high, p2);
         }
-        if (separates(axis, low, high)) return centres_.judge(false, surely_apart, centre);
+        if (separates(axis, low, high)) return centres_.judge({false, surely_apart}, centre);
     }
-    return centres_.judge(true, certain, centre);
+    return centres_.judge({true, certain}, centre);
 }
 
 template class BasicSeparatingAxisTest<double>;

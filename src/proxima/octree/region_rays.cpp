@@ -115,20 +115,20 @@ std::optional<RegionRays::End> RegionRays::cast(std::uint32_t region, int direct
     const auto axis = static_cast<std::size_t>(direction / 2);
     const bool up = direction % 2 != 0;
 
-    // Through a place of the first cell's face that no symmetry favours. Between two planes of the
-    // deepest cells, so that whole numbers tell which cells it passes.
-    constexpr double part = 0.381966;
+    // Through a place of the first cell's face that no symmetry favours, diagonals included.
+    // Between two planes of the deepest cells, so that whole numbers tell which cells it passes.
+    constexpr std::array<double, 3> parts = {0.381966, 0.276393, 0.447214};
     const CellKey key = cells_.keys[regions_.start[region]];
     const auto shift = static_cast<unsigned>(deepest - depth(key));
     std::array<std::uint32_t, 3> at = cell_coordinates(key);
     Ray ray;
     ray.axis = static_cast<int>(axis);
     for (std::size_t k = 0; k < 3; ++k) {
-        const auto offset = static_cast<std::uint32_t>(part * static_cast<double>(1U << shift));
+        const auto offset = static_cast<std::uint32_t>(parts[k] * static_cast<double>(1U << shift));
         at[k] = (at[k] << shift) + offset;
         const double below = frame.plane(static_cast<int>(k), at[k], deepest);
         const double above = frame.plane(static_cast<int>(k), at[k] + 1, deepest);
-        ray.from[static_cast<int>(k)] = std::min(below + part * (above - below), above);
+        ray.from[static_cast<int>(k)] = std::min(below + parts[k] * (above - below), above);
     }
 
     for (int passed = 0; passed < most_cells_passed; ++passed) {

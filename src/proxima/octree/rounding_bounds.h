@@ -32,10 +32,10 @@ struct BoundedCentres {
     bool bounded = false; ///< false: nothing is certain
 
     /// The final answer for a centre, given what the test found there.
-    [[nodiscard]] Overlap judge(bool overlaps, bool certain, const Vec3& centre) const noexcept
+    [[nodiscard]] Overlap judge(const Overlap& found, const Vec3& centre) const noexcept
     {
-        if (near.contains(centre)) return {overlaps, bounded && certain};
-        return {overlaps, bounded && !overlaps};
+        if (near.contains(centre)) return {found.overlaps, bounded && found.certain};
+        return {found.overlaps, bounded && !found.overlaps};
     }
 };
 

@@ -5,6 +5,7 @@
 #include "proxima/base/progress.h"
 #include "proxima/mesh/triangle_mesh.h"
 #include "proxima/octree/cell.h"
+#include "proxima/octree/snapped_boxes.h"
 #include "proxima/octree/snapped_overlap.h"
 
 #include <array>

@@ -4,6 +4,8 @@
 #define HWY_TARGET_INCLUDE "proxima/octree/snapped_overlap.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+// After them: it is read once for every instruction set.
+#include "proxima/octree/snapped_lanes-inl.h"
 
 // Error bounds of stage 2, in units of the half size. u = 2^-24, P = max |p|, E = max |edge
 // component|, d = level.error (snapping and rounded cell planes together).
@@ -22,68 +24,9 @@
 HWY_BEFORE_NAMESPACE();
 namespace proxima::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
-using FloatTag = hn::ScalableTag<float>;
-using IntTag = hn::RebindToSigned<FloatTag>;
-using MaskTag = hn::RebindToUnsigned<FloatTag>;
-using Floats = hn::Vec<FloatTag>;
-using Ints = hn::Vec<IntTag>;
-using Words = hn::Vec<MaskTag>;
-
 /// Children in the lower and upper half along each axis.
 constexpr std::uint32_t lower_children[3] = {0x55, 0x33, 0x0F};
 constexpr std::uint32_t upper_children[3] = {0xAA, 0xCC, 0xF0};
-
-#if HWY_TARGET == HWY_SCALAR
-
-/// Coordinates of one point per lane, by axis; point(lane) is where lane's point lies.
-template <class PointOf>
-HWY_INLINE void load_points(const PointOf& point, Ints (&coordinates)[3])
-{
-    const IntTag di;
-    for (int axis = 0; axis < 3; ++axis) {
-        coordinates[axis] = hn::Set(di, (*point(std::size_t{0}))[static_cast<std::size_t>(axis)]);
-    }
-}
-
-#else
-
-/// Four numbers from each of the places that lanes 4 L + row stand for, one per 128-bit block L.
-template <std::size_t lanes, class PointOf>
-HWY_INLINE auto load_rows(const PointOf& point, std::size_t lane)
-{
-    const hn::FixedTag<std::int32_t, lanes> tag;
-    if constexpr (lanes == 4) {
-        return hn::LoadU(tag, point(lane)->data());
-    } else {
-        return hn::Combine(tag, load_rows<lanes / 2>(point, lane + lanes / 2),
-                           load_rows<lanes / 2>(point, lane));
-    }
-}
-
-/// Coordinates of one point per lane, by axis; point(lane) is where lane's point lies. Whole points
-/// are loaded and turned: several times faster than gathering numbers one by one.
-template <class PointOf>
-HWY_INLINE void load_points(const PointOf& point, Ints (&coordinates)[3])
-{
-    constexpr std::size_t lanes = HWY_MAX_BYTES / sizeof(std::int32_t);
-    const IntTag di;
-    const hn::Repartition<std::int64_t, IntTag> pairs;
-    const auto a = load_rows<lanes>(point, 0);
-    const auto b = load_rows<lanes>(point, 1);
-    const auto c = load_rows<lanes>(point, 2);
-    const auto d = load_rows<lanes>(point, 3);
-    const auto xy_ab = hn::BitCast(pairs, hn::InterleaveLower(di, a, b));
-    const auto xy_cd = hn::BitCast(pairs, hn::InterleaveLower(di, c, d));
-    const auto zw_ab = hn::BitCast(pairs, hn::InterleaveUpper(di, a, b));
-    const auto zw_cd = hn::BitCast(pairs, hn::InterleaveUpper(di, c, d));
-    coordinates[0] = hn::BitCast(di, hn::InterleaveLower(pairs, xy_ab, xy_cd));
-    coordinates[1] = hn::BitCast(di, hn::InterleaveUpper(pairs, xy_ab, xy_cd));
-    coordinates[2] = hn::BitCast(di, hn::InterleaveLower(pairs, zw_ab, zw_cd));
-}
-
-#endif
 
 /// Corners of the lanes' triangles; corner[j][axis].
 HWY_INLINE void load_corners(const SnappedTriangle* triangles, const std::uint32_t* indices,
@@ -91,44 +34,6 @@ HWY_INLINE void load_corners(const SnappedTriangle* triangles, const std::uint32
 {
     for (std::size_t j = 0; j < 3; ++j) {
         load_points([&](std::size_t lane) { return &triangles[indices[lane]][j]; }, corner[j]);
-    }
-}
-
-void find_cells_of_boxes(const SnappedArrays& mesh, std::size_t first, std::size_t count, int depth,
-                         std::int32_t margin, std::uint32_t* lowest, std::uint32_t* highest)
-{
-    const IntTag di;
-    const MaskTag dm;
-    const auto zero = hn::Zero(di);
-    const auto last = hn::Set(di, (1 << depth) - 1);
-    const auto grown = hn::Set(di, margin);
-    const int shift = snapped_bits - depth;
-    for (std::size_t block = 0; block < count; block += hn::Lanes(di)) {
-        Ints corner[3][3];
-        for (std::size_t j = 0; j < 3; ++j) {
-            // Lanes beyond the last triangle see it again.
-            load_points(
-                [&](std::size_t lane) {
-                    const std::size_t triangle = first + HWY_MIN(block + lane, count - 1);
-                    return &mesh.vertices[mesh.corners[triangle][j]];
-                },
-                corner[j]);
-        }
-        auto low_cells = zero;
-        auto high_cells = zero;
-        for (int axis = 0; axis < 3; ++axis) {
-            const auto a = corner[0][axis];
-            const auto b = corner[1][axis];
-            const auto c = corner[2][axis];
-            const auto low = hn::Sub(hn::Min(hn::Min(a, b), c), grown);
-            const auto high = hn::Add(hn::Max(hn::Max(a, b), c), grown);
-            const auto low_cell = hn::Max(zero, hn::ShiftRightSame(low, shift));
-            const auto high_cell = hn::Min(last, hn::ShiftRightSame(high, shift));
-            low_cells = hn::Or(low_cells, hn::ShiftLeftSame(hn::Min(low_cell, last), 8 * axis));
-            high_cells = hn::Or(high_cells, hn::ShiftLeftSame(high_cell, 8 * axis));
-        }
-        hn::StoreU(hn::BitCast(dm, low_cells), dm, lowest + block);
-        hn::StoreU(hn::BitCast(dm, high_cells), dm, highest + block);
     }
 }
 
@@ -429,18 +334,11 @@ HWY_AFTER_NAMESPACE();
 namespace proxima {
 
 HWY_EXPORT(find_touched_children);
-HWY_EXPORT(find_cells_of_boxes);
 
 void find_touched_children(const SnappedTriangle* triangles, const SnappedLevel& level,
                            const SnappedPairs& pairs, SnappedScratch& scratch, std::uint32_t* masks)
 {
     HWY_DYNAMIC_DISPATCH(find_touched_children)(triangles, level, pairs, scratch, masks);
-}
-
-void find_cells_of_boxes(const SnappedArrays& mesh, std::size_t first, std::size_t count, int depth,
-                         std::int32_t margin, std::uint32_t* lowest, std::uint32_t* highest)
-{
-    HWY_DYNAMIC_DISPATCH(find_cells_of_boxes)(mesh, first, count, depth, margin, lowest, highest);
 }
 
 } // namespace proxima

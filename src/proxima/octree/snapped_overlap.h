@@ -31,18 +31,6 @@ using SnappedPoint = std::array<std::int32_t, 4>;
 /// A triangle on the grid, relative to some origin: what lanes load by three registers.
 using SnappedTriangle = std::array<SnappedPoint, 3>;
 
-/// A mesh on the grid.
-struct SnappedArrays {
-    const SnappedPoint* vertices = nullptr;
-    const std::array<std::uint32_t, 3>* corners = nullptr;
-};
-
-/// The inclusive range of cells at `depth` (7 at most) that the boxes of triangles [first, first +
-/// count), grown by `margin` steps, touch: x | y << 8 | z << 16 of the lowest and the highest cell.
-/// Both arrays have lane_padding elements to spare.
-void find_cells_of_boxes(const SnappedArrays& mesh, std::size_t first, std::size_t count, int depth,
-                         std::int32_t margin, std::uint32_t* lowest, std::uint32_t* highest);
-
 /// What all cells of one depth share, and how far the grid may be off.
 struct SnappedLevel {
     std::int32_t half = 0;   ///< half size of the (parent) cells, in grid steps, a power of two

@@ -24,6 +24,9 @@ inline constexpr double powers_of_ten[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1
                                            1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
                                            1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
 
+inline constexpr std::uint64_t whole_powers_of_ten[] = {
+    1, 10, 100, 1'000, 10'000, 100'000, 1'000'000, 10'000'000, 100'000'000};
+
 [[nodiscard]] inline bool is_digit(char letter) noexcept
 {
     return static_cast<unsigned char>(letter - '0') < 10;
@@ -34,8 +37,6 @@ inline constexpr double powers_of_ten[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1
 [[nodiscard]] inline const char* parse_digits(const char* place, const char* end,
                                               std::uint64_t& digits) noexcept
 {
-    constexpr std::uint64_t whole_powers[] = {1,       10,        100,        1'000,      10'000,
-                                              100'000, 1'000'000, 10'000'000, 100'000'000};
     if constexpr (std::endian::native == std::endian::little) {
         while (end - place >= 8) {
             std::uint64_t values = 0; // the first letter in the lowest byte
@@ -52,7 +53,7 @@ inline constexpr double powers_of_ten[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1
                 ((values & pairs) * (100 + (std::uint64_t{1'000'000} << 32U)) +
                  (values >> 16U & pairs) * (1 + (std::uint64_t{10'000} << 32U))) >>
                 32U;
-            digits = digits * whole_powers[count] + eight;
+            digits = digits * whole_powers_of_ten[count] + eight;
             place += count;
             if (count < 8) return place;
         }

@@ -2,6 +2,7 @@
 
 #include "proxima/base/text.h"
 #include "proxima/mesh/io/text_cursor.h"
+#include "proxima/mesh/io/text_mesh_reader.h"
 
 #include <algorithm>
 #include <string_view>
@@ -25,26 +26,22 @@ constexpr std::string_view passed_over[] = {
 // Statements whose surface would get lost.
 constexpr std::string_view not_read[] = {"surf", "bsp", "bzp", "cdp", "call", "csh"};
 
-class ObjReader {
+class ObjReader : TextMeshReader<Cursor> {
 public:
     ObjReader(const MeshSource& source, const ReadOptions& options)
-        : source_(source), cursor_(source.text), mesh_(source, options),
-          progress_(options.progress, source.text)
+        : TextMeshReader(source, options)
     {}
 
     Result<TriangleMesh> read(Vertices vertices)
     {
         while (cursor_.next_filled_line()) {
-            if (!progress_.may_continue(cursor_.place())) {
-                return tl::unexpected(reading_cancelled(source_.name));
-            }
             line_ = cursor_.place();
-            if (!read_statement()) return tl::unexpected(error_);
+            if (!may_continue() || !read_statement()) return tl::unexpected(error());
         }
         if (largest_index_ >= static_cast<std::int64_t>(mesh_.vertex_count())) {
             line_ = line_of_largest_;
             (void)refuse_index(largest_index_ + 1);
-            return tl::unexpected(error_);
+            return tl::unexpected(error());
         }
         return mesh_.finish(vertices);
     }
@@ -137,8 +134,7 @@ private:
 
     bool refuse(ErrorCode code, std::string message)
     {
-        error_ = {code, std::move(message), source_.at_line(line_)};
-        return false;
+        return refuse_at(line_, code, std::move(message));
     }
 
     bool refuse_corner()
@@ -154,23 +150,12 @@ private:
                              ", counted from 1 or, from the last one back, from -1"));
     }
 
-    bool refused_by_mesh()
-    {
-        error_ = mesh_.error();
-        return false;
-    }
-
     static constexpr std::int64_t index_limit = 0xFFFFFFFE;
 
-    const MeshSource& source_;
-    Cursor cursor_;
-    MeshAssembler mesh_;
-    ReadProgress progress_;
     const char* line_ = nullptr;
     std::int64_t largest_index_ = -1;
     const char* line_of_largest_ = nullptr;
     std::vector<std::uint32_t> corners_;
-    Error error_;
 };
 
 } // namespace

@@ -2,6 +2,7 @@
 
 #include "proxima/base/text.h"
 #include "proxima/mesh/io/text_cursor.h"
+#include "proxima/mesh/io/text_mesh_reader.h"
 
 #include <vector>
 
@@ -11,21 +12,20 @@ namespace {
 
 using Cursor = TextCursor<TextDialect{.has_comments = true}>;
 
-class OffReader {
+class OffReader : TextMeshReader<Cursor> {
 public:
     OffReader(const MeshSource& source, const ReadOptions& options)
-        : source_(source), cursor_(source.text), mesh_(source, options),
-          progress_(options.progress, source.text)
+        : TextMeshReader(source, options)
     {}
 
     Result<TriangleMesh> read(Vertices vertices)
     {
         if (!read_header() || !read_counts() || !read_vertices() || !read_faces()) {
-            return tl::unexpected(error_);
+            return tl::unexpected(error());
         }
         if (cursor_.next_filled_line()) {
             (void)refuse("there is more data than the counts declare: one of them is wrong");
-            return tl::unexpected(error_);
+            return tl::unexpected(error());
         }
         return mesh_.finish(vertices);
     }
@@ -159,36 +159,16 @@ private:
 
     bool begin_line(std::string_view what, std::uint64_t index, std::uint64_t count)
     {
-        if (!progress_.may_continue(cursor_.place())) {
-            error_ = reading_cancelled(source_.name);
-            return false;
-        }
+        if (!may_continue()) return false;
         if (cursor_.next_filled_line()) return true;
         return refuse(concat("the file ends before ", what, " ", index, " of ", count,
                              ": it is cut off, copy it again"));
     }
 
-    bool refuse(std::string message, ErrorCode code = ErrorCode::malformed_file)
-    {
-        error_ = {code, std::move(message), source_.at_line(cursor_.place())};
-        return false;
-    }
-
-    bool refused_by_mesh()
-    {
-        error_ = mesh_.error();
-        return false;
-    }
-
-    const MeshSource& source_;
-    Cursor cursor_;
-    MeshAssembler mesh_;
-    ReadProgress progress_;
     std::uint64_t least_extra_ = 0; ///< numbers of a vertex behind its position
     std::uint64_t most_extra_ = 0;
     std::uint64_t vertex_count_ = 0;
     std::uint64_t face_count_ = 0;
-    Error error_;
 };
 
 } // namespace

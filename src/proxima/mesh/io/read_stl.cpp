@@ -2,6 +2,7 @@
 
 #include "proxima/base/text.h"
 #include "proxima/mesh/io/text_cursor.h"
+#include "proxima/mesh/io/text_mesh_reader.h"
 
 #include <algorithm>
 #include <array>
@@ -102,18 +103,17 @@ Result<TriangleMesh> read_binary(const MeshSource& source, const ReadOptions& op
 }
 
 // solid NAME / facet normal x y z / outer loop / vertex x y z ... / endloop / endfacet / endsolid
-class TextReader {
+class TextReader : TextMeshReader<Cursor> {
 public:
     TextReader(const MeshSource& source, const ReadOptions& options, Vertices vertices)
-        : source_(source), vertices_(vertices), cursor_(source.text), mesh_(source, options),
-          progress_(options.progress, source.text)
+        : TextMeshReader(source, options), vertices_(vertices)
     {}
 
     Result<TriangleMesh> read()
     {
         cursor_.skip_blanks();
         while (!cursor_.at_end()) {
-            if (!read_solid()) return tl::unexpected(error_);
+            if (!read_solid()) return tl::unexpected(error());
             cursor_.skip_blanks();
         }
         if (!add_facets()) return tl::unexpected(mesh_.error());
@@ -126,10 +126,7 @@ private:
         if (!expect("solid")) return false;
         skip_name();
         while (true) {
-            if (!progress_.may_continue(cursor_.place())) {
-                error_ = reading_cancelled(source_.name);
-                return false;
-            }
+            if (!may_continue()) return false;
             if (!cursor_.take_word("facet")) {
                 const std::string_view word = cursor_.word();
                 if (equals_any_case(word, "endsolid")) break;
@@ -217,7 +214,8 @@ private:
         return true;
     }
 
-    bool expect(std::string_view expected)
+    template <std::size_t Size>
+    bool expect(const char (&expected)[Size])
     {
         if (cursor_.take_word(expected)) return true;
         const std::string_view word = cursor_.word();
@@ -234,29 +232,12 @@ private:
                              " should in facet ", facet_));
     }
 
-    bool refuse(std::string message, ErrorCode code = ErrorCode::malformed_file)
-    {
-        error_ = {code, std::move(message), source_.at_line(cursor_.place())};
-        return false;
-    }
-
-    bool refused_by_mesh()
-    {
-        error_ = mesh_.error();
-        return false;
-    }
-
-    const MeshSource& source_;
     Vertices vertices_;
-    Cursor cursor_;
-    MeshAssembler mesh_;
-    ReadProgress progress_;
     std::uint64_t facet_ = 0;
     // Facets that wait to be added:
     std::vector<Vec3> positions_;
     std::vector<std::uint32_t> facet_ends_; ///< in positions_
     std::vector<std::uint32_t> corners_;    ///< the vertices at positions_
-    Error error_;
 };
 
 tl::unexpected<Error> refuse_binary(const MeshSource& source)

@@ -111,14 +111,16 @@ public:
     }
 
     /// Moves over this very word if it is the next one of this line.
-    [[nodiscard]] bool take_word(std::string_view word) noexcept
+    template <std::size_t Size>
+    [[nodiscard]] bool take_word(const char (&word)[Size]) noexcept
     {
+        constexpr std::size_t length = Size - 1; // known here, so that comparing takes no call
         skip_blanks();
-        if (remaining() < word.size() || std::memcmp(place_, word.data(), word.size()) != 0 ||
-            !ends_value(place_ + word.size())) {
+        if (remaining() < length || std::memcmp(place_, word, length) != 0 ||
+            !ends_value(place_ + length)) {
             return false;
         }
-        place_ += word.size();
+        place_ += length;
         return true;
     }
 
