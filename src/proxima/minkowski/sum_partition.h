@@ -40,6 +40,8 @@ struct PartitionEvaluations {
 
 struct PartitionOptions {
     int max_depth = 48; ///< of splits; 0: only the bounding box and one leaf
+    /// A split must save as many evaluations per query, on average over the bounding box.
+    double min_saving = 1e-4;
 };
 
 /// Immutable. Members do not allocate and may be called from any thread.
