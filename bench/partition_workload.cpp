@@ -52,8 +52,8 @@ PartitionWorkload partition_workload(const std::string& name, const std::string&
     OctreeOptions options{.max_depth = max_depth,
                           .threshold = static_cast<std::uint32_t>(threshold),
                           .exactness = Exactness::exact,
-                          .classification = Classification::none,
-                          .root = OctreeFrame{Vec3::Zero(), Vec3::Constant(edge)}};
+                          .root = OctreeFrame{Vec3::Zero(), Vec3::Constant(edge)},
+                          .classification = Classification::none};
     const auto octree = build_octree(*mesh, options);
     if (!octree) {
         std::fprintf(stderr, "%s: %s\n", name.c_str(), describe(octree.error()).c_str());

@@ -164,6 +164,8 @@ TEST(PlanarSum, LinesTouchWhatIsFarthest)
         const Points points_a = nasty_points(random);
         const PlanarSum sum =
             sum_of(polygon_of(points_a), polygon_of(nasty_partner(random, points_a)));
+        double reach = 0;
+        for (const Vec2& point : sum.points()) reach = std::max(reach, point.norm());
         for (const PushedLine& line : sum.lines()) {
             ASSERT_GE(line.edge, 0);
             EXPECT_TRUE(line.spans_edge);
@@ -172,7 +174,7 @@ TEST(PlanarSum, LinesTouchWhatIsFarthest)
             for (const int k : {edge.from, edge.to, line.support})
                 EXPECT_NE(std::ranges::find(touched, k), touched.end());
             for (const Vec2& point : sum.points())
-                EXPECT_LE(line.normal.dot(point), line.offset + 1e-15 * point.norm());
+                EXPECT_LE(line.normal.dot(point), line.offset + 1e-15 * reach);
             EXPECT_TRUE(edge.origin == line.origin || edge.origin == FacetOrigin::both);
         }
     }

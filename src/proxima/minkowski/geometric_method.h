@@ -223,6 +223,21 @@ private:
     std::size_t count_ = 0;
 };
 
+/// The largest absolute coordinates.
+template <class Scalar, int Dim>
+[[nodiscard]] Vector<double, Dim> reach(std::span<const Vector<Scalar, Dim>> vectors) noexcept
+{
+    Vector<double, Dim> result = Vector<double, Dim>::Zero();
+    for (const Vector<Scalar, Dim>& vector : vectors) {
+        for (int axis = 0; axis < Dim; ++axis) {
+            const double coordinate = to_double(vector[axis]);
+            if (coordinate > result[axis]) result[axis] = coordinate;
+            if (-coordinate > result[axis]) result[axis] = -coordinate;
+        }
+    }
+    return result;
+}
+
 /// Collects directions and tells when they span a plane; in the plane, a line.
 template <class Scalar, int Dim>
 class DirectionSpan {
@@ -303,21 +318,16 @@ void push_each_plane(const SumVertices<Scalar, Dim>& vertices,
                      Visit&& visit) noexcept
 {
     using Plain = Vector<double, Dim>;
-    Plain reach = Plain::Zero();
-    for (const Vector<Scalar, Dim>& vertex : vertices.sums) {
-        for (int axis = 0; axis < Dim; ++axis) {
-            const double coordinate = to_double(vertex[axis]);
-            if (coordinate > reach[axis]) reach[axis] = coordinate;
-            if (-coordinate > reach[axis]) reach[axis] = -coordinate;
-        }
-    }
+    // Of the operands, not of their sums: where those cancel, what was rounded before does not.
+    const Plain reach =
+        detail::reach<Scalar, Dim>(vertices.a) + detail::reach<Scalar, Dim>(vertices.b);
     const std::size_t room = vertices.sums.size();
     for (std::size_t index = 0; index < normals.size(); ++index) {
         const CandidateNormal<Scalar, Dim>& candidate = normals[index];
         if (candidate.magnitude == Plain::Zero()) continue;
         const Vector<Scalar, Dim>& normal = candidate.direction;
-        // Each product is off by less than 8 roundings of its largest terms, two by less than 16;
-        // what underflows is smaller than the smallest normal number.
+        // Each product is off by less than 8 roundings of its largest terms, 12 if vertices are
+        // rounded, so two by less than 24; what underflows is below the smallest normal number.
         const double tie_tolerance = 32 * unit_roundoff * candidate.magnitude.dot(reach) +
                                      std::numeric_limits<double>::min();
 

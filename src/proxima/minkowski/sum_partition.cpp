@@ -63,6 +63,7 @@ public:
     [[nodiscard]] SumPartition run()
     {
         const ConvexCell cell(partition_.bounds_);
+        volume_ = cell.volume();
         partition_.root_ = all_.empty() ? SumPartition::inside : grow(cell, std::move(all_), 0);
         return std::move(partition_);
     }
@@ -80,8 +81,14 @@ private:
     [[nodiscard]] Child grow(const ConvexCell& cell, std::vector<Piece> pieces, int depth)
     {
         partition_.depth_ = std::max(partition_.depth_, depth);
-        const Candidate best = depth < options_.max_depth ? best_split(cell, pieces) : Candidate{};
-        if (!(best.cost < leaf_cost(pieces.size()))) return add_leaf(std::move(pieces));
+        const double volume = cell.volume();
+        const double cost_of_leaf = leaf_cost(pieces.size());
+        // No split costs less than one evaluation.
+        const auto saving = [&](double cost) { return (cost_of_leaf - cost) * volume / volume_; };
+        if (depth == options_.max_depth || !(saving(1) > options_.min_saving))
+            return add_leaf(std::move(pieces));
+        const Candidate best = best_split(cell, volume, pieces);
+        if (!(saving(best.cost) > options_.min_saving)) return add_leaf(std::move(pieces));
 
         const auto index = static_cast<Child>(partition_.splits_.size());
         partition_.splits_.push_back({best.plane, parallel_axis(best.plane.normal).value_or(-1),
@@ -139,13 +146,10 @@ private:
         return SumPartition::first_leaf - static_cast<Child>(partition_.leaves_.size() - 1);
     }
 
-    [[nodiscard]] Candidate best_split(const ConvexCell& cell,
+    [[nodiscard]] Candidate best_split(const ConvexCell& cell, double volume,
                                        const std::vector<Piece>& pieces) const
     {
         Candidate best;
-        if (pieces.size() == 1) return best; // costs one evaluation, as would any split
-        const double volume = cell.volume();
-        if (!(volume > 0)) return best;
         const auto offer = [&](Candidate candidate) {
             candidate.cost = cost(cell, volume, pieces, candidate);
             if (candidate.cost < best.cost) best = candidate;
@@ -228,6 +232,7 @@ private:
     SumPartition partition_;
     std::vector<Piece> all_;
     double tolerance_ = 0;
+    double volume_ = 0; ///< of the bounding box
 };
 
 template <class Count>

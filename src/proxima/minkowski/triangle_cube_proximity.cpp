@@ -70,8 +70,8 @@ public:
         }
     }
 
-    /// Calls visit(direction, motion) for each half-space of the sum: a unit vector along which the
-    /// triangle can be moved to be free, and how far.
+    /// Calls visit(direction, its length, motion) for each half-space of the sum: a vector along
+    /// which the triangle can be moved to be free, and how far.
     template <class Visit>
     void visit_all(Visit visit) const noexcept
     {
@@ -81,15 +81,21 @@ public:
         const TriangleCubeSum<double> sum(corners);
         for (int half_space = 0; half_space < triangle_cube_half_spaces; ++half_space) {
             const Triple<double> outward = sum.normal(half_space);
-            const Vec3 direction = -Vec3(outward[0], outward[1], outward[2]).stableNormalized();
-            if (direction.isZero(0)) continue;
-            visit(direction, std::max(beyond(direction), 0.0));
+            const Vec3 direction(-outward[0], -outward[1], -outward[2]);
+            const double squared_length = direction.squaredNorm();
+            if (squared_length < negligible) continue;
+            const double length = std::sqrt(squared_length);
+            visit(direction, length, std::max(beyond(direction), 0.0) / length);
         }
     }
 
 private:
-    /// How far the triangle must move along a direction until all of it is beyond the box: the
-    /// largest, over its vertices, of what parts them from the box's farthest corner.
+    /// Squares below lose digits; triangles so small are as good as points, as sizes are about 1.
+    static constexpr double negligible = 1e-280;
+
+    /// How far the triangle must move along a direction, times that one's length, until all of it
+    /// is beyond the box: the largest, over its vertices, of what parts them from the box's
+    /// farthest corner.
     [[nodiscard]] double beyond(const Vec3& direction) const noexcept
     {
         double motion = -std::numeric_limits<double>::infinity();
@@ -263,10 +269,12 @@ std::optional<Penetration> penetration(const Triangle& triangle, const Box& box)
     if (!triangle_overlaps_box(triangle, box)) return std::nullopt;
     const Scale scale(triangle, box);
     Penetration least = {std::numeric_limits<double>::infinity(), Vec3::Zero()};
-    Motions(triangle, box, scale).visit_all([&](const Vec3& direction, double motion) {
+    const auto keep_least = [&](const Vec3& direction, double /*length*/, double motion) {
         if (motion < least.depth) least = {motion, direction};
-    });
+    };
+    Motions(triangle, box, scale).visit_all(keep_least);
     least.depth = scale.multiplied(least.depth);
+    least.direction.normalize();
     return least;
 }
 
@@ -278,10 +286,11 @@ std::optional<double> penetration_along(const Triangle& triangle, const Box& box
     const Scale scale(triangle, box);
     const Vec3 along = direction.stableNormalized();
     double least = std::numeric_limits<double>::infinity();
-    Motions(triangle, box, scale).visit_all([&](const Vec3& free, double motion) {
+    const auto keep_least = [&](const Vec3& free, double length, double motion) {
         const double progress = free.dot(along);
-        if (progress > 0) least = std::min(least, motion / progress);
-    });
+        if (progress > 0) least = std::min(least, motion * length / progress);
+    };
+    Motions(triangle, box, scale).visit_all(keep_least);
     return scale.multiplied(least);
 }
 
