@@ -38,7 +38,7 @@ using DoublePoint = Triple<double>;
 template <class T>
 TriangleCubeSum<T> cube_sum(const WorkloadGroup& group)
 {
-    TriangleCorners<T> corners;
+    CornerCoordinates<T> corners;
     for (std::size_t j = 0; j < 3; ++j)
         for (std::size_t k = 0; k < 3; ++k)
             corners[j][k] = T(static_cast<double>(group.triangle[j][k]));
@@ -67,7 +67,7 @@ struct Case {
     SumPartition tree;
     std::vector<Vec3> points;
     std::vector<CellPlanes<double>> cells; ///< eight points each; none if the points are uniform
-    TriangleCorners<double> corners;
+    CornerCoordinates<double> corners;
 };
 
 struct Suite {
@@ -132,7 +132,7 @@ void count_ordered(const Case& entry, const Vec3& point, PartitionEvaluations& e
     thread_local const Case* last = nullptr;
     thread_local std::unique_ptr<TriangleCubeSum<Counted>> counting;
     if (last != &entry) {
-        TriangleCorners<Counted> corners;
+        CornerCoordinates<Counted> corners;
         for (std::size_t j = 0; j < 3; ++j)
             for (std::size_t k = 0; k < 3; ++k) corners[j][k] = Counted(entry.corners[j][k]);
         counting = std::make_unique<TriangleCubeSum<Counted>>(corners);

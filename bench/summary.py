@@ -27,7 +27,7 @@ def main(path):
         wall, cpu = ({method: statistics.median(run[clock] for run in runs)
                       for method, runs in methods.items()} for clock in ("real_time", "cpu_time"))
         base = "fast" if "fast" in methods else next(iter(methods))
-        print(f"  {'':18s} {'wall':>10s}    {'cpu':>10s}    {'ratio':>10s}")
+        print(f"  {'':24s} {'wall':>10s}    {'cpu':>10s}    {'ratio':>10s}")
         for method, runs in sorted(methods.items(), key=lambda item: wall[item[0]]):
             clock = wall if "threads" in method else cpu
             time = clock[method]
@@ -37,12 +37,15 @@ def main(path):
                 notes.append(f"{1e6 * time / runs[0]['references']:.1f} ns/reference")
                 notes.append(f"{runs[0]['bytes'] / runs[0]['triangles']:.1f} bytes/triangle")
                 notes.append(f"peak {max(run['peak_over_octree'] for run in runs):.2f} x octree")
+            if "facets" in runs[0]:
+                nanoseconds = {"ns": 1, "us": 1e3, "ms": 1e6}[unit]
+                notes.append(f"{nanoseconds * time / runs[0]['facets']:.0f} ns/facet")
             if "seconds_per_pair" in runs[0]:
                 per_pair = statistics.median(run["seconds_per_pair"] for run in runs)
                 notes.append(f"{1e9 * per_pair:.0f} ns/(triangle, cell)")
             if runs[0].get("label"):
                 notes.append(runs[0]["label"])
-            print(f"  {method:18s} {wall[method]:10.3f} {unit} {cpu[method]:10.3f} {unit} "
+            print(f"  {method:24s} {wall[method]:10.3f} {unit} {cpu[method]:10.3f} {unit} "
                   f"{time / clock[base]:8.2f} x  {', '.join(notes)}")
 
 

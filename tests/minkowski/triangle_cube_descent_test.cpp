@@ -244,7 +244,7 @@ TEST(TriangleCubeDescent, MarginOfOneUnitMissesNothingOfTheOriginal)
     TriangleGenerator generate(seed);
     for (int i = 0; i < 3'000; ++i) {
         IntegerTriangle original = generate();
-        TriangleCorners<Integer> snapped;
+        CornerCoordinates<Integer> snapped;
         for (std::size_t j = 0; j < 3; ++j) {
             for (std::size_t k = 0; k < 3; ++k) {
                 original.vertices[j][k] = original.vertices[j][k] % (edge * fine + 1);
@@ -284,7 +284,7 @@ TEST(TriangleCubeDescent, DoublesFollowWhileNothingRounds)
     TriangleGenerator generate(seed);
     for (int i = 0; i < 5'000; ++i) {
         IntegerTriangle triangle = generate();
-        TriangleCorners<double> vertices;
+        CornerCoordinates<double> vertices;
         for (std::size_t j = 0; j < 3; ++j) {
             for (std::size_t k = 0; k < 3; ++k) {
                 triangle.vertices[j][k] >>= 6; // 14 bits: products of three stay below 2^53
@@ -313,7 +313,7 @@ TEST(TriangleCubeDescent, DoublesFollowWhileNothingRounds)
 TEST(TriangleCubeDescent, CostsWhatItSays)
 {
     using Counting = TriangleCubeDescent<CountingNumber>;
-    const TriangleCorners<CountingNumber> vertices = {{{0, 0, 0}, {97, 13, 5}, {11, 89, 43}}};
+    const CornerCoordinates<CountingNumber> vertices = {{{0, 0, 0}, {97, 13, 5}, {11, 89, 43}}};
     CountingNumber::tally = {};
     const Counting descent(vertices, 128, 0);
     EXPECT_EQ(CountingNumber::tally.flops(), 96);

@@ -34,7 +34,7 @@ Integer dot(const Triple<Integer>& a, const Triple<Integer>& b)
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-Triple<Integer> sum_vertex(const TriangleCorners<Integer>& vertices, int index, Integer half_size)
+Triple<Integer> sum_vertex(const CornerCoordinates<Integer>& vertices, int index, Integer half_size)
 {
     Triple<Integer> point = vertices[static_cast<std::size_t>(index / 8)];
     for (std::size_t k = 0; k < 3; ++k) {
@@ -45,7 +45,7 @@ Triple<Integer> sum_vertex(const TriangleCorners<Integer>& vertices, int index, 
 }
 
 // Facets of the hull of the 24 sums by trying all planes through three of them.
-std::set<HalfSpace> facets_by_brute_force(const TriangleCorners<Integer>& vertices,
+std::set<HalfSpace> facets_by_brute_force(const CornerCoordinates<Integer>& vertices,
                                           Integer half_size)
 {
     std::array<Triple<Integer>, 24> points;
@@ -76,7 +76,7 @@ std::set<HalfSpace> facets_by_brute_force(const TriangleCorners<Integer>& vertic
 }
 
 // The 17 half-spaces, their offsets found through the support's index; equal ones merge.
-std::set<HalfSpace> facets_in_closed_form(const TriangleCorners<Integer>& vertices,
+std::set<HalfSpace> facets_in_closed_form(const CornerCoordinates<Integer>& vertices,
                                           Integer half_size)
 {
     const TriangleCubeSum<Integer> sum(vertices);
@@ -99,7 +99,7 @@ TEST(TriangleCubeSum, HasExactlyTheFacetsOfTheHull)
         PairGenerator generate(seed, size);
         int with_17 = 0;
         for (int i = 0; i < 1'500; ++i) {
-            TriangleCorners<Integer> vertices = generate().triangle.vertices;
+            CornerCoordinates<Integer> vertices = generate().triangle.vertices;
             if (i % 2 == 0) // plainly random ones too
                 for (auto& vertex : vertices) vertex = generate.random_point();
             const Integer half_size = 1 + generate.below(size);
@@ -119,7 +119,7 @@ TEST(TriangleCubeSum, KeepsItsSupportsAtEverySize)
     constexpr std::uint64_t seed = 102;
     PairGenerator generate(seed, 1000);
     for (int i = 0; i < 2'000; ++i) {
-        const TriangleCorners<Integer> vertices = generate().triangle.vertices;
+        const CornerCoordinates<Integer> vertices = generate().triangle.vertices;
         const TriangleCubeSum<Integer> sum(vertices);
         for (int side = 0; side < triangle_cube_half_spaces; ++side) {
             const Triple<Integer> normal = sum.normal(side);
@@ -152,7 +152,7 @@ IntegerPair with_even_box(IntegerPair pair, bool cube)
 template <class T>
 bool contains_center(const IntegerPair& pair, bool cube)
 {
-    TriangleCorners<T> vertices;
+    CornerCoordinates<T> vertices;
     Triple<T> center;
     Triple<T> half;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -210,7 +210,7 @@ TEST(TriangleCubeSum, IsExactInIntegersToTheEndOfTheGrid)
 
 TEST(TriangleCubeSum, CostsWhatItSays)
 {
-    const TriangleCorners<CountingNumber> vertices = {{{0, 0, 0}, {97, 13, 5}, {11, 89, 43}}};
+    const CornerCoordinates<CountingNumber> vertices = {{{0, 0, 0}, {97, 13, 5}, {11, 89, 43}}};
     CountingNumber::tally = {};
     TriangleCubeSum<CountingNumber> sum(vertices);
     EXPECT_EQ(CountingNumber::tally.flops(), 61);

@@ -91,7 +91,7 @@ public:
 
     /// Cost: the sum's 61 flops, 35 for the root's level, 46 for a margin.
     /// \pre vertices in [0, root_edge], margin >= 0; with integers root_edge a power of two
-    TriangleCubeDescent(const TriangleCorners<T>& vertices, const T& root_edge, const T& margin);
+    TriangleCubeDescent(const CornerCoordinates<T>& vertices, const T& root_edge, const T& margin);
 
     [[nodiscard]] const Level& root_level() const noexcept { return root_level_; }
     [[nodiscard]] const Cell& root_cell() const noexcept { return root_cell_; }
@@ -143,13 +143,13 @@ private:
     T plane_slack_;   ///< what inflation adds to the ceiling of the plane's value
     Triple<T> lower_; ///< bounding box, inflated
     Triple<T> upper_;
-    TriangleCorners<T> vertex_lower_; ///< vertices, inflated
-    TriangleCorners<T> vertex_upper_;
+    CornerCoordinates<T> vertex_lower_; ///< vertices, inflated
+    CornerCoordinates<T> vertex_upper_;
 };
 
 template <class T>
-TriangleCubeDescent<T>::TriangleCubeDescent(const TriangleCorners<T>& vertices, const T& root_edge,
-                                            const T& margin)
+TriangleCubeDescent<T>::TriangleCubeDescent(const CornerCoordinates<T>& vertices,
+                                            const T& root_edge, const T& margin)
     : plane_slack_(T(0)), vertex_lower_(vertices), vertex_upper_(vertices)
 {
     const TriangleCubeSum<T> sum(vertices);

@@ -75,7 +75,7 @@ public:
     template <class Visit>
     void visit_all(Visit visit) const noexcept
     {
-        TriangleCorners<double> corners;
+        CornerCoordinates<double> corners;
         for (std::size_t i = 0; i < 3; ++i)
             corners[i] = {from_first_[i].x(), from_first_[i].y(), from_first_[i].z()};
         const TriangleCubeSum<double> sum(corners);

@@ -33,7 +33,7 @@ template <class T>
 using Triple = std::array<T, 3>;
 
 template <class T>
-using TriangleCorners = std::array<Triple<T>, 3>;
+using CornerCoordinates = std::array<Triple<T>, 3>;
 
 inline constexpr int triangle_cube_half_spaces = 17;
 
@@ -60,7 +60,7 @@ public:
     };
 
     /// All that does not depend on the cube: 61 flops. The half-size is 0 until it is set.
-    explicit TriangleCubeSum(const TriangleCorners<T>& vertices);
+    explicit TriangleCubeSum(const CornerCoordinates<T>& vertices);
 
     /// Cubes with these half edges from now on: 27 flops. \pre half_size >= 0
     void set_half_size(const T& half_size);
@@ -78,7 +78,7 @@ public:
     /// What the half-space rests on, for every size of the cube. \pre half_space in [0, 17)
     [[nodiscard]] SumSupport support(int half_space) const;
 
-    [[nodiscard]] const TriangleCorners<T>& vertices() const noexcept { return vertices_; }
+    [[nodiscard]] const CornerCoordinates<T>& vertices() const noexcept { return vertices_; }
     /// The triangle's own normal e0 x e1.
     [[nodiscard]] const Triple<T>& triangle_normal() const noexcept { return normal_; }
     [[nodiscard]] const T& normal_offset() const noexcept { return normal_offset_; } ///< n . v_0
@@ -96,7 +96,7 @@ private:
     enum class Extreme : std::uint8_t { lowest, highest };
     [[nodiscard]] int extreme_vertex(int axis, Extreme extreme) const;
 
-    TriangleCorners<T> vertices_;
+    CornerCoordinates<T> vertices_;
     Triple<T> normal_;
     T normal_offset_;
     T normal_size_;
@@ -112,11 +112,11 @@ private:
 };
 
 template <class T>
-TriangleCubeSum<T>::TriangleCubeSum(const TriangleCorners<T>& vertices)
+TriangleCubeSum<T>::TriangleCubeSum(const CornerCoordinates<T>& vertices)
     : vertices_(vertices), lowest_(vertices[0]), highest_(vertices[0])
 {
     using std::abs;
-    TriangleCorners<T> edges;
+    CornerCoordinates<T> edges;
     for (std::size_t i = 0; i < 3; ++i) // 9 subtractions
         for (std::size_t k = 0; k < 3; ++k) edges[i][k] = vertices[(i + 1) % 3][k] - vertices[i][k];
     for (std::size_t k = 0; k < 3; ++k) { // 9 flops

@@ -100,7 +100,7 @@ struct ClosedFormRows {
 
     void measure(const Pair& pair)
     {
-        TriangleCorners<Counted> corners;
+        CornerCoordinates<Counted> corners;
         for (std::size_t j = 0; j < 3; ++j) {
             for (std::size_t k = 0; k < 3; ++k) {
                 corners[j][k] = pair.triangle.vertices[j][static_cast<int>(k)];
