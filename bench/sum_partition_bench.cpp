@@ -39,9 +39,10 @@ template <class T>
 TriangleCubeSum<T> cube_sum(const WorkloadGroup& group)
 {
     CornerCoordinates<T> corners;
-    for (std::size_t j = 0; j < 3; ++j)
+    for (std::size_t j = 0; j < 3; ++j) {
         for (std::size_t k = 0; k < 3; ++k)
             corners[j][k] = T(static_cast<double>(group.triangle[j][k]));
+    }
     TriangleCubeSum<T> sum(corners);
     sum.set_half_size(T(static_cast<double>(group.child_half)));
     return sum;
@@ -51,13 +52,15 @@ MinkowskiSum general_sum(const WorkloadGroup& group)
 {
     std::vector<Vec3> corners;
     std::vector<Vec3> cube;
-    for (const WholePoint& v : group.triangle)
+    for (const WholePoint& v : group.triangle) {
         corners.emplace_back(static_cast<double>(v[0]), static_cast<double>(v[1]),
                              static_cast<double>(v[2]));
+    }
     const auto half = static_cast<double>(group.child_half);
-    for (int i = 0; i < 8; ++i)
+    for (int i = 0; i < 8; ++i) {
         cube.emplace_back((i & 1) != 0 ? half : -half, (i & 2) != 0 ? half : -half,
                           (i & 4) != 0 ? half : -half);
+    }
     return *minkowski_sum(*convex_hull(corners), *convex_hull(cube));
 }
 
@@ -105,16 +108,18 @@ Suite make_suite(const PartitionWorkload& load, Questions questions)
                 const Vec3 middle = corner + Vec3::Constant(2 * half);
                 entry.cells.push_back(
                     {plain(corner), plain(middle), plain(corner + Vec3::Constant(4 * half))});
-                for (int octant = 0; octant < 8; ++octant)
+                for (int octant = 0; octant < 8; ++octant) {
                     entry.points.emplace_back(middle + half * Vec3((octant & 1) != 0 ? 1 : -1,
                                                                    (octant & 2) != 0 ? 1 : -1,
                                                                    (octant & 4) != 0 ? 1 : -1));
+                }
             } else {
                 const Box& box = entry.tree.bounds();
-                for (int i = 0; i < 8; ++i)
+                for (int i = 0; i < 8; ++i) {
                     entry.points.emplace_back(
                         box.lower +
                         Vec3(unit(random), unit(random), unit(random)).cwiseProduct(box.extent()));
+                }
             }
         }
         suite.queries += entry.points.size();
@@ -181,9 +186,10 @@ void by_fixed_order(benchmark::State& state, const Suite& suite)
     std::size_t inside = 0;
     for (auto _ : state) {
         inside = 0;
-        for (const Case& entry : suite.cases)
+        for (const Case& entry : suite.cases) {
             for (const Vec3& point : entry.points)
                 inside += entry.ordered.contains(plain(point)) ? 1 : 0;
+        }
         benchmark::DoNotOptimize(inside);
     }
     PartitionEvaluations evaluations;
@@ -283,9 +289,10 @@ LargeSuite large_suite()
     LargeSuite suite{*partition_sum(sum, {.max_depth = 0}), *partition_sum(sum), {}};
     std::uniform_real_distribution<double> unit(0, 1);
     const Box& box = suite.tree.bounds();
-    for (int i = 0; i < 10000; ++i)
+    for (int i = 0; i < 10000; ++i) {
         suite.points.emplace_back(
             box.lower + Vec3(unit(random), unit(random), unit(random)).cwiseProduct(box.extent()));
+    }
     return suite;
 }
 
@@ -343,9 +350,10 @@ void register_all()
     register_workload("sphere_100x100_depth_5", "sphere:100x100", 5, 1, 64);
     const char* bunny = "/usr/share/glmark2/models/bunny.obj";
     if (std::filesystem::exists(bunny)) register_workload("bunny_threshold_8", bunny, 9, 8, 64);
-    if (const char* mesh = std::getenv("PROXIMA_BENCH_MESH"))
+    if (const char* mesh = std::getenv("PROXIMA_BENCH_MESH")) {
         register_workload(std::filesystem::path(mesh).stem().string() + "_threshold_8", mesh, 9, 8,
                           64);
+    }
     const auto suite = std::make_shared<const LargeSuite>(large_suite());
     const auto add = [&](const char* name, const SumPartition& partition) {
         benchmark::RegisterBenchmark(name, [suite, &partition](benchmark::State& state) {

@@ -81,9 +81,10 @@ double ConvexCell::volume() const
 {
     if (is_empty()) return 0;
     double sum = 0;
-    for (const PolygonCorners& face : faces_)
+    for (const PolygonCorners& face : faces_) {
         for (std::size_t i = 2; i < face.size(); ++i)
             sum += tetrahedron(face[0], face[i - 1], face[i], faces_[0][0]);
+    }
     return sum;
 }
 

@@ -103,7 +103,7 @@ std::vector<std::size_t> corner_loop(std::span<const Vec2> points)
     };
     add_chain(order.begin(), order.end());
     add_chain(order.rbegin(), order.rend());
-    std::ranges::rotate(loop, std::ranges::min_element(loop));
+    std::rotate(loop.begin(), std::ranges::min_element(loop), loop.end());
     return loop;
 }
 

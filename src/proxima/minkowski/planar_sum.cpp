@@ -165,10 +165,11 @@ private:
             if (side < 0) {
                 face.from = face.to = corner;
             } else if (side == 0) {
-                if (point_same_way(direction, step(face.to, corner)))
+                if (point_same_way(direction, step(face.to, corner))) {
                     face.to = corner;
-                else if (!point_same_way(direction, step(face.from, corner)))
+                } else if (!point_same_way(direction, step(face.from, corner))) {
                     face.from = corner;
+                }
             }
         }
         face.last_real = face.to;
@@ -233,8 +234,8 @@ private:
         const auto first = std::ranges::find_if(
             sum_.edges_, [](const PlanarEdge& edge) { return edge.from_infinity; });
         const auto start = first == sum_.edges_.end() ? 0 : first - sum_.edges_.begin();
-        std::ranges::rotate(sum_.edges_, sum_.edges_.begin() + start);
-        std::ranges::rotate(lines_of_edge, lines_of_edge.begin() + start);
+        std::rotate(sum_.edges_.begin(), sum_.edges_.begin() + start, sum_.edges_.end());
+        std::rotate(lines_of_edge.begin(), lines_of_edge.begin() + start, lines_of_edge.end());
         for (std::size_t e = 0; e < lines_of_edge.size(); ++e) {
             for (const std::size_t i : lines_of_edge[e]) sum_.lines_[i].edge = static_cast<int>(e);
         }
