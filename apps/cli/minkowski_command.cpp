@@ -96,7 +96,7 @@ Result<CountedMethods> count_methods(const ConvexPolyhedron& a, const ConvexPoly
         if (!counted) {
             if (counted.error().code == ErrorCode::cancelled)
                 return tl::unexpected(counted.error());
-            table.add_row({name_of(method), counted.error().message});
+            result.text += concat(name_of(method), ": ", counted.error().message, "\n");
             result.json[name_of(method)] = {{"error", counted.error().message}};
             continue;
         }
@@ -108,9 +108,10 @@ Result<CountedMethods> count_methods(const ConvexPolyhedron& a, const ConvexPoly
                        to_text(counts.negations), to_text(counts.comparisons)});
         result.json[name_of(method)] = json_of(counts);
     }
-    result.text = "\nOperations, counted while the code runs on counting numbers; flops leave out "
-                  "comparisons and negations\n\n" +
-                  table.text();
+    result.text =
+        concat("\nOperations, counted while the code runs on counting numbers; flops leave "
+               "out comparisons and negations\n\n",
+               table.text(), result.text);
     return result;
 }
 

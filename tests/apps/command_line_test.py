@@ -169,7 +169,7 @@ class Tables(ProgramTest):
 
     def test_rows_of_table_2_3(self):
         # Any mesh under the model's name will do; that it is another one is said.
-        (self.folder / "bun_zipper_res2.ply").write_bytes(mesh_files.ALL["ascii.ply"])
+        (self.folder / "bun_zipper_res2.ply").write_bytes(mesh_files.PLAIN["ascii.ply"])
         table, = self.json_of("tables", "--only", "2.3", "--meshes", self.folder)["tables"]
         self.assertTrue(any("4 triangles here and 16301 in the thesis" in note for note in table["notes"]))
         self.assertEqual([(row["model"], row["passes"]) for row in table["rows"]], [("Bunny", 1), ("Bunny", 2)])

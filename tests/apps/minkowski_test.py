@@ -7,7 +7,7 @@ import mesh_files
 from bad_input_test import off, tetrahedron
 from proxima_program import ProgramTest
 
-SQUARE = off([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2), (0, 2, 3), (2, 1, 0), (3, 2, 0)])
+SQUARE = off([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2), (0, 2, 3), (0, 3, 1), (1, 3, 2)])
 
 
 class Summing(ProgramTest):
@@ -85,7 +85,10 @@ class Refusing(ProgramTest):
     def test_outputs(self):
         self.refuse("minkowski", "cube", "cube", "--out", self.folder / "a.stl", says=("a.stl", ".glb"))
         self.refuse("minkowski", "cube", "cube", "--out", self.folder / "none" / "a.obj", says="a.obj")
-        self.refuse("minkowski", "cube", "cube", "--out", "/dev/full.obj", says="full.obj")
+        below = self.file("file", "") / "a.obj"
+        self.refuse("minkowski", "cube", "cube", "--out", below, says="a.obj")
+        (self.folder / "b.ply").mkdir()
+        self.refuse("minkowski", "cube", "cube", "--out", self.folder / "b.ply", says="b.ply")
 
     def test_usage(self):
         self.refuse("minkowski", "cube", status=2, says="B")
