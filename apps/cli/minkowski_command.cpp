@@ -29,6 +29,7 @@ struct Options {
     std::array<std::string, 2> models;
     MinkowskiMethod method = MinkowskiMethod::arcs;
     double scale = 1;
+    double tolerance = 1e-9;
     bool take_hull = false;
     bool count_operations = false;
     std::string out;
@@ -57,10 +58,12 @@ Result<ConvexPolyhedron> load_operand(const std::string& model, const Options& o
     if (!mesh) return tl::unexpected(mesh.error());
     Progress* const progress = &session.progress();
     auto polyhedron = options.take_hull ? convex_hull(mesh->positions(), {}, progress)
-                                        : polyhedron_of_mesh(*mesh, {.progress = progress});
+                                        : polyhedron_of_mesh(*mesh, {options.tolerance, progress});
     if (polyhedron) return polyhedron;
     Error error = polyhedron.error();
-    if (error.code == ErrorCode::invalid_mesh && !options.take_hull)
+    // Nothing helps where there is no mesh or no number.
+    const bool has_hull = checked_bounding_box(*mesh).has_value();
+    if (error.code == ErrorCode::invalid_mesh && !options.take_hull && has_hull)
         error.message += " (--hull takes the convex hull)";
     return at_model(std::move(error), model);
 }
@@ -127,6 +130,10 @@ Status run_minkowski(const Options& options, Session& session)
 {
     if (!(options.scale > 0) || !std::isfinite(options.scale)) {
         return fail(ErrorCode::invalid_argument, "must be a positive number", "--scale");
+    }
+    if (!(options.tolerance >= 0) || !std::isfinite(options.tolerance)) {
+        return fail(ErrorCode::invalid_argument, "must be zero or a positive number",
+                    "--tolerance");
     }
     if (Status status = session.check_outputs({options.out}); !status) return status;
     if (!options.out.empty()) {
@@ -235,6 +242,10 @@ Command add_minkowski_command(CLI::App& app)
             "arcs (the fast one), geometric, hull (the thesis's)")
         ->type_name("NAME");
     parser->add_option("--scale", options->scale, "Sum A and this many times B")->type_name("L");
+    parser
+        ->add_option("--tolerance", options->tolerance,
+                     "How far a model may be from convex, per diagonal of its bounding box")
+        ->type_name("T");
     parser->add_flag("--hull", options->take_hull,
                      "Take the convex hulls of the models, whatever they are");
     parser->add_flag("--count-operations", options->count_operations,

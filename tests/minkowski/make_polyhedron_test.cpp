@@ -75,6 +75,31 @@ TEST(PolyhedronOfMesh, OthersAreRefusedWithTheirPlace)
     EXPECT_FALSE(polyhedron_of_mesh(TriangleMesh()));
 }
 
+TEST(PolyhedronOfMesh, TinyAndFoldedOnesAreSeenThrough)
+{
+    const TriangleMesh cube = make_cube();
+    const std::vector<TriangleCorners> sides(cube.triangles().begin(), cube.triangles().end());
+    Points tiny(cube.positions().begin(), cube.positions().end());
+    tiny[0] *= 0.3;
+    for (Vec3& p : tiny) p *= 1e-165;
+    EXPECT_NE(message_of(polyhedron_of_mesh(mesh_of(tiny, sides))).find("not convex"),
+              std::string::npos);
+    // The cube without its top, walls doubled: closed, and all on the hull, but open.
+    Points both(cube.positions().begin(), cube.positions().end());
+    std::vector<TriangleCorners> folded;
+    const auto at_top = [&](std::uint32_t v) { return cube.positions()[v].z() > 0; };
+    for (const Vec3& p : cube.positions()) both.push_back(p);
+    for (const TriangleCorners& t : sides) {
+        if (at_top(t[0]) && at_top(t[1]) && at_top(t[2])) continue;
+        // The inner copy shares the rim.
+        const auto inner = [&](std::uint32_t v) { return at_top(v) ? v : v + 8; };
+        folded.push_back(t);
+        folded.push_back({inner(t[0]), inner(t[2]), inner(t[1])});
+    }
+    const auto result = polyhedron_of_mesh(mesh_of(both, folded));
+    EXPECT_NE(message_of(result).find("folded"), std::string::npos) << message_of(result);
+}
+
 TEST(PolyhedronOfMesh, TurnedTrianglesAndLooseVerticesDoNotMatter)
 {
     const TriangleMesh cube = make_cube();

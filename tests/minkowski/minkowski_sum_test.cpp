@@ -320,5 +320,112 @@ TEST(MinkowskiSum, TheThreeMethodsAgree)
     EXPECT_GT(compared, 300);
 }
 
+Points real_points(std::mt19937& random, int count)
+{
+    std::uniform_real_distribution<double> coordinate(-1, 1);
+    Points points(static_cast<std::size_t>(count));
+    for (Vec3& p : points) {
+        for (double& c : p) c = coordinate(random);
+    }
+    return points;
+}
+
+/// h of the sum is h of A and h of B, in any direction; on real coordinates of any size and place.
+TEST(MinkowskiSum, SupportsAddUpInRandomDirections)
+{
+    std::size_t directions = 0;
+    for (unsigned seed = 0; seed < 60; ++seed) {
+        SCOPED_TRACE(seed);
+        std::mt19937 random(seed);
+        Points p = real_points(random, 4 + static_cast<int>(seed % 50));
+        Points q = real_points(random, 4 + static_cast<int>(seed % 31));
+        const double size = std::ldexp(1.0, static_cast<int>(seed % 7) * 90 - 270);
+        for (Vec3& point : p) point = size * (point + Vec3(seed % 3 == 0 ? 1e6 : 0, 0, 0));
+        for (Vec3& point : q) point *= size;
+        const auto a = test::hull_of(p);
+        const auto b = test::hull_of(q);
+        const auto sum = minkowski_sum(a, b);
+        ASSERT_TRUE(sum);
+        expect_euler(*sum);
+        // Neither the order of the operands nor where they stand changes the facets.
+        const auto turned = minkowski_sum(b, a);
+        EXPECT_EQ(turned->facet_count(), sum->facet_count());
+        EXPECT_EQ(turned->vertex_count(), sum->vertex_count());
+        std::normal_distribution<double> normal;
+        for (int i = 0; i < 100; ++i) {
+            const Vec3 n = Vec3(normal(random), normal(random), normal(random)).normalized();
+            double farthest = -std::numeric_limits<double>::infinity();
+            for (std::uint32_t v = 0; v < sum->vertex_count(); ++v)
+                farthest = std::max(farthest, n.dot(sum->position(v)));
+            const double expected = a.support(n).value + b.support(n).value;
+            EXPECT_NEAR(farthest / size, expected / size, 1e-9);
+            ++directions;
+        }
+        for (std::uint32_t f = 0; f < sum->facet_count(); ++f) {
+            const HalfSpace plane = sum->half_space(f);
+            const double expected = a.support(plane.normal).value + b.support(plane.normal).value;
+            EXPECT_NEAR(plane.offset / size, expected / size, 1e-8);
+        }
+    }
+    EXPECT_GE(directions, 5000U);
+}
+
+TEST(MinkowskiSum, PrismsOfManySidesAreSummedInLinearTime)
+{
+    // Two coaxial prisms: one pair of caps with thousands of corners each.
+    const auto prism = [](int sides, double turn) {
+        Points points;
+        for (int i = 0; i < sides; ++i) {
+            const double angle = 2 * 3.14159265358979 * (i + turn) / sides;
+            for (const double z : {-1.0, 1.0})
+                points.emplace_back(std::cos(angle), std::sin(angle), z);
+        }
+        return test::hull_of(points);
+    };
+    const int sides = 3000;
+    const auto sum = minkowski_sum(prism(sides, 0), prism(sides, 0.3));
+    ASSERT_TRUE(sum);
+    EXPECT_EQ(sum->facet_count(), 2U * sides + 2U);
+    expect_euler(*sum);
+    const auto counted = count_minkowski_sum(prism(sides, 0), prism(sides, 0.3));
+    ASSERT_TRUE(counted);
+    EXPECT_LT(counted->counts.dot_products, 200 * sides);
+}
+
+TEST(MinkowskiSum, CountingChangesNothing)
+{
+    for (unsigned seed = 0; seed < 60; ++seed) {
+        SCOPED_TRACE(seed);
+        std::mt19937 random(seed);
+        const auto a = test::hull_of(test::nasty_points(random));
+        const auto b = test::hull_of(test::nasty_points(random));
+        for (const auto method :
+             {MinkowskiMethod::arcs, MinkowskiMethod::geometric, MinkowskiMethod::hull}) {
+            const auto plain = minkowski_sum(a, b, {.method = method});
+            const auto counted = count_minkowski_sum(a, b, {.method = method});
+            ASSERT_EQ(plain.has_value(), counted.has_value());
+            if (!plain) continue;
+            EXPECT_EQ(described(*plain), described(counted->sum));
+            if (method != MinkowskiMethod::arcs) {
+                EXPECT_GT(counted->counts.dot_products, 0);
+            }
+        }
+    }
+}
+
+TEST(MinkowskiSum, IsStoppedOnRequest)
+{
+    std::mt19937 random(1);
+    const auto a = test::hull_of(test::round_points(random, 40, 1e5));
+    for (const auto method :
+         {MinkowskiMethod::arcs, MinkowskiMethod::geometric, MinkowskiMethod::hull}) {
+        Progress progress;
+        progress.cancel();
+        const auto sum = minkowski_sum(a, a, {.method = method, .progress = &progress});
+        ASSERT_FALSE(sum);
+        EXPECT_EQ(sum.error().code, ErrorCode::cancelled);
+    }
+}
+
 } // namespace
 } // namespace proxima

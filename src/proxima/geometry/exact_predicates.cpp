@@ -183,7 +183,8 @@ int determinant_sign(const Displacement& u, const Displacement& v,
     const Vec3 reach = w.point.cwiseAbs() + w.a.cwiseAbs() + std::abs(w.scale) * w.b.cwiseAbs();
     const double value = normal.dot(w.rounded());
     const double size = sizes.dot(reach);
-    const double error = 16 * unit_roundoff * size;
+    // The last term: what scale * b lost by underflow.
+    const double error = 16 * unit_roundoff * size + 0x1p-1070 * sizes.sum();
     if (size >= safe_sum && reach.maxCoeff() <= safe_size) {
         if (value - error > 0) return 1;
         if (value + error < 0) return -1;
@@ -202,28 +203,39 @@ int cross_component_sign(const Displacement& u, const SumDisplacement& w, int ax
 
 Vec3 unit_normal(const Displacement& u, const Displacement& v) noexcept
 {
-    // Scaled by powers of two, so that products neither overflow nor vanish.
-    const auto scaled = [](const Displacement& d) noexcept {
-        const double size = std::max(d.from.cwiseAbs().maxCoeff(), d.to.cwiseAbs().maxCoeff());
-        const int exponent = size > 0 ? std::ilogb(size) : 0;
-        const auto scale = [&](const Vec3& p) noexcept {
-            return Vec3(std::scalbn(p.x(), -exponent), std::scalbn(p.y(), -exponent),
-                        std::scalbn(p.z(), -exponent));
-        };
-        return Displacement{scale(d.from), scale(d.to)};
+    // Differences with what rounding left of them, scaled by powers of two so that products neither
+    // overflow nor vanish.
+    struct Scaled {
+        Vec3 rounded;
+        Vec3 rest;
+        [[nodiscard]] detail::Expansion<2> component(int axis) const noexcept
+        {
+            detail::Expansion<2> exact;
+            exact.append(rest[axis]);
+            exact.append(rounded[axis]);
+            return exact;
+        }
     };
-    const Displacement a = scaled(u);
-    const Displacement b = scaled(v);
-    const Vec3 p = a.rounded();
-    const Vec3 q = b.rounded();
-    Vec3 normal = p.cross(q);
+    const auto scaled = [](const Displacement& d) noexcept {
+        const double size = d.rounded().cwiseAbs().maxCoeff();
+        const int exponent = size > 0 ? std::ilogb(size) : 0;
+        Scaled result;
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto difference = detail::two_sum(d.to[axis], -d.from[axis]);
+            result.rounded[axis] = std::scalbn(difference.rounded, -exponent);
+            result.rest[axis] = std::scalbn(difference.error, -exponent);
+        }
+        return result;
+    };
+    const Scaled a = scaled(u);
+    const Scaled b = scaled(v);
+    Vec3 normal = a.rounded.cross(b.rounded);
     constexpr double safe_share = 1.0 / 16;
-    if (normal.cwiseAbs().maxCoeff() < safe_share * cross_sizes(p, q).maxCoeff()) {
+    if (normal.cwiseAbs().maxCoeff() < safe_share * cross_sizes(a.rounded, b.rounded).maxCoeff()) {
         for (int axis = 0; axis < 3; ++axis) {
             const int i = (axis + 1) % 3;
             const int j = (axis + 2) % 3;
-            const auto exact = component<ByExpansions>(a, i) * component<ByExpansions>(b, j) -
-                               component<ByExpansions>(a, j) * component<ByExpansions>(b, i);
+            const auto exact = a.component(i) * b.component(j) - a.component(j) * b.component(i);
             normal[axis] = 0;
             for (int k = 0; k < exact.size(); ++k) normal[axis] += exact[k];
         }

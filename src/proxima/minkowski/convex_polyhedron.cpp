@@ -22,7 +22,9 @@ PolyhedronSupport ConvexPolyhedron::support(const Vec3& direction) const noexcep
         if (value > best.value) best = {value, p};
     }
     for (const Vec3& ray : rays()) {
-        if (direction.dot(ray) > 0) best.value = std::numeric_limits<double>::infinity();
+        const double rounding =
+            8 * std::numeric_limits<double>::epsilon() * direction.cwiseAbs().dot(ray.cwiseAbs());
+        if (direction.dot(ray) > rounding) best.value = std::numeric_limits<double>::infinity();
     }
     return best;
 }

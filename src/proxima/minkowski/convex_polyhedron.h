@@ -104,7 +104,8 @@ public:
                                          star_first_[vertex + 1] - star_first_[vertex]);
     }
 
-    /// h(n) = max n . x over the polyhedron. O(points); gaussian_map.h climbs faster.
+    /// h(n) = max n . x over the polyhedron, rounded; a ray that the direction meets at a right
+    /// angle but for rounding does not count. O(points); gaussian_map.h climbs faster, and exactly.
     [[nodiscard]] PolyhedronSupport support(const Vec3& direction) const noexcept;
 
     /// An edge's direction, exactly; of a ray's edge, the ray.
@@ -128,7 +129,7 @@ public:
     }
 
     /// The sign of a facet's outward normal . direction. Exact. Scalar is double, or one that
-    /// counts what the filter does (operation_counts.h). \pre direction finite
+    /// counts what the filter does (operation_counts.h). \pre |direction| <= 2^302
     template <class Scalar = double>
     [[nodiscard]] int normal_sign(std::uint32_t facet, const Displacement& direction) const noexcept
     {
@@ -148,7 +149,7 @@ public:
 private:
     friend class PolyhedronAssembler;
 
-    /// Products of a normal below 1e150 and a direction below 1e91 lose less by underflow.
+    /// More than the three products of a normal and a direction lose by underflow, 2^-1075 each.
     static constexpr double underflow_slack = std::numeric_limits<double>::min();
 
     struct Facet {

@@ -1,5 +1,6 @@
 #include "proxima/minkowski/drawn_surface.h"
 
+#include <cmath>
 #include <map>
 #include <utility>
 
@@ -39,6 +40,12 @@ DrawnSurface draw_facets(const Body& body, std::vector<Vec3> positions, VertexOf
     return surface;
 }
 
+Status check_ray_length(double ray_length)
+{
+    if (ray_length > 0 && std::isfinite(ray_length)) return {};
+    return fail(ErrorCode::invalid_argument, "the length of rays must be a positive number");
+}
+
 tl::unexpected<Error> nothing_to_draw(const char* what)
 {
     return fail(ErrorCode::invalid_argument, std::string(what) + " has no polygons to draw");
@@ -48,6 +55,8 @@ tl::unexpected<Error> nothing_to_draw(const char* what)
 
 Result<DrawnSurface> draw(const ConvexPolyhedron& polyhedron, double ray_length)
 {
+    if (Status status = check_ray_length(ray_length); !status)
+        return tl::unexpected(status.error());
     if (polyhedron.dimension() < 2) return nothing_to_draw("a point, a segment or a half-line");
     return draw_facets(
         polyhedron, {polyhedron.points().begin(), polyhedron.points().end()},
@@ -56,6 +65,8 @@ Result<DrawnSurface> draw(const ConvexPolyhedron& polyhedron, double ray_length)
 
 Result<DrawnSurface> draw(const MinkowskiSum& sum, double ray_length)
 {
+    if (Status status = check_ray_length(ray_length); !status)
+        return tl::unexpected(status.error());
     if (sum.is_all_of_space()) return nothing_to_draw("a sum that is all of space");
     if (sum.holds_line())
         return nothing_to_draw("a sum that holds a whole line has no corners: it");

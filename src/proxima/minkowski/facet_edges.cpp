@@ -1,5 +1,7 @@
 #include "proxima/minkowski/facet_edges.h"
 
+#include <algorithm>
+
 namespace proxima::detail {
 namespace {
 
@@ -34,11 +36,20 @@ std::vector<PolyhedronEdge> edges_of_loops(const FacetLoops& loops)
     for_each_side(loops, [&](std::uint32_t f, std::uint32_t from, std::uint32_t to) {
         if (from < to) edges[next[from]++] = {from, to, f, no_facet};
     });
+    constexpr std::ptrdiff_t short_list = 16;
+    for (std::size_t v = 0; v + 1 < first.size(); ++v) {
+        if (first[v + 1] - first[v] <= short_list) continue;
+        std::ranges::sort(edges.begin() + first[v], edges.begin() + first[v + 1], {},
+                          &PolyhedronEdge::to);
+    }
     for_each_side(loops, [&](std::uint32_t f, std::uint32_t from, std::uint32_t to) {
         if (from < to) return;
-        for (std::uint32_t e = first[to]; e < first[to + 1]; ++e) {
-            if (edges[e].to == from) edges[e].right = f;
-        }
+        const auto begin = edges.begin() + first[to];
+        const auto end = edges.begin() + first[to + 1];
+        const auto found = end - begin > short_list
+                               ? std::ranges::lower_bound(begin, end, from, {}, &PolyhedronEdge::to)
+                               : std::ranges::find(begin, end, from, &PolyhedronEdge::to);
+        if (found != end && found->to == from) found->right = f;
     });
     return edges;
 }

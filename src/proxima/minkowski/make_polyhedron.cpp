@@ -93,7 +93,7 @@ Status check_convex(const TriangleMesh& mesh, const ConvexPolyhedron& hull, doub
     Vec3 worst_point = Vec3::Zero();
     for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
         const Triangle triangle = mesh.triangle(TriangleId{static_cast<std::uint32_t>(t)});
-        const Vec3 normal = scaled_normal(triangle).stableNormalized();
+        const Vec3 normal = unit_normal({triangle[0], triangle[1]}, {triangle[0], triangle[2]});
         if (normal.isZero(0)) continue; // of no area: its vertices are seen through others
         const double offset = normal.dot(triangle[0]);
         const double up = above.highest(normal) - offset;
@@ -108,6 +108,42 @@ Status check_convex(const TriangleMesh& mesh, const ConvexPolyhedron& hull, doub
                 concat("the mesh is not convex: the point ", point_text(worst_point), " stands ",
                        worst, " beyond the plane of triangle ", worst_triangle,
                        "; take its convex hull, or cut it into convex parts"));
+}
+
+/// The area of a polygon or a triangle, in units of `unit` squared, so that it cannot vanish.
+template <class CornerOf>
+double area_of(std::size_t corners, CornerOf corner, double unit)
+{
+    Vec3 sum = Vec3::Zero();
+    for (std::size_t i = 2; i < corners; ++i) {
+        const Vec3 u = (corner(i - 1) - corner(0)) / unit;
+        const Vec3 v = (corner(i) - corner(0)) / unit;
+        sum += 0.5 * u.cross(v);
+    }
+    return sum.norm();
+}
+
+/// A surface on its hull that is as large as the hull's wraps it once. A closed one could also be
+/// folded upon itself and leave a part open.
+Status check_area(const TriangleMesh& mesh, const ConvexPolyhedron& hull, double unit)
+{
+    double mesh_area = 0;
+    for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+        const Triangle triangle = mesh.triangle(TriangleId{static_cast<std::uint32_t>(t)});
+        mesh_area += area_of(
+            3, [&](std::size_t i) { return triangle.vertices[i]; }, unit);
+    }
+    double hull_area = 0;
+    for (std::uint32_t f = 0; f < hull.facet_count(); ++f) {
+        const auto loop = hull.facet_loop(f);
+        hull_area += area_of(
+            loop.size(), [&](std::size_t i) { return hull.vertex(loop[i]); }, unit);
+    }
+    constexpr double slack = 1e-6;
+    if (std::abs(mesh_area - hull_area) <= slack * hull_area) return {};
+    return fail(ErrorCode::invalid_mesh,
+                concat("the surface does not wrap its convex hull once: its area is ",
+                       mesh_area / hull_area, " times the hull's; it may be folded"));
 }
 
 } // namespace
@@ -135,6 +171,8 @@ Result<ConvexPolyhedron> polyhedron_of_mesh(const TriangleMesh& mesh,
     }
     const double diagonal = bounds->extent().stableNorm();
     if (Status status = check_convex(mesh, *hull, options.tolerance * diagonal); !status)
+        return tl::unexpected(status.error());
+    if (Status status = check_area(mesh, *hull, diagonal); !status)
         return tl::unexpected(status.error());
     return hull;
 }

@@ -18,10 +18,11 @@ struct ConvexMeshOptions {
 };
 
 /// The polyhedron that a closed convex mesh bounds: the exact hull of its vertices, once every edge
-/// has two triangles, all are connected, and no vertex stands beyond a triangle's plane. Which way
-/// the triangles are turned does not matter. Errors: invalid_mesh (empty; NaN or infinity; an open
-/// or branching edge; several components; all vertices in one plane; not convex), saying where;
-/// limit_exceeded (coordinates beyond max_polyhedron_coordinate); cancelled. O(n log n).
+/// has two triangles, all are connected, no vertex stands beyond a triangle's plane, and the area
+/// is that of the hull. Which way the triangles are turned does not matter. Errors: invalid_mesh
+/// (empty; NaN or infinity; an open or branching edge; several components; all vertices in one
+/// plane; not convex), saying where; limit_exceeded (coordinates beyond max_polyhedron_coordinate);
+/// cancelled. O(n log n).
 [[nodiscard]] Result<ConvexPolyhedron> polyhedron_of_mesh(const TriangleMesh& mesh,
                                                           const ConvexMeshOptions& options = {});
 

@@ -141,11 +141,12 @@ struct MinkowskiOptions {
 
 /// The sum of A and B. With `arcs` it has exactly the facets of the sum of the polyhedra that the
 /// doubles describe, each once, parallel ones merged, in O(facets of A, B and the sum) steps times
-/// the edges at a vertex; O(edges of A x edges of B) where one of them is a polygon or both are
-/// unbounded. Unbounded ones are summed by their rays: no cut is needed.
-/// Errors: limit_exceeded (geometric or hull on operands so large that they would take hours, or
-/// more than 2^32 corners), invalid_argument (geometric or hull on unbounded operands: see
-/// unbounded_sum.h; or on a flat sum), cancelled.
+/// the edges at a vertex (walks start where their neighbours ended; shapes made for it can cost
+/// more); O(edges of A x edges of B) where one of them is a polygon or both are unbounded.
+/// Unbounded ones are summed by their rays: no cut is needed. Errors: limit_exceeded (geometric or
+/// hull on operands so large that they would take hours, or more than 2^28 corners of all facets
+/// together), invalid_argument (geometric or hull on unbounded operands: see unbounded_sum.h; or on
+/// a flat sum), cancelled.
 [[nodiscard]] Result<MinkowskiSum> minkowski_sum(const ConvexPolyhedron& a,
                                                  const ConvexPolyhedron& b,
                                                  const MinkowskiOptions& options = {});

@@ -212,11 +212,20 @@ std::vector<CandidateNormal<Scalar>> candidate_normals(const ConvexPolyhedron& a
     return normals;
 }
 
+/// Two facets at every edge, and V - E + F = 2: rounding may have lost or split facets.
+bool is_closed_surface(const MinkowskiSum& sum)
+{
+    const bool has_border = std::ranges::any_of(sum.edges(), [](const SumEdge& edge) {
+        return edge.left == no_facet || edge.right == no_facet;
+    });
+    return !has_border && sum.vertex_count() + sum.facet_count() == sum.edges().size() + 2;
+}
+
 Result<MinkowskiSum> sum_of_planes(const ConvexPolyhedron& a, const ConvexPolyhedron& b,
                                    std::span<const Vec3> sums, const std::vector<Vec3>& outward)
 {
     auto sum = PlanesToSum(a, b, sums).build(outward);
-    if (sum) return std::move(*sum);
+    if (sum && is_closed_surface(*sum)) return std::move(*sum);
     return fail(ErrorCode::invalid_argument,
                 "this method makes sums with a volume only, and needs facets wider than rounding: "
                 "use arcs");
@@ -229,10 +238,6 @@ Result<MinkowskiSum> sum_by_geometric_method(const ConvexPolyhedron& a, const Co
                                              Progress* progress)
 {
     if (Status status = check_operands(a, b); !status) return tl::unexpected(status.error());
-    if (a.edges().size() * b.edges().size() > max_baseline_normals) {
-        return fail(ErrorCode::limit_exceeded,
-                    "this method would push more than 4 million planes: use arcs");
-    }
     const Vertices<Scalar> vertices(a, b);
     const std::vector<CandidateNormal<Scalar>> normals = candidate_normals<Scalar>(a, b);
 

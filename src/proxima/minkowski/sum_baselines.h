@@ -19,9 +19,6 @@ namespace proxima::detail {
 /// No more pairs of vertices are summed by the baselines.
 inline constexpr std::size_t max_baseline_pairs = 4096;
 
-/// No more candidate normals are pushed.
-inline constexpr std::size_t max_baseline_normals = 1U << 22U;
-
 /// Instantiated, like the next, for double and Counted. Errors: invalid_argument (unbounded
 /// operands, or a flat sum), limit_exceeded, cancelled.
 template <class Scalar = double>

@@ -14,6 +14,9 @@
 namespace proxima::detail {
 namespace {
 
+/// More corners than this, of all facets together, are refused: about 10 GB.
+constexpr std::size_t max_sum_corners = std::size_t{1} << 28U;
+
 using Loop = std::span<const std::uint32_t>;
 using Kind = SumCorner::Kind;
 
@@ -158,12 +161,15 @@ public:
     }
 
     /// Goes along the arc from the face that theirs has at its start. crossing(edge, out) is called
-    /// for every edge of theirs whose arc is crossed; out is +1 if the edge runs the way the walk
-    /// goes, -1 if against it. Returns the vertex of theirs where the walk ends.
+    /// for every edge of theirs whose arc is crossed, until it returns false; out is +1 if the edge
+    /// runs the way the walk goes, -1 if against it. Returns the vertex of theirs where the walk
+    /// ends. `place` is where to look first in the loop of a facet at the start, and where to look
+    /// next time: neighbouring arcs leave by neighbouring vertices.
     template <class Crossing>
-    std::uint32_t walk(const Arc& arc, const SupportFace& start, Crossing crossing) const
+    std::uint32_t walk(const Arc& arc, const SupportFace& start, std::size_t& place,
+                       Crossing crossing) const
     {
-        std::uint32_t at = foremost(arc.to, start);
+        std::uint32_t at = foremost(arc.to, start, place);
         while (true) {
             const PolyhedronNeighbour* exit = nullptr;
             std::uint32_t through = no_facet;
@@ -179,7 +185,7 @@ public:
                 const int right_sign = theirs_.template normal_sign<Scalar>(right, arc.along);
                 if (right_sign > 0) continue;
                 if (left_sign > 0 && right_sign < 0) {
-                    crossing(next.edge, forward ? 1 : -1);
+                    if (!crossing(next.edge, forward ? 1 : -1)) return at;
                     exit = &next;
                 } else {
                     through = left_sign == 0 ? left : right;
@@ -189,7 +195,9 @@ public:
             if (exit != nullptr) {
                 at = exit->vertex;
             } else if (through != no_facet) {
-                at = foremost(arc.to, {2, at, through});
+                const auto loop = theirs_.facet_loop(through);
+                auto here = static_cast<std::size_t>(std::ranges::find(loop, at) - loop.begin());
+                at = foremost(arc.to, {2, at, through}, here);
             } else {
                 return at;
             }
@@ -197,25 +205,31 @@ public:
     }
 
 private:
-    /// The vertex of a face of theirs that is farthest along the normal of our facet.
-    [[nodiscard]] std::uint32_t foremost(std::uint32_t our_facet, const SupportFace& face) const
+    /// The vertex of a face of theirs that is farthest along the normal of our facet: uphill along
+    /// the loop from a place in it.
+    [[nodiscard]] std::uint32_t foremost(std::uint32_t our_facet, const SupportFace& face,
+                                         std::size_t& place) const
     {
-        std::uint32_t best = face.vertex;
-        if (face.dimension == 0) return best;
+        if (face.dimension == 0) return face.vertex;
         const FaceVertices vertices(theirs_, face);
-        for (const std::uint32_t vertex : vertices.view().vertices) {
-            if (ours_.template normal_sign<Scalar>(
-                    our_facet, {theirs_.vertex(best), theirs_.vertex(vertex)}) > 0)
-                best = vertex;
-        }
-        return best;
+        const auto loop = vertices.view().vertices;
+        const auto is_higher = [&](std::size_t from, std::size_t to) {
+            const Displacement step = {theirs_.vertex(loop[from]), theirs_.vertex(loop[to])};
+            return ours_.template normal_sign<Scalar>(our_facet, step) > 0;
+        };
+        place %= loop.size();
+        const auto after = [&](std::size_t i) { return i + 1 == loop.size() ? 0 : i + 1; };
+        const auto before = [&](std::size_t i) { return (i == 0 ? loop.size() : i) - 1; };
+        while (is_higher(place, after(place))) place = after(place);
+        while (is_higher(place, before(place))) place = before(place);
+        return loop[place];
     }
 
     const ConvexPolyhedron& ours_;
     const ConvexPolyhedron& theirs_;
 };
 
-/// The edges around each facet.
+/// The edges around each facet, in the order of its loop.
 class FacetGraph {
 public:
     explicit FacetGraph(const ConvexPolyhedron& polyhedron)
@@ -230,6 +244,18 @@ public:
         for (std::uint32_t e = 0; e < polyhedron.edges().size(); ++e) {
             edges_[next[polyhedron.edges()[e].left]++] = e;
             edges_[next[polyhedron.edges()[e].right]++] = e;
+        }
+        std::vector<std::uint32_t> place(polyhedron.vertex_count(), 0);
+        for (std::uint32_t f = 0; f < polyhedron.facet_count(); ++f) {
+            const auto loop = polyhedron.facet_loop(f);
+            if (loop.size() <= 4) continue; // no matter
+            for (std::uint32_t i = 0; i < loop.size(); ++i) place[loop[i]] = i;
+            const auto start_of = [&](std::uint32_t e) {
+                const PolyhedronEdge& edge = polyhedron.edges()[e];
+                return place[edge.left == f ? edge.from : edge.to];
+            };
+            std::ranges::sort(edges_.begin() + first_[f], edges_.begin() + first_[f + 1], {},
+                              start_of);
         }
     }
 
@@ -263,6 +289,11 @@ public:
         const bool done = bodies && sum_.b().is_bounded()   ? walk_arcs_of_a()
                           : bodies && sum_.a().is_bounded() ? walk_arcs_of_b()
                                                             : compare_all_arcs();
+        if (sum_.corners().size() > max_sum_corners) {
+            return fail(ErrorCode::limit_exceeded,
+                        "the sum's facets have more than 2^28 corners together: sum coarser "
+                        "polyhedra");
+        }
         if (!done) return fail(ErrorCode::cancelled, "stopped on request");
         return holds_line ? std::move(sum_).finish_with_line() : std::move(sum_).finish();
     }
@@ -270,9 +301,14 @@ public:
 private:
     [[nodiscard]] bool go_on()
     {
-        if (progress_ == nullptr) return true;
-        progress_->advance(1);
-        return !progress_->cancelled();
+        if (progress_ != nullptr) progress_->advance(1);
+        return has_room();
+    }
+
+    /// Whether neither the sum has grown too large nor somebody asked to stop.
+    [[nodiscard]] bool has_room()
+    {
+        return sum_.corners().size() <= max_sum_corners && !is_cancelled(progress_);
     }
 
     void add_facet_of_a(std::uint32_t facet, const SupportFace& face_b)
@@ -309,6 +345,7 @@ private:
             to_do.pop_back();
             if (!go_on()) return false;
             facet_found(visit.facet, visit.theirs);
+            std::size_t place = 0;
             for (const std::uint32_t e : graph.edges(visit.facet)) {
                 if (is_walked[e]) continue;
                 is_walked[e] = true;
@@ -316,9 +353,11 @@ private:
                 const typename ArcWalk<Scalar>::Arc arc = walk.arc(edge, visit.facet);
                 const int from_left = visit.facet == edge.left ? 1 : -1;
                 const std::uint32_t end =
-                    walk.walk(arc, visit.theirs, [&](std::uint32_t their_edge, int out) {
+                    walk.walk(arc, visit.theirs, place, [&](std::uint32_t their_edge, int out) {
                         crossing(e, their_edge, -out * from_left);
+                        return has_room();
                     });
+                if (!has_room()) return false;
                 if (is_met[arc.to]) continue;
                 is_met[arc.to] = true;
                 to_do.push_back({arc.to, support_face<Scalar>(theirs, ours, arc.to, end)});
@@ -340,6 +379,7 @@ private:
         std::vector<bool> is_met(theirs.facet_count(), false);
         std::vector<Visit> to_do = {{0, 0}};
         is_met[0] = true;
+        std::uint32_t last = 0;
         while (!to_do.empty()) {
             auto [facet, start] = to_do.back();
             to_do.pop_back();
@@ -348,8 +388,10 @@ private:
                 return theirs.template normal_sign<Scalar>(f, d);
             };
             if (ends_along(ours, sign_along)) {
+                if (sign_along({ours.vertex(start), ours.vertex(last)}) > 0) start = last;
                 const SupportFace face = support_face<Scalar>(ours, theirs, facet, start);
                 start = face.vertex;
+                last = face.vertex;
                 facet_found(facet, face);
             }
             for (const std::uint32_t e : graph.edges(facet)) {
@@ -408,7 +450,7 @@ private:
         const ConvexPolyhedron& a = sum_.a();
         const ConvexPolyhedron& b = sum_.b();
         for (std::uint32_t e = 0; e < a.edges().size(); ++e) {
-            if (is_cancelled(progress_)) return false;
+            if (!has_room()) return false;
             for (std::uint32_t g = 0; g < b.edges().size(); ++g) {
                 const ArcCrossing crossing = arcs_cross<Scalar>(a, a.edges()[e], b, b.edges()[g]);
                 if (crossing != ArcCrossing::none)

@@ -97,42 +97,77 @@ Vec3 nearest_on_edge(const Vec3& p, const Vec3& d, double length, const Vec3& x)
     return p + std::clamp(t, 0.0, length) * d;
 }
 
-Vec3 nearest_on_edge(const MinkowskiSum& sum, std::uint32_t from, std::uint32_t to, const Vec3& x)
-{
-    if (sum.is_ray(from)) std::swap(from, to);
-    const Vec3 p = sum.position(from);
-    if (sum.is_ray(to)) return nearest_on_edge(p, sum.position(to).stableNormalized(), infinity, x);
-    return nearest_on_edge(p, sum.position(to) - p, 1, x);
-}
-
-/// The point of a facet nearest to x.
-Vec3 nearest_on_facet(const MinkowskiSum& sum, std::uint32_t facet, const HalfSpace& plane,
-                      const Vec3& x)
-{
-    const Vec3 foot = x - (plane.normal.dot(x) - plane.offset) * plane.normal;
-    const auto loop = sum.facet_loop(facet);
-    bool inside = true;
-    Vec3 best = foot;
-    double best_squared = infinity;
-    for (std::size_t i = 0; i < loop.size(); ++i) {
-        std::uint32_t from = loop[i];
-        std::uint32_t to = loop[(i + 1) % loop.size()];
-        if (sum.is_ray(from) && sum.is_ray(to)) continue;
-        const Vec3 p = sum.position(sum.is_ray(from) ? to : from);
-        const Vec3 along = sum.is_ray(to)     ? sum.position(to)
-                           : sum.is_ray(from) ? Vec3(-sum.position(from))
-                                              : Vec3(sum.position(to) - p);
-        if (plane.normal.cross(along).dot(foot - p) >= 0) continue;
-        inside = false;
-        const Vec3 candidate = nearest_on_edge(sum, from, to, x);
-        const double squared = (candidate - x).squaredNorm();
-        if (squared < best_squared) {
-            best_squared = squared;
-            best = candidate;
-        }
+/// A sum scaled by a power of two to about 1, so that squares of lengths neither overflow nor
+/// vanish.
+class ScaledSum {
+public:
+    ScaledSum(const MinkowskiSum& sum, const Vec3& point) : sum_(sum)
+    {
+        double size = point.cwiseAbs().maxCoeff();
+        for (std::uint32_t v = 0; v < sum.point_count(); ++v)
+            size = std::max(size, sum.position(v).cwiseAbs().maxCoeff());
+        exponent_ = size > 0 ? std::ilogb(size) : 0;
     }
-    return inside ? foot : best;
-}
+
+    [[nodiscard]] double down(double length) const { return std::scalbn(length, -exponent_); }
+    [[nodiscard]] double up(double length) const { return std::scalbn(length, exponent_); }
+    [[nodiscard]] Vec3 down(const Vec3& p) const { return {down(p.x()), down(p.y()), down(p.z())}; }
+    [[nodiscard]] Vec3 up(const Vec3& p) const { return {up(p.x()), up(p.y()), up(p.z())}; }
+
+    /// A point scaled, or a ray's direction of length 1.
+    [[nodiscard]] Vec3 position(std::uint32_t vertex) const
+    {
+        const Vec3 p = sum_.position(vertex);
+        return sum_.is_ray(vertex) ? Vec3(p.stableNormalized()) : down(p);
+    }
+    [[nodiscard]] HalfSpace half_space(std::uint32_t facet) const
+    {
+        const HalfSpace plane = sum_.half_space(facet);
+        return {plane.normal, down(plane.offset)};
+    }
+
+    [[nodiscard]] Vec3 nearest_on_edge(std::uint32_t from, std::uint32_t to, const Vec3& x) const
+    {
+        if (sum_.is_ray(from)) std::swap(from, to);
+        const Vec3 p = position(from);
+        const bool is_ray = sum_.is_ray(to);
+        return proxima::nearest_on_edge(p, is_ray ? position(to) : Vec3(position(to) - p),
+                                        is_ray ? infinity : 1, x);
+    }
+
+    /// The point of a facet nearest to x.
+    [[nodiscard]] Vec3 nearest_on_facet(std::uint32_t facet, const HalfSpace& plane,
+                                        const Vec3& x) const
+    {
+        const Vec3 foot = x - (plane.normal.dot(x) - plane.offset) * plane.normal;
+        const auto loop = sum_.facet_loop(facet);
+        bool inside = true;
+        Vec3 best = foot;
+        double best_squared = infinity;
+        for (std::size_t i = 0; i < loop.size(); ++i) {
+            const std::uint32_t from = loop[i];
+            const std::uint32_t to = loop[(i + 1) % loop.size()];
+            if (sum_.is_ray(from) && sum_.is_ray(to)) continue;
+            const Vec3 p = position(sum_.is_ray(from) ? to : from);
+            const Vec3 along = sum_.is_ray(to)     ? position(to)
+                               : sum_.is_ray(from) ? Vec3(-position(from))
+                                                   : Vec3(position(to) - p);
+            if (plane.normal.cross(along).dot(foot - p) >= 0) continue;
+            inside = false;
+            const Vec3 candidate = nearest_on_edge(from, to, x);
+            const double squared = (candidate - x).squaredNorm();
+            if (squared < best_squared) {
+                best_squared = squared;
+                best = candidate;
+            }
+        }
+        return inside ? foot : best;
+    }
+
+private:
+    const MinkowskiSum& sum_;
+    int exponent_ = 0;
+};
 
 SurfacePoint outside_point(const Vec3& nearest, const Vec3& point, std::uint32_t facet)
 {
@@ -156,27 +191,33 @@ bool contains(const MinkowskiSum& sum, const Vec3& point) noexcept
 SurfacePoint signed_distance(const MinkowskiSum& sum, const Vec3& point) noexcept
 {
     PROXIMA_CHECK(!sum.holds_line());
-    if (sum.dimension() == 0) return outside_point(sum.position(0), point, no_facet);
+    const ScaledSum scaled(sum, point);
+    const Vec3 x = scaled.down(point);
+    const auto result = [&](const SurfacePoint& found) {
+        return SurfacePoint{scaled.up(found.distance), scaled.up(found.nearest), found.direction,
+                            found.facet};
+    };
+    if (sum.dimension() == 0) return result(outside_point(scaled.position(0), x, no_facet));
     if (sum.dimension() == 1)
-        return outside_point(nearest_on_edge(sum, 0, 1, point), point, no_facet);
+        return result(outside_point(scaled.nearest_on_edge(0, 1, x), x, no_facet));
     const bool is_inside = sum.dimension() == 3 && contains(sum, point);
-    SurfacePoint best = {is_inside ? -infinity : infinity, point, Vec3::Zero(), no_facet};
+    SurfacePoint best = {is_inside ? -infinity : infinity, x, Vec3::Zero(), no_facet};
     for (std::uint32_t f = 0; f < sum.facet_count(); ++f) {
-        const HalfSpace plane = sum.half_space(f);
-        const double height = plane.normal.dot(point) - plane.offset;
+        const HalfSpace plane = scaled.half_space(f);
         if (is_inside) {
             // What rounding lifts above a plane touches it.
+            const double height = plane.normal.dot(x) - plane.offset;
             const double depth = std::min(height, 0.0);
-            if (depth > best.distance)
-                best = {depth, point - height * plane.normal, plane.normal, f};
+            if (depth > best.distance) best = {depth, x - height * plane.normal, plane.normal, f};
             continue;
         }
         // All facets: which ones the point sees is hidden by rounding where they are nearly
         // parallel.
-        const SurfacePoint there = outside_point(nearest_on_facet(sum, f, plane, point), point, f);
+        SurfacePoint there = outside_point(scaled.nearest_on_facet(f, plane, x), x, f);
+        if (there.distance == 0) there.direction = plane.normal;
         if (there.distance < best.distance) best = there;
     }
-    return best;
+    return result(best);
 }
 
 std::optional<double> directional_depth(const MinkowskiSum& sum, const Vec3& point,
@@ -188,7 +229,7 @@ std::optional<double> directional_depth(const MinkowskiSum& sum, const Vec3& poi
     for (std::uint32_t f = 0; f < sum.facet_count(); ++f) {
         const HalfSpace plane = sum.half_space(f);
         const double speed = plane.normal.dot(direction);
-        if (speed <= 0) continue;
+        if (speed <= 8 * std::numeric_limits<double>::epsilon()) continue; // it slides along
         depth = std::min(depth, std::max(0.0, plane.offset - plane.normal.dot(point)) / speed);
     }
     return depth;

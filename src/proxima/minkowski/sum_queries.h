@@ -31,16 +31,17 @@ struct SurfacePoint {
 [[nodiscard]] SurfacePoint signed_distance(const MinkowskiSum& sum, const Vec3& point) noexcept;
 
 /// How far the point may go along a direction before it leaves the sum: infinity where it never
-/// does, nothing where it is not in the sum. Thesis 3.1's directional penetration depth. O(facets).
-/// \pre point finite, direction of length 1, the sum is no point, segment or polygon
+/// does (facets that it slides along but for rounding do not end it), nothing where it is not in
+/// the sum. Thesis 3.1's directional penetration depth. O(facets). \pre point finite, direction of
+/// length 1, the sum is no point, segment or polygon
 [[nodiscard]] std::optional<double> directional_depth(const MinkowskiSum& sum, const Vec3& point,
                                                       const Vec3& direction) noexcept;
 
 /// How two polyhedra stand to each other.
 struct Separation {
     double distance = 0;           ///< negative where they overlap: the depth of penetration
-    Vec3 direction = Vec3::Zero(); ///< of length 1, from A to B: moving B by -distance along it
-                                   ///< lets both just touch
+    Vec3 direction = Vec3::Zero(); ///< of length 1 (none for segments that touch), from A to B:
+                                   ///< moving B by -distance along it lets both just touch
 };
 
 /// Distance or minimum penetration depth of two polyhedra. Builds their sum: errors as

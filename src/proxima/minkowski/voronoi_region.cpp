@@ -12,7 +12,8 @@ Result<ConvexPolyhedron> voronoi_region_of_face(const Triangle& triangle)
     if (is_degenerate(triangle)) {
         return fail(ErrorCode::invalid_argument, "a triangle of no area has no normal");
     }
-    return convex_hull(triangle.vertices, std::array{scaled_normal(triangle)});
+    const Vec3 normal = unit_normal({triangle[0], triangle[1]}, {triangle[0], triangle[2]});
+    return convex_hull(triangle.vertices, std::array{normal});
 }
 
 Result<ConvexPolyhedron> voronoi_region_of_edge(const Vec3& p, const Vec3& q,
