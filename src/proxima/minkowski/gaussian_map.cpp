@@ -3,6 +3,8 @@
 #include "proxima/base/check.h"
 #include "proxima/minkowski/operation_counts.h"
 
+#include <array>
+
 namespace proxima {
 namespace {
 
@@ -25,28 +27,40 @@ SupportFace support_face(const ConvexPolyhedron& polyhedron, const ConvexPolyhed
     const auto sign_along = [&](const Displacement& d) noexcept {
         return other.template normal_sign<Scalar>(other_facet, d);
     };
-    const std::uint32_t vertex = climb(polyhedron, sign_along, start);
-    SupportFace face = {0, vertex, vertex};
-    for (const PolyhedronNeighbour& next : polyhedron.neighbours(vertex)) {
-        const PolyhedronEdge& edge = polyhedron.edges()[next.edge];
-        if (sign_along(polyhedron.direction(edge)) != 0) continue;
-        if (face.dimension == 0) {
-            face = {1, vertex, next.edge};
-            continue;
+    // Up to a point that no neighbour exceeds; up to two edges there are level.
+    std::uint32_t vertex = start;
+    std::array<std::uint32_t, 2> level{};
+    int level_count = 0;
+    for (bool higher = true; higher;) {
+        higher = false;
+        level_count = 0;
+        for (const PolyhedronNeighbour& next : polyhedron.neighbours(vertex)) {
+            const bool is_ray = polyhedron.is_ray(next.vertex);
+            const int sign = sign_along({is_ray ? Vec3(Vec3::Zero()) : polyhedron.vertex(vertex),
+                                         polyhedron.vertex(next.vertex)});
+            if (sign > 0 && !is_ray) {
+                vertex = next.vertex;
+                higher = true;
+                break;
+            }
+            if (sign == 0 && level_count < 2)
+                level[static_cast<std::size_t>(level_count++)] = next.edge;
         }
-        // A second edge: the facet between both; of a polygon, that which looks the right way.
-        const PolyhedronEdge& first = polyhedron.edges()[face.item];
-        const bool left_is_shared = first.left == edge.left || first.left == edge.right;
-        const bool right_is_shared = first.right == edge.left || first.right == edge.right;
-        PROXIMA_CHECK(left_is_shared || right_is_shared);
-        bool is_left = left_is_shared;
-        if (left_is_shared && right_is_shared) {
-            is_left = same_direction(polyhedron.normal_factors(first.left),
-                                     other.normal_factors(other_facet));
-        }
-        return {2, vertex, is_left ? first.left : first.right};
     }
-    return face;
+    if (level_count == 0) return {0, vertex, vertex};
+    if (level_count == 1) return {1, vertex, level[0]};
+    // The facet between both; of a polygon, that which looks the right way.
+    const PolyhedronEdge& first = polyhedron.edges()[level[0]];
+    const PolyhedronEdge& second = polyhedron.edges()[level[1]];
+    const bool left_is_shared = first.left == second.left || first.left == second.right;
+    const bool right_is_shared = first.right == second.left || first.right == second.right;
+    PROXIMA_CHECK(left_is_shared || right_is_shared);
+    bool is_left = left_is_shared;
+    if (left_is_shared && right_is_shared) {
+        is_left = same_direction(polyhedron.normal_factors(first.left),
+                                 other.normal_factors(other_facet));
+    }
+    return {2, vertex, is_left ? first.left : first.right};
 }
 
 template <class Scalar>

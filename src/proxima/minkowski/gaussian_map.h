@@ -26,28 +26,8 @@ struct SupportFace {
     std::uint32_t item = 0;   ///< the vertex, edge or facet
 };
 
-/// Climbs from `start` to a point that no neighbour exceeds. sign_along(d) is the sign of the
-/// direction . d, exactly, for a Displacement d. \pre no ray goes along the direction
-template <class SignAlong>
-[[nodiscard]] std::uint32_t climb(const ConvexPolyhedron& polyhedron, SignAlong sign_along,
-                                  std::uint32_t start) noexcept
-{
-    std::uint32_t at = start;
-    for (bool higher = true; higher;) {
-        higher = false;
-        for (const PolyhedronNeighbour& next : polyhedron.neighbours(at)) {
-            if (polyhedron.is_ray(next.vertex)) continue;
-            if (sign_along({polyhedron.vertex(at), polyhedron.vertex(next.vertex)}) > 0) {
-                at = next.vertex;
-                higher = true;
-                break;
-            }
-        }
-    }
-    return at;
-}
-
-/// Whether the polyhedron ends somewhere in the direction.
+/// Whether the polyhedron ends somewhere in a direction. sign_along(d) is the sign of the direction
+/// . d, exactly, for a Displacement d.
 template <class SignAlong>
 [[nodiscard]] bool ends_along(const ConvexPolyhedron& polyhedron, SignAlong sign_along) noexcept
 {

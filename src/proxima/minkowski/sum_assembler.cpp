@@ -99,8 +99,8 @@ void SumAssembler::number_corners()
         const auto ray = a().points().size() + static_cast<std::size_t>(found - rays.begin());
         return SumCorner{SumCorner::Kind::ray_of_a, static_cast<std::uint32_t>(ray), 0};
     };
-    // Every point is a corner of three facets, or of two where the sum is flat.
-    PairNumbers points(corners_.size() / 2);
+    // Every point is a corner of three facets, mostly of four, or of two where the sum is flat.
+    PairNumbers points(corners_.size() / 3);
     std::vector<SumCorner> rays;
     std::vector<std::uint32_t>& loops = parts_->loops;
     loops.resize(corners_.size());
