@@ -157,7 +157,7 @@ Result<ScaledPlanes> normalised(std::span<const HalfSpace> given)
 /// again from its centre, as the simplex method answers to a rounded question.
 std::optional<Ball> ball_inside(const std::vector<Plane>& planes, Progress* progress)
 {
-    for (Real reach = 16; reach < 1e10L; reach *= 1e3L) {
+    for (Real reach = 4; reach < 1e10L; reach *= 1e3L) {
         const std::optional<Ball> found = largest_ball(planes, reach, progress);
         if (!found || !found->center.allFinite()) continue;
         Real radius = std::numeric_limits<Real>::infinity();
@@ -209,7 +209,11 @@ class Inside {
 public:
     Inside(const std::vector<Plane>& planes, const Real3& center)
         : planes_(planes), center_(center.norm())
-    {}
+    {
+        rounded_.reserve(planes.size());
+        for (const Plane& plane : planes)
+            rounded_.push_back({plane.normal.cast<double>(), static_cast<double>(plane.offset)});
+    }
 
     [[nodiscard]] Real tolerance(const Real3& point) const
     {
@@ -218,9 +222,22 @@ public:
     [[nodiscard]] bool holds_point(const Real3& point) const
     {
         const Real limit = tolerance(point);
-        return std::ranges::all_of(planes_, [&](const Plane& plane) {
-            return plane.normal.dot(point) - plane.offset <= limit;
-        });
+        const Vec3 rounded = point.cast<double>();
+        const auto near = static_cast<double>(limit);
+        for (std::size_t i = 0; i < planes_.size(); ++i) {
+            const Height about = rounded_height(i, rounded);
+            if (about.value + about.error <= near) continue;
+            if (planes_[i].normal.dot(point) - planes_[i].offset > limit) return false;
+        }
+        return true;
+    }
+    /// Whether the point is as close to a plane as this, to a rounding or two.
+    [[nodiscard]] bool is_on(std::size_t plane, const Vec3& point, double distance) const
+    {
+        const Height about = rounded_height(plane, point);
+        if (std::abs(about.value) > distance + about.error) return false;
+        const Real height = planes_[plane].normal.dot(point.cast<Real>()) - planes_[plane].offset;
+        return std::abs(height) <= distance;
     }
     [[nodiscard]] bool holds_ray(const Real3& ray) const
     {
@@ -230,7 +247,20 @@ public:
     }
 
 private:
+    /// In doubles, which decide most of it, and a bound of the error.
+    struct Height {
+        double value;
+        double error;
+    };
+    [[nodiscard]] Height rounded_height(std::size_t plane, const Vec3& point) const
+    {
+        const HalfSpace& rounded = rounded_[plane];
+        return {rounded.normal.dot(point) - rounded.offset,
+                1e-15 * (point.lpNorm<1>() + std::abs(rounded.offset))};
+    }
+
     const std::vector<Plane>& planes_;
+    std::vector<HalfSpace> rounded_;
     Real center_;
 };
 
@@ -273,7 +303,7 @@ Result<Corners> corners_of(const std::vector<Plane>& planes, const Ball& ball,
         const Vec3 ray = shared_direction(std::span(meeting).first(count), outward).cast<double>();
         if (!ray.isZero(0) && inside.holds_ray(ray.cast<Real>())) result.rays.push_back(ray);
     }
-    result.merged = std::min(1e-12L * extent, 1e-3L * ball.radius);
+    result.merged = std::min(1e-12L * (extent + ball.center.norm()), 1e-3L * ball.radius);
     merge_close(result.points, static_cast<double>(result.merged));
     merge_close(result.rays, 1e-9);
     return result;
@@ -285,24 +315,27 @@ Result<bool> facets_lie_in_planes(const ConvexPolyhedron& polyhedron,
                                   int exponent, Progress* progress)
 {
     const Inside inside(planes, ball.center);
-    const auto lies_in = [&](std::uint32_t facet, const Plane& plane) {
-        for (const std::uint32_t v : polyhedron.facet_loop(facet)) {
-            Real3 x = polyhedron.vertex(v).cast<Real>();
-            if (polyhedron.is_ray(v)) {
-                if (std::abs(plane.normal.dot(x)) > 2e-9L) return false;
-                continue;
-            }
-            for (Real& coordinate : x) coordinate = std::ldexp(coordinate, -exponent);
-            const Real height = plane.normal.dot(x) - plane.offset;
-            if (std::abs(height) > 4 * merged + 4 * inside.tolerance(x)) return false;
-        }
-        return true;
+    std::vector<Vec3> positions(polyhedron.points().begin(), polyhedron.points().end());
+    std::vector<double> distances;
+    distances.reserve(positions.size());
+    for (Vec3& position : positions) {
+        for (double& coordinate : position) coordinate = std::ldexp(coordinate, -exponent);
+        const Real tolerance = inside.tolerance(position.cast<Real>());
+        distances.push_back(static_cast<double>(4 * merged + 4 * tolerance));
+    }
+    const auto lies_in = [&](std::uint32_t facet, std::size_t plane) {
+        return std::ranges::all_of(polyhedron.facet_loop(facet), [&](std::uint32_t v) {
+            if (!polyhedron.is_ray(v)) return inside.is_on(plane, positions[v], distances[v]);
+            const Real3 ray = polyhedron.vertex(v).cast<Real>();
+            return std::abs(planes[plane].normal.dot(ray)) <= 2e-9L;
+        });
     };
     StageSteps steps(progress, "facets of half-spaces", polyhedron.facet_count(), 64);
     for (std::uint32_t facet = 0; facet < polyhedron.facet_count(); ++facet) {
         if (!steps.done(1)) return fail(ErrorCode::cancelled, "stopped on request");
-        const auto is_its = [&](const Plane& plane) { return lies_in(facet, plane); };
-        if (std::ranges::none_of(planes, is_its)) return false;
+        std::size_t plane = 0;
+        while (plane < planes.size() && !lies_in(facet, plane)) ++plane;
+        if (plane == planes.size()) return false;
     }
     return true;
 }

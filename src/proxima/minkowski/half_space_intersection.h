@@ -22,10 +22,11 @@ inline constexpr double half_space_ray_tolerance = 1e-11;
 inline constexpr double min_ball_radius = 1e-12;
 
 /// All x with normal . x <= offset for every plane; the normals may have any length. Corners are
-/// solved from their planes in extended precision, then rounded; corners within 1e-12 of the extent
-/// (or 1e-3 of the largest ball's radius, if less) become one, rays within 1e-9, and what is
-/// farther than 1e11 times the largest offset is a ray. The exact hull of these is returned, so a
-/// facet of more than three corners may come apart into facets that differ by rounding.
+/// solved from their planes in extended precision, then rounded. Corners closer than 1e-12 of the
+/// largest distance from the origin (or 1e-3 of the largest ball's radius, if less) become one, and
+/// rays within 1e-9; what is farther than 1e11 times the largest offset is a ray. The exact hull of
+/// these is returned, so a facet of more than three corners may come apart into facets that differ
+/// by rounding.
 ///
 /// What is returned has been checked. With the planes' normals of length 1 and c the centre of the
 /// largest ball: every corner p is in every half-space to half_space_tolerance * (|p| + |c|), every
