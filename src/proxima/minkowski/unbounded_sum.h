@@ -8,6 +8,7 @@
 // the same for every length, as support is that of the points wherever no ray goes along a normal.
 #pragma once
 
+#include "proxima/base/progress.h"
 #include "proxima/base/result.h"
 #include "proxima/minkowski/minkowski_sum.h"
 
@@ -17,8 +18,10 @@
 namespace proxima {
 
 /// The polyhedron with its rays cut off `length` after each point that they leave from; rounded.
-/// \pre length > 0
-[[nodiscard]] ConvexPolyhedron cut_rays(const ConvexPolyhedron& polyhedron, double length);
+/// Errors: invalid_argument (a length that is not finite and above 0), limit_exceeded (a cut corner
+/// beyond max_polyhedron_coordinate), cancelled.
+[[nodiscard]] Result<ConvexPolyhedron> cut_rays(const ConvexPolyhedron& polyhedron, double length,
+                                                Progress* progress = nullptr);
 
 /// A sum made by cutting.
 struct CutSum {
@@ -31,8 +34,8 @@ struct CutSum {
 /// rounded, so facets along a ray are not quite so.
 inline constexpr double obstruction_tolerance = 1e-9;
 
-/// A (+) B by (4.12). Errors: as minkowski_sum.
+/// A (+) B by (4.12). Errors: as cut_rays and minkowski_sum.
 [[nodiscard]] Result<CutSum> sum_by_cutting(const ConvexPolyhedron& a, const ConvexPolyhedron& b,
-                                            double length);
+                                            double length, Progress* progress = nullptr);
 
 } // namespace proxima
