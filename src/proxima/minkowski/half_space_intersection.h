@@ -31,7 +31,8 @@ inline constexpr double min_ball_radius = 1e-12;
 /// What is returned has been checked. With the planes' normals of length 1 and c the centre of the
 /// largest ball: every corner p is in every half-space to half_space_tolerance * (|p| + |c|), every
 /// ray of length 1 along it to half_space_ray_tolerance, and every facet lies in one of the planes,
-/// as far as corners that became one allow. What fails is refused.
+/// as far as corners that became one allow. What fails is refused. In an unbounded set, |c| may be
+/// several times the largest offset.
 ///
 /// Errors: invalid_argument (NaN or infinity; a normal of no length; no point in common; nothing
 /// with a volume in common, or less than a ball of radius min_ball_radius times the largest offset;
