@@ -78,7 +78,7 @@ Result<ConvexPolyhedron> hull_in_plane(const HullVertices& vertices, const Affin
                                        Progress* progress)
 {
     std::vector<Vec3> coordinates(vertices.coordinates.begin(), vertices.coordinates.end());
-    coordinates.push_back(Vec3::UnitX());
+    coordinates.emplace_back(Vec3::UnitX());
     const auto apex = static_cast<std::uint32_t>(vertices.coordinates.size());
     const HullVertices with_apex = {coordinates, vertices.point_count};
     AffineSpan solid = {3, {span.vertices[0], span.vertices[1], span.vertices[2], apex}};
