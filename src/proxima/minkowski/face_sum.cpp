@@ -1,7 +1,9 @@
 #include "proxima/minkowski/face_sum.h"
 
-#include <array>
+#include "proxima/base/check.h"
+
 #include <optional>
+#include <utility>
 
 namespace proxima::detail {
 namespace {
@@ -46,7 +48,7 @@ private:
 /// Compares directions by their angle from a first one, in [0, 360) degrees.
 class AngleOrder {
 public:
-    AngleOrder(const Plane& plane, const Displacement& first) : plane_(plane), first_(first) {}
+    AngleOrder(const Plane& plane, Displacement first) : plane_(plane), first_(std::move(first)) {}
 
     /// -1, 0, +1 as u comes before, with, or after v.
     [[nodiscard]] int compare(const Displacement& u, const Displacement& v) const noexcept
@@ -78,6 +80,7 @@ public:
         const bool unbounded = has_ray();
         while (is_ray(first_) || (unbounded && !is_ray(before(first_)))) ++first_;
         while (point_count_ < size && !is_ray(first_ + point_count_)) ++point_count_;
+        PROXIMA_CHECK_LT(0U, point_count_);
     }
 
     [[nodiscard]] bool is_bounded() const noexcept { return point_count_ == vertices_.size(); }
