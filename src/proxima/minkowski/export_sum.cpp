@@ -1,5 +1,6 @@
 #include "proxima/minkowski/export_sum.h"
 
+#include "proxima/base/file_extension.h"
 #include "proxima/base/output_file.h"
 #include "proxima/base/text.h"
 #include "proxima/mesh/io/glb_file.h"
@@ -14,15 +15,6 @@ namespace {
 
 constexpr std::array origins = {FacetOrigin::a, FacetOrigin::b, FacetOrigin::both,
                                 FacetOrigin::swept};
-
-std::string extension_of(const std::filesystem::path& path)
-{
-    std::string extension = path.extension().string();
-    for (char& letter : extension) {
-        if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
-    }
-    return extension;
-}
 
 Status write_text(const std::string& text, const std::filesystem::path& path, Progress* progress)
 {
@@ -130,7 +122,7 @@ std::array<std::uint8_t, 3> colour_of(FacetOrigin origin) noexcept
 
 Status check_sum_format(const std::filesystem::path& path)
 {
-    const std::string extension = extension_of(path);
+    const std::string extension = lower_case_extension(path);
     if (extension == ".obj" || extension == ".ply" || extension == ".glb") return {};
     return fail(ErrorCode::unsupported_format,
                 concat("a sum cannot be written as \"", extension, "\": use .obj, .ply or .glb"),
@@ -143,7 +135,7 @@ Status export_sum(const MinkowskiSum& sum, const std::filesystem::path& path,
     if (Status status = check_sum_format(path); !status) return status;
     const auto surface = draw(sum, options.ray_length);
     if (!surface) return tl::unexpected(surface.error());
-    const std::string extension = extension_of(path);
+    const std::string extension = lower_case_extension(path);
     if (extension == ".obj") return write_text(obj_text(sum, *surface), path, options.progress);
     if (extension == ".ply") return write_text(ply_text(sum, *surface), path, options.progress);
     return export_glb(sum, *surface, path, options.progress);
