@@ -20,6 +20,12 @@ function(proxima_precompile target)
   endif()
 endfunction()
 
+# Sources that Highway compiles once for every instruction set: each is a unit of its own in whole builds
+# that join sources (CMAKE_UNITY_BUILD).
+function(proxima_own_units)
+  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+endfunction()
+
 # proxima_add_layer(NAME HEADERS ... SOURCES ... LINK ... PRIVATE_LINK ...)
 # One static library per layer: target proxima_NAME, exported as proxima::NAME.
 function(proxima_add_layer name)

@@ -14,12 +14,6 @@ using detail::PolygonCorners;
 
 namespace {
 
-/// The part of a facet in a cell.
-struct Piece {
-    std::uint32_t facet = 0;
-    PolygonCorners corners;
-};
-
 /// What a leaf of n facets costs: all for a point inside, half of them for one outside; cells that
 /// hold boundary are about half inside.
 double leaf_cost(std::size_t n)
@@ -39,6 +33,12 @@ std::optional<int> parallel_axis(const Vec3& normal)
 
 /// Splits cells from the bounding box on.
 class PartitionBuilder {
+    /// The part of a facet in a cell.
+    struct Piece {
+        std::uint32_t facet = 0;
+        PolygonCorners corners;
+    };
+
 public:
     PartitionBuilder(const MinkowskiSum& sum, const PartitionOptions& options) : options_(options)
     {

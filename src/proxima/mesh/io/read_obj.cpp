@@ -12,7 +12,7 @@ namespace proxima::detail {
 
 namespace {
 
-using Cursor = TextCursor<TextDialect{.has_comments = true, .continues_lines = true}>;
+using ObjCursor = TextCursor<TextDialect{.has_comments = true, .continues_lines = true}>;
 
 // Statements that say nothing about polygons: other vertex data, points and lines, grouping,
 // display, and the curves and attributes of free-form geometry.
@@ -26,7 +26,7 @@ constexpr std::string_view passed_over[] = {
 // Statements whose surface would get lost.
 constexpr std::string_view not_read[] = {"surf", "bsp", "bzp", "cdp", "call", "csh"};
 
-class ObjReader : TextMeshReader<Cursor> {
+class ObjReader : TextMeshReader<ObjCursor> {
 public:
     ObjReader(const MeshSource& source, const ReadOptions& options)
         : TextMeshReader(source, options)

@@ -10,9 +10,9 @@ namespace proxima::detail {
 
 namespace {
 
-using Cursor = TextCursor<TextDialect{.has_comments = true}>;
+using OffCursor = TextCursor<TextDialect{.has_comments = true}>;
 
-class OffReader : TextMeshReader<Cursor> {
+class OffReader : TextMeshReader<OffCursor> {
 public:
     OffReader(const MeshSource& source, const ReadOptions& options)
         : TextMeshReader(source, options)
@@ -35,7 +35,7 @@ private:
     bool read_header()
     {
         if (!cursor_.next_filled_line()) return refuse("the file holds only comments");
-        Cursor ahead = cursor_;
+        OffCursor ahead = cursor_;
         std::int64_t number = 0;
         if (ahead.integer(number)) return true;
         std::string_view keyword = cursor_.word();
