@@ -6,11 +6,17 @@
 //     ties       by squared distance as computed, then kind (vertex < edge < face), then id
 #pragma once
 
+#include "proxima/base/parallel.h"
+#include "proxima/base/progress.h"
+#include "proxima/base/result.h"
 #include "proxima/geometry/vec.h"
 #include "proxima/mesh/feature.h"
 #include "proxima/mesh/triangle_mesh.h"
 
 #include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
 
 namespace proxima {
 
@@ -22,5 +28,39 @@ struct ClosestFeature {
     std::array<double, 3> barycentric = {}; ///< of `point` in `triangle`: in [0, 1], sum 1
     double squared_distance = 0.0;          ///< from the query to `point`
 };
+
+class ProximityOctree;
+
+/// The feature closest to `p`. Real-time safe: noexcept, no allocation, no lock, at most
+/// statistics().worst_case_steps words and worst_case_blocks blocks within the root; any number of
+/// threads. 0.1 to 1 us. \pre p is finite
+[[nodiscard]] ClosestFeature closest_feature(const ProximityOctree& octree, const Vec3& p) noexcept;
+
+/// The same where it is not farther than `radius`. \pre radius >= 0
+[[nodiscard]] std::optional<ClosestFeature> closest_feature(const ProximityOctree& octree,
+                                                            const Vec3& p, double radius) noexcept;
+
+/// What a query costed: for tests of the worst case and for tuning.
+struct QuerySteps {
+    std::uint32_t steps = 0;    ///< words of table and nodes read
+    std::uint32_t blocks = 0;   ///< scanned
+    std::uint32_t rechecks = 0; ///< triangles looked at in doubles
+};
+
+/// The same, counted.
+[[nodiscard]] ClosestFeature closest_feature(const ProximityOctree& octree, const Vec3& p,
+                                             QuerySteps& steps) noexcept;
+
+struct BatchOptions {
+    Threads threads = {1};
+    Progress* progress = nullptr; ///< stage "closest features", steps are points
+};
+
+/// The same for many points, several at a time, so that their memory accesses overlap. Answers are
+/// those of single queries. Allocates; errors: invalid_argument (sizes differ, a point is not
+/// finite: which), cancelled.
+[[nodiscard]] Status closest_features(const ProximityOctree& octree, std::span<const Vec3> points,
+                                      std::span<ClosestFeature> answers,
+                                      const BatchOptions& options = {});
 
 } // namespace proxima

@@ -5,7 +5,7 @@
 #include "proxima/proximity/local_region.h"
 
 #include <array>
-#include <atomic>
+#include <bit>
 #include <memory>
 #include <numeric>
 
@@ -14,7 +14,7 @@ namespace proxima {
 namespace {
 
 /// Levels that are grown breadth-first.
-constexpr int top_depth = 3;
+constexpr int top_depth = 4;
 
 void append_list(std::span<const std::uint32_t> ranks, std::vector<std::uint8_t>& bytes)
 {
@@ -30,20 +30,15 @@ void append_list(std::span<const std::uint32_t> ranks, std::vector<std::uint8_t>
     }
 }
 
-/// A cell being grown.
-struct OpenCell {
-    FrameCell cube;
-    CellKey key;
-    CellDensity density;
-};
-
 std::array<OpenCell, 8> children_of(const OpenCell& cell, const QueryDensity& density)
 {
     std::array<OpenCell, 8> children;
     const std::array<CellDensity, 8> densities = density.split(cell.density, cell.key);
     for (int octant = 0; octant < 8; ++octant) {
         const auto i = static_cast<std::size_t>(octant);
-        children[i] = {child(cell.cube, octant), child(cell.key, octant), densities[i]};
+        children[i].cube = child(cell.cube, octant);
+        children[i].key = child(cell.key, octant);
+        children[i].density = densities[i];
     }
     return children;
 }
@@ -139,55 +134,6 @@ private:
     std::array<std::unique_ptr<Lists>, max_proximity_depth + 1> levels_;
 };
 
-/// A cell of the top with its features.
-struct TopCell {
-    OpenCell cell;
-    std::vector<std::uint32_t> list;
-    std::uint32_t place = 0; ///< in the top tree
-};
-
-/// Grows level by level; what is left are the cells that may be split further.
-std::optional<std::vector<TopCell>> grow_top(const LocalFeatures& features,
-                                             const QueryDensity& density, double frame_half,
-                                             const GrowOptions& options, GrownTree& top)
-{
-    std::vector<TopCell> level(1);
-    level[0].cell = {{{0, 0, 0}, static_cast<float>(frame_half)}, CellKey{}, density.root()};
-    level[0].list.resize(features.features.size());
-    std::iota(level[0].list.begin(), level[0].list.end(), 0U);
-    CellGrower grower(features, density, options);
-    top.cells.push_back(grower.describe(level[0].cell, level[0].list, top));
-    for (int depth = 0; depth < top_depth; ++depth) {
-        std::erase_if(level, [&](const TopCell& one) {
-            return !grower.may_split(top.cells[one.place], depth);
-        });
-        if (options.progress != nullptr)
-            options.progress->begin_stage("topmost cells", level.size());
-        std::vector<std::array<TopCell, 8>> next(level.size());
-        parallel_for(level.size(), options.threads, [&](std::size_t i) {
-            if (is_cancelled(options.progress)) return;
-            CellGrower own(features, density, options);
-            CellGrower::Lists lists;
-            own.split(level[i].cell.cube, level[i].list, lists);
-            const std::array<OpenCell, 8> children = children_of(level[i].cell, density);
-            for (std::size_t k = 0; k < 8; ++k) next[i][k] = {children[k], std::move(lists[k]), 0};
-            if (options.progress != nullptr) options.progress->advance(1);
-        });
-        if (is_cancelled(options.progress)) return std::nullopt;
-        std::vector<TopCell> cells;
-        for (std::size_t i = 0; i < next.size(); ++i) {
-            top.cells[level[i].place].children = static_cast<std::uint32_t>(top.cells.size());
-            for (TopCell& one : next[i]) {
-                one.place = static_cast<std::uint32_t>(top.cells.size());
-                top.cells.push_back(grower.describe(one.cell, one.list, top));
-                cells.push_back(std::move(one));
-            }
-        }
-        level = std::move(cells);
-    }
-    return level;
-}
-
 } // namespace
 
 void GrownTree::read_list(const GrownCell& cell, std::vector<std::uint32_t>& ranks) const
@@ -211,33 +157,84 @@ std::uint64_t GrownTree::bytes() const noexcept
     return std::span(cells).size_bytes() + std::span(lists).size_bytes();
 }
 
-std::optional<GrownForest> grow_cells(const LocalFeatures& features, const QueryDensity& density,
-                                      double frame_half, const GrowOptions& options)
+std::optional<GrownTop> grow_top(const LocalFeatures& features, const QueryDensity& density,
+                                 double frame_half, const GrowOptions& options)
 {
-    GrownForest forest;
-    auto level = grow_top(features, density, frame_half, options, forest.top);
-    if (!level) return std::nullopt;
-    forest.below_of.assign(forest.top.cells.size(), GrownForest::no_tree);
-    std::vector<TopCell> roots;
-    for (std::size_t i = 0; i < level->size(); i += options.stride)
-        roots.push_back(std::move((*level)[i]));
-    level->clear();
-    forest.below.resize(roots.size());
-    if (options.progress != nullptr) options.progress->begin_stage("cells", roots.size());
-    parallel_for(roots.size(), options.threads, [&](std::size_t i) {
+    GrownTop top;
+    std::vector<OpenCell>& level = top.open;
+    level.resize(1);
+    level[0].cube = {{0, 0, 0}, static_cast<float>(frame_half)};
+    level[0].density = density.root();
+    level[0].features.resize(features.features.size());
+    std::iota(level[0].features.begin(), level[0].features.end(), 0U);
+    CellGrower grower(features, density, options);
+    top.tree.cells.push_back(grower.describe(level[0], level[0].features, top.tree));
+    const auto drop_finished = [&](int depth) {
+        std::erase_if(level, [&](const OpenCell& one) {
+            return !grower.may_split(top.tree.cells[one.place], depth);
+        });
+    };
+    for (int depth = 0; depth < top_depth; ++depth) {
+        drop_finished(depth);
+        if (options.progress != nullptr)
+            options.progress->begin_stage("topmost cells", level.size());
+        std::vector<std::array<OpenCell, 8>> next(level.size());
+        parallel_for(level.size(), options.threads, [&](std::size_t i) {
+            if (is_cancelled(options.progress)) return;
+            CellGrower own(features, density, options);
+            CellGrower::Lists lists;
+            own.split(level[i].cube, level[i].features, lists);
+            next[i] = children_of(level[i], density);
+            for (std::size_t k = 0; k < 8; ++k) next[i][k].features = std::move(lists[k]);
+            if (options.progress != nullptr) options.progress->advance(1);
+        });
+        if (is_cancelled(options.progress)) return std::nullopt;
+        std::vector<OpenCell> cells;
+        for (std::size_t i = 0; i < next.size(); ++i) {
+            GrownTree& tree = top.tree;
+            tree.cells[level[i].place].children = static_cast<std::uint32_t>(tree.cells.size());
+            for (OpenCell& one : next[i]) {
+                one.place = static_cast<std::uint32_t>(tree.cells.size());
+                tree.cells.push_back(grower.describe(one, one.features, tree));
+                cells.push_back(std::move(one));
+            }
+        }
+        level = std::move(cells);
+    }
+    drop_finished(top_depth);
+    return top;
+}
+
+std::optional<std::vector<GrownTree>> grow_below(const LocalFeatures& features,
+                                                 const QueryDensity& density,
+                                                 std::span<const OpenCell* const> open,
+                                                 const GrowOptions& options)
+{
+    std::vector<GrownTree> trees(open.size());
+    if (options.progress != nullptr) options.progress->begin_stage("cells", open.size());
+    parallel_for(open.size(), options.threads, [&](std::size_t i) {
         if (is_cancelled(options.progress)) return;
         CellGrower grower(features, density, options);
-        GrownTree& tree = forest.below[i];
-        tree.key = roots[i].cell.key;
-        tree.cells.push_back(grower.describe(roots[i].cell, roots[i].list, tree));
-        grower.grow(roots[i].cell, roots[i].list, 0, tree);
+        GrownTree& tree = trees[i];
+        tree.key = open[i]->key;
+        tree.cells.push_back(grower.describe(*open[i], open[i]->features, tree));
+        (void)grower.grow(*open[i], open[i]->features, 0, tree);
         tree.cells.shrink_to_fit();
         tree.lists.shrink_to_fit();
         if (options.progress != nullptr) options.progress->advance(1);
     });
     if (is_cancelled(options.progress)) return std::nullopt;
-    for (std::size_t i = 0; i < roots.size(); ++i)
-        forest.below_of[roots[i].place] = static_cast<std::uint32_t>(i);
+    return trees;
+}
+
+GrownForest join_forest(GrownTop&& top, std::vector<GrownTree>&& below)
+{
+    GrownForest forest;
+    forest.below_of.assign(top.tree.cells.size(), GrownForest::no_tree);
+    for (std::size_t i = 0; i < top.open.size(); ++i)
+        forest.below_of[top.open[i].place] = static_cast<std::uint32_t>(i);
+    forest.top = std::move(top.tree);
+    forest.below = std::move(below);
     return forest;
 }
 

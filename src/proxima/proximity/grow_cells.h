@@ -14,6 +14,7 @@
 #include "proxima/octree/cell.h"
 #include "proxima/proximity/cost_model.h"
 #include "proxima/proximity/local_features.h"
+#include "proxima/proximity/local_region.h"
 #include "proxima/proximity/query_density.h"
 
 #include <cstddef>
@@ -46,14 +47,28 @@ struct GrownTree {
     [[nodiscard]] std::uint64_t bytes() const noexcept;
 };
 
-/// All cells: `top` down to a few levels, where a leaf of it at top_depth is the root of the next
-/// tree of `below`, in the order of top's cells.
+/// A cell that is about to be split, with its features.
+struct OpenCell {
+    FrameCell cube;
+    CellKey key;
+    CellDensity density;
+    std::vector<std::uint32_t> features;
+    std::uint32_t place = 0; ///< in the tree that it belongs to
+};
+
+/// All cells: `top` down to a few levels; leaves of it may be the roots of trees of `below`.
 struct GrownForest {
     GrownTree top;
     std::vector<GrownTree> below;
     std::vector<std::uint32_t> below_of; ///< per cell of top: its tree of `below`, or no_tree
 
     static constexpr std::uint32_t no_tree = 0xFFFFFFFF;
+};
+
+/// The topmost cells, and those of them that may be split further.
+struct GrownTop {
+    GrownTree tree;
+    std::vector<OpenCell> open;
 };
 
 /// What growing goes by.
@@ -66,9 +81,18 @@ struct GrowOptions {
     Progress* progress = nullptr;
 };
 
-/// Null where cancelled. Time: about 1 us per cell and 60 ns per feature of its parent.
-[[nodiscard]] std::optional<GrownForest> grow_cells(const LocalFeatures& features,
-                                                    const QueryDensity& density, double frame_half,
-                                                    const GrowOptions& options);
+/// The topmost levels: breadth-first. Null where cancelled.
+[[nodiscard]] std::optional<GrownTop> grow_top(const LocalFeatures& features,
+                                               const QueryDensity& density, double frame_half,
+                                               const GrowOptions& options);
+
+/// Everything below the given open cells, a tree each. Null where cancelled. Time: about 1 us per
+/// cell and 60 ns per feature of its parent.
+[[nodiscard]] std::optional<std::vector<GrownTree>>
+grow_below(const LocalFeatures& features, const QueryDensity& density,
+           std::span<const OpenCell* const> open, const GrowOptions& options);
+
+/// The forest of the top and the trees below all its open cells.
+[[nodiscard]] GrownForest join_forest(GrownTop&& top, std::vector<GrownTree>&& below);
 
 } // namespace proxima

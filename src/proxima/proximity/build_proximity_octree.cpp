@@ -1,0 +1,289 @@
+#include "proxima/proximity/build_proximity_octree.h"
+
+#include "proxima/base/hash.h"
+#include "proxima/base/text.h"
+#include "proxima/mesh/morton_order.h"
+#include "proxima/proximity/cut_cells.h"
+#include "proxima/proximity/emit_octree.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+namespace proxima {
+
+namespace {
+
+/// All arrays of an octree that was built.
+struct ProximityStorage {
+    EmittedOctree cells;
+    std::vector<TriangleRow<float>> float_rows;
+    std::vector<TriangleRow<double>> double_rows;
+    std::vector<std::uint32_t> vertex_rows;
+    std::vector<std::uint32_t> edge_rows;
+};
+
+Error cancelled()
+{
+    return {ErrorCode::cancelled, "building the proximity octree was cancelled", {}};
+}
+
+/// Whether floats hold every position exactly.
+bool fit_floats(const TriangleMesh& mesh)
+{
+    return std::ranges::all_of(mesh.positions(), [](const Vec3& p) {
+        return (p.cast<float>().cast<double>().array() == p.array()).all();
+    });
+}
+
+/// Longest side by height beyond which a triangle's inside wants care.
+constexpr double thin_condition = 256;
+
+bool is_thin(const Triangle& triangle)
+{
+    const Vec3 ab = triangle[1] - triangle[0];
+    const Vec3 ac = triangle[2] - triangle[0];
+    const Vec3 bc = triangle[2] - triangle[1];
+    const double squared = std::max({ab.squaredNorm(), ac.squaredNorm(), bc.squaredNorm()});
+    return !(squared <= thin_condition * ab.cross(ac).norm());
+}
+
+template <class Scalar>
+std::vector<TriangleRow<Scalar>> make_rows(const TriangleMesh& mesh, const Topology& topology,
+                                           std::span<const TriangleId> order)
+{
+    std::vector<TriangleRow<Scalar>> rows(order.size());
+    for (std::size_t rank = 0; rank < order.size(); ++rank) {
+        const TriangleId id = order[rank];
+        const Triangle triangle = mesh.triangle(id);
+        TriangleRow<Scalar>& row = rows[rank];
+        row.triangle = index(id) | (is_thin(triangle) ? TriangleRow<Scalar>::thin_bit : 0U);
+        for (int i = 0; i < 3; ++i) {
+            const auto k = static_cast<std::size_t>(i);
+            for (int axis = 0; axis < 3; ++axis)
+                row.corners[i][axis] = static_cast<Scalar>(triangle[i][axis]);
+            row.vertices[i] = mesh.triangles()[index(id)][k];
+            row.edges[i] = index(topology.edges(id)[k]);
+        }
+    }
+    return rows;
+}
+
+/// Builds one octree; members are what the stages hand on.
+class ProximityBuilder {
+public:
+    ProximityBuilder(const TriangleMesh& mesh, const Topology& topology, const Box& bounds,
+                     const ProximityOptions& options)
+        : mesh_(mesh), topology_(topology), bounds_(bounds), options_(options),
+          frame_(make_root_frame(bounds, options.margin))
+    {}
+
+    Result<ProximityOctree> build()
+    {
+        auto storage = std::make_shared<ProximityStorage>();
+        if (!sort_triangles() || !make_tables(*storage)) return tl::unexpected(cancelled());
+        const std::uint64_t budget = options_.budget_bytes != 0
+                                         ? options_.budget_bytes
+                                         : default_bytes_per_triangle * mesh_.triangle_count();
+        const std::uint64_t fixed = table_bytes(*storage);
+        const std::uint64_t least = fixed + least_cell_bytes();
+        if (budget < least) {
+            return fail(ErrorCode::budget_exceeded,
+                        concat("a proximity octree of ", mesh_.triangle_count(),
+                               " triangles takes at least ", least, " bytes, the budget is ",
+                               budget, ": raise the budget"));
+        }
+        auto forest = grow(static_cast<double>(budget - fixed));
+        if (!forest) return tl::unexpected(cancelled());
+        auto cells = emit(*forest, static_cast<double>(budget - fixed));
+        if (!cells) return tl::unexpected(cancelled());
+        storage->cells = std::move(*cells);
+        return adopt(std::move(storage));
+    }
+
+private:
+    bool sort_triangles()
+    {
+        const auto items = morton_order(mesh_, bounds_, options_.progress);
+        if (!items) return false;
+        order_.reserve(items->size());
+        for (const KeyedIndex& item : *items) order_.push_back(TriangleId{item.index});
+        return true;
+    }
+
+    bool make_tables(ProximityStorage& storage)
+    {
+        if (fit_floats(mesh_))
+            storage.float_rows = make_rows<float>(mesh_, topology_, order_);
+        else
+            storage.double_rows = make_rows<double>(mesh_, topology_, order_);
+        std::vector<std::uint32_t> rank(order_.size());
+        for (std::uint32_t i = 0; i < order_.size(); ++i) rank[index(order_[i])] = i;
+        storage.vertex_rows.resize(topology_.vertex_count());
+        for (std::uint32_t i = 0; i < topology_.vertex_count(); ++i) {
+            const auto star = topology_.triangles(VertexId{i});
+            if (!star.empty()) storage.vertex_rows[i] = rank[index(star.front())];
+        }
+        storage.edge_rows.resize(topology_.edge_count());
+        for (std::uint32_t i = 0; i < topology_.edge_count(); ++i)
+            storage.edge_rows[i] = rank[index(topology_.triangles(EdgeId{i}).front())];
+        return !is_cancelled(options_.progress);
+    }
+
+    static std::uint64_t table_bytes(const ProximityStorage& storage)
+    {
+        return std::span(storage.float_rows).size_bytes() +
+               std::span(storage.double_rows).size_bytes() +
+               std::span(storage.vertex_rows).size_bytes() +
+               std::span(storage.edge_rows).size_bytes();
+    }
+
+    /// One leaf with all triangles.
+    [[nodiscard]] std::uint64_t least_cell_bytes() const
+    {
+        return 1024 + mesh_.triangle_count() * 20;
+    }
+
+    /// Cells that a budget of so many bytes may need, and few more.
+    std::optional<GrownForest> grow(double bytes)
+    {
+        const auto features =
+            collect_local_features(mesh_, topology_, order_, frame_, options_.progress);
+        if (!features) return std::nullopt;
+        const auto density = QueryDensity::sample(mesh_, bounds_, frame_, options_.progress);
+        if (!density) return std::nullopt;
+        GrowOptions growing;
+        growing.max_depth = options_.max_depth;
+        growing.threads = options_.threads;
+        growing.progress = options_.progress;
+        auto top = grow_top(*features, *density, frame_.frame_half(), growing);
+        if (!top) return std::nullopt;
+        const auto price = find_price(*features, *density, *top, bytes, growing);
+        if (!price) return std::nullopt;
+        growing.cost.price = 0.8 * *price;
+        std::vector<const OpenCell*> all;
+        for (const OpenCell& cell : top->open) all.push_back(&cell);
+        auto below = grow_below(*features, *density, all, growing);
+        if (!below) return std::nullopt;
+        return join_forest(std::move(*top), std::move(*below));
+    }
+
+    /// The price at which the whole octree is about to fit, from every sixteenth part of it.
+    std::optional<double> find_price(const LocalFeatures& features, const QueryDensity& density,
+                                     const GrownTop& top, double bytes, GrowOptions growing)
+    {
+        constexpr std::size_t stride = 16;
+        std::vector<const OpenCell*> sample;
+        double all = 0;
+        double sampled = 0;
+        for (std::size_t i = 0; i < top.open.size(); ++i) {
+            const double surface = top.open[i].density.surface;
+            all += surface;
+            if (i % stride != stride / 2) continue;
+            sample.push_back(&top.open[i]);
+            sampled += surface;
+        }
+        if (sample.empty()) return 0.0;
+        // From a price that is surely too high to one at which the part takes its share.
+        const double share = bytes * sampled / all;
+        double price = 1.0 / static_cast<double>(mesh_.triangle_count());
+        for (int tries = 0; tries < 12; ++tries, price /= 4) {
+            growing.cost.price = price;
+            const auto trees = grow_below(features, density, sample, growing);
+            if (!trees) return std::nullopt;
+            if (bytes_at(*trees, price) >= share) return price_for(*trees, share, price, 4 * price);
+        }
+        return price;
+    }
+
+    /// Joins to the budget: what blocks really take is known only when they are made.
+    std::optional<EmittedOctree> emit(GrownForest& forest, double bytes)
+    {
+        double price = price_for(forest, 0.97 * bytes, 1e-18, 1.0);
+        cut_cells(forest, price);
+        std::vector<Vec3> positions;
+        positions.reserve(mesh_.vertex_count());
+        for (const Vec3& p : mesh_.positions()) positions.push_back(frame_.to_frame(p));
+        std::vector<std::array<std::uint32_t, 3>> triangles;
+        for (const TriangleId id : order_) triangles.push_back(mesh_.triangles()[index(id)]);
+        return emit_octree(forest, {positions, triangles},
+                           {frame_.frame_half(), options_.threads, options_.progress});
+    }
+
+    ProximityOctree adopt(std::shared_ptr<ProximityStorage> storage)
+    {
+        const ProximityArrays arrays{storage->cells.table.span(), storage->cells.nodes.span(),
+                                     storage->cells.runs.span(),  storage->cells.arena.span(),
+                                     storage->float_rows,         storage->double_rows,
+                                     storage->vertex_rows,        storage->edge_rows};
+        const int table_depth = storage->cells.table_depth;
+        const ProximityStatistics statistics = storage->cells.statistics;
+        return ProximityOctree::adopt(frame_, table_depth, arrays, statistics,
+                                      mesh_fingerprint(mesh_), std::move(storage));
+    }
+
+    const TriangleMesh& mesh_;
+    const Topology& topology_;
+    Box bounds_;
+    const ProximityOptions& options_;
+    RootFrame frame_;
+    std::vector<TriangleId> order_;
+};
+
+Status check_options(const TriangleMesh& mesh, const Topology& topology,
+                     const ProximityOptions& options)
+{
+    if (!(options.margin >= 0 && options.margin <= 1e3)) {
+        return fail(ErrorCode::invalid_argument, "margin must be 0 to 1000", "margin");
+    }
+    if (options.max_depth < 0 || options.max_depth > max_proximity_depth) {
+        return fail(ErrorCode::invalid_argument, concat("depth must be 0 to ", max_proximity_depth),
+                    "max_depth");
+    }
+    if (mesh.triangle_count() > max_proximity_triangles) {
+        return fail(ErrorCode::limit_exceeded,
+                    concat("a proximity octree takes at most ", max_proximity_triangles,
+                           " triangles, the mesh has ", mesh.triangle_count(),
+                           ": split or simplify it"));
+    }
+    if (topology.triangle_count() != mesh.triangle_count() ||
+        topology.vertex_count() != mesh.vertex_count()) {
+        return fail(ErrorCode::invalid_argument, "the topology is another mesh's", "topology");
+    }
+    return {};
+}
+
+} // namespace
+
+std::uint64_t mesh_fingerprint(const TriangleMesh& mesh)
+{
+    const std::uint64_t positions = hash_bytes(std::as_bytes(mesh.positions()), 0);
+    return hash_bytes(std::as_bytes(mesh.triangles()), positions);
+}
+
+Result<ProximityOctree> build_proximity_octree(const TriangleMesh& mesh, const Topology& topology,
+                                               const ProximityOptions& options)
+{
+    const auto bounds = checked_bounding_box(mesh);
+    if (!bounds) return tl::unexpected(bounds.error());
+    if (!(bounds->extent().maxCoeff() < 1e150)) {
+        return fail(ErrorCode::limit_exceeded, "the mesh is more than 1e150 across: scale it");
+    }
+    if (const Status status = check_options(mesh, topology, options); !status)
+        return tl::unexpected(status.error());
+    return ProximityBuilder(mesh, topology, *bounds, options).build();
+}
+
+Result<ProximityOctree> build_proximity_octree(const TriangleMesh& mesh,
+                                               const ProximityOptions& options)
+{
+    TopologyOptions topology_options;
+    topology_options.threads = options.threads;
+    topology_options.progress = options.progress;
+    const auto topology = build_topology(mesh, topology_options);
+    if (!topology) return tl::unexpected(topology.error());
+    return build_proximity_octree(mesh, *topology, options);
+}
+
+} // namespace proxima

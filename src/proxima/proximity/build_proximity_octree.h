@@ -1,0 +1,50 @@
+// Builds proximity octrees of any triangle mesh: closed or open, convex or not, manifold or not.
+//
+//     auto octree = build_proximity_octree(mesh);
+//     if (!octree) { std::cerr << describe(octree.error()); return 1; }
+//     const ClosestFeature closest = closest_feature(*octree, point);
+#pragma once
+
+#include "proxima/base/parallel.h"
+#include "proxima/base/progress.h"
+#include "proxima/base/result.h"
+#include "proxima/mesh/topology.h"
+#include "proxima/mesh/triangle_mesh.h"
+#include "proxima/proximity/grow_cells.h"
+#include "proxima/proximity/proximity_octree.h"
+
+#include <cstdint>
+
+namespace proxima {
+
+/// Of the query structure where no other budget is named.
+inline constexpr std::uint64_t default_bytes_per_triangle = 600;
+
+/// Past this, numbers of the builder no longer fit 32 bits.
+inline constexpr std::size_t max_proximity_triangles = std::size_t{1} << 25U;
+
+struct ProximityOptions {
+    std::uint64_t budget_bytes = 0; ///< of the result; 0 = default_bytes_per_triangle each
+    double margin = 0.5;            ///< root edge = (1 + margin) times the mesh's longest extent
+    int max_depth = max_proximity_depth;
+    Threads threads = {};
+    Progress* progress = nullptr;
+};
+
+/// Within the budget, the octree whose queries are expected to be cheapest (cost_model.h). Exact:
+/// every point's closest feature is in its leaf. The same bits for any number of threads. Keeps
+/// nothing of mesh and topology. Errors: invalid_mesh (empty, NaN), invalid_argument (options out
+/// of range, a topology of another mesh), limit_exceeded, budget_exceeded (which budget would do),
+/// cancelled. About 50 us per triangle; at most 3 times the budget of memory beside the mesh.
+[[nodiscard]] Result<ProximityOctree> build_proximity_octree(const TriangleMesh& mesh,
+                                                             const Topology& topology,
+                                                             const ProximityOptions& options = {});
+
+/// The same, with a topology of its own.
+[[nodiscard]] Result<ProximityOctree> build_proximity_octree(const TriangleMesh& mesh,
+                                                             const ProximityOptions& options = {});
+
+/// A number that differs for meshes with other positions or triangles. O(mesh).
+[[nodiscard]] std::uint64_t mesh_fingerprint(const TriangleMesh& mesh);
+
+} // namespace proxima

@@ -1,0 +1,393 @@
+#include "proxima/proximity/emit_octree.h"
+
+#include "proxima/base/check.h"
+#include "proxima/geometry/closest_point.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <mutex>
+
+namespace proxima {
+
+namespace {
+
+using proximity_word::leaf_bit;
+using proximity_word::place_mask;
+using proximity_word::run_bit;
+
+/// Tables are at most this fine, and take no more than the nodes.
+constexpr int max_table_depth = 6;
+
+/// A tree with places of its own: nodes and runs count from its own beginning, blocks by number.
+struct EmittedTree {
+    std::uint32_t root = 0;
+    std::vector<std::uint32_t> nodes;
+    std::vector<RunEntry> runs;
+    std::vector<std::size_t> places; ///< of blocks in the arena
+    std::vector<std::byte> arena;
+    ProximityStatistics statistics;
+};
+
+/// Emits one tree after the other.
+class TreeEmitter {
+public:
+    TreeEmitter(const BlockSource& source, double frame_half)
+        : source_(source), frame_half_(frame_half), sharer_(source)
+    {}
+
+    /// `root` is the cell to begin with.
+    EmittedTree emit(const GrownTree& tree)
+    {
+        tree_ = &tree;
+        result_ = {};
+        sharer_.begin();
+        const std::uint32_t root = word_of(tree.cells[0], tree.key);
+        result_.root = root;
+        sharer_.end();
+        result_.places = sharer_.places();
+        result_.arena = sharer_.arena();
+        result_.statistics.blocks = result_.places.size();
+        return std::move(result_);
+    }
+
+    /// The word of a leaf of the top, into a tree of its own.
+    EmittedTree emit_leaf(const GrownTree& tree, std::size_t cell, CellKey key)
+    {
+        tree_ = &tree;
+        result_ = {};
+        sharer_.begin();
+        result_.root = leaf_word(tree.cells[cell], key);
+        sharer_.end();
+        result_.places = sharer_.places();
+        result_.arena = sharer_.arena();
+        result_.statistics.blocks = result_.places.size();
+        return std::move(result_);
+    }
+
+private:
+    std::uint32_t word_of(const GrownCell& cell, CellKey key)
+    {
+        if (cell.children == 0) return leaf_word(cell, key);
+        ++result_.statistics.nodes;
+        const auto base = static_cast<std::uint32_t>(result_.nodes.size());
+        result_.nodes.resize(base + 8);
+        for (int octant = 0; octant < 8; ++octant) {
+            const auto k = static_cast<std::uint32_t>(octant);
+            const std::uint32_t word = word_of(tree_->cells[cell.children + k], child(key, octant));
+            result_.nodes[base + k] = word;
+        }
+        return base;
+    }
+
+    std::uint32_t leaf_word(const GrownCell& cell, CellKey key)
+    {
+        tree_->read_list(cell, ranks_);
+        count_leaf(cell, key);
+        split_list();
+        if (chunks_.size() == 2) return leaf_bit | sharer_.place(ranks_);
+        return leaf_bit | run_bit | add_run(key);
+    }
+
+    void count_leaf(const GrownCell& cell, CellKey key)
+    {
+        ProximityStatistics& counts = result_.statistics;
+        ++counts.nodes;
+        ++counts.leaves;
+        counts.references += cell.triangles;
+        counts.max_list = std::max(counts.max_list, cell.triangles);
+        counts.max_depth = std::max(counts.max_depth, static_cast<std::uint32_t>(depth(key)));
+        counts.expected_list += static_cast<double>(cell.probability) * cell.triangles;
+    }
+
+    /// Where the list's chunks begin, each small enough for a block, and where the last one ends.
+    void split_list()
+    {
+        chunks_.assign(1, 0);
+        std::array<std::uint32_t, block_vertices> vertices{};
+        std::size_t count = 0;
+        for (std::size_t i = 0; i < ranks_.size(); ++i) {
+            for (int again = 0; again < 2; ++again) {
+                std::size_t grown = count;
+                bool fits = i - chunks_.back() < block_triangles;
+                for (const std::uint32_t vertex : source_.triangles[ranks_[i]]) {
+                    auto* const end = vertices.data() + grown;
+                    if (!fits || std::find(vertices.data(), end, vertex) != end) continue;
+                    fits = grown < block_vertices;
+                    if (fits) vertices[grown++] = vertex;
+                }
+                if (fits) {
+                    count = grown;
+                    break;
+                }
+                chunks_.push_back(i);
+                count = 0;
+            }
+        }
+        chunks_.push_back(ranks_.size());
+        const auto blocks = static_cast<std::uint32_t>(chunks_.size() - 1);
+        result_.statistics.worst_case_blocks =
+            std::max(result_.statistics.worst_case_blocks, blocks);
+    }
+
+    std::uint32_t add_run(CellKey key)
+    {
+        const Vec3 center = center_of(key);
+        const std::size_t begin = result_.runs.size();
+        result_.runs.emplace_back();
+        result_.runs.back().place = static_cast<std::uint32_t>(chunks_.size() - 1);
+        for (std::size_t i = 0; i + 1 < chunks_.size(); ++i) {
+            const std::span chunk =
+                std::span(ranks_).subspan(chunks_[i], chunks_[i + 1] - chunks_[i]);
+            result_.runs.push_back(bound(chunk, center));
+            result_.runs.back().place = sharer_.place(chunk);
+        }
+        std::stable_sort(result_.runs.begin() + static_cast<std::ptrdiff_t>(begin) + 1,
+                         result_.runs.end(),
+                         [](const RunEntry& a, const RunEntry& b) { return a.least < b.least; });
+        return static_cast<std::uint32_t>(begin);
+    }
+
+    [[nodiscard]] Vec3 center_of(CellKey key) const
+    {
+        const auto place = cell_coordinates(key);
+        const double edge = 2 * frame_half_ / static_cast<double>(1U << depth(key));
+        Vec3 center;
+        for (int axis = 0; axis < 3; ++axis)
+            center[axis] = -frame_half_ + edge * (place[static_cast<std::size_t>(axis)] + 0.5);
+        return center;
+    }
+
+    /// A lower bound on distances from about the cell's centre.
+    [[nodiscard]] RunEntry bound(std::span<const std::uint32_t> chunk, const Vec3& center) const
+    {
+        double squared = std::numeric_limits<double>::infinity();
+        Vec3 towards = Vec3::Zero();
+        for (const std::uint32_t rank : chunk) {
+            const auto& v = source_.triangles[rank];
+            const Vec3 point =
+                closest_point(Triangle{{source_.positions[v[0]], source_.positions[v[1]],
+                                        source_.positions[v[2]]}},
+                              center)
+                    .point;
+            if ((point - center).squaredNorm() < squared) {
+                towards = point - center;
+                squared = towards.squaredNorm();
+            }
+        }
+        RunEntry entry;
+        if (!(squared > 0)) return entry; // direction 0: the bound is 0
+        const Vec3 unit = towards / std::sqrt(squared) * (1 - 0x1p-20);
+        Vec3 used;
+        for (int axis = 0; axis < 3; ++axis) {
+            entry.direction[axis] = static_cast<float>(unit[axis]);
+            used[axis] = static_cast<double>(entry.direction[axis]);
+        }
+        double least = std::numeric_limits<double>::infinity();
+        for (const std::uint32_t rank : chunk)
+            for (const std::uint32_t vertex : source_.triangles[rank])
+                least = std::min(least, used.dot(source_.positions[vertex] - center));
+        entry.least = static_cast<float>(least) - 0x1p-22F;
+        return entry;
+    }
+
+    BlockSource source_;
+    double frame_half_;
+    BlockSharer sharer_;
+    const GrownTree* tree_ = nullptr;
+    EmittedTree result_;
+    std::vector<std::uint32_t> ranks_;
+    std::vector<std::size_t> chunks_;
+};
+
+/// Emitters that threads take and give back: each has a word per triangle.
+class EmitterPool {
+public:
+    EmitterPool(const BlockSource& source, double frame_half)
+        : source_(source), frame_half_(frame_half)
+    {}
+
+    std::unique_ptr<TreeEmitter> take()
+    {
+        const std::lock_guard lock(mutex_);
+        if (free_.empty()) return std::make_unique<TreeEmitter>(source_, frame_half_);
+        auto emitter = std::move(free_.back());
+        free_.pop_back();
+        return emitter;
+    }
+
+    void give_back(std::unique_ptr<TreeEmitter> emitter)
+    {
+        const std::lock_guard lock(mutex_);
+        free_.push_back(std::move(emitter));
+    }
+
+private:
+    BlockSource source_;
+    double frame_half_;
+    std::mutex mutex_;
+    std::vector<std::unique_ptr<TreeEmitter>> free_;
+};
+
+/// Joins trees into one.
+class OctreeJoiner {
+public:
+    explicit OctreeJoiner(EmittedOctree& octree) : octree_(octree) {}
+
+    /// Copies the tree's arrays to the end. Returns the word of its root.
+    std::uint32_t join(const EmittedTree& tree)
+    {
+        const std::size_t first_node = octree_.nodes.size();
+        const std::size_t first_run = octree_.runs.size();
+        const std::size_t first_byte =
+            (octree_.arena.size() + block_alignment - 1) / block_alignment * block_alignment;
+        const auto moved = [&](std::uint32_t word) {
+            if ((word & leaf_bit) == 0) return word + static_cast<std::uint32_t>(first_node);
+            const std::uint32_t place = word & place_mask;
+            if ((word & run_bit) != 0)
+                return leaf_bit | run_bit | (place + static_cast<std::uint32_t>(first_run));
+            return leaf_bit | block_at(tree, first_byte, place);
+        };
+        octree_.nodes.resize(first_node + tree.nodes.size());
+        for (std::size_t i = 0; i < tree.nodes.size(); ++i)
+            octree_.nodes[first_node + i] = moved(tree.nodes[i]);
+        octree_.runs.resize(first_run + tree.runs.size());
+        for (std::size_t at = 0; at < tree.runs.size();) {
+            const std::uint32_t count = tree.runs[at].place;
+            octree_.runs[first_run + at] = tree.runs[at];
+            for (const std::size_t last = at++ + count; at <= last; ++at) {
+                RunEntry entry = tree.runs[at];
+                entry.place = block_at(tree, first_byte, entry.place);
+                octree_.runs[first_run + at] = entry;
+            }
+        }
+        const std::size_t end = octree_.arena.size();
+        octree_.arena.resize(first_byte + tree.arena.size());
+        if (first_byte > end) std::memset(octree_.arena.data() + end, 0, first_byte - end);
+        if (!tree.arena.empty())
+            std::memcpy(octree_.arena.data() + first_byte, tree.arena.data(), tree.arena.size());
+        count(tree.statistics);
+        return moved(tree.root);
+    }
+
+private:
+    static std::uint32_t block_at(const EmittedTree& tree, std::size_t first_byte,
+                                  std::uint32_t number)
+    {
+        const std::size_t place = (first_byte + tree.places[number]) / block_alignment;
+        PROXIMA_CHECK_LE(place, place_mask);
+        return static_cast<std::uint32_t>(place);
+    }
+
+    void count(const ProximityStatistics& more)
+    {
+        ProximityStatistics& all = octree_.statistics;
+        all.nodes += more.nodes;
+        all.leaves += more.leaves;
+        all.references += more.references;
+        all.blocks += more.blocks;
+        all.max_depth = std::max(all.max_depth, more.max_depth);
+        all.max_list = std::max(all.max_list, more.max_list);
+        all.worst_case_blocks = std::max(all.worst_case_blocks, more.worst_case_blocks);
+        all.expected_list += more.expected_list;
+    }
+
+    EmittedOctree& octree_;
+};
+
+/// Emits the top's own leaves and links the trees below it.
+std::uint32_t join_top(const GrownForest& forest, const std::vector<std::uint32_t>& roots,
+                       std::size_t cell, CellKey key, TreeEmitter& emitter, OctreeJoiner& joiner,
+                       EmittedOctree& octree)
+{
+    const GrownCell& grown = forest.top.cells[cell];
+    if (forest.below_of[cell] != GrownForest::no_tree) return roots[forest.below_of[cell]];
+    if (grown.children == 0) return joiner.join(emitter.emit_leaf(forest.top, cell, key));
+    ++octree.statistics.nodes;
+    std::array<std::uint32_t, 8> words{};
+    for (int octant = 0; octant < 8; ++octant) {
+        const auto k = static_cast<std::size_t>(octant);
+        words[k] = join_top(forest, roots, grown.children + k, child(key, octant), emitter, joiner,
+                            octree);
+    }
+    const std::size_t base = octree.nodes.size();
+    octree.nodes.resize(base + 8);
+    std::ranges::copy(words, octree.nodes.begin() + base);
+    return static_cast<std::uint32_t>(base);
+}
+
+/// The word of the cell, or of the leaf that holds it.
+void fill_table(EmittedOctree& octree, std::uint32_t root)
+{
+    while (octree.table_depth < max_table_depth &&
+           std::size_t{1} << 3 * (octree.table_depth + 1) <= octree.nodes.size() / 4)
+        ++octree.table_depth;
+    const int depth = octree.table_depth;
+    octree.table.resize(std::size_t{1} << 3 * depth);
+    const std::uint32_t edge = 1U << depth;
+    for (std::uint32_t z = 0; z < edge; ++z) {
+        for (std::uint32_t y = 0; y < edge; ++y) {
+            for (std::uint32_t x = 0; x < edge; ++x) {
+                std::uint32_t word = root;
+                for (int level = depth - 1; level >= 0 && (word & leaf_bit) == 0; --level)
+                    word = octree.nodes[word + ((x >> level & 1U) | (y >> level & 1U) << 1U |
+                                                (z >> level & 1U) << 2U)];
+                octree.table[(std::size_t{z} << depth | y) << depth | x] = word;
+            }
+        }
+    }
+}
+
+} // namespace
+
+std::uint64_t EmittedOctree::bytes() const noexcept
+{
+    return table.span().size_bytes() + nodes.span().size_bytes() + runs.span().size_bytes() +
+           arena.span().size_bytes();
+}
+
+std::optional<EmittedOctree> emit_octree(GrownForest& forest, const BlockSource& source,
+                                         const EmitOptions& options)
+{
+    std::vector<EmittedTree> trees(forest.below.size());
+    std::vector<bool> used(forest.below.size());
+    for (const std::uint32_t tree : forest.below_of)
+        if (tree != GrownForest::no_tree) used[tree] = true;
+    EmitterPool pool(source, options.frame_half);
+    if (options.progress != nullptr) options.progress->begin_stage("blocks", trees.size());
+    parallel_for(trees.size(), options.threads, [&](std::size_t i) {
+        if (is_cancelled(options.progress)) return;
+        if (used[i]) {
+            auto emitter = pool.take();
+            trees[i] = emitter->emit(forest.below[i]);
+            pool.give_back(std::move(emitter));
+        }
+        forest.below[i] = {};
+        if (options.progress != nullptr) options.progress->advance(1);
+    });
+    if (is_cancelled(options.progress)) return std::nullopt;
+
+    EmittedOctree octree;
+    OctreeJoiner joiner(octree);
+    std::vector<std::uint32_t> roots;
+    for (EmittedTree& tree : trees) {
+        roots.push_back(tree.places.empty() ? 0 : joiner.join(tree));
+        tree = {};
+    }
+    const auto emitter = pool.take();
+    const std::uint32_t root = join_top(forest, roots, 0, CellKey{}, *emitter, joiner, octree);
+    fill_table(octree, root);
+    octree.arena.resize(octree.arena.size() + block_padding);
+    std::memset(octree.arena.data() + (octree.arena.size() - block_padding), 0, block_padding);
+    ProximityStatistics& counts = octree.statistics;
+    counts.mean_list = static_cast<double>(counts.references) / static_cast<double>(counts.leaves);
+    counts.worst_case_steps =
+        1 + (counts.max_depth > static_cast<std::uint32_t>(octree.table_depth)
+                 ? counts.max_depth - static_cast<std::uint32_t>(octree.table_depth)
+                 : 0);
+    return octree;
+}
+
+} // namespace proxima

@@ -1,0 +1,40 @@
+// Turns cut cells into the words and blocks of a proximity octree.
+#pragma once
+
+#include "proxima/base/grow_buffer.h"
+#include "proxima/base/parallel.h"
+#include "proxima/base/progress.h"
+#include "proxima/proximity/grow_cells.h"
+#include "proxima/proximity/proximity_octree.h"
+#include "proxima/proximity/shared_blocks.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+namespace proxima {
+
+/// The part of a proximity octree that depends on cells.
+struct EmittedOctree {
+    GrowBuffer<std::uint32_t> table;
+    GrowBuffer<std::uint32_t> nodes;
+    GrowBuffer<RunEntry> runs;
+    GrowBuffer<std::byte> arena;
+    int table_depth = 0;
+    ProximityStatistics statistics;
+
+    [[nodiscard]] std::uint64_t bytes() const noexcept;
+};
+
+struct EmitOptions {
+    double frame_half = 1;
+    Threads threads = {};
+    Progress* progress = nullptr;
+};
+
+/// Null where cancelled. The same for any number of threads. Trees that have been emitted are
+/// freed. About 1 us per leaf.
+[[nodiscard]] std::optional<EmittedOctree>
+emit_octree(GrownForest& forest, const BlockSource& source, const EmitOptions& options);
+
+} // namespace proxima
