@@ -18,10 +18,10 @@ namespace {
 /// All arrays of an octree that was built.
 struct ProximityStorage {
     EmittedOctree cells;
-    std::vector<TriangleRow<float>> float_rows;
-    std::vector<TriangleRow<double>> double_rows;
-    std::vector<std::uint32_t> vertex_rows;
-    std::vector<std::uint32_t> edge_rows;
+    GrowBuffer<TriangleRow<float>> float_rows;
+    GrowBuffer<TriangleRow<double>> double_rows;
+    GrowBuffer<std::uint32_t> vertex_rows;
+    GrowBuffer<std::uint32_t> edge_rows;
 };
 
 Error cancelled()
@@ -50,14 +50,16 @@ bool is_thin(const Triangle& triangle)
 }
 
 template <class Scalar>
-std::vector<TriangleRow<Scalar>> make_rows(const TriangleMesh& mesh, const Topology& topology,
-                                           std::span<const TriangleId> order)
+GrowBuffer<TriangleRow<Scalar>> make_rows(const TriangleMesh& mesh, const Topology& topology,
+                                          std::span<const TriangleId> order)
 {
-    std::vector<TriangleRow<Scalar>> rows(order.size());
+    GrowBuffer<TriangleRow<Scalar>> rows;
+    rows.resize(order.size());
     for (std::size_t rank = 0; rank < order.size(); ++rank) {
         const TriangleId id = order[rank];
         const Triangle triangle = mesh.triangle(id);
         TriangleRow<Scalar>& row = rows[rank];
+        row = {};
         row.triangle = index(id) | (is_thin(triangle) ? TriangleRow<Scalar>::thin_bit : 0U);
         for (int i = 0; i < 3; ++i) {
             const auto k = static_cast<std::size_t>(i);
@@ -123,7 +125,7 @@ private:
         storage.vertex_rows.resize(topology_.vertex_count());
         for (std::uint32_t i = 0; i < topology_.vertex_count(); ++i) {
             const auto star = topology_.triangles(VertexId{i});
-            if (!star.empty()) storage.vertex_rows[i] = rank[index(star.front())];
+            storage.vertex_rows[i] = star.empty() ? 0 : rank[index(star.front())];
         }
         storage.edge_rows.resize(topology_.edge_count());
         for (std::uint32_t i = 0; i < topology_.edge_count(); ++i)
@@ -133,10 +135,8 @@ private:
 
     static std::uint64_t table_bytes(const ProximityStorage& storage)
     {
-        return std::span(storage.float_rows).size_bytes() +
-               std::span(storage.double_rows).size_bytes() +
-               std::span(storage.vertex_rows).size_bytes() +
-               std::span(storage.edge_rows).size_bytes();
+        return storage.float_rows.span().size_bytes() + storage.double_rows.span().size_bytes() +
+               storage.vertex_rows.span().size_bytes() + storage.edge_rows.span().size_bytes();
     }
 
     /// One leaf with all triangles.
@@ -215,8 +215,8 @@ private:
     {
         const ProximityArrays arrays{storage->cells.table.span(), storage->cells.nodes.span(),
                                      storage->cells.runs.span(),  storage->cells.arena.span(),
-                                     storage->float_rows,         storage->double_rows,
-                                     storage->vertex_rows,        storage->edge_rows};
+                                     storage->float_rows.span(),  storage->double_rows.span(),
+                                     storage->vertex_rows.span(), storage->edge_rows.span()};
         const int table_depth = storage->cells.table_depth;
         const ProximityStatistics statistics = storage->cells.statistics;
         return ProximityOctree::adopt(frame_, table_depth, arrays, statistics,

@@ -1,13 +1,27 @@
 #include "proxima/proximity/closest_feature.h"
 
+#include "proxima/base/text.h"
 #include "proxima/proximity/proximity_octree.h"
 #include "proxima/proximity/row_search.h"
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstring>
 #include <hwy/cache_control.h>
 #include <limits>
+
+#ifndef PROXIMA_PROXIMITY_CLOSEST_FEATURE_ONCE
+#define PROXIMA_PROXIMITY_CLOSEST_FEATURE_ONCE
+
+namespace proxima {
+
+/// Queries under way at once.
+inline constexpr std::size_t queries_together = 16;
+
+} // namespace proxima
+
+#endif
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "proxima/proximity/closest_feature.cpp"
@@ -47,6 +61,13 @@ HWY_INLINE void prefetch_block(const std::byte* block)
     for (int line = 0; line < 4; ++line) hwy::Prefetch(block + 64 * line);
 }
 
+template <class Scalar>
+HWY_INLINE void prefetch_row(const TriangleRow<Scalar>& row)
+{
+    hwy::Prefetch(&row);
+    if (sizeof(row) > 64) hwy::Prefetch(&row.edges[2]);
+}
+
 /// Looks at the candidates in doubles.
 template <class Scalar>
 HWY_INLINE void recheck(const BlockCandidates& candidates,
@@ -54,7 +75,7 @@ HWY_INLINE void recheck(const BlockCandidates& candidates,
                         FeatureDistance& best, QuerySteps& steps)
 {
     for (std::uint32_t left = candidates.lanes; left != 0; left &= left - 1)
-        hwy::Prefetch(&rows[candidates.rank(std::countr_zero(left))]);
+        prefetch_row(rows[candidates.rank(std::countr_zero(left))]);
     for (std::uint32_t left = candidates.lanes; left != 0; left &= left - 1) {
         const std::uint32_t rank = candidates.rank(std::countr_zero(left));
         const FeatureDistance found = closest_of_row(rows[rank], rank, p);
@@ -133,11 +154,104 @@ HWY_INLINE FeatureDistance search(const ProximityOctree& octree,
     return best;
 }
 
+/// A query on its way, when several are under way at once.
+struct OpenQuery {
+    Vec3 frame_p;
+    std::array<std::uint32_t, 3> at{};
+    std::uint32_t word = 0;
+    int shift = 0;
+    bool inside = false;
+    BlockCandidates candidates;
+};
+
+/// Where a query's next word is.
+HWY_INLINE std::uint32_t next_node(const OpenQuery& query, int shift)
+{
+    return query.word + ((query.at[0] >> shift & 1U) | (query.at[1] >> shift & 1U) << 1U |
+                         (query.at[2] >> shift & 1U) << 2U);
+}
+
+/// Every stage for all queries before the next one, so that they wait for memory together.
+template <class Scalar>
+void search_together(const ProximityOctree& octree, std::span<const TriangleRow<Scalar>> rows,
+                     std::span<const Vec3> points, FeatureDistance* found)
+{
+    std::array<OpenQuery, queries_together> queries;
+    const ProximityArrays& arrays = octree.arrays();
+    const int depth = octree.table_depth();
+    const int table_shift = static_cast<int>(ProximityOctree::location_bits) - depth;
+    const auto table_place = [&](const std::array<std::uint32_t, 3>& at) {
+        return (std::size_t{at[2] >> table_shift} << depth | at[1] >> table_shift) << depth |
+               at[0] >> table_shift;
+    };
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        OpenQuery& query = queries[i];
+        query.frame_p = octree.frame().to_frame(points[i]);
+        query.inside = octree.locate(query.frame_p, query.at);
+        query.shift = table_shift;
+        if (query.inside) hwy::Prefetch(&arrays.table[table_place(query.at)]);
+    }
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        OpenQuery& query = queries[i];
+        query.word = query.inside ? arrays.table[table_place(query.at)] : proximity_word::leaf_bit;
+        if ((query.word & proximity_word::leaf_bit) == 0)
+            hwy::Prefetch(&arrays.nodes[next_node(query, query.shift - 1)]);
+    }
+    for (bool more = true; more;) {
+        more = false;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            OpenQuery& query = queries[i];
+            if ((query.word & proximity_word::leaf_bit) != 0) continue;
+            --query.shift;
+            query.word = arrays.nodes[next_node(query, query.shift)];
+            if ((query.word & proximity_word::leaf_bit) != 0) continue;
+            hwy::Prefetch(&arrays.nodes[next_node(query, query.shift - 1)]);
+            more = true;
+        }
+    }
+    const auto block_of = [&](const OpenQuery& query) {
+        return arrays.arena.data() +
+               std::size_t{query.word & proximity_word::place_mask} * block_alignment;
+    };
+    const auto has_block = [](const OpenQuery& query) {
+        return query.inside && (query.word & proximity_word::run_bit) == 0;
+    };
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (has_block(queries[i])) prefetch_block(block_of(queries[i]));
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        OpenQuery& query = queries[i];
+        if (!has_block(query)) continue;
+        query.candidates = scan_block<false>(block_of(query), query.frame_p, 0);
+        for (std::uint32_t left = query.candidates.lanes; left != 0; left &= left - 1)
+            prefetch_row(rows[query.candidates.rank(std::countr_zero(left))]);
+    }
+    QuerySteps steps;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        OpenQuery& query = queries[i];
+        if (!has_block(query)) {
+            found[i] = search(octree, rows, points[i], steps);
+            continue;
+        }
+        found[i].squared = std::numeric_limits<double>::infinity();
+        recheck(query.candidates, rows, points[i], found[i], steps);
+    }
+}
+
 FeatureDistance search_octree(const ProximityOctree& octree, const Vec3& p, QuerySteps& steps)
 {
     const ProximityArrays& arrays = octree.arrays();
     return arrays.double_rows.empty() ? search(octree, arrays.float_rows, p, steps)
                                       : search(octree, arrays.double_rows, p, steps);
+}
+
+void search_octree_together(const ProximityOctree& octree, std::span<const Vec3> points,
+                            FeatureDistance* found)
+{
+    const ProximityArrays& arrays = octree.arrays();
+    if (arrays.double_rows.empty())
+        search_together(octree, arrays.float_rows, points, found);
+    else
+        search_together(octree, arrays.double_rows, points, found);
 }
 
 } // namespace proxima::HWY_NAMESPACE
@@ -148,6 +262,7 @@ HWY_AFTER_NAMESPACE();
 namespace proxima {
 
 HWY_EXPORT(search_octree);
+HWY_EXPORT(search_octree_together);
 
 namespace {
 
@@ -191,6 +306,35 @@ ClosestFeature describe(const ProximityOctree& octree, const FeatureDistance& fo
                                       : describe(arrays, arrays.double_rows, found);
 }
 
+/// Answers up to the first point that is not finite; returns where that is.
+std::size_t answer_chunk(const ProximityOctree& octree, std::span<const Vec3> points,
+                         std::span<ClosestFeature> answers)
+{
+    const auto bad = std::ranges::find_if(points, [](const Vec3& p) { return !p.allFinite(); });
+    const auto finite = static_cast<std::size_t>(bad - points.begin());
+    std::array<FeatureDistance, queries_together> found;
+    for (std::size_t i = 0; i < finite; i += queries_together) {
+        const std::size_t count = std::min(queries_together, finite - i);
+        HWY_DYNAMIC_DISPATCH(search_octree_together)
+        (octree, points.subspan(i, count), found.data());
+        const ProximityArrays& arrays = octree.arrays();
+        for (std::size_t k = 0; k < count; ++k) {
+            const Feature feature = found[k].feature;
+            if (feature.kind == FeatureKind::vertex) hwy::Prefetch(&arrays.vertex_rows[feature.id]);
+            if (feature.kind == FeatureKind::edge) hwy::Prefetch(&arrays.edge_rows[feature.id]);
+        }
+        for (std::size_t k = 0; k < count; ++k) answers[i + k] = describe(octree, found[k]);
+    }
+    return finite;
+}
+
+void keep_least(std::atomic<std::size_t>& least, std::size_t value)
+{
+    std::size_t seen = least.load();
+    while (value < seen && !least.compare_exchange_weak(seen, value)) {
+    }
+}
+
 } // namespace
 
 ClosestFeature closest_feature(const ProximityOctree& octree, const Vec3& p,
@@ -216,8 +360,32 @@ std::optional<ClosestFeature> closest_feature(const ProximityOctree& octree, con
 Status closest_features(const ProximityOctree& octree, std::span<const Vec3> points,
                         std::span<ClosestFeature> answers, const BatchOptions& options)
 {
-    (void)options;
-    for (std::size_t i = 0; i < points.size(); ++i) answers[i] = closest_feature(octree, points[i]);
+    if (points.size() != answers.size()) {
+        return fail(
+            ErrorCode::invalid_argument,
+            concat("room for ", answers.size(), " answers, but ", points.size(), " points"));
+    }
+    constexpr std::size_t chunk = 4096;
+    const std::size_t chunks = (points.size() + chunk - 1) / chunk;
+    std::atomic<std::size_t> bad{points.size()};
+    if (options.progress != nullptr)
+        options.progress->begin_stage("closest features", points.size());
+    parallel_for(chunks, options.threads, [&](std::size_t i) {
+        if (is_cancelled(options.progress)) return;
+        const std::size_t first = i * chunk;
+        const std::size_t count = std::min(chunk, points.size() - first);
+        const std::size_t finite =
+            answer_chunk(octree, points.subspan(first, count), answers.subspan(first, count));
+        if (finite < count) keep_least(bad, first + finite);
+        if (options.progress != nullptr) options.progress->advance(count);
+    });
+    if (is_cancelled(options.progress)) {
+        return fail(ErrorCode::cancelled, "searching closest features was cancelled");
+    }
+    if (bad < points.size()) {
+        return fail(ErrorCode::invalid_argument,
+                    concat("point ", bad.load(), " is not finite: leave it out"), "points");
+    }
     return {};
 }
 

@@ -234,7 +234,21 @@ private:
 /// Joins trees into one.
 class OctreeJoiner {
 public:
-    explicit OctreeJoiner(EmittedOctree& octree) : octree_(octree) {}
+    /// Room for all at once: what moves while it grows loses its huge pages.
+    OctreeJoiner(EmittedOctree& octree, std::span<const EmittedTree> trees) : octree_(octree)
+    {
+        std::size_t nodes = 0;
+        std::size_t runs = 0;
+        std::size_t bytes = block_padding;
+        for (const EmittedTree& tree : trees) {
+            nodes += tree.nodes.size();
+            runs += tree.runs.size();
+            bytes += tree.arena.size() + block_alignment;
+        }
+        octree.nodes.reserve(nodes + nodes / 16);
+        octree.runs.reserve(runs + runs / 16);
+        octree.arena.reserve(bytes + bytes / 16);
+    }
 
     /// Copies the tree's arrays to the end. Returns the word of its root.
     std::uint32_t join(const EmittedTree& tree)
@@ -370,7 +384,7 @@ std::optional<EmittedOctree> emit_octree(GrownForest& forest, const BlockSource&
     if (is_cancelled(options.progress)) return std::nullopt;
 
     EmittedOctree octree;
-    OctreeJoiner joiner(octree);
+    OctreeJoiner joiner(octree, trees);
     std::vector<std::uint32_t> roots;
     for (EmittedTree& tree : trees) {
         roots.push_back(tree.places.empty() ? 0 : joiner.join(tree));
