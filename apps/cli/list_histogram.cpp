@@ -13,6 +13,7 @@ namespace {
 
 constexpr unsigned ink = 0x222222;
 constexpr unsigned faint = 0xE4E4E4;
+constexpr double legend_top = 118; // pixels
 // Told apart by everybody [Tol's bright scheme].
 constexpr std::array palette = {0x4477AAU, 0xEE6677U, 0x228833U, 0xCCBB44U, 0x66CCEEU, 0xAA3377U};
 
@@ -47,8 +48,8 @@ std::vector<double> percents(const ListStatistics& lists, const std::vector<doub
 /// Where the figure's axes are, and what they show.
 class Axes {
 public:
-    Axes(const Figure& figure, double longest, double highest)
-        : left_(110), right_(figure.width - 40.0), top_(110), bottom_(figure.height - 100.0),
+    Axes(const Figure& figure, double top, double longest, double highest)
+        : left_(110), right_(figure.width - 40.0), top_(top), bottom_(figure.height - 100.0),
           decades_(std::log10(longest)), highest_(highest)
     {}
 
@@ -129,28 +130,42 @@ void draw_steps(Figure& figure, const Axes& axes, const std::vector<double>& bor
     }
 }
 
+/// Under the steps of a single series.
+void fill_bins(Figure& figure, const Axes& axes, const std::vector<double>& borders,
+               const std::vector<double>& heights)
+{
+    constexpr unsigned tint = 0xD5E0EB;
+    for (std::size_t bin = 0; bin < heights.size(); ++bin) {
+        const Vec2 upper_left = axes.at(borders[bin], heights[bin]);
+        figure.boxes.push_back({upper_left, axes.at(borders[bin + 1], 0), tint});
+    }
+}
+
+constexpr std::size_t legend_columns = 3;
+constexpr double legend_row = 30;
+
+/// Above the axes, row by row.
 void draw_legend(Figure& figure, const Axes& axes, std::span<const HistogramSeries> series)
 {
     constexpr double size = 15;
-    constexpr double row = 30;
-    std::vector<std::string> words;
-    double width = 0;
-    for (const auto& [depth, lists] : series) {
-        words.push_back(lists.cells == 0
-                            ? fmt::format("depth {}: no outer cell", depth)
-                            : fmt::format("depth {}: mean {:.1f}, {} cell{}", depth, lists.mean,
-                                          lists.cells, lists.cells == 1 ? "" : "s"));
-        width = std::max(width, text_length(words.back(), size));
-    }
-    const double left = axes.right() - width - 70;
-    const Vec2 corner(left - 10, axes.top() + 10);
-    const Vec2 extent(width + 70, row * static_cast<double>(series.size()) + 16);
-    figure.boxes.push_back({corner, corner + extent, 0xFFFFFF});
+    const double column = (axes.right() - axes.left()) / legend_columns;
     for (std::size_t i = 0; i < series.size(); ++i) {
-        const double y = corner.y() + row * (static_cast<double>(i) + 0.5) + 8;
-        figure.lines.push_back({{left, y}, {left + 36, y}, color_of(i), 4});
-        figure.texts.push_back({{left + 48, y + size / 2}, words[i], {size, ink}});
+        const auto& [depth, lists] = series[i];
+        const double x = axes.left() + column * static_cast<double>(i % legend_columns);
+        const double y = legend_top + legend_row * static_cast<double>(i / legend_columns);
+        figure.lines.push_back({{x, y}, {x + 30, y}, color_of(i), 4});
+        const std::string words =
+            lists.cells == 0 ? fmt::format("depth {}: no outer cell", depth)
+                             : fmt::format("depth {}: mean {:.1f}, {} cell{}", depth, lists.mean,
+                                           lists.cells, lists.cells == 1 ? "" : "s");
+        figure.texts.push_back({{x + 40, y + size / 2}, words, {size, ink}});
     }
+}
+
+double legend_height(std::size_t series)
+{
+    const std::size_t rows = (series + legend_columns - 1) / legend_columns;
+    return legend_row * static_cast<double>(rows);
 }
 
 } // namespace
@@ -180,14 +195,17 @@ Figure histogram_figure(std::span<const HistogramSeries> series, const Histogram
         heights.push_back(percents(one.lists, borders));
         highest = std::max(highest, *std::ranges::max_element(heights.back()));
     }
+    constexpr double headroom = 1.05;
     constexpr std::array tops = {5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 40.0, 50.0, 75.0, 100.0};
-    const double top = *std::ranges::find_if(
-        tops, [&](double percent) { return percent >= std::min(highest, tops.back()); });
+    const auto fitting =
+        std::ranges::find_if(tops, [&](double percent) { return percent >= headroom * highest; });
+    const double top = fitting == tops.end() ? tops.back() : *fitting;
     Figure figure;
-    const Axes axes(figure, borders.back(), top);
+    const Axes axes(figure, legend_top + legend_height(series.size()), borders.back(), top);
     draw_axes(figure, axes, title);
     for (std::size_t i = 0; i < series.size(); ++i)
         draw_steps(figure, axes, borders, heights[i], color_of(i));
+    if (series.size() == 1) fill_bins(figure, axes, borders, heights[0]);
     draw_legend(figure, axes, series);
     return figure;
 }
