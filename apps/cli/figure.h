@@ -39,9 +39,9 @@ struct FigureText {
 struct Figure {
     int width = 1200;
     int height = 800;
-    std::vector<FigureBox> boxes;
-    std::vector<FigureLine> lines;
-    std::vector<FigureText> texts;
+    std::vector<FigureBox> boxes = {};
+    std::vector<FigureLine> lines = {};
+    std::vector<FigureText> texts = {};
 };
 
 [[nodiscard]] std::string figure_svg(const Figure& figure);

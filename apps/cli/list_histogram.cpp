@@ -141,7 +141,7 @@ void fill_bins(Figure& figure, const Axes& axes, const std::vector<double>& bord
     }
 }
 
-constexpr std::size_t legend_columns = 3;
+constexpr std::size_t legend_columns = 2;
 constexpr double legend_row = 30;
 
 /// Above the axes, row by row.
@@ -201,6 +201,7 @@ Figure histogram_figure(std::span<const HistogramSeries> series, const Histogram
         std::ranges::find_if(tops, [&](double percent) { return percent >= headroom * highest; });
     const double top = fitting == tops.end() ? tops.back() : *fitting;
     Figure figure;
+    figure.height = 740 + static_cast<int>(legend_height(series.size()));
     const Axes axes(figure, legend_top + legend_height(series.size()), borders.back(), top);
     draw_axes(figure, axes, title);
     for (std::size_t i = 0; i < series.size(); ++i)

@@ -17,6 +17,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace proxima {
@@ -71,8 +72,9 @@ struct LabelOptions {
 class CellLabeller {
 public:
     CellLabeller(const TriangleMesh& mesh, const Topology& topology, const GrownRegions& regions,
-                 const OctreeFrame& frame) noexcept
-        : mesh_(mesh), topology_(topology), numbers_(topology), regions_(regions), frame_(frame)
+                 OctreeFrame frame) noexcept
+        : mesh_(mesh), topology_(topology), numbers_(topology), regions_(regions),
+          frame_(std::move(frame))
     {}
 
     /// The root: all features that have a region touch it.

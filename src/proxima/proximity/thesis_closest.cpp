@@ -77,9 +77,9 @@ public:
         answer.squared_distance = best_.squared_distance;
         const TriangleCorners& corners = mesh_.triangles()[index(best_.triangle)];
         for (std::size_t i = 0; i < 3; ++i) {
-            if (best_.weights[i] != 0)
-                answer.barycentric[corner_of(answer.triangle, VertexId{corners[i]})] =
-                    best_.weights[i];
+            if (best_.weights[i] == 0) continue;
+            const std::size_t corner = corner_of(answer.triangle, VertexId{corners[i]});
+            answer.barycentric[corner] = best_.weights[i];
         }
         return answer;
     }
