@@ -20,5 +20,6 @@ struct Command {
 [[nodiscard]] Command add_tables_command(CLI::App& app);
 [[nodiscard]] Command add_check_command(CLI::App& app);
 [[nodiscard]] Command add_minkowski_command(CLI::App& app);
+[[nodiscard]] Command add_proximity_command(CLI::App& app);
 
 } // namespace proxima

@@ -1,0 +1,119 @@
+// proxima proximity: builds the proximity octree of a mesh and counts it.
+#include "cli/commands.h"
+#include "cli/list_histogram.h"
+#include "cli/model_options.h"
+#include "cli/names.h"
+#include "cli/proximity_options.h"
+#include "proxima/base/text.h"
+#include "proxima/octree/cell.h"
+
+#include <CLI/CLI.hpp>
+#include <limits>
+#include <memory>
+
+namespace proxima {
+
+namespace {
+
+Status run_proximity(const ProximityOptions& options, Session& session)
+{
+    for (const std::string& path : options.histograms) {
+        if (path == "-") continue; // session.check_outputs says what is wrong with it
+        if (Status status = check_histogram_format(path); !status) return status;
+    }
+    if (Status status = session.check_outputs(options.histograms); !status) return status;
+    switch (options.method) {
+    case ProximityMethod::thesis:
+        break;
+    }
+    return run_thesis_proximity(options, session);
+}
+
+void add_proximity_method_option(CLI::App& parser, ProximityMethod& method)
+{
+    parser
+        .add_option_function<std::string>(
+            "--method",
+            [&method](const std::string& name) {
+                if (name != "thesis") {
+                    throw CLI::ValidationError("--method",
+                                               concat(name, " is no method: it is thesis"));
+                }
+                method = ProximityMethod::thesis;
+            },
+            "thesis: for convex models, as written in its chapter 4")
+        ->type_name("NAME");
+}
+
+void add_depth_option(CLI::App& parser, std::vector<int>& depths)
+{
+    parser
+        .add_option_function<std::string>(
+            "--depth",
+            [&depths](const std::string& text) {
+                const auto numbers = parse_numbers(text, 0, max_octree_depth);
+                if (!numbers) {
+                    throw CLI::ValidationError(
+                        "--depth", concat(text, " is no depth from 0 to ", max_octree_depth,
+                                          " and no list of them, such as 1-6"));
+                }
+                depths = *numbers;
+            },
+            "Deepest level, the root is 0; or several: 1-6 (default 5)")
+        ->type_name("N");
+}
+
+void add_threshold_options(CLI::App& parser, KindThresholds& thresholds)
+{
+    const auto range = CLI::Range(std::uint32_t{0}, std::numeric_limits<std::uint32_t>::max());
+    CLI::Option* const all =
+        parser
+            .add_option_function<std::uint32_t>(
+                "--threshold",
+                [&thresholds](std::uint32_t count) {
+                    thresholds = {count, count, count};
+                },
+                "Split cells that list more of any kind than this; 0: all (default 1)")
+            ->check(range)
+            ->type_name("N");
+    const auto add = [&](const char* name, std::uint32_t& threshold, const char* kind) {
+        parser.add_option(name, threshold, concat("The same for ", kind, " alone"))
+            ->check(range)
+            ->excludes(all)
+            ->type_name("N");
+    };
+    add("--threshold-vertex", thresholds.vertex, "vertices");
+    add("--threshold-edge", thresholds.edge, "edges");
+    add("--threshold-face", thresholds.face, "faces");
+}
+
+} // namespace
+
+Command add_proximity_command(CLI::App& app)
+{
+    CLI::App* const parser = app.add_subcommand(
+        "proximity", "Build the proximity octree of a mesh and count what its cells list");
+    const auto options = std::make_shared<ProximityOptions>();
+    add_model_option(*parser, options->model);
+    add_proximity_method_option(*parser, options->method);
+    add_depth_option(*parser, options->depths);
+    add_threshold_options(*parser, options->thresholds);
+    parser
+        ->add_option("--margin", options->margin,
+                     "How much larger the root is than the tight cube, per edge")
+        ->check(CLI::Range(0.0, max_root_margin))
+        ->capture_default_str()
+        ->type_name("M");
+    parser
+        ->add_option("--budget-mb", options->budget_mb,
+                     "Memory the build may use, in 10^6 bytes (default: 3/4 of the machine's)")
+        ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40U))
+        ->type_name("N");
+    parser
+        ->add_option("--histogram", options->histograms,
+                     "Write how long the lists of outer cells are: .csv, .svg, .png")
+        ->type_name("FILE");
+    return {parser, [options](Session& session) { return run_proximity(*options, session); }};
+}
+
+} // namespace proxima

@@ -1,0 +1,160 @@
+"""proxima proximity as its users run it."""
+import csv
+import struct
+import unittest
+import xml.etree.ElementTree
+import zlib
+
+from bad_input_test import off, tetrahedron
+from proxima_program import ProgramTest
+
+COMMON_KEYS = ["model", "triangles", "method", "threshold_vertex", "threshold_edge", "threshold_face", "margin"]
+ROW_KEYS = ["depth", "nodes", "references", "bytes", "seconds", "max_depth", "max_list", "mean_list",
+            "worst_case_steps", "worst_case_blocks", "inner", "outer", "boundary", "outer_cells",
+            "outer_max_list", "outer_mean_list", "outer_percent_up_to_16"]
+THESIS = ("proximity", "--method", "thesis")
+
+
+def png_pixels(data):
+    """Width, height and the unfiltered rows of an 8-bit RGB picture."""
+    width, height = struct.unpack_from(">II", data, 16)
+    packed, place = b"", 8
+    while place < len(data):
+        length, kind = struct.unpack_from(">I4s", data, place)
+        if kind == b"IDAT":
+            packed += data[place + 8:place + 8 + length]
+        place += length + 12
+    raw, rows, above = zlib.decompress(packed), [], bytes(3 * width)
+    for y in range(height):
+        start = y * (3 * width + 1)
+        kind, row = raw[start], bytearray(raw[start + 1:start + 1 + 3 * width])
+        for x in range(len(row)):
+            left = row[x - 3] if x >= 3 else 0
+            corner = above[x - 3] if x >= 3 else 0
+            if kind == 1:
+                row[x] = (row[x] + left) & 255
+            elif kind == 2:
+                row[x] = (row[x] + above[x]) & 255
+            elif kind == 3:
+                row[x] = (row[x] + (left + above[x]) // 2) & 255
+            elif kind == 4:
+                guess = left + above[x] - corner
+                nearest = min((left, above[x], corner), key=lambda one: abs(guess - one))
+                row[x] = (row[x] + nearest) & 255
+        rows.append(bytes(row))
+        above = row
+    return width, height, rows
+
+
+class Thesis(ProgramTest):
+    def test_json_has_the_documented_keys_in_order(self):
+        result = self.json_of(*THESIS, "octahedron", "--depth", 4)
+        self.assertEqual(list(result), COMMON_KEYS + ROW_KEYS)
+        self.assertEqual([result[key] for key in COMMON_KEYS], ["octahedron", 8, "thesis", 1, 1, 1, 0.5])
+        self.assertEqual((result["max_depth"], result["worst_case_steps"], result["worst_case_blocks"]), (4, 4, None))
+        self.assertEqual(result["inner"] + result["outer"] + result["boundary"], (7 * result["nodes"] + 1) // 8)
+
+    def test_lists_of_figure_5_3(self):
+        result = self.json_of(*THESIS, "sphere:50x50", "--depth", "1-6", "--threshold", 0)
+        self.assertEqual(list(result), COMMON_KEYS + ["rows"])
+        rows = {row["depth"]: row for row in result["rows"]}
+        self.assertTrue(all(list(row) == ROW_KEYS for row in rows.values()))
+        means = {3: 97.72, 4: 32.66, 5: 12.15, 6: 5.33}
+        shares = {3: 0, 4: 1.6, 5: 84.1, 6: 99.4}
+        for depth, mean in means.items():
+            self.assertAlmostEqual(rows[depth]["outer_mean_list"], mean, delta=0.006)
+            self.assertAlmostEqual(rows[depth]["outer_percent_up_to_16"], shares[depth], delta=0.06)
+        self.assertEqual((rows[1]["outer_cells"], rows[4]["outer_cells"]), (0, 3176))
+
+    def test_thresholds_and_margin(self):
+        def nodes(*options):
+            return self.json_of(*THESIS, "icosphere:2", "--depth", 5, *options)["nodes"]
+        every = nodes("--threshold", 12)
+        self.assertEqual(every, nodes("--threshold-vertex", 12, "--threshold-edge", 12, "--threshold-face", 12))
+        self.assertLess(every, nodes("--threshold-vertex", 12, "--threshold-edge", 2, "--threshold-face", 12))
+        self.assertLess(every, nodes("--threshold", 3))
+        wide = self.json_of(*THESIS, "icosphere:2", "--depth", 3, "--margin", 2)
+        self.assertEqual(wide["margin"], 2)
+        self.assertGreater(wide["outer_cells"], self.json_of(*THESIS, "icosphere:2", "--depth", 3)["outer_cells"])
+
+    def test_threads_do_not_change_the_result(self):
+        results = [self.json_of(*THESIS, "sphere:20x20", "--depth", 4, "--threads", threads) for threads in (1, 3)]
+        for result in results:
+            result.pop("seconds")
+        self.assertEqual(results[0], results[1])
+
+    def test_histograms(self):
+        names = [self.folder / ("h." + kind) for kind in ("csv", "svg", "png")]
+        options = [option for name in names for option in ("--histogram", name)]
+        text = self.succeed(*THESIS, "sphere:20x20", "--depth", "1,3-4", *options)
+        for name in names:
+            self.assertIn(f"wrote {name}", text)
+        result = self.json_of(*THESIS, "sphere:20x20", "--depth", "1,3-4")
+        with open(names[0], newline="") as file:
+            table = list(csv.DictReader(file))
+        self.assertEqual(list(table[0]), ["depth", "features", "cells", "percent"])
+        for row in result["rows"]:
+            lines = [line for line in table if int(line["depth"]) == row["depth"]]
+            cells = [int(line["cells"]) for line in lines]
+            self.assertEqual(sum(cells), row["outer_cells"])
+            if not cells:
+                continue
+            self.assertAlmostEqual(sum(float(line["percent"]) for line in lines), 100, places=3)
+            mean = sum(int(line["features"]) * int(line["cells"]) for line in lines) / sum(cells)
+            self.assertAlmostEqual(mean, row["outer_mean_list"])
+            self.assertEqual(max(int(line["features"]) for line in lines), row["outer_max_list"])
+        svg = xml.etree.ElementTree.parse(names[1]).getroot()
+        words = [element.text for element in svg.iter("{http://www.w3.org/2000/svg}text")]
+        for word in ("features in the list of a cell", "share of the outer cells, percent", "10"):
+            self.assertIn(word, words)
+        self.assertTrue(any(word.startswith("depth 4: mean ") for word in words))
+        self.assertIn("depth 1: no outer cell", words)
+        width, height, rows = png_pixels(names[2].read_bytes())
+        self.assertEqual((width, height), (1200, 800))
+        colors = {row[x:x + 3] for row in rows for x in range(0, len(row), 3)}
+        # White, ink, and the lines of the second and third series.
+        for color in (b"\xff\xff\xff", b"\x22\x22\x22", b"\xee\x66\x77", b"\x22\x88\x33"):
+            self.assertIn(color, colors)
+
+    def test_a_histogram_without_outer_cells(self):
+        self.succeed(*THESIS, "cube", "--depth", 0, "--histogram", self.folder / "a.svg", "--histogram",
+                     self.folder / "a.csv", "--histogram", self.folder / "a.png")
+        self.assertEqual((self.folder / "a.csv").read_text(), "depth,features,cells,percent\n")
+
+
+class Refusing(ProgramTest):
+    def test_models_that_are_not_convex_and_closed(self):
+        self.refuse(*THESIS, "torus:12x8", says=("torus:12x8", "not convex"))
+        self.refuse(*THESIS, "spaceship:2000", says="spaceship:2000")
+        self.refuse(*THESIS, self.file("empty.off", "OFF\n0 0 0\n"), says="empty.off")
+        self.refuse(*THESIS, self.file("nan.off", tetrahedron().replace("0.0", "nan", 1)), says="nan.off")
+        corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+        faces = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)]
+        self.succeed(*THESIS, self.file("good.off", off(corners, faces)))
+        self.refuse(*THESIS, self.file("open.off", off(corners, faces[:3])), says=("open.off", "open"))
+        inside_out = [(a, c, b) for a, b, c in faces]
+        self.refuse(*THESIS, self.file("turned.off", off(corners, inside_out)), says=("turned.off", "inside out"))
+        flat = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0)]
+        self.refuse(*THESIS, self.file("flat.off", off(flat, faces)), says=("flat.off", "no volume"))
+
+    def test_usage(self):
+        self.refuse("proximity", status=2, says="MODEL")
+        self.refuse("proximity", "cube", "--method", "magic", status=2, says=("magic", "thesis"))
+        for depth in ("20", "-1", "x", "3-1"):
+            self.refuse(*THESIS, "cube", f"--depth={depth}", status=2, says="--depth")
+        self.refuse(*THESIS, "cube", "--margin", "-1", status=2, says="--margin")
+        self.refuse(*THESIS, "cube", "--threshold", 3, "--threshold-edge", 2, status=2, says="--threshold")
+
+    def test_outputs(self):
+        self.refuse(*THESIS, "cube", "--histogram", self.folder / "h.gif", says=("h.gif", ".svg"))
+        self.refuse(*THESIS, "cube", "--histogram", self.folder / "none" / "h.svg", says="h.svg")
+        self.refuse(*THESIS, "cube", "--histogram", "-", says="-")
+        twice = self.folder / "h.csv"
+        self.refuse(*THESIS, "cube", "--histogram", twice, "--histogram", twice, says="h.csv")
+
+    def test_a_budget_too_small(self):
+        self.refuse(*THESIS, "sphere:50x50", "--depth", 8, "--budget-mb", 30, says=("sphere:50x50", "budget"))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,71 @@
+#include "proxima/proximity/list_statistics.h"
+
+#include "proxima/mesh/sample_meshes.h"
+#include "proxima/proximity/thesis_labels.h"
+
+#include <array>
+#include <gtest/gtest.h>
+
+namespace proxima {
+namespace {
+
+TEST(ListStatistics, CountsLengths)
+{
+    const std::array<std::uint32_t, 5> lengths = {3, 0, 3, 7, 1};
+    const ListStatistics statistics = list_statistics(lengths);
+    EXPECT_EQ(statistics.cells, 5U);
+    EXPECT_EQ(statistics.max, 7U);
+    EXPECT_DOUBLE_EQ(statistics.mean, 14.0 / 5);
+    EXPECT_EQ(statistics.weights, (std::vector<double>{1, 1, 0, 2, 0, 0, 0, 1}));
+    EXPECT_DOUBLE_EQ(statistics.share_up_to(0), 0.2);
+    EXPECT_DOUBLE_EQ(statistics.share_up_to(3), 0.8);
+    EXPECT_DOUBLE_EQ(statistics.share_up_to(100), 1);
+}
+
+TEST(ListStatistics, WeighsThem)
+{
+    const std::array<std::uint32_t, 3> lengths = {2, 4, 2};
+    const std::array weights = {1.0, 6.0, 0.5};
+    const ListStatistics statistics = list_statistics(lengths, weights);
+    EXPECT_DOUBLE_EQ(statistics.total_weight, 7.5);
+    EXPECT_DOUBLE_EQ(statistics.mean, 27.0 / 7.5);
+    EXPECT_DOUBLE_EQ(statistics.share_up_to(2), 0.2);
+}
+
+TEST(ListStatistics, OfNothing)
+{
+    const ListStatistics statistics = list_statistics({});
+    EXPECT_EQ(statistics.cells, 0U);
+    EXPECT_EQ(statistics.mean, 0);
+    EXPECT_TRUE(statistics.weights.empty());
+    EXPECT_EQ(statistics.share_up_to(5), 0);
+    const std::array<std::uint32_t, 1> lengths = {2};
+    const std::array weights = {0.0};
+    EXPECT_EQ(list_statistics(lengths, weights).mean, 0);
+}
+
+TEST(ListStatistics, OuterCellsAreOutsideTheCircumscribedSphere)
+{
+    const TriangleMesh mesh = make_octahedron();
+    const MeshSphere sphere = circumscribed_sphere(mesh);
+    EXPECT_EQ(sphere.center, Vec3::Zero());
+    EXPECT_EQ(sphere.squared_radius, 1);
+    EXPECT_TRUE(sphere.is_outside({{1, -1, -1}, {2, 1, 1}}));
+    EXPECT_FALSE(sphere.is_outside({{0.999, -1, -1}, {2, 1, 1}}));
+    EXPECT_TRUE(sphere.is_outside({{0.6, 0.6, 0.6}, {2, 2, 2}}));
+    EXPECT_FALSE(sphere.is_outside({{-0.1, -0.1, -0.1}, {0.1, 0.1, 0.1}}));
+    const auto octree =
+        *build_thesis_proximity_octree(mesh, {.max_depth = 3, .thresholds = {0, 0, 0}});
+    std::size_t outside = 0;
+    octree.for_each_leaf([&](const ThesisCell& cell) {
+        if (!sphere.is_outside(octree.box(cell))) return;
+        ++outside;
+        EXPECT_EQ(octree.type(cell), CellClass::outer);
+        EXPECT_GT(octree.list_length(cell), 0U);
+    });
+    EXPECT_EQ(outer_list_lengths(octree, sphere).size(), outside);
+    EXPECT_GT(outside, 100U);
+}
+
+} // namespace
+} // namespace proxima
