@@ -1,4 +1,4 @@
-// Up to 16 triangles as a query reads them: vertices on a grid of 16 bits, shared by the triangles,
+// Up to 32 triangles as a query reads them: vertices on a grid of 16 bits, shared by the triangles,
 // triangles as three 5-bit places of vertices. About 190 bytes for 15 triangles.
 //
 //     header    origin 3 x 4 | inverse unit 4 | slack 2 x 2 | base 4 | counts 4      28 bytes
@@ -21,6 +21,9 @@
 #include <vector>
 
 namespace proxima {
+
+/// Triangles of a block at most.
+inline constexpr std::size_t block_triangles = 32;
 
 /// Vertices of a block at most.
 inline constexpr std::size_t block_vertices = 32;
@@ -70,7 +73,7 @@ struct BlockTriangle {
 };
 
 /// Appends a block, aligned, and returns where it begins. `positions` are in the root's frame.
-/// \pre 1 to 16 triangles of distinct ranks and at most 32 vertices
+/// \pre 1 to 32 triangles of distinct ranks and at most 32 vertices
 std::size_t append_block(std::span<const BlockTriangle> triangles, std::span<const Vec3> positions,
                          std::vector<std::byte>& arena);
 

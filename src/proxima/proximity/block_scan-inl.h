@@ -159,9 +159,10 @@ HWY_INLINE BlockCandidates scan_block(const std::byte* block, const Vec3& p, dou
     const hn::Rebind<std::uint16_t, LookupTag> narrow;
     const LanePoint query{hn::Set(tag, point.x), hn::Set(tag, point.y), hn::Set(tag, point.z)};
     constexpr std::size_t lanes = HWY_MIN(16, HWY_LANES(float));
-    hn::Vec<LookupTag> squared[16 / lanes];
+    hn::Vec<LookupTag> squared[block_triangles / lanes];
     auto least = hn::Set(tag, std::numeric_limits<float>::max());
-    for (std::size_t part = 0; part < 16 / lanes; ++part) {
+    const std::size_t parts = (header.triangles + lanes - 1) / lanes;
+    for (std::size_t part = 0; part < parts; ++part) {
         const auto places = hn::PromoteTo(wide, hn::LoadU(narrow, corners + part * lanes));
         const auto at = [&](hn::Vec<LookupIndexTag> index) {
             return LanePoint{xs.at(index), ys.at(index), zs.at(index)};
@@ -180,7 +181,7 @@ HWY_INLINE BlockCandidates scan_block(const std::byte* block, const Vec3& p, dou
     limit += 2 * point.error;
     const auto limit_squared = hn::Set(tag, limit > 0 ? limit * limit * (1 + 0x1p-20F) : -1.0F);
     BlockCandidates candidates{0, block + layout.ranks, header.base, header.wide != 0};
-    for (std::size_t part = 0; part < 16 / lanes; ++part) {
+    for (std::size_t part = 0; part < parts; ++part) {
         std::uint8_t bits[8] = {};
         (void)hn::StoreMaskBits(tag, hn::Le(squared[part], limit_squared), bits);
         const std::uint32_t found = bits[0] | static_cast<std::uint32_t>(bits[1]) << 8U;

@@ -96,6 +96,7 @@ public:
                                " triangles takes at least ", least, " bytes, the budget is ",
                                budget, ": raise the budget"));
         }
+        make_source();
         auto forest = grow(static_cast<double>(budget - fixed));
         if (!forest) return tl::unexpected(cancelled());
         auto cells = emit(*forest, static_cast<double>(budget - fixed));
@@ -145,6 +146,20 @@ private:
         return 1024 + mesh_.triangle_count() * 20;
     }
 
+    /// What blocks are made from.
+    void make_source()
+    {
+        positions_.reserve(mesh_.vertex_count());
+        for (const Vec3& p : mesh_.positions()) positions_.push_back(frame_.to_frame(p));
+        corners_.reserve(order_.size());
+        for (const TriangleId id : order_) corners_.push_back(mesh_.triangles()[index(id)]);
+    }
+
+    [[nodiscard]] EmitOptions emit_options() const
+    {
+        return {frame_.frame_half(), options_.threads, options_.progress};
+    }
+
     /// Cells that a budget of so many bytes may need, and few more.
     std::optional<GrownForest> grow(double bytes)
     {
@@ -190,25 +205,32 @@ private:
         double price = 1.0 / static_cast<double>(mesh_.triangle_count());
         for (int tries = 0; tries < 12; ++tries, price /= 4) {
             growing.cost.price = price;
-            const auto trees = grow_below(features, density, sample, growing);
+            auto trees = grow_below(features, density, sample, growing);
             if (!trees) return std::nullopt;
-            if (bytes_at(*trees, price) >= share) return price_for(*trees, share, price, 4 * price);
+            if (bytes_at(*trees, price) < share) continue;
+            // What they really take: measured at about the price.
+            const double first = price_for(*trees, share, price, 4 * price);
+            const double estimated = bytes_at(*trees, first);
+            cut_trees(*trees, first);
+            const auto taken = emitted_bytes(*trees, {positions_, corners_}, emit_options());
+            if (!taken) return std::nullopt;
+            bytes_per_estimate_ = *taken / estimated;
+            if (bytes_per_estimate_ <= 1) return first;
+            return price_for(*trees, share / bytes_per_estimate_, first, 64 * first);
         }
         return price;
     }
 
-    /// Joins to the budget: what blocks really take is known only when they are made.
+    /// Cut to the budget: what blocks really take is known only when they are made.
     std::optional<EmittedOctree> emit(GrownForest& forest, double bytes)
     {
-        double price = price_for(forest, 0.97 * bytes, 1e-18, 1.0);
-        cut_cells(forest, price);
-        std::vector<Vec3> positions;
-        positions.reserve(mesh_.vertex_count());
-        for (const Vec3& p : mesh_.positions()) positions.push_back(frame_.to_frame(p));
-        std::vector<std::array<std::uint32_t, 3>> triangles;
-        for (const TriangleId id : order_) triangles.push_back(mesh_.triangles()[index(id)]);
-        return emit_octree(forest, {positions, triangles},
-                           {frame_.frame_half(), options_.threads, options_.progress});
+        for (double aim = 0.98 * bytes;; aim *= 0.95) {
+            cut_cells(forest, price_for(forest, aim / bytes_per_estimate_, 1e-18, 1.0));
+            auto octree = emit_octree(forest, {positions_, corners_}, emit_options());
+            const bool least =
+                forest.top.cells[0].children == 0 && forest.below_of[0] == GrownForest::no_tree;
+            if (!octree || least || static_cast<double>(octree->bytes()) <= bytes) return octree;
+        }
     }
 
     ProximityOctree adopt(std::shared_ptr<ProximityStorage> storage)
@@ -229,6 +251,9 @@ private:
     const ProximityOptions& options_;
     RootFrame frame_;
     std::vector<TriangleId> order_;
+    std::vector<Vec3> positions_;                       ///< in the frame
+    std::vector<std::array<std::uint32_t, 3>> corners_; ///< vertices by rank
+    double bytes_per_estimate_ = 1;                     ///< of the cost model's
 };
 
 Status check_options(const TriangleMesh& mesh, const Topology& topology,

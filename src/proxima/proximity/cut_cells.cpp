@@ -109,6 +109,15 @@ double price_for(const GrownForest& forest, double bytes, double low, double hig
     return least_price(taken, bytes, low, high);
 }
 
+void cut_trees(std::span<GrownTree> trees, double price)
+{
+    std::vector<CellCost> costs;
+    for (GrownTree& tree : trees) {
+        cheapest(tree, {price}, costs, no_tree_below,
+                 [&](std::size_t cell) { tree.cells[cell].children = 0; });
+    }
+}
+
 void cut_cells(GrownForest& forest, double price)
 {
     cheapest(forest, {price}, [&](std::size_t tree, std::size_t cell) {

@@ -20,6 +20,9 @@ namespace proxima {
 [[nodiscard]] double price_for(const GrownForest& forest, double bytes, double low, double high);
 
 /// Takes away the cells below the cheapest leaves at the price, by clearing `children`.
+void cut_trees(std::span<GrownTree> trees, double price);
+
+/// The same for a whole forest: takes away the cells below the cheapest leaves.
 void cut_cells(GrownForest& forest, double price);
 
 } // namespace proxima

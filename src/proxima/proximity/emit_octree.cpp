@@ -111,7 +111,7 @@ private:
         for (std::size_t i = 0; i < ranks_.size(); ++i) {
             for (int again = 0; again < 2; ++again) {
                 std::size_t grown = count;
-                bool fits = i - chunks_.back() < block_triangles;
+                bool fits = i - chunks_.back() < list_triangles;
                 for (const std::uint32_t vertex : source_.triangles[ranks_[i]]) {
                     auto* const end = vertices.data() + grown;
                     if (!fits || std::find(vertices.data(), end, vertex) != end) continue;
@@ -230,6 +230,26 @@ private:
     std::mutex mutex_;
     std::vector<std::unique_ptr<TreeEmitter>> free_;
 };
+
+/// The trees in use, each on its own. Null where cancelled.
+std::optional<std::vector<EmittedTree>> emit_trees(std::span<const GrownTree> trees,
+                                                   const std::vector<bool>& used, EmitterPool& pool,
+                                                   const EmitOptions& options)
+{
+    std::vector<EmittedTree> emitted(trees.size());
+    if (options.progress != nullptr) options.progress->begin_stage("blocks", trees.size());
+    parallel_for(trees.size(), options.threads, [&](std::size_t i) {
+        if (is_cancelled(options.progress)) return;
+        if (used[i]) {
+            auto emitter = pool.take();
+            emitted[i] = emitter->emit(trees[i]);
+            pool.give_back(std::move(emitter));
+        }
+        if (options.progress != nullptr) options.progress->advance(1);
+    });
+    if (is_cancelled(options.progress)) return std::nullopt;
+    return emitted;
+}
 
 /// Joins trees into one.
 class OctreeJoiner {
@@ -362,26 +382,31 @@ std::uint64_t EmittedOctree::bytes() const noexcept
            arena.span().size_bytes();
 }
 
-std::optional<EmittedOctree> emit_octree(GrownForest& forest, const BlockSource& source,
+std::optional<double> emitted_bytes(std::span<const GrownTree> trees, const BlockSource& source,
+                                    const EmitOptions& options)
+{
+    const std::vector<bool> used(trees.size(), true);
+    EmitterPool pool(source, options.frame_half);
+    const auto emitted = emit_trees(trees, used, pool, options);
+    if (!emitted) return std::nullopt;
+    std::size_t bytes = 0;
+    for (const EmittedTree& tree : *emitted) {
+        bytes += std::span(tree.nodes).size_bytes() + std::span(tree.runs).size_bytes() +
+                 tree.arena.size();
+    }
+    return static_cast<double>(bytes);
+}
+
+std::optional<EmittedOctree> emit_octree(const GrownForest& forest, const BlockSource& source,
                                          const EmitOptions& options)
 {
-    std::vector<EmittedTree> trees(forest.below.size());
     std::vector<bool> used(forest.below.size());
     for (const std::uint32_t tree : forest.below_of)
         if (tree != GrownForest::no_tree) used[tree] = true;
     EmitterPool pool(source, options.frame_half);
-    if (options.progress != nullptr) options.progress->begin_stage("blocks", trees.size());
-    parallel_for(trees.size(), options.threads, [&](std::size_t i) {
-        if (is_cancelled(options.progress)) return;
-        if (used[i]) {
-            auto emitter = pool.take();
-            trees[i] = emitter->emit(forest.below[i]);
-            pool.give_back(std::move(emitter));
-        }
-        forest.below[i] = {};
-        if (options.progress != nullptr) options.progress->advance(1);
-    });
-    if (is_cancelled(options.progress)) return std::nullopt;
+    auto emitted = emit_trees(forest.below, used, pool, options);
+    if (!emitted) return std::nullopt;
+    std::vector<EmittedTree>& trees = *emitted;
 
     EmittedOctree octree;
     OctreeJoiner joiner(octree, trees);

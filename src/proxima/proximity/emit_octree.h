@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 namespace proxima {
 
@@ -32,9 +33,14 @@ struct EmitOptions {
     Progress* progress = nullptr;
 };
 
-/// Null where cancelled. The same for any number of threads. Trees that have been emitted are
-/// freed. About 1 us per leaf.
-[[nodiscard]] std::optional<EmittedOctree>
-emit_octree(GrownForest& forest, const BlockSource& source, const EmitOptions& options);
+/// Null where cancelled. The same for any number of threads. About 1 us per leaf.
+[[nodiscard]] std::optional<EmittedOctree> emit_octree(const GrownForest& forest,
+                                                       const BlockSource& source,
+                                                       const EmitOptions& options);
+
+/// Bytes that the trees take as nodes, runs and blocks. Null where cancelled.
+[[nodiscard]] std::optional<double> emitted_bytes(std::span<const GrownTree> trees,
+                                                  const BlockSource& source,
+                                                  const EmitOptions& options);
 
 } // namespace proxima
