@@ -64,8 +64,11 @@ GrowBuffer<TriangleRow<Scalar>> make_rows(const TriangleMesh& mesh, const Topolo
         for (int i = 0; i < 3; ++i) {
             const auto k = static_cast<std::size_t>(i);
             for (int axis = 0; axis < 3; ++axis)
-                row.corners[i][axis] = static_cast<Scalar>(triangle[i][axis]);
-            row.vertices[i] = mesh.triangles()[index(id)][k];
+                row.coordinates[axis][i] = static_cast<Scalar>(triangle[i][axis]);
+            const TriangleCorners& corners = mesh.triangles()[index(id)];
+            row.vertices[i] = corners[k];
+            if (corners[k] > corners[(k + 1) % 3])
+                row.triangle |= TriangleRow<Scalar>::side_bit << k;
             row.edges[i] = index(topology.edges(id)[k]);
         }
     }

@@ -2,7 +2,6 @@
 
 #include "proxima/base/text.h"
 #include "proxima/proximity/proximity_octree.h"
-#include "proxima/proximity/row_search.h"
 
 #include <algorithm>
 #include <array>
@@ -29,6 +28,7 @@ inline constexpr std::size_t queries_together = 16;
 #include <hwy/highway.h>
 // After them: it is read once for every instruction set.
 #include "proxima/proximity/block_scan-inl.h"
+#include "proxima/proximity/row_distance-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace proxima::HWY_NAMESPACE {
@@ -82,6 +82,19 @@ HWY_INLINE void recheck(const BlockCandidates& candidates,
         if (found.before(best)) best = found;
         ++steps.rechecks;
     }
+}
+
+/// All triangles: for points outside of the root.
+template <class Scalar>
+FeatureDistance search_all_rows(std::span<const TriangleRow<Scalar>> rows, const Vec3& p)
+{
+    FeatureDistance best;
+    best.squared = std::numeric_limits<double>::infinity();
+    for (std::uint32_t rank = 0; rank < rows.size(); ++rank) {
+        const FeatureDistance found = closest_of_row(rows[rank], rank, p);
+        if (found.before(best)) best = found;
+    }
+    return best;
 }
 
 /// The leaf's centre in the frame.

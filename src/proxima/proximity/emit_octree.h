@@ -34,9 +34,8 @@ struct EmitOptions {
 };
 
 /// Null where cancelled. The same for any number of threads. About 1 us per leaf.
-[[nodiscard]] std::optional<EmittedOctree> emit_octree(const GrownForest& forest,
-                                                       const BlockSource& source,
-                                                       const EmitOptions& options);
+[[nodiscard]] std::optional<EmittedOctree>
+emit_octree(const GrownForest& forest, const BlockSource& source, const EmitOptions& options);
 
 /// Bytes that the trees take as nodes, runs and blocks. Null where cancelled.
 [[nodiscard]] std::optional<double> emitted_bytes(std::span<const GrownTree> trees,

@@ -1,8 +1,9 @@
 // One triangle as the recheck in doubles reads it: corners and the names of its features in one
 // place, in Morton order.
 //
-//     float row    corners 9 x 4 | triangle | vertices 3 | edges 3       64 bytes, one cache line
-//     double row   corners 9 x 8 | triangle | vertices 3 | edges 3 | 0   104 bytes
+//     float row    x 3 | y 3 | z 3, 4 bytes each | triangle | vertices 3 | edges 3    one cache
+//     line double row   x 3 | y 3 | z 3, 8 bytes each | triangle | vertices 3 | edges 3 | 0     104
+//     bytes
 //
 // Most scans were written as floats: their rows hold the doubles exactly in half the space.
 #pragma once
@@ -17,20 +18,27 @@ namespace proxima {
 
 template <class Scalar>
 struct alignas(sizeof(Scalar) == 4 ? 64 : 8) TriangleRow {
-    Scalar corners[3][3] = {};
-    std::uint32_t triangle = 0; ///< its id, and thin_bit
+    Scalar coordinates[3][3] = {}; ///< by axis, then corner
+    std::uint32_t triangle = 0;    ///< its id, thin_bit, and a bit per side
     std::uint32_t vertices[3] = {};
     std::uint32_t edges[3] = {}; ///< edge k joins corner k and k + 1; no_edge where they are one
 
     /// Set for triangles so thin that their inside wants care.
     static constexpr std::uint32_t thin_bit = 1U << 31U;
 
-    [[nodiscard]] std::uint32_t triangle_id() const noexcept { return triangle & ~thin_bit; }
+    /// Bit side_bit << k is set where side k goes from its higher to its lower vertex id.
+    static constexpr std::uint32_t side_bit = 1U << 28U;
+
+    [[nodiscard]] std::uint32_t triangle_id() const noexcept { return triangle & (side_bit - 1); }
+    [[nodiscard]] bool backward(std::size_t side) const noexcept
+    {
+        return (triangle >> side & side_bit) != 0;
+    }
     [[nodiscard]] bool thin() const noexcept { return (triangle & thin_bit) != 0; }
     [[nodiscard]] Vec3 corner(int i) const noexcept
     {
-        return {static_cast<double>(corners[i][0]), static_cast<double>(corners[i][1]),
-                static_cast<double>(corners[i][2])};
+        return {static_cast<double>(coordinates[0][i]), static_cast<double>(coordinates[1][i]),
+                static_cast<double>(coordinates[2][i])};
     }
 };
 static_assert(sizeof(TriangleRow<float>) == 64);
@@ -49,12 +57,5 @@ struct FeatureDistance {
         return feature < other.feature;
     }
 };
-
-/// The closest feature of one triangle. A vertex's and an edge's distance has the same bits from
-/// every triangle that has it. Distances are within a few roundings of the largest difference of
-/// coordinates, for triangles of any shape. About 20 ns.
-template <class Scalar>
-[[nodiscard]] FeatureDistance closest_of_row(const TriangleRow<Scalar>& row, std::uint32_t rank,
-                                             const Vec3& p) noexcept;
 
 } // namespace proxima
