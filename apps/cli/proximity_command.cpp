@@ -3,7 +3,7 @@
 #include "cli/list_histogram.h"
 #include "cli/model_options.h"
 #include "cli/names.h"
-#include "cli/proximity_options.h"
+#include "cli/proximity_command_options.h"
 #include "proxima/base/text.h"
 #include "proxima/octree/cell.h"
 
@@ -15,7 +15,7 @@ namespace proxima {
 
 namespace {
 
-Status run_proximity(const ProximityOptions& options, Session& session)
+Status run_proximity(const ProximityCommandOptions& options, Session& session)
 {
     for (const std::string& path : options.histograms) {
         if (path == "-") continue; // session.check_outputs says what is wrong with it
@@ -93,7 +93,7 @@ Command add_proximity_command(CLI::App& app)
 {
     CLI::App* const parser = app.add_subcommand(
         "proximity", "Build the proximity octree of a mesh and count what its cells list");
-    const auto options = std::make_shared<ProximityOptions>();
+    const auto options = std::make_shared<ProximityCommandOptions>();
     add_model_option(*parser, options->model);
     add_proximity_method_option(*parser, options->method);
     add_depth_option(*parser, options->depths);

@@ -2,7 +2,7 @@
 // lengths of its lists (thesis 5.1.2, figure 5.3).
 #include "cli/list_histogram.h"
 #include "cli/model_options.h"
-#include "cli/proximity_options.h"
+#include "cli/proximity_command_options.h"
 #include "cli/stopwatch.h"
 #include "cli/text_table.h"
 #include "proxima/base/text.h"
@@ -54,8 +54,8 @@ ThesisRow count(const ThesisProximityOctree& octree, const MeshSphere& sphere)
     return row;
 }
 
-Result<std::vector<ThesisRow>> build_rows(const ProximityOptions& options, const TriangleMesh& mesh,
-                                          Session& session)
+Result<std::vector<ThesisRow>> build_rows(const ProximityCommandOptions& options,
+                                          const TriangleMesh& mesh, Session& session)
 {
     const ProgressBar shown(session.progress(), session.bar());
     Progress* const progress = &session.progress();
@@ -123,7 +123,7 @@ std::string text_of(const std::vector<ThesisRow>& rows)
 }
 
 /// What all rows have in common; the figures themselves where there is but one.
-Json result_of(const ProximityOptions& options, const TriangleMesh& mesh,
+Json result_of(const ProximityCommandOptions& options, const TriangleMesh& mesh,
                const std::vector<ThesisRow>& rows)
 {
     Json result = {{"model", options.model},
@@ -149,7 +149,7 @@ Json result_of(const ProximityOptions& options, const TriangleMesh& mesh,
 
 } // namespace
 
-Status run_thesis_proximity(const ProximityOptions& options, Session& session)
+Status run_thesis_proximity(const ProximityCommandOptions& options, Session& session)
 {
     const auto mesh = session.load_model(options.model);
     if (!mesh) return tl::unexpected(mesh.error());

@@ -1,7 +1,6 @@
 // The thesis's proximity octree against brute force, and against its own figures.
 #include "proxima/proximity/thesis_labels.h"
 
-#include "cancellation.h"
 #include "proxima/geometry/closest_point.h"
 #include "proxima/geometry/triangle_box.h"
 #include "proxima/proximity/list_statistics.h"
@@ -9,6 +8,7 @@
 #include "proximity/region_oracle.h"
 
 #include <algorithm>
+#include <gtest/gtest.h>
 #include <limits>
 #include <set>
 
@@ -396,14 +396,22 @@ TEST(ThesisLabels, RefuseWhatIsNoOption)
     EXPECT_EQ(small.error().code, ErrorCode::budget_exceeded);
 }
 
-TEST(ThesisLabels, CanBeStopped)
+TEST(ThesisLabels, CanBeStoppedAtAnyReport)
 {
-    const TriangleMesh mesh = make_sphere(20, 20);
-    testing::cancel_at_every_stage(
-        [&](Progress& progress) {
-            return build_thesis_proximity_octree(mesh, {.max_depth = 4, .progress = &progress});
-        },
-        [] { return true; }, 4);
+    const TriangleMesh mesh = make_sphere(8, 8);
+    for (std::uint64_t reports = 1;; ++reports) {
+        Progress progress;
+        progress.cancel_after(reports);
+        const auto octree = build_thesis_proximity_octree(
+            mesh, {.max_depth = 3, .threads = {1}, .progress = &progress});
+        if (!progress.cancelled()) {
+            EXPECT_TRUE(octree);
+            EXPECT_GT(reports, 20U);
+            break;
+        }
+        ASSERT_FALSE(octree) << "not stopped at report " << reports;
+        ASSERT_EQ(octree.error().code, ErrorCode::cancelled);
+    }
 }
 
 } // namespace

@@ -25,9 +25,9 @@ namespace {
 //   from a corner is sum l_i n_i with l_i >= 0 and sum l_i <= r / k, where z . n_i >= k for some z
 //   of length 1: it moves by at most 4 u sqrt(3) r / k <= 24 u M / k.
 // Together below (64 + 32 / k) u M.
-constexpr double unit_roundoff = 0x1p-53;
-constexpr double plane_allowance = 64 * unit_roundoff;
-constexpr double ray_allowance = 32 * unit_roundoff;
+constexpr double half_ulp = 0x1p-53;
+constexpr double plane_allowance = 64 * half_ulp;
+constexpr double ray_allowance = 32 * half_ulp;
 
 /// So many features are one task.
 constexpr std::size_t block = 64;
@@ -143,7 +143,7 @@ private:
         };
         const Vec3 outward = place_of(feature) - surface_.inner_point;
         // Behind its planes strictly, the inside leads outward; rounding may hide how little.
-        return std::max({least(mean), least(outward), unit_roundoff});
+        return std::max({least(mean), least(outward), half_ulp});
     }
 
     [[nodiscard]] Vec3 place_of(Feature feature) const
@@ -173,7 +173,7 @@ private:
         }
         if (sine == 0) return 0;
         // More than rounding of the sine, of the sine for the angle, and of this product.
-        return 1.01 * diagonal_ * (sine + 16 * unit_roundoff);
+        return 1.01 * diagonal_ * (sine + 16 * half_ulp);
     }
 
     const TriangleMesh& mesh_;

@@ -12,7 +12,7 @@ namespace proxima {
 
 enum class ProximityMethod : std::uint8_t { thesis };
 
-struct ProximityOptions {
+struct ProximityCommandOptions {
     std::string model;
     ProximityMethod method = ProximityMethod::thesis;
     std::vector<int> depths = {5};
@@ -23,6 +23,6 @@ struct ProximityOptions {
 };
 
 /// Builds the thesis's proximity octree to each of the depths, counts it, and writes histograms.
-[[nodiscard]] Status run_thesis_proximity(const ProximityOptions& options, Session& session);
+[[nodiscard]] Status run_thesis_proximity(const ProximityCommandOptions& options, Session& session);
 
 } // namespace proxima
