@@ -25,6 +25,11 @@ constexpr float infinity = std::numeric_limits<float>::infinity();
 /// are measured in double.
 constexpr double slack_per_extent = 0x1p-24 * 64;
 
+/// Embree holds a node's boxes against the radius that a search began with, and only what it put
+/// aside against the lower one of now. So a search that has met so many triangles is broken off
+/// and begins anew with the radius found: up to a quarter off queries far from large meshes.
+constexpr int triangles_before_restart = 24;
+
 /// Corners and sides of all triangles about the centre, along a Morton curve, beside the same in
 /// double. A thin triangle has a NaN among its sides, so that its distance is NaN.
 struct Triangles {
@@ -69,8 +74,25 @@ struct Search {
         float squared_distance;
         std::uint32_t row;
     };
+    int met = 0; ///< triangles
+    bool broken_off = false;
     unsigned count = 0; ///< of candidates
     std::array<Candidate, 32> candidates;
+
+    /// Where a triangle must be to matter. Embree's distances of boxes are rounded as well.
+    [[nodiscard]] float radius() const { return std::sqrt(worth_a_look) + slack; }
+
+    /// Notes a triangle at a distance. True where it is the nearest so far.
+    bool note(std::uint32_t row, float squared)
+    {
+        if (count == candidates.size()) measure();
+        candidates[count++] = {squared, row};
+        if (squared >= nearest) return false;
+        nearest = squared;
+        const float reach = std::sqrt(squared) + 2 * slack;
+        worth_a_look = reach * reach;
+        return true;
+    }
 
     /// Measures in double all candidates that can still be closest, and forgets them.
     void measure()
@@ -85,24 +107,20 @@ struct Search {
     }
 };
 
-/// Called by Embree for every triangle that it reaches.
+/// Called by Embree for every triangle that it reaches. True where it changed the radius.
 bool consider(RTCPointQueryFunctionArguments* arguments)
 {
     Search& search = *static_cast<Search*>(arguments->userPtr);
     const std::uint32_t row = arguments->primID;
     float squared = squared_distance(search.triangles->quick[row], search.place);
-    if (squared > search.worth_a_look) return false;
     if (std::isnan(squared)) {
         squared = static_cast<float>(search.triangles->exact.squared_distance(row, *search.point));
     }
-    if (search.count == search.candidates.size()) search.measure();
-    search.candidates[search.count++] = {squared, row};
-    if (squared >= search.nearest) return false;
-    search.nearest = squared;
-    const float reach = std::sqrt(squared) + 2 * search.slack;
-    search.worth_a_look = reach * reach;
-    // Embree's distances of boxes are rounded as well.
-    arguments->query->radius = std::min(reach + search.slack, arguments->query->radius);
+    const bool nearer = squared <= search.worth_a_look && search.note(row, squared);
+    if (nearer) arguments->query->radius = std::min(search.radius(), arguments->query->radius);
+    if (++search.met != triangles_before_restart) return nearer;
+    search.broken_off = true;
+    arguments->query->radius = 0;
     return true;
 }
 
@@ -199,6 +217,10 @@ PeerAnswer EmbreePeer::closest(const Vec3& point)
     RTCPointQueryContext context;
     rtcInitPointQueryContext(&context);
     rtcPointQuery(built.scene, &query, &context, consider, &search);
+    if (search.broken_off) {
+        query.radius = search.radius();
+        rtcPointQuery(built.scene, &query, &context, consider, &search);
+    }
     search.measure();
     if (built.first == FirstRadius::warm) {
         built.last_point = point;

@@ -34,11 +34,12 @@ struct SetResult {
     std::vector<double> single; ///< mean nanoseconds per query, by round
     std::vector<double> batch;
     Tail tail;
-    /// The most that a distance was off, over the diagonal of the mesh's box: from the true
-    /// distance of the triangle that was named, or from the least distance that any peer found.
+    /// The most that a distance, single or in a batch, was off, over the diagonal of the mesh's
+    /// box: from the true distance of the triangle that was named, or from the least distance that
+    /// any peer found.
     double deviation = 0;
     std::size_t wrong = 0;  ///< answers off by more than 1e-12 of the diagonal
-    std::uint64_t hash = 0; ///< of all distances and triangles, of the last pass of batches
+    std::uint64_t hash = 0; ///< of the distances and triangles of single queries
 };
 
 struct RaceResult {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <random>
 #include <unordered_set>
 
@@ -141,12 +140,6 @@ std::array<QuerySet, 3> query_sets(const TriangleMesh& mesh, std::size_t count, 
 QuerySample sample_of(std::span<const Vec3> points, std::size_t count)
 {
     QuerySample sample;
-    if (count == 0 || count >= points.size()) {
-        sample.points.assign(points.begin(), points.end());
-        sample.places.resize(points.size());
-        std::iota(sample.places.begin(), sample.places.end(), 0U);
-        return sample;
-    }
     // Ten runs at least, so that a walk is seen in many places.
     const std::size_t run = std::clamp<std::size_t>(count / 10, 1, longest_run);
     const std::size_t runs = (count + run - 1) / run;

@@ -35,7 +35,7 @@ struct QuerySample {
     std::vector<std::uint32_t> places; ///< in the whole set
 };
 
-/// At least `count` points, or all where 0 or where there are fewer.
+/// At least `count` points of a set. \pre 0 < count <= points.size()
 [[nodiscard]] QuerySample sample_of(std::span<const Vec3> points, std::size_t count);
 
 } // namespace proxima::bench
