@@ -167,7 +167,7 @@ struct EmbreePeer::Built {
         rtcSetDeviceMemoryMonitorFunction(device, count_memory, &embree_bytes);
         scene = rtcNewScene(device);
         rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
-        RTCGeometry const geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+        auto* const geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
         rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(triangles.ids.size()));
         rtcSetGeometryUserData(geometry, &triangles);
         rtcSetGeometryBoundsFunction(geometry, box_of_row, nullptr);

@@ -32,7 +32,7 @@ public:
     [[nodiscard]] PeerAnswer closest(const Vec3& point);
     [[nodiscard]] std::size_t bytes() const;
 
-protected:
+private:
     struct Built;
     std::unique_ptr<Built> built_;
 };

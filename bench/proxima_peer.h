@@ -3,13 +3,12 @@
 
 #include "proximity_peers.h"
 
+#include <cstdint>
+
 namespace proxima::bench {
 
-/// The budget of a build that names none.
-inline constexpr double default_bytes_per_triangle = 600;
-
-/// Built within a budget. Errors: those of the build.
-[[nodiscard]] Result<std::unique_ptr<Contender>> make_proxima_peer(const TriangleMesh& mesh,
-                                                                   double bytes_per_triangle);
+/// Built on one thread within a budget, 0: the usual one. Errors: those of the build.
+[[nodiscard]] Result<std::unique_ptr<Contender>>
+make_proxima_peer(const TriangleMesh& mesh, std::uint64_t bytes_per_triangle = 0);
 
 } // namespace proxima::bench

@@ -43,8 +43,8 @@ struct BenchOptions {
 };
 
 /// Bytes per triangle that --curve builds with.
-constexpr std::array<double, 10> curve_budgets = {100, 150,  200,  300,  400,
-                                                  600, 1000, 2000, 5000, 12000};
+constexpr std::array<std::uint64_t, 10> curve_budgets = {100, 150,  200,  300,  400,
+                                                         600, 1000, 2000, 5000, 12000};
 
 /// Brute force is asked as many queries as make this many distances.
 constexpr std::size_t brute_distances = 40'000'000;
@@ -77,7 +77,7 @@ std::vector<std::unique_ptr<Contender>> all_contenders(const TriangleMesh& mesh,
                                                        std::size_t queries)
 {
     std::vector<std::unique_ptr<Contender>> all;
-    auto ours = make_proxima_peer(mesh, default_bytes_per_triangle);
+    auto ours = make_proxima_peer(mesh);
     if (ours) {
         all.push_back(std::move(*ours));
     } else {
@@ -153,9 +153,13 @@ void race_on(const TriangleMesh& mesh, const std::array<QuerySet, 3>& sets,
 Status draw_curve(const TriangleMesh& mesh, const std::array<QuerySet, 3>& sets,
                   const BenchOptions& options, Json& report)
 {
-    for (const double budget : curve_budgets) {
+    for (const std::uint64_t budget : curve_budgets) {
         std::vector<std::unique_ptr<Contender>> ours;
         auto built = make_proxima_peer(mesh, budget);
+        if (!built && built.error().code == ErrorCode::budget_exceeded) {
+            say(concat("skipped: ", budget, " bytes per triangle: ", describe(built.error())));
+            continue;
+        }
         if (!built) return tl::unexpected(built.error());
         ours.push_back(std::move(*built));
         const auto results = race(mesh, ours, sets, {.rounds = options.rounds, .tail_passes = 0});
@@ -213,7 +217,7 @@ int run(const BenchOptions& options)
 } // namespace proxima::bench
 
 int main(int argc, char** argv)
-{
+try {
     proxima::bench::BenchOptions options;
     CLI::App app("The closest point of a mesh, ours beside Embree, CGAL and brute force");
     app.add_option("--queries", options.queries, "Points of each set")->check(CLI::PositiveNumber);
@@ -230,4 +234,7 @@ int main(int argc, char** argv)
         return app.exit(error) == 0 ? 0 : 2;
     }
     return proxima::bench::run(options);
+} catch (const std::exception& error) {
+    (void)std::fprintf(stderr, "%s\n", error.what());
+    return 1;
 }

@@ -136,12 +136,12 @@ private:
 
 /// Builds a peer from what its constructor takes, and times that.
 template <ClosestPointPeer P, class... Arguments>
-std::unique_ptr<Contender> make_contender(std::string name, Arguments&&... arguments)
+std::unique_ptr<Contender> make_contender(const char* name, Arguments&&... arguments)
 {
     const double start = nanoseconds_now();
     auto contender = std::make_unique<ContenderOf<P>>(std::forward<Arguments>(arguments)...);
     contender->build_seconds = 1e-9 * (nanoseconds_now() - start);
-    contender->name = std::move(name);
+    contender->name = name;
     return contender;
 }
 

@@ -125,12 +125,12 @@ std::array<QuerySet, 3> query_sets(const TriangleMesh& mesh, std::size_t count, 
         const double x = signed_unit(random);
         const double y = signed_unit(random);
         const Vec3 place(x, y, signed_unit(random));
-        sets[0].points.push_back(box.center() + 0.6 * place.cwiseProduct(box.extent()));
+        sets[0].points.emplace_back(box.center() + 0.6 * place.cwiseProduct(box.extent()));
     }
     for (std::size_t i = 0; i < count; ++i) {
         const Vec3 foot = surface(random);
         const Vec3 away = direction(random);
-        sets[1].points.push_back(foot + 0.01 * diagonal * signed_unit(random) * away);
+        sets[1].points.emplace_back(foot + 0.01 * diagonal * signed_unit(random) * away);
     }
     ShellWalk walk(surface, diagonal, random);
     for (std::size_t i = 0; i < count; ++i) sets[2].points.push_back(walk.next(random));
