@@ -1,0 +1,240 @@
+// The closest point of a mesh: ours beside Embree's point query, CGAL's AABB tree and brute force.
+// Run by scripts/bench proximity, which prints the tables of one run.
+//
+//     proximity_bench [--queries N] [--rounds N] [--seed N] [--mesh NAME]... [--curve] [--out FILE]
+//
+// Without --mesh: sphere:100x100, the bunny of Debian's glmark2-data, the dragon of 47,794
+// triangles where a folder shared/meshes lies beside this one, and PROXIMA_BENCH_MESH. With
+// --curve only ours, by its budget.
+
+#include "brute_force_peer.h"
+#include "proxima/base/text.h"
+#include "proxima/mesh/mesh_io.h"
+#include "proxima/mesh/sample_meshes.h"
+#include "proxima_peer.h"
+#include "proximity_race.h"
+#ifdef PROXIMA_BENCH_CGAL
+#include "cgal_peer.h"
+#endif
+#ifdef PROXIMA_BENCH_EMBREE
+#include "embree_peer.h"
+#endif
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+namespace proxima::bench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct BenchOptions {
+    std::size_t queries = 1000000;
+    int rounds = 5;
+    std::uint64_t seed = 1;
+    std::vector<std::string> meshes;
+    bool curve = false;
+    std::string out = "proximity-bench.json";
+};
+
+/// Bytes per triangle that --curve builds with.
+constexpr std::array<std::uint64_t, 10> curve_budgets = {100, 150,  200,  300,  400,
+                                                         600, 1000, 2000, 5000, 12000};
+
+/// Brute force is asked as many queries as make this many distances.
+constexpr std::size_t brute_distances = 40'000'000;
+
+void say(const std::string& text)
+{
+    (void)std::fprintf(stderr, "%s\n", text.c_str());
+}
+
+std::vector<std::string> default_meshes()
+{
+    std::vector<std::string> names = {"sphere:100x100"};
+    for (const char* const file :
+         {"/usr/share/glmark2/models/bunny.obj", "../shared/meshes/dragon_vrip_res3.ply"}) {
+        if (std::filesystem::exists(file)) {
+            names.emplace_back(file);
+        } else {
+            say(concat("skipped: no ", file));
+        }
+    }
+    if (const char* const file = std::getenv("PROXIMA_BENCH_MESH"); file != nullptr) {
+        names.emplace_back(file);
+    } else {
+        say("skipped: a mesh of your own, PROXIMA_BENCH_MESH is not set");
+    }
+    return names;
+}
+
+std::vector<std::unique_ptr<Contender>> all_contenders(const TriangleMesh& mesh,
+                                                       std::size_t queries)
+{
+    std::vector<std::unique_ptr<Contender>> all;
+    auto ours = make_proxima_peer(mesh);
+    if (ours) {
+        all.push_back(std::move(*ours));
+    } else {
+        say("skipped: " + describe(ours.error()));
+    }
+#ifdef PROXIMA_BENCH_EMBREE
+    all.push_back(make_contender<EmbreePeer>("embree", mesh, FirstRadius::infinite));
+    all.push_back(make_contender<WarmEmbreePeer>("embree-warm", mesh));
+#else
+    say("skipped: Embree, not found when this was built");
+#endif
+#ifdef PROXIMA_BENCH_CGAL
+    all.push_back(make_contender<CgalPeer>("cgal", mesh));
+    all.back()->at_most = std::max<std::size_t>(queries / 10, 1);
+#else
+    say("skipped: CGAL, not found when this was built");
+#endif
+    all.push_back(make_contender<BruteForcePeer>("brute-force", mesh));
+    all.back()->at_most =
+        std::clamp<std::size_t>(brute_distances / mesh.triangle_count(), 10, queries);
+    return all;
+}
+
+std::string hexadecimal(std::uint64_t value)
+{
+    char text[17];
+    (void)std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value));
+    return text;
+}
+
+Json json_of(const Contender& contender, const RaceResult& result,
+             const std::array<QuerySet, 3>& sets)
+{
+    Json json = {{"name", contender.name},
+                 {"bytes", contender.bytes()},
+                 {"build_seconds", contender.build_seconds}};
+    for (std::size_t s = 0; s < sets.size(); ++s) {
+        const SetResult& set = result.sets[s];
+        json["sets"][sets[s].name] = {{"queries", set.queries}, {"single", set.single},
+                                      {"batch", set.batch},     {"p50", set.tail.p50},
+                                      {"p99", set.tail.p99},    {"p99.99", set.tail.p9999},
+                                      {"max", set.tail.worst},  {"deviation", set.deviation},
+                                      {"wrong", set.wrong},     {"hash", hexadecimal(set.hash)}};
+    }
+    return json;
+}
+
+Json load_averages()
+{
+    std::array<double, 3> load{};
+    (void)getloadavg(load.data(), static_cast<int>(load.size()));
+    return load;
+}
+
+std::string processor()
+{
+    std::ifstream file("/proc/cpuinfo");
+    for (std::string line; std::getline(file, line);)
+        if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
+    return {};
+}
+
+void race_on(const TriangleMesh& mesh, const std::array<QuerySet, 3>& sets,
+             const BenchOptions& options, Json& report)
+{
+    const auto contenders = all_contenders(mesh, options.queries);
+    const auto results = race(mesh, contenders, sets, {.rounds = options.rounds});
+    for (std::size_t i = 0; i < results.size(); ++i)
+        report["methods"].push_back(json_of(*contenders[i], results[i], sets));
+}
+
+/// Ours alone, once for every budget.
+Status draw_curve(const TriangleMesh& mesh, const std::array<QuerySet, 3>& sets,
+                  const BenchOptions& options, Json& report)
+{
+    for (const std::uint64_t budget : curve_budgets) {
+        std::vector<std::unique_ptr<Contender>> ours;
+        auto built = make_proxima_peer(mesh, budget);
+        if (!built && built.error().code == ErrorCode::budget_exceeded) {
+            say(concat("skipped: ", budget, " bytes per triangle: ", describe(built.error())));
+            continue;
+        }
+        if (!built) return tl::unexpected(built.error());
+        ours.push_back(std::move(*built));
+        const auto results = race(mesh, ours, sets, {.rounds = options.rounds, .tail_passes = 0});
+        Json row = json_of(*ours[0], results[0], sets);
+        row["budget"] = budget;
+        report["curve"].push_back(std::move(row));
+    }
+    return {};
+}
+
+Status run_mesh(const std::string& name, const BenchOptions& options, Json& report)
+{
+    const auto mesh = is_sample_mesh_name(name) ? sample_mesh(name) : read_mesh(name);
+    if (!mesh) return tl::unexpected(mesh.error());
+    const auto box = checked_bounding_box(*mesh);
+    if (!box) return tl::unexpected(box.error());
+    const std::string label =
+        is_sample_mesh_name(name) ? name : std::filesystem::path(name).filename().string();
+    say(concat(label, ": ", mesh->triangle_count(), " triangles"));
+    const auto sets = query_sets(*mesh, options.queries, options.seed);
+    Json json = {{"name", label},
+                 {"triangles", mesh->triangle_count()},
+                 {"diagonal", box->extent().norm()},
+                 {"load_before", load_averages()}};
+    if (options.curve) {
+        if (auto status = draw_curve(*mesh, sets, options, json); !status) return status;
+    } else {
+        race_on(*mesh, sets, options, json);
+    }
+    json["load_after"] = load_averages();
+    report["meshes"].push_back(std::move(json));
+    return {};
+}
+
+int run(const BenchOptions& options)
+{
+    Json report = {{"processor", processor()},
+                   {"queries", options.queries},
+                   {"rounds", options.rounds},
+                   {"seed", options.seed}};
+    for (const std::string& name : options.meshes.empty() ? default_meshes() : options.meshes) {
+        if (const auto status = run_mesh(name, options, report); !status) {
+            say(describe(status.error()));
+            return 1;
+        }
+    }
+    std::ofstream file(options.out);
+    file << report.dump(2) << '\n';
+    if (file.flush()) return 0;
+    say(options.out + ": cannot be written");
+    return 1;
+}
+
+} // namespace
+} // namespace proxima::bench
+
+int main(int argc, char** argv)
+try {
+    proxima::bench::BenchOptions options;
+    CLI::App app("The closest point of a mesh, ours beside Embree, CGAL and brute force");
+    app.add_option("--queries", options.queries, "Points of each set")->check(CLI::PositiveNumber);
+    app.add_option("--rounds", options.rounds, "Passes, of which medians are taken")
+        ->check(CLI::PositiveNumber);
+    app.add_option("--seed", options.seed, "Seed of the sets");
+    app.add_option("--mesh", options.meshes, "A file or a built-in instead of the usual meshes")
+        ->allow_extra_args(false);
+    app.add_flag("--curve", options.curve, "Speed against budget, ours alone");
+    app.add_option("--out", options.out, "The report, as JSON");
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : 2;
+    }
+    return proxima::bench::run(options);
+} catch (const std::exception& error) {
+    (void)std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+}

@@ -1,0 +1,41 @@
+// The three sets of points that closest-point searches are timed with.
+//
+//     a  volume    uniform in the mesh's box scaled 1.2 times about its centre
+//     b  surface   uniform on the surface by area, then moved in a uniformly random direction by
+//                  a uniformly random length of at most 1 % of the box's diagonal
+//     c  walk      a coherent walk in steps of 1e-4 of the diagonal that keeps its direction but
+//                  for a little turn a step (persistence length about 0.1 of the diagonal), and
+//                  bounces inside the shell of those cells, 1 % of the diagonal wide, that the
+//                  surface goes through: what the tip of a probe does near a model
+#pragma once
+
+#include "proxima/mesh/triangle_mesh.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace proxima::bench {
+
+struct QuerySet {
+    const char* name;
+    std::vector<Vec3> points;
+};
+
+/// The sets a, b and c with `count` points each. The same for the same mesh and seed.
+[[nodiscard]] std::array<QuerySet, 3> query_sets(const TriangleMesh& mesh, std::size_t count,
+                                                 std::uint64_t seed);
+
+/// Some of a set, for slow peers: runs of neighbours, evenly spaced over the set, so that a
+/// coherent set stays coherent.
+struct QuerySample {
+    std::vector<Vec3> points;
+    std::vector<std::uint32_t> places; ///< in the whole set
+};
+
+/// At least `count` points of a set. \pre 0 < count <= points.size()
+[[nodiscard]] QuerySample sample_of(std::span<const Vec3> points, std::size_t count);
+
+} // namespace proxima::bench
