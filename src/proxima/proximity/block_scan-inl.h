@@ -23,13 +23,15 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 /// A block's candidates for the closest triangle.
 struct BlockCandidates {
-    std::uint32_t lanes = 0; ///< bit i: triangle i of the block
+    std::uint32_t lanes = 0; ///< bit i: triangle places[i] of the block
+    std::uint8_t places[list_triangles] = {};
     const std::byte* ranks = nullptr;
     std::uint32_t base = 0;
     bool wide = false;
 
-    HWY_INLINE std::uint32_t rank(int i) const
+    HWY_INLINE std::uint32_t rank(int lane) const
     {
+        const int i = places[lane];
         if (wide) {
             std::uint32_t value = 0;
             std::memcpy(&value, ranks + 4 * i, 4);
@@ -136,15 +138,24 @@ HWY_INLINE BlockPoint to_block(const BlockHeader& header, const Vec3& p)
     return point;
 }
 
-/// The triangles that no other one of the block is surely closer than. With `bound`, a distance in
-/// units, only those that may be closer than it.
+/// Of the block's triangles that `mask` names, at most 16, those that no other one of them is
+/// surely closer than. With `bound`, a distance in units, only those that may be closer than it.
 template <bool HasBound>
-HWY_INLINE BlockCandidates scan_block(const std::byte* block, const Vec3& p, double bound)
+HWY_INLINE void scan_block(const std::byte* block, std::uint32_t mask, const Vec3& p, double bound,
+                           BlockCandidates& candidates)
 {
     BlockHeader header;
     std::memcpy(&header, block, sizeof(header));
-    const BlockPoint point = to_block(header, p);
     const BlockLayout layout = block_layout(header.vertices, header.triangles, header.wide != 0);
+    const auto* const corners = reinterpret_cast<const std::uint16_t*>(block + layout.corners);
+    alignas(64) std::uint16_t listed[list_triangles];
+    std::size_t count = 0;
+    for (std::uint32_t left = mask; left != 0; left &= left - 1) {
+        const int place = std::countr_zero(left);
+        candidates.places[count] = static_cast<std::uint8_t>(place);
+        listed[count++] = corners[place];
+    }
+    const BlockPoint point = to_block(header, p);
     const auto numbers = [&](std::size_t axis) {
         return reinterpret_cast<const std::uint16_t*>(block + sizeof(BlockHeader) +
                                                       2 * axis * header.vertices);
@@ -152,25 +163,24 @@ HWY_INLINE BlockCandidates scan_block(const std::byte* block, const Vec3& p, dou
     const LookupTable xs(numbers(0));
     const LookupTable ys(numbers(1));
     const LookupTable zs(numbers(2));
-    const auto* const corners = reinterpret_cast<const std::uint16_t*>(block + layout.corners);
 
     const LookupTag tag;
     const LookupIndexTag wide;
     const hn::Rebind<std::uint16_t, LookupTag> narrow;
     const LanePoint query{hn::Set(tag, point.x), hn::Set(tag, point.y), hn::Set(tag, point.z)};
     constexpr std::size_t lanes = HWY_MIN(16, HWY_LANES(float));
-    hn::Vec<LookupTag> squared[block_triangles / lanes];
+    const std::size_t parts = (count + lanes - 1) / lanes;
+    hn::Vec<LookupTag> squared[list_triangles / lanes];
     auto least = hn::Set(tag, std::numeric_limits<float>::max());
-    const std::size_t parts = (header.triangles + lanes - 1) / lanes;
     for (std::size_t part = 0; part < parts; ++part) {
-        const auto places = hn::PromoteTo(wide, hn::LoadU(narrow, corners + part * lanes));
+        const auto places = hn::PromoteTo(wide, hn::Load(narrow, listed + part * lanes));
         const auto at = [&](hn::Vec<LookupIndexTag> index) {
             return LanePoint{xs.at(index), ys.at(index), zs.at(index)};
         };
         const LanePoint a = at(places);
         const LanePoint ab = at(hn::ShiftRight<5>(places)) - a;
         const LanePoint ac = at(hn::ShiftRight<10>(places)) - a;
-        const auto used = hn::FirstN(tag, HWY_MAX(header.triangles, part * lanes) - part * lanes);
+        const auto used = hn::FirstN(tag, count - part * lanes);
         squared[part] = hn::IfThenElse(used, squared_distances(query - a, ab, ac),
                                        hn::Set(tag, std::numeric_limits<float>::max()));
         least = hn::Min(least, squared[part]);
@@ -180,14 +190,16 @@ HWY_INLINE BlockCandidates scan_block(const std::byte* block, const Vec3& p, dou
     if (HasBound) limit = HWY_MIN(limit, static_cast<float>(bound) - point.error);
     limit += 2 * point.error;
     const auto limit_squared = hn::Set(tag, limit > 0 ? limit * limit * (1 + 0x1p-20F) : -1.0F);
-    BlockCandidates candidates{0, block + layout.ranks, header.base, header.wide != 0};
+    candidates.lanes = 0;
+    candidates.ranks = block + layout.ranks;
+    candidates.base = header.base;
+    candidates.wide = header.wide != 0;
     for (std::size_t part = 0; part < parts; ++part) {
         std::uint8_t bits[8] = {};
         (void)hn::StoreMaskBits(tag, hn::Le(squared[part], limit_squared), bits);
         const std::uint32_t found = bits[0] | static_cast<std::uint32_t>(bits[1]) << 8U;
         candidates.lanes |= found << (part * lanes);
     }
-    return candidates;
 }
 
 } // namespace proxima::HWY_NAMESPACE

@@ -35,7 +35,7 @@ namespace proxima::HWY_NAMESPACE {
 
 /// Where a query ends.
 struct FoundLeaf {
-    std::uint32_t word = 0;
+    std::uint64_t word = 0;
     int depth = 0;
 };
 
@@ -44,11 +44,11 @@ HWY_INLINE FoundLeaf find_leaf(const ProximityOctree& octree,
 {
     const int depth = octree.table_depth();
     int shift = static_cast<int>(ProximityOctree::location_bits) - depth;
-    const std::uint32_t* const nodes = octree.arrays().nodes.data();
-    std::uint32_t word =
+    const std::uint64_t* const nodes = octree.arrays().nodes.data();
+    std::uint64_t word =
         octree.arrays().table[(std::size_t{at[2] >> shift} << depth | at[1] >> shift) << depth |
                               at[0] >> shift];
-    while ((word & proximity_word::leaf_bit) == 0) {
+    while (!proximity_word::is_leaf(word)) {
         --shift;
         word = nodes[word + ((at[0] >> shift & 1U) | (at[1] >> shift & 1U) << 1U |
                              (at[2] >> shift & 1U) << 2U)];
@@ -116,8 +116,7 @@ void search_run(const ProximityOctree& octree, std::span<const TriangleRow<Scala
                 const std::array<std::uint32_t, 3>& at, const FoundLeaf& leaf, const Vec3& frame_p,
                 const Vec3& p, FeatureDistance& best, QuerySteps& steps)
 {
-    const RunEntry* const run =
-        octree.arrays().runs.data() + (leaf.word & proximity_word::place_mask);
+    const RunEntry* const run = octree.arrays().runs.data() + proximity_word::place(leaf.word);
     const Vec3 from_center = frame_p - center_of(octree, at, leaf.depth);
     const double radius = from_center.norm();
     const std::byte* const arena = octree.arrays().arena.data();
@@ -135,7 +134,8 @@ void search_run(const ProximityOctree& octree, std::span<const TriangleRow<Scala
         std::memcpy(&header, block, sizeof(header));
         ++steps.blocks;
         const double in_units = nearest * static_cast<double>(header.inverse_unit);
-        const BlockCandidates candidates = scan_block<true>(block, frame_p, in_units);
+        BlockCandidates candidates;
+        scan_block<true>(block, entry.mask, frame_p, in_units, candidates);
         if (candidates.lanes == 0) continue;
         recheck(candidates, rows, p, best, steps);
         nearest = std::sqrt(best.squared) * octree.frame().scale * (1 + 0x1p-40) + 0x1p-44;
@@ -154,16 +154,17 @@ HWY_INLINE FeatureDistance search(const ProximityOctree& octree,
     if (!octree.locate(frame_p, at)) return search_all_rows(rows, p);
     const FoundLeaf leaf = find_leaf(octree, at);
     steps.steps += 1 + static_cast<std::uint32_t>(HWY_MAX(leaf.depth - octree.table_depth(), 0));
-    if ((leaf.word & proximity_word::run_bit) != 0) [[unlikely]] {
+    if (proximity_word::is_run(leaf.word)) [[unlikely]] {
         search_run(octree, rows, at, leaf, frame_p, p, best, steps);
         return best;
     }
-    const std::byte* const block =
-        octree.arrays().arena.data() +
-        std::size_t{leaf.word & proximity_word::place_mask} * block_alignment;
+    const std::byte* const block = octree.arrays().arena.data() +
+                                   std::size_t{proximity_word::place(leaf.word)} * block_alignment;
     prefetch_block(block);
     ++steps.blocks;
-    recheck(scan_block<false>(block, frame_p, 0), rows, p, best, steps);
+    BlockCandidates candidates;
+    scan_block<false>(block, proximity_word::mask(leaf.word), frame_p, 0, candidates);
+    recheck(candidates, rows, p, best, steps);
     return best;
 }
 
@@ -171,14 +172,14 @@ HWY_INLINE FeatureDistance search(const ProximityOctree& octree,
 struct OpenQuery {
     Vec3 frame_p;
     std::array<std::uint32_t, 3> at{};
-    std::uint32_t word = 0;
+    std::uint64_t word = 0;
     int shift = 0;
     bool inside = false;
     BlockCandidates candidates;
 };
 
 /// Where a query's next word is.
-HWY_INLINE std::uint32_t next_node(const OpenQuery& query, int shift)
+HWY_INLINE std::uint64_t next_node(const OpenQuery& query, int shift)
 {
     return query.word + ((query.at[0] >> shift & 1U) | (query.at[1] >> shift & 1U) << 1U |
                          (query.at[2] >> shift & 1U) << 2U);
@@ -207,34 +208,35 @@ void search_together(const ProximityOctree& octree, std::span<const TriangleRow<
     for (std::size_t i = 0; i < points.size(); ++i) {
         OpenQuery& query = queries[i];
         query.word = query.inside ? arrays.table[table_place(query.at)] : proximity_word::leaf_bit;
-        if ((query.word & proximity_word::leaf_bit) == 0)
+        if (!proximity_word::is_leaf(query.word))
             hwy::Prefetch(&arrays.nodes[next_node(query, query.shift - 1)]);
     }
     for (bool more = true; more;) {
         more = false;
         for (std::size_t i = 0; i < points.size(); ++i) {
             OpenQuery& query = queries[i];
-            if ((query.word & proximity_word::leaf_bit) != 0) continue;
+            if (proximity_word::is_leaf(query.word)) continue;
             --query.shift;
             query.word = arrays.nodes[next_node(query, query.shift)];
-            if ((query.word & proximity_word::leaf_bit) != 0) continue;
+            if (proximity_word::is_leaf(query.word)) continue;
             hwy::Prefetch(&arrays.nodes[next_node(query, query.shift - 1)]);
             more = true;
         }
     }
     const auto block_of = [&](const OpenQuery& query) {
         return arrays.arena.data() +
-               std::size_t{query.word & proximity_word::place_mask} * block_alignment;
+               std::size_t{proximity_word::place(query.word)} * block_alignment;
     };
     const auto has_block = [](const OpenQuery& query) {
-        return query.inside && (query.word & proximity_word::run_bit) == 0;
+        return query.inside && !proximity_word::is_run(query.word);
     };
     for (std::size_t i = 0; i < points.size(); ++i)
         if (has_block(queries[i])) prefetch_block(block_of(queries[i]));
     for (std::size_t i = 0; i < points.size(); ++i) {
         OpenQuery& query = queries[i];
         if (!has_block(query)) continue;
-        query.candidates = scan_block<false>(block_of(query), query.frame_p, 0);
+        scan_block<false>(block_of(query), proximity_word::mask(query.word), query.frame_p, 0,
+                          query.candidates);
         for (std::uint32_t left = query.candidates.lanes; left != 0; left &= left - 1)
             prefetch_row(rows[query.candidates.rank(std::countr_zero(left))]);
     }

@@ -12,7 +12,6 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 
 namespace proxima {
@@ -26,25 +25,22 @@ struct CostModel {
     static constexpr double block = 60;       ///< ns, the first block of a leaf
     static constexpr double more_blocks = 60; ///< ns, each further one
     static constexpr double step = 12;        ///< ns per level
-    static constexpr double split_bytes = 32;
-    static constexpr double full_leaf_bytes =
-        163; ///< of 16 triangles: few leaves share their block
-    static constexpr double run_entry_bytes = 20;
+    static constexpr double split_bytes = 64;
+    static constexpr double leaf_block_bytes = 14; ///< a leaf's part of the block it shares
+    static constexpr double run_entry_bytes = 24;
 
     [[nodiscard]] static double blocks(std::size_t triangles) noexcept
     {
         return static_cast<double>((triangles + list_triangles - 1) / list_triangles);
     }
 
-    /// Bytes of a leaf's blocks: the shorter its list, the more leaves share its block. Proportions
-    /// were measured; the builder measures the rest on a part of the mesh.
+    /// Bytes of a leaf's blocks. Proportions were measured: blocks are shared so well that it is
+    /// leaves of several that take most. The builder measures the rest on a part of the mesh.
     [[nodiscard]] static double leaf_bytes(std::size_t triangles) noexcept
     {
-        const std::size_t full = (triangles - 1) / list_triangles;
-        const double filled =
-            static_cast<double>(triangles - full * list_triangles) / list_triangles;
-        const double run = full == 0 ? 0 : run_entry_bytes * static_cast<double>(full + 2);
-        return run + full_leaf_bytes * (static_cast<double>(full) + std::pow(filled, 1.7));
+        const double count = blocks(triangles);
+        const double run = count > 1 ? run_entry_bytes * (count + 1) : 0;
+        return leaf_block_bytes * count + run;
     }
 
     [[nodiscard]] double leaf(double probability, std::size_t triangles) const noexcept

@@ -14,17 +14,13 @@ namespace proxima {
 
 namespace {
 
-using proximity_word::leaf_bit;
-using proximity_word::place_mask;
-using proximity_word::run_bit;
-
 /// Tables are at most this fine, and take no more than the nodes.
 constexpr int max_table_depth = 6;
 
 /// A tree with places of its own: nodes and runs count from its own beginning, blocks by number.
 struct EmittedTree {
-    std::uint32_t root = 0;
-    std::vector<std::uint32_t> nodes;
+    std::uint64_t root = 0;
+    std::vector<std::uint64_t> nodes;
     std::vector<RunEntry> runs;
     std::vector<std::size_t> places; ///< of blocks in the arena
     std::vector<std::byte> arena;
@@ -44,7 +40,7 @@ public:
         tree_ = &tree;
         result_ = {};
         sharer_.begin();
-        const std::uint32_t root = word_of(tree.cells[0], tree.key);
+        const std::uint64_t root = word_of(tree.cells[0], tree.key);
         result_.root = root;
         sharer_.end();
         result_.places = sharer_.places();
@@ -68,7 +64,7 @@ public:
     }
 
 private:
-    std::uint32_t word_of(const GrownCell& cell, CellKey key)
+    std::uint64_t word_of(const GrownCell& cell, CellKey key)
     {
         if (cell.children == 0) return leaf_word(cell, key);
         ++result_.statistics.nodes;
@@ -76,19 +72,20 @@ private:
         result_.nodes.resize(base + 8);
         for (int octant = 0; octant < 8; ++octant) {
             const auto k = static_cast<std::uint32_t>(octant);
-            const std::uint32_t word = word_of(tree_->cells[cell.children + k], child(key, octant));
+            const std::uint64_t word = word_of(tree_->cells[cell.children + k], child(key, octant));
             result_.nodes[base + k] = word;
         }
         return base;
     }
 
-    std::uint32_t leaf_word(const GrownCell& cell, CellKey key)
+    std::uint64_t leaf_word(const GrownCell& cell, CellKey key)
     {
         tree_->read_list(cell, ranks_);
         count_leaf(cell, key);
         split_list();
-        if (chunks_.size() == 2) return leaf_bit | sharer_.place(ranks_);
-        return leaf_bit | run_bit | add_run(key);
+        if (chunks_.size() != 2) return proximity_word::run(add_run(key));
+        const BlockSharer::Place place = sharer_.place(ranks_);
+        return proximity_word::leaf(place.number, place.mask);
     }
 
     void count_leaf(const GrownCell& cell, CellKey key)
@@ -142,7 +139,9 @@ private:
             const std::span chunk =
                 std::span(ranks_).subspan(chunks_[i], chunks_[i + 1] - chunks_[i]);
             result_.runs.push_back(bound(chunk, center));
-            result_.runs.back().place = sharer_.place(chunk);
+            const BlockSharer::Place place = sharer_.place(chunk);
+            result_.runs.back().place = place.number;
+            result_.runs.back().mask = place.mask;
         }
         std::stable_sort(result_.runs.begin() + static_cast<std::ptrdiff_t>(begin) + 1,
                          result_.runs.end(),
@@ -271,18 +270,19 @@ public:
     }
 
     /// Copies the tree's arrays to the end. Returns the word of its root.
-    std::uint32_t join(const EmittedTree& tree)
+    std::uint64_t join(const EmittedTree& tree)
     {
         const std::size_t first_node = octree_.nodes.size();
         const std::size_t first_run = octree_.runs.size();
         const std::size_t first_byte =
             (octree_.arena.size() + block_alignment - 1) / block_alignment * block_alignment;
-        const auto moved = [&](std::uint32_t word) {
-            if ((word & leaf_bit) == 0) return word + static_cast<std::uint32_t>(first_node);
-            const std::uint32_t place = word & place_mask;
-            if ((word & run_bit) != 0)
-                return leaf_bit | run_bit | (place + static_cast<std::uint32_t>(first_run));
-            return leaf_bit | block_at(tree, first_byte, place);
+        const auto moved = [&](std::uint64_t word) {
+            if (!proximity_word::is_leaf(word)) return word + first_node;
+            const std::uint32_t place = proximity_word::place(word);
+            if (proximity_word::is_run(word))
+                return proximity_word::run(place + static_cast<std::uint32_t>(first_run));
+            return proximity_word::leaf(block_at(tree, first_byte, place),
+                                        proximity_word::mask(word));
         };
         octree_.nodes.resize(first_node + tree.nodes.size());
         for (std::size_t i = 0; i < tree.nodes.size(); ++i)
@@ -311,7 +311,7 @@ private:
                                   std::uint32_t number)
     {
         const std::size_t place = (first_byte + tree.places[number]) / block_alignment;
-        PROXIMA_CHECK_LE(place, place_mask);
+        PROXIMA_CHECK_LE(place, proximity_word::max_place);
         return static_cast<std::uint32_t>(place);
     }
 
@@ -332,7 +332,7 @@ private:
 };
 
 /// Emits the top's own leaves and links the trees below it.
-std::uint32_t join_top(const GrownForest& forest, const std::vector<std::uint32_t>& roots,
+std::uint64_t join_top(const GrownForest& forest, const std::vector<std::uint64_t>& roots,
                        std::size_t cell, CellKey key, TreeEmitter& emitter, OctreeJoiner& joiner,
                        EmittedOctree& octree)
 {
@@ -340,7 +340,7 @@ std::uint32_t join_top(const GrownForest& forest, const std::vector<std::uint32_
     if (forest.below_of[cell] != GrownForest::no_tree) return roots[forest.below_of[cell]];
     if (grown.children == 0) return joiner.join(emitter.emit_leaf(forest.top, cell, key));
     ++octree.statistics.nodes;
-    std::array<std::uint32_t, 8> words{};
+    std::array<std::uint64_t, 8> words{};
     for (int octant = 0; octant < 8; ++octant) {
         const auto k = static_cast<std::size_t>(octant);
         words[k] = join_top(forest, roots, grown.children + k, child(key, octant), emitter, joiner,
@@ -349,11 +349,11 @@ std::uint32_t join_top(const GrownForest& forest, const std::vector<std::uint32_
     const std::size_t base = octree.nodes.size();
     octree.nodes.resize(base + 8);
     std::ranges::copy(words, octree.nodes.begin() + base);
-    return static_cast<std::uint32_t>(base);
+    return base;
 }
 
 /// The word of the cell, or of the leaf that holds it.
-void fill_table(EmittedOctree& octree, std::uint32_t root)
+void fill_table(EmittedOctree& octree, std::uint64_t root)
 {
     while (octree.table_depth < max_table_depth &&
            std::size_t{1} << 3 * (octree.table_depth + 1) <= octree.nodes.size() / 4)
@@ -364,8 +364,8 @@ void fill_table(EmittedOctree& octree, std::uint32_t root)
     for (std::uint32_t z = 0; z < edge; ++z) {
         for (std::uint32_t y = 0; y < edge; ++y) {
             for (std::uint32_t x = 0; x < edge; ++x) {
-                std::uint32_t word = root;
-                for (int level = depth - 1; level >= 0 && (word & leaf_bit) == 0; --level)
+                std::uint64_t word = root;
+                for (int level = depth - 1; level >= 0 && !proximity_word::is_leaf(word); --level)
                     word = octree.nodes[word + ((x >> level & 1U) | (y >> level & 1U) << 1U |
                                                 (z >> level & 1U) << 2U)];
                 octree.table[(std::size_t{z} << depth | y) << depth | x] = word;
@@ -410,13 +410,13 @@ std::optional<EmittedOctree> emit_octree(const GrownForest& forest, const BlockS
 
     EmittedOctree octree;
     OctreeJoiner joiner(octree, trees);
-    std::vector<std::uint32_t> roots;
+    std::vector<std::uint64_t> roots;
     for (EmittedTree& tree : trees) {
         roots.push_back(tree.places.empty() ? 0 : joiner.join(tree));
         tree = {};
     }
     const auto emitter = pool.take();
-    const std::uint32_t root = join_top(forest, roots, 0, CellKey{}, *emitter, joiner, octree);
+    const std::uint64_t root = join_top(forest, roots, 0, CellKey{}, *emitter, joiner, octree);
     fill_table(octree, root);
     octree.arena.resize(octree.arena.size() + block_padding);
     std::memset(octree.arena.data() + (octree.arena.size() - block_padding), 0, block_padding);

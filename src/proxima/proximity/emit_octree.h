@@ -17,8 +17,8 @@ namespace proxima {
 
 /// The part of a proximity octree that depends on cells.
 struct EmittedOctree {
-    GrowBuffer<std::uint32_t> table;
-    GrowBuffer<std::uint32_t> nodes;
+    GrowBuffer<std::uint64_t> table;
+    GrowBuffer<std::uint64_t> nodes;
     GrowBuffer<RunEntry> runs;
     GrowBuffer<std::byte> arena;
     int table_depth = 0;

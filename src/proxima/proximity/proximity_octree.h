@@ -2,10 +2,11 @@
 // it, inside and outside (thesis chapter 4; algorithms: local regions, corner certificates, cover).
 //
 //     table    words of all cells of one level, x fastest: where a query begins
-//     nodes    words, eight children contiguous
-//                0 base 31            split: its children are nodes base to base + 7
-//                10 place 30          leaf of one block, at arena + 8 place
-//                11 place 30          leaf of several: a run, at runs[place]
+//     nodes    words of 8 bytes, eight children contiguous
+//                0 | base                     split: its children are nodes base to base + 7
+//                10 | place 30 | mask 32      leaf of one block, at arena + 8 place: of the block's
+//                                             triangles those in the mask
+//                11 | place 30 | 0            leaf of several: a run, at runs[place]
 //     runs     per leaf of several blocks: an entry with their number, then one per block, the
 //              nearest to the leaf's centre first
 //     arena    blocks (block.h), shared between leaves
@@ -30,14 +31,40 @@ namespace proxima {
 
 /// Words of nodes and table.
 namespace proximity_word {
-inline constexpr std::uint32_t leaf_bit = 1U << 31U;
-inline constexpr std::uint32_t run_bit = 1U << 30U;
-inline constexpr std::uint32_t place_mask = run_bit - 1;
+inline constexpr std::uint64_t leaf_bit = std::uint64_t{1} << 63U;
+inline constexpr std::uint64_t run_bit = std::uint64_t{1} << 62U;
+inline constexpr std::uint32_t max_place = (1U << 30U) - 1;
+
+[[nodiscard]] constexpr bool is_leaf(std::uint64_t word) noexcept
+{
+    return (word & leaf_bit) != 0;
+}
+[[nodiscard]] constexpr bool is_run(std::uint64_t word) noexcept
+{
+    return (word & run_bit) != 0;
+}
+[[nodiscard]] constexpr std::uint32_t place(std::uint64_t word) noexcept
+{
+    return static_cast<std::uint32_t>(word >> 32U) & max_place;
+}
+[[nodiscard]] constexpr std::uint32_t mask(std::uint64_t word) noexcept
+{
+    return static_cast<std::uint32_t>(word);
+}
+[[nodiscard]] constexpr std::uint64_t leaf(std::uint32_t place, std::uint32_t mask) noexcept
+{
+    return leaf_bit | std::uint64_t{place} << 32U | mask;
+}
+[[nodiscard]] constexpr std::uint64_t run(std::uint32_t place) noexcept
+{
+    return leaf_bit | run_bit | std::uint64_t{place} << 32U;
+}
 } // namespace proximity_word
 
 /// A block of a leaf that has several; or, before them, their number as `place`.
 struct RunEntry {
     std::uint32_t place = 0; ///< of the block in the arena, in units of 8 bytes
+    std::uint32_t mask = 0;  ///< its triangles that are meant
     float direction[3] = {}; ///< unit vector, or a little shorter
     float least = 0; ///< no point of the block has direction . (point - leaf's centre) below it
 };
@@ -59,8 +86,8 @@ struct ProximityStatistics {
 
 /// The arrays of a proximity octree.
 struct ProximityArrays {
-    std::span<const std::uint32_t> table;
-    std::span<const std::uint32_t> nodes;
+    std::span<const std::uint64_t> table;
+    std::span<const std::uint64_t> nodes;
     std::span<const RunEntry> runs;
     std::span<const std::byte> arena;
     std::span<const TriangleRow<float>> float_rows; ///< one of the two is empty

@@ -42,7 +42,19 @@ bool BlockSharer::join(OpenBlock& block, std::uint64_t bit, std::span<const std:
     return true;
 }
 
-std::uint32_t BlockSharer::place(std::span<const std::uint32_t> ranks)
+BlockSharer::Place BlockSharer::place_in(const OpenBlock& block,
+                                         std::span<const std::uint32_t> ranks)
+{
+    Place place{block.number, 0};
+    for (const std::uint32_t rank : ranks) {
+        const auto* const found =
+            std::find(block.ranks.data(), block.ranks.data() + block.rank_count, rank);
+        place.mask |= 1U << (found - block.ranks.data());
+    }
+    return place;
+}
+
+BlockSharer::Place BlockSharer::place(std::span<const std::uint32_t> ranks)
 {
     std::uint64_t touched = 0;
     for (const std::uint32_t rank : ranks) touched |= open_of_[rank];
@@ -63,7 +75,8 @@ std::uint32_t BlockSharer::place(std::span<const std::uint32_t> ranks)
     if (candidates > 0 && order[candidates - 1] >> 6U == 0) order[0] = order[candidates - 1];
     for (std::size_t i = 0; i < candidates; ++i) {
         const std::size_t slot = order[i] & 63U;
-        if (join(blocks_[slot], std::uint64_t{1} << slot, ranks)) return blocks_[slot].number;
+        if (join(blocks_[slot], std::uint64_t{1} << slot, ranks))
+            return place_in(blocks_[slot], ranks);
     }
 
     std::size_t oldest = 0;
@@ -75,15 +88,13 @@ std::uint32_t BlockSharer::place(std::span<const std::uint32_t> ranks)
     block.number = static_cast<std::uint32_t>(places_.size());
     places_.push_back(0);
     PROXIMA_CHECK(join(block, bit, ranks));
-    return block.number;
+    return place_in(block, ranks);
 }
 
 void BlockSharer::write(OpenBlock& block, std::uint64_t bit)
 {
     if (block.rank_count == 0) return;
     std::array<BlockTriangle, block_triangles> triangles{};
-    std::sort(block.ranks.begin(),
-              block.ranks.begin() + static_cast<std::ptrdiff_t>(block.rank_count));
     for (std::size_t i = 0; i < block.rank_count; ++i) {
         triangles[i] = {block.ranks[i], source_.triangles[block.ranks[i]]};
         open_of_[block.ranks[i]] &= ~bit;

@@ -31,9 +31,15 @@ public:
     /// Starts an arena.
     void begin();
 
-    /// The number of the block that holds these triangles from now on. \pre 1 to 16 distinct ranks,
+    /// Where triangles are.
+    struct Place {
+        std::uint32_t number = 0; ///< of the block
+        std::uint32_t mask = 0;   ///< bit i: the block's triangle i is one of them
+    };
+
+    /// The block that holds these triangles from now on. \pre 1 to 16 distinct ranks,
     /// at most 32 vertices
-    std::uint32_t place(std::span<const std::uint32_t> ranks);
+    Place place(std::span<const std::uint32_t> ranks);
 
     /// Writes all that is open. Block number i then begins at places()[i] in arena().
     void end();
@@ -55,6 +61,8 @@ private:
 
     [[nodiscard]] bool join(OpenBlock& block, std::uint64_t bit,
                             std::span<const std::uint32_t> ranks);
+    [[nodiscard]] static Place place_in(const OpenBlock& block,
+                                        std::span<const std::uint32_t> ranks);
     void write(OpenBlock& block, std::uint64_t bit);
 
     BlockSource source_;
