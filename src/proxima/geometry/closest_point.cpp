@@ -28,7 +28,7 @@ SegmentPoint closest_point(const Segment& segment, const Vec3& p) noexcept
     return {segment.at(t), t};
 }
 
-TrianglePoint closest_point(const Triangle& triangle, const Vec3& p) noexcept
+std::optional<TrianglePoint> closest_point_inside(const Triangle& triangle, const Vec3& p) noexcept
 {
     // The longest side u is the base and h the height on it, so that a sliver's height is found
     // without cancellation to be as small as it is.
@@ -53,21 +53,27 @@ TrianglePoint closest_point(const Triangle& triangle, const Vec3& p) noexcept
     const double at_next = x_foot - at_apex * apex_foot;
     const double at_base = 1 - at_apex - at_next;
 
+    if (!(h_squared > 0 && at_apex > 0 && at_next > 0 && at_base > 0)) return std::nullopt;
     TrianglePoint result;
-    if (h_squared > 0 && at_apex > 0 && at_next > 0 && at_base > 0) {
-        result.weights[base] = at_base;
-        result.weights[next] = at_next;
-        result.weights[apex] = at_apex;
-        // As seen from the corner that weighs most, which keeps rounding small.
-        const auto heaviest = static_cast<std::size_t>(std::ranges::max_element(result.weights) -
-                                                       result.weights.begin());
-        const std::size_t second = (heaviest + 1) % 3;
-        const std::size_t third = (heaviest + 2) % 3;
-        result.point = v[heaviest] + result.weights[second] * sides[heaviest] -
-                       result.weights[third] * sides[third];
-        result.part = TrianglePart::inside;
-        return result;
-    }
+    result.weights[base] = at_base;
+    result.weights[next] = at_next;
+    result.weights[apex] = at_apex;
+    // As seen from the corner that weighs most, which keeps rounding small.
+    const auto heaviest =
+        static_cast<std::size_t>(std::ranges::max_element(result.weights) - result.weights.begin());
+    const std::size_t second = (heaviest + 1) % 3;
+    const std::size_t third = (heaviest + 2) % 3;
+    result.point = v[heaviest] + result.weights[second] * sides[heaviest] -
+                   result.weights[third] * sides[third];
+    result.part = TrianglePart::inside;
+    return result;
+}
+
+TrianglePoint closest_point(const Triangle& triangle, const Vec3& p) noexcept
+{
+    if (const auto inside = closest_point_inside(triangle, p)) return *inside;
+    const auto& v = triangle.vertices;
+    TrianglePoint result;
     double best = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < 3; ++i) {
         const SegmentPoint candidate = closest_point(Segment{v[i], v[(i + 1) % 3]}, p);
