@@ -16,16 +16,13 @@
 // Only symmetric trace-free parts of the moments matter: derivatives of 1/R are such tensors.
 #include "proxima/octree/winding_number.h"
 
-#include "proxima/base/radix_sort.h"
 #include "proxima/geometry/solid_angle.h"
-#include "proxima/octree/cell.h"
+#include "proxima/mesh/morton_order.h"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 #include <numbers>
-#include <optional>
 
 namespace proxima {
 
@@ -162,35 +159,6 @@ void fill_parent(WindingCluster& parent, Extent& extent, const WindingCluster& l
 }
 
 // Topology: halves of Morton ranges, cut where the codes' highest bit changes.
-
-/// Nothing where `progress` asks to stop.
-std::optional<std::vector<KeyedIndex>> morton_order(const TriangleMesh& mesh, const Box& bounds,
-                                                    Progress* progress)
-{
-    constexpr unsigned key_bits = 3 * max_octree_depth + 1;
-    StageSteps steps(progress, "sorting triangles",
-                     (radix_passes(key_bits) + 1) * mesh.triangle_count());
-    constexpr double cells = static_cast<double>(1U << max_octree_depth);
-    const double edge = bounds.extent().maxCoeff();
-    const double scale = edge > 0.0 ? cells / edge : 0.0;
-    std::vector<KeyedIndex> items(mesh.triangle_count());
-    for (std::size_t i = 0; i < items.size(); ++i) {
-        const Triangle triangle = mesh.triangle(TriangleId{static_cast<std::uint32_t>(i)});
-        std::array<std::uint32_t, 3> at{};
-        for (int axis = 0; axis < 3; ++axis) {
-            const double low = bounds.lower[axis];
-            const double mean = ((triangle[0][axis] - low) + (triangle[1][axis] - low) +
-                                 (triangle[2][axis] - low)) /
-                                3.0;
-            at[static_cast<std::size_t>(axis)] =
-                static_cast<std::uint32_t>(std::clamp(mean * scale, 0.0, cells - 1.0));
-        }
-        items[i] = {cell_key(at, max_octree_depth).bits, static_cast<std::uint32_t>(i)};
-        if (!steps.done(1)) return std::nullopt;
-    }
-    if (!radix_sort(items, key_bits, steps)) return std::nullopt;
-    return items;
-}
 
 /// Appends the cluster of items [begin, end) and all below it, parents first.
 void append_clusters(std::vector<WindingCluster>& clusters, std::span<const KeyedIndex> items,

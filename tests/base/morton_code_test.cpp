@@ -1,0 +1,24 @@
+#include "proxima/base/morton_code.h"
+
+#include <gtest/gtest.h>
+#include <random>
+
+namespace proxima {
+namespace {
+
+TEST(MortonCode, TakesBitsInTurns)
+{
+    std::mt19937 random(1);
+    for (int i = 0; i < 1000; ++i) {
+        const std::array<std::uint32_t, 3> at = {random() >> 11U, random() >> 11U, random() >> 11U};
+        std::uint64_t code = 0;
+        for (unsigned bit = 0; bit < 3 * morton_bits; ++bit) {
+            code |= std::uint64_t{at[bit % 3] >> bit / 3 & 1U} << bit;
+        }
+        EXPECT_EQ(morton_code(at), code);
+        EXPECT_EQ(morton_coordinates(code), at);
+    }
+}
+
+} // namespace
+} // namespace proxima
