@@ -235,7 +235,7 @@ TEST(FeatureDistance, OfATriangleIsTheBestOfItsFeatures)
         const TriangleMesh& mesh = named.mesh;
         const Topology topology = build_topology(mesh).value();
         for (const Vec3& p : proximity_points(mesh, 30, 3)) {
-            FeatureDistance best;
+            NearestFeature best;
             for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
                 offer_triangle(mesh, topology, TriangleId{i}, p, best);
             }

@@ -17,7 +17,7 @@
 #include "proxima/octree/winding_number.h"
 
 #include "proxima/geometry/solid_angle.h"
-#include "proxima/mesh/morton_order.h"
+#include "proxima/mesh/triangle_order.h"
 
 #include <algorithm>
 #include <bit>
@@ -291,7 +291,7 @@ Result<WindingNumber> build_winding_number(const TriangleMesh& mesh, const Windi
     winding.unit_ = unit_for(bounds.extent().maxCoeff());
     std::vector<WindingCluster>& clusters = winding.clusters_;
     {
-        const auto items = morton_order(mesh, bounds, options.progress);
+        const auto items = triangle_order(mesh, bounds, SpaceCurve::morton, options.progress);
         if (!items) return cancelled();
         winding.order_.reserve(items->size());
         for (const KeyedIndex& item : *items) winding.order_.push_back(TriangleId{item.index});

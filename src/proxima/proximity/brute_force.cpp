@@ -9,9 +9,9 @@ ClosestFeature closest_feature_by_brute_force(const TriangleMesh& mesh, const To
                                               const Vec3& p) noexcept
 {
     PROXIMA_CHECK_GT(mesh.triangle_count(), 0U);
-    FeatureDistance best;
+    NearestFeature best;
     const auto offer = [&](double squared, FeatureKind kind, std::uint32_t id) {
-        const FeatureDistance found = {squared, {kind, id}};
+        const NearestFeature found = {squared, {kind, id}};
         if (squared <= best.squared && found < best) best = found;
     };
     for (std::uint32_t id = 0; id < mesh.vertex_count(); ++id) {

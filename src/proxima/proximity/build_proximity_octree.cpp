@@ -2,7 +2,7 @@
 
 #include "proxima/base/hash.h"
 #include "proxima/base/text.h"
-#include "proxima/mesh/morton_order.h"
+#include "proxima/mesh/triangle_order.h"
 #include "proxima/proximity/cut_cells.h"
 #include "proxima/proximity/emit_octree.h"
 
@@ -111,7 +111,7 @@ public:
 private:
     bool sort_triangles()
     {
-        const auto items = morton_order(mesh_, bounds_, options_.progress);
+        const auto items = triangle_order(mesh_, bounds_, SpaceCurve::morton, options_.progress);
         if (!items) return false;
         order_.reserve(items->size());
         for (const KeyedIndex& item : *items) order_.push_back(TriangleId{item.index});

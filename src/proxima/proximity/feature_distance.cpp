@@ -87,13 +87,13 @@ double squared_distance(const TriangleMesh& mesh, TriangleId face, const Vec3& p
 }
 
 void offer_triangle(const TriangleMesh& mesh, const Topology& topology, TriangleId triangle,
-                    const Vec3& p, FeatureDistance& best) noexcept
+                    const Vec3& p, NearestFeature& best) noexcept
 {
     const Triangle shape = mesh.triangle(triangle);
     if (is_farther(shape, p, best.squared)) return;
     const auto offer = [&](double squared, FeatureKind kind, std::uint32_t id) {
         if (!(squared <= best.squared)) return;
-        const FeatureDistance found = {squared, {kind, id}};
+        const NearestFeature found = {squared, {kind, id}};
         if (found < best) best = found;
     };
     if (const auto foot = closest_point_of_face(shape, p)) {

@@ -21,16 +21,16 @@
 namespace proxima {
 
 /// A feature and its squared distance; none yet by default.
-struct FeatureDistance {
+struct NearestFeature {
     double squared = std::numeric_limits<double>::infinity();
     Feature feature = {FeatureKind::face, index(no_triangle)};
 
     /// The order of answers.
-    friend constexpr bool operator<(const FeatureDistance& a, const FeatureDistance& b) noexcept
+    friend constexpr bool operator<(const NearestFeature& a, const NearestFeature& b) noexcept
     {
         return a.squared != b.squared ? a.squared < b.squared : a.feature < b.feature;
     }
-    friend constexpr bool operator==(const FeatureDistance&, const FeatureDistance&) = default;
+    friend constexpr bool operator==(const NearestFeature&, const NearestFeature&) = default;
 };
 
 /// What a feature does not have that does not count.
@@ -58,7 +58,7 @@ inline constexpr double no_distance = std::numeric_limits<double>::quiet_NaN();
 
 /// Lowers `best` to the best of itself and all features of the triangle. 20 to 100 ns.
 void offer_triangle(const TriangleMesh& mesh, const Topology& topology, TriangleId triangle,
-                    const Vec3& p, FeatureDistance& best) noexcept;
+                    const Vec3& p, NearestFeature& best) noexcept;
 
 /// The lowest triangle incident to a feature. \pre it has one
 [[nodiscard]] TriangleId lowest_triangle(const Topology& topology, const Feature& feature) noexcept;

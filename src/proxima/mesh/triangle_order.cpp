@@ -1,5 +1,6 @@
-#include "proxima/mesh/morton_order.h"
+#include "proxima/mesh/triangle_order.h"
 
+#include "proxima/base/hilbert_code.h"
 #include "proxima/base/morton_code.h"
 
 #include <algorithm>
@@ -7,13 +8,13 @@
 
 namespace proxima {
 
-std::optional<std::vector<KeyedIndex>> morton_order(const TriangleMesh& mesh, const Box& bounds,
-                                                    Progress* progress)
+std::optional<std::vector<KeyedIndex>> triangle_order(const TriangleMesh& mesh, const Box& bounds,
+                                                      SpaceCurve curve, Progress* progress)
 {
-    constexpr unsigned key_bits = 3 * morton_order_bits;
+    constexpr unsigned key_bits = 3 * triangle_order_bits;
     StageSteps steps(progress, "sorting triangles",
                      (radix_passes(key_bits) + 1) * mesh.triangle_count());
-    constexpr double cells = static_cast<double>(1U << morton_order_bits);
+    constexpr double cells = static_cast<double>(1U << triangle_order_bits);
     const double edge = bounds.extent().maxCoeff();
     const double scale = edge > 0.0 ? cells / edge : 0.0;
     std::vector<KeyedIndex> items(mesh.triangle_count());
@@ -28,7 +29,9 @@ std::optional<std::vector<KeyedIndex>> morton_order(const TriangleMesh& mesh, co
             at[static_cast<std::size_t>(axis)] =
                 static_cast<std::uint32_t>(std::clamp(mean * scale, 0.0, cells - 1.0));
         }
-        items[i] = {morton_code(at), static_cast<std::uint32_t>(i)};
+        const std::uint64_t code =
+            curve == SpaceCurve::morton ? morton_code(at) : hilbert_code(at, triangle_order_bits);
+        items[i] = {code, static_cast<std::uint32_t>(i)};
         if (!steps.done(1)) return std::nullopt;
     }
     if (!radix_sort(items, key_bits, steps)) return std::nullopt;

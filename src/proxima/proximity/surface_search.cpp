@@ -1,0 +1,81 @@
+#include "proxima/proximity/surface_search.h"
+
+#include "proxima/mesh/triangle_order.h"
+#include "proxima/proximity/triangle_lanes.h"
+
+#include <array>
+#include <bit>
+
+namespace proxima {
+
+Result<SurfaceSearch> build_surface_search(const TriangleMesh& mesh, const Topology& topology,
+                                           const TriangleTreeOptions& options)
+{
+    const Result<Box> bounds = detail::checked_tree_bounds(mesh);
+    if (!bounds) return tl::unexpected(bounds.error());
+    SurfaceSearch search;
+    search.mesh_ = &mesh;
+    search.topology_ = &topology;
+    {
+        const auto items = triangle_order(mesh, *bounds, SpaceCurve::hilbert, options.progress);
+        if (!items) return fail(ErrorCode::cancelled, "surface search: stopped on request");
+        search.order_.reserve(items->size());
+        for (const KeyedIndex& item : *items) search.order_.push_back(TriangleId{item.index});
+    }
+    Result<TriangleTree> tree = build_triangle_tree(mesh, search.order_, options);
+    if (!tree) return tl::unexpected(tree.error());
+    search.tree_ = std::move(*tree);
+    return search;
+}
+
+void find_closest(const SurfaceSearch& search, const Vec3& p, NearestFeature& best) noexcept
+{
+    const double scale = search.tree().scale();
+    const double reach = search.tree().reach();
+    using Distances = std::array<double, TriangleTree::width>;
+    const auto within_limit = [&](const Distances& squared) {
+        const double limit = triangle_distance_limit(best.squared * scale * scale, reach);
+        std::uint32_t lanes = 0;
+        for (std::size_t i = 0; i < squared.size(); ++i) {
+            lanes |= (squared[i] > limit ? 0U : 1U) << i;
+        }
+        return lanes;
+    };
+    visit_nearest(search.tree(), p, best.squared, [&](RankRange ranks) noexcept {
+        const std::span<const TriangleId> ids = search.triangles(ranks);
+        Distances squared;
+        triangle_distances(search.mesh(), ids, p, scale, squared);
+        // The nearest one that is left, until none can be nearer than what was found.
+        std::uint32_t left = (1U << ids.size()) - 1;
+        for (left &= within_limit(squared); left != 0; left &= within_limit(squared)) {
+            int nearest = std::countr_zero(left);
+            for (std::uint32_t others = left & (left - 1); others != 0; others &= others - 1) {
+                const int other = std::countr_zero(others);
+                if (squared[other] < squared[nearest]) nearest = other;
+            }
+            left &= ~(1U << nearest);
+            offer_triangle(search.mesh(), search.topology(), ids[nearest], p, best);
+        }
+        return best.squared;
+    });
+}
+
+ClosestFeature closest_feature(const SurfaceSearch& search, const Vec3& p) noexcept
+{
+    NearestFeature best;
+    find_closest(search, p, best);
+    return describe_closest(search.mesh(), search.topology(), best.feature, p);
+}
+
+std::optional<ClosestFeature> closest_feature(const SurfaceSearch& search, const Vec3& p,
+                                              double radius) noexcept
+{
+    NearestFeature best;
+    best.squared = radius * radius;
+    const Feature none = best.feature;
+    find_closest(search, p, best);
+    if (best.feature == none) return std::nullopt;
+    return describe_closest(search.mesh(), search.topology(), best.feature, p);
+}
+
+} // namespace proxima

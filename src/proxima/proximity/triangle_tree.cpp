@@ -1,0 +1,169 @@
+#include "proxima/proximity/triangle_tree.h"
+
+#include "proxima/base/check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace proxima {
+
+namespace {
+
+constexpr double max_extent = 1e150; // squared distances must be numbers
+constexpr std::size_t blocks_per_task = 64;
+constexpr float float_infinity = std::numeric_limits<float>::infinity();
+
+/// The greatest float that is not above the value, and the least not below it.
+float rounded_down(double value) noexcept
+{
+    const auto nearest = static_cast<float>(value);
+    return nearest <= value ? nearest : std::nextafter(nearest, -float_infinity);
+}
+float rounded_up(double value) noexcept
+{
+    return -rounded_down(-value);
+}
+
+void set_entry(TriangleTreeBlock& block, std::size_t entry, const TriangleTreeBlock& boxes) noexcept
+{
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        block.lower[axis][entry] = *std::ranges::min_element(boxes.lower[axis]);
+        block.upper[axis][entry] = *std::ranges::max_element(boxes.upper[axis]);
+    }
+}
+
+TriangleTreeBlock empty_block() noexcept
+{
+    TriangleTreeBlock block{};
+    for (auto& coordinates : block.lower) coordinates.fill(float_infinity);
+    for (auto& coordinates : block.upper) coordinates.fill(-float_infinity);
+    return block;
+}
+
+std::uint32_t blocks_for(std::uint32_t entries) noexcept
+{
+    return (entries + TriangleTree::width - 1) / TriangleTree::width;
+}
+
+} // namespace
+
+// The steps of build_triangle_tree, in the order of their calls there.
+class TriangleTreeBuilder {
+public:
+    TriangleTreeBuilder(const TriangleMesh& mesh, std::span<const TriangleId> order,
+                        const Box& bounds)
+        : mesh_(mesh), order_(order)
+    {
+        tree_.origin_ = bounds.center();
+        tree_.triangle_count_ = static_cast<std::uint32_t>(order.size());
+        const double extent = bounds.extent().maxCoeff();
+        if (extent > 0)
+            tree_.scale_ = std::ldexp(1.0, std::clamp(-std::ilogb(extent), -1000, 1000));
+        const double largest =
+            std::max(bounds.lower.cwiseAbs().maxCoeff(), bounds.upper.cwiseAbs().maxCoeff());
+        // Queries round a coordinate by 2^-52 of itself, features their points by less than 2^-48
+        // of the mesh's coordinates.
+        tree_.reach_ = largest * tree_.scale_;
+        margin_ = 0x1p-26 + 0x1p-48 * tree_.reach_;
+    }
+
+    void lay_out()
+    {
+        std::uint32_t entries = blocks_for(tree_.triangle_count_);
+        std::uint32_t blocks = 0;
+        do {
+            tree_.levels_[tree_.level_count_++] = {blocks, entries};
+            entries = blocks_for(entries);
+            blocks += entries;
+        } while (entries > 1);
+        tree_.blocks_.assign(blocks, empty_block());
+    }
+
+    /// The groups of one block of the lowest level.
+    void fill_groups(std::uint32_t block) noexcept
+    {
+        constexpr std::uint32_t width = TriangleTree::width;
+        const std::uint32_t first = block * width;
+        const std::uint32_t end = std::min(first + width, tree_.levels_[0].entries);
+        for (std::uint32_t group = first; group < end; ++group) {
+            Box box;
+            const std::size_t begin = std::size_t{group} * width;
+            const std::size_t count = std::min<std::size_t>(width, order_.size() - begin);
+            for (const TriangleId id : order_.subspan(begin, count)) {
+                for (const Vec3& vertex : mesh_.triangle(id).vertices) box.extend(vertex);
+            }
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const auto k = static_cast<Eigen::Index>(axis);
+                const double low = (box.lower[k] - tree_.origin_[k]) * tree_.scale_;
+                const double high = (box.upper[k] - tree_.origin_[k]) * tree_.scale_;
+                TriangleTreeBlock& at = tree_.blocks_[block];
+                at.lower[axis][group - first] = rounded_down(low - margin_);
+                at.upper[axis][group - first] = rounded_up(high + margin_);
+            }
+        }
+    }
+
+    void fill_parents() noexcept
+    {
+        for (std::size_t level = 1; level < tree_.level_count_; ++level) {
+            const std::uint32_t below = tree_.levels_[level - 1].first_block;
+            const std::uint32_t here = tree_.levels_[level].first_block;
+            for (std::uint32_t entry = 0; entry < tree_.levels_[level].entries; ++entry) {
+                set_entry(tree_.blocks_[here + entry / TriangleTree::width],
+                          entry % TriangleTree::width, tree_.blocks_[below + entry]);
+            }
+        }
+    }
+
+    [[nodiscard]] std::uint32_t group_blocks() const noexcept
+    {
+        return blocks_for(tree_.levels_[0].entries);
+    }
+    [[nodiscard]] TriangleTree result() noexcept { return std::move(tree_); }
+
+private:
+    const TriangleMesh& mesh_;
+    std::span<const TriangleId> order_;
+    double margin_ = 0;
+    TriangleTree tree_;
+};
+
+Result<Box> detail::checked_tree_bounds(const TriangleMesh& mesh)
+{
+    Result<Box> bounds = checked_bounding_box(mesh);
+    if (bounds && !(bounds->extent().maxCoeff() < max_extent)) {
+        return fail(ErrorCode::invalid_mesh,
+                    "the mesh is too large for squared distances to be numbers: scale it down");
+    }
+    return bounds;
+}
+
+Result<TriangleTree> build_triangle_tree(const TriangleMesh& mesh,
+                                         std::span<const TriangleId> order,
+                                         const TriangleTreeOptions& options)
+{
+    PROXIMA_CHECK_EQ(order.size(), mesh.triangle_count());
+    const Result<Box> bounds = detail::checked_tree_bounds(mesh);
+    if (!bounds) return tl::unexpected(bounds.error());
+    TriangleTreeBuilder builder(mesh, order, *bounds);
+    builder.lay_out();
+    const std::size_t tasks = (builder.group_blocks() + blocks_per_task - 1) / blocks_per_task;
+    if (options.progress != nullptr) options.progress->begin_stage("triangle tree", tasks);
+    parallel_for(tasks, options.threads, [&](std::size_t task) {
+        if (is_cancelled(options.progress)) return;
+        const std::size_t end =
+            std::min<std::size_t>((task + 1) * blocks_per_task, builder.group_blocks());
+        for (std::size_t block = task * blocks_per_task; block < end; ++block) {
+            builder.fill_groups(static_cast<std::uint32_t>(block));
+        }
+        if (options.progress != nullptr) options.progress->advance(1);
+    });
+    if (is_cancelled(options.progress)) {
+        return fail(ErrorCode::cancelled, "triangle tree: stopped on request");
+    }
+    builder.fill_parents();
+    return builder.result();
+}
+
+} // namespace proxima
