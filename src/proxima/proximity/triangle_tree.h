@@ -18,6 +18,7 @@
 #include "proxima/base/result.h"
 #include "proxima/geometry/shapes.h"
 #include "proxima/mesh/triangle_mesh.h"
+#include "proxima/octree/traverse.h"
 
 #include <array>
 #include <cstdint>
@@ -108,8 +109,8 @@ void visit_nearest(const TriangleTree& tree, const Box& query, double bound_squa
 
 /// Visits groups of up to 8 triangles whose boxes are within a bound of p, near ones first as far
 /// as depth first allows. `visitor(RankRange)` returns the squared bound from then on: what it has
-/// found so far. Ends when no group within the bound is left. No allocation; noexcept, as the
-/// visitor must be. \pre p is finite
+/// found so far, negative to end the search. Ends when no group within the bound is left. No
+/// allocation; noexcept, as the visitor must be. \pre p is finite
 template <class Visitor>
 void visit_nearest(const TriangleTree& tree, const Vec3& p, double bound_squared,
                    Visitor&& visitor) noexcept
@@ -124,15 +125,19 @@ void visit_nearest(const TriangleTree& tree, const Vec3& p, double bound_squared
 }
 
 /// Visits all groups whose boxes are within a distance of a box, a point for one, in the same
-/// order: `visitor(RankRange)`. Every feature that is, as computed, no farther is in one of them.
-/// \pre the box is finite and not empty
+/// order: `visitor(RankRange)`, which may return Flow to end the search. Every feature that is, as
+/// computed, no farther is in one of them. \pre the box is finite and not empty
 template <class Visitor>
 void visit_within(const TriangleTree& tree, const Box& box, double distance_squared,
                   Visitor&& visitor) noexcept
 {
-    auto all = [&](RankRange ranks) noexcept {
-        visitor(ranks);
-        return distance_squared;
+    auto all = [&](RankRange ranks) noexcept -> double {
+        if constexpr (std::is_same_v<std::invoke_result_t<Visitor&, RankRange>, Flow>) {
+            return visitor(ranks) == Flow::stop ? -1.0 : distance_squared;
+        } else {
+            visitor(ranks);
+            return distance_squared;
+        }
     };
     detail::visit_nearest(
         tree, box, distance_squared,

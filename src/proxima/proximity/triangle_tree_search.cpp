@@ -58,6 +58,7 @@ HWY_INLINE void box_distances(const TriangleTreeBlock& block, const TreeQuery& q
 /// The squared bound in the tree's units: greater by more than distances to boxes are rounded.
 HWY_INLINE double limit_of(double bound_squared, double scale)
 {
+    if (bound_squared < 0) return -1;
     return bound_squared * scale * scale * (1 + 0x1p-45) + std::numeric_limits<double>::min();
 }
 
