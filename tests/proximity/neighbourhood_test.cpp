@@ -2,7 +2,7 @@
 
 #include "proxima/geometry/closest_point.h"
 #include "proxima/proximity/brute_force.h"
-#include "proximity/allocation_count.h"
+#include "counted_allocations.h"
 #include "proximity/test_meshes.h"
 
 #include <gtest/gtest.h>

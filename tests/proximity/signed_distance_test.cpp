@@ -3,7 +3,7 @@
 #include "oracles/exact_winding.h"
 #include "proxima/geometry/triangle_contact.h"
 #include "proxima/mesh/mesh_io.h"
-#include "proximity/allocation_count.h"
+#include "counted_allocations.h"
 #include "proximity/test_meshes.h"
 
 #include <filesystem>

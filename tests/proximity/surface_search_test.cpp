@@ -3,7 +3,7 @@
 #include "proxima/base/simd.h"
 #include "proxima/proximity/brute_force.h"
 #include "proxima/proximity/triangle_lanes.h"
-#include "proximity/allocation_count.h"
+#include "counted_allocations.h"
 #include "proximity/test_meshes.h"
 
 #include <gtest/gtest.h>

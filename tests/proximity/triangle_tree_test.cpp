@@ -3,7 +3,7 @@
 #include "oracles/quad_distance.h"
 #include "proxima/base/simd.h"
 #include "proxima/mesh/triangle_order.h"
-#include "proximity/allocation_count.h"
+#include "counted_allocations.h"
 #include "proximity/test_meshes.h"
 
 #include <gtest/gtest.h>

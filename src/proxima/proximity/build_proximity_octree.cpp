@@ -18,6 +18,7 @@ namespace {
 /// All arrays of an octree that was built.
 struct ProximityStorage {
     EmittedOctree cells;
+    TriangleTree tree;
     GrowBuffer<TriangleRow<float>> float_rows;
     GrowBuffer<TriangleRow<double>> double_rows;
     GrowBuffer<std::uint32_t> vertex_rows;
@@ -87,7 +88,12 @@ public:
     Result<ProximityOctree> build()
     {
         auto storage = std::make_shared<ProximityStorage>();
-        if (!sort_triangles() || !make_tables(*storage)) return tl::unexpected(cancelled());
+        if (!sort_triangles()) return tl::unexpected(cancelled());
+        auto tree = build_triangle_tree(
+            mesh_, order_, {.threads = options_.threads, .progress = options_.progress});
+        if (!tree) return tl::unexpected(tree.error());
+        storage->tree = std::move(*tree);
+        if (!make_tables(*storage)) return tl::unexpected(cancelled());
         const std::uint64_t budget = options_.budget_bytes != 0
                                          ? options_.budget_bytes
                                          : default_bytes_per_triangle * mesh_.triangle_count();
@@ -244,7 +250,8 @@ private:
                                      storage->vertex_rows.span(), storage->edge_rows.span()};
         const int table_depth = storage->cells.table_depth;
         const ProximityStatistics statistics = storage->cells.statistics;
-        return ProximityOctree::adopt(frame_, table_depth, arrays, statistics,
+        const TriangleTree* const tree = &storage->tree;
+        return ProximityOctree::adopt(frame_, table_depth, arrays, tree, statistics,
                                       mesh_fingerprint(mesh_), std::move(storage));
     }
 

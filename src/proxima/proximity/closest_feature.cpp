@@ -68,56 +68,55 @@ HWY_INLINE void prefetch_row(const TriangleRow<Scalar>& row)
     if (sizeof(row) > 64) hwy::Prefetch(&row.edges[2]);
 }
 
+HWY_INLINE RowScale scale_of(const ProximityOctree& octree)
+{
+    return {octree.frame().scale, 1 / octree.frame().scale};
+}
+
 /// Looks at the candidates in doubles.
 template <class Scalar>
 HWY_INLINE void recheck(const BlockCandidates& candidates,
                         std::span<const TriangleRow<Scalar>> rows, const Vec3& p,
-                        FeatureDistance& best, QuerySteps& steps)
+                        const RowScale& scale, FeatureDistance& best, QuerySteps& steps)
 {
     for (std::uint32_t left = candidates.lanes; left != 0; left &= left - 1)
         prefetch_row(rows[candidates.rank(std::countr_zero(left))]);
     for (std::uint32_t left = candidates.lanes; left != 0; left &= left - 1) {
         const std::uint32_t rank = candidates.rank(std::countr_zero(left));
-        const FeatureDistance found = closest_of_row(rows[rank], rank, p);
+        const FeatureDistance found = closest_of_row(rows[rank], rank, p, scale);
         if (found.before(best)) best = found;
         ++steps.rechecks;
     }
 }
 
-/// All triangles: for points outside of the root.
+/// By the tree over all triangles: for points outside of the root.
 template <class Scalar>
-FeatureDistance search_all_rows(std::span<const TriangleRow<Scalar>> rows, const Vec3& p)
+FeatureDistance search_tree(const ProximityOctree& octree,
+                            std::span<const TriangleRow<Scalar>> rows, const Vec3& p,
+                            QuerySteps& steps)
 {
+    const RowScale scale = scale_of(octree);
     FeatureDistance best;
     best.squared = std::numeric_limits<double>::infinity();
-    for (std::uint32_t rank = 0; rank < rows.size(); ++rank) {
-        const FeatureDistance found = closest_of_row(rows[rank], rank, p);
-        if (found.before(best)) best = found;
-    }
+    visit_nearest(octree.tree(), p, best.squared, [&](RankRange ranks) noexcept {
+        for (std::uint32_t rank = ranks.first; rank < ranks.first + ranks.count; ++rank) {
+            const FeatureDistance found = closest_of_row(rows[rank], rank, p, scale);
+            if (found.before(best)) best = found;
+        }
+        steps.rechecks += ranks.count;
+        return best.squared;
+    });
     return best;
-}
-
-/// The leaf's centre in the frame.
-HWY_INLINE Vec3 center_of(const ProximityOctree& octree, const std::array<std::uint32_t, 3>& at,
-                          int depth)
-{
-    const int shift = static_cast<int>(ProximityOctree::location_bits) - depth;
-    const double half = octree.frame().frame_half();
-    const double edge = 2 * half / static_cast<double>(1U << depth);
-    Vec3 center;
-    for (int axis = 0; axis < 3; ++axis)
-        center[axis] = -half + edge * ((at[static_cast<std::size_t>(axis)] >> shift) + 0.5);
-    return center;
 }
 
 /// A leaf of several blocks: those whose lower bound is beyond what was found are passed over.
 template <class Scalar>
 void search_run(const ProximityOctree& octree, std::span<const TriangleRow<Scalar>> rows,
-                const std::array<std::uint32_t, 3>& at, const FoundLeaf& leaf, const Vec3& frame_p,
-                const Vec3& p, FeatureDistance& best, QuerySteps& steps)
+                std::uint64_t word, const Vec3& frame_p, const Vec3& p, FeatureDistance& best,
+                QuerySteps& steps)
 {
-    const RunEntry* const run = octree.arrays().runs.data() + proximity_word::place(leaf.word);
-    const Vec3 from_center = frame_p - center_of(octree, at, leaf.depth);
+    const RunEntry* const run = octree.arrays().runs.data() + proximity_word::place(word);
+    const Vec3 from_center = frame_p - Eigen::Vector3f(run->direction).cast<double>();
     const double radius = from_center.norm();
     const std::byte* const arena = octree.arrays().arena.data();
     double nearest = std::numeric_limits<double>::infinity(); // in the frame, rounded up
@@ -137,7 +136,7 @@ void search_run(const ProximityOctree& octree, std::span<const TriangleRow<Scala
         BlockCandidates candidates;
         scan_block<true>(block, entry.mask, frame_p, in_units, candidates);
         if (candidates.lanes == 0) continue;
-        recheck(candidates, rows, p, best, steps);
+        recheck(candidates, rows, p, scale_of(octree), best, steps);
         nearest = std::sqrt(best.squared) * octree.frame().scale * (1 + 0x1p-40) + 0x1p-44;
     }
 }
@@ -151,11 +150,11 @@ HWY_INLINE FeatureDistance search(const ProximityOctree& octree,
     best.squared = std::numeric_limits<double>::infinity();
     const Vec3 frame_p = octree.frame().to_frame(p);
     std::array<std::uint32_t, 3> at{};
-    if (!octree.locate(frame_p, at)) return search_all_rows(rows, p);
+    if (!octree.locate(frame_p, at)) return search_tree(octree, rows, p, steps);
     const FoundLeaf leaf = find_leaf(octree, at);
     steps.steps += 1 + static_cast<std::uint32_t>(HWY_MAX(leaf.depth - octree.table_depth(), 0));
     if (proximity_word::is_run(leaf.word)) [[unlikely]] {
-        search_run(octree, rows, at, leaf, frame_p, p, best, steps);
+        search_run(octree, rows, leaf.word, frame_p, p, best, steps);
         return best;
     }
     const std::byte* const block = octree.arrays().arena.data() +
@@ -164,7 +163,7 @@ HWY_INLINE FeatureDistance search(const ProximityOctree& octree,
     ++steps.blocks;
     BlockCandidates candidates;
     scan_block<false>(block, proximity_word::mask(leaf.word), frame_p, 0, candidates);
-    recheck(candidates, rows, p, best, steps);
+    recheck(candidates, rows, p, scale_of(octree), best, steps);
     return best;
 }
 
@@ -248,7 +247,7 @@ void search_together(const ProximityOctree& octree, std::span<const TriangleRow<
             continue;
         }
         found[i].squared = std::numeric_limits<double>::infinity();
-        recheck(query.candidates, rows, points[i], found[i], steps);
+        recheck(query.candidates, rows, points[i], scale_of(octree), found[i], steps);
     }
 }
 

@@ -131,10 +131,15 @@ private:
 
     std::uint32_t add_run(CellKey key)
     {
-        const Vec3 center = center_of(key);
+        const Vec3 exact_center = center_of(key);
         const std::size_t begin = result_.runs.size();
-        result_.runs.emplace_back();
-        result_.runs.back().place = static_cast<std::uint32_t>(chunks_.size() - 1);
+        RunEntry& head = result_.runs.emplace_back();
+        head.place = static_cast<std::uint32_t>(chunks_.size() - 1);
+        Vec3 center;
+        for (int axis = 0; axis < 3; ++axis) {
+            head.direction[axis] = static_cast<float>(exact_center[axis]);
+            center[axis] = static_cast<double>(head.direction[axis]);
+        }
         for (std::size_t i = 0; i + 1 < chunks_.size(); ++i) {
             const std::span chunk =
                 std::span(ranks_).subspan(chunks_[i], chunks_[i + 1] - chunks_[i]);
@@ -229,6 +234,17 @@ private:
     std::mutex mutex_;
     std::vector<std::unique_ptr<TreeEmitter>> free_;
 };
+
+/// Those that the top still leads to.
+void find_trees_in_use(const GrownForest& forest, std::size_t cell, std::vector<bool>& used)
+{
+    if (forest.below_of[cell] != GrownForest::no_tree) {
+        used[forest.below_of[cell]] = true;
+        return;
+    }
+    const std::size_t first = forest.top.cells[cell].children;
+    for (std::size_t i = 0; first != 0 && i < 8; ++i) find_trees_in_use(forest, first + i, used);
+}
 
 /// The trees in use, each on its own. Null where cancelled.
 std::optional<std::vector<EmittedTree>> emit_trees(std::span<const GrownTree> trees,
@@ -401,8 +417,7 @@ std::optional<EmittedOctree> emit_octree(const GrownForest& forest, const BlockS
                                          const EmitOptions& options)
 {
     std::vector<bool> used(forest.below.size());
-    for (const std::uint32_t tree : forest.below_of)
-        if (tree != GrownForest::no_tree) used[tree] = true;
+    find_trees_in_use(forest, 0, used);
     EmitterPool pool(source, options.frame_half);
     auto emitted = emit_trees(forest.below, used, pool, options);
     if (!emitted) return std::nullopt;

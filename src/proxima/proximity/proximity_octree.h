@@ -20,6 +20,7 @@
 #include "proxima/base/result.h"
 #include "proxima/proximity/root_frame.h"
 #include "proxima/proximity/triangle_row.h"
+#include "proxima/proximity/triangle_tree.h"
 
 #include <array>
 #include <cstddef>
@@ -61,7 +62,8 @@ inline constexpr std::uint32_t max_place = (1U << 30U) - 1;
 }
 } // namespace proximity_word
 
-/// A block of a leaf that has several; or, before them, their number as `place`.
+/// A block of a leaf that has several; or, before them, their number as `place` and the leaf's
+/// centre as `direction`, in the frame.
 struct RunEntry {
     std::uint32_t place = 0; ///< of the block in the arena, in units of 8 bytes
     std::uint32_t mask = 0;  ///< its triangles that are meant
@@ -103,6 +105,8 @@ public:
     [[nodiscard]] const RootFrame& frame() const noexcept { return frame_; }
     [[nodiscard]] int table_depth() const noexcept { return table_depth_; }
     [[nodiscard]] const ProximityArrays& arrays() const noexcept { return arrays_; }
+    /// Boxes over the rows, by rank: for points outside of the root.
+    [[nodiscard]] const TriangleTree& tree() const noexcept { return *tree_; }
     [[nodiscard]] const ProximityStatistics& statistics() const noexcept { return statistics_; }
 
     /// A point's coordinates on the finest grid of cells, as fixed-point numbers of
@@ -132,19 +136,19 @@ public:
     /// Bytes of all arrays.
     [[nodiscard]] std::uint64_t bytes() const noexcept;
 
-    /// Takes arrays that satisfy the layout above; `storage` keeps them alive. For the builder and
-    /// the file reader; they check, this does not.
-    [[nodiscard]] static ProximityOctree adopt(const RootFrame& frame, int table_depth,
-                                               const ProximityArrays& arrays,
-                                               const ProximityStatistics& statistics,
-                                               std::uint64_t fingerprint,
-                                               std::shared_ptr<const void> storage) noexcept;
+    /// Takes arrays that satisfy the layout above; `storage` keeps them and the tree alive. For the
+    /// builder and the file reader; they check, this does not.
+    [[nodiscard]] static ProximityOctree
+    adopt(const RootFrame& frame, int table_depth, const ProximityArrays& arrays,
+          const TriangleTree* tree, const ProximityStatistics& statistics,
+          std::uint64_t fingerprint, std::shared_ptr<const void> storage) noexcept;
 
 private:
     RootFrame frame_;
     double grid_scale_ = 1; ///< of frame coordinates, to units of the finest grid
     int table_depth_ = 0;
     ProximityArrays arrays_;
+    const TriangleTree* tree_ = nullptr;
     ProximityStatistics statistics_;
     std::uint64_t fingerprint_ = 0;
     std::shared_ptr<const void> storage_;

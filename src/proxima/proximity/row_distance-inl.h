@@ -130,6 +130,13 @@ HWY_INLINE void measure_rim(const TriangleRow<Scalar>& row, const Vec3& p, RimDi
 #endif
 }
 
+/// A power of two that brings coordinates' differences to about 1, so that their fourth powers do
+/// not leave the doubles, and its inverse.
+struct RowScale {
+    double up = 1;
+    double down = 1;
+};
+
 /// The inside, infinite unless the foot of the perpendicular is strictly within.
 struct InsideDistance {
     double squared = std::numeric_limits<double>::infinity();
@@ -138,7 +145,8 @@ struct InsideDistance {
 };
 
 template <class Scalar>
-HWY_INLINE InsideDistance measure_inside(const TriangleRow<Scalar>& row, const Vec3& p)
+HWY_INLINE InsideDistance measure_inside(const TriangleRow<Scalar>& row, const Vec3& p,
+                                         const RowScale& scale)
 {
     InsideDistance inside;
     if (row.thin()) [[unlikely]] {
@@ -152,9 +160,9 @@ HWY_INLINE InsideDistance measure_inside(const TriangleRow<Scalar>& row, const V
     double rest[3];
     for (int axis = 0; axis < 3; ++axis) {
         const auto a = static_cast<double>(row.coordinates[axis][0]);
-        ab[axis] = static_cast<double>(row.coordinates[axis][1]) - a;
-        ac[axis] = static_cast<double>(row.coordinates[axis][2]) - a;
-        rest[axis] = p[axis] - a;
+        ab[axis] = (static_cast<double>(row.coordinates[axis][1]) - a) * scale.up;
+        ac[axis] = (static_cast<double>(row.coordinates[axis][2]) - a) * scale.up;
+        rest[axis] = (p[axis] - a) * scale.up;
     }
     const auto dot = [](const double* a, const double* b) {
         return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -176,6 +184,7 @@ HWY_INLINE InsideDistance measure_inside(const TriangleRow<Scalar>& row, const V
         for (int axis = 0; axis < 3; ++axis)
             rest[axis] = rest[axis] - dv * ab[axis] - dw * ac[axis];
     }
+    for (double& component : rest) component *= scale.down;
     if (v > 0 && w > 0 && v + w < 1) inside = {dot(rest, rest), v, w};
     return inside;
 }
@@ -184,11 +193,11 @@ HWY_INLINE InsideDistance measure_inside(const TriangleRow<Scalar>& row, const V
 /// coordinates, for triangles of any shape.
 template <class Scalar>
 HWY_INLINE FeatureDistance closest_of_row(const TriangleRow<Scalar>& row, std::uint32_t rank,
-                                          const Vec3& p)
+                                          const Vec3& p, const RowScale& scale)
 {
     RimDistances rim;
     measure_rim(row, p, rim);
-    const InsideDistance inside = measure_inside(row, p);
+    const InsideDistance inside = measure_inside(row, p, scale);
     const double corner = HWY_MIN(HWY_MIN(rim.corners[0], rim.corners[1]), rim.corners[2]);
     const double side = HWY_MIN(HWY_MIN(rim.sides[0], rim.sides[1]), rim.sides[2]);
     const double least = HWY_MIN(HWY_MIN(corner, side), inside.squared);
