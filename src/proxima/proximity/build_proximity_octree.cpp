@@ -146,7 +146,8 @@ private:
     static std::uint64_t table_bytes(const ProximityStorage& storage)
     {
         return storage.float_rows.span().size_bytes() + storage.double_rows.span().size_bytes() +
-               storage.vertex_rows.span().size_bytes() + storage.edge_rows.span().size_bytes();
+               storage.vertex_rows.span().size_bytes() + storage.edge_rows.span().size_bytes() +
+               storage.tree.bytes();
     }
 
     /// One leaf with all triangles.
