@@ -27,7 +27,9 @@ FOREIGN_TO_ALL_BUT_APPS = {"CLI", "fmt", "nlohmann", "png.h", "GLFW", "epoxy", "
 # Files outside base that are compiled once per instruction set.
 KERNELS = {f"src/proxima/octree/{name}" for name in (
     "distribute_children.cpp", "snapped_boxes.cpp", "snapped_lanes-inl.h", "snapped_overlap.cpp")} | {
-    f"src/proxima/proximity/{name}" for name in ("triangle_lanes.cpp", "triangle_tree_search.cpp")}
+    f"src/proxima/proximity/{name}" for name in (
+        "block_scan-inl.h", "closest_feature.cpp", "domination.cpp", "eight_lanes-inl.h", "local_region.cpp",
+        "row_distance-inl.h", "triangle_lanes.cpp", "triangle_tree_search.cpp")}
 
 # Headers of one processor: immintrin.h, x86intrin.h, arm_neon.h, riscv_vector.h and their like.
 INTRINSICS = re.compile(r"^(\w*intrin|cpuid|(arm|riscv)_\w+|altivec|wasm_simd128|msa)\.h$")

@@ -281,7 +281,7 @@ TEST(Neighbourhoods, SayWhereTheBufferIsTooSmallAndDoNotAllocate)
     std::vector<TriangleId> all(mesh.triangle_count());
     std::vector<NearestFeature> all_features(4 * mesh.triangle_count());
     const Vec3 p(0.3, 0.4, 0.9);
-    const std::uint64_t before = allocation_count();
+    const std::size_t before = allocation_count();
     const Neighbourhood rings =
         collect_rings(mesh, topology, {FeatureKind::vertex, 0}, 5, scratch, all);
     const Neighbourhood triangles = collect_triangles(search, p, 0.3, all);

@@ -112,7 +112,7 @@ TEST(SurfaceSearch, HasTheSameAnswersOnEveryInstructionSetWithoutAllocating)
         force_simd_target(target);
         std::uint64_t allocations = 0;
         for (std::size_t i = 0; i < points.size(); ++i) {
-            const std::uint64_t before = allocation_count();
+            const std::size_t before = allocation_count();
             const ClosestFeature found = closest_feature(search, points[i]);
             allocations += allocation_count() - before;
             expect_same(found, first[i]);

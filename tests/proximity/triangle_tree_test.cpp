@@ -222,7 +222,7 @@ TEST(TriangleTree, DoesNotAllocateInQueries)
     const TriangleMesh mesh = sample_mesh("sphere:40x40").value();
     const TriangleTree tree = build_triangle_tree(mesh, order_of(mesh)).value();
     std::uint32_t groups = 0;
-    const std::uint64_t before = allocation_count();
+    const std::size_t before = allocation_count();
     visit_within(tree, {Vec3(0, 0, 0), Vec3(1, 1, 1)}, 0.5, [&](RankRange) noexcept { ++groups; });
     EXPECT_EQ(allocation_count(), before);
     EXPECT_GT(groups, 10U);
