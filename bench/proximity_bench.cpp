@@ -220,9 +220,10 @@ int main(int argc, char** argv)
 try {
     proxima::bench::BenchOptions options;
     CLI::App app("The closest point of a mesh, ours beside Embree, CGAL and brute force");
-    app.add_option("--queries", options.queries, "Points of each set")->check(CLI::PositiveNumber);
+    app.add_option("--queries", options.queries, "Points of each set")
+        ->check(CLI::Range(1, 100000000));
     app.add_option("--rounds", options.rounds, "Passes, of which medians are taken")
-        ->check(CLI::PositiveNumber);
+        ->check(CLI::Range(1, 1000));
     app.add_option("--seed", options.seed, "Seed of the sets");
     app.add_option("--mesh", options.meshes, "A file or a built-in instead of the usual meshes")
         ->allow_extra_args(false);
