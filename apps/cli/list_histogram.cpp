@@ -49,7 +49,7 @@ std::vector<double> percents(const ListStatistics& lists, const std::vector<doub
 class Axes {
 public:
     Axes(const Figure& figure, double top, double longest, double highest)
-        : left_(110), right_(figure.width - 40.0), top_(top), bottom_(figure.height - 100.0),
+        : right_(figure.width - 40.0), top_(top), bottom_(figure.height - 100.0),
           decades_(std::log10(longest)), highest_(highest)
     {}
 
@@ -66,7 +66,7 @@ public:
     [[nodiscard]] double highest() const { return highest_; }
 
 private:
-    double left_;
+    double left_ = 110;
     double right_;
     double top_;
     double bottom_;
@@ -81,9 +81,9 @@ void draw_axes(Figure& figure, const Axes& axes, const HistogramTitle& title)
         figure.texts.push_back({at, words, {size, ink, anchor, turn}});
     };
     // Lengths: 1, 2, 5, 10, ...
-    for (double decade = 1; decade <= axes.longest(); decade *= 10) {
+    for (int decade = 0; std::pow(10.0, decade) <= axes.longest(); ++decade) {
         for (const double part : {1.0, 2.0, 5.0}) {
-            const double length = decade * part;
+            const double length = part * std::pow(10.0, decade);
             if (length > axes.longest() * 1.0001) continue;
             const double x = axes.at(length, 0).x();
             figure.lines.push_back({{x, axes.top()}, {x, axes.bottom()}, faint, 1});
@@ -152,7 +152,8 @@ void draw_legend(Figure& figure, const Axes& axes, std::span<const HistogramSeri
     for (std::size_t i = 0; i < series.size(); ++i) {
         const auto& [depth, lists] = series[i];
         const double x = axes.left() + column * static_cast<double>(i % legend_columns);
-        const double y = legend_top + legend_row * static_cast<double>(i / legend_columns);
+        const std::size_t row = i / legend_columns;
+        const double y = legend_top + legend_row * static_cast<double>(row);
         figure.lines.push_back({{x, y}, {x + 30, y}, color_of(i), 4});
         const std::string words =
             lists.cells == 0 ? fmt::format("depth {}: no outer cell", depth)

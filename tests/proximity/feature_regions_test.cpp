@@ -56,10 +56,10 @@ TEST(FeatureRegions, HoldThePointsThatTheThesisSays)
                     const Vec3 away(normal(random), normal(random), normal(random));
                     const Vec3 p = bounds.center() + 0.5 * size * away;
                     double worst = -std::numeric_limits<double>::infinity();
-                    for (const oracle::QuadPlane& plane : planes)
-                        worst = std::max(
-                            worst, static_cast<double>(dot(plane.normal, oracle::QuadPoint(p)) -
-                                                       plane.offset));
+                    for (const oracle::QuadPlane& plane : planes) {
+                        const auto height = dot(plane.normal, oracle::QuadPoint(p)) - plane.offset;
+                        worst = std::max(worst, static_cast<double>(height));
+                    }
                     const double ours = beyond(*region, p);
                     EXPECT_EQ(ours > tolerance, worst > tolerance)
                         << ours << " against " << worst << ", kind " << static_cast<int>(kind);
@@ -101,9 +101,10 @@ TEST(FeatureRegions, RefuseWhatHasNone)
         ASSERT_FALSE(none);
         EXPECT_EQ(none.error().code, ErrorCode::invalid_argument);
     }
-    for (const double length : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()})
+    for (const double length : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
         for (const RegionEnd end : {RegionEnd::open, RegionEnd::closed})
             EXPECT_FALSE(voronoi_region_mesh(cube, topology, {FeatureKind::face, 0}, length, end));
+    }
 
     const TriangleMesh torus = make_torus(12, 8);
     const Topology around = *build_topology(torus);

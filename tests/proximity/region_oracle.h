@@ -57,10 +57,11 @@ inline std::vector<QuadPlane> region_planes(const TriangleMesh& mesh, const Topo
         for (const TriangleId t : topology.triangles(EdgeId{feature.id})) {
             // Outward in the face: away from its third corner.
             QuadPoint outward = cross(along, quad_normal(mesh.triangle(t)));
-            for (const Vec3& corner : mesh.triangle(t).vertices)
-                if (dot(outward, QuadPoint(corner) - QuadPoint(p)) > 0 && corner != p &&
-                    corner != q)
+            for (const Vec3& corner : mesh.triangle(t).vertices) {
+                const bool third = corner != p && corner != q;
+                if (third && dot(outward, QuadPoint(corner) - QuadPoint(p)) > 0)
                     outward = Quad(-1) * outward;
+            }
             planes.push_back(plane_through(p, Quad(-1) * outward));
         }
         break;
@@ -69,9 +70,10 @@ inline std::vector<QuadPlane> region_planes(const TriangleMesh& mesh, const Topo
         const Triangle t = mesh.triangle(TriangleId{feature.id});
         const QuadPoint normal = quad_normal(t);
         planes.push_back(plane_through(t[0], Quad(-1) * normal));
-        for (int i = 0; i < 3; ++i)
-            planes.push_back(
-                plane_through(t[i], cross(QuadPoint(t[(i + 1) % 3]) - QuadPoint(t[i]), normal)));
+        for (int i = 0; i < 3; ++i) {
+            const QuadPoint side = QuadPoint(t[(i + 1) % 3]) - QuadPoint(t[i]);
+            planes.push_back(plane_through(t[i], cross(side, normal)));
+        }
         break;
     }
     }

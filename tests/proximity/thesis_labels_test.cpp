@@ -8,15 +8,17 @@
 #include "proximity/region_oracle.h"
 
 #include <algorithm>
+#include <array>
 #include <gtest/gtest.h>
 #include <limits>
-#include <set>
 
 namespace proxima {
 namespace {
 
 using test::convex_meshes;
 using test::NamedMesh;
+
+constexpr std::array kinds = {FeatureKind::vertex, FeatureKind::edge, FeatureKind::face};
 
 const std::vector<NamedMesh>& meshes()
 {
@@ -111,8 +113,9 @@ TEST(ThesisLabels, EveryPointOutsideHasItsClosestFeatureInItsLeaf)
 {
     std::mt19937 random(7);
     std::uniform_real_distribution<double> part(0, 1);
-    for (const auto& [name, mesh] : meshes()) {
-        SCOPED_TRACE(name);
+    for (const NamedMesh& named : meshes()) {
+        const TriangleMesh& mesh = named.mesh;
+        SCOPED_TRACE(named.name);
         const Topology topology = *build_topology(mesh);
         const auto octree =
             built(mesh, topology, {.max_depth = mesh.triangle_count() > 200 ? 3 : 4});
@@ -130,10 +133,12 @@ TEST(ThesisLabels, EveryPointOutsideHasItsClosestFeatureInItsLeaf)
                 }
                 ++points;
                 double listed = std::numeric_limits<double>::infinity();
-                for (const FeatureKind kind :
-                     {FeatureKind::vertex, FeatureKind::edge, FeatureKind::face})
-                    for (const std::uint32_t id : octree.closest(cell, kind))
-                        listed = std::min(listed, squared_distance(mesh, topology, {kind, id}, p));
+                for (const FeatureKind kind : kinds) {
+                    for (const std::uint32_t id : octree.closest(cell, kind)) {
+                        const double squared = squared_distance(mesh, topology, {kind, id}, p);
+                        listed = std::min(listed, squared);
+                    }
+                }
                 const double closest = brute_distance(mesh, topology, p);
                 if (octree.type(cell) == CellClass::inner) {
                     // Only where it touches the surface from behind.
@@ -152,8 +157,9 @@ TEST(ThesisLabels, ListsHoldExactlyTheRegionsThatMeetTheCell)
     std::mt19937 random(8);
     std::uint64_t listed_pairs = 0;
     std::uint64_t other_pairs = 0;
-    for (const auto& [name, mesh] : meshes()) {
-        SCOPED_TRACE(name);
+    for (const NamedMesh& named : meshes()) {
+        const TriangleMesh& mesh = named.mesh;
+        SCOPED_TRACE(named.name);
         const Topology topology = *build_topology(mesh);
         const auto octree = built(mesh, topology, {.max_depth = 4});
         const auto features = all_features(topology);
@@ -184,8 +190,7 @@ TEST(ThesisLabels, ListsHoldExactlyTheRegionsThatMeetTheCell)
         for (int i = 0; i < 60; ++i) {
             const ThesisCell& cell = cells[any_cell(random)];
             check(cell, features[any_feature(random)]);
-            for (const FeatureKind kind :
-                 {FeatureKind::vertex, FeatureKind::edge, FeatureKind::face}) {
+            for (const FeatureKind kind : kinds) {
                 const auto list = octree.closest(cell, kind);
                 if (list.empty()) continue;
                 check(
@@ -204,9 +209,10 @@ TEST(ThesisLabels, ListsHoldExactlyTheRegionsThatMeetTheCell)
 
 TEST(ThesisLabels, BoundaryCellsTellWhichFeaturesTouchThem)
 {
-    for (const auto& [name, mesh] : meshes()) {
+    for (const NamedMesh& named : meshes()) {
+        const TriangleMesh& mesh = named.mesh;
         if (mesh.triangle_count() > 400) continue;
-        SCOPED_TRACE(name);
+        SCOPED_TRACE(named.name);
         const Topology topology = *build_topology(mesh);
         const auto octree = built(mesh, topology, {.max_depth = 3});
         octree.for_each_leaf([&](const ThesisCell& cell) {
@@ -255,8 +261,7 @@ TEST(ThesisLabels, LeavesAreAsShortAsTheThresholdsSayOrAtTheDeepestLevel)
                 return;
             }
             ++shallow;
-            for (const FeatureKind kind :
-                 {FeatureKind::vertex, FeatureKind::edge, FeatureKind::face}) {
+            for (const FeatureKind kind : kinds) {
                 const auto list = octree.type(cell) == CellClass::outer
                                       ? octree.closest(cell, kind)
                                       : octree.touching(cell, kind);
@@ -354,7 +359,7 @@ TEST(ThesisLabels, AreTheSameForAnyNumberOfThreads)
     four.for_each_leaf([&](const ThesisCell& cell) {
         ASSERT_EQ(cell.key, cells[at].key);
         ASSERT_EQ(cell.leaf, cells[at].leaf);
-        for (const FeatureKind kind : {FeatureKind::vertex, FeatureKind::edge, FeatureKind::face}) {
+        for (const FeatureKind kind : kinds) {
             ASSERT_TRUE(std::ranges::equal(one.closest(cell, kind), four.closest(cell, kind)));
             ASSERT_TRUE(std::ranges::equal(one.touching(cell, kind), four.touching(cell, kind)));
         }
