@@ -1,10 +1,12 @@
 #include "proxima/proximity/list_statistics.h"
 
 #include "proxima/mesh/sample_meshes.h"
+#include "proxima/proximity/build_proximity_octree.h"
 #include "proxima/proximity/thesis_labels.h"
 
 #include <array>
 #include <gtest/gtest.h>
+#include <numeric>
 
 namespace proxima {
 namespace {
@@ -65,6 +67,29 @@ TEST(ListStatistics, OuterCellsAreOutsideTheCircumscribedSphere)
     });
     EXPECT_EQ(outer_list_lengths(octree, sphere).size(), outside);
     EXPECT_GT(outside, 100U);
+}
+
+TEST(ListStatistics, LeavesOfProximityOctreesAreThoseCountedWhenBuilt)
+{
+    const std::array meshes = {make_octahedron(), *sample_mesh("sphere:40x40"),
+                               *sample_mesh("torus:60x30"), *sample_mesh("spaceship:4000")};
+    for (const TriangleMesh& mesh : meshes) {
+        // A table of its own depth each; a small budget leaves runs of several blocks.
+        for (const std::uint64_t bytes_per_triangle : {200U, 600U, 3000U}) {
+            const std::uint64_t budget = 4096 + bytes_per_triangle * mesh.triangle_count();
+            const auto octree = *build_proximity_octree(mesh, {.budget_bytes = budget});
+            const LeafLists lists = list_lengths(octree);
+            const ProximityStatistics& counted = octree.statistics();
+            EXPECT_EQ(lists.lengths.size(), counted.leaves);
+            EXPECT_EQ(lists.volumes.size(), counted.leaves);
+            EXPECT_EQ(std::accumulate(lists.volumes.begin(), lists.volumes.end(), 0.0), 1.0);
+            const ListStatistics by_leaf = list_statistics(lists.lengths);
+            EXPECT_EQ(by_leaf.max, counted.max_list);
+            EXPECT_DOUBLE_EQ(by_leaf.mean, counted.mean_list);
+            EXPECT_EQ(std::accumulate(lists.lengths.begin(), lists.lengths.end(), std::uint64_t{0}),
+                      counted.references);
+        }
+    }
 }
 
 } // namespace

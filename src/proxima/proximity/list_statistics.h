@@ -14,6 +14,7 @@
 
 namespace proxima {
 
+class ProximityOctree;
 class ThesisProximityOctree;
 
 /// A histogram of lengths and what it says.
@@ -54,5 +55,15 @@ struct MeshSphere {
 /// The lengths of the lists of the leaves outside the sphere, in Morton order.
 [[nodiscard]] std::vector<std::uint32_t> outer_list_lengths(const ThesisProximityOctree& octree,
                                                             const MeshSphere& sphere);
+
+/// The leaves of an octree: how many triangles each lists, and its part of the root's volume.
+struct LeafLists {
+    std::vector<std::uint32_t> lengths;
+    std::vector<double> volumes; ///< powers of 1/8, sum 1
+};
+
+/// In Morton order. 12 bytes per leaf. Eight leaves that are children of one cell of the octree's
+/// table and list the same triangles in one block count as one.
+[[nodiscard]] LeafLists list_lengths(const ProximityOctree& octree);
 
 } // namespace proxima
