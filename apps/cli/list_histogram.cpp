@@ -74,7 +74,7 @@ private:
     double highest_;
 };
 
-void draw_axes(Figure& figure, const Axes& axes, const HistogramTitle& title)
+void draw_axes(Figure& figure, const Axes& axes, HistogramOf what, const HistogramTitle& title)
 {
     const auto text = [&](const Vec2& at, const std::string& words, double size, TextAnchor anchor,
                           TextTurn turn = TextTurn::level) {
@@ -101,8 +101,12 @@ void draw_axes(Figure& figure, const Axes& axes, const HistogramTitle& title)
     figure.lines.push_back({{axes.left(), axes.top()}, {axes.left(), axes.bottom()}, ink, 2});
     figure.lines.push_back({{axes.left(), axes.bottom()}, {axes.right(), axes.bottom()}, ink, 2});
     const double middle = 0.5 * (axes.left() + axes.right());
-    text({middle, axes.bottom() + 68}, "features in the list of a cell", 18, TextAnchor::middle);
-    text({42, 0.5 * (axes.top() + axes.bottom())}, "share of the outer cells, percent", 18,
+    const bool outer = what == HistogramOf::outer_cells;
+    text({middle, axes.bottom() + 68},
+         outer ? "features in the list of a cell" : "triangles in the list of a leaf", 18,
+         TextAnchor::middle);
+    text({42, 0.5 * (axes.top() + axes.bottom())},
+         outer ? "share of the outer cells, percent" : "share of the root's volume, percent", 18,
          TextAnchor::middle, TextTurn::upward);
     text({axes.left(), 50}, title.title, 22, TextAnchor::start);
     text({axes.left(), 82}, title.subtitle, 14, TextAnchor::start);
@@ -145,8 +149,12 @@ constexpr std::size_t legend_columns = 2;
 constexpr double legend_row = 30;
 
 /// Above the axes, row by row.
-void draw_legend(Figure& figure, const Axes& axes, std::span<const HistogramSeries> series)
+void draw_legend(Figure& figure, const Axes& axes, std::span<const HistogramSeries> series,
+                 HistogramOf what)
 {
+    const bool outer = what == HistogramOf::outer_cells;
+    const char* const one = outer ? "cell" : "leaf";
+    const char* const many = outer ? "cells" : "leaves";
     constexpr double size = 15;
     const double column = (axes.right() - axes.left()) / legend_columns;
     for (std::size_t i = 0; i < series.size(); ++i) {
@@ -157,8 +165,8 @@ void draw_legend(Figure& figure, const Axes& axes, std::span<const HistogramSeri
         figure.lines.push_back({{x, y}, {x + 30, y}, color_of(i), 4});
         const std::string words =
             lists.cells == 0 ? fmt::format("depth {}: no outer cell", depth)
-                             : fmt::format("depth {}: mean {:.1f}, {} cell{}", depth, lists.mean,
-                                           lists.cells, lists.cells == 1 ? "" : "s");
+                             : fmt::format("depth {}: mean {:.1f}, {} {}", depth, lists.mean,
+                                           lists.cells, lists.cells == 1 ? one : many);
         figure.texts.push_back({{x + 40, y + size / 2}, words, {size, ink}});
     }
 }
@@ -171,21 +179,24 @@ double legend_height(std::size_t series)
 
 } // namespace
 
-std::string histogram_csv(std::span<const HistogramSeries> series)
+std::string histogram_csv(std::span<const HistogramSeries> series, HistogramOf what)
 {
-    std::string csv = "depth,features,cells,percent\n";
+    const bool outer = what == HistogramOf::outer_cells;
+    std::string csv = outer ? "depth,features,cells,percent\n" : "depth,triangles,volume_percent\n";
     for (const auto& [depth, lists] : series) {
         for (std::size_t length = 0; length < lists.weights.size(); ++length) {
-            const double cells = lists.weights[length];
-            if (cells == 0) continue;
-            csv += fmt::format("{},{},{:.0f},{:.6g}\n", depth, length, cells,
-                               100 * cells / lists.total_weight);
+            const double weight = lists.weights[length];
+            if (weight == 0) continue;
+            csv += fmt::format("{},{},", depth, length);
+            if (outer) csv += fmt::format("{:.0f},", weight);
+            csv += fmt::format("{:.6g}\n", 100 * weight / lists.total_weight);
         }
     }
     return csv;
 }
 
-Figure histogram_figure(std::span<const HistogramSeries> series, const HistogramTitle& title)
+Figure histogram_figure(std::span<const HistogramSeries> series, HistogramOf what,
+                        const HistogramTitle& title)
 {
     std::uint32_t longest = 9;
     for (const HistogramSeries& one : series) longest = std::max(longest, one.lists.max);
@@ -204,11 +215,11 @@ Figure histogram_figure(std::span<const HistogramSeries> series, const Histogram
     Figure figure;
     figure.height = 740 + static_cast<int>(legend_height(series.size()));
     const Axes axes(figure, legend_top + legend_height(series.size()), borders.back(), top);
-    draw_axes(figure, axes, title);
+    draw_axes(figure, axes, what, title);
     for (std::size_t i = 0; i < series.size(); ++i)
         draw_steps(figure, axes, borders, heights[i], color_of(i));
     if (series.size() == 1) fill_bins(figure, axes, borders, heights[0]);
-    draw_legend(figure, axes, series);
+    draw_legend(figure, axes, series, what);
     return figure;
 }
 
@@ -220,13 +231,13 @@ Status check_histogram_format(const std::string& path)
                 "unknown extension: histograms are .csv, .svg or .png", path);
 }
 
-Status write_histogram(std::span<const HistogramSeries> series, const HistogramTitle& title,
-                       const std::string& path, Progress* progress)
+Status write_histogram(std::span<const HistogramSeries> series, HistogramOf what,
+                       const HistogramTitle& title, const std::string& path, Progress* progress)
 {
     if (Status status = check_histogram_format(path); !status) return status;
     if (lower_case_extension(path) != ".csv")
-        return write_figure(histogram_figure(series, title), path, progress);
-    const std::string text = histogram_csv(series);
+        return write_figure(histogram_figure(series, what, title), path, progress);
+    const std::string text = histogram_csv(series, what);
     auto output = OutputFile::create(path, {progress, text.size()});
     if (!output) return tl::unexpected(output.error());
     if (Status status = output->write(text); !status) return status;

@@ -4,15 +4,22 @@
 #include "cli/figure.h"
 #include "proxima/proximity/list_statistics.h"
 
+#include <cstdint>
 #include <span>
 #include <string>
 
 namespace proxima {
 
-/// The cells of one octree.
+/// The cells of one octree, with weights of 1 or of their volumes.
 struct HistogramSeries {
     int depth = 0; ///< the deepest level it was allowed
     ListStatistics lists;
+};
+
+/// Whose lists are shown, and what they are weighed by.
+enum class HistogramOf : std::uint8_t {
+    outer_cells, ///< features of the thesis's outer cells, each cell the same
+    leaves       ///< triangles of all leaves, by volume
 };
 
 /// What stands above the figure.
@@ -21,12 +28,13 @@ struct HistogramTitle {
     std::string subtitle;
 };
 
-/// `depth,features,cells,percent`, a line for every length that occurs; percent of the depth's
-/// cells. Weights are cells.
-[[nodiscard]] std::string histogram_csv(std::span<const HistogramSeries> series);
+/// A line for every length that occurs: `depth,features,cells,percent` of outer cells, percent of
+/// the depth's cells; `depth,triangles,volume_percent` of leaves.
+[[nodiscard]] std::string histogram_csv(std::span<const HistogramSeries> series, HistogramOf what);
 
-/// Share of cells over length of list, the lengths on a logarithmic scale in steps of at least one.
-[[nodiscard]] Figure histogram_figure(std::span<const HistogramSeries> series,
+/// Share of cells or volume over length of list, the lengths on a logarithmic scale in steps of at
+/// least one.
+[[nodiscard]] Figure histogram_figure(std::span<const HistogramSeries> series, HistogramOf what,
                                       const HistogramTitle& title);
 
 /// What would go wrong with a file of this name: .csv, .svg and .png are known.
@@ -34,7 +42,7 @@ struct HistogramTitle {
 [[nodiscard]] Status check_histogram_format(const std::string& path);
 
 /// By extension. Errors: unsupported_format, file_not_writable, cancelled.
-[[nodiscard]] Status write_histogram(std::span<const HistogramSeries> series,
+[[nodiscard]] Status write_histogram(std::span<const HistogramSeries> series, HistogramOf what,
                                      const HistogramTitle& title, const std::string& path,
                                      Progress* progress = nullptr);
 

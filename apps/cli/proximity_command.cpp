@@ -6,6 +6,7 @@
 #include "cli/proximity_command_options.h"
 #include "proxima/base/text.h"
 #include "proxima/octree/cell.h"
+#include "proxima/proximity/grow_cells.h"
 
 #include <CLI/CLI.hpp>
 #include <limits>
@@ -22,11 +23,8 @@ Status run_proximity(const ProximityCommandOptions& options, Session& session)
         if (Status status = check_histogram_format(path); !status) return status;
     }
     if (Status status = session.check_outputs(options.histograms); !status) return status;
-    switch (options.method) {
-    case ProximityMethod::thesis:
-        break;
-    }
-    return run_thesis_proximity(options, session);
+    return options.method == ProximityMethod::thesis ? run_thesis_proximity(options, session)
+                                                     : run_general_proximity(options, session);
 }
 
 void add_proximity_method_option(CLI::App& parser, ProximityMethod& method)
@@ -35,13 +33,13 @@ void add_proximity_method_option(CLI::App& parser, ProximityMethod& method)
         .add_option_function<std::string>(
             "--method",
             [&method](const std::string& name) {
-                if (name != "thesis") {
-                    throw CLI::ValidationError("--method",
-                                               concat(name, " is no method: it is thesis"));
+                if (name != "general" && name != "thesis") {
+                    throw CLI::ValidationError(
+                        "--method", concat(name, " is no method: they are general, thesis"));
                 }
-                method = ProximityMethod::thesis;
+                method = name == "thesis" ? ProximityMethod::thesis : ProximityMethod::general;
             },
-            "thesis: for convex models, as written in its chapter 4")
+            "general: for any model (default); thesis: for convex ones, as in its chapter 4")
         ->type_name("NAME");
 }
 
@@ -59,7 +57,8 @@ void add_depth_option(CLI::App& parser, std::vector<int>& depths)
                 }
                 depths = *numbers;
             },
-            "Deepest level, the root is 0; or several: 1-6 (default 5)")
+            "Deepest level, the root is 0; or several: 1-6 (default as deep as the budget allows; "
+            "thesis 5)")
         ->type_name("N");
 }
 
@@ -73,7 +72,7 @@ void add_threshold_options(CLI::App& parser, KindThresholds& thresholds)
                 [&thresholds](std::uint32_t count) {
                     thresholds = {count, count, count};
                 },
-                "Split cells that list more of any kind than this; 0: all (default 1)")
+                "Thesis: split cells that list more of any kind than this; 0: all (default 1)")
             ->check(range)
             ->type_name("N");
     const auto add = [&](const char* name, std::uint32_t& threshold, const char* kind) {
@@ -85,6 +84,27 @@ void add_threshold_options(CLI::App& parser, KindThresholds& thresholds)
     add("--threshold-vertex", thresholds.vertex, "vertices");
     add("--threshold-edge", thresholds.edge, "edges");
     add("--threshold-face", thresholds.face, "faces");
+}
+
+/// What the method has no use for is wrong usage, and its own depth goes where none is named.
+void settle(const CLI::App& parser, ProximityCommandOptions& options)
+{
+    if (options.method == ProximityMethod::thesis) {
+        if (options.depths.empty()) options.depths = {5};
+        return;
+    }
+    for (const char* const name :
+         {"--threshold", "--threshold-vertex", "--threshold-edge", "--threshold-face"}) {
+        if (parser.count(name) == 0) continue;
+        throw CLI::ValidationError(
+            name, "it goes with --method thesis; the general method splits as --budget-mb allows");
+    }
+    if (options.depths.empty()) options.depths = {max_proximity_depth};
+    if (options.depths.back() > max_proximity_depth) {
+        throw CLI::ValidationError("--depth",
+                                   concat("the general method goes to depth ", max_proximity_depth,
+                                          ", not ", options.depths.back()));
+    }
 }
 
 } // namespace
@@ -106,13 +126,17 @@ Command add_proximity_command(CLI::App& app)
         ->type_name("M");
     parser
         ->add_option("--budget-mb", options->budget_mb,
-                     "Memory the build may use, in 10^6 bytes (default: 3/4 of the machine's)")
+                     "Size of the octree at most, in 10^6 bytes (default: 600 bytes per triangle); "
+                     "thesis: memory its build may use (default: 3/4 of the machine's)")
         ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40U))
         ->type_name("N");
     parser
-        ->add_option("--histogram", options->histograms,
-                     "Write how long the lists of outer cells are: .csv, .svg, .png")
+        ->add_option(
+            "--histogram", options->histograms,
+            "Write how long the lists of leaves are, by volume (thesis: of outer cells, by "
+            "number): .csv, .svg, .png")
         ->type_name("FILE");
+    parser->parse_complete_callback([parser, options] { settle(*parser, *options); });
     return {parser, [options](Session& session) { return run_proximity(*options, session); }};
 }
 

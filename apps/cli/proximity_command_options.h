@@ -10,17 +10,22 @@
 
 namespace proxima {
 
-enum class ProximityMethod : std::uint8_t { thesis };
+enum class ProximityMethod : std::uint8_t { general, thesis };
 
 struct ProximityCommandOptions {
     std::string model;
-    ProximityMethod method = ProximityMethod::thesis;
-    std::vector<int> depths = {5};
-    KindThresholds thresholds = {};
+    ProximityMethod method = ProximityMethod::general;
+    std::vector<int> depths;        ///< filled with the method's own depth where none is named
+    KindThresholds thresholds = {}; ///< of the thesis's method alone
     double margin = 0.5;
-    std::uint64_t budget_mb = 0;
+    std::uint64_t budget_mb = 0; ///< of the result; of the build with the thesis's method
     std::vector<std::string> histograms;
 };
+
+/// Builds the proximity octree of any mesh to each of the depths, counts it, times queries, and
+/// writes histograms.
+[[nodiscard]] Status run_general_proximity(const ProximityCommandOptions& options,
+                                           Session& session);
 
 /// Builds the thesis's proximity octree to each of the depths, counts it, and writes histograms.
 [[nodiscard]] Status run_thesis_proximity(const ProximityCommandOptions& options, Session& session);

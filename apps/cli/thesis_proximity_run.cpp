@@ -171,7 +171,8 @@ Status run_thesis_proximity(const ProximityCommandOptions& options, Session& ses
     const HistogramTitle title = {concat("Features that outer cells of ", options.model, " list"),
                                   how};
     for (const std::string& path : options.histograms) {
-        Status status = write_histogram(series, title, path, &session.progress());
+        Status status =
+            write_histogram(series, HistogramOf::outer_cells, title, path, &session.progress());
         if (!status) return status;
         session.print(fmt::format("wrote {}\n", path));
     }
