@@ -1,0 +1,41 @@
+// Answers of proxima closest as files: a row per point, as CSV or as NumPy's .npy.
+//
+//     index,distance,x,y,z,triangle,kind,feature[,signed_distance,sign_method]
+//     0,0.5,1,0.25,0,7,edge,11[,-0.5,pseudonormal]
+//
+// In .npy all columns are float64; kind is 0 (vertex), 1 (edge), 2 (face), sign_method 0
+// (on_surface), 1 (pseudonormal), 2 (winding_number).
+#pragma once
+
+#include "proxima/base/result.h"
+#include "proxima/proximity/closest_feature.h"
+#include "proxima/proximity/signed_distance.h"
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace proxima {
+
+enum class AnswerFormat : std::uint8_t { csv, npy };
+
+/// Whether answers have the two columns of signs.
+enum class AnswerSigns : std::uint8_t { absent, present };
+
+/// By extension; "-" is CSV. Error unsupported_format.
+[[nodiscard]] Result<AnswerFormat> answer_format(const std::string& path);
+
+/// The header line, or the header of .npy for `rows` answers.
+[[nodiscard]] std::string answer_header(AnswerFormat format, AnswerSigns signs, std::uint64_t rows);
+
+/// The rows of answers that begin with number `first`. Numbers of CSV have 17 significant digits.
+/// \pre as many signs as answers, or none
+[[nodiscard]] std::string answer_rows(AnswerFormat format, std::uint64_t first,
+                                      std::span<const ClosestFeature> answers,
+                                      std::span<const SignedDistance> signs);
+
+/// "vertex", "edge", "face".
+[[nodiscard]] std::string_view kind_name(FeatureKind kind) noexcept;
+
+} // namespace proxima

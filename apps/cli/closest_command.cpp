@@ -1,0 +1,305 @@
+// proxima closest: the closest feature of a mesh for each point of a file.
+#include "cli/answer_table.h"
+#include "cli/commands.h"
+#include "cli/model_options.h"
+#include "cli/number_table.h"
+#include "cli/stopwatch.h"
+#include "proxima/base/output_file.h"
+#include "proxima/base/text.h"
+#include "proxima/proximity/build_proximity_octree.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <fmt/core.h>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+namespace proxima {
+
+namespace {
+
+struct ClosestOptions {
+    std::string model;
+    std::string points;
+    std::string out; ///< "-" for stdout, empty for none
+    bool is_signed = false;
+    std::uint64_t budget_mb = 0;
+};
+
+constexpr const char* to_stdout = "-";
+
+/// Points of a task, and of a round: what is held at once beside the points.
+constexpr std::size_t task_points = 1024;
+constexpr std::size_t round_points = 128 * task_points;
+
+/// What answers.
+struct Searcher {
+    TriangleMesh mesh;
+    Topology topology;
+    ProximityOctree octree;
+    std::optional<SurfaceSign> sign; ///< refers to mesh and topology
+    double build_seconds = 0;
+};
+
+Result<std::unique_ptr<Searcher>> build_searcher(const ClosestOptions& options, Session& session)
+{
+    auto mesh = session.load_model(options.model);
+    if (!mesh) return tl::unexpected(mesh.error());
+    auto searcher = std::make_unique<Searcher>();
+    searcher->mesh = std::move(*mesh);
+    const ProgressBar shown(session.progress(), session.bar());
+    Progress* const progress = &session.progress();
+    const Stopwatch watch;
+    auto topology =
+        build_topology(searcher->mesh, {.threads = session.threads(), .progress = progress});
+    if (!topology) return at_model(topology.error(), options.model);
+    searcher->topology = std::move(*topology);
+    auto octree = build_proximity_octree(searcher->mesh, searcher->topology,
+                                         {.budget_bytes = options.budget_mb * 1'000'000,
+                                          .threads = session.threads(),
+                                          .progress = progress});
+    if (!octree) return at_model(octree.error(), options.model);
+    searcher->octree = std::move(*octree);
+    if (options.is_signed) {
+        auto sign = build_surface_sign(searcher->mesh, searcher->topology,
+                                       {.threads = session.threads(), .progress = progress});
+        if (!sign) return at_model(sign.error(), options.model);
+        searcher->sign = std::move(*sign);
+    }
+    searcher->build_seconds = watch.seconds();
+    return searcher;
+}
+
+/// What the answers were like, for people.
+struct AnswerCounts {
+    std::array<std::uint64_t, 3> by_kind = {};
+    std::array<std::uint64_t, 3> by_method = {};
+    std::uint64_t inside = 0;
+    double least = HUGE_VAL;
+    double most = 0;
+
+    void add(std::span<const ClosestFeature> answers, std::span<const SignedDistance> signs)
+    {
+        for (const ClosestFeature& answer : answers) {
+            ++by_kind[static_cast<std::size_t>(answer.feature.kind)];
+            const double distance = std::sqrt(answer.squared_distance);
+            least = std::min(least, distance);
+            most = std::max(most, distance);
+        }
+        for (const SignedDistance& sign : signs) {
+            ++by_method[static_cast<std::size_t>(sign.method)];
+            if (sign.distance < 0) ++inside;
+        }
+    }
+};
+
+/// Where answers go: a file that appears when it is whole, stdout, or nowhere.
+class AnswerWriter {
+public:
+    static Result<AnswerWriter> open(const ClosestOptions& options, std::uint64_t rows,
+                                     Session& session)
+    {
+        AnswerWriter writer;
+        if (options.out.empty()) return writer;
+        const auto format = answer_format(options.out);
+        if (!format) return tl::unexpected(format.error());
+        writer.format_ = *format;
+        writer.wanted_ = true;
+        if (options.out != to_stdout) {
+            auto file = OutputFile::create(options.out);
+            if (!file) return tl::unexpected(file.error());
+            writer.file_.emplace(std::move(*file));
+        }
+        writer.threads_ = session.threads();
+        const AnswerSigns signs = options.is_signed ? AnswerSigns::present : AnswerSigns::absent;
+        const Status status = writer.write(answer_header(*format, signs, rows));
+        if (!status) return tl::unexpected(status.error());
+        return writer;
+    }
+
+    /// The rows of a round; text is made in parallel.
+    Status add(std::uint64_t first, std::span<const ClosestFeature> answers,
+               std::span<const SignedDistance> signs)
+    {
+        if (!wanted_) return {};
+        std::vector<std::string> texts((answers.size() + task_points - 1) / task_points);
+        parallel_for(texts.size(), threads_, [&](std::size_t task) {
+            const std::size_t begin = task * task_points;
+            const std::size_t count = std::min(task_points, answers.size() - begin);
+            texts[task] = answer_rows(format_, first + begin, answers.subspan(begin, count),
+                                      signs.empty() ? signs : signs.subspan(begin, count));
+        });
+        for (const std::string& text : texts)
+            if (Status status = write(text); !status) return status;
+        return {};
+    }
+
+    Status commit() { return file_ ? file_->commit() : Status{}; }
+
+private:
+    Status write(const std::string& text)
+    {
+        if (file_) return file_->write(text);
+        std::fwrite(text.data(), 1, text.size(), stdout); // finish() asks whether it arrived
+        return {};
+    }
+
+    bool wanted_ = false;
+    AnswerFormat format_ = AnswerFormat::csv;
+    Threads threads_ = {};
+    std::optional<OutputFile> file_;
+};
+
+/// Answers points round by round.
+class ClosestRun {
+public:
+    ClosestRun(const Searcher& searcher, const NumberTable& table, Session& session)
+        : searcher_(searcher), table_(table), session_(session)
+    {}
+
+    Status run(AnswerWriter& writer)
+    {
+        const ProgressBar shown(session_.progress(), session_.bar());
+        session_.progress().begin_stage("closest features", table_.rows());
+        const std::size_t room = std::min(table_.rows(), round_points);
+        answers_.resize(room);
+        if (searcher_.sign) signs_.resize(room);
+        for (std::size_t first = 0; first < table_.rows(); first += round_points) {
+            const std::size_t count = std::min(round_points, table_.rows() - first);
+            const Stopwatch watch;
+            parallel_for((count + task_points - 1) / task_points, session_.threads(),
+                         [&](std::size_t task) { answer_task(first, count, task); });
+            seconds_ += watch.seconds();
+            if (Status status = session_.check_running(); !status) return status;
+            const auto answers = std::span<const ClosestFeature>(answers_).first(count);
+            const auto signs =
+                std::span<const SignedDistance>(signs_).first(searcher_.sign ? count : 0);
+            counts_.add(answers, signs);
+            if (Status status = writer.add(first, answers, signs); !status) return status;
+        }
+        return writer.commit();
+    }
+
+    [[nodiscard]] double seconds() const noexcept { return seconds_; }
+    [[nodiscard]] const AnswerCounts& counts() const noexcept { return counts_; }
+
+private:
+    void answer_task(std::size_t first, std::size_t round_count, std::size_t task)
+    {
+        if (session_.progress().cancelled()) return;
+        const std::size_t begin = task * task_points;
+        const std::size_t count = std::min(task_points, round_count - begin);
+        std::array<Vec3, task_points> points;
+        for (std::size_t i = 0; i < count; ++i) {
+            const double* const row = table_.values.data() + 3 * (first + begin + i);
+            points[i] = {row[0], row[1], row[2]};
+        }
+        // Cannot fail: sizes agree and the table holds finite numbers.
+        (void)closest_features(searcher_.octree, std::span(points).first(count),
+                               std::span(answers_).subspan(begin, count));
+        if (searcher_.sign) {
+            for (std::size_t i = 0; i < count; ++i)
+                signs_[begin + i] = sign_of(*searcher_.sign, answers_[begin + i], points[i]);
+        }
+        session_.progress().advance(count);
+    }
+
+    const Searcher& searcher_;
+    const NumberTable& table_;
+    Session& session_;
+    std::vector<ClosestFeature> answers_;
+    std::vector<SignedDistance> signs_;
+    double seconds_ = 0;
+    AnswerCounts counts_;
+};
+
+std::string text_of(const ClosestOptions& options, const Searcher& searcher, const ClosestRun& run,
+                    std::size_t queries)
+{
+    const AnswerCounts& counts = run.counts();
+    std::string text = fmt::format(
+        "{}: {} triangles, proximity octree of {:.2f} MB built in {:.3f} s\n"
+        "{} points in {:.3g} ms, {:.0f} ns each; distances {:.6g} to {:.6g}\n"
+        "closest: vertices {}, edges {}, faces {}\n",
+        options.model, searcher.mesh.triangle_count(),
+        1e-6 * static_cast<double>(searcher.octree.bytes()), searcher.build_seconds, queries,
+        1e3 * run.seconds(), 1e9 * run.seconds() / static_cast<double>(queries), counts.least,
+        counts.most, counts.by_kind[0], counts.by_kind[1], counts.by_kind[2]);
+    if (options.is_signed) {
+        text += fmt::format("inside {}; signs by pseudonormal {}, by winding number {}, on the "
+                            "surface {}\n",
+                            counts.inside, counts.by_method[1], counts.by_method[2],
+                            counts.by_method[0]);
+    }
+    if (!options.out.empty()) text += fmt::format("wrote {}\n", options.out);
+    return text;
+}
+
+Status check_outputs(const ClosestOptions& options, const Session& session)
+{
+    if (options.out.empty()) return {};
+    if (const auto format = answer_format(options.out); !format)
+        return tl::unexpected(format.error());
+    if (options.out != to_stdout) return session.check_outputs({options.out});
+    if (session.options().json != to_stdout) return {};
+    return fail(ErrorCode::invalid_argument,
+                "--json and --out would both write to stdout: give one of them a file", to_stdout);
+}
+
+Status run_closest(const ClosestOptions& options, Session& session)
+{
+    if (Status status = check_outputs(options, session); !status) return status;
+    const auto table = [&] {
+        const ProgressBar shown(session.progress(), session.bar());
+        return read_number_table(options.points, "x,y,z", {.progress = &session.progress()});
+    }();
+    if (!table) return tl::unexpected(table.error());
+    const auto searcher = build_searcher(options, session);
+    if (!searcher) return tl::unexpected(searcher.error());
+    auto writer = AnswerWriter::open(options, table->rows(), session);
+    if (!writer) return tl::unexpected(writer.error());
+    ClosestRun run(**searcher, *table, session);
+    if (Status status = run.run(*writer); !status) return status;
+
+    if (options.out != to_stdout) session.print(text_of(options, **searcher, run, table->rows()));
+    return session.write_json(
+        {{"model", options.model},
+         {"triangles", (*searcher)->mesh.triangle_count()},
+         {"queries", table->rows()},
+         {"seconds", run.seconds()},
+         {"ns_per_query", 1e9 * run.seconds() / static_cast<double>(table->rows())},
+         {"build_seconds", (*searcher)->build_seconds},
+         {"bytes", (*searcher)->octree.bytes()}});
+}
+
+} // namespace
+
+Command add_closest_command(CLI::App& app)
+{
+    CLI::App* const parser = app.add_subcommand(
+        "closest", "Find the closest vertex, edge or face of a mesh for each point of a file");
+    const auto options = std::make_shared<ClosestOptions>();
+    add_model_option(*parser, options->model);
+    parser
+        ->add_option("--points", options->points,
+                     "The points: .npy of three columns, else CSV of x,y,z")
+        ->required()
+        ->type_name("FILE");
+    parser
+        ->add_option("--out", options->out, "Write the answers: .csv, .npy, or - for CSV to stdout")
+        ->type_name("FILE");
+    parser->add_flag("--signed", options->is_signed,
+                     "Also the distance with its sign, negative inside, and how it was found");
+    parser
+        ->add_option("--budget-mb", options->budget_mb,
+                     "Size of the octree at most, in 10^6 bytes (default: 600 bytes per triangle)")
+        ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40U))
+        ->type_name("N");
+    return {parser, [options](Session& session) { return run_closest(*options, session); }};
+}
+
+} // namespace proxima
