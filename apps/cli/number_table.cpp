@@ -114,7 +114,10 @@ public:
             held += *count;
             const auto used = take_lines({buffer.data(), held}, more);
             if (!used) return tl::unexpected(used.error());
-            if (more && *used == 0) return refuse("no line may be longer than 2^20 bytes");
+            if (more && *used == 0) {
+                ++line_;
+                return refuse("no line may be longer than 2^20 bytes");
+            }
             held -= *used;
             std::memmove(buffer.data(), buffer.data() + *used, held);
         }

@@ -13,6 +13,10 @@ ROW_KEYS = ["depth", "nodes", "references", "bytes", "seconds", "max_depth", "ma
             "worst_case_steps", "worst_case_blocks", "inner", "outer", "boundary", "outer_cells",
             "outer_max_list", "outer_mean_list", "outer_percent_up_to_16"]
 THESIS = ("proximity", "--method", "thesis")
+GENERAL_KEYS = ["model", "triangles", "method", "margin", "budget_bytes"]
+GENERAL_ROW_KEYS = ["depth", "nodes", "references", "bytes", "seconds", "max_depth", "max_list", "mean_list",
+                    "worst_case_steps", "worst_case_blocks", "expected_list", "blocks", "leaves", "query_ns_median",
+                    "query_ns_max"]
 
 
 def png_pixels(data):
@@ -44,6 +48,81 @@ def png_pixels(data):
         rows.append(bytes(row))
         above = row
     return width, height, rows
+
+
+class General(ProgramTest):
+    def test_json_has_the_documented_keys_in_order(self):
+        result = self.json_of("proximity", "torus:40x20")
+        self.assertEqual(list(result), GENERAL_KEYS + GENERAL_ROW_KEYS)
+        self.assertEqual([result[key] for key in GENERAL_KEYS], ["torus:40x20", 1600, "general", 0.5, 960000])
+        self.assertLessEqual(result["bytes"], 960000)
+        self.assertEqual(result["leaves"], (7 * result["nodes"] + 1) // 8)
+        self.assertAlmostEqual(result["mean_list"], result["references"] / result["leaves"])
+        self.assertLessEqual(result["mean_list"], result["max_list"])
+        self.assertLessEqual(result["query_ns_median"], result["query_ns_max"])
+        self.assertGreater(result["query_ns_median"], 0)
+
+    def test_the_worst_case_is_printed(self):
+        text = self.succeed("proximity", "torus:40x20", "--method", "general")
+        result = self.json_of("proximity", "torus:40x20")
+        self.assertIn("at most %d steps down" % result["worst_case_steps"], text)
+        self.assertIn("and %d blocks of triangles" % result["worst_case_blocks"], text)
+        self.assertRegex(text, r"About \d+ ns, \d+ ns at most")
+
+    def test_depths_and_budget(self):
+        result = self.json_of("proximity", "torus:40x20", "--depth", "0-4", "--budget-mb", 4)
+        self.assertEqual(list(result), GENERAL_KEYS + ["rows"])
+        self.assertEqual(result["budget_bytes"], 4_000_000)
+        rows = result["rows"]
+        self.assertTrue(all(list(row) == GENERAL_ROW_KEYS for row in rows))
+        self.assertEqual([row["max_depth"] for row in rows], [0, 1, 2, 3, 4])
+        self.assertEqual((rows[0]["leaves"], rows[0]["max_list"]), (1, 1600))
+        means = [row["mean_list"] for row in rows]
+        self.assertEqual(means, sorted(means, reverse=True))
+        small, large = (self.json_of("proximity", "torus:100x50", "--budget-mb", mb) for mb in (3, 6))
+        self.assertLess(small["nodes"], large["nodes"])
+        self.assertLess(large["expected_list"], small["expected_list"])
+        self.assertLessEqual(small["bytes"], 3_000_000)
+
+    def test_threads_do_not_change_the_result(self):
+        results = [self.json_of("proximity", "torus:40x20", "--threads", threads) for threads in (1, 3)]
+        for result in results:
+            for key in ("seconds", "query_ns_median", "query_ns_max"):
+                result.pop(key)
+        self.assertEqual(results[0], results[1])
+
+    def test_histograms(self):
+        names = [self.folder / ("h." + kind) for kind in ("csv", "svg", "png")]
+        options = [option for name in names for option in ("--histogram", name)]
+        text = self.succeed("proximity", "torus:40x20", "--depth", "0,4", *options)
+        for name in names:
+            self.assertIn(f"wrote {name}", text)
+        with open(names[0], newline="") as file:
+            table = list(csv.DictReader(file))
+        self.assertEqual(list(table[0]), ["depth", "triangles", "volume_percent"])
+        self.assertEqual(table[0], {"depth": "0", "triangles": "1600", "volume_percent": "100"})
+        longest = self.json_of("proximity", "torus:40x20", "--depth", 4)["max_list"]
+        self.assertEqual(max(int(line["triangles"]) for line in table[1:]), longest)
+        self.assertAlmostEqual(sum(float(line["volume_percent"]) for line in table[1:]), 100, places=2)
+        svg = xml.etree.ElementTree.parse(names[1]).getroot()
+        words = [element.text for element in svg.iter("{http://www.w3.org/2000/svg}text")]
+        for word in ("triangles in the list of a leaf", "share of the root's volume, percent",
+                     "depth 0: mean 1600.0, 1 leaf"):
+            self.assertIn(word, words)
+        self.assertEqual(png_pixels(names[2].read_bytes())[:2], (1200, 770))
+
+    def test_models_that_are_not_closed(self):
+        corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+        self.succeed("proximity", self.file("open.off", off(corners, [(0, 2, 1), (0, 1, 3)])))
+        self.refuse("proximity", self.file("empty.off", "OFF\n0 0 0\n"), says="empty.off")
+        self.refuse("proximity", self.file("nan.off", tetrahedron().replace("0.0", "nan", 1)), says="nan.off")
+        self.refuse("proximity", "sphere:100x100", "--budget-mb", 1, says=("sphere:100x100", "budget"))
+
+    def test_usage(self):
+        for option in ("--threshold", "--threshold-vertex", "--threshold-edge", "--threshold-face"):
+            self.refuse("proximity", "cube", option, 3, status=2, says=(option, "--method thesis"))
+        self.refuse("proximity", "cube", "--depth", "3,15", status=2, says=("--depth", "14"))
+        self.refuse("proximity", "cube", "--margin", "1001", says="margin")
 
 
 class Thesis(ProgramTest):

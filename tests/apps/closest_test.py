@@ -1,0 +1,344 @@
+"""proxima closest as its users run it, against a search of all features that is written here."""
+import csv
+import io
+import math
+import random
+import struct
+import unittest
+
+from bad_input_test import off
+from proxima_program import ProgramTest, run
+
+COLUMNS = ["index", "distance", "x", "y", "z", "triangle", "kind", "feature"]
+SIGNS = ["signed_distance", "sign_method"]
+KEYS = ["model", "triangles", "queries", "seconds", "ns_per_query", "build_seconds", "bytes"]
+KINDS = ["vertex", "edge", "face"]
+METHODS = ["on_surface", "pseudonormal", "winding_number"]
+
+
+def sub(a, b):
+    return tuple(x - y for x, y in zip(a, b))
+
+
+def dot(a, b):
+    return sum(x * y for x, y in zip(a, b))
+
+
+def cross(a, b):
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def along(a, direction, t):
+    return tuple(x + t * d for x, d in zip(a, direction))
+
+
+class Mesh:
+    """Points, triangles, and edges numbered in order of first appearance."""
+
+    def __init__(self, points, triangles):
+        self.points, self.triangles, self.edges = points, triangles, {}
+        for triangle in triangles:
+            for i in range(3):
+                self.edges.setdefault(frozenset((triangle[i], triangle[(i + 1) % 3])), len(self.edges))
+
+    def features(self, p):
+        """(squared distance, kind, id, point) of all features whose inside holds their closest point."""
+        for id, point in enumerate(self.points):
+            yield dot(sub(p, point), sub(p, point)), 0, id, point
+        for edge, id in self.edges.items():
+            a, b = (self.points[v] for v in sorted(edge))
+            side = sub(b, a)
+            t = dot(sub(p, a), side) / dot(side, side)
+            if 0 < t < 1:
+                point = along(a, side, t)
+                yield dot(sub(p, point), sub(p, point)), 1, id, point
+        for id, triangle in enumerate(self.triangles):
+            a, b, c = (self.points[v] for v in triangle)
+            normal = cross(sub(b, a), sub(c, a))
+            point = along(p, normal, -dot(sub(p, a), normal) / dot(normal, normal))
+            if all(dot(cross(sub(v, u), sub(point, u)), normal) > 0 for u, v in ((a, b), (b, c), (c, a))):
+                yield dot(sub(p, point), sub(p, point)), 2, id, point
+
+    def triangle_of(self, kind, id):
+        if kind == 2:
+            return id
+        edges = {number: edge for edge, number in self.edges.items()}
+        wanted = {id} if kind == 0 else edges[id]
+        return next(i for i, triangle in enumerate(self.triangles) if wanted <= set(triangle))
+
+    def solid_angle(self, p):
+        total = 0
+        for triangle in self.triangles:
+            a, b, c = (sub(self.points[v], p) for v in triangle)
+            la, lb, lc = (math.sqrt(dot(x, x)) for x in (a, b, c))
+            total += 2 * math.atan2(dot(a, cross(b, c)),
+                                    la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb)
+        return total
+
+    def text(self):
+        return off(self.points, self.triangles)
+
+
+def bumpy_ball(rng):
+    """An octahedron split twice, its corners pushed in and out: closed, not convex."""
+    points = [(1.0, 0, 0), (-1.0, 0, 0), (0, 1.0, 0), (0, -1.0, 0), (0, 0, 1.0), (0, 0, -1.0)]
+    triangles = [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)]
+    for _ in range(2):
+        middles, smaller = {}, []
+
+        def middle(a, b):
+            key = frozenset((a, b))
+            if key not in middles:
+                point = along(points[a], sub(points[b], points[a]), 0.5)
+                length = math.sqrt(dot(point, point))
+                points.append(tuple(x / length for x in point))
+                middles[key] = len(points) - 1
+            return middles[key]
+        for a, b, c in triangles:
+            ab, bc, ca = middle(a, b), middle(b, c), middle(c, a)
+            smaller += [(a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca)]
+        triangles = smaller
+    return Mesh([tuple(rng.uniform(0.7, 1.1) * x for x in point) for point in points], triangles)
+
+
+def soup(rng, count):
+    points = [tuple(rng.uniform(-1, 1) for _ in range(3)) for _ in range(3 * count)]
+    return Mesh(points, [(3 * i, 3 * i + 1, 3 * i + 2) for i in range(count)])
+
+
+def queries(rng, mesh, count):
+    """Anywhere about the mesh, and near its corners."""
+    points = [tuple(rng.uniform(-2, 2) for _ in range(3)) for _ in range(count)]
+    for _ in range(count):
+        points.append(along(rng.choice(mesh.points), tuple(rng.uniform(-1, 1) for _ in range(3)), 0.05))
+    return points + [(1e3, -2e3, 5e2), (0.0, 0.0, 0.0)]
+
+
+def npy(points, kind="<f8", columns_first=False, shape=None, version=1):
+    """The bytes of a .npy file."""
+    header = "{'descr': '%s', 'fortran_order': %s, 'shape': %s, }" % (kind, columns_first, shape or (len(points), 3))
+    length = struct.pack("<H" if version == 1 else "<I", len(header) + 1)
+    numbers = [p[axis] for axis in range(3) for p in points] if columns_first else [x for p in points for x in p]
+    letter = "f" if kind == "<f4" else "d"
+    return (b"\x93NUMPY" + bytes((version, 0)) + length + header.encode() + b"\n"
+            + struct.pack("<%d%s" % (len(numbers), letter), *numbers))
+
+
+def csv_text(points):
+    return "".join(",".join(map(repr, p)) + "\n" for p in points)
+
+
+def read_npy(data):
+    """Rows of a table of float64."""
+    length = struct.unpack_from("<H", data, 8)[0]
+    header = eval(data[10:10 + length])
+    rows, columns = header["shape"]
+    assert (data[:8], header["descr"], header["fortran_order"]) == (b"\x93NUMPY\x01\x00", "<f8", False)
+    assert (10 + length) % 64 == 0 and len(data) == 10 + length + 8 * rows * columns
+    return [struct.unpack_from("<%dd" % columns, data, 10 + length + 8 * columns * i) for i in range(rows)]
+
+
+class Answering(ProgramTest):
+    def check_against_all_features(self, seed, mesh, count):
+        rng = random.Random(seed)
+        points = queries(rng, mesh, count)
+        model = self.file("model.off", mesh.text())
+        text = self.succeed("closest", model, "--points", self.file("points.csv", csv_text(points)), "--out", "-")
+        rows = list(csv.DictReader(io.StringIO(text)))
+        self.assertEqual(list(rows[0]), COLUMNS)
+        self.assertEqual([int(row["index"]) for row in rows], list(range(len(points))))
+        kinds = set()
+        for p, row in zip(points, rows):
+            with self.subTest(seed=seed, point=p):
+                best = min(mesh.features(p))
+                distance, kind, id = float(row["distance"]), KINDS.index(row["kind"]), int(row["feature"])
+                self.assertAlmostEqual(distance, math.sqrt(best[0]), delta=1e-11 * max(1, distance))
+                here = tuple(float(row[axis]) for axis in "xyz")
+                self.assertAlmostEqual(distance, math.dist(p, here), delta=1e-11 * max(1, distance))
+                kinds.add(kind)
+                near = [f for f in mesh.features(p) if f[0] <= best[0] + 1e-9 * max(1, best[0])]
+                self.assertIn((kind, id), [f[1:3] for f in near])
+                self.assertEqual(int(row["triangle"]), mesh.triangle_of(kind, id))
+        self.assertEqual(kinds, {0, 1, 2})
+
+    def test_a_closed_mesh_that_is_not_convex(self):
+        self.check_against_all_features(1, bumpy_ball(random.Random(1)), 150)
+
+    def test_a_soup_of_triangles(self):
+        self.check_against_all_features(2, soup(random.Random(2), 60), 150)
+
+    def test_signs_of_a_closed_mesh(self):
+        mesh = bumpy_ball(random.Random(3))
+        points = queries(random.Random(4), mesh, 200)
+        text = self.succeed("closest", self.file("model.off", mesh.text()), "--signed", "--out", "-", "--points",
+                            self.file("points.csv", csv_text(points)))
+        rows = list(csv.DictReader(io.StringIO(text)))
+        self.assertEqual(list(rows[0]), COLUMNS + SIGNS)
+        inside = 0
+        for p, row in zip(points, rows):
+            self.assertEqual(abs(float(row["signed_distance"])), float(row["distance"]))
+            self.assertIn(row["sign_method"], METHODS[1:])
+            expected = mesh.solid_angle(p) > 2 * math.pi
+            self.assertEqual(float(row["signed_distance"]) < 0, expected, p)
+            inside += expected
+        self.assertGreater(inside, 50)
+        self.assertLess(inside, len(points) - 50)
+
+    def test_points_on_the_surface(self):
+        points = [(1.0, 0.5, 0.25), (1.0, 1.0, 0.5), (1.0, 1.0, 1.0)]
+        text = self.succeed("closest", "cube", "--signed", "--out", "-", "--points",
+                            self.file("points.csv", csv_text(points)))
+        for row, kind in zip(csv.DictReader(io.StringIO(text)), ("face", "edge", "vertex")):
+            self.assertEqual((float(row["distance"]), float(row["signed_distance"])), (0, 0))
+            self.assertEqual((row["kind"], row["sign_method"]), (kind, "on_surface"))
+
+
+class Files(ProgramTest):
+    POINTS = [(0.5, 0.25, 2.0), (-3.0, 0.125, 0.0), (0.0, 0.0, 0.5), (1.5, 2.5, -7.0)]
+
+    def answers(self, name, content, *options):
+        return self.succeed("closest", "torus:9x5", "--out", "-", "--points", self.file(name, content), *options)
+
+    def test_every_form_of_points_is_the_same(self):
+        expected = self.answers("plain.csv", csv_text(self.POINTS))
+        self.assertEqual(expected.count("\n"), 5)
+        forms = {
+            "header.csv": "x,y,z\n" + csv_text(self.POINTS),
+            "mark.csv": "\ufeff\"X\", \"Y\", \"Z\"\r\n" + csv_text(self.POINTS).replace("\n", "\r\n"),
+            "numpy.txt": "# x,y,z\n" + csv_text(self.POINTS),
+            "spaces.csv": csv_text(self.POINTS).replace(",", " ,\t") + "\n \n",
+            "cut.csv": csv_text(self.POINTS).rstrip("\n"),
+            "double.npy": npy(self.POINTS),
+            "single.npy": npy(self.POINTS, "<f4"),
+            "columns.npy": npy(self.POINTS, columns_first=True),
+            "newer.NPY": npy(self.POINTS, version=2),
+        }
+        for name, content in forms.items():
+            with self.subTest(name):
+                self.assertEqual(self.answers(name, content), expected)
+
+    def test_numbers_read_back(self):
+        points = queries(random.Random(5), Mesh([(0.0, 0.0, 1.0)], []), 3000)
+        model, file = "torus:9x5", self.file("points.csv", csv_text(points))
+        for options in ((), ("--signed",)):
+            table, numbers = self.folder / "a.csv", self.folder / "a.npy"
+            self.succeed("closest", model, "--points", file, "--out", table, *options)
+            self.succeed("closest", model, "--points", file, "--out", numbers, "--threads", 1, *options)
+            with open(table, newline="") as opened:
+                rows = list(csv.DictReader(opened))
+            self.assertEqual(list(rows[0]), COLUMNS + (SIGNS if options else []))
+            for row in rows:
+                row["kind"] = KINDS.index(row["kind"])
+                if options:
+                    row["sign_method"] = METHODS.index(row["sign_method"])
+            self.assertEqual([tuple(map(float, row.values())) for row in rows], read_npy(numbers.read_bytes()))
+
+    def test_rounds_and_threads_do_not_change_answers(self):
+        rng = random.Random(6)
+        points = [tuple(rng.uniform(-2, 2) for _ in range(3)) for _ in range(140_000)]
+        file = self.file("points.npy", npy(points))
+        outputs = [self.folder / name for name in ("one.npy", "three.npy", "tail.npy")]
+        self.succeed("closest", "cube", "--points", file, "--out", outputs[0], "--threads", 1)
+        self.succeed("closest", "cube", "--points", file, "--out", outputs[1], "--threads", 3)
+        self.assertEqual(outputs[0].read_bytes(), outputs[1].read_bytes())
+        tail = self.file("tail_points.npy", npy(points[-50:]))
+        self.succeed("closest", "cube", "--points", tail, "--out", outputs[2])
+        whole, part = read_npy(outputs[0].read_bytes()), read_npy(outputs[2].read_bytes())
+        self.assertEqual([row[0] for row in whole], list(range(len(points))))
+        self.assertEqual([row[1:] for row in whole[-50:]], [row[1:] for row in part])
+
+    def test_json_and_text(self):
+        file = self.file("points.csv", csv_text(self.POINTS))
+        result = self.json_of("closest", "cube", "--points", file)
+        self.assertEqual(list(result), KEYS)
+        self.assertEqual((result["model"], result["triangles"], result["queries"]), ("cube", 12, 4))
+        self.assertAlmostEqual(result["ns_per_query"], 1e9 * result["seconds"] / 4)
+        out = self.folder / "a.csv"
+        text = self.succeed("closest", "cube", "--points", file, "--out", out, "--signed")
+        for part in ("4 points", "closest: vertices", "inside 1;", f"wrote {out}"):
+            self.assertIn(part, text)
+        self.assertEqual(self.succeed("closest", "cube", "--points", file, "--quiet"), "")
+
+
+class Refusing(ProgramTest):
+    GOOD = "1,2,3\n"
+
+    def refuse_points(self, name, content, says):
+        out = self.folder / "answers.csv"
+        self.refuse("closest", "cube", "--out", out, "--points", self.file(name, content), says=says)
+
+    def test_lines(self):
+        for content, line, says in (
+                ("1,2\n", 1, ("2 numbers", "x,y,z")), ("1,2,3\n1,2,3,4\n", 2, "4 numbers"),
+                ("x,y,z\n1,2,nan\n", 2, ("column 3", "finite")), ("nan,1,2\n", 1, "finite"), ("1,-inf,2", 1, "finite"),
+                ("1,2,1e999\n", 1, "finite"), ("1,2,3\n1,,3\n", 2, "missing"), ("1,2,3,\n", 1, "missing"),
+                ("1 2 3\n", 1, "comma"), ("1;2;3\n", 1, "comma"), ("1,2,3\n1,b,3\n", 2, "b is no number"),
+                ("1,2,0x10\n", 1, "no number"), ("z,y,x\n1,2,3\n", 1, ("x,y,z", "z,y,x")),
+                ("1,2,3\nx,y,z\n", 2, "no number"), ("1,2,3\n\n1,2,3\n", 2, "empty"), ("\n1,2,3\n", 1, "empty")):
+            with self.subTest(content):
+                says = (says,) if isinstance(says, str) else says
+                self.refuse_points("points.csv", content, (f"points.csv:{line}:", *says))
+
+    def test_files_without_points(self):
+        self.refuse_points("empty.csv", "", ("empty.csv", "empty"))
+        self.refuse_points("header.csv", "x,y,z\n", ("header.csv", "no row"))
+        self.refuse_points("none.npy", npy([]), ("none.npy", "no row"))
+        self.refuse("closest", "cube", "--points", self.folder / "absent.csv", says=("absent.csv", "No such file"))
+        self.refuse("closest", "cube", "--points", self.folder, says="folder")
+        self.refuse("closest", "cube", "--points", "/dev/null", says=("/dev/null", "regular"))
+        self.refuse_points("long.csv", "1" * 3_000_000, ("long.csv:1:", "longer"))
+
+    def test_arrays(self):
+        points = [(1.0, 2.0, 3.0), (4.0, 5.0, 6.0)]
+        good = npy(points)
+        for name, content, says in (
+                ("cut.npy", good[:-1], "47 bytes follow"), ("more.npy", good + b"0", "49 bytes follow"),
+                ("huge.npy", npy(points, shape=(1 << 62, 3)), "bytes follow"),
+                ("four.npy", npy(points, shape=(2, 4)), "4 columns"), ("flat.npy", npy(points, shape="(6,)"), "1 dimension"),
+                ("deep.npy", npy(points, shape=(2, 3, 1)), "3 dimensions"), ("int.npy", npy(points, "<i8"), "<i8"),
+                ("big.npy", npy(points, ">f8"), ">f8"), ("nan.npy", npy([points[0], (1, math.nan, 2)]), "row 1 "),
+                ("turned.npy", npy([points[0], (1, 2, math.inf)], columns_first=True), "row 1 "),
+                ("text.npy", self.GOOD, "numpy.save"), ("header.npy", good[:40], "numpy.save"),
+                ("records.npy", good.replace(b"'<f8'", b"[3,4]"), "records"),
+                ("noise.npy", good[:12] + b"?" * 40, "numpy.save"), ("short.npy", good[:7], "numpy.save")):
+            with self.subTest(name):
+                self.refuse_points(name, content, (name, says))
+
+    def test_models(self):
+        points = self.file("points.csv", self.GOOD)
+        def refuse(name, content, says):
+            self.refuse("closest", self.file(name, content), "--points", points, says=(name, says))
+        refuse("empty.off", "OFF\n0 0 0\n", "triangle")
+        refuse("nan.off", "OFF\n3 1 0\n0 0 nan\n1 0 0\n0 1 0\n3 0 1 2\n", "finite")
+        self.refuse("closest", self.folder / "absent.obj", "--points", points, says="absent.obj")
+        self.refuse("closest", "sphere:100x100", "--budget-mb", 1, "--points", points, says=("sphere:100x100", "budget"))
+
+    def test_models_of_points_and_segments_have_answers(self):
+        # A triangle that is a segment, and ten that are one point.
+        corners = [(0.0, 0.0, 0.0), (1.0, 1.0, 1.0), (2.0, 2.0, 2.0), (5.0, 5.0, 5.0)]
+        model = self.file("flat.off", off(corners, [(0, 1, 2)] + 10 * [(3, 3, 3)]))
+        points = self.file("points.csv", "3,0,0\n-1,0,0\n9,5,5\n")
+        rows = list(csv.DictReader(io.StringIO(self.succeed("closest", model, "--points", points, "--out", "-"))))
+        for row, expected in zip(rows, (math.sqrt(6), 1.0, 4.0)):
+            self.assertAlmostEqual(float(row["distance"]), expected)
+
+    def test_outputs(self):
+        points = self.file("points.csv", self.GOOD)
+        def refuse(*options, says):
+            self.refuse("closest", "cube", "--points", points, *options, says=says)
+        refuse("--out", self.folder / "a.txt", says=("a.txt", ".npy"))
+        refuse("--out", self.folder / "none" / "a.csv", says="a.csv")
+        refuse("--out", "-", "--json", "-", says="stdout")
+        refuse("--out", self.folder / "a.csv", "--json", self.folder / "a.csv", says="a.csv")
+        with open("/dev/full", "w") as full:
+            result = run("closest", "cube", "--points", points, "--out", "-", stdout=full)
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("standard output", result.stderr)
+
+    def test_usage(self):
+        self.refuse("closest", "cube", status=2, says="--points")
+        self.refuse("closest", "--points", self.file("points.csv", self.GOOD), status=2, says="MODEL")
+
+
+if __name__ == "__main__":
+    unittest.main()
