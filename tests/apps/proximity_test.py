@@ -113,7 +113,7 @@ class General(ProgramTest):
 
     def test_models_that_are_not_closed(self):
         corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
-        self.succeed("proximity", self.file("open.off", off(corners, [(0, 2, 1), (0, 1, 3)])))
+        self.succeed("proximity", self.file("open.off", off(corners, [(0, 2, 1), (0, 1, 3)])), "--budget-mb", 1)
         self.refuse("proximity", self.file("empty.off", "OFF\n0 0 0\n"), says="empty.off")
         self.refuse("proximity", self.file("nan.off", tetrahedron().replace("0.0", "nan", 1)), says="nan.off")
         self.refuse("proximity", "sphere:100x100", "--budget-mb", 1, says=("sphere:100x100", "budget"))
