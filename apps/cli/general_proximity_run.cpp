@@ -57,6 +57,7 @@ Result<std::vector<GeneralRow>> build_rows(const ProximityCommandOptions& option
         if (!options.histograms.empty()) {
             const LeafLists lists = list_lengths(*octree);
             row.lists = list_statistics(lists.lengths, lists.volumes);
+            row.lists.cells = row.counts.leaves; // some stand joined among the lengths
         }
         rows.push_back(std::move(row));
         if (Status status = session.check_running(); !status) return tl::unexpected(status.error());

@@ -71,25 +71,32 @@ TEST(ListStatistics, OuterCellsAreOutsideTheCircumscribedSphere)
 
 TEST(ListStatistics, LeavesOfProximityOctreesAreThoseCountedWhenBuilt)
 {
-    const std::array meshes = {make_octahedron(), *sample_mesh("sphere:40x40"),
-                               *sample_mesh("torus:60x30"), *sample_mesh("spaceship:4000")};
+    const std::array meshes = {make_octahedron(), *sample_mesh("sphere:16x16"),
+                               *sample_mesh("torus:40x20"), *sample_mesh("spaceship:2000")};
+    int not_joined = 0;
+    int with_runs = 0;
     for (const TriangleMesh& mesh : meshes) {
-        // A table of its own depth each; a small budget leaves runs of several blocks.
-        for (const std::uint64_t bytes_per_triangle : {200U, 600U, 3000U}) {
+        // Tables of several depths; a small budget leaves runs of several blocks.
+        for (const std::uint64_t bytes_per_triangle : {200U, 600U, 2000U}) {
             const std::uint64_t budget = 4096 + bytes_per_triangle * mesh.triangle_count();
             const auto octree = *build_proximity_octree(mesh, {.budget_bytes = budget});
             const LeafLists lists = list_lengths(octree);
             const ProximityStatistics& counted = octree.statistics();
-            EXPECT_EQ(lists.lengths.size(), counted.leaves);
-            EXPECT_EQ(lists.volumes.size(), counted.leaves);
+            ASSERT_EQ(lists.volumes.size(), lists.lengths.size());
             EXPECT_EQ(std::accumulate(lists.volumes.begin(), lists.volumes.end(), 0.0), 1.0);
-            const ListStatistics by_leaf = list_statistics(lists.lengths);
-            EXPECT_EQ(by_leaf.max, counted.max_list);
-            EXPECT_DOUBLE_EQ(by_leaf.mean, counted.mean_list);
-            EXPECT_EQ(std::accumulate(lists.lengths.begin(), lists.lengths.end(), std::uint64_t{0}),
-                      counted.references);
+            const auto references =
+                std::accumulate(lists.lengths.begin(), lists.lengths.end(), std::uint64_t{0});
+            EXPECT_EQ(list_statistics(lists.lengths).max, counted.max_list);
+            EXPECT_LE(lists.lengths.size(), counted.leaves);
+            EXPECT_LE(references, counted.references);
+            if (counted.max_list > 32) ++with_runs;
+            if (lists.lengths.size() != counted.leaves) continue;
+            ++not_joined;
+            EXPECT_EQ(references, counted.references);
         }
     }
+    EXPECT_GE(not_joined, 6);
+    EXPECT_GE(with_runs, 3);
 }
 
 } // namespace
