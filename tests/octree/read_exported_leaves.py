@@ -1,6 +1,7 @@
 """Reads exported octrees with other software and prints their leaves, sorted, one per line:
 
-    lower x y z, upper x y z, class, depth, triangles
+    lower x y z, upper x y z, class, depth, triangles          of octrees
+    lower x y z, upper x y z, list length, blocks, depth       of proximity octrees
 
 A line "file" comes before those of each. Coordinates are printed as hexadecimal floats. Exit status 77 where VTK for Python is not installed.
 """
@@ -28,7 +29,13 @@ def vtk_output(path, reader_name):
     if errors:
         sys.exit(errors[0])
     data = reader.GetOutput().GetCellData()
-    return vtk, reader.GetOutput(), [data.GetArray(n) for n in ("class", "depth", "triangles")]
+    return vtk, reader.GetOutput(), {n: data.GetArray(n) for n in cell_data_names(data)}
+
+
+def cell_data_names(data):
+    if data.HasArray("class"):
+        return "class", "depth", "triangles"
+    return "list_length", "blocks", "depth"
 
 
 def read_vtu(path):
@@ -40,7 +47,7 @@ def read_vtu(path):
         for corner in range(8):
             assert points.GetPoint(corner) == tuple(b[2 * k + (corner >> k & 1)] for k in range(3))
         yield leaf_line((b[0], b[2], b[4], b[1], b[3], b[5]),
-                        *(array.GetValue(cell) for array in arrays))
+                        *(array.GetValue(cell) for array in arrays.values()))
 
 
 def read_htg(path):
@@ -56,7 +63,7 @@ def read_htg(path):
         index = cursor.GetGlobalNodeIndex()
         bounds = [0.0] * 6
         cursor.GetBounds(bounds)
-        assert arrays[1].GetValue(index) == cursor.GetLevel()
+        assert arrays["depth"].GetValue(index) == cursor.GetLevel()
         if cursor.IsLeaf():
             places = []
             for side in (0, 1):
@@ -65,9 +72,12 @@ def read_htg(path):
                     place = (bounds[2 * axis + side] - lower) / (upper - lower) * 2**20
                     assert abs(place - round(place)) < 0.01
                     places.append(round(place))
-            yield ",".join(str(n) for n in places + [a.GetValue(index) for a in arrays])
+            yield ",".join(str(n) for n in places + [a.GetValue(index) for a in arrays.values()])
             return
-        assert arrays[0].GetValue(index) == 2 or arrays[2].GetValue(index) == 0
+        if "class" in arrays:
+            assert arrays["class"].GetValue(index) == 2 or arrays["triangles"].GetValue(index) == 0
+        else:
+            assert arrays["list_length"].GetValue(index) == arrays["blocks"].GetValue(index) == 0
         for octant in range(8):
             cursor.ToChild(octant)
             yield from leaves()

@@ -50,7 +50,8 @@ Result<GlbPart> box_geometry(const Octree& octree, const Vec3& origin, Progress*
     geometry.mode = GlbPart::Mode::lines;
     geometry.colour = {0.6, 0.1, 0.1};
     for (std::size_t i = 0; i < corners->size(); ++i) {
-        geometry.add_point(corners->position(octree, i), origin);
+        geometry.add_point(corners->position(octree.frame(), octree.parameters().max_depth, i),
+                           origin);
         if (!steps.done(1)) return export_cancelled();
     }
     for (const LeafBox& leaf : *leaves) {

@@ -94,13 +94,14 @@ std::uint64_t LeafCorners::number(const LeafBox& leaf, int corner) const noexcep
         std::lower_bound(codes_.begin(), codes_.end(), code(leaf, corner)) - codes_.begin());
 }
 
-Vec3 LeafCorners::position(const Octree& octree, std::size_t number) const noexcept
+Vec3 LeafCorners::position(const OctreeFrame& frame, int lattice_depth,
+                           std::size_t number) const noexcept
 {
     Vec3 point;
     for (int axis = 0; axis < 3; ++axis) {
         const auto at = static_cast<std::uint32_t>(
             codes_[number] >> static_cast<unsigned>(axis) * axis_bits & axis_mask);
-        point[axis] = octree.frame().plane(axis, at, octree.parameters().max_depth);
+        point[axis] = frame.plane(axis, at, lattice_depth);
     }
     return point;
 }

@@ -41,8 +41,9 @@ public:
     /// Number of a leaf's corner; corner bits are x, y, z as an octant's.
     [[nodiscard]] std::uint64_t number(const LeafBox& leaf, int corner) const noexcept;
 
-    /// Where it lies: on the octree's planes exactly.
-    [[nodiscard]] Vec3 position(const Octree& octree, std::size_t number) const noexcept;
+    /// Where it lies: exactly on the planes of the frame, whose deepest cells have that depth.
+    [[nodiscard]] Vec3 position(const OctreeFrame& frame, int lattice_depth,
+                                std::size_t number) const noexcept;
 
 private:
     std::vector<std::uint64_t> codes_;

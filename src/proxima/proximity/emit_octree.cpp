@@ -14,9 +14,6 @@ namespace proxima {
 
 namespace {
 
-/// Tables are at most this fine, and take no more than the nodes.
-constexpr int max_table_depth = 6;
-
 /// A tree with places of its own: nodes and runs count from its own beginning, blocks by number.
 struct EmittedTree {
     std::uint64_t root = 0;
@@ -368,7 +365,7 @@ std::uint64_t join_top(const GrownForest& forest, const std::vector<std::uint64_
     return base;
 }
 
-/// The word of the cell, or of the leaf that holds it.
+/// The word of the cell, or of the leaf that holds it. No more words than the nodes.
 void fill_table(EmittedOctree& octree, std::uint64_t root)
 {
     while (octree.table_depth < max_table_depth &&

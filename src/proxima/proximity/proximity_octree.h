@@ -30,6 +30,9 @@
 
 namespace proxima {
 
+/// Tables are at most this fine.
+inline constexpr int max_table_depth = 6;
+
 /// Words of nodes and table.
 namespace proximity_word {
 inline constexpr std::uint64_t leaf_bit = std::uint64_t{1} << 63U;

@@ -16,12 +16,21 @@
 
 namespace proxima {
 
+/// What fills a row up: nothing, or zeros, so that rows have no bytes without a value.
+template <class Scalar>
+struct TriangleRowEnd {};
+template <>
+struct TriangleRowEnd<double> {
+    std::uint32_t zero = 0;
+};
+
 template <class Scalar>
 struct alignas(sizeof(Scalar) == 4 ? 64 : 8) TriangleRow {
     Scalar coordinates[3][3] = {}; ///< by axis, then corner
     std::uint32_t triangle = 0;    ///< its id, thin_bit, and a bit per side
     std::uint32_t vertices[3] = {};
     std::uint32_t edges[3] = {}; ///< edge k joins corner k and k + 1; no_edge where they are one
+    [[no_unique_address]] TriangleRowEnd<Scalar> end = {};
 
     /// Set for triangles so thin that their inside wants care.
     static constexpr std::uint32_t thin_bit = 1U << 31U;

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 namespace proxima {
 
@@ -48,6 +50,39 @@ std::uint32_t blocks_for(std::uint32_t entries) noexcept
 
 } // namespace
 
+std::uint32_t TriangleTree::lay_out(std::uint32_t triangles) noexcept
+{
+    triangle_count_ = triangles;
+    level_count_ = 0;
+    std::uint32_t entries = blocks_for(triangles);
+    std::uint32_t blocks = 0;
+    do {
+        levels_[level_count_++] = {blocks, entries};
+        entries = blocks_for(entries);
+        blocks += entries;
+    } while (entries > 1);
+    return blocks;
+}
+
+std::size_t TriangleTree::block_count(std::uint32_t triangles) noexcept
+{
+    return TriangleTree().lay_out(triangles);
+}
+
+TriangleTree TriangleTree::adopt(const Vec3& origin, double scale, double reach,
+                                 std::uint32_t triangles, std::span<const TriangleTreeBlock> blocks,
+                                 std::shared_ptr<const void> storage) noexcept
+{
+    TriangleTree tree;
+    PROXIMA_CHECK_EQ(tree.lay_out(triangles), blocks.size());
+    tree.origin_ = origin;
+    tree.scale_ = scale;
+    tree.reach_ = reach;
+    tree.blocks_ = blocks;
+    tree.storage_ = std::move(storage);
+    return tree;
+}
+
 // The steps of build_triangle_tree, in the order of their calls there.
 class TriangleTreeBuilder {
 public:
@@ -56,7 +91,8 @@ public:
         : mesh_(mesh), order_(order)
     {
         tree_.origin_ = bounds.center();
-        tree_.triangle_count_ = static_cast<std::uint32_t>(order.size());
+        const std::uint32_t count = tree_.lay_out(static_cast<std::uint32_t>(order.size()));
+        blocks_.assign(count, empty_block());
         const double extent = bounds.extent().maxCoeff();
         if (extent > 0)
             tree_.scale_ = std::ldexp(1.0, std::clamp(-std::ilogb(extent), -1000, 1000));
@@ -66,18 +102,6 @@ public:
         // of the mesh's coordinates.
         tree_.reach_ = largest * tree_.scale_;
         margin_ = 0x1p-26 + 0x1p-48 * tree_.reach_;
-    }
-
-    void lay_out()
-    {
-        std::uint32_t entries = blocks_for(tree_.triangle_count_);
-        std::uint32_t blocks = 0;
-        do {
-            tree_.levels_[tree_.level_count_++] = {blocks, entries};
-            entries = blocks_for(entries);
-            blocks += entries;
-        } while (entries > 1);
-        tree_.blocks_.assign(blocks, empty_block());
     }
 
     /// The groups of one block of the lowest level.
@@ -97,7 +121,7 @@ public:
                 const auto k = static_cast<Eigen::Index>(axis);
                 const double low = (box.lower[k] - tree_.origin_[k]) * tree_.scale_;
                 const double high = (box.upper[k] - tree_.origin_[k]) * tree_.scale_;
-                TriangleTreeBlock& at = tree_.blocks_[block];
+                TriangleTreeBlock& at = blocks_[block];
                 at.lower[axis][group - first] = rounded_down(low - margin_);
                 at.upper[axis][group - first] = rounded_up(high + margin_);
             }
@@ -110,8 +134,8 @@ public:
             const std::uint32_t below = tree_.levels_[level - 1].first_block;
             const std::uint32_t here = tree_.levels_[level].first_block;
             for (std::uint32_t entry = 0; entry < tree_.levels_[level].entries; ++entry) {
-                set_entry(tree_.blocks_[here + entry / TriangleTree::width],
-                          entry % TriangleTree::width, tree_.blocks_[below + entry]);
+                set_entry(blocks_[here + entry / TriangleTree::width], entry % TriangleTree::width,
+                          blocks_[below + entry]);
             }
         }
     }
@@ -120,12 +144,19 @@ public:
     {
         return blocks_for(tree_.levels_[0].entries);
     }
-    [[nodiscard]] TriangleTree result() noexcept { return std::move(tree_); }
+    [[nodiscard]] TriangleTree result()
+    {
+        auto storage = std::make_shared<const std::vector<TriangleTreeBlock>>(std::move(blocks_));
+        tree_.blocks_ = *storage;
+        tree_.storage_ = std::move(storage);
+        return std::move(tree_);
+    }
 
 private:
     const TriangleMesh& mesh_;
     std::span<const TriangleId> order_;
     double margin_ = 0;
+    std::vector<TriangleTreeBlock> blocks_;
     TriangleTree tree_;
 };
 
@@ -147,7 +178,6 @@ Result<TriangleTree> build_triangle_tree(const TriangleMesh& mesh,
     const Result<Box> bounds = detail::checked_tree_bounds(mesh);
     if (!bounds) return tl::unexpected(bounds.error());
     TriangleTreeBuilder builder(mesh, order, *bounds);
-    builder.lay_out();
     const std::size_t tasks = (builder.group_blocks() + blocks_per_task - 1) / blocks_per_task;
     if (options.progress != nullptr) options.progress->begin_stage("triangle tree", tasks);
     parallel_for(tasks, options.threads, [&](std::size_t task) {

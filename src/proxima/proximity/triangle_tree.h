@@ -21,10 +21,11 @@
 #include "proxima/octree/traverse.h"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <type_traits>
-#include <vector>
 
 namespace proxima {
 
@@ -46,7 +47,7 @@ struct alignas(64) TriangleTreeBlock {
     std::array<Coordinates, 3> upper;
 };
 
-/// Immutable, refers to nothing. Thread safe.
+/// Immutable; copies share the blocks. Thread safe.
 class TriangleTree {
 public:
     static constexpr std::uint32_t width = 8;
@@ -74,13 +75,24 @@ public:
     /// The largest |coordinate| of the mesh, times scale().
     [[nodiscard]] double reach() const noexcept { return reach_; }
 
-    [[nodiscard]] std::uint64_t bytes() const noexcept
-    {
-        return blocks_.size() * sizeof(TriangleTreeBlock);
-    }
+    [[nodiscard]] std::uint64_t bytes() const noexcept { return blocks_.size_bytes(); }
+
+    /// Blocks of a tree over so many triangles.
+    [[nodiscard]] static std::size_t block_count(std::uint32_t triangles) noexcept;
+
+    /// Takes the blocks of a tree that was built; `storage` keeps them alive. Whatever they hold,
+    /// searches end and visit only ranks that exist.
+    /// \pre blocks.size() == block_count(triangles), triangles > 0
+    [[nodiscard]] static TriangleTree adopt(const Vec3& origin, double scale, double reach,
+                                            std::uint32_t triangles,
+                                            std::span<const TriangleTreeBlock> blocks,
+                                            std::shared_ptr<const void> storage) noexcept;
 
 private:
     friend class TriangleTreeBuilder;
+
+    /// Sets the levels, returns the number of blocks.
+    std::uint32_t lay_out(std::uint32_t triangles) noexcept;
 
     Vec3 origin_ = Vec3::Zero();
     double scale_ = 1;
@@ -88,7 +100,8 @@ private:
     std::uint32_t triangle_count_ = 0;
     std::size_t level_count_ = 0;
     std::array<Level, max_levels> levels_{};
-    std::vector<TriangleTreeBlock> blocks_;
+    std::span<const TriangleTreeBlock> blocks_;
+    std::shared_ptr<const void> storage_; ///< of the blocks
 };
 
 /// Builds the tree over all triangles in `order`, best one that keeps neighbours together

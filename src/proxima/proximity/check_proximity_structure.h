@@ -1,0 +1,29 @@
+// Whether the arrays of a proximity octree form one at all: the part of its invariants that needs
+// no mesh.
+#pragma once
+
+#include "proxima/base/progress.h"
+#include "proxima/base/result.h"
+#include "proxima/proximity/proximity_octree.h"
+
+namespace proxima {
+
+/// Checks that every query stays inside the arrays and ends, in as many steps and blocks as the
+/// statistics say.
+///
+///     frame    a finite cube, its scale the power of two that make_root_frame gives
+///     rows     finite and in the root; every triangle once; vertices and edges that exist, no_edge
+///              just where both ends are one vertex and one place
+///     arena    blocks one behind the other, zeros between; places of vertices and ranks exist
+///     nodes    one tree of at most max_proximity_depth levels, each node in it once; the table is
+///              its level
+///     leaves   name blocks where blocks are, of their triangles 1 to 16; each block and each run
+///              belongs to some leaf, a run to one; a run's bounds are finite and ascend
+///     numbers  statistics are those of what is found, but for expected_list
+///
+/// Errors: broken_invariant naming the place; cancelled by `progress`, stage "checking the octree".
+/// For any content of the arrays, also a crafted one, but aligned as their types want.
+/// O(bytes), a bit of scratch per eight.
+[[nodiscard]] Status check_structure(const ProximityOctree& octree, Progress* progress = nullptr);
+
+} // namespace proxima

@@ -1,0 +1,51 @@
+#include "proxima/proximity/proximity_cells.h"
+
+#include "proxima/base/text.h"
+
+#include <algorithm>
+#include <bit>
+#include <vector>
+
+namespace proxima {
+
+Result<std::uint64_t> root_word(const ProximityArrays& arrays)
+{
+    const auto bad = [](std::string message, std::size_t node) {
+        return fail(ErrorCode::broken_invariant, std::move(message), concat("node ", node));
+    };
+    const std::span<const std::uint64_t> nodes = arrays.nodes;
+    if (nodes.size() % 8 != 0) return bad("nodes come by eight", nodes.size());
+    if (nodes.empty()) {
+        if (arrays.table.empty()) return bad("no cells at all", 0);
+        if (!proximity_word::is_leaf(arrays.table[0])) return bad("children beyond the nodes", 0);
+        return arrays.table[0];
+    }
+    std::vector<bool> named(nodes.size() / 8);
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        const std::uint64_t word = nodes[i];
+        if (proximity_word::is_leaf(word)) continue;
+        if (word % 8 != 0 || word > nodes.size() - 8) return bad("children beyond the nodes", i);
+        if (named[word / 8]) return bad("children of two cells", word);
+        named[word / 8] = true;
+        ++count;
+    }
+    if (count + 1 != named.size()) {
+        return bad(concat(named.size() - count, " cells without a parent"), 0);
+    }
+    return 8 *
+           static_cast<std::uint64_t>(std::find(named.begin(), named.end(), false) - named.begin());
+}
+
+std::uint32_t list_length(const ProximityArrays& arrays, std::uint64_t leaf) noexcept
+{
+    if (!proximity_word::is_run(leaf))
+        return static_cast<std::uint32_t>(std::popcount(proximity_word::mask(leaf)));
+    const std::size_t begin = proximity_word::place(leaf);
+    std::uint32_t length = 0;
+    for (const RunEntry& entry : arrays.runs.subspan(begin + 1, arrays.runs[begin].place))
+        length += static_cast<std::uint32_t>(std::popcount(entry.mask));
+    return length;
+}
+
+} // namespace proxima
