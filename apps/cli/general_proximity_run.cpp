@@ -8,6 +8,8 @@
 #include "cli/text_table.h"
 #include "proxima/base/text.h"
 #include "proxima/proximity/build_proximity_octree.h"
+#include "proxima/proximity/export_proximity.h"
+#include "proxima/proximity/proximity_file.h"
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
@@ -32,6 +34,24 @@ std::uint64_t budget_of(const ProximityCommandOptions& options, const TriangleMe
 {
     return options.budget_mb != 0 ? options.budget_mb * 1'000'000
                                   : default_bytes_per_triangle * mesh.triangle_count();
+}
+
+/// To --save and --export.
+Status write_octree(const ProximityCommandOptions& options, const ProximityOctree& octree,
+                    Session& session)
+{
+    Progress* const progress = &session.progress();
+    if (!options.save.empty()) {
+        const Status status = save_proximity_octree(octree, options.save, {.progress = progress});
+        if (!status) return status;
+        session.print(fmt::format("wrote {}\n", options.save));
+    }
+    for (const std::string& path : options.exports) {
+        const Status status = export_proximity(octree, path, {.progress = progress});
+        if (!status) return status;
+        session.print(fmt::format("wrote {}\n", path));
+    }
+    return {};
 }
 
 Result<std::vector<GeneralRow>> build_rows(const ProximityCommandOptions& options,
@@ -61,6 +81,8 @@ Result<std::vector<GeneralRow>> build_rows(const ProximityCommandOptions& option
         }
         rows.push_back(std::move(row));
         if (Status status = session.check_running(); !status) return tl::unexpected(status.error());
+        if (Status status = write_octree(options, *octree, session); !status)
+            return tl::unexpected(status.error());
     }
     return rows;
 }

@@ -4,6 +4,7 @@
 #include "cli/model_options.h"
 #include "cli/names.h"
 #include "cli/proximity_command_options.h"
+#include "proxima/base/file_extension.h"
 #include "proxima/base/text.h"
 #include "proxima/octree/cell.h"
 #include "proxima/proximity/grow_cells.h"
@@ -16,13 +17,39 @@ namespace proxima {
 
 namespace {
 
+/// Whether --save and --export have one octree to write, in a format there is.
+Status check_octree_outputs(const ProximityCommandOptions& options)
+{
+    const bool asked = !options.save.empty() || !options.exports.empty();
+    if (asked && options.method == ProximityMethod::thesis) {
+        return fail(ErrorCode::invalid_argument,
+                    "--save and --export write octrees of --method general only");
+    }
+    if (asked && options.depths.size() > 1) {
+        return fail(ErrorCode::invalid_argument,
+                    "--save and --export write one octree: name one depth");
+    }
+    for (const std::string& path : options.exports) {
+        const std::string extension = lower_case_extension(path);
+        if (extension != ".vtu" && extension != ".htg") {
+            return fail(ErrorCode::unsupported_format, "unknown extension: export to .vtu or .htg",
+                        path);
+        }
+    }
+    return {};
+}
+
 Status run_proximity(const ProximityCommandOptions& options, Session& session)
 {
     for (const std::string& path : options.histograms) {
         if (path == "-") continue; // session.check_outputs says what is wrong with it
         if (Status status = check_histogram_format(path); !status) return status;
     }
-    if (Status status = session.check_outputs(options.histograms); !status) return status;
+    std::vector<std::string> outputs = options.histograms;
+    outputs.insert(outputs.end(), options.exports.begin(), options.exports.end());
+    outputs.push_back(options.save);
+    if (Status status = session.check_outputs(outputs); !status) return status;
+    if (Status status = check_octree_outputs(options); !status) return status;
     return options.method == ProximityMethod::thesis ? run_thesis_proximity(options, session)
                                                      : run_general_proximity(options, session);
 }
@@ -130,6 +157,12 @@ Command add_proximity_command(CLI::App& app)
                      "thesis: memory its build may use (default: 3/4 of the machine's)")
         ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40U))
         ->type_name("N");
+    parser->add_option("--save", options->save, "Write the octree: .pxp (general method)")
+        ->type_name("FILE");
+    parser
+        ->add_option("--export", options->exports,
+                     "Write its cells with the lengths of their lists: .vtu, .htg (general method)")
+        ->type_name("FILE");
     parser
         ->add_option(
             "--histogram", options->histograms,

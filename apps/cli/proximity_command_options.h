@@ -20,6 +20,8 @@ struct ProximityCommandOptions {
     double margin = 0.5;
     std::uint64_t budget_mb = 0; ///< of the result; of the build with the thesis's method
     std::vector<std::string> histograms;
+    std::string save;                 ///< .pxp file, of the general method and one depth
+    std::vector<std::string> exports; ///< .vtu and .htg, the same
 };
 
 /// Builds the proximity octree of any mesh to each of the depths, counts it, times queries, and
