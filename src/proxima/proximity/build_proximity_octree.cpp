@@ -7,6 +7,7 @@
 #include "proxima/proximity/emit_octree.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <memory>
 #include <utility>
@@ -30,11 +31,22 @@ Error cancelled()
     return {ErrorCode::cancelled, "building the proximity octree was cancelled", {}};
 }
 
+/// Whether a normal float holds the number exactly: by its bits, as compilers may drop the rounding
+/// of a conversion there and back.
+bool fits_float(double number)
+{
+    if (number == 0) return true;
+    const auto bits = std::bit_cast<std::uint64_t>(number);
+    constexpr std::uint64_t lost = (std::uint64_t{1} << 29U) - 1;
+    const int exponent = std::ilogb(number);
+    return (bits & lost) == 0 && exponent >= -126 && exponent <= 127;
+}
+
 /// Whether floats hold every position exactly.
 bool fit_floats(const TriangleMesh& mesh)
 {
     return std::ranges::all_of(mesh.positions(), [](const Vec3& p) {
-        return (p.cast<float>().cast<double>().array() == p.array()).all();
+        return fits_float(p[0]) && fits_float(p[1]) && fits_float(p[2]);
     });
 }
 
@@ -94,11 +106,11 @@ public:
         if (!tree) return tl::unexpected(tree.error());
         storage->tree = std::move(*tree);
         if (!make_tables(*storage)) return tl::unexpected(cancelled());
-        const std::uint64_t budget = options_.budget_bytes != 0
-                                         ? options_.budget_bytes
-                                         : default_bytes_per_triangle * mesh_.triangle_count();
         const std::uint64_t fixed = table_bytes(*storage);
         const std::uint64_t least = fixed + least_cell_bytes();
+        const std::uint64_t usual =
+            std::max(default_bytes_per_triangle * mesh_.triangle_count(), 2 * least);
+        const std::uint64_t budget = options_.budget_bytes != 0 ? options_.budget_bytes : usual;
         if (budget < least) {
             return fail(ErrorCode::budget_exceeded,
                         concat("a proximity octree of ", mesh_.triangle_count(),

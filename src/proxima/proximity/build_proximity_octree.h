@@ -24,7 +24,8 @@ inline constexpr std::uint64_t default_bytes_per_triangle = 600;
 inline constexpr std::size_t max_proximity_triangles = std::size_t{1} << 25U;
 
 struct ProximityOptions {
-    std::uint64_t budget_bytes = 0; ///< of the result; 0 = default_bytes_per_triangle each
+    std::uint64_t budget_bytes = 0; ///< of the result; 0 = default_bytes_per_triangle each,
+                                    ///< or what a very small mesh needs
     double margin = 0.5;            ///< root edge = (1 + margin) times the mesh's longest extent
     int max_depth = max_proximity_depth;
     Threads threads = {};

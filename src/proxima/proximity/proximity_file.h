@@ -32,8 +32,8 @@ namespace proxima {
 /// `options.verify`, the structure is checked (check_proximity_structure.h), so that no content of
 /// a file can lead a query out of its arrays; whether it is the octree of a mesh, check_same_mesh
 /// tells. Errors: file_not_found, unsupported_format (foreign file, newer version, other byte
-/// order), malformed_file (truncated, damaged, contradicting itself), cancelled. O(bytes), some
-/// 2 GB/s.
+/// order), malformed_file (truncated, damaged, contradicting itself), cancelled. O(bytes), about
+/// 2 ms per MB.
 [[nodiscard]] Result<ProximityOctree> load_proximity_octree(const std::filesystem::path& path,
                                                             const LoadOptions& options = {});
 

@@ -25,7 +25,7 @@ struct TriangleRowEnd<double> {
 };
 
 template <class Scalar>
-struct alignas(sizeof(Scalar) == 4 ? 64 : 8) TriangleRow {
+struct TriangleRow {
     Scalar coordinates[3][3] = {}; ///< by axis, then corner
     std::uint32_t triangle = 0;    ///< its id, thin_bit, and a bit per side
     std::uint32_t vertices[3] = {};
