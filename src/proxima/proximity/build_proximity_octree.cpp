@@ -246,12 +246,15 @@ private:
     /// Cut to the budget: what blocks really take is known only when they are made.
     std::optional<EmittedOctree> emit(GrownForest& forest, double bytes)
     {
-        for (double aim = 0.98 * bytes;; aim *= 0.95) {
+        double aim = 0.98 * bytes;
+        while (true) {
             cut_cells(forest, price_for(forest, aim / bytes_per_estimate_, 1e-18, 1.0));
             auto octree = emit_octree(forest, {positions_, corners_}, emit_options());
             const bool least =
                 forest.top.cells[0].children == 0 && forest.below_of[0] == GrownForest::no_tree;
             if (!octree || least || static_cast<double>(octree->bytes()) <= bytes) return octree;
+            // By how far it is over, and some more: it need not be the last time.
+            aim *= 0.95 * bytes / static_cast<double>(octree->bytes());
         }
     }
 
