@@ -95,9 +95,9 @@ std::size_t append_block(std::span<const BlockTriangle> triangles, std::span<con
 
     BlockHeader header;
     for (int axis = 0; axis < 3; ++axis) {
-        float low = static_cast<float>(box.lower[axis]);
-        if (static_cast<double>(low) > box.lower[axis])
-            low = std::nextafter(low, -std::numeric_limits<float>::infinity());
+        // Surely not above the vertices, however the number is rounded.
+        const float low = std::nextafter(static_cast<float>(box.lower[axis]),
+                                         -std::numeric_limits<float>::infinity());
         header.origin[axis] = low;
     }
     double extent = 0;

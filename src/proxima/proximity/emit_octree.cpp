@@ -190,7 +190,7 @@ private:
         for (const std::uint32_t rank : chunk)
             for (const std::uint32_t vertex : source_.triangles[rank])
                 least = std::min(least, used.dot(source_.positions[vertex] - center));
-        entry.least = static_cast<float>(least) - 0x1p-22F;
+        entry.least = static_cast<float>(least) - 0x1p-20F;
         return entry;
     }
 
