@@ -25,7 +25,7 @@ tl::unexpected<Error> bad(std::string message, std::string where)
     return fail(ErrorCode::broken_invariant, std::move(message), std::move(where));
 }
 
-tl::unexpected<Error> stopped()
+tl::unexpected<Error> checking_stopped()
 {
     return fail(ErrorCode::cancelled, "checking was stopped on request");
 }
@@ -61,7 +61,7 @@ public:
             if (bytes == 0) return bad("a block is damaged", concat("arena byte ", at));
             begins_[at / block_alignment] = true;
             ++blocks_;
-            if (!steps.done(bytes)) return stopped();
+            if (!steps.done(bytes)) return checking_stopped();
             const std::size_t end = at + bytes;
             if (end == limit) break;
             at = (end + block_alignment - 1) / block_alignment * block_alignment;
@@ -161,7 +161,7 @@ public:
         while (!pending.empty()) {
             const ProximityCell cell = pending.pop();
             ++counts_.nodes;
-            if (!steps.done(sizeof cell.word)) return stopped();
+            if (!steps.done(sizeof cell.word)) return checking_stopped();
             if (!check_table(cell)) {
                 return bad("the table contradicts the nodes", concat("cell at ", name(cell)));
             }
@@ -220,7 +220,7 @@ private:
             if (proximity_word::mask(cell.word) != 0 || place >= arrays_.runs.size())
                 return bad("no such run", "leaf at " + name(cell));
             blocks = arrays_.runs[place].place;
-            if (!steps.done(sizeof(RunEntry) * std::uint64_t{blocks})) return stopped();
+            if (!steps.done(sizeof(RunEntry) * std::uint64_t{blocks})) return checking_stopped();
             list = check_run(cell, place);
             if (list == 0) return bad("its run is damaged", "leaf at " + name(cell));
         }
@@ -303,7 +303,7 @@ Status check_rows(std::span<const TriangleRow<Scalar>> rows, const ProximityOctr
     std::vector<bool> seen(rows.size());
     for (std::size_t rank = 0; rank < rows.size(); ++rank) {
         const TriangleRow<Scalar>& row = rows[rank];
-        if (!steps.done(sizeof row)) return stopped();
+        if (!steps.done(sizeof row)) return checking_stopped();
         if (const char* const fault = fault_of(row, octree); *fault != '\0')
             return bad(fault, concat("row ", rank));
         if (seen[row.triangle_id()]) return bad("a triangle twice", concat("row ", rank));

@@ -230,7 +230,7 @@ SurfaceSides sides_of(const Patch& patch, const WindingNumber& winding)
     return *front > 0 ? SurfaceSides::inside_both : SurfaceSides::outside_both;
 }
 
-tl::unexpected<Error> stopped()
+tl::unexpected<Error> sides_stopped()
 {
     return fail(ErrorCode::cancelled, "surface sides: stopped on request");
 }
@@ -264,7 +264,7 @@ Result<std::vector<std::uint8_t>> find_self_contacts(const SurfaceSearch& search
         if (areas[index(id)] == 0) return;
         contacts[index(id)] = meets_another(search, areas, id) ? 1 : 0;
     });
-    if (is_cancelled(options.progress)) return stopped();
+    if (is_cancelled(options.progress)) return sides_stopped();
     return contacts;
 }
 
@@ -290,7 +290,7 @@ Result<std::vector<SurfaceSides>> find_surface_sides(const SurfaceSearch& search
         }
         if (options.progress != nullptr) options.progress->advance(end - first);
     });
-    if (is_cancelled(options.progress)) return stopped();
+    if (is_cancelled(options.progress)) return sides_stopped();
     for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
         const std::uint32_t patch = patches.of_triangle[i];
         if (patch != Patches::none) sides[i] = patches.items[patch].sides;

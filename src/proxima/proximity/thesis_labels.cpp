@@ -16,7 +16,7 @@ namespace {
 constexpr double max_coordinate = 1e100;
 constexpr std::size_t max_nodes = std::size_t{1} << 31U;
 
-tl::unexpected<Error> stopped()
+tl::unexpected<Error> labels_stopped()
 {
     return fail(ErrorCode::cancelled, "the proximity octree was stopped on request");
 }
@@ -183,7 +183,7 @@ Result<ThesisProximityOctree> build(const TriangleMesh& mesh, const Topology& to
         const auto split = writer.write(level);
         if (!split) return tl::unexpected(split.error());
         if (split->empty()) break;
-        if (is_cancelled(progress)) return stopped();
+        if (is_cancelled(progress)) return labels_stopped();
         const std::uint64_t held = regions->bytes() + bytes_of(parts) + level.bytes();
         auto children =
             labeller.children(level, *split, {held, options.budget, options.threads, progress});
