@@ -79,8 +79,8 @@ void expect_equal(const ProximityOctree& a, const ProximityOctree& b)
     EXPECT_TRUE(same_bytes(a.arrays().arena, b.arrays().arena));
     EXPECT_TRUE(same_bytes(a.arrays().float_rows, b.arrays().float_rows));
     EXPECT_TRUE(same_bytes(a.arrays().double_rows, b.arrays().double_rows));
-    EXPECT_TRUE(same_bytes(a.arrays().vertex_rows, b.arrays().vertex_rows));
-    EXPECT_TRUE(same_bytes(a.arrays().edge_rows, b.arrays().edge_rows));
+    EXPECT_TRUE(same_bytes(a.arrays().vertex_places, b.arrays().vertex_places));
+    EXPECT_TRUE(same_bytes(a.arrays().edge_places, b.arrays().edge_places));
 }
 
 /// Whether two octrees answer with the same bits.
@@ -110,8 +110,8 @@ void expect_harmless(const ProximityOctree& octree, unsigned seed)
                             reach * Vec3(unit(random), unit(random), unit(random)));
     }
     const auto expect_exists = [&](const ClosestFeature& found) {
-        const std::array<std::size_t, 3> counts = {octree.arrays().vertex_rows.size(),
-                                                   octree.arrays().edge_rows.size(),
+        const std::array<std::size_t, 3> counts = {octree.arrays().vertex_places.size(),
+                                                   octree.arrays().edge_places.size(),
                                                    octree.triangle_count()};
         ASSERT_LT(found.feature.id, counts[static_cast<std::size_t>(found.feature.kind)]);
         ASSERT_LT(index(found.triangle), octree.triangle_count());
@@ -256,10 +256,10 @@ struct EditableOctree {
     std::vector<std::byte> arena{octree.arrays().arena.begin(), octree.arrays().arena.end()};
     std::vector<TriangleRow<float>> rows{octree.arrays().float_rows.begin(),
                                          octree.arrays().float_rows.end()};
-    std::vector<std::uint32_t> vertex_rows{octree.arrays().vertex_rows.begin(),
-                                           octree.arrays().vertex_rows.end()};
-    std::vector<std::uint32_t> edge_rows{octree.arrays().edge_rows.begin(),
-                                         octree.arrays().edge_rows.end()};
+    std::vector<std::uint32_t> vertex_places{octree.arrays().vertex_places.begin(),
+                                             octree.arrays().vertex_places.end()};
+    std::vector<std::uint32_t> edge_places{octree.arrays().edge_places.begin(),
+                                           octree.arrays().edge_places.end()};
     RootFrame frame = octree.frame();
     ProximityStatistics statistics = octree.statistics();
     int table_depth = octree.table_depth();
@@ -267,7 +267,8 @@ struct EditableOctree {
     /// The message of the check, "" where it finds nothing.
     [[nodiscard]] std::string fault() const
     {
-        const ProximityArrays arrays{table, nodes, runs, arena, rows, {}, vertex_rows, edge_rows};
+        const ProximityArrays arrays{table, nodes, runs,          arena,
+                                     rows,  {},    vertex_places, edge_places};
         const Status status =
             check_structure(ProximityOctree::adopt(frame, table_depth, arrays, &octree.tree(),
                                                    statistics, octree.mesh_fingerprint(), nullptr));
@@ -400,22 +401,33 @@ TEST(ProximityStructure, NamesWhatIsBroken)
         {"direction", [](EditableOctree& e) { e.rows[7].triangle ^= e.rows[7].side_bit; }},
         {"no such edge",
          [](EditableOctree& e) {
-             e.rows[7].edges[2] = static_cast<std::uint32_t>(e.edge_rows.size());
+             e.rows[7].edges[2] = static_cast<std::uint32_t>(e.edge_places.size());
          }},
         {"an edge of one vertex", [](EditableOctree& e) { e.rows[7].edges[2] = index(no_edge); }},
-        {"a triangle twice",
+        {"a triangle twice", // the last one: all its vertices and edges have lower triangles
          [](EditableOctree& e) {
-             constexpr std::uint32_t id = TriangleRow<float>::side_bit - 1;
-             e.rows[7].triangle = (e.rows[7].triangle & ~id) | e.rows[8].triangle_id();
+             const auto last = static_cast<std::uint32_t>(e.rows.size()) - 1;
+             for (TriangleRow<float>& row : e.rows)
+                 if (row.triangle_id() == last) --row.triangle;
          }},
         {"no such triangle",
          [](EditableOctree& e) { e.rows[7].triangle |= TriangleRow<float>::side_bit - 1; }},
         {"impossible number of triangles", [](EditableOctree& e) { e.rows.clear(); }},
         {"triangle tree", [](EditableOctree& e) { e.rows.pop_back(); }},
-        {"vertices",
-         [](EditableOctree& e) { e.vertex_rows[3] = static_cast<std::uint32_t>(e.rows.size()); }},
-        {"edges",
-         [](EditableOctree& e) { e.edge_rows[3] = static_cast<std::uint32_t>(e.rows.size()); }},
+        {"a vertex's place is wrong",
+         [](EditableOctree& e) { e.vertex_places[3] = static_cast<std::uint32_t>(e.rows.size()); }},
+        {"an edge's place is wrong",
+         [](EditableOctree& e) { e.edge_places[3] = static_cast<std::uint32_t>(e.rows.size()); }},
+        {"a vertex's place is wrong",
+         [](EditableOctree& e) { e.vertex_places[3] = place_word::none; }},
+        {"places of no row", [](EditableOctree& e) { e.vertex_places[3] ^= 3U << 28U; }},
+        {"places of no row", [](EditableOctree& e) { e.edge_places[3] ^= 3U << 28U; }},
+        {"places of no row", [](EditableOctree& e) { e.edge_places[3] ^= 1U << 30U; }},
+        {"places of no row", [](EditableOctree& e) { e.edge_places[3] = 0; }},
+        {"statistics", [&](EditableOctree& e) { e.nodes[first_leaf] = proximity_word::search; }},
+        {"no such run",
+         [&](EditableOctree& e) { e.nodes[first_leaf] = proximity_word::run(0) | 1 << 1; }},
+        {"statistics", [](EditableOctree& e) { e.statistics.searched_leaves += 1; }},
         {"statistics", [](EditableOctree& e) { e.statistics.worst_case_steps -= 1; }},
         {"statistics", [](EditableOctree& e) { e.statistics.worst_case_blocks -= 1; }},
         {"statistics", [](EditableOctree& e) { e.statistics.references += 1; }},

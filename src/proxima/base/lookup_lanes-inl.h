@@ -61,6 +61,56 @@ private:
 #endif
 };
 
+/// Of 32 numbers of 16 bits those that a mask names, at most sixteen, as lanes from the first on.
+/// What the other lanes hold is any of the numbers or 0. 64 bytes are read.
+class NamedNumbers {
+public:
+    HWY_INLINE NamedNumbers(const std::uint16_t* numbers, std::uint32_t mask)
+    {
+#if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
+        const LookupIndexTag wide;
+        const hn::Rebind<std::uint16_t, LookupTag> narrow;
+        const auto low = hn::PromoteTo(wide, hn::LoadU(narrow, numbers));
+        const auto high = hn::PromoteTo(wide, hn::LoadU(narrow, numbers + 16));
+        const auto low_mask = static_cast<__mmask16>(mask & 0xFFFFU);
+        const auto high_mask = static_cast<__mmask16>(mask >> 16U);
+        // Those of the upper half move behind those of the lower one.
+        const auto count = static_cast<unsigned>(__builtin_popcount(mask & 0xFFFFU));
+        const auto places = hn::Sub(hn::Iota(wide, 0), hn::Set(wide, static_cast<int>(count)));
+        const auto behind =
+            _mm512_permutexvar_epi32(places.raw, _mm512_maskz_compress_epi32(high_mask, high.raw));
+        const auto first = static_cast<__mmask16>((1U << count) - 1);
+        lanes_ = hn::Vec<LookupIndexTag>{
+            _mm512_mask_mov_epi32(behind, first, _mm512_maskz_compress_epi32(low_mask, low.raw))};
+#else
+        std::size_t count = 0;
+        for (std::uint32_t left = mask; left != 0 && count < 16; left &= left - 1)
+            values_[count++] = numbers[__builtin_ctz(left)];
+        for (; count < 16; ++count) values_[count] = 0;
+#endif
+    }
+
+    /// Lanes from `first` on. \pre a multiple of the number of lanes, below 16
+    HWY_INLINE hn::Vec<LookupIndexTag> from(std::size_t first) const
+    {
+#if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
+        (void)first;
+        return lanes_;
+#else
+        const LookupIndexTag wide;
+        const hn::Rebind<std::uint16_t, LookupTag> narrow;
+        return hn::PromoteTo(wide, hn::Load(narrow, values_ + first));
+#endif
+    }
+
+private:
+#if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
+    hn::Vec<LookupIndexTag> lanes_;
+#else
+    alignas(64) std::uint16_t values_[16];
+#endif
+};
+
 } // namespace proxima::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

@@ -23,8 +23,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 /// A block's candidates for the closest triangle.
 struct BlockCandidates {
-    std::uint32_t lanes = 0; ///< bit i: triangle places[i] of the block
-    std::uint8_t places[list_triangles] = {};
+    std::uint32_t lanes = 0;                         ///< bit i: triangle places[i] of the block
+    alignas(64) std::int32_t places[list_triangles]; ///< of the triangles asked for
     const std::byte* ranks = nullptr;
     std::uint32_t base = 0;
     bool wide = false;
@@ -138,6 +138,11 @@ HWY_INLINE BlockPoint to_block(const BlockHeader& header, const Vec3& p)
     return point;
 }
 
+/// All places of a block.
+alignas(64) inline constexpr std::uint16_t block_places[block_triangles] = {
+    0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13, 14, 15,
+    16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31};
+
 /// Of the block's triangles that `mask` names, at most 16, those that no other one of them is
 /// surely closer than. With `bound`, a distance in units, only those that may be closer than it.
 template <bool HasBound>
@@ -148,13 +153,9 @@ HWY_INLINE void scan_block(const std::byte* block, std::uint32_t mask, const Vec
     std::memcpy(&header, block, sizeof(header));
     const BlockLayout layout = block_layout(header.vertices, header.triangles, header.wide != 0);
     const auto* const corners = reinterpret_cast<const std::uint16_t*>(block + layout.corners);
-    alignas(64) std::uint16_t listed[list_triangles];
-    std::size_t count = 0;
-    for (std::uint32_t left = mask; left != 0; left &= left - 1) {
-        const int place = std::countr_zero(left);
-        candidates.places[count] = static_cast<std::uint8_t>(place);
-        listed[count++] = corners[place];
-    }
+    const auto count = static_cast<std::size_t>(std::popcount(mask));
+    const NamedNumbers listed(corners, mask);
+    const NamedNumbers listed_places(block_places, mask);
     const BlockPoint point = to_block(header, p);
     const auto numbers = [&](std::size_t axis) {
         return reinterpret_cast<const std::uint16_t*>(block + sizeof(BlockHeader) +
@@ -166,14 +167,14 @@ HWY_INLINE void scan_block(const std::byte* block, std::uint32_t mask, const Vec
 
     const LookupTag tag;
     const LookupIndexTag wide;
-    const hn::Rebind<std::uint16_t, LookupTag> narrow;
     const LanePoint query{hn::Set(tag, point.x), hn::Set(tag, point.y), hn::Set(tag, point.z)};
     constexpr std::size_t lanes = HWY_MIN(16, HWY_LANES(float));
     const std::size_t parts = (count + lanes - 1) / lanes;
     hn::Vec<LookupTag> squared[list_triangles / lanes];
     auto least = hn::Set(tag, std::numeric_limits<float>::max());
     for (std::size_t part = 0; part < parts; ++part) {
-        const auto places = hn::PromoteTo(wide, hn::Load(narrow, listed + part * lanes));
+        const auto places = listed.from(part * lanes);
+        hn::Store(listed_places.from(part * lanes), wide, candidates.places + part * lanes);
         const auto at = [&](hn::Vec<LookupIndexTag> index) {
             return LanePoint{xs.at(index), ys.at(index), zs.at(index)};
         };

@@ -22,8 +22,8 @@ struct ProximityStorage {
     TriangleTree tree;
     GrowBuffer<TriangleRow<float>> float_rows;
     GrowBuffer<TriangleRow<double>> double_rows;
-    GrowBuffer<std::uint32_t> vertex_rows;
-    GrowBuffer<std::uint32_t> edge_rows;
+    GrowBuffer<std::uint32_t> vertex_places;
+    GrowBuffer<std::uint32_t> edge_places;
 };
 
 Error cancelled()
@@ -50,8 +50,9 @@ bool fit_floats(const TriangleMesh& mesh)
     });
 }
 
-/// Longest side by height beyond which a triangle's inside wants care.
-constexpr double thin_condition = 256;
+/// Longest side by height beyond which a triangle's inside wants care: up to there feet are right
+/// to 2^-52 times its square, of the side.
+constexpr double thin_condition = 32;
 
 bool is_thin(const Triangle& triangle)
 {
@@ -107,9 +108,9 @@ public:
         storage->tree = std::move(*tree);
         if (!make_tables(*storage)) return tl::unexpected(cancelled());
         const std::uint64_t fixed = table_bytes(*storage);
-        const std::uint64_t least = fixed + least_cell_bytes();
+        const std::uint64_t least = fixed + least_cell_bytes;
         const std::uint64_t usual =
-            std::max(default_bytes_per_triangle * mesh_.triangle_count(), 2 * least);
+            std::max(default_bytes_per_triangle * mesh_.triangle_count(), least + usual_cell_bytes);
         const std::uint64_t budget = options_.budget_bytes != 0 ? options_.budget_bytes : usual;
         if (budget < least) {
             return fail(ErrorCode::budget_exceeded,
@@ -142,31 +143,53 @@ private:
             storage.float_rows = make_rows<float>(mesh_, topology_, order_);
         else
             storage.double_rows = make_rows<double>(mesh_, topology_, order_);
-        std::vector<std::uint32_t> rank(order_.size());
-        for (std::uint32_t i = 0; i < order_.size(); ++i) rank[index(order_[i])] = i;
-        storage.vertex_rows.resize(topology_.vertex_count());
+        storage.vertex_places.resize(topology_.vertex_count());
         for (std::uint32_t i = 0; i < topology_.vertex_count(); ++i) {
             const auto star = topology_.triangles(VertexId{i});
-            storage.vertex_rows[i] = star.empty() ? 0 : rank[index(star.front())];
+            storage.vertex_places[i] =
+                star.empty() ? place_word::none : place_of_vertex(star.front(), i);
         }
-        storage.edge_rows.resize(topology_.edge_count());
-        for (std::uint32_t i = 0; i < topology_.edge_count(); ++i)
-            storage.edge_rows[i] = rank[index(topology_.triangles(EdgeId{i}).front())];
+        storage.edge_places.resize(topology_.edge_count());
+        for (std::uint32_t i = 0; i < topology_.edge_count(); ++i) {
+            storage.edge_places[i] =
+                place_of_edge(topology_.triangles(EdgeId{i}).front(), EdgeId{i});
+        }
         return !is_cancelled(options_.progress);
+    }
+
+    [[nodiscard]] std::uint32_t place_of_vertex(TriangleId triangle, std::uint32_t vertex) const
+    {
+        const TriangleCorners& corners = mesh_.triangles()[index(triangle)];
+        const auto corner = std::ranges::find(corners, vertex) - corners.begin();
+        return place_word::make(index(triangle), static_cast<std::uint32_t>(corner), false);
+    }
+
+    /// The side between the first corners of its vertices, as side_of() has it.
+    [[nodiscard]] std::uint32_t place_of_edge(TriangleId triangle, EdgeId edge) const
+    {
+        const TriangleCorners& corners = mesh_.triangles()[index(triangle)];
+        const auto first = [&](std::uint32_t corner) {
+            return std::ranges::find(corners, corners[corner]) - corners.begin() == corner;
+        };
+        std::uint32_t side = 2;
+        for (std::uint32_t k = 0; k < 2; ++k)
+            if (topology_.edges(triangle)[k] == edge && first(k) && first(k + 1)) side = k;
+        const std::uint32_t next = side == 2 ? 0 : side + 1;
+        return place_word::make(index(triangle), side, corners[side] > corners[next]);
     }
 
     static std::uint64_t table_bytes(const ProximityStorage& storage)
     {
         return storage.float_rows.span().size_bytes() + storage.double_rows.span().size_bytes() +
-               storage.vertex_rows.span().size_bytes() + storage.edge_rows.span().size_bytes() +
+               storage.vertex_places.span().size_bytes() + storage.edge_places.span().size_bytes() +
                storage.tree.bytes();
     }
 
-    /// One leaf with all triangles.
-    [[nodiscard]] std::uint64_t least_cell_bytes() const
-    {
-        return 1024 + mesh_.triangle_count() * 20;
-    }
+    /// One leaf without a list, and what comes with every arena.
+    static constexpr std::uint64_t least_cell_bytes = 1024;
+
+    /// For the cells of meshes so small that bytes per triangle would not do.
+    static constexpr std::uint64_t usual_cell_bytes = 65536;
 
     /// What blocks are made from.
     void make_source()
@@ -225,11 +248,18 @@ private:
         // From a price that is surely too high to one at which the part takes its share.
         const double share = bytes * sampled / all;
         double price = 1.0 / static_cast<double>(mesh_.triangle_count());
-        for (int tries = 0; tries < 12; ++tries, price /= 4) {
+        double last = 0;
+        for (int tries = 0; tries < 16; ++tries, price /= 4) {
             growing.cost.price = price;
             auto trees = grow_below(features, density, sample, growing);
             if (!trees) return std::nullopt;
-            if (bytes_at(*trees, price) < share) continue;
+            const double taken_at_price = bytes_at(*trees, price);
+            if (taken_at_price < share) {
+                // No cheaper price makes more of it: all fits.
+                if (tries > 0 && taken_at_price < 1.01 * last) return price;
+                last = taken_at_price;
+                continue;
+            }
             // What they really take: measured at about the price.
             const double first = price_for(*trees, share, price, 4 * price);
             const double estimated = bytes_at(*trees, first);
@@ -260,10 +290,10 @@ private:
 
     ProximityOctree adopt(std::shared_ptr<ProximityStorage> storage)
     {
-        const ProximityArrays arrays{storage->cells.table.span(), storage->cells.nodes.span(),
-                                     storage->cells.runs.span(),  storage->cells.arena.span(),
-                                     storage->float_rows.span(),  storage->double_rows.span(),
-                                     storage->vertex_rows.span(), storage->edge_rows.span()};
+        const ProximityArrays arrays{storage->cells.table.span(),   storage->cells.nodes.span(),
+                                     storage->cells.runs.span(),    storage->cells.arena.span(),
+                                     storage->float_rows.span(),    storage->double_rows.span(),
+                                     storage->vertex_places.span(), storage->edge_places.span()};
         const int table_depth = storage->cells.table_depth;
         const ProximityStatistics statistics = storage->cells.statistics;
         const TriangleTree* const tree = &storage->tree;

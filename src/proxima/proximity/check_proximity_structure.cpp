@@ -212,10 +212,13 @@ private:
         const std::uint32_t place = proximity_word::place(cell.word);
         std::uint32_t list = 0;
         std::uint32_t blocks = 1;
-        if (!proximity_word::is_run(cell.word)) {
+        if (proximity_word::is_block(cell.word)) {
             const std::uint32_t mask = proximity_word::mask(cell.word);
             if (!arena_.use(place, mask)) return bad("no such triangles", "leaf at " + name(cell));
             list = static_cast<std::uint32_t>(std::popcount(mask));
+        } else if (cell.word == proximity_word::search) {
+            ++counts_.searched_leaves;
+            blocks = 0;
         } else {
             if (proximity_word::mask(cell.word) != 0 || place >= arrays_.runs.size())
                 return bad("no such run", "leaf at " + name(cell));
@@ -284,10 +287,10 @@ const char* fault_of(const TriangleRow<Scalar>& row, const ProximityOctree& octr
         const std::size_t next = (k + 1) % 3;
         const std::uint32_t from = row.vertices[k];
         const std::uint32_t to = row.vertices[next];
-        if (from >= arrays.vertex_rows.size()) return "no such vertex";
+        if (from >= arrays.vertex_places.size()) return "no such vertex";
         if (row.backward(k) != (from > to)) return "a side's direction is wrong";
         if ((row.edges[k] == index(no_edge)) != (from == to)) return "an edge of one vertex";
-        if (from != to && row.edges[k] >= arrays.edge_rows.size()) return "no such edge";
+        if (from != to && row.edges[k] >= arrays.edge_places.size()) return "no such edge";
         for (const auto& line : row.coordinates) {
             if (from == to && line[k] != line[next]) return "a vertex at two places";
         }
@@ -296,11 +299,56 @@ const char* fault_of(const TriangleRow<Scalar>& row, const ProximityOctree& octr
     return "";
 }
 
+/// Rows against the places of vertices and edges: each names the lowest triangle that has it.
+class PlaceChecker {
+public:
+    explicit PlaceChecker(const ProximityArrays& arrays) : arrays_(arrays) {}
+
+    /// An empty text where the row agrees. \pre its vertices and edges exist
+    template <class Scalar>
+    const char* fault_of(const TriangleRow<Scalar>& row)
+    {
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::uint32_t vertex = row.vertices[k];
+            const std::uint32_t corner = arrays_.vertex_places[vertex];
+            if (place_word::triangle(corner) > row.triangle_id())
+                return "a vertex's place is wrong";
+            if (corner_of(row, vertex) == k && corner == word(row, k, false)) ++vertices_;
+            const std::uint32_t edge = row.edges[k];
+            if (edge == index(no_edge)) continue;
+            const std::uint32_t side = arrays_.edge_places[edge];
+            if (place_word::triangle(side) > row.triangle_id()) return "an edge's place is wrong";
+            if (side_of(row, edge) == k && side == word(row, k, row.backward(k))) ++edges_;
+        }
+        return "";
+    }
+
+    /// Whether every place was met.
+    [[nodiscard]] bool all_met() const
+    {
+        const auto unused = std::ranges::count(arrays_.vertex_places, place_word::none);
+        return vertices_ + static_cast<std::size_t>(unused) == arrays_.vertex_places.size() &&
+               edges_ == arrays_.edge_places.size();
+    }
+
+private:
+    template <class Scalar>
+    static std::uint32_t word(const TriangleRow<Scalar>& row, std::size_t corner, bool backward)
+    {
+        return place_word::make(row.triangle_id(), static_cast<std::uint32_t>(corner), backward);
+    }
+
+    const ProximityArrays& arrays_;
+    std::size_t vertices_ = 0;
+    std::size_t edges_ = 0;
+};
+
 template <class Scalar>
 Status check_rows(std::span<const TriangleRow<Scalar>> rows, const ProximityOctree& octree,
                   StageSteps& steps)
 {
     std::vector<bool> seen(rows.size());
+    PlaceChecker places(octree.arrays());
     for (std::size_t rank = 0; rank < rows.size(); ++rank) {
         const TriangleRow<Scalar>& row = rows[rank];
         if (!steps.done(sizeof row)) return checking_stopped();
@@ -308,7 +356,10 @@ Status check_rows(std::span<const TriangleRow<Scalar>> rows, const ProximityOctr
             return bad(fault, concat("row ", rank));
         if (seen[row.triangle_id()]) return bad("a triangle twice", concat("row ", rank));
         seen[row.triangle_id()] = true;
+        if (const char* const fault = places.fault_of(row); *fault != '\0')
+            return bad(fault, concat("row ", rank));
     }
+    if (!rows.empty() && !places.all_met()) return bad("places of no row", "vertices and edges");
     return {};
 }
 
@@ -334,9 +385,6 @@ Status check_header(const ProximityOctree& octree)
         !is_power_of_two(tree.scale()) || !(tree.reach() >= 0 && std::isfinite(tree.reach()))) {
         return bad("boxes of other triangles", "triangle tree");
     }
-    const auto is_rank = [&](std::uint32_t rank) { return rank < octree.triangle_count(); };
-    if (!std::ranges::all_of(arrays.vertex_rows, is_rank)) return bad("no such row", "vertices");
-    if (!std::ranges::all_of(arrays.edge_rows, is_rank)) return bad("no such row", "edges");
     return {};
 }
 
@@ -344,7 +392,7 @@ Status check_statistics(const ProximityOctree& octree, ProximityStatistics count
 {
     const auto table_depth = static_cast<std::uint32_t>(octree.table_depth());
     counts.worst_case_steps = 1 + counts.max_depth - std::min(counts.max_depth, table_depth);
-    counts.mean_list = static_cast<double>(counts.references) / static_cast<double>(counts.leaves);
+    counts.mean_list = mean_list(counts);
     counts.expected_list = octree.statistics().expected_list;
     if (!(counts.expected_list >= 0 && std::isfinite(counts.expected_list)) ||
         counts != octree.statistics()) {

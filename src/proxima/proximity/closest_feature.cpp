@@ -2,6 +2,7 @@
 
 #include "proxima/base/text.h"
 #include "proxima/proximity/proximity_octree.h"
+#include "proxima/proximity/triangle_lanes.h"
 
 #include <algorithm>
 #include <array>
@@ -56,9 +57,10 @@ HWY_INLINE FoundLeaf find_leaf(const ProximityOctree& octree,
     return {word, static_cast<int>(ProximityOctree::location_bits) - shift};
 }
 
+/// All of a usual one.
 HWY_INLINE void prefetch_block(const std::byte* block)
 {
-    for (int line = 0; line < 4; ++line) hwy::Prefetch(block + 64 * line);
+    for (int line = 0; line < 6; ++line) hwy::Prefetch(block + 64 * line);
 }
 
 template <class Scalar>
@@ -77,33 +79,41 @@ HWY_INLINE RowScale scale_of(const ProximityOctree& octree)
 template <class Scalar>
 HWY_INLINE void recheck(const BlockCandidates& candidates,
                         std::span<const TriangleRow<Scalar>> rows, const Vec3& p,
-                        const RowScale& scale, FeatureDistance& best, QuerySteps& steps)
+                        const RowScale& scale, RowDistance& best, QuerySteps& steps)
 {
     for (std::uint32_t left = candidates.lanes; left != 0; left &= left - 1)
         prefetch_row(rows[candidates.rank(std::countr_zero(left))]);
     for (std::uint32_t left = candidates.lanes; left != 0; left &= left - 1) {
         const std::uint32_t rank = candidates.rank(std::countr_zero(left));
-        const FeatureDistance found = closest_of_row(rows[rank], rank, p, scale);
+        const RowDistance found = closest_of_row(rows[rank], rank, p, scale);
         if (found.before(best)) best = found;
         ++steps.rechecks;
     }
 }
 
-/// By the tree over all triangles: for points outside of the root.
+/// By the tree over all triangles: for points outside of the root and leaves without a list.
 template <class Scalar>
-FeatureDistance search_tree(const ProximityOctree& octree,
-                            std::span<const TriangleRow<Scalar>> rows, const Vec3& p,
-                            QuerySteps& steps)
+RowDistance search_tree(const ProximityOctree& octree, std::span<const TriangleRow<Scalar>> rows,
+                        const Vec3& p, QuerySteps& steps)
 {
     const RowScale scale = scale_of(octree);
-    FeatureDistance best;
-    best.squared = std::numeric_limits<double>::infinity();
+    const double tree_scale = octree.tree().scale();
+    const double reach = octree.tree().reach();
+    RowDistance best;
     visit_nearest(octree.tree(), p, best.squared, [&](RankRange ranks) noexcept {
-        for (std::uint32_t rank = ranks.first; rank < ranks.first + ranks.count; ++rank) {
-            const FeatureDistance found = closest_of_row(rows[rank], rank, p, scale);
-            if (found.before(best)) best = found;
-        }
-        steps.rechecks += ranks.count;
+        const auto group = rows.subspan(ranks.first, ranks.count);
+        std::array<double, TriangleTree::width> squared;
+        triangle_distances(group, p, tree_scale, squared);
+        ++steps.groups;
+        offer_nearest(
+            squared, group.size(),
+            [&] { return triangle_distance_limit(best.squared * tree_scale * tree_scale, reach); },
+            [&](std::size_t i) {
+                const auto rank = static_cast<std::uint32_t>(ranks.first + i);
+                const RowDistance found = closest_of_row(rows[rank], rank, p, scale);
+                if (found.before(best)) best = found;
+                ++steps.rechecks;
+            });
         return best.squared;
     });
     return best;
@@ -112,7 +122,7 @@ FeatureDistance search_tree(const ProximityOctree& octree,
 /// A leaf of several blocks: those whose lower bound is beyond what was found are passed over.
 template <class Scalar>
 void search_run(const ProximityOctree& octree, std::span<const TriangleRow<Scalar>> rows,
-                std::uint64_t word, const Vec3& frame_p, const Vec3& p, FeatureDistance& best,
+                std::uint64_t word, const Vec3& frame_p, const Vec3& p, RowDistance& best,
                 QuerySteps& steps)
 {
     const RunEntry* const run = octree.arrays().runs.data() + proximity_word::place(word);
@@ -142,18 +152,18 @@ void search_run(const ProximityOctree& octree, std::span<const TriangleRow<Scala
 }
 
 template <class Scalar>
-HWY_INLINE FeatureDistance search(const ProximityOctree& octree,
-                                  std::span<const TriangleRow<Scalar>> rows, const Vec3& p,
-                                  QuerySteps& steps)
+HWY_INLINE RowDistance search(const ProximityOctree& octree,
+                              std::span<const TriangleRow<Scalar>> rows, const Vec3& p,
+                              QuerySteps& steps)
 {
-    FeatureDistance best;
-    best.squared = std::numeric_limits<double>::infinity();
+    RowDistance best;
     const Vec3 frame_p = octree.frame().to_frame(p);
     std::array<std::uint32_t, 3> at{};
     if (!octree.locate(frame_p, at)) return search_tree(octree, rows, p, steps);
     const FoundLeaf leaf = find_leaf(octree, at);
     steps.steps += 1 + static_cast<std::uint32_t>(HWY_MAX(leaf.depth - octree.table_depth(), 0));
-    if (proximity_word::is_run(leaf.word)) [[unlikely]] {
+    if (!proximity_word::is_block(leaf.word)) [[unlikely]] {
+        if (leaf.word == proximity_word::search) return search_tree(octree, rows, p, steps);
         search_run(octree, rows, leaf.word, frame_p, p, best, steps);
         return best;
     }
@@ -187,7 +197,7 @@ HWY_INLINE std::uint64_t next_node(const OpenQuery& query, int shift)
 /// Every stage for all queries before the next one, so that they wait for memory together.
 template <class Scalar>
 void search_together(const ProximityOctree& octree, std::span<const TriangleRow<Scalar>> rows,
-                     std::span<const Vec3> points, FeatureDistance* found)
+                     std::span<const Vec3> points, RowDistance* found)
 {
     std::array<OpenQuery, queries_together> queries;
     const ProximityArrays& arrays = octree.arrays();
@@ -227,7 +237,7 @@ void search_together(const ProximityOctree& octree, std::span<const TriangleRow<
                std::size_t{proximity_word::place(query.word)} * block_alignment;
     };
     const auto has_block = [](const OpenQuery& query) {
-        return query.inside && !proximity_word::is_run(query.word);
+        return query.inside && proximity_word::is_block(query.word);
     };
     for (std::size_t i = 0; i < points.size(); ++i)
         if (has_block(queries[i])) prefetch_block(block_of(queries[i]));
@@ -246,12 +256,12 @@ void search_together(const ProximityOctree& octree, std::span<const TriangleRow<
             found[i] = search(octree, rows, points[i], steps);
             continue;
         }
-        found[i].squared = std::numeric_limits<double>::infinity();
+        found[i] = {};
         recheck(query.candidates, rows, points[i], scale_of(octree), found[i], steps);
     }
 }
 
-FeatureDistance search_octree(const ProximityOctree& octree, const Vec3& p, QuerySteps& steps)
+RowDistance search_octree(const ProximityOctree& octree, const Vec3& p, QuerySteps& steps)
 {
     const ProximityArrays& arrays = octree.arrays();
     return arrays.double_rows.empty() ? search(octree, arrays.float_rows, p, steps)
@@ -259,7 +269,7 @@ FeatureDistance search_octree(const ProximityOctree& octree, const Vec3& p, Quer
 }
 
 void search_octree_together(const ProximityOctree& octree, std::span<const Vec3> points,
-                            FeatureDistance* found)
+                            RowDistance* found)
 {
     const ProximityArrays& arrays = octree.arrays();
     if (arrays.double_rows.empty())
@@ -283,37 +293,54 @@ namespace {
 /// The answer in full: named by the lowest triangle that has the feature.
 template <class Scalar>
 ClosestFeature describe(const ProximityArrays& arrays, std::span<const TriangleRow<Scalar>> rows,
-                        const FeatureDistance& found)
+                        const RowDistance& found)
 {
     const TriangleRow<Scalar>& row = rows[found.rank];
     ClosestFeature answer;
-    answer.feature = found.feature;
+    answer.feature = {found.kind(), found.id()};
     answer.squared_distance = found.squared;
-    answer.point = found.weights[0] * row.corner(0) + found.weights[1] * row.corner(1) +
-                   found.weights[2] * row.corner(2);
-    answer.barycentric = found.weights;
-    answer.triangle = TriangleId{row.triangle_id()};
-    if (found.feature.kind == FeatureKind::face) return answer;
-    const std::uint32_t lowest = found.feature.kind == FeatureKind::vertex
-                                     ? arrays.vertex_rows[found.feature.id]
-                                     : arrays.edge_rows[found.feature.id];
-    if (lowest == found.rank) return answer;
-    const TriangleRow<Scalar>& named = rows[lowest];
-    answer.triangle = TriangleId{named.triangle_id()};
-    answer.barycentric = {};
-    for (int i = 0; i < 3; ++i) {
-        const double weight = found.weights[static_cast<std::size_t>(i)];
-        if (weight == 0) continue;
-        for (int k = 0; k < 3; ++k) {
-            if (named.vertices[k] != row.vertices[i]) continue;
-            answer.barycentric[static_cast<std::size_t>(k)] = weight;
-            break;
-        }
+    switch (found.kind()) {
+    case FeatureKind::vertex: {
+        const std::uint32_t place = arrays.vertex_places[found.id()];
+        answer.triangle = TriangleId{place_word::triangle(place)};
+        answer.barycentric[place_word::corner(place)] = 1;
+        answer.point = row.corner(static_cast<int>(corner_of(row, found.id())));
+        break;
+    }
+    case FeatureKind::edge: {
+        const std::uint32_t place = arrays.edge_places[found.id()];
+        answer.triangle = TriangleId{place_word::triangle(place)};
+        const std::size_t side = side_of(row, found.id());
+        const double along = found.along[side];
+        const auto next_to = [](std::size_t corner) { return corner == 2 ? 0 : corner + 1; };
+        const auto lower_first = [&](bool backward, std::size_t from) {
+            const std::size_t to = next_to(from);
+            return backward ? std::array{to, from} : std::array{from, to};
+        };
+        const auto [lower, upper] = lower_first(row.backward(side), side);
+        answer.point = (1 - along) * row.corner(static_cast<int>(lower)) +
+                       along * row.corner(static_cast<int>(upper));
+        const auto [first, second] =
+            lower_first(place_word::backward(place), place_word::corner(place));
+        answer.barycentric[first] = 1 - along;
+        answer.barycentric[second] = along;
+        break;
+    }
+    case FeatureKind::face: {
+        answer.triangle = TriangleId{found.id()};
+        const double all = found.parts[0] + found.parts[1] + found.parts[2];
+        const double v = found.parts[2] / all;
+        const double w = found.parts[0] / all;
+        answer.barycentric = {std::max(0.0, 1 - v - w), v, w};
+        answer.point =
+            answer.barycentric[0] * row.corner(0) + v * row.corner(1) + w * row.corner(2);
+        break;
+    }
     }
     return answer;
 }
 
-ClosestFeature describe(const ProximityOctree& octree, const FeatureDistance& found)
+ClosestFeature describe(const ProximityOctree& octree, const RowDistance& found)
 {
     const ProximityArrays& arrays = octree.arrays();
     return arrays.double_rows.empty() ? describe(arrays, arrays.float_rows, found)
@@ -326,16 +353,16 @@ std::size_t answer_chunk(const ProximityOctree& octree, std::span<const Vec3> po
 {
     const auto bad = std::ranges::find_if(points, [](const Vec3& p) { return !p.allFinite(); });
     const auto finite = static_cast<std::size_t>(bad - points.begin());
-    std::array<FeatureDistance, queries_together> found;
+    std::array<RowDistance, queries_together> found;
     for (std::size_t i = 0; i < finite; i += queries_together) {
         const std::size_t count = std::min(queries_together, finite - i);
         HWY_DYNAMIC_DISPATCH(search_octree_together)
         (octree, points.subspan(i, count), found.data());
         const ProximityArrays& arrays = octree.arrays();
         for (std::size_t k = 0; k < count; ++k) {
-            const Feature feature = found[k].feature;
-            if (feature.kind == FeatureKind::vertex) hwy::Prefetch(&arrays.vertex_rows[feature.id]);
-            if (feature.kind == FeatureKind::edge) hwy::Prefetch(&arrays.edge_rows[feature.id]);
+            const FeatureKind kind = found[k].kind();
+            if (kind == FeatureKind::vertex) hwy::Prefetch(&arrays.vertex_places[found[k].id()]);
+            if (kind == FeatureKind::edge) hwy::Prefetch(&arrays.edge_places[found[k].id()]);
         }
         for (std::size_t k = 0; k < count; ++k) answers[i + k] = describe(octree, found[k]);
     }

@@ -32,8 +32,9 @@ struct ClosestFeature {
 class ProximityOctree;
 
 /// The feature closest to `p`. Real-time safe: noexcept, no allocation, no lock, at most
-/// statistics().worst_case_steps words and worst_case_blocks blocks within the root; any number of
-/// threads. 0.1 to 1 us. \pre p is finite
+/// statistics().worst_case_steps words and worst_case_blocks blocks within the root, or, where the
+/// budget left leaves without a list, search_groups() groups of triangles; any number of threads.
+/// 0.1 to 1 us, searches 1 us and more. \pre p is finite
 [[nodiscard]] ClosestFeature closest_feature(const ProximityOctree& octree, const Vec3& p) noexcept;
 
 /// The same where it is not farther than `radius`. \pre radius >= 0
@@ -43,7 +44,8 @@ class ProximityOctree;
 /// What a query costed: for tests of the worst case and for tuning.
 struct QuerySteps {
     std::uint32_t steps = 0;    ///< words of table and nodes read
-    std::uint32_t blocks = 0;   ///< scanned
+    std::uint32_t blocks = 0;   ///< of the leaf, scanned
+    std::uint32_t groups = 0;   ///< of the tree's triangles, looked at: in leaves without a list
     std::uint32_t rechecks = 0; ///< triangles looked at in doubles
 };
 

@@ -15,7 +15,10 @@ struct CellCost {
 
 CellCost leaf_of(const CostModel& model, const GrownCell& cell)
 {
-    return {model.leaf(cell.probability, cell.triangles), CostModel::leaf_bytes(cell.triangles)};
+    const double listed = model.listed(cell.probability, cell.triangles);
+    const double searched = CostModel::searched(cell.probability, cell.triangles);
+    if (searched < listed) return {searched, 0};
+    return {listed, CostModel::leaf_bytes(cell.triangles)};
 }
 
 /// The cheaper of ending at each cell and of going on, from the last cell to the first. `costs` is
@@ -85,6 +88,15 @@ CellCost cheapest(const GrownForest& forest, const CostModel& model, const Chose
         [&](std::size_t cell) { chosen(forest.below.size(), cell); });
 }
 
+/// Tells leaves with and without a list apart.
+void choose_lists(GrownTree& tree, const CostModel& model)
+{
+    for (GrownCell& cell : tree.cells) {
+        cell.searched = CostModel::searched(cell.probability, cell.triangles) <
+                        model.listed(cell.probability, cell.triangles);
+    }
+}
+
 } // namespace
 
 double bytes_at(std::span<const GrownTree> trees, double price)
@@ -115,6 +127,7 @@ void cut_trees(std::span<GrownTree> trees, double price)
     for (GrownTree& tree : trees) {
         cheapest(tree, {price}, costs, no_tree_below,
                  [&](std::size_t cell) { tree.cells[cell].children = 0; });
+        choose_lists(tree, {price});
     }
 }
 
@@ -126,6 +139,8 @@ void cut_cells(GrownForest& forest, double price)
         else
             forest.top.cells[cell].children = 0, forest.below_of[cell] = GrownForest::no_tree;
     });
+    choose_lists(forest.top, {price});
+    for (GrownTree& tree : forest.below) choose_lists(tree, {price});
 }
 
 } // namespace proxima

@@ -19,7 +19,8 @@ namespace proxima {
 /// The same for a whole forest.
 [[nodiscard]] double price_for(const GrownForest& forest, double bytes, double low, double high);
 
-/// Takes away the cells below the cheapest leaves at the price, by clearing `children`.
+/// Takes away the cells below the cheapest leaves at the price, by clearing `children`, and tells
+/// which leaves are better off without a list.
 void cut_trees(std::span<GrownTree> trees, double price);
 
 /// The same for a whole forest: takes away the cells below the cheapest leaves.

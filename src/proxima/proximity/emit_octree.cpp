@@ -2,6 +2,7 @@
 
 #include "proxima/base/check.h"
 #include "proxima/geometry/closest_point.h"
+#include "proxima/proximity/rank_blocks.h"
 
 #include <algorithm>
 #include <bit>
@@ -13,6 +14,9 @@
 namespace proxima {
 
 namespace {
+
+/// In a tree on its own: a run's block is one of the blocks by rank, which all trees share.
+constexpr std::uint32_t by_rank_bit = 1U << 31U;
 
 /// A tree with places of its own: nodes and runs count from its own beginning, blocks by number.
 struct EmittedTree {
@@ -27,8 +31,8 @@ struct EmittedTree {
 /// Emits one tree after the other.
 class TreeEmitter {
 public:
-    TreeEmitter(const BlockSource& source, double frame_half)
-        : source_(source), frame_half_(frame_half), sharer_(source)
+    TreeEmitter(const BlockSource& source, const RankBlocks& by_rank, double frame_half)
+        : source_(source), by_rank_(by_rank), frame_half_(frame_half), sharer_(source)
     {}
 
     /// `root` is the cell to begin with.
@@ -77,10 +81,12 @@ private:
 
     std::uint64_t leaf_word(const GrownCell& cell, CellKey key)
     {
-        tree_->read_list(cell, ranks_);
         count_leaf(cell, key);
+        if (cell.searched != 0) return proximity_word::search;
+        tree_->read_list(cell, ranks_);
         split_list();
         if (chunks_.size() != 2) return proximity_word::run(add_run(key));
+        result_.statistics.worst_case_blocks = std::max(result_.statistics.worst_case_blocks, 1U);
         const BlockSharer::Place place = sharer_.place(ranks_);
         return proximity_word::leaf(place.number, place.mask);
     }
@@ -90,9 +96,13 @@ private:
         ProximityStatistics& counts = result_.statistics;
         ++counts.nodes;
         ++counts.leaves;
-        counts.references += cell.triangles;
-        counts.max_list = std::max(counts.max_list, cell.triangles);
         counts.max_depth = std::max(counts.max_depth, static_cast<std::uint32_t>(depth(key)));
+        if (cell.searched != 0) {
+            ++counts.searched_leaves;
+            return;
+        }
+        counts.references += cell.triangles;
+        counts.max_list = std::max<std::uint32_t>(counts.max_list, cell.triangles);
         counts.expected_list += static_cast<double>(cell.probability) * cell.triangles;
     }
 
@@ -121,34 +131,60 @@ private:
             }
         }
         chunks_.push_back(ranks_.size());
-        const auto blocks = static_cast<std::uint32_t>(chunks_.size() - 1);
-        result_.statistics.worst_case_blocks =
-            std::max(result_.statistics.worst_case_blocks, blocks);
     }
 
     std::uint32_t add_run(CellKey key)
     {
         const Vec3 exact_center = center_of(key);
         const std::size_t begin = result_.runs.size();
-        RunEntry& head = result_.runs.emplace_back();
-        head.place = static_cast<std::uint32_t>(chunks_.size() - 1);
+        RunEntry head;
         Vec3 center;
         for (int axis = 0; axis < 3; ++axis) {
             head.direction[axis] = static_cast<float>(exact_center[axis]);
             center[axis] = static_cast<double>(head.direction[axis]);
         }
-        for (std::size_t i = 0; i + 1 < chunks_.size(); ++i) {
-            const std::span chunk =
-                std::span(ranks_).subspan(chunks_[i], chunks_[i + 1] - chunks_[i]);
-            result_.runs.push_back(bound(chunk, center));
-            const BlockSharer::Place place = sharer_.place(chunk);
-            result_.runs.back().place = place.number;
-            result_.runs.back().mask = place.mask;
+        result_.runs.push_back(head);
+        find_blocks_by_rank();
+        // A few more blocks are worth it: they cost no memory, and are met again and again.
+        if (parts_.size() <= chunks_.size() + chunks_.size() / 2) {
+            for (const RankPart& part : parts_) {
+                const auto ranks = std::span(ranks_).subspan(part.begin, part.end - part.begin);
+                RunEntry& entry = result_.runs.emplace_back(bound(ranks, center));
+                entry.place = part.block | by_rank_bit;
+                entry.mask = part.mask;
+            }
+        } else {
+            for (std::size_t i = 0; i + 1 < chunks_.size(); ++i) {
+                const auto ranks =
+                    std::span(ranks_).subspan(chunks_[i], chunks_[i + 1] - chunks_[i]);
+                RunEntry& entry = result_.runs.emplace_back(bound(ranks, center));
+                const BlockSharer::Place place = sharer_.place(ranks);
+                entry.place = place.number;
+                entry.mask = place.mask;
+            }
         }
+        const auto count = static_cast<std::uint32_t>(result_.runs.size() - begin - 1);
+        result_.runs[begin].place = count;
+        result_.statistics.worst_case_blocks =
+            std::max(result_.statistics.worst_case_blocks, count);
         std::stable_sort(result_.runs.begin() + static_cast<std::ptrdiff_t>(begin) + 1,
                          result_.runs.end(),
                          [](const RunEntry& a, const RunEntry& b) { return a.least < b.least; });
         return static_cast<std::uint32_t>(begin);
+    }
+
+    /// The list's parts by the blocks of their ranks.
+    void find_blocks_by_rank()
+    {
+        parts_.clear();
+        for (std::size_t i = 0; i < ranks_.size(); ++i) {
+            const RankBlocks::Place place = by_rank_.place(ranks_[i]);
+            if (parts_.empty() || parts_.back().block != place.block ||
+                i - parts_.back().begin == list_triangles)
+                parts_.push_back({place.block, 0, i, i});
+            parts_.back().mask |= 1U << (ranks_[i] - place.first);
+            parts_.back().end = i + 1;
+        }
     }
 
     [[nodiscard]] Vec3 center_of(CellKey key) const
@@ -194,26 +230,36 @@ private:
         return entry;
     }
 
+    /// Of a list: a block by rank and what it has of it, entries begin to end.
+    struct RankPart {
+        std::uint32_t block = 0;
+        std::uint32_t mask = 0;
+        std::size_t begin = 0;
+        std::size_t end = 0;
+    };
+
     BlockSource source_;
+    const RankBlocks& by_rank_;
     double frame_half_;
     BlockSharer sharer_;
     const GrownTree* tree_ = nullptr;
     EmittedTree result_;
     std::vector<std::uint32_t> ranks_;
     std::vector<std::size_t> chunks_;
+    std::vector<RankPart> parts_;
 };
 
 /// Emitters that threads take and give back: each has a word per triangle.
 class EmitterPool {
 public:
-    EmitterPool(const BlockSource& source, double frame_half)
-        : source_(source), frame_half_(frame_half)
+    EmitterPool(const BlockSource& source, const RankBlocks& by_rank, double frame_half)
+        : source_(source), by_rank_(by_rank), frame_half_(frame_half)
     {}
 
     std::unique_ptr<TreeEmitter> take()
     {
         const std::lock_guard lock(mutex_);
-        if (free_.empty()) return std::make_unique<TreeEmitter>(source_, frame_half_);
+        if (free_.empty()) return std::make_unique<TreeEmitter>(source_, by_rank_, frame_half_);
         auto emitter = std::move(free_.back());
         free_.pop_back();
         return emitter;
@@ -227,6 +273,7 @@ public:
 
 private:
     BlockSource source_;
+    const RankBlocks& by_rank_;
     double frame_half_;
     std::mutex mutex_;
     std::vector<std::unique_ptr<TreeEmitter>> free_;
@@ -267,11 +314,13 @@ std::optional<std::vector<EmittedTree>> emit_trees(std::span<const GrownTree> tr
 class OctreeJoiner {
 public:
     /// Room for all at once: what moves while it grows loses its huge pages.
-    OctreeJoiner(EmittedOctree& octree, std::span<const EmittedTree> trees) : octree_(octree)
+    OctreeJoiner(EmittedOctree& octree, std::span<const EmittedTree> trees,
+                 const RankBlocks& by_rank)
+        : octree_(octree), by_rank_(by_rank), places_by_rank_(by_rank.size(), no_place)
     {
         std::size_t nodes = 0;
         std::size_t runs = 0;
-        std::size_t bytes = block_padding;
+        std::size_t bytes = block_padding + by_rank.size() * usual_block_bytes;
         for (const EmittedTree& tree : trees) {
             nodes += tree.nodes.size();
             runs += tree.runs.size();
@@ -287,9 +336,9 @@ public:
     {
         const std::size_t first_node = octree_.nodes.size();
         const std::size_t first_run = octree_.runs.size();
-        const std::size_t first_byte =
-            (octree_.arena.size() + block_alignment - 1) / block_alignment * block_alignment;
+        const std::size_t first_byte = aligned_end();
         const auto moved = [&](std::uint64_t word) {
+            if (word == proximity_word::search) return word;
             if (!proximity_word::is_leaf(word)) return word + first_node;
             const std::uint32_t place = proximity_word::place(word);
             if (proximity_word::is_run(word))
@@ -300,32 +349,63 @@ public:
         octree_.nodes.resize(first_node + tree.nodes.size());
         for (std::size_t i = 0; i < tree.nodes.size(); ++i)
             octree_.nodes[first_node + i] = moved(tree.nodes[i]);
+        append_bytes(first_byte, tree.arena);
         octree_.runs.resize(first_run + tree.runs.size());
         for (std::size_t at = 0; at < tree.runs.size();) {
             const std::uint32_t count = tree.runs[at].place;
             octree_.runs[first_run + at] = tree.runs[at];
             for (const std::size_t last = at++ + count; at <= last; ++at) {
                 RunEntry entry = tree.runs[at];
-                entry.place = block_at(tree, first_byte, entry.place);
+                entry.place = (entry.place & by_rank_bit) != 0
+                                  ? block_by_rank(entry.place & ~by_rank_bit)
+                                  : block_at(tree, first_byte, entry.place);
                 octree_.runs[first_run + at] = entry;
             }
         }
-        const std::size_t end = octree_.arena.size();
-        octree_.arena.resize(first_byte + tree.arena.size());
-        if (first_byte > end) std::memset(octree_.arena.data() + end, 0, first_byte - end);
-        if (!tree.arena.empty())
-            std::memcpy(octree_.arena.data() + first_byte, tree.arena.data(), tree.arena.size());
         count(tree.statistics);
         return moved(tree.root);
     }
 
 private:
+    static constexpr std::size_t usual_block_bytes = 384;
+
     static std::uint32_t block_at(const EmittedTree& tree, std::size_t first_byte,
                                   std::uint32_t number)
     {
-        const std::size_t place = (first_byte + tree.places[number]) / block_alignment;
-        PROXIMA_CHECK_LE(place, proximity_word::max_place);
-        return static_cast<std::uint32_t>(place);
+        return place_of(first_byte + tree.places[number]);
+    }
+
+    static std::uint32_t place_of(std::size_t byte)
+    {
+        PROXIMA_CHECK_LE(byte / block_alignment, proximity_word::max_place);
+        return static_cast<std::uint32_t>(byte / block_alignment);
+    }
+
+    /// Written when it is first met.
+    std::uint32_t block_by_rank(std::uint32_t block)
+    {
+        std::uint32_t& place = places_by_rank_[block];
+        if (place != no_place) return place;
+        bytes_.clear();
+        (void)by_rank_.append(block, bytes_);
+        const std::size_t first_byte = aligned_end();
+        append_bytes(first_byte, bytes_);
+        ++octree_.statistics.blocks;
+        return place = place_of(first_byte);
+    }
+
+    [[nodiscard]] std::size_t aligned_end() const
+    {
+        return (octree_.arena.size() + block_alignment - 1) / block_alignment * block_alignment;
+    }
+
+    void append_bytes(std::size_t first_byte, std::span<const std::byte> bytes)
+    {
+        if (bytes.empty()) return;
+        const std::size_t end = octree_.arena.size();
+        octree_.arena.resize(first_byte + bytes.size());
+        if (first_byte > end) std::memset(octree_.arena.data() + end, 0, first_byte - end);
+        std::memcpy(octree_.arena.data() + first_byte, bytes.data(), bytes.size());
     }
 
     void count(const ProximityStatistics& more)
@@ -333,6 +413,7 @@ private:
         ProximityStatistics& all = octree_.statistics;
         all.nodes += more.nodes;
         all.leaves += more.leaves;
+        all.searched_leaves += more.searched_leaves;
         all.references += more.references;
         all.blocks += more.blocks;
         all.max_depth = std::max(all.max_depth, more.max_depth);
@@ -341,7 +422,12 @@ private:
         all.expected_list += more.expected_list;
     }
 
+    static constexpr std::uint32_t no_place = 0xFFFFFFFF;
+
     EmittedOctree& octree_;
+    const RankBlocks& by_rank_;
+    std::vector<std::uint32_t> places_by_rank_; ///< in the arena
+    std::vector<std::byte> bytes_;
 };
 
 /// Emits the top's own leaves and links the trees below it.
@@ -365,11 +451,11 @@ std::uint64_t join_top(const GrownForest& forest, const std::vector<std::uint64_
     return base;
 }
 
-/// The word of the cell, or of the leaf that holds it. No more words than the nodes.
+/// The word of the cell, or of the leaf that holds it. Half as many words as the nodes at most.
 void fill_table(EmittedOctree& octree, std::uint64_t root)
 {
     while (octree.table_depth < max_table_depth &&
-           std::size_t{1} << 3 * (octree.table_depth + 1) <= octree.nodes.size() / 4)
+           std::size_t{1} << 3 * (octree.table_depth + 1) <= octree.nodes.size() / 2)
         ++octree.table_depth;
     const int depth = octree.table_depth;
     octree.table.resize(std::size_t{1} << 3 * depth);
@@ -399,7 +485,8 @@ std::optional<double> emitted_bytes(std::span<const GrownTree> trees, const Bloc
                                     const EmitOptions& options)
 {
     const std::vector<bool> used(trees.size(), true);
-    EmitterPool pool(source, options.frame_half);
+    const RankBlocks by_rank(source);
+    EmitterPool pool(source, by_rank, options.frame_half);
     const auto emitted = emit_trees(trees, used, pool, options);
     if (!emitted) return std::nullopt;
     std::size_t bytes = 0;
@@ -415,16 +502,17 @@ std::optional<EmittedOctree> emit_octree(const GrownForest& forest, const BlockS
 {
     std::vector<bool> used(forest.below.size());
     find_trees_in_use(forest, 0, used);
-    EmitterPool pool(source, options.frame_half);
+    const RankBlocks by_rank(source);
+    EmitterPool pool(source, by_rank, options.frame_half);
     auto emitted = emit_trees(forest.below, used, pool, options);
     if (!emitted) return std::nullopt;
     std::vector<EmittedTree>& trees = *emitted;
 
     EmittedOctree octree;
-    OctreeJoiner joiner(octree, trees);
+    OctreeJoiner joiner(octree, trees, by_rank);
     std::vector<std::uint64_t> roots;
     for (EmittedTree& tree : trees) {
-        roots.push_back(tree.places.empty() ? 0 : joiner.join(tree));
+        roots.push_back(tree.statistics.nodes == 0 ? 0 : joiner.join(tree));
         tree = {};
     }
     const auto emitter = pool.take();
@@ -433,7 +521,7 @@ std::optional<EmittedOctree> emit_octree(const GrownForest& forest, const BlockS
     octree.arena.resize(octree.arena.size() + block_padding);
     std::memset(octree.arena.data() + (octree.arena.size() - block_padding), 0, block_padding);
     ProximityStatistics& counts = octree.statistics;
-    counts.mean_list = static_cast<double>(counts.references) / static_cast<double>(counts.leaves);
+    counts.mean_list = mean_list(counts);
     counts.worst_case_steps =
         1 + (counts.max_depth > static_cast<std::uint32_t>(octree.table_depth)
                  ? counts.max_depth - static_cast<std::uint32_t>(octree.table_depth)

@@ -37,7 +37,8 @@ struct EmitOptions {
 [[nodiscard]] std::optional<EmittedOctree>
 emit_octree(const GrownForest& forest, const BlockSource& source, const EmitOptions& options);
 
-/// Bytes that the trees take as nodes, runs and blocks. Null where cancelled.
+/// Bytes that the trees take as nodes, runs and blocks of their own: without the blocks by rank
+/// (rank_blocks.h), which are once for all. Null where cancelled.
 [[nodiscard]] std::optional<double> emitted_bytes(std::span<const GrownTree> trees,
                                                   const BlockSource& source,
                                                   const EmitOptions& options);

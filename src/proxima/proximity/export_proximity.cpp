@@ -23,7 +23,7 @@ public:
         const std::uint64_t word = cell.word;
         const bool is_leaf = proximity_word::is_leaf(word);
         lengths_.push_back(is_leaf ? list_length(arrays, word) : 0);
-        std::uint32_t blocks = is_leaf ? 1 : 0;
+        std::uint32_t blocks = is_leaf && proximity_word::is_block(word) ? 1 : 0;
         if (is_leaf && proximity_word::is_run(word))
             blocks = arrays.runs[proximity_word::place(word)].place;
         blocks_.push_back(blocks);

@@ -30,10 +30,11 @@ inline constexpr int max_proximity_depth = 14;
 
 /// A cell that was grown.
 struct GrownCell {
-    float probability = 0;       ///< of a query to fall into it
-    std::uint32_t children = 0;  ///< first of eight, 0 for none
-    std::uint32_t list = 0;      ///< where its list's bytes begin
-    std::uint32_t triangles = 0; ///< length of its list
+    float probability = 0;           ///< of a query to fall into it
+    std::uint32_t children = 0;      ///< first of eight, 0 for none
+    std::uint32_t list = 0;          ///< where its list's bytes begin
+    std::uint32_t triangles : 31 {}; ///< length of its list
+    std::uint32_t searched : 1 {};   ///< a leaf that is better off without its list
 };
 
 /// A cell and all below it. Cell 0 is the topmost; children come after their parents.

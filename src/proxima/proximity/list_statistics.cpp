@@ -1,12 +1,12 @@
 #include "proxima/proximity/list_statistics.h"
 
 #include "proxima/base/check.h"
+#include "proxima/proximity/proximity_cells.h"
 #include "proxima/proximity/proximity_octree.h"
 #include "proxima/proximity/thesis_labels.h"
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -79,22 +79,8 @@ private:
 
     void add_leaf(std::uint64_t word, int depth)
     {
-        lists_.lengths.push_back(length(word));
+        lists_.lengths.push_back(list_length(octree_.arrays(), word));
         lists_.volumes.push_back(std::ldexp(1.0, -3 * depth));
-    }
-
-    [[nodiscard]] std::uint32_t length(std::uint64_t word) const
-    {
-        const auto count = [](std::uint32_t mask) {
-            return static_cast<std::uint32_t>(std::popcount(mask));
-        };
-        if (!proximity_word::is_run(word)) return count(proximity_word::mask(word));
-        const std::uint32_t place = proximity_word::place(word);
-        const std::span<const RunEntry> runs = octree_.arrays().runs;
-        std::uint32_t sum = 0;
-        for (const RunEntry& entry : runs.subspan(place + std::size_t{1}, runs[place].place))
-            sum += count(entry.mask);
-        return sum;
     }
 
     const ProximityOctree& octree_;

@@ -39,7 +39,8 @@ Result<std::uint64_t> root_word(const ProximityArrays& arrays)
 
 std::uint32_t list_length(const ProximityArrays& arrays, std::uint64_t leaf) noexcept
 {
-    if (!proximity_word::is_run(leaf))
+    if (leaf == proximity_word::search) return 0;
+    if (proximity_word::is_block(leaf))
         return static_cast<std::uint32_t>(std::popcount(proximity_word::mask(leaf)));
     const std::size_t begin = proximity_word::place(leaf);
     std::uint32_t length = 0;

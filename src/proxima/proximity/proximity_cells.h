@@ -33,7 +33,7 @@ struct ProximityCell {
              2 * cell.at[2] + (octant >> 2U)}};
 }
 
-/// Triangles in a leaf's list. \pre the arrays are sound
+/// Triangles in a leaf's list; 0 for a leaf without one. \pre the arrays are sound
 [[nodiscard]] std::uint32_t list_length(const ProximityArrays& arrays, std::uint64_t leaf) noexcept;
 
 } // namespace proxima

@@ -24,8 +24,8 @@ enum SectionId : std::uint32_t {
     arena_section = 5,
     float_rows_section = 6,
     double_rows_section = 7,
-    vertex_rows_section = 8,
-    edge_rows_section = 9,
+    vertex_places_section = 8,
+    edge_places_section = 9,
     tree_section = 10
 };
 
@@ -49,7 +49,7 @@ struct ProximityFileHeader {
     std::uint32_t worst_case_steps = 0;
     std::uint32_t worst_case_blocks = 0;
     std::uint32_t table_depth = 0;
-    std::uint32_t reserved = 0;
+    std::uint32_t searched_leaves = 0;
 };
 static_assert(sizeof(ProximityFileHeader) == 160);
 static_assert(sizeof(RunEntry) == 24 && sizeof(TriangleTreeBlock) == 192);
@@ -96,6 +96,7 @@ ProximityFileHeader file_header(const ProximityOctree& octree)
     header.worst_case_steps = counts.worst_case_steps;
     header.worst_case_blocks = counts.worst_case_blocks;
     header.table_depth = static_cast<std::uint32_t>(octree.table_depth());
+    header.searched_leaves = static_cast<std::uint32_t>(counts.searched_leaves);
     return header;
 }
 
@@ -104,6 +105,7 @@ ProximityStatistics statistics_of(const ProximityFileHeader& header)
     ProximityStatistics counts;
     counts.nodes = header.nodes;
     counts.leaves = header.leaves;
+    counts.searched_leaves = header.searched_leaves;
     counts.references = header.references;
     counts.blocks = header.blocks;
     counts.max_depth = header.max_depth;
@@ -165,8 +167,8 @@ Result<ProximityOctree> octree_of(const BinaryFile& file, const std::string& nam
     reader.read(arena_section, arrays.arena);
     reader.read(float_rows_section, arrays.float_rows);
     reader.read(double_rows_section, arrays.double_rows);
-    reader.read(vertex_rows_section, arrays.vertex_rows);
-    reader.read(edge_rows_section, arrays.edge_rows);
+    reader.read(vertex_places_section, arrays.vertex_places);
+    reader.read(edge_places_section, arrays.edge_places);
     reader.read(tree_section, boxes);
     if (!reader.status()) return tl::unexpected(reader.status().error());
 
@@ -175,7 +177,7 @@ Result<ProximityOctree> octree_of(const BinaryFile& file, const std::string& nam
     };
     // What would not fit the numbers of memory must be refused before it gets there.
     const std::size_t triangles = arrays.float_rows.size() + arrays.double_rows.size();
-    if (headers.size() != 1 || headers[0].reserved != 0 ||
+    if (headers.size() != 1 ||
         headers[0].table_depth > static_cast<std::uint32_t>(max_table_depth)) {
         return malformed("the octree's parameters are damaged");
     }
@@ -224,8 +226,8 @@ Status save_proximity_octree(const ProximityOctree& octree, const std::filesyste
         section_of(arena_section, arrays.arena),
         section_of(float_rows_section, arrays.float_rows),
         section_of(double_rows_section, arrays.double_rows),
-        binary_section(vertex_rows_section, arrays.vertex_rows),
-        binary_section(edge_rows_section, arrays.edge_rows),
+        binary_section(vertex_places_section, arrays.vertex_places),
+        binary_section(edge_places_section, arrays.edge_places),
         section_of(tree_section, octree.tree().blocks())};
     return write_binary_file(path, proximity_format, sections, options.progress);
 }
@@ -251,7 +253,7 @@ Result<ProximityOctree> load_proximity_octree(std::span<const std::byte> bytes,
 Status check_same_mesh(const ProximityOctree& octree, const TriangleMesh& mesh)
 {
     const std::uint64_t fingerprint = mesh_fingerprint(mesh);
-    const std::size_t vertices = octree.arrays().vertex_rows.size();
+    const std::size_t vertices = octree.arrays().vertex_places.size();
     if (octree.mesh_fingerprint() == fingerprint &&
         octree.triangle_count() == mesh.triangle_count() && vertices == mesh.vertex_count()) {
         return {};

@@ -8,8 +8,8 @@ std::uint64_t ProximityOctree::bytes() const noexcept
 {
     return arrays_.table.size_bytes() + arrays_.nodes.size_bytes() + arrays_.runs.size_bytes() +
            arrays_.arena.size_bytes() + arrays_.float_rows.size_bytes() +
-           arrays_.double_rows.size_bytes() + arrays_.vertex_rows.size_bytes() +
-           arrays_.edge_rows.size_bytes() + tree_->bytes();
+           arrays_.double_rows.size_bytes() + arrays_.vertex_places.size_bytes() +
+           arrays_.edge_places.size_bytes() + tree_->bytes();
 }
 
 ProximityOctree ProximityOctree::adopt(const RootFrame& frame, int table_depth,

@@ -7,9 +7,12 @@
 //                10 | place 30 | mask 32      leaf of one block, at arena + 8 place: of the block's
 //                                             triangles those in the mask
 //                11 | place 30 | 0            leaf of several: a run, at runs[place]
+//                11 | 0 | 1                   leaf without a list: queries search the tree
 //     runs     per leaf of several blocks: an entry with their number, then one per block, the
 //              nearest to the leaf's centre first
 //     arena    blocks (block.h), shared between leaves
+//     tree     boxes over all rows (triangle_tree.h), for leaves without a list and for points
+//              outside of the root
 //     rows     triangles as doubles in Morton order (triangle_row.h)
 //
 // A query walks from the table to its leaf, filters the leaf's blocks in lanes of floats, and looks
@@ -43,9 +46,10 @@ inline constexpr std::uint32_t max_place = (1U << 30U) - 1;
 {
     return (word & leaf_bit) != 0;
 }
-[[nodiscard]] constexpr bool is_run(std::uint64_t word) noexcept
+/// Of leaves: whether there is one block and no more to it.
+[[nodiscard]] constexpr bool is_block(std::uint64_t word) noexcept
 {
-    return (word & run_bit) != 0;
+    return (word & run_bit) == 0;
 }
 [[nodiscard]] constexpr std::uint32_t place(std::uint64_t word) noexcept
 {
@@ -63,6 +67,13 @@ inline constexpr std::uint32_t max_place = (1U << 30U) - 1;
 {
     return leaf_bit | run_bit | std::uint64_t{place} << 32U;
 }
+/// Of leaves whose points are answered by the tree over all triangles.
+inline constexpr std::uint64_t search = leaf_bit | run_bit | 1;
+
+[[nodiscard]] constexpr bool is_run(std::uint64_t word) noexcept
+{
+    return (word & run_bit) != 0 && word != search;
+}
 } // namespace proximity_word
 
 /// A block of a leaf that has several; or, before them, their number as `place` and the leaf's
@@ -76,16 +87,17 @@ struct RunEntry {
 
 /// Counted when the octree is built.
 struct ProximityStatistics {
-    std::uint64_t nodes = 0; ///< cells, split or leaf
-    std::uint64_t leaves = 0;
+    std::uint64_t nodes = 0;             ///< cells, split or leaf
+    std::uint64_t leaves = 0;            ///< with and without a list
+    std::uint64_t searched_leaves = 0;   ///< without one: queries search the tree
     std::uint64_t references = 0;        ///< entries of all leaves' lists
     std::uint64_t blocks = 0;            ///< in the arena
     std::uint32_t max_depth = 0;         ///< of a leaf
     std::uint32_t max_list = 0;          ///< entries of a leaf's list
     std::uint32_t worst_case_steps = 0;  ///< words read on the way to a leaf at most
     std::uint32_t worst_case_blocks = 0; ///< blocks of a leaf at most
-    double mean_list = 0;                ///< over leaves
-    double expected_list = 0;            ///< over expected queries (query_density.h)
+    double mean_list = 0;                ///< over leaves with a list
+    double expected_list = 0;            ///< over expected queries that meet a list
     friend bool operator==(const ProximityStatistics&, const ProximityStatistics&) = default;
 };
 
@@ -97,9 +109,22 @@ struct ProximityArrays {
     std::span<const std::byte> arena;
     std::span<const TriangleRow<float>> float_rows; ///< one of the two is empty
     std::span<const TriangleRow<double>> double_rows;
-    std::span<const std::uint32_t> vertex_rows; ///< per vertex: rank of its lowest triangle
-    std::span<const std::uint32_t> edge_rows;   ///< per edge
+    std::span<const std::uint32_t> vertex_places; ///< per vertex: where it is (place_word)
+    std::span<const std::uint32_t> edge_places;   ///< per edge: the same
 };
+
+/// Groups of triangles that a search of the tree looks at, at most.
+[[nodiscard]] constexpr std::uint32_t search_groups(std::size_t triangles) noexcept
+{
+    return static_cast<std::uint32_t>((triangles + TriangleTree::width - 1) / TriangleTree::width);
+}
+
+/// Of the numbers counted.
+[[nodiscard]] constexpr double mean_list(const ProximityStatistics& counts) noexcept
+{
+    const std::uint64_t lists = counts.leaves - counts.searched_leaves;
+    return lists == 0 ? 0 : static_cast<double>(counts.references) / static_cast<double>(lists);
+}
 
 /// Immutable; copies share the storage. All members are noexcept, do not allocate, and may be
 /// called from any thread.

@@ -17,6 +17,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <hwy/highway.h>
 #include <limits>
 
@@ -25,12 +26,11 @@ namespace proxima::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Squared distances to corners and sides; of a side infinite unless the foot of the perpendicular
-/// is strictly within.
-struct RimDistances {
-    alignas(64) double corners[4];
-    alignas(64) double sides[4];
-    alignas(64) double along[4]; ///< of the foot, 0 to 1 from the lower vertex
+/// A power of two that brings coordinates' differences to about 1, so that their fourth powers do
+/// not leave the doubles, and its inverse.
+struct RowScale {
+    double up = 1;
+    double down = 1;
 };
 
 /// Three lanes or parts of them.
@@ -42,51 +42,106 @@ struct Lanes3 {
 };
 
 template <class V>
-HWY_INLINE V squares(const Lanes3<V>& a)
+HWY_INLINE V dot(const Lanes3<V>& a, const Lanes3<V>& b)
 {
-    return hn::Add(hn::Add(hn::Mul(a.x, a.x), hn::Mul(a.y, a.y)), hn::Mul(a.z, a.z));
+    return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
 }
 
-/// Distances for the lanes from `first` on: corners, and sides from `from` to `to`.
-template <class Tag, class V>
-HWY_INLINE void measure_lanes(Tag tag, const Vec3& p, const Lanes3<V>& corner,
-                              const Lanes3<V>& from, const Lanes3<V>& to, std::size_t first,
-                              RimDistances& rim)
+template <class V>
+HWY_INLINE Lanes3<V> operator-(const Lanes3<V>& a, const Lanes3<V>& b)
+{
+    return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
+}
+
+template <class V>
+HWY_INLINE Lanes3<V> times(V factor, const Lanes3<V>& a)
+{
+    return {hn::Mul(factor, a.x), hn::Mul(factor, a.y), hn::Mul(factor, a.z)};
+}
+
+template <class V>
+HWY_INLINE Lanes3<V> cross(const Lanes3<V>& a, const Lanes3<V>& b)
+{
+    return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)),
+            hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
+            hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
+}
+
+/// What lane i knows: corner i, the side from it, and the inside as seen from there.
+template <class V, class M>
+struct RowLanes {
+    V corner; ///< squared distance
+    V side;   ///< the same, infinite where the foot of the perpendicular is not strictly within
+    M within; ///< whether it is
+    V along;  ///< where, 0 to 1 from the lower vertex id
+    V plane;  ///< squared distance of the plane
+    V part;   ///< of the foot in the plane: of the corner across the side, not normalised
+};
+
+/// `next` and `last` are the corners after `corner`.
+template <class Tag, class V, class M>
+HWY_INLINE RowLanes<V, M> measure_lanes(Tag tag, const Vec3& p, const RowScale& scale,
+                                        const Lanes3<V>& corner, const Lanes3<V>& next,
+                                        const Lanes3<V>& last, M backward)
 {
     const Lanes3<V> query{hn::Set(tag, p[0]), hn::Set(tag, p[1]), hn::Set(tag, p[2])};
-    const auto less = [](const Lanes3<V>& a, const Lanes3<V>& b) {
-        return Lanes3<V>{hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
+    const auto choose = [&](const V& yes, const V& no) {
+        return hn::IfThenElse(backward, yes, no);
     };
-    hn::Store(squares(less(query, corner)), tag, rim.corners + first);
-    const Lanes3<V> d = less(query, from);
-    const Lanes3<V> side = less(to, from);
-    const V length = squares(side);
-    const V part =
-        hn::Add(hn::Add(hn::Mul(d.x, side.x), hn::Mul(d.y, side.y)), hn::Mul(d.z, side.z));
-    const auto within = hn::And(hn::Gt(part, hn::Zero(tag)), hn::Lt(part, length));
-    const V t = hn::Div(part, length);
-    const V foot = squares(less(d, {hn::Mul(t, side.x), hn::Mul(t, side.y), hn::Mul(t, side.z)}));
-    const V infinite = hn::Set(tag, std::numeric_limits<double>::infinity());
-    hn::Store(hn::IfThenElse(within, foot, infinite), tag, rim.sides + first);
-    hn::Store(t, tag, rim.along + first);
+    const Lanes3<V> from{choose(next.x, corner.x), choose(next.y, corner.y),
+                         choose(next.z, corner.z)};
+    const Lanes3<V> to{choose(corner.x, next.x), choose(corner.y, next.y),
+                       choose(corner.z, next.z)};
+    const Lanes3<V> d = query - from;
+    const Lanes3<V> side = to - from;
+    const V length = dot(side, side);
+    const V ahead = dot(d, side);
+    const auto within = hn::And(hn::Gt(ahead, hn::Zero(tag)), hn::Lt(ahead, length));
+    const V along = hn::Div(ahead, length);
+    const Lanes3<V> rest = d - times(along, side);
+    const Lanes3<V> q = query - corner;
+
+    const V up = hn::Set(tag, scale.up);
+    const V down = hn::Set(tag, scale.down);
+    const Lanes3<V> e = times(up, next - corner);
+    const Lanes3<V> scaled = times(up, q);
+    const Lanes3<V> normal = cross(e, times(up, last - next));
+    const V height = dot(normal, scaled);
+    const V plane = hn::Div(hn::Mul(height, height), dot(normal, normal));
+    return {dot(q, q),
+            hn::IfThenElse(within, dot(rest, rest),
+                           hn::Set(tag, std::numeric_limits<double>::infinity())),
+            within,
+            along,
+            hn::Mul(hn::Mul(plane, down), down),
+            dot(normal, cross(e, scaled))};
 }
 
-/// Lanes 0 to 3 are corners 0, 1, 2, 0 and the sides from them.
-template <class Scalar>
-HWY_INLINE void measure_rim(const TriangleRow<Scalar>& row, const Vec3& p, RimDistances& rim)
-{
+inline constexpr double edge_feature = 4294967296.0; // FeatureKind::edge << 32
+inline constexpr double face_feature = 2 * edge_feature;
+inline constexpr double no_feature = 8 * edge_feature;
+
 #if HWY_TARGET <= HWY_AVX2 && HWY_ARCH_X86
+
+/// All but the inside of thin triangles. Lanes 0 to 3 are corners 0, 1, 2, 0.
+template <class Scalar>
+HWY_INLINE void measure_row(const TriangleRow<Scalar>& row, const Vec3& p, const RowScale& scale,
+                            RowDistance& found)
+{
     using Tag = hn::CappedTag<double, 4>;
     const Tag tag;
     const hn::RebindToSigned<Tag> whole;
     using V = hn::Vec<Tag>;
-    alignas(32) static constexpr std::int64_t same[4] = {0, 1, 2, 0};
-    alignas(32) static constexpr std::int64_t next[4] = {1, 2, 0, 1};
+    const auto lookup = [&](std::int64_t a, std::int64_t b, std::int64_t c, std::int64_t d) {
+        alignas(32) const std::int64_t lanes[4] = {a, b, c, d};
+        return hn::SetTableIndices(tag, lanes);
+    };
+    const auto same_lanes = lookup(0, 1, 2, 0);
+    const auto next_lanes = lookup(1, 2, 0, 1);
+    const auto last_lanes = lookup(2, 0, 1, 2);
     alignas(32) static constexpr std::int64_t bits[4] = {
         TriangleRow<Scalar>::side_bit, TriangleRow<Scalar>::side_bit << 1U,
         TriangleRow<Scalar>::side_bit << 2U, TriangleRow<Scalar>::side_bit};
-    const auto same_lanes = hn::SetTableIndices(tag, same);
-    const auto next_lanes = hn::SetTableIndices(tag, next);
     const auto backward = hn::MaskFromVec(hn::BitCast(
         tag, hn::VecFromMask(whole, hn::TestBit(hn::Set(whole, std::int64_t{row.triangle}),
                                                 hn::Load(whole, bits)))));
@@ -98,134 +153,117 @@ HWY_INLINE void measure_rim(const TriangleRow<Scalar>& row, const Vec3& p, RimDi
         } else
             return hn::LoadU(tag, row.coordinates[axis]);
     };
-    Lanes3<V> corner;
-    Lanes3<V> from;
-    Lanes3<V> to;
-    const auto set = [&](std::size_t axis, V& c, V& f, V& t) {
-        const V read = load(axis);
-        c = hn::TableLookupLanes(read, same_lanes);
-        const V other = hn::TableLookupLanes(read, next_lanes);
-        f = hn::IfThenElse(backward, other, c);
-        t = hn::IfThenElse(backward, c, other);
+    const Lanes3<V> read{load(0), load(1), load(2)};
+    const auto permuted = [&](const auto& lanes) {
+        return Lanes3<V>{hn::TableLookupLanes(read.x, lanes), hn::TableLookupLanes(read.y, lanes),
+                         hn::TableLookupLanes(read.z, lanes)};
     };
-    set(0, corner.x, from.x, to.x);
-    set(1, corner.y, from.y, to.y);
-    set(2, corner.z, from.z, to.z);
-    measure_lanes(tag, p, corner, from, to, 0, rim);
+    const auto lanes = measure_lanes(tag, p, scale, permuted(same_lanes), permuted(next_lanes),
+                                     permuted(last_lanes), backward);
+    hn::StoreU(lanes.along, tag, found.along);
+    hn::StoreU(lanes.part, tag, found.parts);
+    const auto inside = hn::Gt(hn::MinOfLanes(tag, lanes.part), hn::Zero(tag));
+    const V infinite = hn::Set(tag, std::numeric_limits<double>::infinity());
+    const V no_less = hn::Set(tag, row.thin() ? std::numeric_limits<double>::infinity() : 0.0);
+    const V face = hn::Max(hn::IfThenElse(inside, lanes.plane, infinite), no_less);
+    const V least = hn::MinOfLanes(tag, hn::Min(hn::Min(lanes.corner, lanes.side), face));
+    // Names as doubles: exact, and numbers that lanes can compare. Ids are below 2^31. Edges are
+    // read with the vertex before them, again to stay in the row.
+    const hn::Rebind<std::int32_t, Tag> ids;
+    static_assert(offsetof(TriangleRow<Scalar>, edges) ==
+                  offsetof(TriangleRow<Scalar>, vertices) + 3 * sizeof(std::uint32_t));
+    const auto names_at = [&](std::size_t bytes) {
+        std::int32_t four[4];
+        std::memcpy(four, reinterpret_cast<const std::byte*>(&row) + bytes, sizeof(four));
+        return hn::PromoteTo(tag, hn::LoadU(ids, four));
+    };
+    constexpr std::size_t vertices = offsetof(TriangleRow<Scalar>, vertices);
+    const V none = hn::Set(tag, no_feature);
+    const V vertex_names = hn::IfThenElse(
+        hn::Eq(lanes.corner, least), hn::TableLookupLanes(names_at(vertices), same_lanes), none);
+    const V edges = hn::Add(
+        hn::TableLookupLanes(names_at(vertices + 2 * sizeof(std::uint32_t)), lookup(1, 2, 3, 1)),
+        hn::Set(tag, edge_feature));
+    const V edge_names =
+        hn::IfThenElse(hn::And(lanes.within, hn::Eq(lanes.side, least)), edges, none);
+    const V face_name = hn::Set(tag, face_feature + row.triangle_id());
+    found.squared = hn::GetLane(least);
+    found.feature = static_cast<std::uint64_t>(
+        hn::GetLane(hn::Min(face_name, hn::MinOfLanes(tag, hn::Min(vertex_names, edge_names)))));
+}
+
 #else
+
+template <class Scalar>
+HWY_INLINE void measure_row(const TriangleRow<Scalar>& row, const Vec3& p, const RowScale& scale,
+                            RowDistance& found)
+{
     using Tag = hn::CappedTag<double, 1>;
     const Tag tag;
     using V = hn::Vec<Tag>;
-    for (std::size_t i = 0; i < 3; ++i) {
-        const std::size_t k = i == 2 ? 0 : i + 1;
-        const auto at = [&](std::size_t c) {
-            const auto set = [&](std::size_t axis) {
-                return hn::Set(tag, static_cast<double>(row.coordinates[axis][c]));
-            };
-            return Lanes3<V>{set(0), set(1), set(2)};
+    const auto corner = [&](std::size_t i) {
+        const auto set = [&](std::size_t axis) {
+            return hn::Set(tag, static_cast<double>(row.coordinates[axis][i]));
         };
-        const bool backward = row.backward(i);
-        measure_lanes(tag, p, at(i), at(backward ? k : i), at(backward ? i : k), i, rim);
+        return Lanes3<V>{set(0), set(1), set(2)};
+    };
+    double feature = no_feature;
+    found.squared = std::numeric_limits<double>::infinity();
+    const auto offer = [&](double squared, double name) {
+        if (squared > found.squared || (squared == found.squared && name >= feature)) return;
+        found.squared = squared;
+        feature = name;
+    };
+    double plane = std::numeric_limits<double>::infinity();
+    double least_part = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < 3; ++i) {
+        const std::size_t next = i == 2 ? 0 : i + 1;
+        const std::size_t last = next == 2 ? 0 : next + 1;
+        const auto backward = hn::MaskFromVec(
+            hn::Set(tag, row.backward(i) ? std::bit_cast<double>(~std::uint64_t{0}) : 0.0));
+        const auto lane =
+            measure_lanes(tag, p, scale, corner(i), corner(next), corner(last), backward);
+        found.along[i] = hn::GetLane(lane.along);
+        found.parts[i] = hn::GetLane(lane.part);
+        plane = HWY_MIN(plane, hn::GetLane(lane.plane));
+        least_part = HWY_MIN(least_part, found.parts[i]);
+        offer(hn::GetLane(lane.corner), row.vertices[i]);
+        if (hn::CountTrue(tag, lane.within) != 0)
+            offer(hn::GetLane(lane.side), edge_feature + row.edges[i]);
     }
-#endif
+    if (least_part > 0 && !row.thin()) offer(plane, face_feature + row.triangle_id());
+    found.feature = static_cast<std::uint64_t>(feature);
 }
 
-/// A power of two that brings coordinates' differences to about 1, so that their fourth powers do
-/// not leave the doubles, and its inverse.
-struct RowScale {
-    double up = 1;
-    double down = 1;
-};
+#endif
 
-/// The inside, infinite unless the foot of the perpendicular is strictly within.
-struct InsideDistance {
-    double squared = std::numeric_limits<double>::infinity();
-    double v = 0;
-    double w = 0;
-};
-
+/// The inside of a triangle so thin that products of its sides say too little.
 template <class Scalar>
-HWY_INLINE InsideDistance measure_inside(const TriangleRow<Scalar>& row, const Vec3& p,
-                                         const RowScale& scale)
+HWY_NOINLINE void measure_thin_inside(const TriangleRow<Scalar>& row, const Vec3& p,
+                                      RowDistance& found)
 {
-    InsideDistance inside;
-    if (row.thin()) [[unlikely]] {
-        const TrianglePoint found =
-            closest_point(Triangle{{row.corner(0), row.corner(1), row.corner(2)}}, p);
-        if (found.part != TrianglePart::inside) return inside;
-        return {(p - found.point).squaredNorm(), found.weights[1], found.weights[2]};
-    }
-    double ab[3];
-    double ac[3];
-    double rest[3];
-    for (int axis = 0; axis < 3; ++axis) {
-        const auto a = static_cast<double>(row.coordinates[axis][0]);
-        ab[axis] = (static_cast<double>(row.coordinates[axis][1]) - a) * scale.up;
-        ac[axis] = (static_cast<double>(row.coordinates[axis][2]) - a) * scale.up;
-        rest[axis] = (p[axis] - a) * scale.up;
-    }
-    const auto dot = [](const double* a, const double* b) {
-        return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    };
-    const double bb = dot(ab, ab);
-    const double bc = dot(ab, ac);
-    const double cc = dot(ac, ac);
-    const double inverse = 1 / (bb * cc - bc * bc);
-    double v = 0;
-    double w = 0;
-    // Twice: the first try may be off by the square of the condition, the second mends that.
-    for (int again = 0; again < 2; ++again) {
-        const double pb = dot(rest, ab);
-        const double pc = dot(rest, ac);
-        const double dv = (cc * pb - bc * pc) * inverse;
-        const double dw = (bb * pc - bc * pb) * inverse;
-        v += dv;
-        w += dw;
-        for (int axis = 0; axis < 3; ++axis)
-            rest[axis] = rest[axis] - dv * ab[axis] - dw * ac[axis];
-    }
-    for (double& component : rest) component *= scale.down;
-    if (v > 0 && w > 0 && v + w < 1) inside = {dot(rest, rest), v, w};
-    return inside;
+    constexpr auto face = static_cast<std::uint64_t>(face_feature);
+    const TrianglePoint inside =
+        closest_point(Triangle{{row.corner(0), row.corner(1), row.corner(2)}}, p);
+    if (inside.part != TrianglePart::inside) return;
+    const double squared = (p - inside.point).squaredNorm();
+    if (squared >= found.squared) return;
+    found.squared = squared;
+    found.feature = face | row.triangle_id();
+    for (std::size_t i = 0; i < 3; ++i) found.parts[i] = inside.weights[i == 2 ? 1 : 2 - 2 * i];
 }
 
 /// The closest feature of one triangle: within a few roundings of the largest difference of
 /// coordinates, for triangles of any shape.
 template <class Scalar>
-HWY_INLINE FeatureDistance closest_of_row(const TriangleRow<Scalar>& row, std::uint32_t rank,
-                                          const Vec3& p, const RowScale& scale)
+HWY_INLINE RowDistance closest_of_row(const TriangleRow<Scalar>& row, std::uint32_t rank,
+                                      const Vec3& p, const RowScale& scale)
 {
-    RimDistances rim;
-    measure_rim(row, p, rim);
-    const InsideDistance inside = measure_inside(row, p, scale);
-    const double corner = HWY_MIN(HWY_MIN(rim.corners[0], rim.corners[1]), rim.corners[2]);
-    const double side = HWY_MIN(HWY_MIN(rim.sides[0], rim.sides[1]), rim.sides[2]);
-    const double least = HWY_MIN(HWY_MIN(corner, side), inside.squared);
-    FeatureDistance found;
-    found.squared = least;
+    RowDistance found;
     found.rank = rank;
-    if (inside.squared == least && side != least && corner != least) {
-        found.feature = {FeatureKind::face, row.triangle_id()};
-        found.weights = {1 - inside.v - inside.w, inside.v, inside.w};
-        return found;
-    }
-    // Of equal ones the lowest id.
-    const bool is_corner = corner == least;
-    const double* const squared = is_corner ? rim.corners : rim.sides;
-    const std::uint32_t* const ids = is_corner ? row.vertices : row.edges;
-    std::size_t best = 3;
-    for (std::size_t i = 0; i < 3; ++i)
-        if (squared[i] == least && (best == 3 || ids[i] < ids[best])) best = i;
-    if (is_corner) {
-        found.feature = {FeatureKind::vertex, ids[best]};
-        found.weights[best] = 1;
-        return found;
-    }
-    found.feature = {FeatureKind::edge, ids[best]};
-    const std::size_t next = best == 2 ? 0 : best + 1;
-    const bool forward = !row.backward(best);
-    found.weights[forward ? best : next] = 1 - rim.along[best];
-    found.weights[forward ? next : best] = rim.along[best];
+    measure_row(row, p, scale, found);
+    if (row.thin()) [[unlikely]]
+        measure_thin_inside(row, p, found);
     return found;
 }
 

@@ -4,7 +4,6 @@
 #include "proxima/proximity/triangle_lanes.h"
 
 #include <array>
-#include <bit>
 
 namespace proxima {
 
@@ -32,30 +31,16 @@ void find_closest(const SurfaceSearch& search, const Vec3& p, NearestFeature& be
 {
     const double scale = search.tree().scale();
     const double reach = search.tree().reach();
-    using Distances = std::array<double, TriangleTree::width>;
-    const auto within_limit = [&](const Distances& squared) {
-        const double limit = triangle_distance_limit(best.squared * scale * scale, reach);
-        std::uint32_t lanes = 0;
-        for (std::size_t i = 0; i < squared.size(); ++i) {
-            lanes |= (squared[i] > limit ? 0U : 1U) << i;
-        }
-        return lanes;
-    };
     visit_nearest(search.tree(), p, best.squared, [&](RankRange ranks) noexcept {
         const std::span<const TriangleId> ids = search.triangles(ranks);
-        Distances squared;
+        std::array<double, TriangleTree::width> squared;
         triangle_distances(search.mesh(), ids, p, scale, squared);
-        // The nearest one that is left, until none can be nearer than what was found.
-        std::uint32_t left = (1U << ids.size()) - 1;
-        for (left &= within_limit(squared); left != 0; left &= within_limit(squared)) {
-            int nearest = std::countr_zero(left);
-            for (std::uint32_t others = left & (left - 1); others != 0; others &= others - 1) {
-                const int other = std::countr_zero(others);
-                if (squared[other] < squared[nearest]) nearest = other;
-            }
-            left &= ~(1U << nearest);
-            offer_triangle(search.mesh(), search.topology(), ids[nearest], p, best);
-        }
+        offer_nearest(
+            squared, ids.size(),
+            [&] { return triangle_distance_limit(best.squared * scale * scale, reach); },
+            [&](std::size_t i) {
+                offer_triangle(search.mesh(), search.topology(), ids[i], p, best);
+            });
         return best.squared;
     });
 }

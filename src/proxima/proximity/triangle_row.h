@@ -12,7 +12,9 @@
 #include "proxima/mesh/feature.h"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 
 namespace proxima {
 
@@ -53,18 +55,71 @@ struct TriangleRow {
 static_assert(sizeof(TriangleRow<float>) == 64);
 static_assert(sizeof(TriangleRow<double>) == 104);
 
-/// The least of squared distance, kind, id: what the closest feature is chosen by.
-struct FeatureDistance {
-    double squared = 0;
-    Feature feature = {};
-    std::uint32_t rank = 0;             ///< of the row that it was found in
-    std::array<double, 3> weights = {}; ///< of that row's corners
+/// A vertex's or edge's lowest triangle and where it is there: what answers name.
+///
+///     vertex   triangle 28 | corner 2
+///     edge     triangle 28 | side 2 | 1 where the side goes from its higher to its lower vertex id
+namespace place_word {
+inline constexpr std::uint32_t none = 0xFFFFFFFF; ///< of a vertex without a triangle
 
-    [[nodiscard]] bool before(const FeatureDistance& other) const noexcept
-    {
-        if (squared != other.squared) return squared < other.squared;
-        return feature < other.feature;
+[[nodiscard]] constexpr std::uint32_t make(std::uint32_t triangle, std::uint32_t corner,
+                                           bool backward) noexcept
+{
+    return triangle | corner << 28U | static_cast<std::uint32_t>(backward) << 30U;
+}
+[[nodiscard]] constexpr std::uint32_t triangle(std::uint32_t word) noexcept
+{
+    return word & ((1U << 28U) - 1);
+}
+[[nodiscard]] constexpr std::size_t corner(std::uint32_t word) noexcept
+{
+    return word >> 28U & 3U;
+}
+[[nodiscard]] constexpr bool backward(std::uint32_t word) noexcept
+{
+    return (word >> 30U & 1U) != 0;
+}
+} // namespace place_word
+
+/// Where a row's vertex is in it: the first of its corners. \pre it is one of them
+template <class Scalar>
+[[nodiscard]] std::size_t corner_of(const TriangleRow<Scalar>& row, std::uint32_t vertex) noexcept
+{
+    return row.vertices[0] == vertex ? 0 : row.vertices[1] == vertex ? 1 : 2;
+}
+
+/// Which side of a row an edge is: the one between the first corners of its vertices. \pre it is
+/// one of them
+template <class Scalar>
+[[nodiscard]] std::size_t side_of(const TriangleRow<Scalar>& row, std::uint32_t edge) noexcept
+{
+    for (std::size_t k = 0; k < 2; ++k) {
+        const std::size_t next = k + 1;
+        if (row.edges[k] == edge && corner_of(row, row.vertices[k]) == k &&
+            corner_of(row, row.vertices[next]) == next)
+            return k;
     }
+    return 2;
+}
+
+/// What a triangle's closest feature is chosen by, and what its point is made from.
+struct RowDistance {
+    double squared = std::numeric_limits<double>::infinity();
+    std::uint64_t feature = ~std::uint64_t{0}; ///< kind << 32 | id
+    std::uint32_t rank = 0;                    ///< of the row
+    double along[4] = {};                      ///< feet on the sides, from the lower vertex id
+    double parts[4] = {}; ///< of a foot inside: of the corners 2, 0, 1, not normalised
+
+    /// The order of answers: squared distance, kind, id.
+    [[nodiscard]] bool before(const RowDistance& other) const noexcept
+    {
+        return squared < other.squared || (squared == other.squared && feature < other.feature);
+    }
+    [[nodiscard]] FeatureKind kind() const noexcept
+    {
+        return static_cast<FeatureKind>(feature >> 32U);
+    }
+    [[nodiscard]] std::uint32_t id() const noexcept { return static_cast<std::uint32_t>(feature); }
 };
 
 } // namespace proxima
