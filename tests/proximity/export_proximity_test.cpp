@@ -44,6 +44,7 @@ Leaf leaf_at(const ProximityOctree& octree, const std::array<std::uint32_t, 3>& 
 /// Triangles and blocks of a leaf.
 std::array<std::uint32_t, 2> sizes(const ProximityOctree& octree, std::uint64_t word)
 {
+    if (word == proximity_word::search) return {0, 0};
     if (!proximity_word::is_run(word))
         return {static_cast<std::uint32_t>(std::popcount(proximity_word::mask(word))), 1};
     const RunEntry* const run = &octree.arrays().runs[proximity_word::place(word)];

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <utility>
 
@@ -119,9 +120,10 @@ public:
                                budget, ": raise the budget"));
         }
         make_source();
-        auto forest = grow(static_cast<double>(budget - fixed));
+        const auto bytes = static_cast<double>(budget - fixed);
+        auto forest = grow(bytes);
         if (!forest) return tl::unexpected(cancelled());
-        auto cells = emit(*forest, static_cast<double>(budget - fixed));
+        auto cells = emit(*forest, bytes);
         if (!cells) return tl::unexpected(cancelled());
         storage->cells = std::move(*cells);
         return adopt(std::move(storage));
@@ -219,9 +221,8 @@ private:
         growing.progress = options_.progress;
         auto top = grow_top(*features, *density, frame_.frame_half(), growing);
         if (!top) return std::nullopt;
-        const auto price = find_price(*features, *density, *top, bytes, growing);
-        if (!price) return std::nullopt;
-        growing.cost.price = 0.8 * *price;
+        if (!grow_sample(*features, *density, *top, bytes, growing)) return std::nullopt;
+        growing.cost.price = 0.5 * price_;
         std::vector<const OpenCell*> all;
         for (const OpenCell& cell : top->open) all.push_back(&cell);
         auto below = grow_below(*features, *density, all, growing);
@@ -229,62 +230,101 @@ private:
         return join_forest(std::move(*top), std::move(*below));
     }
 
-    /// The price at which the whole octree is about to fit, from every sixteenth part of it.
-    std::optional<double> find_price(const LocalFeatures& features, const QueryDensity& density,
-                                     const GrownTop& top, double bytes, GrowOptions growing)
+    /// Every sixteenth part of the octree, at a price at which it takes at least its share of the
+    /// bytes, and price_ where it takes just that. False where cancelled.
+    bool grow_sample(const LocalFeatures& features, const QueryDensity& density,
+                     const GrownTop& top, double bytes, GrowOptions growing)
     {
         constexpr std::size_t stride = 16;
-        std::vector<const OpenCell*> sample;
+        std::vector<const OpenCell*> cells;
         double all = 0;
         double sampled = 0;
         for (std::size_t i = 0; i < top.open.size(); ++i) {
-            const double surface = top.open[i].density.surface;
-            all += surface;
-            if (i % stride != stride / 2) continue;
-            sample.push_back(&top.open[i]);
-            sampled += surface;
-        }
-        if (sample.empty()) return 0.0;
-        // From a price that is surely too high to one at which the part takes its share.
-        const double share = bytes * sampled / all;
-        double price = 1.0 / static_cast<double>(mesh_.triangle_count());
-        double last = 0;
-        for (int tries = 0; tries < 16; ++tries, price /= 4) {
-            growing.cost.price = price;
-            auto trees = grow_below(features, density, sample, growing);
-            if (!trees) return std::nullopt;
-            const double taken_at_price = bytes_at(*trees, price);
-            if (taken_at_price < share) {
-                // No cheaper price makes more of it: all fits.
-                if (tries > 0 && taken_at_price < 1.01 * last) return price;
-                last = taken_at_price;
+            const auto list = static_cast<double>(top.open[i].features.size());
+            all += list;
+            // Scattered, or a regular mesh would have what is alike in the sample.
+            if (static_cast<std::uint32_t>(i) * 2654435761U % (stride << 16U) >= 1U << 16U)
                 continue;
-            }
-            // What they really take: measured at about the price.
-            const double first = price_for(*trees, share, price, 4 * price);
-            const double estimated = bytes_at(*trees, first);
-            cut_trees(*trees, first);
-            const auto taken = emitted_bytes(*trees, {positions_, corners_}, emit_options());
-            if (!taken) return std::nullopt;
-            bytes_per_estimate_ = *taken / estimated;
-            if (bytes_per_estimate_ <= 1) return first;
-            return price_for(*trees, share / bytes_per_estimate_, first, 64 * first);
+            cells.push_back(&top.open[i]);
+            sampled += list;
         }
-        return price;
+        price_ = 1.0 / static_cast<double>(mesh_.triangle_count());
+        sample_price_ = price_;
+        if (cells.empty()) return true;
+        // The table and the blocks by rank take the rest.
+        sample_share_ = 0.95 * bytes * sampled / all;
+        double last = 0;
+        for (int tries = 0; tries < 16; ++tries, price_ /= 4) {
+            growing.cost.price = price_;
+            auto trees = grow_below(features, density, cells, growing);
+            if (!trees) return false;
+            sample_ = std::move(*trees);
+            sample_price_ = price_;
+            const auto taken = sample_bytes(price_);
+            if (!taken) return false;
+            // Enough, or no cheaper price makes more of it: all fits.
+            if (*taken >= sample_share_) return find_price(*taken);
+            if (tries > 0 && *taken < 1.01 * last) break;
+            last = *taken;
+        }
+        return true;
     }
 
-    /// Cut to the budget: what blocks really take is known only when they are made.
+    /// Raises price_, at which the sample takes so much, until it takes its share. False where
+    /// cancelled.
+    bool find_price(double taken)
+    {
+        double low = price_;
+        double high = price_;
+        while (taken > sample_share_) {
+            low = high;
+            high *= 4;
+            const auto there = sample_bytes(high);
+            if (!there) return false;
+            taken = *there;
+        }
+        for (int halvings = 0; halvings < 5 && high > low; ++halvings) {
+            const double middle = std::sqrt(low * high);
+            const auto there = sample_bytes(middle);
+            if (!there) return false;
+            (*there > sample_share_ ? low : high) = middle;
+            if (std::abs(*there - sample_share_) < 0.01 * sample_share_) break;
+        }
+        price_ = high;
+        return true;
+    }
+
+    /// What the sample takes at a price. Null where cancelled.
+    std::optional<double> sample_bytes(double price)
+    {
+        cut_trees(sample_, price);
+        return emitted_bytes(sample_, {positions_, corners_}, emit_options());
+    }
+
+    /// Cut to the budget: what blocks really take is known only when they are made. The sample
+    /// tells by how much to raise the price where it is not enough.
     std::optional<EmittedOctree> emit(GrownForest& forest, double bytes)
     {
-        double aim = 0.98 * bytes;
-        while (true) {
-            cut_cells(forest, price_for(forest, aim / bytes_per_estimate_, 1e-18, 1.0));
+        double low = 0; // too large there
+        double high = std::numeric_limits<double>::infinity();
+        for (int tries = 0;; ++tries) {
+            cut_cells(forest, price_);
             auto octree = emit_octree(forest, {positions_, corners_}, emit_options());
-            const bool least =
-                forest.top.cells[0].children == 0 && forest.below_of[0] == GrownForest::no_tree;
-            if (!octree || least || static_cast<double>(octree->bytes()) <= bytes) return octree;
-            // By how far it is over, and some more: it need not be the last time.
-            aim *= 0.95 * bytes / static_cast<double>(octree->bytes());
+            if (!octree || forest.top.cells[0].ended != 0) return octree;
+            const double used = static_cast<double>(octree->bytes()) / bytes;
+            const bool is_enough = used > 0.9 || price_ <= sample_price_ || tries >= 3;
+            if (used <= 1 && is_enough) return octree;
+            (used > 1 ? low : high) = price_;
+            sample_share_ *= 0.97 / used;
+            price_ = sample_price_;
+            if (!sample_.empty()) {
+                const auto taken = sample_bytes(price_);
+                if (!taken || !find_price(*taken)) return std::nullopt;
+            }
+            if (low > 0 && high < std::numeric_limits<double>::infinity())
+                price_ = tries < 2 ? std::sqrt(low * high) : high;
+            else
+                price_ = std::max(price_, low * (1.1 + tries * tries)); // where the sample misleads
         }
     }
 
@@ -309,7 +349,10 @@ private:
     std::vector<TriangleId> order_;
     std::vector<Vec3> positions_;                       ///< in the frame
     std::vector<std::array<std::uint32_t, 3>> corners_; ///< vertices by rank
-    double bytes_per_estimate_ = 1;                     ///< of the cost model's
+    double price_ = 0;                                  ///< of a byte, for the budget at hand
+    std::vector<GrownTree> sample_;                     ///< some trees
+    double sample_price_ = 0;                           ///< at which they were grown
+    double sample_share_ = 0;                           ///< what they may take
 };
 
 Status check_options(const TriangleMesh& mesh, const Topology& topology,

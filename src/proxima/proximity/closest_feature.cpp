@@ -1,5 +1,7 @@
 #include "proxima/proximity/closest_feature.h"
 
+#include "proxima/base/morton_code.h"
+#include "proxima/base/radix_sort.h"
 #include "proxima/base/text.h"
 #include "proxima/proximity/proximity_octree.h"
 #include "proxima/proximity/triangle_lanes.h"
@@ -10,6 +12,7 @@
 #include <cstring>
 #include <hwy/cache_control.h>
 #include <limits>
+#include <vector>
 
 #ifndef PROXIMA_PROXIMITY_CLOSEST_FEATURE_ONCE
 #define PROXIMA_PROXIMITY_CLOSEST_FEATURE_ONCE
@@ -347,24 +350,91 @@ ClosestFeature describe(const ProximityOctree& octree, const RowDistance& found)
                                       : describe(arrays, arrays.double_rows, found);
 }
 
+/// Points that are searched for one after the other, at most: what they meet is to stay in the
+/// caches, and so are the answers.
+constexpr std::size_t chunk_points = 4096;
+constexpr std::size_t sorted_chunk_points = std::size_t{1} << 18U;
+
+/// Where a point is along the curve, and which it is.
+struct SortedPoint {
+    std::uint32_t key = 0;
+    std::uint32_t index = 0;
+};
+
+/// Bits of each coordinate that points are sorted by.
+constexpr unsigned sorted_bits = 7;
+
+std::array<std::uint32_t, 3> sorting_cell(const ProximityOctree& octree, const Vec3& p)
+{
+    std::array<std::uint32_t, 3> at{};
+    if (!octree.locate(octree.frame().to_frame(p), at)) return {};
+    for (std::uint32_t& coordinate : at)
+        coordinate >>= ProximityOctree::location_bits - sorted_bits;
+    return at;
+}
+
+/// Whether it pays to sort: where the octree is beyond all caches, and many points are there whose
+/// neighbours in the span are none in space.
+bool pays_to_sort(const ProximityOctree& octree, std::span<const Vec3> points)
+{
+    constexpr std::size_t samples = 256;
+    constexpr std::uint64_t beyond_caches = std::uint64_t{1} << 26U;
+    if (points.size() < 8 * chunk_points || octree.bytes() < beyond_caches) return false;
+    std::size_t apart = 0;
+    for (std::size_t i = 0; i < samples; ++i) {
+        const std::size_t at = points.size() / samples * i;
+        apart += sorting_cell(octree, points[at]) != sorting_cell(octree, points[at + 1]) ? 1 : 0;
+    }
+    return 2 * apart > samples;
+}
+
+/// The order of the points along the Morton curve.
+std::vector<SortedPoint> sorted_points(const ProximityOctree& octree, std::span<const Vec3> points)
+{
+    std::vector<SortedPoint> order(points.size());
+    for (std::uint32_t i = 0; i < points.size(); ++i)
+        order[i] = {static_cast<std::uint32_t>(morton_code(sorting_cell(octree, points[i]))), i};
+    StageSteps unwatched(nullptr, "", 0);
+    (void)radix_sort(
+        order, 3 * sorted_bits, [](const SortedPoint& point) { return point.key; }, unwatched);
+    return order;
+}
+
+/// Answers a few points; `place(k)` is where the k-th one's answer goes.
+template <class Place>
+void answer_together(const ProximityOctree& octree, std::span<const Vec3> points,
+                     std::span<ClosestFeature> answers, const Place& place)
+{
+    std::array<RowDistance, queries_together> found;
+    HWY_DYNAMIC_DISPATCH(search_octree_together)(octree, points, found.data());
+    const ProximityArrays& arrays = octree.arrays();
+    for (std::size_t k = 0; k < points.size(); ++k) {
+        const FeatureKind kind = found[k].kind();
+        if (kind == FeatureKind::vertex) hwy::Prefetch(&arrays.vertex_places[found[k].id()]);
+        if (kind == FeatureKind::edge) hwy::Prefetch(&arrays.edge_places[found[k].id()]);
+    }
+    for (std::size_t k = 0; k < points.size(); ++k) answers[place(k)] = describe(octree, found[k]);
+}
+
 /// Answers up to the first point that is not finite; returns where that is.
 std::size_t answer_chunk(const ProximityOctree& octree, std::span<const Vec3> points,
-                         std::span<ClosestFeature> answers)
+                         std::span<ClosestFeature> answers, bool sorted)
 {
     const auto bad = std::ranges::find_if(points, [](const Vec3& p) { return !p.allFinite(); });
     const auto finite = static_cast<std::size_t>(bad - points.begin());
-    std::array<RowDistance, queries_together> found;
+    const std::vector<SortedPoint> order =
+        sorted ? sorted_points(octree, points.first(finite)) : std::vector<SortedPoint>{};
+    std::array<Vec3, queries_together> some;
     for (std::size_t i = 0; i < finite; i += queries_together) {
         const std::size_t count = std::min(queries_together, finite - i);
-        HWY_DYNAMIC_DISPATCH(search_octree_together)
-        (octree, points.subspan(i, count), found.data());
-        const ProximityArrays& arrays = octree.arrays();
-        for (std::size_t k = 0; k < count; ++k) {
-            const FeatureKind kind = found[k].kind();
-            if (kind == FeatureKind::vertex) hwy::Prefetch(&arrays.vertex_places[found[k].id()]);
-            if (kind == FeatureKind::edge) hwy::Prefetch(&arrays.edge_places[found[k].id()]);
+        if (!sorted) {
+            answer_together(octree, points.subspan(i, count), answers,
+                            [&](std::size_t k) { return i + k; });
+            continue;
         }
-        for (std::size_t k = 0; k < count; ++k) answers[i + k] = describe(octree, found[k]);
+        for (std::size_t k = 0; k < count; ++k) some[k] = points[order[i + k].index];
+        answer_together(octree, std::span(some).first(count), answers,
+                        [&](std::size_t k) { return order[i + k].index; });
     }
     return finite;
 }
@@ -406,7 +476,12 @@ Status closest_features(const ProximityOctree& octree, std::span<const Vec3> poi
             ErrorCode::invalid_argument,
             concat("room for ", answers.size(), " answers, but ", points.size(), " points"));
     }
-    constexpr std::size_t chunk = 4096;
+    const bool sorted = pays_to_sort(octree, points);
+    // Sorted ones in chunks as large as the threads leave them.
+    const std::size_t share =
+        points.size() / static_cast<std::size_t>(thread_count(options.threads)) + 1;
+    const std::size_t chunk =
+        sorted ? std::clamp(share, chunk_points, sorted_chunk_points) : chunk_points;
     const std::size_t chunks = (points.size() + chunk - 1) / chunk;
     std::atomic<std::size_t> bad{points.size()};
     if (options.progress != nullptr)
@@ -415,8 +490,8 @@ Status closest_features(const ProximityOctree& octree, std::span<const Vec3> poi
         if (is_cancelled(options.progress)) return;
         const std::size_t first = i * chunk;
         const std::size_t count = std::min(chunk, points.size() - first);
-        const std::size_t finite =
-            answer_chunk(octree, points.subspan(first, count), answers.subspan(first, count));
+        const std::size_t finite = answer_chunk(octree, points.subspan(first, count),
+                                                answers.subspan(first, count), sorted);
         if (finite < count) keep_least(bad, first + finite);
         if (options.progress != nullptr) options.progress->advance(count);
     });

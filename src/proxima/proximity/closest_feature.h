@@ -58,8 +58,9 @@ struct BatchOptions {
     Progress* progress = nullptr; ///< stage "closest features", steps are points
 };
 
-/// The same for many points, several at a time, so that their memory accesses overlap. Answers are
-/// those of single queries. Allocates; errors: invalid_argument (sizes differ, a point is not
+/// The same for many points, several at a time, so that their memory accesses overlap, and many
+/// scattered ones in an order in which they meet again what is in the caches. Answers are those of
+/// single queries. Allocates; errors: invalid_argument (sizes differ, a point is not
 /// finite: which), cancelled.
 [[nodiscard]] Status closest_features(const ProximityOctree& octree, std::span<const Vec3> points,
                                       std::span<ClosestFeature> answers,

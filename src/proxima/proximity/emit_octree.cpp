@@ -67,7 +67,7 @@ public:
 private:
     std::uint64_t word_of(const GrownCell& cell, CellKey key)
     {
-        if (cell.children == 0) return leaf_word(cell, key);
+        if (GrownTree::is_leaf(cell)) return leaf_word(cell, key);
         ++result_.statistics.nodes;
         const auto base = static_cast<std::uint32_t>(result_.nodes.size());
         result_.nodes.resize(base + 8);
@@ -282,12 +282,13 @@ private:
 /// Those that the top still leads to.
 void find_trees_in_use(const GrownForest& forest, std::size_t cell, std::vector<bool>& used)
 {
+    const GrownCell& grown = forest.top.cells[cell];
+    if (grown.ended != 0) return;
     if (forest.below_of[cell] != GrownForest::no_tree) {
         used[forest.below_of[cell]] = true;
         return;
     }
-    const std::size_t first = forest.top.cells[cell].children;
-    for (std::size_t i = 0; first != 0 && i < 8; ++i) find_trees_in_use(forest, first + i, used);
+    for (std::size_t i = 0; i < 8; ++i) find_trees_in_use(forest, grown.children + i, used);
 }
 
 /// The trees in use, each on its own. Null where cancelled.
@@ -436,8 +437,8 @@ std::uint64_t join_top(const GrownForest& forest, const std::vector<std::uint64_
                        EmittedOctree& octree)
 {
     const GrownCell& grown = forest.top.cells[cell];
+    if (grown.ended != 0) return joiner.join(emitter.emit_leaf(forest.top, cell, key));
     if (forest.below_of[cell] != GrownForest::no_tree) return roots[forest.below_of[cell]];
-    if (grown.children == 0) return joiner.join(emitter.emit_leaf(forest.top, cell, key));
     ++octree.statistics.nodes;
     std::array<std::uint64_t, 8> words{};
     for (int octant = 0; octant < 8; ++octant) {

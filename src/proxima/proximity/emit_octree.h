@@ -33,7 +33,8 @@ struct EmitOptions {
     Progress* progress = nullptr;
 };
 
-/// Null where cancelled. The same for any number of threads. About 1 us per leaf.
+/// Of a forest that was cut. Null where cancelled. The same for any number of threads. About 1 us
+/// per leaf.
 [[nodiscard]] std::optional<EmittedOctree>
 emit_octree(const GrownForest& forest, const BlockSource& source, const EmitOptions& options);
 

@@ -76,7 +76,7 @@ public:
         GrownCell grown;
         grown.probability = static_cast<float>(density_.probability(cell.density, cell.key));
         grown.list = static_cast<std::uint32_t>(tree.lists.size());
-        grown.triangles = static_cast<std::uint32_t>(cover_.size()) & 0x7FFFFFFFU;
+        grown.triangles = static_cast<std::uint32_t>(cover_.size()) & 0x3FFFFFFFU;
         append_list(cover_, tree.lists);
         return grown;
     }

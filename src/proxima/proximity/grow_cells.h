@@ -33,7 +33,8 @@ struct GrownCell {
     float probability = 0;           ///< of a query to fall into it
     std::uint32_t children = 0;      ///< first of eight, 0 for none
     std::uint32_t list = 0;          ///< where its list's bytes begin
-    std::uint32_t triangles : 31 {}; ///< length of its list
+    std::uint32_t triangles : 30 {}; ///< length of its list
+    std::uint32_t ended : 1 {};      ///< a leaf whatever is below it: cut_cells.h
     std::uint32_t searched : 1 {};   ///< a leaf that is better off without its list
 };
 
@@ -43,6 +44,10 @@ struct GrownTree {
     std::vector<GrownCell> cells;
     std::vector<std::uint8_t> lists;
 
+    [[nodiscard]] static bool is_leaf(const GrownCell& cell) noexcept
+    {
+        return cell.children == 0 || cell.ended != 0;
+    }
     /// The list of a cell into `ranks`.
     void read_list(const GrownCell& cell, std::vector<std::uint32_t>& ranks) const;
     [[nodiscard]] std::uint64_t bytes() const noexcept;
