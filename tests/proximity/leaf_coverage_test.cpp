@@ -117,7 +117,7 @@ TEST(LeafCoverage, EveryLeafListsTheClosestFeatureOfItsPoints)
             const auto octree =
                 build_proximity_octree(named.mesh, *topology, {.budget_bytes = budget});
             ASSERT_TRUE(octree) << describe(octree.error());
-            const Coverage coverage = ask_every_leaf(*octree, *search, 4);
+            const Coverage coverage = ask_every_leaf(*octree, *search, 3);
             EXPECT_EQ(coverage.missed, 0U) << "of " << coverage.points;
             EXPECT_EQ(coverage.leaves, octree->statistics().leaves);
             leaves += coverage.leaves;

@@ -51,16 +51,16 @@ TEST(OctreeSigns, OfClosedMeshesAreThoseOfExactCrossings)
     const std::vector<NamedMesh> meshes = {
         {"cube", make_cube()},
         {"octahedron", make_octahedron()},
-        {"sphere", make_sphere(50, 60)},
+        {"sphere", make_sphere(30, 40)},
         {"icosphere", make_icosphere(3)},
         {"torus", make_torus(48, 24)},
-        {"spaceship", sample_mesh("spaceship:3000").value()},
+        {"spaceship", sample_mesh("spaceship:2000").value()},
         {"nested spheres", joined(make_sphere(20, 30), inner)},
         {"a shell", joined(make_sphere(20, 30), inverted(inner))}};
     for (const NamedMesh& named : meshes) {
         SCOPED_TRACE(named.name);
         const oracle::ColumnWinding columns(named.mesh);
-        expect_signs(named.mesh, 3000, 41, [&](const Vec3& p) -> std::optional<bool> {
+        expect_signs(named.mesh, 2000, 41, [&](const Vec3& p) -> std::optional<bool> {
             const auto winding = columns.at(p);
             if (!winding) return std::nullopt;
             return *winding >= 1;

@@ -152,9 +152,10 @@ ClosestTally ClosestCheck::check(std::span<const Vec3> points) const
                     static_cast<double>(steps.blocks) / worst.worst_case_blocks;
                 tally.worst_steps = std::max(tally.worst_steps, step_part);
                 tally.worst_blocks = std::max(tally.worst_blocks, block_part);
-                if (!(step_part <= 1 && block_part <= 1))
+                if (!(step_part <= 1 && block_part <= 1)) {
                     wrong =
                         concat("worst case: ", steps.steps, " steps, ", steps.blocks, " blocks");
+                }
             }
             if (wrong.empty()) continue;
             ++tally.wrong;

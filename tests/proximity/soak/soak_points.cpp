@@ -181,7 +181,7 @@ Vec3 PointMaker::above_vertex(Random& random) const
 {
     const TriangleId triangle = any_triangle(random);
     const std::uint32_t corner = mesh_.triangles()[index(triangle)][random() % 3];
-    const Vec3 point = mesh_.position(VertexId{corner}) + height_over(triangle, random);
+    Vec3 point = mesh_.position(VertexId{corner}) + height_over(triangle, random);
     if (random() % 2 == 0) return point;
     const auto edges = topology_.edges(VertexId{corner});
     if (edges.empty()) return point;
