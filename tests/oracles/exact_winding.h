@@ -5,18 +5,22 @@
 #include "proxima/geometry/exact_predicates.h"
 #include "proxima/mesh/triangle_mesh.h"
 
+#include <array>
 #include <optional>
 #include <random>
+#include <span>
 
 namespace proxima::oracle {
 
-/// By one line; nothing where it touches an edge, a vertex or a triangle's plane from within.
-[[nodiscard]] inline std::optional<int> crossings(const TriangleMesh& mesh, const Vec3& p,
-                                                  const Vec3& far)
+/// By one line and some triangles; nothing where it touches an edge, a vertex or a triangle's plane
+/// from within.
+[[nodiscard]] inline std::optional<int> crossings(const TriangleMesh& mesh,
+                                                  std::span<const TriangleId> triangles,
+                                                  const Vec3& p, const Vec3& far)
 {
     int sum = 0;
-    for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
-        const Triangle t = mesh.triangle(TriangleId{i});
+    for (const TriangleId id : triangles) {
+        const Triangle t = mesh.triangle(id);
         if (is_degenerate(t)) continue; // encloses nothing
         const int at_p = orient3d(t[0], t[1], t[2], p);
         const int at_far = orient3d(t[0], t[1], t[2], far);
@@ -27,6 +31,19 @@ namespace proxima::oracle {
         if ((a > 0 || b > 0 || c > 0) && (a < 0 || b < 0 || c < 0)) continue;
         if (a == 0 || b == 0 || c == 0 || at_p == 0 || at_far == 0) return std::nullopt;
         sum += at_far; // leaves through the front: it was behind
+    }
+    return sum;
+}
+
+/// By one line and all triangles.
+[[nodiscard]] inline std::optional<int> crossings(const TriangleMesh& mesh, const Vec3& p,
+                                                  const Vec3& far)
+{
+    int sum = 0;
+    for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
+        const auto one = crossings(mesh, std::array{TriangleId{i}}, p, far);
+        if (!one) return std::nullopt;
+        sum += *one;
     }
     return sum;
 }

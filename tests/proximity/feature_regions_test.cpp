@@ -2,6 +2,8 @@
 #include "proxima/proximity/feature_regions.h"
 
 #include "proxima/mesh/mesh_report.h"
+#include "proxima/minkowski/make_polyhedron.h"
+#include "proxima/minkowski/unbounded_sum.h"
 #include "proximity/convex_meshes.h"
 #include "proximity/region_oracle.h"
 
@@ -67,6 +69,75 @@ TEST(FeatureRegions, HoldThePointsThatTheThesisSays)
             }
         }
     }
+}
+
+/// How far the cell's centre is outside the facets of a sum of a region and the cube of half size
+/// 1, scaled to the cell; at most 0 where region and cell meet. All facets, or those named.
+double beyond(const MinkowskiSum& sum, double half, const Vec3& center,
+              const std::vector<std::uint32_t>* facets = nullptr)
+{
+    const MinkowskiSum scaled = sum.scaled(half);
+    double worst = -std::numeric_limits<double>::infinity();
+    const auto look = [&](std::uint32_t f) {
+        const HalfSpace plane = scaled.half_space(f);
+        worst = std::max(worst, plane.normal.dot(center) - plane.offset);
+    };
+    if (facets != nullptr) {
+        for (const std::uint32_t f : *facets) look(f);
+    } else {
+        for (std::uint32_t f = 0; f < scaled.facet_count(); ++f) look(f);
+    }
+    return worst;
+}
+
+// Thesis 4.3.3: the region itself, the region with its rays cut off beyond the root, and what is
+// left of the sum when the facets that the cut made are removed.
+TEST(FeatureRegions, MeetTheSameCellsWhetherCutOrNot)
+{
+    std::mt19937 random(22);
+    std::uniform_real_distribution<double> part(-1, 1);
+    const ConvexPolyhedron cube =
+        polyhedron_of_box({Vec3::Constant(-1), Vec3::Constant(1)}).value();
+    std::size_t met = 0;
+    std::size_t missed = 0;
+    for (const auto& [name, mesh] : test::convex_meshes()) {
+        if (name == "plate" || name == "needle") continue; // their cones open too slowly to be cut
+        SCOPED_TRACE(name);
+        const Topology topology = *build_topology(mesh);
+        const Box bounds = bounding_box(mesh);
+        const double root_half = 0.75 * bounds.extent().maxCoeff();
+        const double unsure = 1e-8 * (root_half + bounds.center().norm());
+        for (const FeatureKind kind : kinds) {
+            for (int i = 0; i < 10; ++i) {
+                const Feature feature{kind, std::uniform_int_distribution<std::uint32_t>(
+                                                0, count_of(topology, kind) - 1)(random)};
+                const auto region = voronoi_region_of(mesh, topology, feature);
+                ASSERT_TRUE(region) << describe(region.error());
+                const double length = 1e4 * root_half;
+                const auto ideal = minkowski_sum(*region, cube);
+                const auto cut = minkowski_sum(cut_rays(*region, length).value(), cube);
+                const auto removed = sum_by_cutting(*region, cube, length);
+                ASSERT_TRUE(ideal && cut && removed);
+                EXPECT_FALSE(ideal->is_bounded());
+                EXPECT_TRUE(cut->is_bounded());
+                for (int k = 0; k < 60; ++k) {
+                    const double half = std::ldexp(root_half, -static_cast<int>(random() % 7));
+                    Vec3 center = bounds.center();
+                    const auto cells = static_cast<int>(std::lround(root_half / half));
+                    for (int axis = 0; axis < 3; ++axis)
+                        center[axis] += (2 * static_cast<int>(random() % cells) + 1 - cells) * half;
+                    const double truth = beyond(*ideal, half, center);
+                    if (std::abs(truth) < unsure) continue;
+                    ++(truth > 0 ? missed : met);
+                    EXPECT_EQ(beyond(*cut, half, center) > 0, truth > 0);
+                    EXPECT_EQ(beyond(removed->intermediate, half, center, &removed->remaining) > 0,
+                              truth > 0);
+                }
+            }
+        }
+    }
+    EXPECT_GT(met, 3000U);
+    EXPECT_GT(missed, 3000U);
 }
 
 TEST(FeatureRegions, AreDrawnAsLongAsAskedFor)

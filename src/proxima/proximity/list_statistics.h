@@ -62,8 +62,8 @@ struct LeafLists {
     std::vector<double> volumes; ///< powers of 1/8, sum 1
 };
 
-/// In Morton order. 12 bytes per leaf. Eight leaves that are children of one cell of the octree's
-/// table and list the same triangles in one block count as one.
+/// In Morton order: every leaf that the builder made, whatever level the table has. O(leaves), 12
+/// bytes each. \pre the octree is sound, as built and read ones are
 [[nodiscard]] LeafLists list_lengths(const ProximityOctree& octree);
 
 } // namespace proxima

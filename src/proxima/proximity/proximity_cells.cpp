@@ -1,12 +1,40 @@
 #include "proxima/proximity/proximity_cells.h"
 
 #include "proxima/base/text.h"
+#include "proxima/proximity/block.h"
 
 #include <algorithm>
 #include <bit>
-#include <vector>
+#include <cstring>
 
 namespace proxima {
+
+namespace {
+
+/// Appends the ranks of a block's triangles that are in the mask.
+void append_ranks(const ProximityArrays& arrays, std::uint32_t place, std::uint32_t mask,
+                  std::vector<std::uint32_t>& ranks)
+{
+    const std::byte* const block = arrays.arena.data() + std::size_t{place} * block_alignment;
+    BlockHeader header;
+    std::memcpy(&header, block, sizeof(header));
+    const bool wide = header.wide != 0;
+    const BlockLayout layout = block_layout(header.vertices, header.triangles, wide);
+    for (; mask != 0; mask &= mask - 1) {
+        const auto triangle = static_cast<std::size_t>(std::countr_zero(mask));
+        std::uint32_t offset = 0;
+        std::uint16_t narrow = 0;
+        if (wide) {
+            std::memcpy(&offset, block + layout.ranks + 4 * triangle, 4);
+        } else {
+            std::memcpy(&narrow, block + layout.ranks + 2 * triangle, 2);
+            offset = narrow;
+        }
+        ranks.push_back(header.base + offset);
+    }
+}
+
+} // namespace
 
 Result<std::uint64_t> root_word(const ProximityArrays& arrays)
 {
@@ -47,6 +75,19 @@ std::uint32_t list_length(const ProximityArrays& arrays, std::uint64_t leaf) noe
     for (const RunEntry& entry : arrays.runs.subspan(begin + 1, arrays.runs[begin].place))
         length += static_cast<std::uint32_t>(std::popcount(entry.mask));
     return length;
+}
+
+void read_list(const ProximityArrays& arrays, std::uint64_t leaf, std::vector<std::uint32_t>& ranks)
+{
+    ranks.clear();
+    if (list_length(arrays, leaf) == 0) return;
+    if (!proximity_word::is_run(leaf)) {
+        append_ranks(arrays, proximity_word::place(leaf), proximity_word::mask(leaf), ranks);
+        return;
+    }
+    const std::size_t begin = proximity_word::place(leaf);
+    for (const RunEntry& entry : arrays.runs.subspan(begin + 1, arrays.runs[begin].place))
+        append_ranks(arrays, entry.place, entry.mask, ranks);
 }
 
 } // namespace proxima

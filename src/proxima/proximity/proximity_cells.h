@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 namespace proxima {
 
@@ -35,5 +36,10 @@ struct ProximityCell {
 
 /// Triangles in a leaf's list; 0 for a leaf without one. \pre the arrays are sound
 [[nodiscard]] std::uint32_t list_length(const ProximityArrays& arrays, std::uint64_t leaf) noexcept;
+
+/// The ranks of the triangles in a leaf's list, into `ranks`, in no particular order.
+/// \pre the arrays are sound
+void read_list(const ProximityArrays& arrays, std::uint64_t leaf,
+               std::vector<std::uint32_t>& ranks);
 
 } // namespace proxima
