@@ -6,8 +6,9 @@
 // Passes are timed by the processor time of this process, single queries by the steady clock.
 #pragma once
 
+#include "proxima/proximity/query_sets.h"
 #include "proximity_peers.h"
-#include "query_sets.h"
+#include "query_sample.h"
 
 #include <array>
 #include <cstdint>

@@ -1,12 +1,13 @@
 // proxima closest: the closest feature of a mesh for each point of a file.
 #include "cli/answer_table.h"
+#include "cli/closest_searcher.h"
 #include "cli/commands.h"
 #include "cli/model_options.h"
 #include "cli/number_table.h"
+#include "cli/proximity_file_model.h"
 #include "cli/stopwatch.h"
 #include "proxima/base/output_file.h"
-#include "proxima/base/text.h"
-#include "proxima/proximity/build_proximity_octree.h"
+#include "proxima/proximity/closest_feature.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -35,44 +36,6 @@ constexpr const char* to_stdout = "-";
 /// Points of a task, and of a round: what is held at once beside the points.
 constexpr std::size_t task_points = 1024;
 constexpr std::size_t round_points = 128 * task_points;
-
-/// What answers.
-struct Searcher {
-    TriangleMesh mesh;
-    Topology topology;
-    ProximityOctree octree;
-    std::optional<SurfaceSign> sign; ///< refers to mesh and topology
-    double build_seconds = 0;
-};
-
-Result<std::unique_ptr<Searcher>> build_searcher(const ClosestOptions& options, Session& session)
-{
-    auto mesh = session.load_model(options.model);
-    if (!mesh) return tl::unexpected(mesh.error());
-    auto searcher = std::make_unique<Searcher>();
-    searcher->mesh = std::move(*mesh);
-    const ProgressBar shown(session.progress(), session.bar());
-    Progress* const progress = &session.progress();
-    const Stopwatch watch;
-    auto topology =
-        build_topology(searcher->mesh, {.threads = session.threads(), .progress = progress});
-    if (!topology) return at_model(topology.error(), options.model);
-    searcher->topology = std::move(*topology);
-    auto octree = build_proximity_octree(searcher->mesh, searcher->topology,
-                                         {.budget_bytes = options.budget_mb * 1'000'000,
-                                          .threads = session.threads(),
-                                          .progress = progress});
-    if (!octree) return at_model(octree.error(), options.model);
-    searcher->octree = std::move(*octree);
-    if (options.is_signed) {
-        auto sign = build_surface_sign(searcher->mesh, searcher->topology,
-                                       {.threads = session.threads(), .progress = progress});
-        if (!sign) return at_model(sign.error(), options.model);
-        searcher->sign = std::move(*sign);
-    }
-    searcher->build_seconds = watch.seconds();
-    return searcher;
-}
 
 /// What the answers were like, for people.
 struct AnswerCounts {
@@ -157,7 +120,7 @@ private:
 /// Answers points round by round.
 class ClosestRun {
 public:
-    ClosestRun(const Searcher& searcher, const NumberTable& table, Session& session)
+    ClosestRun(const ClosestSearcher& searcher, const NumberTable& table, Session& session)
         : searcher_(searcher), table_(table), session_(session)
     {}
 
@@ -208,7 +171,7 @@ private:
         session_.progress().advance(count);
     }
 
-    const Searcher& searcher_;
+    const ClosestSearcher& searcher_;
     const NumberTable& table_;
     Session& session_;
     std::vector<ClosestFeature> answers_;
@@ -217,18 +180,20 @@ private:
     AnswerCounts counts_;
 };
 
-std::string text_of(const ClosestOptions& options, const Searcher& searcher, const ClosestRun& run,
-                    std::size_t queries)
+std::string text_of(const ClosestOptions& options, const ClosestSearcher& searcher,
+                    const ClosestRun& run, std::size_t queries)
 {
     const AnswerCounts& counts = run.counts();
+    const bool loaded = searcher.load_seconds.has_value();
     std::string text = fmt::format(
-        "{}: {} triangles, proximity octree of {:.2f} MB built in {:.3f} s\n"
+        "{}: {} triangles, proximity octree of {:.2f} MB {} in {:.3f} s\n"
         "{} points in {:.3g} ms, {:.0f} ns each; distances {:.6g} to {:.6g}\n"
         "closest: vertices {}, edges {}, faces {}\n",
-        options.model, searcher.mesh.triangle_count(),
-        1e-6 * static_cast<double>(searcher.octree.bytes()), searcher.build_seconds, queries,
-        1e3 * run.seconds(), 1e9 * run.seconds() / static_cast<double>(queries), counts.least,
-        counts.most, counts.by_kind[0], counts.by_kind[1], counts.by_kind[2]);
+        options.model, searcher.octree.triangle_count(),
+        1e-6 * static_cast<double>(searcher.octree.bytes()), loaded ? "loaded" : "built",
+        loaded ? *searcher.load_seconds : searcher.build_seconds, queries, 1e3 * run.seconds(),
+        1e9 * run.seconds() / static_cast<double>(queries), counts.least, counts.most,
+        counts.by_kind[0], counts.by_kind[1], counts.by_kind[2]);
     if (options.is_signed) {
         text += fmt::format("inside {}; signs by pseudonormal {}, by winding number {}, on the "
                             "surface {}\n",
@@ -258,7 +223,9 @@ Status run_closest(const ClosestOptions& options, Session& session)
         return read_number_table(options.points, "x,y,z", {.progress = &session.progress()});
     }();
     if (!table) return tl::unexpected(table.error());
-    const auto searcher = build_searcher(options, session);
+    const auto searcher = make_closest_searcher(
+        options.model,
+        {.is_signed = options.is_signed, .budget_bytes = options.budget_mb * 1'000'000}, session);
     if (!searcher) return tl::unexpected(searcher.error());
     auto writer = AnswerWriter::open(options, table->rows(), session);
     if (!writer) return tl::unexpected(writer.error());
@@ -266,13 +233,16 @@ Status run_closest(const ClosestOptions& options, Session& session)
     if (Status status = run.run(*writer); !status) return status;
 
     if (options.out != to_stdout) session.print(text_of(options, **searcher, run, table->rows()));
+    nlohmann::ordered_json load_seconds; // null where it was built
+    if ((*searcher)->load_seconds) load_seconds = *(*searcher)->load_seconds;
     return session.write_json(
         {{"model", options.model},
-         {"triangles", (*searcher)->mesh.triangle_count()},
+         {"triangles", (*searcher)->octree.triangle_count()},
          {"queries", table->rows()},
          {"seconds", run.seconds()},
          {"ns_per_query", 1e9 * run.seconds() / static_cast<double>(table->rows())},
          {"build_seconds", (*searcher)->build_seconds},
+         {"load_seconds", load_seconds},
          {"bytes", (*searcher)->octree.bytes()}});
 }
 
@@ -283,7 +253,7 @@ Command add_closest_command(CLI::App& app)
     CLI::App* const parser = app.add_subcommand(
         "closest", "Find the closest vertex, edge or face of a mesh for each point of a file");
     const auto options = std::make_shared<ClosestOptions>();
-    add_model_option(*parser, options->model);
+    add_model_option(*parser, options->model, ModelKinds::meshes_and_proximity_octrees);
     parser
         ->add_option("--points", options->points,
                      "The points: .npy of three columns, else CSV of x,y,z")
@@ -299,6 +269,7 @@ Command add_closest_command(CLI::App& app)
                      "Size of the octree at most, in 10^6 bytes (default: 600 bytes per triangle)")
         ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40U))
         ->type_name("N");
+    refuse_beside_proximity_file(*parser, options->model, {"--budget-mb"});
     return {parser, [options](Session& session) { return run_closest(*options, session); }};
 }
 

@@ -2,6 +2,7 @@
 // most, and the lengths of its lists.
 #include "cli/list_histogram.h"
 #include "cli/model_options.h"
+#include "cli/peak_memory.h"
 #include "cli/proximity_command_options.h"
 #include "cli/query_timing.h"
 #include "cli/stopwatch.h"
@@ -13,6 +14,7 @@
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 namespace proxima {
 
@@ -25,6 +27,7 @@ struct GeneralRow {
     int depth = 0;
     double seconds = 0;
     std::uint64_t bytes = 0;
+    std::optional<std::uint64_t> peak_bytes; ///< rise of the process' memory while building
     ProximityStatistics counts;
     QueryTiming timing;
     ListStatistics lists; ///< by volume; without cells where no histogram wants them
@@ -62,8 +65,10 @@ Result<std::vector<GeneralRow>> build_rows(const ProximityCommandOptions& option
     const auto topology =
         build_topology(mesh, {.threads = session.threads(), .progress = progress});
     if (!topology) return tl::unexpected(topology.error());
+    std::vector<Vec3> queries; // not before a build found the mesh to be one
     std::vector<GeneralRow> rows;
     for (const int depth : options.depths) {
+        const PeakMemory memory;
         const Stopwatch watch;
         const auto octree = build_proximity_octree(mesh, *topology,
                                                    {.budget_bytes = budget_of(options, mesh),
@@ -72,8 +77,14 @@ Result<std::vector<GeneralRow>> build_rows(const ProximityCommandOptions& option
                                                     .threads = session.threads(),
                                                     .progress = progress});
         if (!octree) return tl::unexpected(octree.error());
-        GeneralRow row{depth, watch.seconds(), octree->bytes(), octree->statistics(), {}, {}};
-        row.timing = time_queries(*octree, mesh);
+        GeneralRow row;
+        row.depth = depth;
+        row.seconds = watch.seconds();
+        row.bytes = octree->bytes();
+        row.peak_bytes = memory.bytes();
+        row.counts = octree->statistics();
+        if (queries.empty()) queries = estimate_queries(mesh);
+        row.timing = time_queries(*octree, queries);
         if (!options.histograms.empty()) {
             const LeafLists lists = list_lengths(*octree);
             row.lists = list_statistics(lists.lengths, lists.volumes);
@@ -89,6 +100,8 @@ Result<std::vector<GeneralRow>> build_rows(const ProximityCommandOptions& option
 
 Json json_of(const GeneralRow& row)
 {
+    Json peak; // null where nobody knows
+    if (row.peak_bytes) peak = *row.peak_bytes;
     return {{"nodes", row.counts.nodes},
             {"references", row.counts.references},
             {"bytes", row.bytes},
@@ -102,7 +115,8 @@ Json json_of(const GeneralRow& row)
             {"blocks", row.counts.blocks},
             {"leaves", row.counts.leaves},
             {"query_ns_median", row.timing.median},
-            {"query_ns_max", row.timing.max}};
+            {"query_ns_max", row.timing.max},
+            {"peak_bytes", peak}};
 }
 
 /// What all rows have in common; the figures themselves where there is but one.
@@ -160,6 +174,15 @@ std::string promise_of(const GeneralRow& row)
         row.timing.median, row.timing.max, row.timing.queries);
 }
 
+std::string peak_of(const GeneralRow& row, std::uint64_t budget)
+{
+    if (!row.peak_bytes) return {};
+    const auto peak = static_cast<double>(*row.peak_bytes);
+    return fmt::format("Building raised the memory of the process by {:.2f} MB at most, {:.2f} "
+                       "times the budget\n",
+                       1e-6 * peak, peak / static_cast<double>(budget));
+}
+
 } // namespace
 
 Status run_general_proximity(const ProximityCommandOptions& options, Session& session)
@@ -172,9 +195,9 @@ Status run_general_proximity(const ProximityCommandOptions& options, Session& se
     const std::string how =
         fmt::format("root {:g} times the tight cube, budget {:.6g} MB", 1 + options.margin,
                     1e-6 * static_cast<double>(budget_of(options, *mesh)));
-    session.print(fmt::format("Proximity octree of {}, {} triangles\n{}\n\n{}\n{}", options.model,
-                              mesh->triangle_count(), how, text_of(*rows),
-                              promise_of(rows->back())));
+    session.print(fmt::format("Proximity octree of {}, {} triangles\n{}\n\n{}\n{}{}", options.model,
+                              mesh->triangle_count(), how, text_of(*rows), promise_of(rows->back()),
+                              peak_of(rows->back(), budget_of(options, *mesh))));
 
     std::vector<HistogramSeries> series;
     for (const GeneralRow& row : *rows) series.push_back({row.depth, row.lists});

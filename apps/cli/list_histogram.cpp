@@ -1,7 +1,7 @@
 #include "cli/list_histogram.h"
 
-#include "proxima/base/file_extension.h"
-#include "proxima/base/output_file.h"
+#include "cli/plot_file.h"
+#include "cli/plot_style.h"
 
 #include <algorithm>
 #include <array>
@@ -11,16 +11,7 @@
 namespace proxima {
 namespace {
 
-constexpr unsigned ink = 0x222222;
-constexpr unsigned faint = 0xE4E4E4;
 constexpr double legend_top = 118; // pixels
-// Told apart by everybody [Tol's bright scheme].
-constexpr std::array palette = {0x4477AAU, 0xEE6677U, 0x228833U, 0xCCBB44U, 0x66CCEEU, 0xAA3377U};
-
-unsigned color_of(std::size_t series)
-{
-    return palette[series % palette.size()];
-}
 
 /// Borders of bins: 1, 2, 3, ... and then about four to an octave, up past the longest list.
 std::vector<double> bin_borders(std::uint32_t longest)
@@ -78,7 +69,7 @@ void draw_axes(Figure& figure, const Axes& axes, HistogramOf what, const Histogr
 {
     const auto text = [&](const Vec2& at, const std::string& words, double size, TextAnchor anchor,
                           TextTurn turn = TextTurn::level) {
-        figure.texts.push_back({at, words, {size, ink, anchor, turn}});
+        figure.texts.push_back({at, words, {size, plot_ink, anchor, turn}});
     };
     // Lengths: 1, 2, 5, 10, ...
     for (int decade = 0; std::pow(10.0, decade) <= axes.longest(); ++decade) {
@@ -86,20 +77,21 @@ void draw_axes(Figure& figure, const Axes& axes, HistogramOf what, const Histogr
             const double length = part * std::pow(10.0, decade);
             if (length > axes.longest() * 1.0001) continue;
             const double x = axes.at(length, 0).x();
-            figure.lines.push_back({{x, axes.top()}, {x, axes.bottom()}, faint, 1});
-            figure.lines.push_back({{x, axes.bottom()}, {x, axes.bottom() + 7}, ink, 2});
+            figure.lines.push_back({{x, axes.top()}, {x, axes.bottom()}, plot_grid, 1});
+            figure.lines.push_back({{x, axes.bottom()}, {x, axes.bottom() + 7}, plot_ink, 2});
             text({x, axes.bottom() + 28}, fmt::format("{:.0f}", length), 15, TextAnchor::middle);
         }
     }
     const double step = axes.highest() / 5;
     for (int i = 0; i <= 5; ++i) {
         const double y = axes.at(1, i * step).y();
-        figure.lines.push_back({{axes.left(), y}, {axes.right(), y}, faint, 1});
-        figure.lines.push_back({{axes.left() - 7, y}, {axes.left(), y}, ink, 2});
+        figure.lines.push_back({{axes.left(), y}, {axes.right(), y}, plot_grid, 1});
+        figure.lines.push_back({{axes.left() - 7, y}, {axes.left(), y}, plot_ink, 2});
         text({axes.left() - 14, y + 7}, fmt::format("{:g}", i * step), 15, TextAnchor::end);
     }
-    figure.lines.push_back({{axes.left(), axes.top()}, {axes.left(), axes.bottom()}, ink, 2});
-    figure.lines.push_back({{axes.left(), axes.bottom()}, {axes.right(), axes.bottom()}, ink, 2});
+    figure.lines.push_back({{axes.left(), axes.top()}, {axes.left(), axes.bottom()}, plot_ink, 2});
+    figure.lines.push_back(
+        {{axes.left(), axes.bottom()}, {axes.right(), axes.bottom()}, plot_ink, 2});
     const double middle = 0.5 * (axes.left() + axes.right());
     const bool outer = what == HistogramOf::outer_cells;
     text({middle, axes.bottom() + 68},
@@ -162,12 +154,12 @@ void draw_legend(Figure& figure, const Axes& axes, std::span<const HistogramSeri
         const double x = axes.left() + column * static_cast<double>(i % legend_columns);
         const std::size_t row = i / legend_columns;
         const double y = legend_top + legend_row * static_cast<double>(row);
-        figure.lines.push_back({{x, y}, {x + 30, y}, color_of(i), 4});
+        figure.lines.push_back({{x, y}, {x + 30, y}, plot_color(i), 4});
         const std::string words =
             lists.cells == 0 ? fmt::format("depth {}: no outer cell", depth)
                              : fmt::format("depth {}: mean {:.1f}, {} {}", depth, lists.mean,
                                            lists.cells, lists.cells == 1 ? one : many);
-        figure.texts.push_back({{x + 40, y + size / 2}, words, {size, ink}});
+        figure.texts.push_back({{x + 40, y + size / 2}, words, {size, plot_ink}});
     }
 }
 
@@ -217,31 +209,17 @@ Figure histogram_figure(std::span<const HistogramSeries> series, HistogramOf wha
     const Axes axes(figure, legend_top + legend_height(series.size()), borders.back(), top);
     draw_axes(figure, axes, what, title);
     for (std::size_t i = 0; i < series.size(); ++i)
-        draw_steps(figure, axes, borders, heights[i], color_of(i));
+        draw_steps(figure, axes, borders, heights[i], plot_color(i));
     if (series.size() == 1) fill_bins(figure, axes, borders, heights[0]);
     draw_legend(figure, axes, series, what);
     return figure;
 }
 
-Status check_histogram_format(const std::string& path)
-{
-    const std::string extension = lower_case_extension(path);
-    if (extension == ".csv" || extension == ".svg" || extension == ".png") return {};
-    return fail(ErrorCode::unsupported_format,
-                "unknown extension: histograms are .csv, .svg or .png", path);
-}
-
 Status write_histogram(std::span<const HistogramSeries> series, HistogramOf what,
                        const HistogramTitle& title, const std::string& path, Progress* progress)
 {
-    if (Status status = check_histogram_format(path); !status) return status;
-    if (lower_case_extension(path) != ".csv")
-        return write_figure(histogram_figure(series, what, title), path, progress);
-    const std::string text = histogram_csv(series, what);
-    auto output = OutputFile::create(path, {progress, text.size()});
-    if (!output) return tl::unexpected(output.error());
-    if (Status status = output->write(text); !status) return status;
-    return output->commit();
+    return write_plot(histogram_csv(series, what), histogram_figure(series, what, title), path,
+                      progress);
 }
 
 } // namespace proxima

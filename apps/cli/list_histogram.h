@@ -37,10 +37,6 @@ struct HistogramTitle {
 [[nodiscard]] Figure histogram_figure(std::span<const HistogramSeries> series, HistogramOf what,
                                       const HistogramTitle& title);
 
-/// What would go wrong with a file of this name: .csv, .svg and .png are known.
-/// Error unsupported_format.
-[[nodiscard]] Status check_histogram_format(const std::string& path);
-
 /// By extension. Errors: unsupported_format, file_not_writable, cancelled.
 [[nodiscard]] Status write_histogram(std::span<const HistogramSeries> series, HistogramOf what,
                                      const HistogramTitle& title, const std::string& path,

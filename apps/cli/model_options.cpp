@@ -12,12 +12,16 @@ namespace proxima {
 
 void add_model_option(CLI::App& parser, std::string& model, ModelKinds kinds)
 {
-    const bool octrees = kinds == ModelKinds::meshes_and_octrees;
+    const char* const saved = kinds == ModelKinds::meshes_and_octrees
+                                  ? "; .pxo for an octree that is saved"
+                              : kinds == ModelKinds::meshes_and_proximity_octrees
+                                  ? "; .pxp for a proximity octree that is "
+                                    "saved"
+                                  : "";
     parser
-        .add_option("MODEL", model,
-                    concat("A file (", known_mesh_extensions(),
-                           octrees ? "; .pxo for an octree that is saved)" : ")", " or one of ",
-                           sample_mesh_names()))
+        .add_option(
+            "MODEL", model,
+            concat("A file (", known_mesh_extensions(), saved, ") or one of ", sample_mesh_names()))
         ->required()
         ->type_name("");
 }

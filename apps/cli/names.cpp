@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstdint>
+#include <system_error>
 
 namespace proxima {
 
@@ -78,6 +80,20 @@ std::optional<std::vector<int>> parse_numbers(std::string_view text, int lowest,
     }
     std::ranges::sort(numbers);
     numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+    return numbers;
+}
+
+std::optional<std::vector<double>> parse_finite_numbers(std::string_view text)
+{
+    std::vector<double> numbers;
+    for (const std::string& part : split_list(text)) {
+        const char* const end = part.data() + part.size();
+        double number = 0;
+        const auto parsed = std::from_chars(part.data(), end, number);
+        if (parsed.ec != std::errc{} || parsed.ptr != end || !std::isfinite(number))
+            return std::nullopt;
+        numbers.push_back(number);
+    }
     return numbers;
 }
 

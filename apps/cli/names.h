@@ -35,6 +35,9 @@ inline constexpr std::array all_methods = {OverlapMethod::fast, OverlapMethod::s
 [[nodiscard]] std::optional<std::vector<int>> parse_numbers(std::string_view text, int lowest,
                                                             int highest);
 
+/// Numbers of a list such as "1,-2.5e3"; nothing if a part is no finite number.
+[[nodiscard]] std::optional<std::vector<double>> parse_finite_numbers(std::string_view text);
+
 /// Bytes of the printable character that `text` begins with, 0 where it begins with a control
 /// character or is no UTF-8.
 [[nodiscard]] std::size_t utf8_length(std::string_view text) noexcept;

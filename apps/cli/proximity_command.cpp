@@ -1,8 +1,8 @@
 // proxima proximity: builds the proximity octree of a mesh and counts it.
 #include "cli/commands.h"
-#include "cli/list_histogram.h"
 #include "cli/model_options.h"
 #include "cli/names.h"
+#include "cli/plot_file.h"
 #include "cli/proximity_command_options.h"
 #include "proxima/base/file_extension.h"
 #include "proxima/base/text.h"
@@ -41,15 +41,17 @@ Status check_octree_outputs(const ProximityCommandOptions& options)
 
 Status run_proximity(const ProximityCommandOptions& options, Session& session)
 {
-    for (const std::string& path : options.histograms) {
-        if (path == "-") continue; // session.check_outputs says what is wrong with it
-        if (Status status = check_histogram_format(path); !status) return status;
-    }
     std::vector<std::string> outputs = options.histograms;
+    outputs.insert(outputs.end(), options.budget_curves.begin(), options.budget_curves.end());
+    for (const std::string& path : outputs) {
+        if (path == "-") continue; // session.check_outputs says what is wrong with it
+        if (Status status = check_plot_format(path); !status) return status;
+    }
     outputs.insert(outputs.end(), options.exports.begin(), options.exports.end());
     outputs.push_back(options.save);
     if (Status status = session.check_outputs(outputs); !status) return status;
     if (Status status = check_octree_outputs(options); !status) return status;
+    if (!options.budget_curves.empty()) return run_budget_curve(options, session);
     return options.method == ProximityMethod::thesis ? run_thesis_proximity(options, session)
                                                      : run_general_proximity(options, session);
 }
@@ -117,9 +119,14 @@ void add_threshold_options(CLI::App& parser, KindThresholds& thresholds)
 void settle(const CLI::App& parser, ProximityCommandOptions& options)
 {
     if (options.method == ProximityMethod::thesis) {
+        if (!options.budget_curves.empty()) {
+            throw CLI::ValidationError("--budget-curve", "it goes with --method general");
+        }
         if (options.depths.empty()) options.depths = {5};
         return;
     }
+    if (!options.budget_curves.empty() && options.depths.size() > 1)
+        throw CLI::ValidationError("--budget-curve", "it is of one depth: name one or none");
     for (const char* const name :
          {"--threshold", "--threshold-vertex", "--threshold-edge", "--threshold-face"}) {
         if (parser.count(name) == 0) continue;
@@ -168,6 +175,15 @@ Command add_proximity_command(CLI::App& app)
             "--histogram", options->histograms,
             "Write how long the lists of leaves are, by volume (thesis: of outer cells, by "
             "number): .csv, .svg, .png")
+        ->type_name("FILE");
+    parser
+        ->add_option("--budget-curve", options->budget_curves,
+                     "Instead: how quick queries are with octrees of 100 to 12000 bytes per "
+                     "triangle, to .csv, .svg, .png (general method)")
+        ->excludes("--budget-mb")
+        ->excludes("--save")
+        ->excludes("--export")
+        ->excludes("--histogram")
         ->type_name("FILE");
     parser->parse_complete_callback([parser, options] { settle(*parser, *options); });
     return {parser, [options](Session& session) { return run_proximity(*options, session); }};

@@ -20,14 +20,18 @@ struct ProximityCommandOptions {
     double margin = 0.5;
     std::uint64_t budget_mb = 0; ///< of the result; of the build with the thesis's method
     std::vector<std::string> histograms;
-    std::string save;                 ///< .pxp file, of the general method and one depth
-    std::vector<std::string> exports; ///< .vtu and .htg, the same
+    std::vector<std::string> budget_curves; ///< of the general method: instead of all that
+    std::string save;                       ///< .pxp file, of the general method and one depth
+    std::vector<std::string> exports;       ///< .vtu and .htg, the same
 };
 
 /// Builds the proximity octree of any mesh to each of the depths, counts it, times queries, and
 /// writes histograms.
 [[nodiscard]] Status run_general_proximity(const ProximityCommandOptions& options,
                                            Session& session);
+
+/// Builds the proximity octree with many budgets, times queries, and writes curves.
+[[nodiscard]] Status run_budget_curve(const ProximityCommandOptions& options, Session& session);
 
 /// Builds the thesis's proximity octree to each of the depths, counts it, and writes histograms.
 [[nodiscard]] Status run_thesis_proximity(const ProximityCommandOptions& options, Session& session);

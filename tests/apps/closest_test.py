@@ -11,7 +11,7 @@ from proxima_program import ProgramTest, run
 
 COLUMNS = ["index", "distance", "x", "y", "z", "triangle", "kind", "feature"]
 SIGNS = ["signed_distance", "sign_method"]
-KEYS = ["model", "triangles", "queries", "seconds", "ns_per_query", "build_seconds", "bytes"]
+KEYS = ["model", "triangles", "queries", "seconds", "ns_per_query", "build_seconds", "load_seconds", "bytes"]
 KINDS = ["vertex", "edge", "face"]
 METHODS = ["on_surface", "pseudonormal", "winding_number"]
 
@@ -259,11 +259,52 @@ class Files(ProgramTest):
         self.assertEqual(list(result), KEYS)
         self.assertEqual((result["model"], result["triangles"], result["queries"]), ("cube", 12, 4))
         self.assertAlmostEqual(result["ns_per_query"], 1e9 * result["seconds"] / 4)
+        self.assertIsNone(result["load_seconds"])
         out = self.folder / "a.csv"
         text = self.succeed("closest", "cube", "--points", file, "--out", out, "--signed")
         for part in ("4 points", "closest: vertices", "inside 1;", f"wrote {out}"):
             self.assertIn(part, text)
         self.assertEqual(self.succeed("closest", "cube", "--points", file, "--quiet"), "")
+
+
+class SavedOctrees(ProgramTest):
+    """A .pxp in the place of the mesh."""
+
+    def saved(self, mesh):
+        model, octree = self.file("model.off", mesh.text()), self.folder / "model.pxp"
+        self.succeed("proximity", model, "--budget-mb", 1, "--save", octree)
+        return model, octree
+
+    def test_answers_are_those_of_the_mesh(self):
+        for seed, mesh in enumerate((bumpy_ball(random.Random(7)), soup(random.Random(8), 60))):
+            model, octree = self.saved(mesh)
+            points = self.file("points.csv", csv_text(queries(random.Random(seed), mesh, 300)))
+            for options in ((), ("--signed",)):
+                texts = [self.succeed("closest", one, "--points", points, "--out", "-", *options)
+                         for one in (model, octree)]
+                self.assertTrue(texts[0] == texts[1])
+
+    def test_the_mesh_is_not_needed(self):
+        model, octree = self.saved(bumpy_ball(random.Random(9)))
+        model.unlink()
+        points = self.file("points.csv", "1,2,3\n")
+        result = self.json_of("closest", octree, "--points", points)
+        self.assertEqual(list(result), KEYS)
+        self.assertEqual((result["triangles"], result["build_seconds"]), (128, 0))
+        self.assertGreater(result["load_seconds"], 0)
+        self.assertEqual(result["bytes"], self.json_of("closest", octree, "--points", points, "--signed")["bytes"])
+        self.assertIn("loaded in", self.succeed("closest", octree, "--points", points))
+
+    def test_what_cannot_be(self):
+        octree = self.saved(bumpy_ball(random.Random(10)))[1]
+        points = self.file("points.csv", "1,2,3\n")
+        self.refuse("closest", octree, "--points", points, "--budget-mb", 1, status=2, says="--budget-mb")
+        data = octree.read_bytes()
+        for name, content in (("cut.pxp", data[:-8]), ("text.pxp", b"v 1 2 3\n"), ("empty.pxp", b""),
+                              ("flipped.pxp", data[:5000] + bytes([data[5000] ^ 4]) + data[5001:])):
+            self.refuse("closest", self.file(name, content), "--points", points, says=name)
+        self.refuse("closest", self.folder / "absent.pxp", "--points", points, says="absent.pxp")
+        self.refuse("octree", octree, says="model.pxp")
 
 
 class Refusing(ProgramTest):

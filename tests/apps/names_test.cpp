@@ -32,6 +32,17 @@ TEST(Names, WrongListsOfNumbersAreNone)
     }
 }
 
+TEST(Names, FiniteNumbersOfALine)
+{
+    using Numbers = std::vector<double>;
+    EXPECT_EQ(parse_finite_numbers("1,-2.5e3,.25"), (Numbers{1, -2500, 0.25}));
+    EXPECT_EQ(parse_finite_numbers("0.1"), (Numbers{0.1}));
+    for (const char* const text :
+         {"", ",", "1,", "a", "nan", "inf", "1,-inf", "1e999", "0x10", "1 2", "1, 2", "+1"}) {
+        EXPECT_EQ(parse_finite_numbers(text), std::nullopt) << text;
+    }
+}
+
 TEST(Names, SplittingKeepsEmptyParts)
 {
     EXPECT_EQ(split_list("a,,b"), (std::vector<std::string>{"a", "", "b"}));

@@ -16,7 +16,9 @@ THESIS = ("proximity", "--method", "thesis")
 GENERAL_KEYS = ["model", "triangles", "method", "margin", "budget_bytes"]
 GENERAL_ROW_KEYS = ["depth", "nodes", "references", "bytes", "seconds", "max_depth", "max_list", "mean_list",
                     "worst_case_steps", "worst_case_blocks", "expected_list", "blocks", "leaves", "query_ns_median",
-                    "query_ns_max"]
+                    "query_ns_max", "peak_bytes"]
+CURVE_KEYS = ["model", "triangles", "method", "margin", "queries_per_set", "left_out", "enough", "rows"]
+CURVE_ROW_KEYS = ["budget_bytes_per_triangle", "bytes_per_triangle", "seconds", "ns_a", "ns_b", "ns_c", "worst_case_blocks"]
 
 
 def png_pixels(data):
@@ -69,6 +71,18 @@ class General(ProgramTest):
         self.assertIn("and %d blocks of triangles" % result["worst_case_blocks"], text)
         self.assertRegex(text, r"About \d+ ns, \d+ ns at most")
 
+    def test_peak_memory(self):
+        result = self.json_of("proximity", "torus:100x50", "--budget-mb", 6)
+        if result["peak_bytes"] is None:
+            self.skipTest("this system does not tell the memory of a process")
+        # The octree itself, and not what stood there before or comes after.
+        self.assertGreater(result["peak_bytes"], result["bytes"])
+        self.assertLess(result["peak_bytes"], 200e6)
+        small = self.json_of("proximity", "cube", "--budget-mb", 1)
+        self.assertLess(small["peak_bytes"], result["peak_bytes"])
+        text = self.succeed("proximity", "torus:40x20")
+        self.assertRegex(text, r"raised the memory of the process by [\d.]+ MB at most, [\d.]+ times the budget")
+
     def test_depths_and_budget(self):
         result = self.json_of("proximity", "torus:40x20", "--depth", "0-4", "--budget-mb", 4)
         self.assertEqual(list(result), GENERAL_KEYS + ["rows"])
@@ -87,7 +101,7 @@ class General(ProgramTest):
     def test_threads_do_not_change_the_result(self):
         results = [self.json_of("proximity", "torus:40x20", "--threads", threads) for threads in (1, 3)]
         for result in results:
-            for key in ("seconds", "query_ns_median", "query_ns_max"):
+            for key in ("seconds", "query_ns_median", "query_ns_max", "peak_bytes"):
                 result.pop(key)
         self.assertEqual(results[0], results[1])
 
@@ -123,6 +137,61 @@ class General(ProgramTest):
             self.refuse("proximity", "cube", option, 3, status=2, says=(option, "--method thesis"))
         self.refuse("proximity", "cube", "--depth", "3,15", status=2, says=("--depth", "14"))
         self.refuse("proximity", "cube", "--margin", "1001", says="margin")
+
+
+class BudgetCurve(ProgramTest):
+    def test_files_and_json(self):
+        names = [self.folder / ("curve." + kind) for kind in ("csv", "svg", "png")]
+        options = [option for name in names for option in ("--budget-curve", name)]
+        result = self.json_of("proximity", "torus:12x8", *options)
+        self.assertEqual(list(result), CURVE_KEYS)
+        self.assertEqual([result[key] for key in CURVE_KEYS[:5]], ["torus:12x8", 192, "general", 0.5, 100000])
+        rows = result["rows"]
+        self.assertTrue(all(list(row) == CURVE_ROW_KEYS for row in rows))
+        budgets = [row["budget_bytes_per_triangle"] for row in rows]
+        every = [100, 150, 200, 300, 400, 600, 900, 1500, 2500, 4000, 7000, 12000]
+        self.assertEqual(result["left_out"] + budgets, every[:len(result["left_out"] + budgets)])
+        # A small octree of short lists wants no more.
+        self.assertEqual(result["enough"], budgets[-1])
+        self.assertLess(result["enough"], 12000)
+        # Rows of triangles take 104 bytes already: the least budgets cannot be met.
+        self.assertIn(100, result["left_out"])
+        self.assertLess(max(result["left_out"]), min(budgets))
+        for row in rows:
+            self.assertLessEqual(row["bytes_per_triangle"], row["budget_bytes_per_triangle"])
+            for key in ("ns_a", "ns_b", "ns_c", "worst_case_blocks"):
+                self.assertGreater(row[key], 0)
+        sizes = [row["bytes_per_triangle"] for row in rows]
+        self.assertEqual(sizes, sorted(sizes))
+        with open(names[0], newline="") as file:
+            table = list(csv.DictReader(file))
+        self.assertEqual(list(table[0]), CURVE_ROW_KEYS[:-1])
+        for line, row in zip(table, rows):
+            for key, value in line.items():
+                self.assertAlmostEqual(float(value), row[key], delta=1e-5 * row[key])
+        svg = xml.etree.ElementTree.parse(names[1]).getroot()
+        words = [element.text for element in svg.iter("{http://www.w3.org/2000/svg}text")]
+        for word in ("bytes of the octree per triangle", "nanoseconds per query", "1000", "c: a walk near the surface"):
+            self.assertIn(word, words)
+        for note in ("left out, for they are too small", "budgets of more than"):
+            self.assertTrue(any(word.startswith(note) for word in words))
+        width, _, pixels = png_pixels(names[2].read_bytes())
+        self.assertEqual(width, 1200)
+        colors = {row[x:x + 3] for row in pixels for x in range(0, len(row), 3)}
+        for color in (b"\x44\x77\xaa", b"\xee\x66\x77", b"\x22\x88\x33"):
+            self.assertIn(color, colors)
+
+    def test_usage(self):
+        curve = ("--budget-curve", self.folder / "c.csv")
+        for other in (("--budget-mb", 3), ("--save", self.folder / "a.pxp"), ("--histogram", self.folder / "h.csv"),
+                      ("--export", self.folder / "e.vtu")):
+            self.refuse("proximity", "cube", *curve, *other, status=2, says=("--budget-curve", other[0]))
+        self.refuse("proximity", "cube", *curve, "--depth", "1-3", status=2, says="--budget-curve")
+        self.refuse(*THESIS, "cube", *curve, status=2, says="--budget-curve")
+        self.refuse("proximity", "cube", "--budget-curve", self.folder / "c.gif", says=("c.gif", ".svg"))
+        self.refuse("proximity", "cube", "--budget-curve", "-", says="-")
+        self.refuse("proximity", self.file("nan.off", tetrahedron().replace("0.0", "nan", 1)), *curve, says="nan.off")
+        self.refuse("proximity", self.file("empty.off", "OFF\n0 0 0\n"), *curve, says="empty.off")
 
 
 class Thesis(ProgramTest):

@@ -264,15 +264,21 @@ struct EditableOctree {
     ProximityStatistics statistics = octree.statistics();
     int table_depth = octree.table_depth();
 
-    /// The message of the check, "" where it finds nothing.
+    /// The message of the check, "" where it finds nothing: the same for any number of threads.
     [[nodiscard]] std::string fault() const
     {
         const ProximityArrays arrays{table, nodes, runs,          arena,
                                      rows,  {},    vertex_places, edge_places};
-        const Status status =
-            check_structure(ProximityOctree::adopt(frame, table_depth, arrays, &octree.tree(),
-                                                   statistics, octree.mesh_fingerprint(), nullptr));
-        return status ? "" : describe(status.error());
+        const ProximityOctree edited =
+            ProximityOctree::adopt(frame, table_depth, arrays, &octree.tree(), statistics,
+                                   octree.mesh_fingerprint(), nullptr);
+        const auto message = [&](int threads) {
+            const Status status = check_structure(edited, {.threads = {threads}});
+            return status ? std::string() : describe(status.error());
+        };
+        std::string found = message(1);
+        EXPECT_EQ(message(3), found);
+        return found;
     }
 };
 
@@ -336,7 +342,7 @@ TEST(ProximityStructure, NamesWhatIsBroken)
              e.nodes.insert(e.nodes.end(), 8, proximity_word::leaf(0, 1));
              e.nodes[base] = base;
          }},
-        {"split at depth",
+        {"split at the deepest level",
          [&](EditableOctree& e) {
              // A chain of splits below a leaf, in front of the root's last child.
              const std::uint64_t leaf = e.nodes[first_leaf];

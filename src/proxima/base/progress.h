@@ -94,6 +94,11 @@ public:
         if (progress_ != nullptr) progress_->begin_stage(name, steps);
     }
 
+    /// A part of a stage that somebody has entered before.
+    StageSteps(Progress* progress, std::uint64_t block) noexcept
+        : progress_(progress), block_(block)
+    {}
+
     /// False where the work shall stop.
     [[nodiscard]] bool done(std::uint64_t steps) noexcept
     {

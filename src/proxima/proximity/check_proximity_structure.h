@@ -2,11 +2,17 @@
 // no mesh.
 #pragma once
 
+#include "proxima/base/parallel.h"
 #include "proxima/base/progress.h"
 #include "proxima/base/result.h"
 #include "proxima/proximity/proximity_octree.h"
 
 namespace proxima {
+
+struct CheckStructureOptions {
+    Progress* progress = nullptr; ///< stage "checking the octree", steps are bytes
+    Threads threads = {};
+};
 
 /// Checks that every query stays inside the arrays and ends, in as many steps and blocks as the
 /// statistics say.
@@ -21,9 +27,10 @@ namespace proxima {
 ///              belongs to some leaf, a run to one; a run's bounds are finite and ascend
 ///     numbers  statistics are those of what is found, but for expected_list
 ///
-/// Errors: broken_invariant naming the place; cancelled by `progress`, stage "checking the octree".
+/// Errors: broken_invariant naming the first place; cancelled. The same for any number of threads.
 /// For any content of the arrays, also a crafted one, but aligned as their types want.
-/// O(bytes), a bit of scratch per eight.
-[[nodiscard]] Status check_structure(const ProximityOctree& octree, Progress* progress = nullptr);
+/// O(bytes), a byte of scratch per eight.
+[[nodiscard]] Status check_structure(const ProximityOctree& octree,
+                                     const CheckStructureOptions& options = {});
 
 } // namespace proxima

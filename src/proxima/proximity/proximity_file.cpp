@@ -154,7 +154,7 @@ struct LoadedOctree {
 };
 
 Result<ProximityOctree> octree_of(const BinaryFile& file, const std::string& name,
-                                  Progress* progress)
+                                  const ProximityLoadOptions& options)
 {
     std::span<const ProximityFileHeader> headers;
     std::span<const TriangleTreeBlock> boxes;
@@ -195,7 +195,8 @@ Result<ProximityOctree> octree_of(const BinaryFile& file, const std::string& nam
     ProximityOctree octree =
         ProximityOctree::adopt(frame, static_cast<int>(header.table_depth), arrays, &storage->tree,
                                statistics_of(header), header.fingerprint, storage);
-    if (const Status status = check_structure(octree, progress); !status) {
+    if (const Status status = check_structure(octree, {options.progress, options.threads});
+        !status) {
         // What would be a fault of the program in an octree of its own is damage in a file.
         const bool stopped = status.error().code == ErrorCode::cancelled;
         return fail(stopped ? ErrorCode::cancelled : ErrorCode::malformed_file,
@@ -233,21 +234,22 @@ Status save_proximity_octree(const ProximityOctree& octree, const std::filesyste
 }
 
 Result<ProximityOctree> load_proximity_octree(const std::filesystem::path& path,
-                                              const LoadOptions& options)
+                                              const ProximityLoadOptions& options)
 {
     const auto file = BinaryFile::open(path, proximity_format, options.verify, options.progress);
     if (!file) return tl::unexpected(file.error());
-    return octree_of(*file, path.string(), options.progress);
+    return octree_of(*file, path.string(), options);
 }
 
 Result<ProximityOctree> load_proximity_octree(std::span<const std::byte> bytes,
                                               std::shared_ptr<const void> storage,
-                                              const std::string& name, const LoadOptions& options)
+                                              const std::string& name,
+                                              const ProximityLoadOptions& options)
 {
     const auto file = BinaryFile::read(bytes, std::move(storage), name, proximity_format,
                                        options.verify, options.progress);
     if (!file) return tl::unexpected(file.error());
-    return octree_of(*file, name, options.progress);
+    return octree_of(*file, name, options);
 }
 
 Status check_same_mesh(const ProximityOctree& octree, const TriangleMesh& mesh)

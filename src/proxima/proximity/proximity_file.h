@@ -9,6 +9,7 @@
 #pragma once
 
 #include "proxima/base/binary_file.h"
+#include "proxima/base/parallel.h"
 #include "proxima/base/progress.h"
 #include "proxima/base/result.h"
 #include "proxima/mesh/triangle_mesh.h"
@@ -23,6 +24,13 @@
 
 namespace proxima {
 
+struct ProximityLoadOptions {
+    /// As LoadOptions has it.
+    Verification verify = Verification::full;
+    Progress* progress = nullptr; ///< stages "checksums" and "checking the octree", in bytes
+    Threads threads = {};         ///< that check
+};
+
 /// The same octree gives the same bytes. Errors: file_not_writable, cancelled. O(bytes).
 [[nodiscard]] Status save_proximity_octree(const ProximityOctree& octree,
                                            const std::filesystem::path& path,
@@ -33,15 +41,14 @@ namespace proxima {
 /// a file can lead a query out of its arrays; whether it is the octree of a mesh, check_same_mesh
 /// tells. Errors: file_not_found, unsupported_format (foreign file, newer version, other byte
 /// order), malformed_file (truncated, damaged, contradicting itself), cancelled. O(bytes), about
-/// 2 ms per MB.
-[[nodiscard]] Result<ProximityOctree> load_proximity_octree(const std::filesystem::path& path,
-                                                            const LoadOptions& options = {});
+/// 1 ms per MB on one thread.
+[[nodiscard]] Result<ProximityOctree>
+load_proximity_octree(const std::filesystem::path& path, const ProximityLoadOptions& options = {});
 
 /// The same from a file's bytes in memory, aligned to 64, which `storage` keeps alive.
-[[nodiscard]] Result<ProximityOctree> load_proximity_octree(std::span<const std::byte> bytes,
-                                                            std::shared_ptr<const void> storage,
-                                                            const std::string& name,
-                                                            const LoadOptions& options = {});
+[[nodiscard]] Result<ProximityOctree>
+load_proximity_octree(std::span<const std::byte> bytes, std::shared_ptr<const void> storage,
+                      const std::string& name, const ProximityLoadOptions& options = {});
 
 /// Whether the octree was built of this mesh: same positions and triangles, in the same order.
 /// Error invalid_argument, naming both. O(mesh).

@@ -14,28 +14,19 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
-namespace proxima::bench {
+namespace proxima {
 
 struct QuerySet {
     const char* name;
     std::vector<Vec3> points;
 };
 
-/// The sets a, b and c with `count` points each. The same for the same mesh and seed.
+/// The sets a, b and c with `count` points each. The same for the same mesh, seed and standard
+/// library. About 0.1 us per point, and 50 to 100 ms for the shell. \pre the mesh has a triangle,
+/// its positions are finite, differences of coordinates below 1e150
 [[nodiscard]] std::array<QuerySet, 3> query_sets(const TriangleMesh& mesh, std::size_t count,
                                                  std::uint64_t seed);
 
-/// Some of a set, for slow peers: runs of neighbours, evenly spaced over the set, so that a
-/// coherent set stays coherent.
-struct QuerySample {
-    std::vector<Vec3> points;
-    std::vector<std::uint32_t> places; ///< in the whole set
-};
-
-/// At least `count` points of a set. \pre 0 < count <= points.size()
-[[nodiscard]] QuerySample sample_of(std::span<const Vec3> points, std::size_t count);
-
-} // namespace proxima::bench
+} // namespace proxima

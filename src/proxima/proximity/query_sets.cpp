@@ -1,11 +1,11 @@
-#include "query_sets.h"
+#include "proxima/proximity/query_sets.h"
 
 #include <algorithm>
 #include <cmath>
 #include <random>
 #include <unordered_set>
 
-namespace proxima::bench {
+namespace proxima {
 namespace {
 
 using Random = std::mt19937_64;
@@ -13,7 +13,6 @@ using Random = std::mt19937_64;
 constexpr double step_length = 1e-4; ///< of the diagonal
 constexpr double turn = 0.03;        ///< standard deviation of a step's turn about either axis
 constexpr double shell_cell = 0.01;  ///< edge, of the diagonal
-constexpr std::size_t longest_run = 1000;
 
 Vec3 normal_vector(Random& random)
 {
@@ -92,19 +91,22 @@ private:
 
     Cell cell_of(const Vec3& point) const
     {
+        if (!(cell_ > 0)) return {}; // a mesh without extent
         const Vec3 scaled = (point / cell_).array().floor();
         return {std::llround(scaled.x()), std::llround(scaled.y()), std::llround(scaled.z())};
     }
 
-    /// Of cells of one mesh, which is at most 101 wide, no two have the same.
-    static std::int64_t code(const Cell& cell)
+    /// Of cells of one mesh, which is at most 101 wide, no two have the same, though numbers of
+    /// cells far from the origin wrap around.
+    static std::uint64_t code(const Cell& cell)
     {
-        return cell[0] + 1024 * (cell[1] + 1024 * cell[2]);
+        const auto part = [&](std::size_t axis) { return static_cast<std::uint64_t>(cell[axis]); };
+        return part(0) + 1024 * (part(1) + 1024 * part(2));
     }
 
     double cell_;
     double step_;
-    std::unordered_set<std::int64_t> shell_;
+    std::unordered_set<std::uint64_t> shell_;
     Vec3 place_ = Vec3::Zero();
     Vec3 heading_ = Vec3::UnitX();
 };
@@ -137,20 +139,4 @@ std::array<QuerySet, 3> query_sets(const TriangleMesh& mesh, std::size_t count, 
     return sets;
 }
 
-QuerySample sample_of(std::span<const Vec3> points, std::size_t count)
-{
-    QuerySample sample;
-    // Ten runs at least, so that a walk is seen in many places.
-    const std::size_t run = std::clamp<std::size_t>(count / 10, 1, longest_run);
-    const std::size_t runs = (count + run - 1) / run;
-    for (std::size_t r = 0; r < runs; ++r) {
-        const std::size_t start = r * (points.size() - run) / std::max<std::size_t>(runs - 1, 1);
-        for (std::size_t i = start; i < start + run; ++i) {
-            sample.points.push_back(points[i]);
-            sample.places.push_back(static_cast<std::uint32_t>(i));
-        }
-    }
-    return sample;
-}
-
-} // namespace proxima::bench
+} // namespace proxima
