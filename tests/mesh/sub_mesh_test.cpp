@@ -22,10 +22,10 @@ TEST(SubMesh, HasTheTrianglesAskedForAndTheirVerticesOnly)
         ASSERT_EQ(part.triangle_count(), chosen.size());
         std::set<std::uint32_t> used;
         for (std::uint32_t i = 0; i < chosen.size(); ++i) {
-            for (std::size_t k = 0; k < 3; ++k) {
+            for (int k = 0; k < 3; ++k)
                 EXPECT_EQ(part.triangle(TriangleId{i})[k], mesh.triangle(chosen[i])[k]);
-                used.insert(mesh.triangles()[index(chosen[i])][k]);
-            }
+            for (const std::uint32_t vertex : mesh.triangles()[index(chosen[i])])
+                used.insert(vertex);
         }
         // In their order, each once.
         ASSERT_EQ(part.vertex_count(), used.size());
