@@ -1,6 +1,9 @@
-// Feeds files with right checksums and any content to the loader of proximity octrees, and queries
-// what it accepts. Seeds are octrees of the cube, the octahedron (one leaf) and a torus of 96.
+// Feeds files with right checksums and any content to the loader of proximity octrees, queries what
+// it accepts, and makes its mesh again. Seeds are octrees of the cube, the octahedron (one leaf)
+// and torus:8x6 to depth 2.
+#include "proxima/mesh/topology.h"
 #include "proxima/proximity/closest_feature.h"
+#include "proxima/proximity/octree_mesh.h"
 #include "proxima/proximity/proximity_file.h"
 
 #include <cstddef>
@@ -33,6 +36,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         if (index(closest.triangle) >= octree->triangle_count()) std::abort();
         if (steps.steps > octree->statistics().worst_case_steps) std::abort();
         if (steps.blocks > octree->statistics().worst_case_blocks) std::abort();
+    }
+    if (const auto mesh = mesh_of(*octree)) {
+        const auto topology = build_topology(*mesh);
+        if (topology) (void)check_edges(*octree, *topology);
     }
     return 0;
 }

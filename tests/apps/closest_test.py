@@ -5,6 +5,7 @@ import math
 import random
 import struct
 import unittest
+from pathlib import Path
 
 from bad_input_test import off
 from proxima_program import ProgramTest, run
@@ -283,6 +284,13 @@ class SavedOctrees(ProgramTest):
                 texts = [self.succeed("closest", one, "--points", points, "--out", "-", *options)
                          for one in (model, octree)]
                 self.assertTrue(texts[0] == texts[1])
+
+    def test_seeds_of_the_fuzzer_are_sound(self):
+        """What it starts from reaches the queries: a seed of another layout would be refused at once."""
+        points = self.file("points.csv", "1,2,3\n")
+        for name, triangles in (("cube", 12), ("leaf", 8), ("torus", 96)):
+            seed = Path(__file__).resolve().parents[2] / "fuzz" / "corpus" / "proximity" / (name + ".pxp")
+            self.assertEqual(self.json_of("closest", seed, "--points", points, "--signed")["triangles"], triangles)
 
     def test_the_mesh_is_not_needed(self):
         model, octree = self.saved(bumpy_ball(random.Random(9)))
