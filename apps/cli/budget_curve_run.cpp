@@ -208,7 +208,7 @@ Status run_budget_curve(const ProximityCommandOptions& options, Session& session
     const std::string csv = csv_of(*curve);
     const Figure figure = figure_of(*curve, options.model, mesh->triangle_count());
     for (const std::string& path : options.budget_curves) {
-        const Status status = write_plot(csv, figure, path, &session.progress());
+        Status status = write_plot(csv, figure, path, &session.progress());
         if (!status) return status;
         session.print(fmt::format("wrote {}\n", path));
     }

@@ -45,12 +45,12 @@ Status write_octree(const ProximityCommandOptions& options, const ProximityOctre
 {
     Progress* const progress = &session.progress();
     if (!options.save.empty()) {
-        const Status status = save_proximity_octree(octree, options.save, {.progress = progress});
+        Status status = save_proximity_octree(octree, options.save, {.progress = progress});
         if (!status) return status;
         session.print(fmt::format("wrote {}\n", options.save));
     }
     for (const std::string& path : options.exports) {
-        const Status status = export_proximity(octree, path, {.progress = progress});
+        Status status = export_proximity(octree, path, {.progress = progress});
         if (!status) return status;
         session.print(fmt::format("wrote {}\n", path));
     }
@@ -203,7 +203,7 @@ Status run_general_proximity(const ProximityCommandOptions& options, Session& se
     for (const GeneralRow& row : *rows) series.push_back({row.depth, row.lists});
     const HistogramTitle title = {concat("Triangles that leaves of ", options.model, " list"), how};
     for (const std::string& path : options.histograms) {
-        const Status status =
+        Status status =
             write_histogram(series, HistogramOf::leaves, title, path, &session.progress());
         if (!status) return status;
         session.print(fmt::format("wrote {}\n", path));

@@ -77,7 +77,7 @@ Status load_surface(const std::string& name, Session& session, PatchModel& model
 Result<std::unique_ptr<PatchModel>> load_model(const std::string& name, Session& session)
 {
     auto model = std::make_unique<PatchModel>();
-    if (const Status status = load_surface(name, session, *model); !status)
+    if (Status status = load_surface(name, session, *model); !status)
         return tl::unexpected(status.error());
     const Stopwatch watch;
     const ProgressBar shown(session.progress(), session.bar());
@@ -216,7 +216,7 @@ Status run_patch(const PatchOptions& options, Session& session)
     const double area = area_of(mesh, patch->triangles);
     session.print(text_of(options, **model, *patch, area));
     if (!options.out.empty()) {
-        const Status status =
+        Status status =
             write_triangle_file(mesh, patch->triangles, options.out, &session.progress());
         if (!status) return status;
         session.print(fmt::format("wrote {}\n", options.out));

@@ -4,7 +4,7 @@
 #include "proxima/proximity/build_proximity_octree.h"
 #include "proximity/test_meshes.h"
 
-#include <cstring>
+#include <bit>
 #include <gtest/gtest.h>
 
 namespace proxima {
@@ -36,9 +36,11 @@ TEST(OctreeMesh, IsTheMeshThatItWasBuiltOf)
             const VertexId vertex{i};
             const Vec3& expected = topology.triangles(vertex).empty() ? octree.frame().center
                                                                       : named.mesh.position(vertex);
-            ASSERT_EQ(std::memcmp(mesh->position(vertex).data(), expected.data(), sizeof expected),
-                      0)
-                << "vertex " << i;
+            for (int k = 0; k < 3; ++k) {
+                ASSERT_EQ(std::bit_cast<std::uint64_t>(mesh->position(vertex)[k]),
+                          std::bit_cast<std::uint64_t>(expected[k]))
+                    << "vertex " << i;
+            }
         }
         const Status same = check_edges(octree, topology);
         ASSERT_TRUE(same) << describe(same.error());

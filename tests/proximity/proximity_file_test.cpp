@@ -397,6 +397,20 @@ TEST(ProximityStructure, NamesWhatIsBroken)
         {"a block is damaged", header_byte(26, 2)},
         {"a block is damaged", header_byte(27, 1)},
         {"a block is damaged", [](EditableOctree& e) { e.arena.resize(block_padding + 20); }},
+        {"blocks of no leaf",
+         [](EditableOctree& e) {
+             // The first block again behind the last.
+             BlockHeader header;
+             std::memcpy(&header, e.arena.data(), sizeof header);
+             const std::size_t bytes =
+                 block_layout(header.vertices, header.triangles, header.wide != 0).end;
+             const std::vector<std::byte> block(e.arena.data(), e.arena.data() + bytes);
+             e.arena.resize(e.arena.size() - block_padding);
+             e.arena.resize((e.arena.size() + block_alignment - 1) / block_alignment *
+                            block_alignment);
+             e.arena.insert(e.arena.end(), block.begin(), block.end());
+             e.arena.resize(e.arena.size() + block_padding);
+         }},
         {"no padding", [](EditableOctree& e) { e.arena.clear(); }},
         {"padding", [](EditableOctree& e) { e.arena.back() = std::byte{1}; }},
         {"block is damaged", [](EditableOctree& e) { e.arena.resize(e.arena.size() + 1); }},

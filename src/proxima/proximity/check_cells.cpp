@@ -57,7 +57,7 @@ Status CellChecker::run(const CheckWork& work)
     if (Status status = walk({*root, 0, {}}, task_depth, tops, part_, steps); !status)
         return status;
     std::vector<Part> parts(tops.size());
-    const Status status = work.run(tops.size(), [&](std::size_t task) {
+    Status status = work.run(tops.size(), [&](std::size_t task) {
         std::vector<ProximityCell> none;
         StageSteps task_steps = work.steps();
         return walk(tops[task], max_proximity_depth + 1, none, parts[task], task_steps);

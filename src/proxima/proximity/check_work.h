@@ -35,13 +35,11 @@ public:
     {
         std::vector<Status> found(tasks);
         parallel_for(tasks, threads_, [&](std::size_t task) {
-            if (is_cancelled(progress_))
-                found[task] = stopped();
-            else
-                found[task] = check(task);
+            found[task] = is_cancelled(progress_) ? Status(stopped()) : check(task);
         });
-        for (const Status& status : found)
+        for (const Status& status : found) {
             if (!status) return status;
+        }
         return {};
     }
 

@@ -4,13 +4,20 @@
 #include "proxima/proximity/build_proximity_octree.h"
 
 #include <algorithm>
-#include <cstring>
+#include <bit>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
 namespace proxima {
 
 namespace {
+
+bool same_bits(const Vec3& a, const Vec3& b)
+{
+    const auto bits = [](double value) { return std::bit_cast<std::uint64_t>(value); };
+    return bits(a[0]) == bits(b[0]) && bits(a[1]) == bits(b[1]) && bits(a[2]) == bits(b[2]);
+}
 
 /// Vertices as rows have them.
 class VertexPlaces {
@@ -23,7 +30,7 @@ public:
     [[nodiscard]] bool put(std::uint32_t vertex, const Vec3& position)
     {
         Vec3& place = positions_[vertex];
-        if (known_[vertex]) return std::memcmp(place.data(), position.data(), sizeof position) == 0;
+        if (known_[vertex]) return same_bits(place, position);
         known_[vertex] = true;
         ++known_count_;
         place = position;
