@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <hwy/cache_control.h>
 
 namespace proxima {
 
@@ -87,7 +86,7 @@ Status CellChecker::walk(const ProximityCell& top, int end_depth, std::vector<Pr
             return "the table contradicts the nodes";
         if (is_leaf) return check_leaf(cell, part);
         if (cell.depth == max_proximity_depth) return "split at the deepest level";
-        hwy::Prefetch(&arrays_.nodes[cell.word]);
+        __builtin_prefetch(&arrays_.nodes[cell.word]);
         pending.push(cell);
         return sound;
     };
