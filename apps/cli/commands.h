@@ -22,5 +22,6 @@ struct Command {
 [[nodiscard]] Command add_minkowski_command(CLI::App& app);
 [[nodiscard]] Command add_proximity_command(CLI::App& app);
 [[nodiscard]] Command add_closest_command(CLI::App& app);
+[[nodiscard]] Command add_raycast_command(CLI::App& app);
 
 } // namespace proxima

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace proxima {
 namespace {
@@ -162,17 +161,10 @@ int determinant_sign(const Displacement& u, const Displacement& v, const Displac
 double exact_determinant(const Displacement& u, const Displacement& v,
                          const Displacement& w) noexcept
 {
-    if (fits(u) && fits(v) && fits(w)) {
-        const auto exact = exact_determinant_of<ByExpansions>(u, v, w);
-        double value = 0;
-        for (int i = 0; i < exact.size(); ++i) value += exact[i];
-        return value;
-    }
-    const int sign = exact_determinant_sign<ByWideIntegers>(u, v, w);
-    const double size = std::abs(u.rounded().cross(v.rounded()).dot(w.rounded()));
-    constexpr double least = std::numeric_limits<double>::denorm_min();
-    constexpr double most = std::numeric_limits<double>::max();
-    return sign * (size >= least ? std::min(size, most) : least);
+    const auto exact = exact_determinant_of<ByExpansions>(u, v, w);
+    double value = 0;
+    for (int i = 0; i < exact.size(); ++i) value += exact[i];
+    return value;
 }
 
 int cross_component_sign(const Displacement& u, const Displacement& v, int axis) noexcept

@@ -37,8 +37,7 @@ struct Displacement {
                                    const Displacement& w) noexcept;
 
 /// The determinant (u x v) . w itself: exact in sign and within a few roundings in size, however
-/// much cancels, where every coordinate is zero or between 2^-288 and 2^300 in size; elsewhere its
-/// size is that of plain arithmetic. \pre all finite. Cost: about 1 us.
+/// much cancels. \pre every coordinate is zero or between 2^-288 and 2^300 in size. About 1 us.
 [[nodiscard]] double exact_determinant(const Displacement& u, const Displacement& v,
                                        const Displacement& w) noexcept;
 

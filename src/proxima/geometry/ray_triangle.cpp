@@ -1,6 +1,7 @@
 #include "proxima/geometry/ray_triangle.h"
 
 #include "proxima/geometry/exact_predicates.h"
+#include "proxima/geometry/expansion.h"
 
 #include <algorithm>
 #include <array>
@@ -62,11 +63,52 @@ Meeting corner_point(std::size_t corner, const Three& places) noexcept
     return at;
 }
 
+/// Points and directions for sums whose size matters, not the sign alone: as they are where
+/// expansions can hold them, otherwise in units of the largest coordinate, with those that are
+/// nothing beside it left out.
+struct Conditioned {
+    Ray ray;
+    Triangle triangle;
+    bool is_exact = true; ///< nothing was left out
+
+    Conditioned(const Ray& given, const Triangle& corners) noexcept : ray(given), triangle(corners)
+    {
+        condition(std::array<Vec3*, 4>{&ray.origin, &triangle.vertices[0], &triangle.vertices[1],
+                                       &triangle.vertices[2]});
+        condition(std::array<Vec3*, 1>{&ray.direction});
+    }
+
+private:
+    template <std::size_t Count>
+    void condition(const std::array<Vec3*, Count>& vectors) noexcept
+    {
+        double largest = 0;
+        bool fits = true;
+        for (const Vec3* vector : vectors) {
+            for (const double value : *vector) {
+                largest = std::max(largest, std::abs(value));
+                fits = fits && detail::fits_expansion(value);
+            }
+        }
+        if (fits) return;
+        const int exponent = std::ilogb(largest);
+        for (Vec3* vector : vectors) {
+            for (double& value : *vector) {
+                const double scaled = std::scalbn(value, -exponent);
+                const bool fades = value != 0 && !(std::abs(scaled) >= detail::min_expansion_input);
+                is_exact = is_exact && !fades;
+                value = fades ? 0 : scaled;
+            }
+        }
+    }
+};
+
 /// The decisions that rounding could change, and the cases in which a sign is zero.
 class ExactMeeting {
 public:
     ExactMeeting(const Ray& ray, const Triangle& triangle) noexcept
-        : ray_(ray), triangle_(triangle), places_(corner_places(ray, triangle))
+        : ray_(ray), triangle_(triangle), places_(corner_places(ray, triangle)),
+          conditioned_(ray, triangle)
     {}
 
     [[nodiscard]] std::optional<RayTriangleHit> find(Faces faces) const noexcept
@@ -75,8 +117,7 @@ public:
         int seen = 0; // bit 0: a positive sign, bit 1: a negative one
         std::size_t zeros = 0;
         for (std::size_t i = 0; i < 3; ++i) {
-            weights[i] =
-                exact_determinant(direction(), to_corner((i + 1) % 3), to_corner((i + 2) % 3));
+            weights[i] = weight((i + 1) % 3, (i + 2) % 3);
             if (weights[i] == 0) ++zeros;
             seen |= (weights[i] > 0 ? 1 : 0) | (weights[i] < 0 ? 2 : 0);
         }
@@ -101,6 +142,18 @@ private:
     {
         return {ray_.origin, triangle_.vertices[corner]};
     }
+    /// Exact in sign, and in size as far as that can be.
+    [[nodiscard]] double weight(std::size_t a, std::size_t b) const noexcept
+    {
+        const Vec3& o = conditioned_.ray.origin;
+        const double value = exact_determinant({Vec3::Zero(), conditioned_.ray.direction},
+                                               {o, conditioned_.triangle.vertices[a]},
+                                               {o, conditioned_.triangle.vertices[b]});
+        if (conditioned_.is_exact) return value;
+        constexpr double least = 0x1p-1000;
+        const int sign = determinant_sign(direction(), to_corner(a), to_corner(b));
+        return sign * std::max(sign * value, least);
+    }
     [[nodiscard]] int side(std::size_t corner, int axis) const noexcept
     {
         return cross_component_sign(direction(), to_corner(corner), axis);
@@ -120,7 +173,9 @@ private:
     [[nodiscard]] double distance(std::size_t corner, int axis) const noexcept
     {
         return std::abs(
-            exact_determinant(direction(), to_corner(corner), {Vec3::Zero(), Vec3::Unit(axis)}));
+            exact_determinant({Vec3::Zero(), conditioned_.ray.direction},
+                              {conditioned_.ray.origin, conditioned_.triangle.vertices[corner]},
+                              {Vec3::Zero(), Vec3::Unit(axis)}));
     }
 
     /// Where an edge crosses the line. The same bits whichever corner comes first.
@@ -133,7 +188,8 @@ private:
             std::swap(a, b);
         const double from_a = distance(a, axis);
         const double from_b = distance(b, axis);
-        const double share = from_a / (from_a + from_b);
+        const double sum = from_a + from_b;
+        const double share = sum > 0 ? from_a / sum : 0.5;
         Meeting at;
         at.weights[a] = 1 - share;
         at.weights[b] = share;
@@ -173,6 +229,7 @@ private:
     const Ray& ray_;
     const Triangle& triangle_;
     Three places_;
+    Conditioned conditioned_;
 };
 
 // Bounds of the quick test, which looks along the ray: with d_k the largest component of the
