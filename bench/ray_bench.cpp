@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 #include <filesystem>
 
@@ -55,7 +56,7 @@ double median(std::vector<double> values)
 }
 
 /// What a peer did on one set by one kind of pass.
-struct Result {
+struct PassResult {
     std::vector<double> seconds;
     std::size_t hits = 0;
     std::size_t different = 0; ///< from ours: hit or not, or t by more than floats round
@@ -71,7 +72,7 @@ bool differs(const PeerHit& a, const PeerHit& b)
 
 void race(const RaySet& set, std::span<const std::unique_ptr<RayPeer>> peers, int rounds)
 {
-    std::vector<std::array<Result, pass_kinds.size()>> results(peers.size());
+    std::vector<std::array<PassResult, pass_kinds.size()>> results(peers.size());
     std::vector<PeerHit> ours(set.rays.size());
     for (int round = 0; round < rounds; ++round) {
         for (std::size_t turn = 0; turn < peers.size(); ++turn) {
@@ -82,7 +83,7 @@ void race(const RaySet& set, std::span<const std::unique_ptr<RayPeer>> peers, in
                 peer.prepare(set.rays);
                 const double start = processor_seconds();
                 (peer.*pass_kinds[k].pass)();
-                Result& result = results[i][k];
+                PassResult& result = results[i][k];
                 result.seconds.push_back(processor_seconds() - start);
                 if (round > 0) continue;
                 for (std::size_t ray = 0; ray < set.rays.size(); ++ray) {
@@ -112,7 +113,7 @@ void race(const RaySet& set, std::span<const std::unique_ptr<RayPeer>> peers, in
             std::printf("%12.2f (%5.2f x)", 1e-6 * count / other, other / own);
         }
         std::printf("   hits %zu", results[i][0].hits);
-        for (const Result& result : results[i]) std::printf(" %zu", result.different);
+        for (const PassResult& result : results[i]) std::printf(" %zu", result.different);
         std::printf(" different\n");
     }
 }

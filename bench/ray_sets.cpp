@@ -8,7 +8,13 @@ namespace {
 
 Vec3 to_floats(const Vec3& p)
 {
-    return p.cast<float>().cast<double>();
+    // One by one: g++ 12 drops the rounding where it makes vectors of such a way there and back.
+    Vec3 rounded;
+    for (int axis = 0; axis < 3; ++axis) {
+        volatile float nearest = static_cast<float>(p[axis]);
+        rounded[axis] = static_cast<double>(nearest);
+    }
+    return rounded;
 }
 
 Ray float_ray(const Vec3& origin, const Vec3& direction)

@@ -73,7 +73,10 @@ HWY_INLINE void with_rows(const RayIndex& index, const Use& use)
 template <class Search>
 HWY_INLINE void walk(const RayIndex& index, const Search& search, OpenRay& ray)
 {
-    while (step(index, search, ray)) {
+    // On its own, so that it can stay in registers.
+    RayPlace at = ray.at;
+    const RayBlock* const blocks = index.blocks().data();
+    while (step(blocks, search, ray, at)) {
     }
     search.settle(ray);
 }
@@ -82,18 +85,22 @@ HWY_INLINE void walk(const RayIndex& index, const Search& search, OpenRay& ray)
 template <class Search>
 HWY_INLINE void walk_together(const RayIndex& index, const Search& search, const RaySource& source)
 {
+    const RayBlock* const blocks = index.blocks().data();
     std::array<OpenRay, rays_together> rays;
     std::array<OpenRay*, rays_together> open{};
     std::size_t count = 0;
     for (OpenRay& ray : rays) {
         if (!source.open_next(source.context, ray)) break;
-        prefetch_block(index.blocks()[ray.next & ~ray_leaf_bit]);
+        prefetch_block(blocks[ray.at.next & ~ray_leaf_bit]);
         open[count++] = &ray;
     }
     while (count > 0) {
         for (std::size_t i = 0; i < count;) {
             OpenRay& ray = *open[i];
-            if (!step(index, search, ray)) {
+            RayPlace at = ray.at;
+            const bool goes_on = step(blocks, search, ray, at);
+            ray.at = at;
+            if (!goes_on) {
                 search.settle(ray);
                 source.close(source.context, ray);
                 if (!source.open_next(source.context, ray)) {
@@ -101,7 +108,7 @@ HWY_INLINE void walk_together(const RayIndex& index, const Search& search, const
                     continue;
                 }
             }
-            prefetch_block(index.blocks()[ray.next & ~ray_leaf_bit]);
+            prefetch_block(blocks[ray.at.next & ~ray_leaf_bit]);
             ++i;
         }
     }

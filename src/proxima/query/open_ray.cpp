@@ -29,8 +29,10 @@ float rounded_up(double value) noexcept
 RayStart open_ray(const RayIndex& index, const Ray& ray, Faces faces, OpenRay& open) noexcept
 {
     if (index.triangle_count() == 0 || !is_valid(ray)) return RayStart::misses;
-    int z = 0;
-    const double largest = ray.direction.cwiseAbs().maxCoeff(&z);
+    const Vec3 sizes = ray.direction.cwiseAbs();
+    const int greater = sizes[1] > sizes[0] ? 1 : 0;
+    const int z = sizes[2] > sizes[greater] ? 2 : greater;
+    const double largest = sizes[z];
     const std::uint64_t exponent = std::bit_cast<std::uint64_t>(largest) & exponent_bits;
     // 1 / k by the bits of an exponent.
     const auto unscale = std::bit_cast<double>(exponent);
@@ -40,15 +42,21 @@ RayStart open_ray(const RayIndex& index, const Ray& ray, Faces faces, OpenRay& o
         return RayStart::too_far;
     Vec3 origin = (ray.origin - index.center()) * index.scale();
     const Vec3 direction = ray.direction * scale;
-    // A component this small moves the ray by less than 2^-37 within the root.
-    constexpr double least_component = 0x1p-40;
+    const Vec3 inverse = direction.cwiseInverse(); // infinite where a component is zero
+    // A component below 2^-40 moves the ray by less than 2^-37 within the root.
+    constexpr double most_inverse = 0x1p40;
     open.octant = 0;
     for (int axis = 0; axis < 3; ++axis) {
         const bool negative = direction[axis] < 0;
-        const double size = std::max(std::abs(direction[axis]), least_component);
+        const double size = std::min(std::abs(inverse[axis]), most_inverse);
         open.octant |= static_cast<std::uint32_t>(negative) << static_cast<unsigned>(axis);
-        open.inverse[static_cast<std::size_t>(axis)] =
-            1 / static_cast<float>(negative ? -size : size);
+        open.inverse[static_cast<std::size_t>(axis)] = static_cast<float>(negative ? -size : size);
+    }
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        constexpr std::uint32_t half = 32; // bytes for lower planes, then as many for upper ones
+        const std::uint32_t negative = open.octant >> axis & 1U;
+        open.near_planes[axis] = half * (2 * open.octant + negative);
+        open.far_planes[axis] = half * (2 * open.octant + 1 - negative);
     }
     const double distance = origin.cwiseAbs().maxCoeff();
     double least = ray.t_min * rate;
@@ -59,8 +67,8 @@ RayStart open_ray(const RayIndex& index, const Ray& ray, Faces faces, OpenRay& o
         if (!(distance < too_far)) return RayStart::too_far;
         for (int axis = 0; axis < 3; ++axis) {
             // Infinite where the ray stays between the two planes, or never gets there.
-            const double one = (-root_reach - origin[axis]) / direction[axis];
-            const double other = (root_reach - origin[axis]) / direction[axis];
+            const double one = (-root_reach - origin[axis]) * inverse[axis];
+            const double other = (root_reach - origin[axis]) * inverse[axis];
             least = std::max(least, std::min(one, other));
             most = std::min(most, std::max(one, other));
         }
@@ -76,8 +84,8 @@ RayStart open_ray(const RayIndex& index, const Ray& ray, Faces faces, OpenRay& o
     const int y = (z + 2) % 3;
     open.axes = {static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y),
                  static_cast<std::uint32_t>(z)};
-    open.slope_x = static_cast<float>(direction[x] / direction[z]);
-    open.slope_y = static_cast<float>(direction[y] / direction[z]);
+    open.slope_x = static_cast<float>(direction[x] * inverse[z]);
+    open.slope_y = static_cast<float>(direction[y] * inverse[z]);
     open.inverse_z = open.inverse[static_cast<std::size_t>(z)];
     const auto off = static_cast<float>(moved);
     const float growth = 1 + off / (8 * float_roundoff);
@@ -107,8 +115,7 @@ RayStart open_ray(const RayIndex& index, const Ray& ray, Faces faces, OpenRay& o
     open.shift = shift;
     open.references[0] = OpenRay::end;
     open.nearness[0] = -std::numeric_limits<float>::infinity();
-    open.pending = 1;
-    open.next = index.root();
+    open.at = {index.root(), 1};
     return RayStart::ready;
 }
 

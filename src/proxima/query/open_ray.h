@@ -18,6 +18,12 @@ namespace proxima {
 /// Unit roundoff of floats.
 inline constexpr float float_roundoff = 0x1p-24F;
 
+/// How far a walk has come.
+struct RayPlace {
+    std::uint32_t next = 0;    ///< the block to look at
+    std::uint32_t pending = 0; ///< how many others are put aside
+};
+
 struct OpenRay {
     static constexpr std::uint32_t end = 0xFFFFFFFFU;
     static constexpr std::uint32_t no_row = 0xFFFFFFFFU;
@@ -31,6 +37,9 @@ struct OpenRay {
     float most;
     float slack;          ///< that t of planes may be off beyond the boxes' margins
     std::uint32_t octant; ///< bit k: the direction is negative on axis k
+    std::array<std::uint32_t, 3>
+        near_planes; ///< how to put a node's planes in order, by axis: bytes
+    std::array<std::uint32_t, 3> far_planes; ///< into PlaneShuffles
 
     // For triangles: x, y, z are the axes in cyclic order, z the direction's largest component.
     std::array<std::uint32_t, 3> axes;
@@ -50,9 +59,7 @@ struct OpenRay {
     bool found = false;              ///< `best` is a hit
     RayHit best;
 
-    // Where it is.
-    std::uint32_t next = end;
-    std::uint32_t pending = 0;
+    RayPlace at;
     std::uint32_t place = 0; ///< of the ray in its batch
     const Ray* ray = nullptr;
     Faces faces = Faces::both;

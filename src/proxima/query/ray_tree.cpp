@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 namespace proxima {
 
@@ -14,18 +15,6 @@ namespace {
 
 constexpr std::size_t triangles_per_task = 4096;
 constexpr float float_infinity = std::numeric_limits<float>::infinity();
-
-/// The greatest float that is not above the value, and the least not below it.
-float rounded_down(double value) noexcept
-{
-    const auto nearest = static_cast<float>(value);
-    return static_cast<double>(nearest) <= value ? nearest
-                                                 : std::nextafter(nearest, -float_infinity);
-}
-float rounded_up(double value) noexcept
-{
-    return -rounded_down(-value);
-}
 
 RayFrame frame_of(const Box& box) noexcept
 {
@@ -91,8 +80,8 @@ public:
             const Vec3 upper = tree_.frame.to_frame(box.upper);
             for (std::size_t axis = 0; axis < 3; ++axis) {
                 const auto k = static_cast<Eigen::Index>(axis);
-                tree_.boxes[i].lower[axis] = rounded_down(lower[k]);
-                tree_.boxes[i].upper[axis] = rounded_up(upper[k]);
+                tree_.boxes[i].lower[axis] = static_cast<float>(lower[k]);
+                tree_.boxes[i].upper[axis] = static_cast<float>(upper[k]);
             }
         });
         return !is_cancelled(progress_);

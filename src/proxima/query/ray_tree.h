@@ -25,7 +25,7 @@ namespace proxima {
 /// How many triangles, and vertices, a leaf of a ray index may have, and children a node.
 inline constexpr std::uint32_t ray_width = 8;
 
-/// A box in units of the mesh's size about its centre, rounded outward.
+/// A box in units of the mesh's size about its centre, rounded to the nearest floats.
 struct RayBox {
     std::array<float, 3> lower;
     std::array<float, 3> upper;

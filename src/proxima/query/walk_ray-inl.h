@@ -88,34 +88,33 @@ HWY_INLINE RayFloats plane_numbers(const std::array<std::uint8_t, 16>& planes,
 }
 
 /// Takes the next block that is waiting; `end` where none is.
-HWY_INLINE void leave(OpenRay& ray)
+HWY_INLINE void leave(const OpenRay& ray, RayPlace& at)
 {
     const float most = ray.most + ray.slack;
     do {
-        --ray.pending;
-    } while (ray.nearness[ray.pending] > most);
-    ray.next = ray.references[ray.pending];
+        --at.pending;
+    } while (ray.nearness[at.pending] > most);
+    at.next = ray.references[at.pending];
 }
 
 /// Goes on to the nearest child that the ray meets, and puts the others aside.
-HWY_INLINE void enter_node(const RayNode& node, OpenRay& ray)
+HWY_INLINE void enter_node(const RayNode& node, OpenRay& ray, RayPlace& at)
 {
     const RayTag d;
-    const auto& shuffles = plane_shuffles.bytes[ray.octant];
+    const std::uint8_t* const shuffles = plane_shuffles.bytes[0][0];
     std::uint32_t bits = 0;
     RayFloats entered[8 / ray_lanes];
     for (std::size_t part = 0; part < 8 / ray_lanes; ++part) {
         auto near = hn::Set(d, ray.least);
         auto far = hn::Set(d, ray.most);
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            const std::uint32_t negative = ray.octant >> axis & 1U;
             const auto inverse = hn::Set(d, ray.inverse[axis]);
             const auto step = hn::Mul(hn::Set(d, node.step[axis]), inverse);
             const auto start = hn::Mul(
                 hn::Sub(hn::Set(d, node.origin[axis]), hn::Set(d, ray.origin[axis])), inverse);
-            const std::size_t at = 4 * ray_lanes * part;
-            const auto front = plane_numbers(node.planes[axis], shuffles[negative] + at);
-            const auto back = plane_numbers(node.planes[axis], shuffles[1 - negative] + at);
+            const std::uint8_t* const own = shuffles + 4 * ray_lanes * part;
+            const auto front = plane_numbers(node.planes[axis], own + ray.near_planes[axis]);
+            const auto back = plane_numbers(node.planes[axis], own + ray.far_planes[axis]);
             near = hn::Max(near, hn::MulAdd(front, step, start));
             far = hn::Min(far, hn::MulAdd(back, step, start));
         }
@@ -124,12 +123,12 @@ HWY_INLINE void enter_node(const RayNode& node, OpenRay& ray)
         bits |= mask_bits(met) << (ray_lanes * part);
     }
     if (bits == 0) {
-        leave(ray);
+        leave(ray, at);
         return;
     }
     const std::uint32_t turn = 7U ^ ray.octant;
     const auto nearest = static_cast<std::uint32_t>(31 - std::countl_zero(bits));
-    ray.next = node.children[nearest ^ turn];
+    at.next = node.children[nearest ^ turn];
     const std::uint32_t rest = bits ^ 1U << nearest;
 #if HWY_TARGET != HWY_SCALAR
     if constexpr (ray_lanes == 8) {
@@ -140,10 +139,10 @@ HWY_INLINE void enter_node(const RayNode& node, OpenRay& ray)
         const std::uint8_t mask_byte[8] = {static_cast<std::uint8_t>(rest)};
         // Compressing to memory is far slower than to a register on some processors.
         hn::StoreU(hn::Compress(children, hn::LoadMaskBits(words, mask_byte)), words,
-                   ray.references.data() + ray.pending);
+                   ray.references.data() + at.pending);
         hn::StoreU(hn::Compress(entered[0], hn::LoadMaskBits(d, mask_byte)), d,
-                   ray.nearness.data() + ray.pending);
-        ray.pending += static_cast<std::uint32_t>(std::popcount(rest));
+                   ray.nearness.data() + at.pending);
+        at.pending += static_cast<std::uint32_t>(std::popcount(rest));
         return;
     }
 #endif
@@ -152,8 +151,8 @@ HWY_INLINE void enter_node(const RayNode& node, OpenRay& ray)
         hn::StoreU(entered[part], d, near + ray_lanes * part);
     for (std::uint32_t left = rest; left != 0; left &= left - 1) {
         const auto lane = static_cast<std::uint32_t>(std::countr_zero(left));
-        ray.references[ray.pending] = node.children[lane ^ turn];
-        ray.nearness[ray.pending++] = near[lane];
+        ray.references[at.pending] = node.children[lane ^ turn];
+        ray.nearness[at.pending++] = near[lane];
     }
 }
 
@@ -356,18 +355,18 @@ struct AnySearch {
 
 /// One block. False where the walk has ended.
 template <class Search>
-HWY_INLINE bool step(const RayIndex& index, const Search& search, OpenRay& ray)
+HWY_INLINE bool step(const RayBlock* blocks, const Search& search, OpenRay& ray, RayPlace& at)
 {
-    const RayBlock& block = index.blocks()[ray.next & ~ray_leaf_bit];
-    if ((ray.next & ray_leaf_bit) == 0) {
-        enter_node(block.node, ray);
+    const RayBlock& block = blocks[at.next & ~ray_leaf_bit];
+    if ((at.next & ray_leaf_bit) == 0) {
+        enter_node(block.node, ray, at);
     } else {
         LeafCandidates candidates;
         look_at_leaf(block.leaf, ray, candidates);
         if (candidates.lanes != 0 && !search.take(block.leaf, candidates, ray)) return false;
-        leave(ray);
+        leave(ray, at);
     }
-    return ray.next != OpenRay::end;
+    return at.next != OpenRay::end;
 }
 
 } // namespace proxima::HWY_NAMESPACE
