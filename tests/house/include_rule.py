@@ -29,7 +29,8 @@ KERNELS = {f"src/proxima/octree/{name}" for name in (
     "distribute_children.cpp", "snapped_boxes.cpp", "snapped_lanes-inl.h", "snapped_overlap.cpp")} | {
     f"src/proxima/proximity/{name}" for name in (
         "block_scan-inl.h", "closest_feature.cpp", "domination.cpp", "eight_lanes-inl.h", "local_region.cpp",
-        "row_distance-inl.h", "triangle_lanes.cpp", "triangle_tree_search.cpp")}
+        "row_distance-inl.h", "triangle_lanes.cpp", "triangle_tree_search.cpp")} | {
+    f"src/proxima/query/{name}" for name in ("cast_ray.cpp", "walk_ray-inl.h")}
 
 # Headers of one processor: immintrin.h, x86intrin.h, arm_neon.h, riscv_vector.h and their like.
 INTRINSICS = re.compile(r"^(\w*intrin|cpuid|(arm|riscv)_\w+|altivec|wasm_simd128|msa)\.h$")

@@ -79,7 +79,7 @@ auto component(const SumDisplacement& w, int axis) noexcept
 }
 
 template <class Exact, class Last>
-int exact_determinant_sign(const Displacement& u, const Displacement& v, const Last& w) noexcept
+auto exact_determinant_of(const Displacement& u, const Displacement& v, const Last& w) noexcept
 {
     const auto ux = component<Exact>(u, 0);
     const auto uy = component<Exact>(u, 1);
@@ -90,7 +90,13 @@ int exact_determinant_sign(const Displacement& u, const Displacement& v, const L
     const auto x = (uy * vz - uz * vy) * component<Exact>(w, 0);
     const auto y = (uz * vx - ux * vz) * component<Exact>(w, 1);
     const auto z = (ux * vy - uy * vx) * component<Exact>(w, 2);
-    return (x + y + z).sign();
+    return x + y + z;
+}
+
+template <class Exact, class Last>
+int exact_determinant_sign(const Displacement& u, const Displacement& v, const Last& w) noexcept
+{
+    return exact_determinant_of<Exact>(u, v, w).sign();
 }
 
 template <class Exact, class Last>
@@ -150,6 +156,15 @@ int determinant_sign(const Displacement& u, const Displacement& v, const Displac
     }
     if (fits(u) && fits(v) && fits(w)) return exact_determinant_sign<ByExpansions>(u, v, w);
     return exact_determinant_sign<ByWideIntegers>(u, v, w);
+}
+
+double exact_determinant(const Displacement& u, const Displacement& v,
+                         const Displacement& w) noexcept
+{
+    const auto exact = exact_determinant_of<ByExpansions>(u, v, w);
+    double value = 0;
+    for (int i = 0; i < exact.size(); ++i) value += exact[i];
+    return value;
 }
 
 int cross_component_sign(const Displacement& u, const Displacement& v, int axis) noexcept

@@ -1,0 +1,25 @@
+// Pictures of a camera's rays: the weights of the cells that each goes through (figures 5.5 and 5.6
+// of the thesis, for every pixel), or the triangle that it hits first, shaded.
+#pragma once
+
+#include "cli/image.h"
+#include "cli/ray_sources.h"
+#include "proxima/base/parallel.h"
+#include "proxima/octree/octree.h"
+#include "proxima/query/ray_hit.h"
+
+#include <optional>
+#include <span>
+
+namespace proxima {
+
+/// From black to yellow by how much of the ray is seen in cells that hold triangles: each lets
+/// exp(-penetration * chord / its edge) of the light behind it through. \pre a ray per pixel
+[[nodiscard]] Image draw_weights(const Octree& octree, std::span<const Ray> rays,
+                                 const PictureSize& size, Threads threads, Progress* progress);
+
+/// By the angle between ray and face; back faces are bluish. \pre a ray and a hit per pixel
+[[nodiscard]] Image draw_hits(const TriangleMesh& mesh, std::span<const Ray> rays,
+                              std::span<const std::optional<RayHit>> hits, const PictureSize& size);
+
+} // namespace proxima

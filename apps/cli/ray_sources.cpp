@@ -1,0 +1,109 @@
+#include "cli/ray_sources.h"
+
+#include "cli/number_table.h"
+#include "proxima/base/file_extension.h"
+#include "proxima/base/text.h"
+
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+
+namespace proxima {
+
+namespace {
+
+constexpr std::string_view short_columns = "ox,oy,oz,dx,dy,dz";
+constexpr std::string_view long_columns = "ox,oy,oz,dx,dy,dz,tmin,tmax";
+
+/// Whether the first line of a CSV file has more than six columns.
+bool begins_with_range(const std::string& path)
+{
+    std::ifstream file(path);
+    std::string line;
+    std::getline(file, line);
+    return std::ranges::count(line, ',') > 5;
+}
+
+Result<NumberTable> read_table(const std::string& path, Progress* progress)
+{
+    const NumberTableOptions options{.progress = progress};
+    if (lower_case_extension(path) != ".npy")
+        return read_number_table(path, begins_with_range(path) ? long_columns : short_columns,
+                                 options);
+    auto table = read_number_table(path, short_columns, options);
+    if (table || table.error().code != ErrorCode::malformed_file) return table;
+    auto longer = read_number_table(path, long_columns, options);
+    return longer ? longer : table;
+}
+
+std::optional<int> parse_pixels(std::string_view text) noexcept
+{
+    constexpr int most = 16384;
+    int value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+    if (value < 1 || value > most) return std::nullopt;
+    return value;
+}
+
+} // namespace
+
+std::optional<PictureSize> parse_picture_size(std::string_view text) noexcept
+{
+    const std::size_t cross = text.find('x');
+    if (cross == std::string_view::npos) return std::nullopt;
+    const auto width = parse_pixels(text.substr(0, cross));
+    const auto height = parse_pixels(text.substr(cross + 1));
+    if (!width || !height) return std::nullopt;
+    return PictureSize{*width, *height};
+}
+
+Result<std::vector<Ray>> read_rays(const std::string& path, Progress* progress)
+{
+    const auto table = read_table(path, progress);
+    if (!table) return tl::unexpected(table.error());
+    std::vector<Ray> rays(table->rows());
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const double* const row = table->values.data() + table->columns * i;
+        rays[i].origin = {row[0], row[1], row[2]};
+        rays[i].direction = {row[3], row[4], row[5]};
+        if (table->columns == 8) {
+            rays[i].t_min = row[6];
+            rays[i].t_max = row[7];
+        }
+        if (is_valid(rays[i])) continue;
+        return fail(ErrorCode::invalid_argument,
+                    concat("row ", i, " is no ray: its direction is zero, or tmin above tmax"),
+                    path);
+    }
+    return rays;
+}
+
+std::vector<Ray> camera_rays(const Box& box, const PictureSize& size, UpAxis up)
+{
+    constexpr double half_angle_tangent = 0.3;
+    const Vec3 up_axis = up == UpAxis::y ? Vec3::UnitY() : Vec3::UnitZ();
+    const Vec3 ahead_axis = up == UpAxis::y ? Vec3::UnitZ() : Vec3(-Vec3::UnitY());
+    const Vec3 side_axis = up_axis.cross(ahead_axis);
+    const Vec3 toward_eye = (0.45 * side_axis + 0.35 * up_axis + ahead_axis).normalized();
+    double radius = 0.5 * box.extent().norm();
+    if (!(radius > 0)) radius = std::max(1e-6 * box.upper.cwiseAbs().maxCoeff(), 1e-6);
+    // The sphere touches the sides of the narrower view.
+    const double sine = half_angle_tangent / std::hypot(1.0, half_angle_tangent);
+    const Vec3 eye = box.center() + radius / sine * toward_eye;
+    const Vec3 right = up_axis.cross(toward_eye).normalized();
+    const Vec3 above = toward_eye.cross(right);
+    const double pixel = 2 * half_angle_tangent / std::min(size.width, size.height);
+    std::vector<Ray> rays;
+    rays.reserve(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height));
+    for (int y = 0; y < size.height; ++y) {
+        for (int x = 0; x < size.width; ++x) {
+            const double across = (x + 0.5 - 0.5 * size.width) * pixel;
+            const double down = (y + 0.5 - 0.5 * size.height) * pixel;
+            rays.push_back({eye, (across * right - down * above - toward_eye).normalized()});
+        }
+    }
+    return rays;
+}
+
+} // namespace proxima

@@ -1,0 +1,65 @@
+#include "proxima/octree/build_octree.h"
+#include "proxima/query/build_ray_index.h"
+#include "proxima/query/cast_ray.h"
+#include "ray_peers.h"
+
+#include <chrono>
+
+namespace proxima::bench {
+namespace {
+
+class ProximaRayPeer final : public RayPeer {
+public:
+    explicit ProximaRayPeer(const TriangleMesh& mesh)
+    {
+        const auto octree =
+            build_octree(mesh, {.classification = Classification::none, .threads = {1}});
+        const auto start = std::chrono::steady_clock::now();
+        index_ = build_ray_index(octree.value(), mesh, {.threads = {1}}).value();
+        seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    }
+    [[nodiscard]] std::string name() const override { return "proxima"; }
+    [[nodiscard]] double build_seconds() const override { return seconds_; }
+    [[nodiscard]] std::size_t bytes() const override { return index_.bytes(); }
+    void prepare(std::span<const Ray> rays) override
+    {
+        rays_ = rays;
+        hits_.assign(rays.size(), std::nullopt);
+        any_ = std::make_unique<bool[]>(rays.size());
+    }
+    void cast_closest() override
+    {
+        for (std::size_t i = 0; i < rays_.size(); ++i) hits_[i] = closest_hit(index_, rays_[i]);
+    }
+    void cast_closest_together() override { (void)closest_hits(index_, rays_, hits_); }
+    void cast_any() override
+    {
+        for (std::size_t i = 0; i < rays_.size(); ++i) any_[i] = any_hit(index_, rays_[i]);
+    }
+    void cast_any_together() override
+    {
+        (void)any_hits(index_, rays_, std::span(any_.get(), rays_.size()));
+    }
+    [[nodiscard]] PeerHit hit(std::size_t ray) const override
+    {
+        if (!hits_[ray]) return {};
+        return {index(hits_[ray]->triangle), hits_[ray]->t};
+    }
+    [[nodiscard]] bool was_hit(std::size_t ray) const override { return any_[ray]; }
+
+private:
+    RayIndex index_;
+    double seconds_ = 0;
+    std::span<const Ray> rays_;
+    std::vector<std::optional<RayHit>> hits_;
+    std::unique_ptr<bool[]> any_;
+};
+
+} // namespace
+
+std::unique_ptr<RayPeer> make_proxima_ray_peer(const TriangleMesh& mesh)
+{
+    return std::make_unique<ProximaRayPeer>(mesh);
+}
+
+} // namespace proxima::bench

@@ -1,0 +1,187 @@
+// Rays against one mesh after the other, ours beside Embree: passes in turn, medians and ratios.
+//
+//     ray_bench [--rays N] [--rounds N] [--seed N] [--mesh NAME]...
+//
+// Every row of hits is compared with ours: another triangle at another t, or a miss where we hit,
+// is counted. Prints tables; one thread.
+#include "proxima/mesh/mesh_io.h"
+#include "proxima/mesh/sample_meshes.h"
+#include "ray_peers.h"
+#include "ray_sets.h"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <filesystem>
+
+namespace proxima::bench {
+namespace {
+
+struct BenchOptions {
+    std::size_t rays = 1'000'000;
+    int rounds = 5;
+    std::uint64_t seed = 1;
+    std::vector<std::string> meshes;
+};
+
+using Pass = void (RayPeer::*)();
+struct PassKind {
+    const char* name;
+    Pass pass;
+    bool closest;
+};
+constexpr std::array<PassKind, 4> pass_kinds = {
+    {{"closest", &RayPeer::cast_closest, true},
+     {"closest batch", &RayPeer::cast_closest_together, true},
+     {"any", &RayPeer::cast_any, false},
+     {"any batch", &RayPeer::cast_any_together, false}}};
+
+/// Processor time of this process: what others run does not count.
+double processor_seconds()
+{
+    timespec now{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+double median(std::vector<double> values)
+{
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+/// What a peer did on one set by one kind of pass.
+struct PassResult {
+    std::vector<double> seconds;
+    std::size_t hits = 0;
+    std::size_t different = 0; ///< from ours: hit or not, or t by more than floats round
+};
+
+bool differs(const PeerHit& a, const PeerHit& b)
+{
+    if ((a.triangle == PeerHit::none) != (b.triangle == PeerHit::none)) return true;
+    constexpr double float_noise = 1e-4;
+    return a.triangle != PeerHit::none && a.triangle != b.triangle &&
+           std::abs(a.t - b.t) > float_noise * std::abs(b.t);
+}
+
+void race(const RaySet& set, std::span<const std::unique_ptr<RayPeer>> peers, int rounds)
+{
+    std::vector<std::array<PassResult, pass_kinds.size()>> results(peers.size());
+    std::vector<PeerHit> ours(set.rays.size());
+    for (int round = 0; round < rounds; ++round) {
+        for (std::size_t turn = 0; turn < peers.size(); ++turn) {
+            // Ours goes first in the first round: what it finds is compared with.
+            const std::size_t i = (turn + static_cast<std::size_t>(round)) % peers.size();
+            RayPeer& peer = *peers[i];
+            for (std::size_t k = 0; k < pass_kinds.size(); ++k) {
+                peer.prepare(set.rays);
+                const double start = processor_seconds();
+                (peer.*pass_kinds[k].pass)();
+                PassResult& result = results[i][k];
+                result.seconds.push_back(processor_seconds() - start);
+                if (round > 0) continue;
+                for (std::size_t ray = 0; ray < set.rays.size(); ++ray) {
+                    if (!pass_kinds[k].closest) {
+                        const bool hit = peer.was_hit(ray);
+                        result.hits += hit ? 1 : 0;
+                        result.different += hit != (ours[ray].triangle != PeerHit::none) ? 1 : 0;
+                        continue;
+                    }
+                    const PeerHit hit = peer.hit(ray);
+                    if (i == 0 && k == 0) ours[ray] = hit;
+                    result.hits += hit.triangle != PeerHit::none ? 1 : 0;
+                    result.different += differs(hit, ours[ray]) ? 1 : 0;
+                }
+            }
+        }
+    }
+    std::printf("  %-11s", set.name);
+    for (const PassKind& kind : pass_kinds) std::printf("%22s", kind.name);
+    std::printf("   (million rays a second, ours over it)\n");
+    const auto count = static_cast<double>(set.rays.size());
+    for (std::size_t i = 0; i < peers.size(); ++i) {
+        std::printf("    %-14s", peers[i]->name().c_str());
+        for (std::size_t k = 0; k < pass_kinds.size(); ++k) {
+            const double own = median(results[0][k].seconds);
+            const double other = median(results[i][k].seconds);
+            std::printf("%12.2f (%5.2f x)", 1e-6 * count / other, other / own);
+        }
+        std::printf("   hits %zu", results[i][0].hits);
+        for (const PassResult& result : results[i]) std::printf(" %zu", result.different);
+        std::printf(" different\n");
+    }
+}
+
+int run_mesh(const std::string& name, const BenchOptions& options)
+{
+    const auto read = is_sample_mesh_name(name) ? sample_mesh(name) : read_mesh(name);
+    if (!read) {
+        std::fprintf(stderr, "%s\n", describe(read.error()).c_str());
+        return 1;
+    }
+    const TriangleMesh mesh = rounded_to_floats(*read);
+    std::vector<std::unique_ptr<RayPeer>> peers;
+    peers.push_back(make_proxima_ray_peer(mesh));
+#ifdef PROXIMA_BENCH_EMBREE
+    peers.push_back(make_embree_ray_peer(mesh, EmbreeMode::robust));
+    peers.push_back(make_embree_ray_peer(mesh, EmbreeMode::fast));
+#endif
+    std::printf("%s: %zu triangles\n", std::filesystem::path(name).filename().string().c_str(),
+                mesh.triangle_count());
+    for (const auto& peer : peers) {
+        std::printf("    %-14s built in %.3f s, %.1f bytes per triangle\n", peer->name().c_str(),
+                    peer->build_seconds(),
+                    static_cast<double>(peer->bytes()) /
+                        static_cast<double>(mesh.triangle_count()));
+    }
+    const auto side = static_cast<std::size_t>(std::sqrt(static_cast<double>(options.rays)));
+    for (const RaySet& set : ray_sets(mesh, side, options.seed)) race(set, peers, options.rounds);
+    std::fflush(stdout);
+    return 0;
+}
+
+int run(const BenchOptions& options)
+{
+    std::vector<std::string> names = options.meshes;
+    if (names.empty()) {
+        names = {"sphere:100x100"};
+        const char* const bunny = "/usr/share/glmark2/models/bunny.obj";
+        if (std::filesystem::exists(bunny)) names.emplace_back(bunny);
+        if (const char* const own = std::getenv("PROXIMA_BENCH_MESH")) names.emplace_back(own);
+    }
+    std::printf("one thread, %zu rays a set from seed %llu, medians of %d interleaved rounds\n",
+                options.rays, static_cast<unsigned long long>(options.seed), options.rounds);
+    for (const std::string& name : names)
+        if (const int status = run_mesh(name, options); status != 0) return status;
+    return 0;
+}
+
+} // namespace
+} // namespace proxima::bench
+
+int main(int argc, char** argv)
+try {
+    proxima::bench::BenchOptions options;
+    CLI::App app("Rays against meshes, ours beside Embree");
+    app.add_option("--rays", options.rays, "Rays of each set")->check(CLI::Range(1, 100000000));
+    app.add_option("--rounds", options.rounds, "Passes, of which medians are taken")
+        ->check(CLI::Range(1, 1000));
+    app.add_option("--seed", options.seed, "Seed of the incoherent set");
+    app.add_option("--mesh", options.meshes, "A file or a built-in instead of the usual meshes")
+        ->allow_extra_args(false);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : 2;
+    }
+    return proxima::bench::run(options);
+} catch (const std::exception& error) {
+    (void)std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+}

@@ -1,0 +1,34 @@
+// Where a ray meets a triangle, without gaps between neighbours.
+//
+//     w0 = det(d, v1 - o, v2 - o)  and so on: on which side of each edge the line passes
+//     one sign, zeros allowed      it meets the closed triangle, at P = sum w_i v_i / sum w_i
+//     all zero                     it lies in the triangle's plane, or the triangle is a segment
+//
+// The three signs are exact for any finite doubles, and two triangles see their common edge by the
+// same determinant: a line through an edge or a corner meets every triangle there.
+#pragma once
+
+#include "proxima/geometry/ray.h"
+#include "proxima/geometry/shapes.h"
+
+#include <optional>
+
+namespace proxima {
+
+/// P = (1 - u - v) v0 + u v1 + v v2 = origin + t direction.
+struct RayTriangleHit {
+    double t = 0;
+    double u = 0; ///< u, v >= 0, u + v <= 1, up to rounding of the sum
+    double v = 0;
+    friend bool operator==(const RayTriangleHit&, const RayTriangleHit&) = default;
+};
+
+/// The first point of the closed triangle on the ray, degenerate triangles being the segments and
+/// points that they are. Whether the ray's line meets the triangle is exact; t is rounded (to
+/// within the t of the triangle's corners), and the range is asked of the rounded t. Corners and
+/// edges give the same t for all triangles around. \pre is_valid(ray), differences of coordinates
+/// are finite. 10 ns; 1 to 5 us where rounding could decide. Thread safe, no allocation.
+[[nodiscard]] std::optional<RayTriangleHit> intersect(const Ray& ray, const Triangle& triangle,
+                                                      Faces faces = Faces::both) noexcept;
+
+} // namespace proxima

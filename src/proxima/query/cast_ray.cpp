@@ -1,0 +1,430 @@
+#include "proxima/query/cast_ray.h"
+
+#include "proxima/base/text.h"
+#include "proxima/geometry/ray_triangle.h"
+#include "proxima/query/open_ray.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <limits>
+
+#ifndef PROXIMA_QUERY_CAST_RAY_ONCE
+#define PROXIMA_QUERY_CAST_RAY_ONCE
+
+namespace proxima {
+
+/// Rays under way at once.
+inline constexpr std::size_t rays_together = 16;
+
+/// Takes a hit of the ray at a place of its batch.
+using VisitPlacedHit = void (*)(void* context, std::uint32_t place, const RayHit& hit);
+
+/// Where a batch's rays come from and go to.
+struct RaySource {
+    bool (*open_next)(void* context, OpenRay& ray); ///< false where there is none
+    void (*close)(void* context, OpenRay& ray);
+    void* context;
+};
+
+} // namespace proxima
+
+#endif
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "proxima/query/cast_ray.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+// After them: it is read once for every instruction set.
+#include "proxima/query/walk_ray-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace proxima::HWY_NAMESPACE {
+
+/// Every hit, as it comes.
+template <class Scalar>
+struct AllSearch {
+    std::span<const RayRow<Scalar>> rows;
+    VisitPlacedHit visit;
+    void* context;
+
+    HWY_INLINE bool take(const RayLeaf& leaf, const LeafCandidates& candidates, OpenRay& ray) const
+    {
+        for (std::uint32_t left = candidates.lanes; left != 0; left &= left - 1) {
+            const auto lane = static_cast<std::uint32_t>(std::countr_zero(left));
+            if (const auto hit = ask(rows, leaf.first_row + lane, ray))
+                visit(context, ray.place, *hit);
+        }
+        return true;
+    }
+    HWY_INLINE void settle(OpenRay& /*ray*/) const {}
+};
+
+/// Calls use(rows) with the rows that the index has.
+template <class Use>
+HWY_INLINE void with_rows(const RayIndex& index, const Use& use)
+{
+    if (index.double_rows().empty())
+        use(index.float_rows());
+    else
+        use(index.double_rows());
+}
+
+template <class Search>
+HWY_INLINE void walk(const RayIndex& index, const Search& search, OpenRay& ray)
+{
+    // On its own, so that it can stay in registers.
+    RayPlace at = ray.at;
+    const RayBlock* const blocks = index.blocks().data();
+    while (step(blocks, search, ray, at)) {
+    }
+    search.settle(ray);
+}
+
+/// Walks rays in turns of one step, so that each waits for memory while the others work.
+template <class Search>
+HWY_INLINE void walk_together(const RayIndex& index, const Search& search, const RaySource& source)
+{
+    const RayBlock* const blocks = index.blocks().data();
+    std::array<OpenRay, rays_together> rays;
+    std::array<OpenRay*, rays_together> open{};
+    std::size_t count = 0;
+    for (OpenRay& ray : rays) {
+        if (!source.open_next(source.context, ray)) break;
+        prefetch_block(blocks[ray.at.next & ~ray_leaf_bit]);
+        open[count++] = &ray;
+    }
+    while (count > 0) {
+        for (std::size_t i = 0; i < count;) {
+            OpenRay& ray = *open[i];
+            RayPlace at = ray.at;
+            const bool goes_on = step(blocks, search, ray, at);
+            ray.at = at;
+            if (!goes_on) {
+                search.settle(ray);
+                source.close(source.context, ray);
+                if (!source.open_next(source.context, ray)) {
+                    open[i] = open[--count];
+                    continue;
+                }
+            }
+            prefetch_block(blocks[ray.at.next & ~ray_leaf_bit]);
+            ++i;
+        }
+    }
+}
+
+void walk_to_closest(const RayIndex& index, OpenRay& ray)
+{
+    with_rows(index, [&](const auto& rows) { walk(index, ClosestSearch{rows}, ray); });
+}
+void walk_to_any(const RayIndex& index, OpenRay& ray)
+{
+    with_rows(index, [&](const auto& rows) { walk(index, AnySearch{rows}, ray); });
+}
+void walk_to_all(const RayIndex& index, OpenRay& ray, VisitPlacedHit visit, void* context)
+{
+    with_rows(index, [&](const auto& rows) { walk(index, AllSearch{rows, visit, context}, ray); });
+}
+void walk_all_to_closest(const RayIndex& index, const RaySource& source)
+{
+    with_rows(index, [&](const auto& rows) { walk_together(index, ClosestSearch{rows}, source); });
+}
+void walk_all_to_any(const RayIndex& index, const RaySource& source)
+{
+    with_rows(index, [&](const auto& rows) { walk_together(index, AnySearch{rows}, source); });
+}
+void walk_all_to_all(const RayIndex& index, const RaySource& source, VisitPlacedHit visit,
+                     void* context)
+{
+    with_rows(index, [&](const auto& rows) {
+        walk_together(index, AllSearch{rows, visit, context}, source);
+    });
+}
+
+} // namespace proxima::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+namespace proxima {
+
+HWY_EXPORT(walk_to_closest);
+HWY_EXPORT(walk_to_any);
+HWY_EXPORT(walk_to_all);
+HWY_EXPORT(walk_all_to_closest);
+HWY_EXPORT(walk_all_to_any);
+HWY_EXPORT(walk_all_to_all);
+
+namespace {
+
+/// Every triangle in doubles, for rays that floats know nothing of. Until visit returns false.
+template <class Visit>
+void ask_all(const RayIndex& index, const Ray& ray, Faces faces, const Visit& visit)
+{
+    const auto ask_rows = [&](const auto& rows) {
+        for (const auto& row : rows) {
+            const auto hit = intersect(ray, row.triangle(), faces);
+            if (hit && !visit(RayHit{hit->t, TriangleId{row.id}, hit->u, hit->v})) return;
+        }
+    };
+    ask_rows(index.float_rows());
+    ask_rows(index.double_rows());
+}
+
+std::optional<RayHit> ask_for_closest(const RayIndex& index, const Ray& ray, Faces faces)
+{
+    std::optional<RayHit> closest;
+    ask_all(index, ray, faces, [&](const RayHit& hit) {
+        if (!closest || hit.before(*closest)) closest = hit;
+        return true;
+    });
+    return closest;
+}
+
+bool ask_for_any(const RayIndex& index, const Ray& ray, Faces faces)
+{
+    bool found = false;
+    ask_all(index, ray, faces, [&](const RayHit& /*hit*/) {
+        found = true;
+        return false;
+    });
+    return found;
+}
+
+/// The rays of a chunk, one after the other. `answer(place, ray)` takes those whose walk has ended,
+/// `miss(place)` those that need none, `ask(place)` those that are too far for one.
+template <class Answer, class Miss, class Ask>
+class ChunkSource {
+public:
+    ChunkSource(const RayIndex& index, std::span<const Ray> rays, Faces faces, const Answer& answer,
+                const Miss& miss, const Ask& ask)
+        : index_(index), rays_(rays), faces_(faces), answer_(answer), miss_(miss), ask_(ask)
+    {}
+
+    [[nodiscard]] RaySource source() noexcept
+    {
+        return {[](void* context, OpenRay& open) {
+                    return static_cast<ChunkSource*>(context)->open_next(open);
+                },
+                [](void* context, OpenRay& open) {
+                    static_cast<ChunkSource*>(context)->answer_(open.place, open);
+                },
+                this};
+    }
+
+private:
+    bool open_next(OpenRay& open)
+    {
+        while (next_ < rays_.size()) {
+            const auto place = static_cast<std::uint32_t>(next_++);
+            const RayStart start = open_ray(index_, rays_[place], faces_, open);
+            open.place = place;
+            if (start == RayStart::ready) return true;
+            if (start == RayStart::misses)
+                miss_(place);
+            else
+                ask_(place);
+        }
+        return false;
+    }
+
+    const RayIndex& index_;
+    std::span<const Ray> rays_;
+    Faces faces_;
+    const Answer& answer_;
+    const Miss& miss_;
+    const Ask& ask_;
+    std::size_t next_ = 0;
+};
+
+constexpr std::size_t rays_per_task = 2048;
+
+/// Calls task(first, rays of a chunk) for all chunks; the errors of batches.
+template <class Task>
+Status for_chunks(std::span<const Ray> rays, std::size_t room, const RayBatchOptions& options,
+                  const Task& task)
+{
+    if (rays.size() != room) {
+        return fail(ErrorCode::invalid_argument,
+                    concat("room for ", room, " answers, but ", rays.size(), " rays"));
+    }
+    const auto bad = std::ranges::find_if(rays, [](const Ray& ray) { return !is_valid(ray); });
+    if (bad != rays.end()) {
+        return fail(ErrorCode::invalid_argument,
+                    concat("ray ", bad - rays.begin(),
+                           " is none: origin and direction must be finite, the direction not zero, "
+                           "t_min at most t_max"),
+                    "rays");
+    }
+    if (options.progress != nullptr) options.progress->begin_stage("casting rays", rays.size());
+    const std::size_t tasks = (rays.size() + rays_per_task - 1) / rays_per_task;
+    parallel_for(tasks, options.threads, [&](std::size_t i) {
+        if (is_cancelled(options.progress)) return;
+        const std::size_t first = i * rays_per_task;
+        const std::size_t count = std::min(rays_per_task, rays.size() - first);
+        task(first, rays.subspan(first, count));
+        if (options.progress != nullptr) options.progress->advance(count);
+    });
+    if (is_cancelled(options.progress))
+        return fail(ErrorCode::cancelled, "casting rays: stopped on request");
+    return {};
+}
+
+bool before(const RayHit& a, const RayHit& b) noexcept
+{
+    return a.before(b);
+}
+
+} // namespace
+
+std::optional<RayHit> closest_hit(const RayIndex& index, const Ray& ray, Faces faces) noexcept
+{
+    OpenRay open;
+    const RayStart start = open_ray(index, ray, faces, open);
+    if (start == RayStart::misses) return std::nullopt;
+    if (start == RayStart::too_far) return ask_for_closest(index, ray, faces);
+    HWY_DYNAMIC_DISPATCH(walk_to_closest)(index, open);
+    return open.found ? std::optional(open.best) : std::nullopt;
+}
+
+bool any_hit(const RayIndex& index, const Ray& ray, Faces faces) noexcept
+{
+    OpenRay open;
+    const RayStart start = open_ray(index, ray, faces, open);
+    if (start == RayStart::misses) return false;
+    if (start == RayStart::too_far) return ask_for_any(index, ray, faces);
+    HWY_DYNAMIC_DISPATCH(walk_to_any)(index, open);
+    return open.found;
+}
+
+void detail::visit_hits(const RayIndex& index, const Ray& ray, Faces faces, VisitHit visit,
+                        void* context) noexcept
+{
+    OpenRay open;
+    const RayStart start = open_ray(index, ray, faces, open);
+    if (start == RayStart::misses) return;
+    if (start == RayStart::too_far) {
+        ask_all(index, ray, faces, [&](const RayHit& hit) {
+            visit(context, hit);
+            return true;
+        });
+        return;
+    }
+    struct Visitor {
+        VisitHit visit;
+        void* context;
+    } visitor{visit, context};
+    const auto pass_on = [](void* to, std::uint32_t /*place*/, const RayHit& hit) {
+        static_cast<Visitor*>(to)->visit(static_cast<Visitor*>(to)->context, hit);
+    };
+    HWY_DYNAMIC_DISPATCH(walk_to_all)(index, open, pass_on, &visitor);
+}
+
+std::size_t all_hits(const RayIndex& index, const Ray& ray, std::span<RayHit> hits,
+                     Faces faces) noexcept
+{
+    std::size_t count = 0;
+    // A heap, the last one on top, once all places are taken.
+    visit_hits(index, ray, faces, [&](const RayHit& hit) {
+        if (count < hits.size()) {
+            hits[count] = hit;
+            if (count + 1 == hits.size()) std::ranges::make_heap(hits, before);
+        } else if (!hits.empty() && hit.before(hits.front())) {
+            std::ranges::pop_heap(hits, before);
+            hits.back() = hit;
+            std::ranges::push_heap(hits, before);
+        }
+        ++count;
+    });
+    std::ranges::sort(hits.first(std::min(count, hits.size())), before);
+    return count;
+}
+
+std::vector<RayHit> all_hits(const RayIndex& index, const Ray& ray, Faces faces)
+{
+    std::vector<RayHit> hits;
+    visit_hits(index, ray, faces, [&](const RayHit& hit) { hits.push_back(hit); });
+    std::ranges::sort(hits, before);
+    return hits;
+}
+
+Status closest_hits(const RayIndex& index, std::span<const Ray> rays,
+                    std::span<std::optional<RayHit>> hits, const RayBatchOptions& options)
+{
+    return for_chunks(
+        rays, hits.size(), options, [&](std::size_t first, std::span<const Ray> chunk) {
+            const auto answer = [&](std::uint32_t place, const OpenRay& open) {
+                hits[first + place] = open.found ? std::optional(open.best) : std::nullopt;
+            };
+            const auto miss = [&](std::uint32_t place) { hits[first + place].reset(); };
+            const auto ask = [&](std::uint32_t place) {
+                hits[first + place] = ask_for_closest(index, chunk[place], options.faces);
+            };
+            ChunkSource source(index, chunk, options.faces, answer, miss, ask);
+            HWY_DYNAMIC_DISPATCH(walk_all_to_closest)(index, source.source());
+        });
+}
+
+Status any_hits(const RayIndex& index, std::span<const Ray> rays, std::span<bool> hits,
+                const RayBatchOptions& options)
+{
+    return for_chunks(
+        rays, hits.size(), options, [&](std::size_t first, std::span<const Ray> chunk) {
+            const auto answer = [&](std::uint32_t place, const OpenRay& open) {
+                hits[first + place] = open.found;
+            };
+            const auto miss = [&](std::uint32_t place) { hits[first + place] = false; };
+            const auto ask = [&](std::uint32_t place) {
+                hits[first + place] = ask_for_any(index, chunk[place], options.faces);
+            };
+            ChunkSource source(index, chunk, options.faces, answer, miss, ask);
+            HWY_DYNAMIC_DISPATCH(walk_all_to_any)(index, source.source());
+        });
+}
+
+Result<RayHitLists> all_hits(const RayIndex& index, std::span<const Ray> rays,
+                             const RayBatchOptions& options)
+{
+    struct PlacedHit {
+        std::uint32_t place;
+        RayHit hit;
+    };
+    using Found = std::vector<PlacedHit>;
+    std::vector<Found> found((rays.size() + rays_per_task - 1) / rays_per_task);
+    const Status status =
+        for_chunks(rays, rays.size(), options, [&](std::size_t first, std::span<const Ray> chunk) {
+            Found& hits = found[first / rays_per_task];
+            const auto answer = [](std::uint32_t /*place*/, const OpenRay& /*open*/) {};
+            const auto miss = [](std::uint32_t /*place*/) {};
+            const auto ask = [&](std::uint32_t place) {
+                ask_all(index, chunk[place], options.faces, [&](const RayHit& hit) {
+                    hits.push_back({place, hit});
+                    return true;
+                });
+            };
+            const auto keep = [](void* to, std::uint32_t place, const RayHit& hit) {
+                static_cast<Found*>(to)->push_back({place, hit});
+            };
+            ChunkSource source(index, chunk, options.faces, answer, miss, ask);
+            HWY_DYNAMIC_DISPATCH(walk_all_to_all)(index, source.source(), keep, &hits);
+            std::ranges::sort(hits, [](const PlacedHit& a, const PlacedHit& b) {
+                return a.place < b.place || (a.place == b.place && a.hit.before(b.hit));
+            });
+        });
+    if (!status) return tl::unexpected(status.error());
+    RayHitLists lists;
+    lists.first.assign(rays.size() + 1, 0);
+    for (std::size_t task = 0; task < found.size(); ++task) {
+        for (const PlacedHit& at : found[task]) {
+            ++lists.first[task * rays_per_task + at.place + 1];
+            lists.hits.push_back(at.hit);
+        }
+    }
+    for (std::size_t i = 0; i < rays.size(); ++i) lists.first[i + 1] += lists.first[i];
+    return lists;
+}
+
+} // namespace proxima
+
+#endif

@@ -1,0 +1,108 @@
+// What rays are cast against: the octree's cells once more, eight children at a time, with boxes
+// drawn tight around what they hold and every triangle in one place.
+//
+//     blocks   128 bytes each, a node's children side by side
+//       node   8 boxes of 6 bytes: plane = origin + (32768 + byte) step, outward; 8 references
+//       leaf   up to 8 triangles among up to 8 vertices: coordinates in floats, corners as bytes
+//     rows     the triangles in the order of the leaves, in doubles (or floats where that is the
+//              same), with their ids: what hits are computed from
+//
+// Where the octree keeps a triangle in every leaf that it touches, here it is kept in the cell in
+// which its centre lies; chains of cells with a single child are left out, and levels joined where
+// that makes fewer steps. Coordinates of blocks are in units of the mesh's size about its centre.
+#pragma once
+
+#include "proxima/geometry/shapes.h"
+#include "proxima/mesh/triangle_mesh.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+namespace proxima {
+
+/// Eight boxes; places without a child have boxes that no ray meets, and refer to an empty leaf.
+struct RayNode {
+    std::array<std::array<std::uint8_t, 16>, 3> planes; ///< by axis: 8 lower, 8 upper
+    std::array<std::uint32_t, 8> children;              ///< by octant of the node, more or less
+    std::array<float, 3> origin;
+    std::array<float, 3> step;
+};
+
+/// Triangles by bytes into the vertices.
+struct RayLeaf {
+    std::array<std::array<float, 8>, 3> coordinates; ///< by axis
+    std::array<std::array<std::uint8_t, 8>, 3> corners;
+    std::uint32_t first_row;
+    std::uint16_t count;
+    std::uint16_t extent_bits; ///< upper half of a float: the edge of its box, rounded up
+};
+
+/// Which of the two it is, the reference to it says.
+union alignas(128) RayBlock {
+    RayNode node;
+    RayLeaf leaf;
+};
+static_assert(sizeof(RayBlock) == 128);
+
+/// References are places of blocks, with this bit for leaves.
+inline constexpr std::uint32_t ray_leaf_bit = 1U << 31U;
+
+/// A triangle and its id in the mesh.
+template <class Scalar>
+struct RayRow {
+    std::array<std::array<Scalar, 3>, 3> corners;
+    std::uint32_t id;
+
+    [[nodiscard]] Triangle triangle() const noexcept
+    {
+        Triangle result;
+        for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                result.vertices[i][static_cast<int>(axis)] = static_cast<double>(corners[i][axis]);
+        return result;
+    }
+};
+
+/// Immutable; copies share the storage. Thread safe. Made by build_ray_index.
+class RayIndex {
+public:
+    /// Levels of blocks at most: the 63 bits of a cell's place, then 31 of a triangle's rank.
+    static constexpr std::size_t max_levels = 63 + 31;
+
+    [[nodiscard]] std::uint32_t triangle_count() const noexcept { return triangle_count_; }
+    [[nodiscard]] std::span<const RayBlock> blocks() const noexcept { return blocks_; }
+    [[nodiscard]] std::uint32_t root() const noexcept { return root_; }
+    [[nodiscard]] std::span<const RayRow<float>> float_rows() const noexcept { return float_rows_; }
+    [[nodiscard]] std::span<const RayRow<double>> double_rows() const noexcept
+    {
+        return double_rows_;
+    }
+
+    /// Blocks are in multiples of 1 / scale() from center(). The scale is a power of two, and the
+    /// mesh within [-1, 1] on each axis.
+    [[nodiscard]] const Vec3& center() const noexcept { return center_; }
+    [[nodiscard]] double scale() const noexcept { return scale_; }
+
+    /// Bytes of blocks and rows.
+    [[nodiscard]] std::uint64_t bytes() const noexcept
+    {
+        return blocks_.size_bytes() + float_rows_.size_bytes() + double_rows_.size_bytes();
+    }
+
+private:
+    friend class RayIndexWriter;
+
+    Vec3 center_ = Vec3::Zero();
+    double scale_ = 1;
+    std::uint32_t root_ = 0;
+    std::uint32_t triangle_count_ = 0;
+    std::span<const RayBlock> blocks_;
+    std::span<const RayRow<float>> float_rows_; ///< or double_rows_, not both
+    std::span<const RayRow<double>> double_rows_;
+    std::shared_ptr<const void> storage_;
+};
+
+} // namespace proxima

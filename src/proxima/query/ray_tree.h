@@ -1,0 +1,95 @@
+// The binary tree behind a ray index: the octree's cells, refined until each holds one triangle's
+// centre, without those that have a single child; and which of its nodes are best made leaves.
+//
+//     order   triangles along the Morton curve of the octree's cells, by their centres
+//     node    a run of the order, cut where its highest differing bit changes: one of a cell's
+//     three
+//             halvings; runs of the same place are cut in the middle
+//
+// A node's cost is the sum of areas of all boxes that it makes rays look into, by dynamic
+// programming: cost(node, k) covers it by at most k boxes of one wide node [ylitie-2017].
+#pragma once
+
+#include "proxima/base/parallel.h"
+#include "proxima/base/progress.h"
+#include "proxima/base/result.h"
+#include "proxima/mesh/triangle_mesh.h"
+#include "proxima/octree/cell.h"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace proxima {
+
+/// How many triangles, and vertices, a leaf of a ray index may have, and children a node.
+inline constexpr std::uint32_t ray_width = 8;
+
+/// A box in units of the mesh's size about its centre, rounded to the nearest floats.
+struct RayBox {
+    std::array<float, 3> lower;
+    std::array<float, 3> upper;
+
+    [[nodiscard]] float half_area() const noexcept
+    {
+        const float x = upper[0] - lower[0];
+        const float y = upper[1] - lower[1];
+        const float z = upper[2] - lower[2];
+        return x * y + y * z + z * x;
+    }
+};
+
+/// Where coordinates of a ray index count from, and in what.
+struct RayFrame {
+    Vec3 center = Vec3::Zero();
+    double scale = 1;
+
+    [[nodiscard]] Vec3 to_frame(const Vec3& p) const noexcept { return (p - center) * scale; }
+};
+
+/// A run of two or more triangles of the order.
+struct RayTreeNode {
+    std::uint32_t first = 0;
+    std::uint32_t count = 0;
+    std::uint32_t left_count = 0; ///< the left child is the next node, if it has two or more
+    RayBox box = {};
+    std::array<float, ray_width> cost = {}; ///< [k - 1]: covered by at most k
+    bool is_leaf = false;                   ///< covered by one: better a leaf than a node
+};
+
+struct RayTree {
+    RayFrame frame;
+    std::vector<TriangleId> order;
+    std::vector<RayBox> boxes;      ///< of the order's triangles
+    std::vector<RayTreeNode> nodes; ///< parents before children, left before right; root first
+
+    /// A child of a node: its own place among the nodes, or a single triangle.
+    struct Child {
+        std::uint32_t node = 0;  ///< meaningless for single triangles
+        std::uint32_t first = 0; ///< of the order
+        std::uint32_t count = 0;
+    };
+    [[nodiscard]] Child root() const noexcept;
+    [[nodiscard]] std::array<Child, 2> children(std::uint32_t node) const noexcept;
+    [[nodiscard]] const RayBox& box(const Child& child) const noexcept
+    {
+        return child.count == 1 ? boxes[child.first] : nodes[child.node].box;
+    }
+    [[nodiscard]] bool is_leaf(const Child& child) const noexcept
+    {
+        return child.count == 1 || nodes[child.node].is_leaf;
+    }
+    /// Of being covered by at most `most` boxes. \pre most in [1, ray_width]
+    [[nodiscard]] float cost(const Child& child, std::uint32_t most) const noexcept;
+    /// How many of `most` boxes the left child gets where a node is not covered by one; the right
+    /// child gets the rest. \pre most in [2, ray_width]
+    [[nodiscard]] std::uint32_t left_share(std::uint32_t node, std::uint32_t most) const noexcept;
+};
+
+/// Error cancelled. The same for any number of threads. O(triangles log triangles).
+/// \pre the mesh has triangles, `box` is its box, `root` contains it
+[[nodiscard]] Result<RayTree> build_ray_tree(const TriangleMesh& mesh, const Box& box,
+                                             const OctreeFrame& root, Threads threads,
+                                             Progress* progress);
+
+} // namespace proxima

@@ -1,0 +1,375 @@
+// One step of a ray through a ray index: eight boxes, or up to eight triangles, at once. Included
+// once per target, after <hwy/highway.h>.
+//
+//     lane     7 6 5 4 3 2 1 0        children from near to far: lane = 7 ^ octant ^ place, so that
+//     nearest  ^                      the topmost bit of the mask is the next one to enter
+//
+// Floats leave out what surely is not hit; a triangle that surely is hit, with t surely less than
+// all before, is only noted; everything else is asked in doubles at once (ray_triangle.h).
+
+#if defined(PROXIMA_QUERY_WALK_RAY_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef PROXIMA_QUERY_WALK_RAY_INL_H
+#undef PROXIMA_QUERY_WALK_RAY_INL_H
+#else
+#define PROXIMA_QUERY_WALK_RAY_INL_H
+#endif
+
+#include "proxima/geometry/ray_triangle.h"
+#include "proxima/query/open_ray.h"
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <hwy/cache_control.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace proxima::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using RayTag = hn::CappedTag<float, 8>;
+using RayIndexTag = hn::RebindToUnsigned<RayTag>;
+#if HWY_TARGET != HWY_SCALAR
+using RayByteTag = hn::Repartition<std::uint8_t, RayTag>;
+#endif
+using RayFloats = hn::Vec<RayTag>;
+inline constexpr std::size_t ray_lanes = HWY_MIN(8, HWY_LANES(float));
+
+/// For every octant, where lanes find their byte among a node's 16 of an axis: of the lower planes,
+/// then of the upper ones. It becomes the second byte of 32 bits, the others zero.
+struct PlaneShuffles {
+    alignas(64) std::uint8_t bytes[8][2][32];
+
+    constexpr PlaneShuffles() : bytes{}
+    {
+        for (std::uint32_t octant = 0; octant < 8; ++octant) {
+            for (std::uint32_t lane = 0; lane < 8; ++lane) {
+                for (std::uint32_t byte = 0; byte < 4; ++byte) {
+                    const auto place = static_cast<std::uint8_t>(lane ^ 7U ^ octant);
+                    const bool used = byte == 1;
+                    bytes[octant][0][4 * lane + byte] = used ? place : 0x80;
+                    bytes[octant][1][4 * lane + byte] =
+                        used ? static_cast<std::uint8_t>(8 + place) : 0x80;
+                }
+            }
+        }
+    }
+};
+inline constexpr PlaneShuffles plane_shuffles;
+
+HWY_INLINE std::uint32_t mask_bits(hn::Mask<RayTag> mask)
+{
+    std::uint8_t bits[8] = {};
+    (void)hn::StoreMaskBits(RayTag(), mask, bits);
+    return bits[0];
+}
+
+HWY_INLINE void prefetch_block(const RayBlock& block)
+{
+    hwy::Prefetch(&block);
+    hwy::Prefetch(reinterpret_cast<const std::byte*>(&block) + 64);
+}
+
+/// 32768 + byte, for each lane's plane.
+HWY_INLINE RayFloats plane_numbers(const std::array<std::uint8_t, 16>& planes,
+                                   const std::uint8_t* shuffle)
+{
+    const RayIndexTag words;
+    constexpr std::uint32_t float_32768 = 0x47000000;
+#if HWY_TARGET == HWY_SCALAR
+    const auto chosen = hn::Set(words, static_cast<std::uint32_t>(planes[shuffle[1]]) << 8U);
+#else
+    const RayByteTag bytes;
+    const auto all = hn::LoadDup128(bytes, planes.data());
+    const auto chosen = hn::BitCast(words, hn::TableLookupBytesOr0(all, hn::Load(bytes, shuffle)));
+#endif
+    return hn::BitCast(RayTag(), hn::Or(chosen, hn::Set(words, float_32768)));
+}
+
+/// Takes the next block that is waiting; `end` where none is.
+HWY_INLINE void leave(const OpenRay& ray, RayPlace& at)
+{
+    const float most = ray.most + ray.slack;
+    do {
+        --at.pending;
+    } while (ray.nearness[at.pending] > most);
+    at.next = ray.references[at.pending];
+}
+
+/// Goes on to the nearest child that the ray meets, and puts the others aside.
+HWY_INLINE void enter_node(const RayNode& node, OpenRay& ray, RayPlace& at)
+{
+    const RayTag d;
+    const std::uint8_t* const shuffles = plane_shuffles.bytes[0][0];
+    std::uint32_t bits = 0;
+    RayFloats entered[8 / ray_lanes];
+    for (std::size_t part = 0; part < 8 / ray_lanes; ++part) {
+        auto near = hn::Set(d, ray.least);
+        auto far = hn::Set(d, ray.most);
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const auto inverse = hn::Set(d, ray.inverse[axis]);
+            const auto step = hn::Mul(hn::Set(d, node.step[axis]), inverse);
+            const auto start = hn::Mul(
+                hn::Sub(hn::Set(d, node.origin[axis]), hn::Set(d, ray.origin[axis])), inverse);
+            const std::uint8_t* const own = shuffles + 4 * ray_lanes * part;
+            const auto front = plane_numbers(node.planes[axis], own + ray.near_planes[axis]);
+            const auto back = plane_numbers(node.planes[axis], own + ray.far_planes[axis]);
+            near = hn::Max(near, hn::MulAdd(front, step, start));
+            far = hn::Min(far, hn::MulAdd(back, step, start));
+        }
+        entered[part] = near;
+        const auto met = hn::Le(near, hn::Add(far, hn::Set(d, ray.slack)));
+        bits |= mask_bits(met) << (ray_lanes * part);
+    }
+    if (bits == 0) {
+        leave(ray, at);
+        return;
+    }
+    const std::uint32_t turn = 7U ^ ray.octant;
+    const auto nearest = static_cast<std::uint32_t>(31 - std::countl_zero(bits));
+    at.next = node.children[nearest ^ turn];
+    const std::uint32_t rest = bits ^ 1U << nearest;
+#if HWY_TARGET != HWY_SCALAR
+    if constexpr (ray_lanes == 8) {
+        const RayIndexTag words;
+        const auto places = hn::Xor(hn::Iota(words, 0), hn::Set(words, turn));
+        const auto children = hn::TableLookupLanes(hn::LoadU(words, node.children.data()),
+                                                   hn::IndicesFromVec(words, places));
+        const std::uint8_t mask_byte[8] = {static_cast<std::uint8_t>(rest)};
+        // Compressing to memory is far slower than to a register on some processors.
+        hn::StoreU(hn::Compress(children, hn::LoadMaskBits(words, mask_byte)), words,
+                   ray.references.data() + at.pending);
+        hn::StoreU(hn::Compress(entered[0], hn::LoadMaskBits(d, mask_byte)), d,
+                   ray.nearness.data() + at.pending);
+        at.pending += static_cast<std::uint32_t>(std::popcount(rest));
+        return;
+    }
+#endif
+    float near[8];
+    for (std::size_t part = 0; part < 8 / ray_lanes; ++part)
+        hn::StoreU(entered[part], d, near + ray_lanes * part);
+    for (std::uint32_t left = rest; left != 0; left &= left - 1) {
+        const auto lane = static_cast<std::uint32_t>(std::countr_zero(left));
+        ray.references[at.pending] = node.children[lane ^ turn];
+        ray.nearness[at.pending++] = near[lane];
+    }
+}
+
+/// Eight floats, looked up by lanes.
+class EightFloats {
+public:
+    HWY_INLINE void set(std::size_t part, RayFloats values)
+    {
+        if constexpr (ray_lanes == 8)
+            values_ = values;
+        else
+            hn::Store(values, RayTag(), memory_ + ray_lanes * part);
+    }
+    HWY_INLINE RayFloats at(hn::Vec<RayIndexTag> places) const
+    {
+        if constexpr (ray_lanes == 8) {
+            return hn::TableLookupLanes(values_, hn::IndicesFromVec(RayTag(), places));
+        } else {
+            const hn::RebindToSigned<RayTag> d;
+            return hn::GatherIndex(RayTag(), memory_, hn::BitCast(d, places));
+        }
+    }
+
+private:
+    RayFloats values_;
+    HWY_ALIGN float memory_[8];
+};
+
+/// What floats say of a leaf's triangles: by lanes, or bits of lanes.
+struct LeafCandidates {
+    HWY_ALIGN float least[8]; ///< t is between these, where sure
+    HWY_ALIGN float most[8];
+    std::uint32_t lanes = 0; ///< not surely missed
+    std::uint32_t sure = 0;  ///< surely hit, if in range
+};
+
+// Bounds of the test, u = 2^-24. About the ray's origin (|o| <= 1.01) a vertex is off by 4.03 u
+// (its own rounding and the origin's, u each, and that of a difference of at most 2.02), x = A_x -
+// S A_z by 4.03 u more for A_z, 4.04 u for S and its product, and 4.04 u for the difference: X = 17
+// u, times the ray's factor where its origin was moved. A weight x_1 y_2 - y_1 x_2 with x, y up to
+// R <= 4 is off by 4 R X + 2 X^2 + 4 u R^2 <= 84 u R + 578 u^2 < 86 u (R + 32 u) =: E.
+// Where all three are beyond E and their sum S beyond 8 E, the true sum is at least 5/8 S, and t,
+// the mean of the corners' by weights, is off by 3 E Z / (5/8 S) < 5 E Z / S for the weights, Z the
+// extent along the ray, and for the corners' own t and roundings by less than 40 u.
+HWY_INLINE void look_at_leaf(const RayLeaf& leaf, const OpenRay& ray, LeafCandidates& candidates)
+{
+    const RayTag d;
+    const auto [axis_x, axis_y, axis_z] = ray.axes;
+    EightFloats x;
+    EightFloats y;
+    EightFloats z;
+    EightFloats reach;
+    for (std::size_t part = 0; part < 8 / ray_lanes; ++part) {
+        const std::size_t at = ray_lanes * part;
+        const auto load = [&](std::uint32_t axis) {
+            return hn::Sub(hn::Load(d, leaf.coordinates[axis].data() + at),
+                           hn::Set(d, ray.origin[axis]));
+        };
+        const auto along = load(axis_z);
+        const auto across_x = hn::NegMulAdd(along, hn::Set(d, ray.slope_x), load(axis_x));
+        const auto across_y = hn::NegMulAdd(along, hn::Set(d, ray.slope_y), load(axis_y));
+        x.set(part, across_x);
+        y.set(part, across_y);
+        z.set(part, along);
+        reach.set(part, hn::Max(hn::Abs(across_x), hn::Abs(across_y)));
+    }
+    for (std::size_t part = 0; part < 8 / ray_lanes; ++part) {
+        const std::size_t first = ray_lanes * part;
+        const hn::Rebind<std::uint8_t, RayTag> narrow;
+        const RayIndexTag words;
+        hn::Vec<RayIndexTag> corner[3];
+        RayFloats xs[3];
+        RayFloats ys[3];
+        for (std::size_t i = 0; i < 3; ++i) {
+            corner[i] = hn::PromoteTo(words, hn::LoadU(narrow, leaf.corners[i].data() + first));
+            xs[i] = x.at(corner[i]);
+            ys[i] = y.at(corner[i]);
+        }
+        RayFloats weights[3];
+        for (std::size_t i = 0; i < 3; ++i) {
+            const std::size_t b = (i + 1) % 3;
+            const std::size_t c = (i + 2) % 3;
+            weights[i] = hn::NegMulAdd(ys[b], xs[c], hn::Mul(xs[b], ys[c]));
+        }
+        const auto farthest =
+            hn::Max(hn::Max(reach.at(corner[0]), reach.at(corner[1])), reach.at(corner[2]));
+        const auto error = hn::Mul(hn::Add(farthest, hn::Set(d, 32 * float_roundoff)),
+                                   hn::Set(d, 86 * float_roundoff * ray.error));
+        const auto lower = hn::Min(hn::Min(weights[0], weights[1]), weights[2]);
+        const auto upper = hn::Max(hn::Max(weights[0], weights[1]), weights[2]);
+        const auto some_positive = hn::Gt(upper, error);
+        const auto some_negative = hn::Lt(lower, hn::Neg(error));
+        const auto positive = hn::Gt(lower, error);
+        const auto negative = hn::Lt(upper, hn::Neg(error));
+        std::uint32_t lanes = mask_bits(hn::Not(hn::And(some_positive, some_negative)));
+        if (ray.refuses_positive) lanes &= ~mask_bits(positive);
+        if (ray.refuses_negative) lanes &= ~mask_bits(negative);
+        const std::uint32_t room = (1U << ray_lanes) - 1;
+        lanes &= room;
+        if (leaf.count < first + ray_lanes)
+            lanes &= leaf.count > first ? (1U << (leaf.count - first)) - 1 : 0U;
+        if (lanes == 0) continue;
+
+        const auto sum = hn::Add(hn::Add(weights[0], weights[1]), weights[2]);
+        const auto size = hn::Abs(sum);
+        const auto inverse = hn::Div(hn::Set(d, 1.0F), sum);
+        const auto mean = hn::MulAdd(
+            weights[0], z.at(corner[0]),
+            hn::MulAdd(weights[1], z.at(corner[1]), hn::Mul(weights[2], z.at(corner[2]))));
+        const auto t = hn::Mul(hn::Mul(mean, inverse), hn::Set(d, ray.inverse_z));
+        const auto extent =
+            std::bit_cast<float>(static_cast<std::uint32_t>(leaf.extent_bits) << 16U);
+        const auto off = hn::MulAdd(hn::Mul(error, hn::Abs(inverse)), hn::Set(d, 5 * extent),
+                                    hn::Set(d, ray.t_error));
+        const auto least = hn::Sub(t, off);
+        const auto most = hn::Add(t, off);
+        const auto sure =
+            hn::And(hn::Or(positive, negative), hn::Gt(size, hn::Mul(error, hn::Set(d, 8.0F))));
+        const auto out = hn::And(
+            sure, hn::Or(hn::Gt(least, hn::Set(d, ray.most)), hn::Lt(most, hn::Set(d, ray.least))));
+        const auto in = hn::And(sure, hn::And(hn::Ge(least, hn::Set(d, ray.sure_least)),
+                                              hn::Le(most, hn::Set(d, ray.sure_most))));
+        lanes &= ~mask_bits(out);
+        candidates.lanes |= lanes << first;
+        candidates.sure |= (mask_bits(in) & lanes) << first;
+        hn::Store(least, d, candidates.least + first);
+        hn::Store(most, d, candidates.most + first);
+    }
+}
+
+/// A triangle of the index, in doubles.
+template <class Scalar>
+HWY_INLINE std::optional<RayHit> ask(std::span<const RayRow<Scalar>> rows, std::uint32_t row,
+                                     const OpenRay& ray)
+{
+    const auto hit = intersect(*ray.ray, rows[row].triangle(), ray.faces);
+    if (!hit) return std::nullopt;
+    return RayHit{hit->t, TriangleId{rows[row].id}, hit->u, hit->v};
+}
+
+/// The closest hit so far: computed where it must be, noted where that can wait.
+template <class Scalar>
+struct ClosestSearch {
+    std::span<const RayRow<Scalar>> rows;
+
+    HWY_INLINE void keep(OpenRay& ray, const RayHit& hit) const
+    {
+        ray.best = hit;
+        ray.found = true;
+        ray.best_row = OpenRay::no_row;
+        const auto t = static_cast<float>(hit.t * ray.rate - ray.shift);
+        ray.best_least = t - ray.t_error;
+        ray.most = HWY_MIN(ray.most, t + ray.t_error);
+    }
+    HWY_INLINE void settle(OpenRay& ray) const
+    {
+        if (ray.best_row == OpenRay::no_row) return;
+        if (const auto hit = ask(rows, ray.best_row, ray)) keep(ray, *hit);
+    }
+    /// False to end the search.
+    HWY_INLINE bool take(const RayLeaf& leaf, const LeafCandidates& candidates, OpenRay& ray) const
+    {
+        for (std::uint32_t left = candidates.lanes; left != 0; left &= left - 1) {
+            const auto lane = static_cast<std::uint32_t>(std::countr_zero(left));
+            const std::uint32_t row = leaf.first_row + lane;
+            if ((candidates.sure >> lane & 1U) != 0) {
+                if (candidates.least[lane] > ray.most) continue;
+                if (candidates.most[lane] < ray.best_least) {
+                    ray.best_row = row;
+                    hwy::Prefetch(&rows[row]);
+                    ray.best_least = candidates.least[lane];
+                    ray.most = candidates.most[lane];
+                    continue;
+                }
+            }
+            settle(ray);
+            const auto hit = ask(rows, row, ray);
+            if (hit && (!ray.found || hit->before(ray.best))) keep(ray, *hit);
+        }
+        return true;
+    }
+};
+
+/// Whether there is a hit.
+template <class Scalar>
+struct AnySearch {
+    std::span<const RayRow<Scalar>> rows;
+
+    HWY_INLINE bool take(const RayLeaf& leaf, const LeafCandidates& candidates, OpenRay& ray) const
+    {
+        ray.found = candidates.sure != 0;
+        for (std::uint32_t left = candidates.lanes; left != 0 && !ray.found; left &= left - 1) {
+            const auto lane = static_cast<std::uint32_t>(std::countr_zero(left));
+            ray.found = ask(rows, leaf.first_row + lane, ray).has_value();
+        }
+        return !ray.found;
+    }
+    HWY_INLINE void settle(OpenRay& /*ray*/) const {}
+};
+
+/// One block. False where the walk has ended.
+template <class Search>
+HWY_INLINE bool step(const RayBlock* blocks, const Search& search, OpenRay& ray, RayPlace& at)
+{
+    const RayBlock& block = blocks[at.next & ~ray_leaf_bit];
+    if ((at.next & ray_leaf_bit) == 0) {
+        enter_node(block.node, ray, at);
+    } else {
+        LeafCandidates candidates;
+        look_at_leaf(block.leaf, ray, candidates);
+        if (candidates.lanes != 0 && !search.take(block.leaf, candidates, ray)) return false;
+        leave(ray, at);
+    }
+    return at.next != OpenRay::end;
+}
+
+} // namespace proxima::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

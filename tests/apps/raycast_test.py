@@ -1,0 +1,196 @@
+"""proxima raycast as its users run it, against slabs and determinants that are written here in fractions."""
+import csv
+import io
+import random
+import struct
+import unittest
+import zlib
+from fractions import Fraction
+
+from bad_input_test import off
+from closest_test import cross, dot, read_npy, sub
+from proxima_program import ProgramTest
+
+HIT_COLUMNS = ["index", "t", "triangle", "u", "v"]
+CELL_COLUMNS = ["ray", "cell_depth", "cx", "cy", "cz", "enter", "exit", "chord", "penetration"]
+KEYS = ["model", "triangles", "queries", "seconds", "ns_per_query", "build_seconds", "bytes"]
+
+
+def rays_text(rays, header=False):
+    head = "ox,oy,oz,dx,dy,dz" + (",tmin,tmax" if len(rays[0]) == 8 else "") + "\n" if header else ""
+    return head + "".join(",".join(map(repr, ray)) + "\n" for ray in rays)
+
+
+def npy(rays):
+    header = "{'descr': '<f8', 'fortran_order': False, 'shape': (%d, %d), }" % (len(rays), len(rays[0]))
+    return (b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header) + 1) + header.encode() + b"\n"
+            + b"".join(struct.pack("<%dd" % len(ray), *ray) for ray in rays))
+
+
+def first_hit(points, triangles, ray):
+    """(t, triangle, u, v) of the least t, in fractions; rays in a triangle's plane do not occur."""
+    origin, direction = ([Fraction(x) for x in ray[i:i + 3]] for i in (0, 3))
+    low, high = (Fraction(ray[6]), Fraction(ray[7])) if len(ray) == 8 else (Fraction(0), None)
+    best = None
+    for id, triangle in enumerate(triangles):
+        a, b, c = ([Fraction(x) for x in points[v]] for v in triangle)
+        normal = cross(sub(b, a), sub(c, a))
+        slope = dot(normal, direction)
+        if slope == 0:
+            continue
+        corners = [sub(p, origin) for p in (a, b, c)]
+        weights = [dot(direction, cross(corners[(i + 1) % 3], corners[(i + 2) % 3])) / slope for i in range(3)]
+        t = dot(normal, corners[0]) / slope
+        if min(weights) < 0 or t < low or (high is not None and t > high):
+            continue
+        if best is None or t < best[0]:
+            best = (t, id, weights[1], weights[2])
+    return best
+
+
+def some_mesh(rng, count):
+    points = [tuple(rng.randint(-16, 16) / 8 for _ in range(3)) for _ in range(3 * count)]
+    return points, [(3 * i, 3 * i + 1, 3 * i + 2) for i in range(count)]
+
+
+def some_rays(rng, count):
+    return [tuple(rng.uniform(-3, 3) for _ in range(3)) + tuple(rng.uniform(-1, 1) for _ in range(3))
+            for _ in range(count)]
+
+
+def read_png(data):
+    """Width, height and rows of RGB bytes of a PNG of 8-bit colours."""
+    place, packed = 8, b""
+    while place < len(data):
+        length, kind = struct.unpack_from(">I4s", data, place)
+        body = data[place + 8:place + 8 + length]
+        if kind == b"IHDR":
+            width, height, bits, color = struct.unpack_from(">IIBB", body)
+            assert (bits, color) == (8, 2)
+        if kind == b"IDAT":
+            packed += body
+        place += 12 + length
+    raw, rows, last = zlib.decompress(packed), [], bytes(3 * width)
+    for y in range(height):
+        kind, row = raw[y * (3 * width + 1)], bytearray(raw[y * (3 * width + 1) + 1:(y + 1) * (3 * width + 1)])
+        for i in range(len(row)):
+            left, up, corner = (row[i - 3] if i > 2 else 0), last[i], (last[i - 3] if i > 2 else 0)
+            guess = min((abs(left + up - corner - x), k, x) for k, x in enumerate((left, up, corner)))[2]
+            row[i] = (row[i] + (0, left, up, (left + up) // 2, guess)[kind]) & 255
+        rows.append(bytes(row))
+        last = rows[-1]
+    return width, height, rows
+
+
+class Hits(ProgramTest):
+    def check(self, rows, points, triangles, rays):
+        hits = 0
+        for i, (row, ray) in enumerate(zip(rows, rays)):
+            truth = first_hit(points, triangles, ray)
+            self.assertEqual(row[0], i)
+            if truth is None:
+                self.assertEqual(row[1:], (float("inf"), -1, 0, 0))
+                continue
+            hits += 1
+            self.assertEqual(row[2], truth[1])
+            for value, exact in zip((row[1], row[3], row[4]), (truth[0], truth[2], truth[3])):
+                self.assertLess(abs(Fraction(value) - exact), Fraction(1, 10**9) * (1 + abs(exact)))
+        self.assertEqual(len(rows), len(rays))
+        return hits
+
+    def test_are_those_of_fractions_in_csv_and_npy(self):
+        rng = random.Random(5)
+        points, triangles = some_mesh(rng, 40)
+        model = self.file("m.off", off(points, triangles))
+        for rays in (some_rays(rng, 150), [ray + (0.5, 3.0) for ray in some_rays(rng, 150)]):
+            out = self.folder / "hits.csv"
+            path = self.file("rays.csv", rays_text(rays, header=True))
+            json = self.json_of("raycast", model, "--rays", path, "--out", out)
+            lines = list(csv.reader(io.StringIO(out.read_text())))
+            self.assertEqual(lines[0], HIT_COLUMNS)
+            rows = [tuple(map(float, line)) for line in lines[1:]]
+            hits = self.check(rows, points, triangles, rays)
+            self.assertGreater(hits, 20)
+            self.assertEqual(list(json), KEYS + ["hits"])
+            self.assertEqual((json["triangles"], json["queries"], json["hits"]), (40, len(rays), hits))
+            out = self.folder / "hits.npy"
+            self.succeed("raycast", model, "--rays", self.file("rays.npy", npy(rays)), "--out", out)
+            self.assertEqual(read_npy(out.read_bytes()), rows)
+
+    def test_do_not_depend_on_threads(self):
+        path = self.file("rays.csv", rays_text(some_rays(random.Random(6), 3000)))
+        answers = {self.succeed("raycast", "torus:30x20", "--rays", path, "--out", "-", "--threads", n)
+                   for n in (1, 3)}
+        self.assertEqual(len(answers), 1)
+
+
+class Cells(ProgramTest):
+    def test_join_and_lie_on_the_ray(self):
+        rays = some_rays(random.Random(7), 40)
+        path = self.file("rays.csv", rays_text(rays))
+        out = self.folder / "cells.csv"
+        json = self.json_of("raycast", "torus:30x20", "--rays", path, "--cells", "--depth", 4, "--out", out)
+        lines = list(csv.reader(io.StringIO(out.read_text())))
+        self.assertEqual(lines[0], CELL_COLUMNS)
+        self.assertEqual(list(json), KEYS + ["cells"])
+        self.assertEqual(json["cells"], len(lines) - 1)
+        self.assertGreater(len(lines), 40)
+        # The root is a cube about the torus: its depth-4 cells are 1/16 of its edge.
+        by_ray = {}
+        for line in lines[1:]:
+            by_ray.setdefault(int(line[0]), []).append([float(x) for x in line[1:]])
+        for i, cells in by_ray.items():
+            length = dot(rays[i][3:], rays[i][3:]) ** 0.5
+            for one, other in zip(cells, cells[1:]):
+                self.assertEqual(one[5], other[4])
+                self.assertNotEqual(one[:4], other[:4])
+            for depth, *at, enter, leave, chord, penetration in cells:
+                self.assertLessEqual(enter, leave)
+                self.assertAlmostEqual(chord, (leave - enter) * length, 12)
+                self.assertTrue(0 <= penetration <= 1)
+                self.assertTrue(all(0 <= x < 2 ** depth for x in at))
+
+
+class Pictures(ProgramTest):
+    def test_show_the_model_in_the_middle(self):
+        for flags, background in ((["--shade"], None), ([], (0, 0, 0))):
+            out = self.folder / "picture.png"
+            self.succeed("raycast", "icosphere:2", "--camera", "60x40", "--out", out, *flags)
+            width, height, rows = read_png(out.read_bytes())
+            self.assertEqual((width, height), (60, 40))
+            corner, middle = (tuple(rows[y][3 * x:3 * x + 3]) for x, y in ((0, 0), (30, 20)))
+            self.assertNotEqual(corner, middle)
+            if background is not None:
+                self.assertEqual(corner, background)
+                self.assertGreater(middle[0], middle[2] + 40, "yellow")
+
+    def test_may_be_rows_instead(self):
+        text = self.succeed("raycast", "cube", "--camera", "5x4", "--out", "-")
+        self.assertEqual(text.count("\n"), 21)
+
+
+class Refusing(ProgramTest):
+    def test_wrong_options(self):
+        rays = self.file("rays.csv", "0,0,5,0,0,-1\n")
+        out = self.folder / "x.png"
+        for arguments, says in (
+                ([], "--rays or --camera"),
+                (["--rays", rays, "--camera", "4x4"], "--rays or --camera"),
+                (["--camera", "4"], "WIDTHxHEIGHT"), (["--camera", "0x4"], "WIDTHxHEIGHT"),
+                (["--rays", rays, "--out", out], "--camera"),
+                (["--rays", rays, "--shade"], "--shade"),
+                (["--rays", rays, "--out", self.folder / "x.txt"], "unknown extension"),
+                (["--rays", rays, "--out", "-", "--json", "-"], "stdout")):
+            self.refuse("raycast", "cube", *arguments, says=says)
+        self.refuse("raycast", "cube", "--camera", "4x4", "--shade", "--cells", status=2)
+        self.refuse("raycast", "cube", "--camera", "4x4", "--depth", 99, status=2)
+
+    def test_bad_rays(self):
+        for text, says in (("0,0,5,0,0,0\n", "row 0"), ("0,0,5,0,0,1,2,1\n", "row 0"),
+                           ("0,0,5,0,0\n", "rays.csv"), ("0,0,nan,0,0,1\n", "rays.csv"), ("", "rays.csv")):
+            self.refuse("raycast", "cube", "--rays", self.file("rays.csv", text), says=says)
+        self.refuse("raycast", "cube", "--rays", self.folder / "absent.csv", says="absent.csv")
+
+
+if __name__ == "__main__":
+    unittest.main()
