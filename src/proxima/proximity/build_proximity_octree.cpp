@@ -5,6 +5,7 @@
 #include "proxima/mesh/triangle_order.h"
 #include "proxima/proximity/cut_cells.h"
 #include "proxima/proximity/emit_octree.h"
+#include "proxima/proximity/row_tables.h"
 
 #include <algorithm>
 #include <bit>
@@ -21,73 +22,12 @@ namespace {
 struct ProximityStorage {
     EmittedOctree cells;
     TriangleTree tree;
-    GrowBuffer<TriangleRow<float>> float_rows;
-    GrowBuffer<TriangleRow<double>> double_rows;
-    GrowBuffer<std::uint32_t> vertex_places;
-    GrowBuffer<std::uint32_t> edge_places;
+    RowTables rows;
 };
 
 Error cancelled()
 {
     return {ErrorCode::cancelled, "building the proximity octree was cancelled", {}};
-}
-
-/// Whether a normal float holds the number exactly: by its bits, as compilers may drop the rounding
-/// of a conversion there and back.
-bool fits_float(double number)
-{
-    if (number == 0) return true;
-    const auto bits = std::bit_cast<std::uint64_t>(number);
-    constexpr std::uint64_t lost = (std::uint64_t{1} << 29U) - 1;
-    const int exponent = std::ilogb(number);
-    return (bits & lost) == 0 && exponent >= -126 && exponent <= 127;
-}
-
-/// Whether floats hold every position exactly.
-bool fit_floats(const TriangleMesh& mesh)
-{
-    return std::ranges::all_of(mesh.positions(), [](const Vec3& p) {
-        return fits_float(p[0]) && fits_float(p[1]) && fits_float(p[2]);
-    });
-}
-
-/// Longest side by height beyond which a triangle's inside wants care: up to there feet are right
-/// to 2^-52 times its square, of the side.
-constexpr double thin_condition = 32;
-
-bool is_thin(const Triangle& triangle)
-{
-    const Vec3 ab = triangle[1] - triangle[0];
-    const Vec3 ac = triangle[2] - triangle[0];
-    const Vec3 bc = triangle[2] - triangle[1];
-    const double squared = std::max({ab.squaredNorm(), ac.squaredNorm(), bc.squaredNorm()});
-    return !(squared <= thin_condition * ab.cross(ac).norm());
-}
-
-template <class Scalar>
-GrowBuffer<TriangleRow<Scalar>> make_rows(const TriangleMesh& mesh, const Topology& topology,
-                                          std::span<const TriangleId> order)
-{
-    GrowBuffer<TriangleRow<Scalar>> rows;
-    rows.resize(order.size());
-    for (std::size_t rank = 0; rank < order.size(); ++rank) {
-        const TriangleId id = order[rank];
-        const Triangle triangle = mesh.triangle(id);
-        TriangleRow<Scalar>& row = rows[rank];
-        row = {};
-        row.triangle = index(id) | (is_thin(triangle) ? TriangleRow<Scalar>::thin_bit : 0U);
-        for (int i = 0; i < 3; ++i) {
-            const auto k = static_cast<std::size_t>(i);
-            for (int axis = 0; axis < 3; ++axis)
-                row.coordinates[axis][i] = static_cast<Scalar>(triangle[i][axis]);
-            const TriangleCorners& corners = mesh.triangles()[index(id)];
-            row.vertices[i] = corners[k];
-            if (corners[k] > corners[(k + 1) % 3])
-                row.triangle |= TriangleRow<Scalar>::side_bit << k;
-            row.edges[i] = index(topology.edges(id)[k]);
-        }
-    }
-    return rows;
 }
 
 /// Builds one octree; members are what the stages hand on.
@@ -107,8 +47,9 @@ public:
             mesh_, order_, {.threads = options_.threads, .progress = options_.progress});
         if (!tree) return tl::unexpected(tree.error());
         storage->tree = std::move(*tree);
-        if (!make_tables(*storage)) return tl::unexpected(cancelled());
-        const std::uint64_t fixed = table_bytes(*storage);
+        storage->rows = make_row_tables(mesh_, topology_, order_);
+        if (is_cancelled(options_.progress)) return tl::unexpected(cancelled());
+        const std::uint64_t fixed = storage->rows.bytes() + storage->tree.bytes();
         const std::uint64_t least = fixed + least_cell_bytes;
         const std::uint64_t usual =
             std::max(default_bytes_per_triangle * mesh_.triangle_count(), least + usual_cell_bytes);
@@ -137,54 +78,6 @@ private:
         order_.reserve(items->size());
         for (const KeyedIndex& item : *items) order_.push_back(TriangleId{item.index});
         return true;
-    }
-
-    bool make_tables(ProximityStorage& storage)
-    {
-        if (fit_floats(mesh_))
-            storage.float_rows = make_rows<float>(mesh_, topology_, order_);
-        else
-            storage.double_rows = make_rows<double>(mesh_, topology_, order_);
-        storage.vertex_places.resize(topology_.vertex_count());
-        for (std::uint32_t i = 0; i < topology_.vertex_count(); ++i) {
-            const auto star = topology_.triangles(VertexId{i});
-            storage.vertex_places[i] =
-                star.empty() ? place_word::none : place_of_vertex(star.front(), i);
-        }
-        storage.edge_places.resize(topology_.edge_count());
-        for (std::uint32_t i = 0; i < topology_.edge_count(); ++i) {
-            storage.edge_places[i] =
-                place_of_edge(topology_.triangles(EdgeId{i}).front(), EdgeId{i});
-        }
-        return !is_cancelled(options_.progress);
-    }
-
-    [[nodiscard]] std::uint32_t place_of_vertex(TriangleId triangle, std::uint32_t vertex) const
-    {
-        const TriangleCorners& corners = mesh_.triangles()[index(triangle)];
-        const auto corner = std::ranges::find(corners, vertex) - corners.begin();
-        return place_word::make(index(triangle), static_cast<std::uint32_t>(corner), false);
-    }
-
-    /// The side between the first corners of its vertices, as side_of() has it.
-    [[nodiscard]] std::uint32_t place_of_edge(TriangleId triangle, EdgeId edge) const
-    {
-        const TriangleCorners& corners = mesh_.triangles()[index(triangle)];
-        const auto first = [&](std::uint32_t corner) {
-            return std::ranges::find(corners, corners[corner]) - corners.begin() == corner;
-        };
-        std::uint32_t side = 2;
-        for (std::uint32_t k = 0; k < 2; ++k)
-            if (topology_.edges(triangle)[k] == edge && first(k) && first(k + 1)) side = k;
-        const std::uint32_t next = side == 2 ? 0 : side + 1;
-        return place_word::make(index(triangle), side, corners[side] > corners[next]);
-    }
-
-    static std::uint64_t table_bytes(const ProximityStorage& storage)
-    {
-        return storage.float_rows.span().size_bytes() + storage.double_rows.span().size_bytes() +
-               storage.vertex_places.span().size_bytes() + storage.edge_places.span().size_bytes() +
-               storage.tree.bytes();
     }
 
     /// One leaf without a list, and what comes with every arena.
@@ -330,10 +223,11 @@ private:
 
     ProximityOctree adopt(std::shared_ptr<ProximityStorage> storage)
     {
-        const ProximityArrays arrays{storage->cells.table.span(),   storage->cells.nodes.span(),
-                                     storage->cells.runs.span(),    storage->cells.arena.span(),
-                                     storage->float_rows.span(),    storage->double_rows.span(),
-                                     storage->vertex_places.span(), storage->edge_places.span()};
+        const ProximityArrays arrays{
+            storage->cells.table.span(),        storage->cells.nodes.span(),
+            storage->cells.runs.span(),         storage->cells.arena.span(),
+            storage->rows.float_rows.span(),    storage->rows.double_rows.span(),
+            storage->rows.vertex_places.span(), storage->rows.edge_places.span()};
         const int table_depth = storage->cells.table_depth;
         const ProximityStatistics statistics = storage->cells.statistics;
         const TriangleTree* const tree = &storage->tree;

@@ -2,6 +2,7 @@
 
 #include "proxima/base/check.h"
 #include "proxima/geometry/closest_point.h"
+#include "proxima/proximity/proximity_cells.h"
 #include "proxima/proximity/rank_blocks.h"
 
 #include <algorithm>
@@ -452,26 +453,15 @@ std::uint64_t join_top(const GrownForest& forest, const std::vector<std::uint64_
     return base;
 }
 
-/// The word of the cell, or of the leaf that holds it. Half as many words as the nodes at most.
-void fill_table(EmittedOctree& octree, std::uint64_t root)
+/// Half as many words as the nodes at most.
+void make_table(EmittedOctree& octree, std::uint64_t root)
 {
     while (octree.table_depth < max_table_depth &&
            std::size_t{1} << 3 * (octree.table_depth + 1) <= octree.nodes.size() / 2)
         ++octree.table_depth;
-    const int depth = octree.table_depth;
-    octree.table.resize(std::size_t{1} << 3 * depth);
-    const std::uint32_t edge = 1U << depth;
-    for (std::uint32_t z = 0; z < edge; ++z) {
-        for (std::uint32_t y = 0; y < edge; ++y) {
-            for (std::uint32_t x = 0; x < edge; ++x) {
-                std::uint64_t word = root;
-                for (int level = depth - 1; level >= 0 && !proximity_word::is_leaf(word); --level)
-                    word = octree.nodes[word + ((x >> level & 1U) | (y >> level & 1U) << 1U |
-                                                (z >> level & 1U) << 2U)];
-                octree.table[(std::size_t{z} << depth | y) << depth | x] = word;
-            }
-        }
-    }
+    octree.table.resize(std::size_t{1} << 3 * octree.table_depth);
+    fill_table(root, octree.nodes.span(), octree.table_depth,
+               {octree.table.data(), octree.table.size()});
 }
 
 } // namespace
@@ -518,7 +508,7 @@ std::optional<EmittedOctree> emit_octree(const GrownForest& forest, const BlockS
     }
     const auto emitter = pool.take();
     const std::uint64_t root = join_top(forest, roots, 0, CellKey{}, *emitter, joiner, octree);
-    fill_table(octree, root);
+    make_table(octree, root);
     octree.arena.resize(octree.arena.size() + block_padding);
     std::memset(octree.arena.data() + (octree.arena.size() - block_padding), 0, block_padding);
     ProximityStatistics& counts = octree.statistics;

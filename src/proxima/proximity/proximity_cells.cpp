@@ -90,4 +90,21 @@ void read_list(const ProximityArrays& arrays, std::uint64_t leaf, std::vector<st
         append_ranks(arrays, entry.place, entry.mask, ranks);
 }
 
+void fill_table(std::uint64_t root, std::span<const std::uint64_t> nodes, int depth,
+                std::span<std::uint64_t> table) noexcept
+{
+    const std::uint32_t edge = 1U << depth;
+    for (std::uint32_t z = 0; z < edge; ++z) {
+        for (std::uint32_t y = 0; y < edge; ++y) {
+            for (std::uint32_t x = 0; x < edge; ++x) {
+                std::uint64_t word = root;
+                for (int level = depth - 1; level >= 0 && !proximity_word::is_leaf(word); --level)
+                    word = nodes[word + ((x >> level & 1U) | (y >> level & 1U) << 1U |
+                                         (z >> level & 1U) << 2U)];
+                table[(std::size_t{z} << depth | y) << depth | x] = word;
+            }
+        }
+    }
+}
+
 } // namespace proxima

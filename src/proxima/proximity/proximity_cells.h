@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace proxima {
@@ -33,6 +34,11 @@ struct ProximityCell {
             {2 * cell.at[0] + (octant & 1U), 2 * cell.at[1] + (octant >> 1U & 1U),
              2 * cell.at[2] + (octant >> 2U)}};
 }
+
+/// The words of all cells of a level: of the cell, or of the leaf that holds it. `root` is the
+/// root's word. \pre 8^depth words of table
+void fill_table(std::uint64_t root, std::span<const std::uint64_t> nodes, int depth,
+                std::span<std::uint64_t> table) noexcept;
 
 /// Triangles in a leaf's list; 0 for a leaf without one. \pre the arrays are sound
 [[nodiscard]] std::uint32_t list_length(const ProximityArrays& arrays, std::uint64_t leaf) noexcept;

@@ -217,6 +217,12 @@ std::string hexadecimal(std::uint64_t value)
 Status save_proximity_octree(const ProximityOctree& octree, const std::filesystem::path& path,
                              const SaveOptions& options)
 {
+    if (octree.statistics().stale_leaves != 0) {
+        return fail(
+            ErrorCode::invalid_argument,
+            "the octree was refitted and holds what no leaf uses: build it again to save it",
+            path.string());
+    }
     const ProximityFileHeader header = file_header(octree);
     const ProximityArrays& arrays = octree.arrays();
     const std::array<BinarySection, 10> sections = {

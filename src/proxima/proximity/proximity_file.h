@@ -31,7 +31,8 @@ struct ProximityLoadOptions {
     Threads threads = {};         ///< that check
 };
 
-/// The same octree gives the same bytes. Errors: file_not_writable, cancelled. O(bytes).
+/// The same octree gives the same bytes. Errors: invalid_argument (a refitted octree: build it
+/// again), file_not_writable, cancelled. O(bytes).
 [[nodiscard]] Status save_proximity_octree(const ProximityOctree& octree,
                                            const std::filesystem::path& path,
                                            const SaveOptions& options = {});

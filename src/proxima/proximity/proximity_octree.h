@@ -90,6 +90,7 @@ struct ProximityStatistics {
     std::uint64_t nodes = 0;             ///< cells, split or leaf
     std::uint64_t leaves = 0;            ///< with and without a list
     std::uint64_t searched_leaves = 0;   ///< without one: queries search the tree
+    std::uint64_t stale_leaves = 0;      ///< of these, since the last build: refit
     std::uint64_t references = 0;        ///< entries of all leaves' lists
     std::uint64_t blocks = 0;            ///< in the arena
     std::uint32_t max_depth = 0;         ///< of a leaf
