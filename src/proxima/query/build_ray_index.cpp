@@ -85,13 +85,13 @@ std::uint16_t upper_half(double value) noexcept
     return static_cast<std::uint16_t>((bits >> 16U) + 1);
 }
 
-struct Storage {
+} // namespace
+
+struct RayIndexStorage {
     std::vector<RayBlock> blocks;
     std::vector<RayRow<float>> float_rows;
     std::vector<RayRow<double>> double_rows;
 };
-
-} // namespace
 
 // Writes the blocks of a tree, depth first.
 class RayIndexWriter {
@@ -134,7 +134,7 @@ public:
 
     RayIndex result()
     {
-        auto storage = std::make_shared<const Storage>(std::move(storage_));
+        auto storage = std::make_shared<const RayIndexStorage>(std::move(storage_));
         RayIndex result;
         result.center_ = tree_.frame.center;
         result.scale_ = tree_.frame.scale;
@@ -299,7 +299,7 @@ private:
     const TriangleMesh& mesh_;
     const RayTree& tree_;
     std::uint32_t root_ = 0;
-    Storage storage_;
+    RayIndexStorage storage_;
     std::vector<Child> found_; ///< of the node being written
 };
 
