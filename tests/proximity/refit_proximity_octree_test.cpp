@@ -42,9 +42,17 @@ void expect_answers(const ProximityOctree& octree, const TriangleMesh& mesh,
     const Box box = bounding_box(mesh);
     const double diagonal = box.extent().norm();
     const double reach = box.lower.cwiseAbs().cwiseMax(box.upper.cwiseAbs()).maxCoeff();
+    ClosestFeature last;
     for (const Vec3& p : points) {
         const ClosestFeature truth = closest_feature_by_brute_force(mesh, topology, p);
         const ClosestFeature found = closest_feature(octree, p);
+        // From any answer the same comes out.
+        for (const ClosestFeature& earlier : {found, last, ClosestFeature{}}) {
+            const ClosestFeature warm = closest_feature(octree, p, earlier);
+            ASSERT_EQ(warm.feature, found.feature) << "at " << p.transpose();
+            ASSERT_EQ(warm.squared_distance, found.squared_distance);
+        }
+        last = found;
         const double scale = diagonal + (p - box.center()).norm() + 1e-3 * reach;
         ASSERT_NEAR(std::sqrt(found.squared_distance), std::sqrt(truth.squared_distance),
                     1e-12 * scale)
@@ -127,6 +135,29 @@ TEST(RefitProximityOctree, KeepsListsAwayFromWhatMoved)
 
     const auto same = refit_proximity_octree(built, mesh, topology).value();
     EXPECT_EQ(same.statistics(), built.statistics());
+}
+
+TEST(RefitProximityOctree, SearchesLessFromAnEarlierAnswer)
+{
+    const TriangleMesh mesh = sample_mesh("torus:60x40").value();
+    const auto topology = build_topology(mesh).value();
+    ProximityOptions options;
+    options.budget_bytes = 200 * mesh.triangle_count();
+    const auto octree = build_proximity_octree(mesh, topology, options).value();
+    std::mt19937_64 random(9);
+    QuerySteps cold;
+    QuerySteps warm;
+    for (int i = 0; i < 2000; ++i) {
+        const Vec3 p = random_step(random, 4);
+        const Vec3 near = p + random_step(random, 1e-3);
+        const ClosestFeature earlier = closest_feature(octree, near);
+        const ClosestFeature found = closest_feature(octree, p, cold);
+        const ClosestFeature again = closest_feature(octree, p, earlier, warm);
+        ASSERT_EQ(again.feature, found.feature);
+        ASSERT_EQ(again.squared_distance, found.squared_distance);
+    }
+    EXPECT_LT(warm.groups + warm.blocks, cold.groups + cold.blocks);
+    EXPECT_LT(warm.rechecks, cold.rechecks);
 }
 
 TEST(RefitProximityOctree, IsTheSameForAnyNumberOfThreads)

@@ -22,6 +22,9 @@ namespace proxima {
 /// Queries under way at once.
 inline constexpr std::size_t queries_together = 16;
 
+/// Of the distance of a search that starts from scratch.
+inline constexpr double nothing_known = std::numeric_limits<double>::infinity();
+
 } // namespace proxima
 
 #endif
@@ -95,29 +98,34 @@ HWY_INLINE void recheck(const BlockCandidates& candidates,
 }
 
 /// By the tree over all triangles: for points outside of the root and leaves without a list.
+/// `known`: some point of the mesh is no farther, up to rounding; infinite where that is not known.
 template <class Scalar>
 RowDistance search_tree(const ProximityOctree& octree, std::span<const TriangleRow<Scalar>> rows,
-                        const Vec3& p, QuerySteps& steps)
+                        const Vec3& p, double known, QuerySteps& steps)
 {
     const RowScale scale = scale_of(octree);
     const double tree_scale = octree.tree().scale();
     const double reach = octree.tree().reach();
     RowDistance best;
-    visit_nearest(octree.tree(), p, best.squared, [&](RankRange ranks) noexcept {
+    const double bound = known * known * (1 + 0x1p-40) + std::numeric_limits<double>::min();
+    visit_nearest(octree.tree(), p, bound, [&](RankRange ranks) noexcept {
         const auto group = rows.subspan(ranks.first, ranks.count);
         std::array<double, TriangleTree::width> squared;
         triangle_distances(group, p, tree_scale, squared);
         ++steps.groups;
         offer_nearest(
             squared, group.size(),
-            [&] { return triangle_distance_limit(best.squared * tree_scale * tree_scale, reach); },
+            [&] {
+                const double least = std::min(bound, best.squared);
+                return triangle_distance_limit(least * tree_scale * tree_scale, reach);
+            },
             [&](std::size_t i) {
                 const auto rank = static_cast<std::uint32_t>(ranks.first + i);
                 const RowDistance found = closest_of_row(rows[rank], rank, p, scale);
                 if (found.before(best)) best = found;
                 ++steps.rechecks;
             });
-        return best.squared;
+        return std::min(bound, best.squared);
     });
     return best;
 }
@@ -125,14 +133,15 @@ RowDistance search_tree(const ProximityOctree& octree, std::span<const TriangleR
 /// A leaf of several blocks: those whose lower bound is beyond what was found are passed over.
 template <class Scalar>
 void search_run(const ProximityOctree& octree, std::span<const TriangleRow<Scalar>> rows,
-                std::uint64_t word, const Vec3& frame_p, const Vec3& p, RowDistance& best,
-                QuerySteps& steps)
+                std::uint64_t word, const Vec3& frame_p, const Vec3& p, double known,
+                RowDistance& best, QuerySteps& steps)
 {
     const RunEntry* const run = octree.arrays().runs.data() + proximity_word::place(word);
     const Vec3 from_center = frame_p - Eigen::Vector3f(run->direction).cast<double>();
     const double radius = from_center.norm();
     const std::byte* const arena = octree.arrays().arena.data();
-    double nearest = std::numeric_limits<double>::infinity(); // in the frame, rounded up
+    // In the frame, rounded up.
+    double nearest = known * octree.frame().scale * (1 + 0x1p-40) + 0x1p-44;
     for (std::uint32_t i = 1; i <= run->place; ++i) {
         const RunEntry& entry = run[i];
         if (static_cast<double>(entry.least) - radius > nearest) break;
@@ -150,24 +159,25 @@ void search_run(const ProximityOctree& octree, std::span<const TriangleRow<Scala
         scan_block<true>(block, entry.mask, frame_p, in_units, candidates);
         if (candidates.lanes == 0) continue;
         recheck(candidates, rows, p, scale_of(octree), best, steps);
-        nearest = std::sqrt(best.squared) * octree.frame().scale * (1 + 0x1p-40) + 0x1p-44;
+        nearest = std::min(nearest, std::sqrt(best.squared) * octree.frame().scale * (1 + 0x1p-40) +
+                                        0x1p-44);
     }
 }
 
 template <class Scalar>
 HWY_INLINE RowDistance search(const ProximityOctree& octree,
                               std::span<const TriangleRow<Scalar>> rows, const Vec3& p,
-                              QuerySteps& steps)
+                              double known, QuerySteps& steps)
 {
     RowDistance best;
     const Vec3 frame_p = octree.frame().to_frame(p);
     std::array<std::uint32_t, 3> at{};
-    if (!octree.locate(frame_p, at)) return search_tree(octree, rows, p, steps);
+    if (!octree.locate(frame_p, at)) return search_tree(octree, rows, p, known, steps);
     const FoundLeaf leaf = find_leaf(octree, at);
     steps.steps += 1 + static_cast<std::uint32_t>(HWY_MAX(leaf.depth - octree.table_depth(), 0));
     if (!proximity_word::is_block(leaf.word)) [[unlikely]] {
-        if (leaf.word == proximity_word::search) return search_tree(octree, rows, p, steps);
-        search_run(octree, rows, leaf.word, frame_p, p, best, steps);
+        if (leaf.word == proximity_word::search) return search_tree(octree, rows, p, known, steps);
+        search_run(octree, rows, leaf.word, frame_p, p, known, best, steps);
         return best;
     }
     const std::byte* const block = octree.arrays().arena.data() +
@@ -256,7 +266,7 @@ void search_together(const ProximityOctree& octree, std::span<const TriangleRow<
     for (std::size_t i = 0; i < points.size(); ++i) {
         OpenQuery& query = queries[i];
         if (!has_block(query)) {
-            found[i] = search(octree, rows, points[i], steps);
+            found[i] = search(octree, rows, points[i], nothing_known, steps);
             continue;
         }
         found[i] = {};
@@ -264,11 +274,12 @@ void search_together(const ProximityOctree& octree, std::span<const TriangleRow<
     }
 }
 
-RowDistance search_octree(const ProximityOctree& octree, const Vec3& p, QuerySteps& steps)
+RowDistance search_octree(const ProximityOctree& octree, const Vec3& p, double known,
+                          QuerySteps& steps)
 {
     const ProximityArrays& arrays = octree.arrays();
-    return arrays.double_rows.empty() ? search(octree, arrays.float_rows, p, steps)
-                                      : search(octree, arrays.double_rows, p, steps);
+    return arrays.double_rows.empty() ? search(octree, arrays.float_rows, p, known, steps)
+                                      : search(octree, arrays.double_rows, p, known, steps);
 }
 
 void search_octree_together(const ProximityOctree& octree, std::span<const Vec3> points,
@@ -451,13 +462,33 @@ void keep_least(std::atomic<std::size_t>& least, std::size_t value)
 ClosestFeature closest_feature(const ProximityOctree& octree, const Vec3& p,
                                QuerySteps& steps) noexcept
 {
-    return describe(octree, HWY_DYNAMIC_DISPATCH(search_octree)(octree, p, steps));
+    return describe(octree, HWY_DYNAMIC_DISPATCH(search_octree)(octree, p, nothing_known, steps));
 }
 
 ClosestFeature closest_feature(const ProximityOctree& octree, const Vec3& p) noexcept
 {
     QuerySteps steps;
     return closest_feature(octree, p, steps);
+}
+
+ClosestFeature closest_feature(const ProximityOctree& octree, const Vec3& p,
+                               const ClosestFeature& earlier, QuerySteps& steps) noexcept
+{
+    // The earlier point is of the mesh up to the rounding of its coordinates.
+    const RootFrame& frame = octree.frame();
+    const double rounding = 0x1p-46 * (frame.center.cwiseAbs().maxCoeff() + frame.half);
+    const double known = (p - earlier.point).norm() + rounding;
+    const RowDistance found = HWY_DYNAMIC_DISPATCH(search_octree)(octree, p, known, steps);
+    // Nothing that near: it was no point of this mesh, and what was passed over may be nearer.
+    if (!(found.squared <= known * known)) return closest_feature(octree, p, steps);
+    return describe(octree, found);
+}
+
+ClosestFeature closest_feature(const ProximityOctree& octree, const Vec3& p,
+                               const ClosestFeature& earlier) noexcept
+{
+    QuerySteps steps;
+    return closest_feature(octree, p, earlier, steps);
 }
 
 std::optional<ClosestFeature> closest_feature(const ProximityOctree& octree, const Vec3& p,

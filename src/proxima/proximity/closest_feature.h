@@ -53,6 +53,15 @@ struct QuerySteps {
 [[nodiscard]] ClosestFeature closest_feature(const ProximityOctree& octree, const Vec3& p,
                                              QuerySteps& steps) noexcept;
 
+/// The same, started from an answer for a point nearby: less work outside of the root and in leaves
+/// of many blocks or without a list, the same in all others. Any answer will do, also of an octree
+/// that was refitted since; the nearer to `p` its point, the better.
+[[nodiscard]] ClosestFeature closest_feature(const ProximityOctree& octree, const Vec3& p,
+                                             const ClosestFeature& earlier) noexcept;
+[[nodiscard]] ClosestFeature closest_feature(const ProximityOctree& octree, const Vec3& p,
+                                             const ClosestFeature& earlier,
+                                             QuerySteps& steps) noexcept;
+
 struct BatchOptions {
     Threads threads = {1};
     Progress* progress = nullptr; ///< stage "closest features", steps are points
