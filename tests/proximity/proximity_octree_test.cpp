@@ -186,9 +186,14 @@ TEST(ProximityOctree, BatchesAnswerAsSingleQueries)
     const std::vector<Vec3> points = proximity_points(mesh, 9001, 5);
     std::vector<ClosestFeature> answers(points.size());
     for (const int threads : {1, 2}) {
-        ASSERT_TRUE(closest_features(octree, points, answers, {.threads = {threads}}));
-        for (std::size_t i = 0; i < points.size(); ++i)
-            ASSERT_TRUE(same_answer(answers[i], closest_feature(octree, points[i]))) << i;
+        for (const BatchOrder order :
+             {BatchOrder::automatic, BatchOrder::as_given, BatchOrder::sorted}) {
+            std::ranges::fill(answers, ClosestFeature{});
+            ASSERT_TRUE(
+                closest_features(octree, points, answers, {.threads = {threads}, .order = order}));
+            for (std::size_t i = 0; i < points.size(); ++i)
+                ASSERT_TRUE(same_answer(answers[i], closest_feature(octree, points[i]))) << i;
+        }
     }
 }
 
@@ -201,9 +206,12 @@ TEST(ProximityOctree, RefusesBatchesThatCannotBe)
               ErrorCode::invalid_argument);
     points[4321][1] = std::numeric_limits<double>::quiet_NaN();
     points[4999][1] = std::numeric_limits<double>::infinity();
-    const Status status = closest_features(octree, points, answers, {.threads = {2}});
-    ASSERT_FALSE(status);
-    EXPECT_NE(status.error().message.find("4321"), std::string::npos) << status.error().message;
+    for (const BatchOrder order : {BatchOrder::automatic, BatchOrder::sorted}) {
+        const Status status =
+            closest_features(octree, points, answers, {.threads = {2}, .order = order});
+        ASSERT_FALSE(status);
+        EXPECT_NE(status.error().message.find("4321"), std::string::npos) << status.error().message;
+    }
 }
 
 TEST(ProximityOctree, FindsNothingBeyondTheRadius)

@@ -507,7 +507,9 @@ Status closest_features(const ProximityOctree& octree, std::span<const Vec3> poi
             ErrorCode::invalid_argument,
             concat("room for ", answers.size(), " answers, but ", points.size(), " points"));
     }
-    const bool sorted = pays_to_sort(octree, points);
+    const bool sorted = options.order == BatchOrder::automatic
+                            ? pays_to_sort(octree, points)
+                            : options.order == BatchOrder::sorted;
     // Sorted ones in chunks as large as the threads leave them.
     const std::size_t share =
         points.size() / static_cast<std::size_t>(thread_count(options.threads)) + 1;

@@ -62,9 +62,18 @@ struct QuerySteps {
                                              const ClosestFeature& earlier,
                                              QuerySteps& steps) noexcept;
 
+/// In which order the points of a batch are searched for.
+enum class BatchOrder : std::uint8_t {
+    automatic, ///< sorted where that is likely to pay: many scattered points, an octree beyond
+               ///< caches
+    as_given,
+    sorted ///< along a curve through the octree, 2^18 points at a time
+};
+
 struct BatchOptions {
     Threads threads = {1};
     Progress* progress = nullptr; ///< stage "closest features", steps are points
+    BatchOrder order = BatchOrder::automatic;
 };
 
 /// The same for many points, several at a time, so that their memory accesses overlap, and many
