@@ -1,5 +1,7 @@
 #include "proxima/query/open_ray.h"
 
+#include "proxima/geometry/ray_triangle.h"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -117,6 +119,25 @@ RayStart open_ray(const RayIndex& index, const Ray& ray, Faces faces, OpenRay& o
     open.nearness[0] = -std::numeric_limits<float>::infinity();
     open.at = {index.root(), 1};
     return RayStart::ready;
+}
+
+namespace {
+
+template <class Scalar>
+std::optional<RayHit> ask_triangle(const RayRow<Scalar>& row, const Ray& ray, Faces faces) noexcept
+{
+    const auto hit = intersect(ray, row.triangle(), faces);
+    if (!hit) return std::nullopt;
+    return RayHit{hit->t, TriangleId{row.id}, hit->u, hit->v};
+}
+
+} // namespace
+
+std::optional<RayHit> ask_row(const RayIndex& index, std::uint32_t row, const Ray& ray,
+                              Faces faces) noexcept
+{
+    return index.double_rows().empty() ? ask_triangle(index.float_rows()[row], ray, faces)
+                                       : ask_triangle(index.double_rows()[row], ray, faces);
 }
 
 } // namespace proxima
