@@ -15,11 +15,11 @@ constexpr double too_far = 0x1p40;
 constexpr double far = 0x1p26; // moving an origin from nearer costs less than half a float's ulp
 constexpr std::uint64_t exponent_bits = 0x7FF0000000000000U;
 
+/// A float below the value, and one above, by little; infinity where that is.
 float rounded_down(double value) noexcept
 {
-    constexpr double most = std::numeric_limits<float>::max();
-    const auto nearest = static_cast<float>(std::clamp(value, -most, most));
-    return nearest - std::abs(nearest) * 0x1p-23F;
+    const auto nearest = static_cast<float>(value);
+    return nearest - std::min(std::abs(nearest), 0x1p100F) * 0x1p-23F;
 }
 float rounded_up(double value) noexcept
 {
