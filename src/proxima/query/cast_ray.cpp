@@ -65,6 +65,8 @@ HWY_INLINE void walk(const RayIndex& index, const Search& search, OpenRay& ray)
     RayPlace at = ray.at;
     const RayBlock* const blocks = index.blocks().data();
     while (step(blocks, search, ray, at)) {
+        // The one to come after it, behind which the end is the first.
+        if (at.pending > 1) prefetch_block(blocks[ray.references[at.pending - 1] & ~ray_leaf_bit]);
     }
     search.settle(ray);
 }
