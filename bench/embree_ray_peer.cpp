@@ -60,8 +60,10 @@ public:
     [[nodiscard]] double build_seconds() const override { return seconds_; }
     [[nodiscard]] std::size_t bytes() const override { return static_cast<std::size_t>(bytes_); }
 
-    void prepare(std::span<const Ray> rays) override
+    void prepare(std::span<const Ray> rays, Coherence coherence) override
     {
+        flags_ = coherence == Coherence::coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT
+                                                  : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
         hits_.assign(rays.size(), RTCRayHit{});
         for (std::size_t i = 0; i < rays.size(); ++i) {
             RTCRay& ray = hits_[i].ray;
@@ -87,7 +89,7 @@ public:
     {
         RTCIntersectContext context;
         rtcInitIntersectContext(&context);
-        context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+        context.flags = flags_;
         rtcIntersect1M(scene_, &context, hits_.data(), static_cast<unsigned>(hits_.size()),
                        sizeof(hits_[0]));
     }
@@ -101,7 +103,7 @@ public:
     {
         RTCIntersectContext context;
         rtcInitIntersectContext(&context);
-        context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+        context.flags = flags_;
         rtcOccluded1M(scene_, &context, rays_.data(), static_cast<unsigned>(rays_.size()),
                       sizeof(rays_[0]));
     }
@@ -119,6 +121,7 @@ private:
     RTCDevice device_;
     RTCScene scene_ = nullptr;
     double seconds_ = 0;
+    RTCIntersectContextFlags flags_ = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     std::vector<RTCRayHit> hits_;
     std::vector<RTCRay> rays_;
 };

@@ -21,7 +21,7 @@ public:
     [[nodiscard]] std::string name() const override { return "proxima"; }
     [[nodiscard]] double build_seconds() const override { return seconds_; }
     [[nodiscard]] std::size_t bytes() const override { return index_.bytes(); }
-    void prepare(std::span<const Ray> rays) override
+    void prepare(std::span<const Ray> rays, Coherence /*coherence*/) override
     {
         rays_ = rays;
         hits_.assign(rays.size(), std::nullopt);

@@ -80,7 +80,7 @@ void race(const RaySet& set, std::span<const std::unique_ptr<RayPeer>> peers, in
             const std::size_t i = (turn + static_cast<std::size_t>(round)) % peers.size();
             RayPeer& peer = *peers[i];
             for (std::size_t k = 0; k < pass_kinds.size(); ++k) {
-                peer.prepare(set.rays);
+                peer.prepare(set.rays, set.coherence);
                 const double start = processor_seconds();
                 (peer.*pass_kinds[k].pass)();
                 PassResult& result = results[i][k];

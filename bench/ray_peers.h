@@ -20,6 +20,9 @@ struct PeerHit {
     double t = std::numeric_limits<double>::infinity();
 };
 
+/// Whether neighbours of a set go the same way.
+enum class Coherence : std::uint8_t { coherent, incoherent };
+
 /// One way to cast; prepared for a set by prepare(), so that conversions are not timed.
 class RayPeer {
 public:
@@ -31,7 +34,7 @@ public:
     [[nodiscard]] virtual std::string name() const = 0;
     [[nodiscard]] virtual double build_seconds() const = 0;
     [[nodiscard]] virtual std::size_t bytes() const = 0;
-    virtual void prepare(std::span<const Ray> rays) = 0;
+    virtual void prepare(std::span<const Ray> rays, Coherence coherence) = 0;
     /// The closest hits, ray by ray and as a batch; any hits. To be read by hit() and was_hit().
     virtual void cast_closest() = 0;
     virtual void cast_closest_together() = 0;

@@ -28,12 +28,13 @@ std::array<RaySet, 2> ray_sets(const TriangleMesh& mesh, std::size_t side, std::
 {
     const Box box = bounding_box(mesh);
     const double radius = 0.5 * box.extent().norm();
-    std::array<RaySet, 2> sets = {{{"coherent", {}}, {"incoherent", {}}}};
+    std::array<RaySet, 2> sets = {
+        {{"coherent", Coherence::coherent, {}}, {"incoherent", Coherence::incoherent, {}}}};
 
     constexpr double half_angle_tangent = 0.4;
     const double sine = half_angle_tangent / std::hypot(1.0, half_angle_tangent);
     const Vec3 toward_eye = Vec3(0.3, 0.4, 1.0).normalized();
-    const Vec3 eye = box.center() + radius / sine * toward_eye;
+    const Vec3 eye = box.center() + 0.5 * box.extent().maxCoeff() / sine * toward_eye;
     const Vec3 right = Vec3::UnitY().cross(toward_eye).normalized();
     const Vec3 up = toward_eye.cross(right);
     for (std::size_t y = 0; y < side; ++y) {

@@ -1,13 +1,14 @@
 // The sets of rays that casting is timed with.
 //
-//     coherent    primary rays of a square camera, the model's sphere filling the frame, row by row
-//     incoherent  between two points uniform on the sphere around the mesh's box
+//     coherent    primary rays of a square camera, the model's longest side filling the frame, row
+//     by row incoherent  between two points uniform on the sphere around the mesh's box
 //
 // All numbers are floats, so that every peer casts the same rays.
 #pragma once
 
 #include "proxima/geometry/ray.h"
 #include "proxima/mesh/triangle_mesh.h"
+#include "ray_peers.h"
 
 #include <array>
 #include <cstdint>
@@ -17,6 +18,7 @@ namespace proxima::bench {
 
 struct RaySet {
     const char* name;
+    Coherence coherence;
     std::vector<Ray> rays;
 };
 

@@ -34,6 +34,7 @@ Image draw_weights(const Octree& octree, std::span<const Ray> rays, const Pictur
                    Threads threads, Progress* progress)
 {
     Image image = empty_image(size);
+    constexpr double opacity = 0.3;
     const Color yellow = srgb(0xFFE23D);
     if (progress != nullptr)
         progress->begin_stage("casting rays", static_cast<std::uint64_t>(size.height));
@@ -47,7 +48,7 @@ Image draw_weights(const Octree& octree, std::span<const Ray> rays, const Pictur
                 const double edge = octree.box(at.cell).extent().maxCoeff();
                 weight += at.penetration * at.chord / edge;
             });
-            put_pixel(image, pixel, yellow * static_cast<float>(1 - std::exp(-weight)));
+            put_pixel(image, pixel, yellow * static_cast<float>(1 - std::exp(-opacity * weight)));
         }
         if (progress != nullptr) progress->advance(1);
     });

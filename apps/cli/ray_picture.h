@@ -14,7 +14,7 @@
 namespace proxima {
 
 /// From black to yellow by how much of the ray is seen in cells that hold triangles: each lets
-/// exp(-penetration * chord / its edge) of the light behind it through. \pre a ray per pixel
+/// exp(-0.3 penetration * chord / its edge) of the light behind it through. \pre a ray per pixel
 [[nodiscard]] Image draw_weights(const Octree& octree, std::span<const Ray> rays,
                                  const PictureSize& size, Threads threads, Progress* progress);
 

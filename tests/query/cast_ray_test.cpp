@@ -178,10 +178,10 @@ TEST(CastRay, NeverLeavesAConvexMeshThroughAGap)
 
 TEST(CastRay, BatchesAnswerAsSingleRaysForAnyNumberOfThreads)
 {
-    const TriangleMesh torus = torus_mesh(1.0, 0.4, 60, 40);
+    const TriangleMesh torus = torus_mesh(1.0, 0.4, 24, 16);
     const RayIndex index = index_of(torus);
-    const std::vector<Ray> rays = rays_for(torus, 10'000, 11);
-    for (const int threads : {1, 2, 5}) {
+    const std::vector<Ray> rays = rays_for(torus, 5000, 11);
+    for (const int threads : {1, 3}) {
         for (const Faces faces : all_faces) {
             const RayBatchOptions options{.faces = faces, .threads = {threads}};
             std::vector<std::optional<RayHit>> closest(rays.size());
@@ -205,7 +205,7 @@ TEST(CastRay, BatchesAnswerAsSingleRaysForAnyNumberOfThreads)
 
 TEST(CastRay, AnswersTheSameOnEveryInstructionSetWithoutAllocating)
 {
-    const TriangleMesh torus = torus_mesh(1.0, 0.4, 40, 30);
+    const TriangleMesh torus = torus_mesh(1.0, 0.4, 24, 16);
     const RayIndex index = index_of(torus);
     const std::vector<Ray> rays = rays_for(torus, 4000, 13);
     std::vector<std::optional<RayHit>> truth;

@@ -1,12 +1,15 @@
 #include "proxima/query/build_ray_index.h"
 
+#include "proxima/base/grow_buffer.h"
 #include "proxima/base/text.h"
 #include "proxima/query/ray_tree.h"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <limits>
+#include <memory>
 #include <vector>
 
 namespace proxima {
@@ -87,10 +90,22 @@ std::uint16_t upper_half(double value) noexcept
 
 } // namespace
 
+/// On huge pages where the system has them: rays jump about in it.
 struct RayIndexStorage {
-    std::vector<RayBlock> blocks;
-    std::vector<RayRow<float>> float_rows;
-    std::vector<RayRow<double>> double_rows;
+    GrowBuffer<std::byte> memory; ///< of the blocks, and room to align them
+    std::span<const RayBlock> blocks;
+    GrowBuffer<RayRow<float>> float_rows;
+    GrowBuffer<RayRow<double>> double_rows;
+
+    void take(std::span<const RayBlock> made)
+    {
+        memory.resize(made.size_bytes() + alignof(RayBlock));
+        void* first = memory.data();
+        std::size_t room = memory.size();
+        first = std::align(alignof(RayBlock), made.size_bytes(), first, room);
+        std::memcpy(first, made.data(), made.size_bytes());
+        blocks = {static_cast<const RayBlock*>(first), made.size()};
+    }
 };
 
 // Writes the blocks of a tree, depth first.
@@ -101,9 +116,9 @@ public:
     bool write_blocks(Progress* progress)
     {
         StageSteps steps(progress, "writing ray index", tree_.order.size());
-        storage_.blocks.resize(2);
+        blocks_.resize(2);
         // The empty leaf that unused places refer to.
-        storage_.blocks[empty_leaf].leaf = {};
+        blocks_[empty_leaf].leaf = {};
         std::vector<Pending> pending;
         constexpr double root_extent = 2.1; // rays come from the box [-1.01, 1.01]
         root_ = 1U | (tree_.is_leaf(tree_.root()) ? ray_leaf_bit : 0U);
@@ -134,6 +149,7 @@ public:
 
     RayIndex result()
     {
+        storage_.take(blocks_);
         auto storage = std::make_shared<const RayIndexStorage>(std::move(storage_));
         RayIndex result;
         result.center_ = tree_.frame.center;
@@ -141,8 +157,8 @@ public:
         result.root_ = root_;
         result.triangle_count_ = static_cast<std::uint32_t>(tree_.order.size());
         result.blocks_ = storage->blocks;
-        result.float_rows_ = storage->float_rows;
-        result.double_rows_ = storage->double_rows;
+        result.float_rows_ = storage->float_rows.span();
+        result.double_rows_ = storage->double_rows.span();
         result.storage_ = std::move(storage);
         return result;
     }
@@ -159,7 +175,7 @@ private:
     };
 
     template <class Scalar>
-    void fill_rows(std::vector<RayRow<Scalar>>& rows, Threads threads)
+    void fill_rows(GrowBuffer<RayRow<Scalar>>& rows, Threads threads)
     {
         rows.resize(tree_.order.size());
         constexpr std::size_t per_task = 4096;
@@ -231,9 +247,9 @@ private:
     {
         found_.clear();
         open(at.child, ray_width, found_);
-        const auto first = static_cast<std::uint32_t>(storage_.blocks.size());
-        storage_.blocks.resize(first + found_.size());
-        RayNode& node = storage_.blocks[at.block].node;
+        const auto first = static_cast<std::uint32_t>(blocks_.size());
+        blocks_.resize(first + found_.size());
+        RayNode& node = blocks_[at.block].node;
         const RayBox& box = tree_.box(at.child);
         std::array<GridAxis, 3> grid;
         for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -293,12 +309,13 @@ private:
         leaf.first_row = at.child.first;
         leaf.count = static_cast<std::uint16_t>(at.child.count);
         leaf.extent_bits = upper_half(at.extent + 4 * own_margin);
-        storage_.blocks[at.block].leaf = leaf;
+        blocks_[at.block].leaf = leaf;
     }
 
     const TriangleMesh& mesh_;
     const RayTree& tree_;
     std::uint32_t root_ = 0;
+    std::vector<RayBlock> blocks_;
     RayIndexStorage storage_;
     std::vector<Child> found_; ///< of the node being written
 };

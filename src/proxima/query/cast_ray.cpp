@@ -1,7 +1,6 @@
 #include "proxima/query/cast_ray.h"
 
 #include "proxima/base/text.h"
-#include "proxima/geometry/ray_triangle.h"
 #include "proxima/query/open_ray.h"
 
 #include <algorithm>
@@ -42,9 +41,8 @@ HWY_BEFORE_NAMESPACE();
 namespace proxima::HWY_NAMESPACE {
 
 /// Every hit, as it comes.
-template <class Scalar>
 struct AllSearch {
-    std::span<const RayRow<Scalar>> rows;
+    const RayIndex& index;
     VisitPlacedHit visit;
     void* context;
 
@@ -52,23 +50,13 @@ struct AllSearch {
     {
         for (std::uint32_t left = candidates.lanes; left != 0; left &= left - 1) {
             const auto lane = static_cast<std::uint32_t>(std::countr_zero(left));
-            if (const auto hit = ask(rows, leaf.first_row + lane, ray))
+            if (const auto hit = ask_row(index, leaf.first_row + lane, ray))
                 visit(context, ray.place, *hit);
         }
         return true;
     }
     HWY_INLINE void settle(OpenRay& /*ray*/) const {}
 };
-
-/// Calls use(rows) with the rows that the index has.
-template <class Use>
-HWY_INLINE void with_rows(const RayIndex& index, const Use& use)
-{
-    if (index.double_rows().empty())
-        use(index.float_rows());
-    else
-        use(index.double_rows());
-}
 
 template <class Search>
 HWY_INLINE void walk(const RayIndex& index, const Search& search, OpenRay& ray)
@@ -77,6 +65,8 @@ HWY_INLINE void walk(const RayIndex& index, const Search& search, OpenRay& ray)
     RayPlace at = ray.at;
     const RayBlock* const blocks = index.blocks().data();
     while (step(blocks, search, ray, at)) {
+        // The one to come after it, behind which the end is the first.
+        if (at.pending > 1) prefetch_block(blocks[ray.references[at.pending - 1] & ~ray_leaf_bit]);
     }
     search.settle(ray);
 }
@@ -116,30 +106,28 @@ HWY_INLINE void walk_together(const RayIndex& index, const Search& search, const
 
 void walk_to_closest(const RayIndex& index, OpenRay& ray)
 {
-    with_rows(index, [&](const auto& rows) { walk(index, ClosestSearch{rows}, ray); });
+    walk(index, ClosestSearch{index}, ray);
 }
 void walk_to_any(const RayIndex& index, OpenRay& ray)
 {
-    with_rows(index, [&](const auto& rows) { walk(index, AnySearch{rows}, ray); });
+    walk(index, AnySearch{index}, ray);
 }
 void walk_to_all(const RayIndex& index, OpenRay& ray, VisitPlacedHit visit, void* context)
 {
-    with_rows(index, [&](const auto& rows) { walk(index, AllSearch{rows, visit, context}, ray); });
+    walk(index, AllSearch{index, visit, context}, ray);
 }
 void walk_all_to_closest(const RayIndex& index, const RaySource& source)
 {
-    with_rows(index, [&](const auto& rows) { walk_together(index, ClosestSearch{rows}, source); });
+    walk_together(index, ClosestSearch{index}, source);
 }
 void walk_all_to_any(const RayIndex& index, const RaySource& source)
 {
-    with_rows(index, [&](const auto& rows) { walk_together(index, AnySearch{rows}, source); });
+    walk_together(index, AnySearch{index}, source);
 }
 void walk_all_to_all(const RayIndex& index, const RaySource& source, VisitPlacedHit visit,
                      void* context)
 {
-    with_rows(index, [&](const auto& rows) {
-        walk_together(index, AllSearch{rows, visit, context}, source);
-    });
+    walk_together(index, AllSearch{index, visit, context}, source);
 }
 
 } // namespace proxima::HWY_NAMESPACE
@@ -162,14 +150,10 @@ namespace {
 template <class Visit>
 void ask_all(const RayIndex& index, const Ray& ray, Faces faces, const Visit& visit)
 {
-    const auto ask_rows = [&](const auto& rows) {
-        for (const auto& row : rows) {
-            const auto hit = intersect(ray, row.triangle(), faces);
-            if (hit && !visit(RayHit{hit->t, TriangleId{row.id}, hit->u, hit->v})) return;
-        }
-    };
-    ask_rows(index.float_rows());
-    ask_rows(index.double_rows());
+    for (std::uint32_t row = 0; row < index.triangle_count(); ++row) {
+        const auto hit = ask_row(index, row, ray, faces);
+        if (hit && !visit(*hit)) return;
+    }
 }
 
 std::optional<RayHit> ask_for_closest(const RayIndex& index, const Ray& ray, Faces faces)

@@ -1,5 +1,7 @@
 #include "proxima/query/open_ray.h"
 
+#include "proxima/geometry/ray_triangle.h"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -13,11 +15,11 @@ constexpr double too_far = 0x1p40;
 constexpr double far = 0x1p26; // moving an origin from nearer costs less than half a float's ulp
 constexpr std::uint64_t exponent_bits = 0x7FF0000000000000U;
 
+/// A float below the value, and one above, by little; infinity where that is.
 float rounded_down(double value) noexcept
 {
-    constexpr double most = std::numeric_limits<float>::max();
-    const auto nearest = static_cast<float>(std::clamp(value, -most, most));
-    return nearest - std::abs(nearest) * 0x1p-23F;
+    const auto nearest = static_cast<float>(value);
+    return nearest - std::min(std::abs(nearest), 0x1p100F) * 0x1p-23F;
 }
 float rounded_up(double value) noexcept
 {
@@ -117,6 +119,25 @@ RayStart open_ray(const RayIndex& index, const Ray& ray, Faces faces, OpenRay& o
     open.nearness[0] = -std::numeric_limits<float>::infinity();
     open.at = {index.root(), 1};
     return RayStart::ready;
+}
+
+namespace {
+
+template <class Scalar>
+std::optional<RayHit> ask_triangle(const RayRow<Scalar>& row, const Ray& ray, Faces faces) noexcept
+{
+    const auto hit = intersect(ray, row.triangle(), faces);
+    if (!hit) return std::nullopt;
+    return RayHit{hit->t, TriangleId{row.id}, hit->u, hit->v};
+}
+
+} // namespace
+
+std::optional<RayHit> ask_row(const RayIndex& index, std::uint32_t row, const Ray& ray,
+                              Faces faces) noexcept
+{
+    return index.double_rows().empty() ? ask_triangle(index.float_rows()[row], ray, faces)
+                                       : ask_triangle(index.double_rows()[row], ray, faces);
 }
 
 } // namespace proxima

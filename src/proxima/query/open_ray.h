@@ -12,6 +12,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 namespace proxima {
 
@@ -79,5 +80,21 @@ enum class RayStart : std::uint8_t {
 /// Sets everything up. The ray must outlive `open`.
 [[nodiscard]] RayStart open_ray(const RayIndex& index, const Ray& ray, Faces faces,
                                 OpenRay& open) noexcept;
+
+/// Asks a triangle of the index in doubles.
+[[nodiscard]] std::optional<RayHit> ask_row(const RayIndex& index, std::uint32_t row,
+                                            const Ray& ray, Faces faces) noexcept;
+[[nodiscard]] inline std::optional<RayHit> ask_row(const RayIndex& index, std::uint32_t row,
+                                                   const OpenRay& open) noexcept
+{
+    return ask_row(index, row, *open.ray, open.faces);
+}
+
+/// Where a triangle's row lies, to have it fetched.
+[[nodiscard]] inline const void* row_address(const RayIndex& index, std::uint32_t row) noexcept
+{
+    if (index.double_rows().empty()) return &index.float_rows()[row];
+    return &index.double_rows()[row];
+}
 
 } // namespace proxima

@@ -14,7 +14,6 @@
 #define PROXIMA_QUERY_WALK_RAY_INL_H
 #endif
 
-#include "proxima/geometry/ray_triangle.h"
 #include "proxima/query/open_ray.h"
 
 #include <bit>
@@ -283,20 +282,9 @@ HWY_INLINE void look_at_leaf(const RayLeaf& leaf, const OpenRay& ray, LeafCandid
     }
 }
 
-/// A triangle of the index, in doubles.
-template <class Scalar>
-HWY_INLINE std::optional<RayHit> ask(std::span<const RayRow<Scalar>> rows, std::uint32_t row,
-                                     const OpenRay& ray)
-{
-    const auto hit = intersect(*ray.ray, rows[row].triangle(), ray.faces);
-    if (!hit) return std::nullopt;
-    return RayHit{hit->t, TriangleId{rows[row].id}, hit->u, hit->v};
-}
-
 /// The closest hit so far: computed where it must be, noted where that can wait.
-template <class Scalar>
 struct ClosestSearch {
-    std::span<const RayRow<Scalar>> rows;
+    const RayIndex& index;
 
     HWY_INLINE void keep(OpenRay& ray, const RayHit& hit) const
     {
@@ -310,7 +298,7 @@ struct ClosestSearch {
     HWY_INLINE void settle(OpenRay& ray) const
     {
         if (ray.best_row == OpenRay::no_row) return;
-        if (const auto hit = ask(rows, ray.best_row, ray)) keep(ray, *hit);
+        if (const auto hit = ask_row(index, ray.best_row, ray)) keep(ray, *hit);
     }
     /// False to end the search.
     HWY_INLINE bool take(const RayLeaf& leaf, const LeafCandidates& candidates, OpenRay& ray) const
@@ -322,14 +310,14 @@ struct ClosestSearch {
                 if (candidates.least[lane] > ray.most) continue;
                 if (candidates.most[lane] < ray.best_least) {
                     ray.best_row = row;
-                    hwy::Prefetch(&rows[row]);
+                    hwy::Prefetch(row_address(index, row));
                     ray.best_least = candidates.least[lane];
                     ray.most = candidates.most[lane];
                     continue;
                 }
             }
             settle(ray);
-            const auto hit = ask(rows, row, ray);
+            const auto hit = ask_row(index, row, ray);
             if (hit && (!ray.found || hit->before(ray.best))) keep(ray, *hit);
         }
         return true;
@@ -337,16 +325,15 @@ struct ClosestSearch {
 };
 
 /// Whether there is a hit.
-template <class Scalar>
 struct AnySearch {
-    std::span<const RayRow<Scalar>> rows;
+    const RayIndex& index;
 
     HWY_INLINE bool take(const RayLeaf& leaf, const LeafCandidates& candidates, OpenRay& ray) const
     {
         ray.found = candidates.sure != 0;
         for (std::uint32_t left = candidates.lanes; left != 0 && !ray.found; left &= left - 1) {
             const auto lane = static_cast<std::uint32_t>(std::countr_zero(left));
-            ray.found = ask(rows, leaf.first_row + lane, ray).has_value();
+            ray.found = ask_row(index, leaf.first_row + lane, ray).has_value();
         }
         return !ray.found;
     }
