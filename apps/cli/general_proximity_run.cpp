@@ -25,6 +25,7 @@ using Json = nlohmann::ordered_json;
 /// One octree, counted and tried.
 struct GeneralRow {
     int depth = 0;
+    std::size_t triangles = 0; ///< of the mesh
     double seconds = 0;
     std::uint64_t bytes = 0;
     std::optional<std::uint64_t> peak_bytes; ///< rise of the process' memory while building
@@ -79,6 +80,7 @@ Result<std::vector<GeneralRow>> build_rows(const ProximityCommandOptions& option
         if (!octree) return tl::unexpected(octree.error());
         GeneralRow row;
         row.depth = depth;
+        row.triangles = mesh.triangle_count();
         row.seconds = watch.seconds();
         row.bytes = octree->bytes();
         row.peak_bytes = memory.bytes();
@@ -88,7 +90,6 @@ Result<std::vector<GeneralRow>> build_rows(const ProximityCommandOptions& option
         if (!options.histograms.empty()) {
             const LeafLists lists = list_lengths(*octree);
             row.lists = list_statistics(lists.lengths, lists.volumes);
-            row.lists.cells = row.counts.leaves; // some stand joined among the lengths
         }
         rows.push_back(std::move(row));
         if (Status status = session.check_running(); !status) return tl::unexpected(status.error());
@@ -114,6 +115,7 @@ Json json_of(const GeneralRow& row)
             {"expected_list", row.counts.expected_list},
             {"blocks", row.counts.blocks},
             {"leaves", row.counts.leaves},
+            {"searched_leaves", row.counts.searched_leaves},
             {"query_ns_median", row.timing.median},
             {"query_ns_max", row.timing.max},
             {"peak_bytes", peak}};
@@ -167,11 +169,18 @@ std::string promise_of(const GeneralRow& row)
     const auto many = [](std::uint32_t count, const char* what) {
         return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
     };
+    std::string searched;
+    if (counts.searched_leaves != 0) {
+        searched = fmt::format("In {} of {} leaves, which have no list, it looks at up to {} of 8 "
+                               "triangles in the tree over all.\n",
+                               counts.searched_leaves, counts.leaves,
+                               many(search_groups(row.triangles), "group"));
+    }
     return fmt::format(
-        "A query in the root takes at most {} down and {} of triangles.\n"
+        "A query in the root takes at most {} down and {} of triangles.\n{}"
         "About {:.0f} ns, {:.0f} ns at most: estimated from {} queries timed here one by one\n",
         many(counts.worst_case_steps, "step"), many(counts.worst_case_blocks, "block"),
-        row.timing.median, row.timing.max, row.timing.queries);
+        searched, row.timing.median, row.timing.max, row.timing.queries);
 }
 
 std::string peak_of(const GeneralRow& row, std::uint64_t budget)

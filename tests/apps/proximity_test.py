@@ -15,7 +15,7 @@ ROW_KEYS = ["depth", "nodes", "references", "bytes", "seconds", "max_depth", "ma
 THESIS = ("proximity", "--method", "thesis")
 GENERAL_KEYS = ["model", "triangles", "method", "margin", "budget_bytes"]
 GENERAL_ROW_KEYS = ["depth", "nodes", "references", "bytes", "seconds", "max_depth", "max_list", "mean_list",
-                    "worst_case_steps", "worst_case_blocks", "expected_list", "blocks", "leaves", "query_ns_median",
+                    "worst_case_steps", "worst_case_blocks", "expected_list", "blocks", "leaves", "searched_leaves", "query_ns_median",
                     "query_ns_max", "peak_bytes"]
 CURVE_KEYS = ["model", "triangles", "method", "margin", "queries_per_set", "left_out", "enough", "rows"]
 CURVE_ROW_KEYS = ["budget_bytes_per_triangle", "bytes_per_triangle", "seconds", "ns_a", "ns_b", "ns_c", "worst_case_blocks"]
@@ -59,7 +59,7 @@ class General(ProgramTest):
         self.assertEqual([result[key] for key in GENERAL_KEYS], ["torus:40x20", 1600, "general", 0.5, 960000])
         self.assertLessEqual(result["bytes"], 960000)
         self.assertEqual(result["leaves"], (7 * result["nodes"] + 1) // 8)
-        self.assertAlmostEqual(result["mean_list"], result["references"] / result["leaves"])
+        self.assertAlmostEqual(result["mean_list"], result["references"] / (result["leaves"] - result["searched_leaves"]))
         self.assertLessEqual(result["mean_list"], result["max_list"])
         self.assertLessEqual(result["query_ns_median"], result["query_ns_max"])
         self.assertGreater(result["query_ns_median"], 0)
@@ -70,6 +70,13 @@ class General(ProgramTest):
         self.assertIn("at most %d steps down" % result["worst_case_steps"], text)
         self.assertIn("and %d blocks of triangles" % result["worst_case_blocks"], text)
         self.assertRegex(text, r"About \d+ ns, \d+ ns at most")
+
+    def test_leaves_without_a_list_are_told(self):
+        tight = ("proximity", "torus:100x50", "--budget-mb", 2)
+        result = self.json_of(*tight)
+        self.assertGreater(result["searched_leaves"], 0)
+        self.assertIn("In %d of %d leaves" % (result["searched_leaves"], result["leaves"]), self.succeed(*tight))
+        self.assertLessEqual(result["bytes"], 2_000_000)
 
     def test_peak_memory(self):
         result = self.json_of("proximity", "torus:100x50", "--budget-mb", 6)
