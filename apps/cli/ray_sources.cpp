@@ -27,9 +27,10 @@ bool begins_with_range(const std::string& path)
 Result<NumberTable> read_table(const std::string& path, Progress* progress)
 {
     const NumberTableOptions options{.progress = progress};
-    if (lower_case_extension(path) != ".npy")
+    if (lower_case_extension(path) != ".npy") {
         return read_number_table(path, begins_with_range(path) ? long_columns : short_columns,
                                  options);
+    }
     auto table = read_number_table(path, short_columns, options);
     if (table || table.error().code != ErrorCode::malformed_file) return table;
     auto longer = read_number_table(path, long_columns, options);

@@ -58,9 +58,10 @@ Status check_options(const RaycastOptions& options, const Session& session)
     const bool picture = is_picture(options);
     if (picture && options.camera.empty())
         return fail(ErrorCode::invalid_argument, "a picture needs --camera", options.out);
-    if (options.shade && !picture)
+    if (options.shade && !picture) {
         return fail(ErrorCode::invalid_argument, "--shade needs --camera and --out F.png",
                     "raycast");
+    }
     if (options.out.empty() || picture) return session.check_outputs({options.out});
     if (const auto format = answer_format(options.out); !format)
         return tl::unexpected(format.error());
@@ -235,10 +236,11 @@ Status run_raycast(const RaycastOptions& options, Session& session)
         {"queries", queries},     {"seconds", casting.seconds},
         {"ns_per_query", each},   {"build_seconds", casting.build_seconds},
         {"bytes", bytes}};
-    if (cells)
+    if (cells) {
         json["cells"] = casting.cells;
-    else
+    } else {
         json["hits"] = casting.hits;
+    }
     return session.write_json(json);
 }
 

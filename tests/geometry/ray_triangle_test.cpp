@@ -109,9 +109,10 @@ public:
     Point operator()(std::int64_t reach)
     {
         Point p;
-        for (std::int64_t& x : p)
+        for (std::int64_t& x : p) {
             x = static_cast<std::int64_t>(random_() % static_cast<std::uint64_t>(2 * reach + 1)) -
                 reach;
+        }
         return p;
     }
 

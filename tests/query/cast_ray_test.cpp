@@ -32,6 +32,7 @@ std::vector<Ray> rays_for(const TriangleMesh& mesh, int count, std::uint64_t see
 {
     RayGenerator generate(mesh, seed);
     std::vector<Ray> rays;
+    rays.reserve(count);
     for (int i = 0; i < count; ++i) rays.push_back(generate());
     return rays;
 }
@@ -209,6 +210,7 @@ TEST(CastRay, AnswersTheSameOnEveryInstructionSetWithoutAllocating)
     const RayIndex index = index_of(torus);
     const std::vector<Ray> rays = rays_for(torus, 4000, 13);
     std::vector<std::optional<RayHit>> truth;
+    truth.reserve(rays.size());
     for (const Ray& ray : rays) truth.push_back(closest_hit(index, ray));
     std::array<RayHit, 4> first_hits;
     for (const SimdTarget& target : simd_targets()) {
@@ -239,7 +241,7 @@ TEST(CastRay, KeepsTheFirstOfManyHits)
     std::vector<TriangleCorners> triangles;
     for (std::uint32_t i = 0; i < 50; ++i) {
         for (const Vec3& corner : {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)})
-            positions.push_back(corner + Vec3(0, 0, (i * 7) % 50));
+            positions.emplace_back(corner + Vec3(0, 0, (i * 7) % 50));
         triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
     }
     const TriangleMesh mesh = mesh_of(positions, triangles);

@@ -29,7 +29,7 @@ Octree whole_octree(std::uint64_t seed, int depth)
             const double x = coordinate();
             const double y = coordinate();
             positions.emplace_back(x, y, coordinate());
-            if (corner > 0) positions.back() = 0.9 * positions[3 * i] + 0.1 * positions.back();
+            if (corner > 0) positions.back() = 0.9 * positions[std::size_t{3} * i] + 0.1 * positions.back();
         }
         triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
     }
@@ -93,8 +93,8 @@ std::optional<Stretch> stretch_in(const WholeRay& ray, const Box& box, std::int6
             continue;
         }
         const std::int64_t sign = d > 0 ? 1 : -1;
-        const Fraction near{sign * ((d > 0 ? lower : upper) - o), sign * d};
-        const Fraction far{sign * ((d > 0 ? upper : lower) - o), sign * d};
+        const Fraction near{Wide{sign} * ((d > 0 ? lower : upper) - o), Wide{sign} * d};
+        const Fraction far{Wide{sign} * ((d > 0 ? upper : lower) - o), Wide{sign} * d};
         if (stretch.enter < near) stretch.enter = near;
         if (far < stretch.exit) stretch.exit = far;
     }
@@ -137,8 +137,9 @@ TEST(CellsAlongRay, AreThoseOfSlabsOverAllLeavesInOrder)
                 const Octree& octree;
                 const WholeRay& ray;
                 std::vector<Truth>& truth;
-                bool should_enter(const Cell& /*cell*/) const { return true; }
-                Flow visit_leaf(const Cell& cell, std::span<const TriangleId> /*ids*/) const
+                [[nodiscard]] bool should_enter(const Cell& /*cell*/) const { return true; }
+                [[nodiscard]] Flow visit_leaf(const Cell& cell,
+                                              std::span<const TriangleId> /*ids*/) const
                 {
                     if (const auto found = stretch_in(ray, octree.box(cell), root))
                         truth.push_back({cell.key, *found});

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace proxima {
 namespace {
@@ -71,7 +72,8 @@ struct Conditioned {
     Triangle triangle;
     bool is_exact = true; ///< nothing was left out
 
-    Conditioned(const Ray& given, const Triangle& corners) noexcept : ray(given), triangle(corners)
+    Conditioned(Ray given, Triangle corners) noexcept
+        : ray(std::move(given)), triangle(std::move(corners))
     {
         condition(std::array<Vec3*, 4>{&ray.origin, &triangle.vertices[0], &triangle.vertices[1],
                                        &triangle.vertices[2]});

@@ -41,7 +41,7 @@ struct GridAxis {
         constexpr double steps = 253;
         GridAxis axis;
         axis.step = static_cast<float>((upper - lower + 2 * own_margin) / steps);
-        const double step = static_cast<double>(axis.step);
+        const auto step = static_cast<double>(axis.step);
         axis.origin = static_cast<float>(lower - own_margin - step - 32768 * step);
         return axis;
     }
@@ -61,7 +61,7 @@ struct GridAxis {
 private:
     [[nodiscard]] double steps_to(double value) const noexcept
     {
-        const double step_size = static_cast<double>(step);
+        const auto step_size = static_cast<double>(step);
         return (value - static_cast<double>(origin) - 32768 * step_size) / step_size;
     }
     static std::uint8_t to_byte(double steps) noexcept
@@ -141,10 +141,11 @@ public:
         bool all_floats = true;
         for (const Vec3& p : mesh_.positions())
             all_floats = all_floats && is_float(p.x()) && is_float(p.y()) && is_float(p.z());
-        if (all_floats)
+        if (all_floats) {
             fill_rows(storage_.float_rows, threads);
-        else
+        } else {
             fill_rows(storage_.double_rows, threads);
+        }
     }
 
     RayIndex result()
@@ -184,10 +185,12 @@ private:
             for (std::size_t i = task * per_task; i < end; ++i) {
                 rows[i].id = index(tree_.order[i]);
                 const Triangle triangle = mesh_.triangle(tree_.order[i]);
-                for (std::size_t corner = 0; corner < 3; ++corner)
-                    for (std::size_t axis = 0; axis < 3; ++axis)
+                for (std::size_t corner = 0; corner < 3; ++corner) {
+                    for (std::size_t axis = 0; axis < 3; ++axis) {
                         rows[i].corners[corner][axis] = static_cast<Scalar>(
                             triangle.vertices[corner][static_cast<Eigen::Index>(axis)]);
+                    }
+                }
             }
         });
     }

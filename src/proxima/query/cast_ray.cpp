@@ -205,10 +205,11 @@ private:
             const RayStart start = open_ray(index_, rays_[place], faces_, open);
             open.place = place;
             if (start == RayStart::ready) return true;
-            if (start == RayStart::misses)
+            if (start == RayStart::misses) {
                 miss_(place);
-            else
+            } else {
                 ask_(place);
+            }
         }
         return false;
     }

@@ -59,9 +59,10 @@ struct RayRow {
     [[nodiscard]] Triangle triangle() const noexcept
     {
         Triangle result;
-        for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t i = 0; i < 3; ++i) {
             for (std::size_t axis = 0; axis < 3; ++axis)
                 result.vertices[i][static_cast<int>(axis)] = static_cast<double>(corners[i][axis]);
+        }
         return result;
     }
 };

@@ -38,9 +38,9 @@ inline constexpr std::size_t ray_lanes = HWY_MIN(8, HWY_LANES(float));
 /// For every octant, where lanes find their byte among a node's 16 of an axis: of the lower planes,
 /// then of the upper ones. It becomes the second byte of 32 bits, the others zero.
 struct PlaneShuffles {
-    alignas(64) std::uint8_t bytes[8][2][32];
+    alignas(64) std::uint8_t bytes[8][2][32]{};
 
-    constexpr PlaneShuffles() : bytes{}
+    constexpr PlaneShuffles()
     {
         for (std::uint32_t octant = 0; octant < 8; ++octant) {
             for (std::uint32_t lane = 0; lane < 8; ++lane) {
@@ -160,10 +160,11 @@ class EightFloats {
 public:
     HWY_INLINE void set(std::size_t part, RayFloats values)
     {
-        if constexpr (ray_lanes == 8)
+        if constexpr (ray_lanes == 8) {
             values_ = values;
-        else
+        } else {
             hn::Store(values, RayTag(), memory_ + ray_lanes * part);
+        }
     }
     HWY_INLINE RayFloats at(hn::Vec<RayIndexTag> places) const
     {
