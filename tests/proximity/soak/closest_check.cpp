@@ -148,13 +148,17 @@ ClosestTally ClosestCheck::check(std::span<const Vec3> points) const
             std::array<std::uint32_t, 3> at{};
             if (octree.locate(octree.frame().to_frame(p), at)) {
                 const double step_part = static_cast<double>(steps.steps) / worst.worst_case_steps;
+                // Where no leaf has a list, no block is scanned, and none may be.
                 const double block_part =
-                    static_cast<double>(steps.blocks) / worst.worst_case_blocks;
+                    steps.blocks == 0 ? 0.0
+                                      : static_cast<double>(steps.blocks) / worst.worst_case_blocks;
+                const std::uint32_t most_groups =
+                    worst.searched_leaves == 0 ? 0 : search_groups(octree.triangle_count());
                 tally.worst_steps = std::max(tally.worst_steps, step_part);
                 tally.worst_blocks = std::max(tally.worst_blocks, block_part);
-                if (!(step_part <= 1 && block_part <= 1)) {
-                    wrong =
-                        concat("worst case: ", steps.steps, " steps, ", steps.blocks, " blocks");
+                if (!(step_part <= 1 && block_part <= 1 && steps.groups <= most_groups)) {
+                    wrong = concat("worst case: ", steps.steps, " steps, ", steps.blocks,
+                                   " blocks, ", steps.groups, " groups");
                 }
             }
             if (wrong.empty()) continue;
