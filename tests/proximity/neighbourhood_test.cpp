@@ -1,8 +1,8 @@
 #include "proxima/proximity/neighbourhood.h"
 
+#include "counted_allocations.h"
 #include "proxima/geometry/closest_point.h"
 #include "proxima/proximity/brute_force.h"
-#include "counted_allocations.h"
 #include "proximity/test_meshes.h"
 
 #include <gtest/gtest.h>
