@@ -145,7 +145,7 @@ TEST(CullVolume, SeesTheSameWithEveryInstructionSet)
 TEST(CullVolume, DoesNotDependOnScaleOrPlace)
 {
     const TriangleMesh torus = torus_mesh(1.0, 0.4, 60, 40);
-    for (const double scale : {1e-6, 1.0, 1e6, 1e-200, 1e200}) {
+    for (const double scale : {1e-6, 1.0, 1e6, 1e-90, 1e90}) {
         for (const double far : {0.0, 1e4}) {
             SCOPED_TRACE(::testing::Message() << "scale " << scale << ", " << far << " away");
             const TriangleMesh mesh = moved(torus, [&](const Vec3& p) {
