@@ -1,7 +1,9 @@
 #include "cli/octree_picture.h"
 
 #include "cli/canvas.h"
+#include "proxima/geometry/view_contact.h"
 #include "proxima/octree/traverse.h"
+#include "proxima/query/cull_cells.h"
 
 #include <algorithm>
 #include <cmath>
@@ -119,18 +121,29 @@ std::vector<Vec3> vertex_normals(const TriangleMesh& mesh, StageSteps& steps)
     return normals;
 }
 
-void draw_mesh(Canvas& canvas, const Camera& camera, const TriangleMesh& mesh, Progress* progress)
+/// Whether the options' volume, if any, sees the triangle.
+bool is_seen(const PictureOptions& options, const Triangle& triangle)
+{
+    if (options.volume == nullptr) return true;
+    return options.mode == CullMode::exact ? meets_volume(*options.volume, triangle)
+                                           : passes_planes(*options.volume, triangle);
+}
+
+void draw_mesh(Canvas& canvas, const Camera& camera, const TriangleMesh& mesh,
+               const PictureOptions& options)
 {
     constexpr double smooth_below = 0.7; // cosine of the angle between a face and its smooth normal
-    const Color surface = srgb(0xE9E1D2);
+    const Color seen = options.volume == nullptr ? srgb(0xE9E1D2) : srgb(0xF2B134);
+    const Color unseen = srgb(0x8A93A0);
     const Lamps lamps(camera);
-    StageSteps steps(progress, "drawing the mesh", 2 * mesh.triangle_count(), block);
+    StageSteps steps(options.progress, "drawing the mesh", 2 * mesh.triangle_count(), block);
     const std::vector<Vec3> normals = vertex_normals(mesh, steps);
     for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
         const Triangle triangle = mesh.triangle(TriangleId{i});
         const Vec3 face = scaled_normal(triangle).normalized();
         // Seen from behind, a surface is lit as if it faced the eye: open meshes show their inside.
         const double side = face.dot(camera.eye() - triangle[0]) < 0.0 ? -1.0 : 1.0;
+        const Color& surface = is_seen(options, triangle) ? seen : unseen;
         std::array<ScreenVertex, 3> vertices;
         for (std::size_t corner = 0; corner < 3; ++corner) {
             const Vec3 smooth = normals[mesh.triangles()[i][corner]].normalized();
@@ -221,11 +234,18 @@ void draw_edges(Canvas& canvas, const Camera& camera, const Box& box, const Colo
     }
 }
 
-/// The leaves that hold triangles, fine ones first.
-std::vector<Leaf> occupied_leaves(const Octree& octree, const Progress* progress)
+/// The leaves that hold triangles and are seen, fine ones first.
+std::vector<Leaf> occupied_leaves(const Octree& octree, const PictureOptions& options)
 {
     std::vector<Leaf> leaves;
-    traverse(octree, LeafCollector{octree, leaves, progress});
+    LeafCollector collector{octree, leaves, options.progress};
+    if (options.volume == nullptr) {
+        traverse(octree, collector);
+    } else {
+        visible_cells(octree, *options.volume, options.mode, [&](const VisibleCell& at) {
+            return collector.visit_leaf(at.cell, octree.triangles(at.cell));
+        });
+    }
     const auto finer = [](const Leaf& a, const Leaf& b) { return depth(a.key) > depth(b.key); };
     std::ranges::stable_sort(leaves, finer);
     return leaves;
@@ -266,7 +286,7 @@ Result<Image> draw_octree(const Octree& octree, const TriangleMesh& mesh,
 {
     Canvas canvas(options.width, options.height, options.progress);
     canvas.fill_background(srgb(0xFBFCFE), srgb(0xE3E8EF));
-    const std::vector<Leaf> leaves = occupied_leaves(octree, options.progress);
+    const std::vector<Leaf> leaves = occupied_leaves(octree, options);
     std::vector<Vec3> corners;
     for (const Leaf& leaf : leaves) {
         for (int bits = 0; bits < 8; ++bits) corners.push_back(box_corner(leaf.box, bits));
@@ -275,9 +295,12 @@ Result<Image> draw_octree(const Octree& octree, const TriangleMesh& mesh,
     if (shown.empty()) {
         for (const Vec3& corner : corners) shown.extend(corner);
     }
+    // With a volume the whole mesh is shown, its leaves are not all there.
+    for (int bits = 0; bits < 8 && options.volume != nullptr && !shown.empty(); ++bits)
+        corners.push_back(box_corner(shown, bits));
     Camera camera(shown, options.up);
     camera.fit(corners, options);
-    draw_mesh(canvas, camera, mesh, options.progress);
+    draw_mesh(canvas, camera, mesh, options);
     if (options.progress != nullptr) options.progress->begin_stage("shading", 1);
     canvas.darken_creases(14.0, 0.55F);
     draw_leaves(canvas, camera, leaves, options.progress);
