@@ -69,15 +69,16 @@ TEST(Containment, HasAMethodForEveryMesh)
     EXPECT_EQ(inside_out.containment, a_in_b);
     EXPECT_EQ(inside_out.method, InsideMethod::crossings);
 
-    std::vector<TriangleCorners> triangles(ball(2).triangles().begin(), ball(2).triangles().end());
+    const TriangleMesh outer = ball(2);
+    std::vector<Vec3> positions(outer.positions().begin(), outer.positions().end());
+    std::vector<TriangleCorners> triangles(outer.triangles().begin(), outer.triangles().end());
     std::swap(triangles[10][0], triangles[10][1]);
-    const TriangleMesh one_flipped =
-        mesh_of({ball(2).positions().begin(), ball(2).positions().end()}, triangles);
+    const TriangleMesh one_flipped = mesh_of(positions, triangles);
     const ContainmentAnswer by_parity = ask(ball(1), one_flipped);
     EXPECT_EQ(by_parity.containment, a_in_b);
     EXPECT_EQ(by_parity.method, InsideMethod::parity);
 
-    const TriangleMesh open = without(ball(2), [](std::size_t i) { return i < 3; });
+    const TriangleMesh open = without(outer, [](std::size_t i) { return i < 3; });
     const ContainmentAnswer by_winding = ask(ball(1), open);
     EXPECT_EQ(by_winding.containment, a_in_b);
     EXPECT_EQ(by_winding.method, InsideMethod::winding_number);
@@ -86,11 +87,11 @@ TEST(Containment, HasAMethodForEveryMesh)
     EXPECT_EQ(ask(open, ball(1), shifted(Vec3(4, 0, 0))).containment, none);
 
     // Every triangle with vertices of its own: still closed.
-    std::vector<Vec3> positions;
+    positions.clear();
     triangles.clear();
-    for (const TriangleCorners& corners : ball(2).triangles()) {
+    for (const TriangleCorners& corners : outer.triangles()) {
         const auto next = static_cast<std::uint32_t>(positions.size());
-        for (const std::uint32_t corner : corners) positions.push_back(ball(2).positions()[corner]);
+        for (const std::uint32_t corner : corners) positions.push_back(outer.positions()[corner]);
         triangles.push_back({next, next + 1, next + 2});
     }
     EXPECT_EQ(ask(ball(1), mesh_of(positions, triangles)).method, InsideMethod::crossings);

@@ -238,7 +238,7 @@ TEST(IntersectOctrees, HoldsAllTrianglesThatMeet)
     EXPECT_TRUE(std::ranges::is_sorted(candidates.a));
     EXPECT_EQ(std::ranges::adjacent_find(candidates.a), candidates.a.end());
     EXPECT_GT(candidates.a.size(), 50U);
-    EXPECT_LT(candidates.a.size(), 400U); // of 1,740
+    EXPECT_LT(candidates.a.size(), 600U); // of 1,740
     std::size_t meeting = 0;
     for (std::uint32_t i = 0; i < sphere.triangle_count(); ++i) {
         for (std::uint32_t j = 0; j < sphere.triangle_count(); ++j) {

@@ -162,8 +162,13 @@ TEST(IntersectionContour, OfFacesInOnePlaneIsTheBorderOfWhatTheyShare)
     // Two cubes shifted along x share four faces in part: two rings, and the edges between them.
     const IntersectionContour shared = contour_of(cube, cube, shifted(Vec3(1, 0, 0)));
     EXPECT_EQ(shared.length(), 2 * 8 + 4 * 1);
-    // The same place: the twelve edges, and the diagonals where triangles part.
+    // The same place: all is shared, and faces meet in the twelve edges.
     EXPECT_EQ(contour_of(cube, cube, {}).length(), 12 * 2);
+    // Sheets side by side.
+    const TriangleMesh sheet = mesh_of({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 1, 0), Vec3(0, 1, 0)},
+                                       {{0, 1, 2}, {0, 2, 3}});
+    EXPECT_EQ(contour_of(sheet, sheet, shifted(Vec3(1, 0, 0))).length(), 1);
+    EXPECT_EQ(contour_of(sheet, sheet, shifted(Vec3(0.5, 0, 0))).length(), 3);
 }
 
 TEST(IntersectionContour, OfATouchIsAPointOrAnEdge)

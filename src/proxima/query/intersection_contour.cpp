@@ -72,6 +72,13 @@ private:
     std::vector<std::uint32_t> first_; ///< by rank of the id
 };
 
+/// \pre both have an area, or what is said does not matter
+bool are_in_one_plane(const Triangle& a, const Triangle& b) noexcept
+{
+    return std::ranges::all_of(
+        b.vertices, [&](const Vec3& corner) { return orient3d(a[0], a[1], a[2], corner) == 0; });
+}
+
 /// The ends of segments by name, and which ones each segment joins.
 class ContourMaker {
 public:
@@ -87,8 +94,13 @@ public:
     [[nodiscard]] IntersectionContour contour()
     {
         number_ends();
-        const std::vector<SegmentEnds> borders = odd_ones(renumbered(borders_));
+        std::vector<SegmentEnds> borders = renumbered(borders_);
+        std::ranges::sort(borders);
         std::vector<SegmentEnds> segments = renumbered(segments_);
+        for (const SegmentEnds& touch : renumbered(touches_)) {
+            if (!std::ranges::binary_search(borders, touch)) segments.push_back(touch);
+        }
+        borders = odd_ones(borders);
         segments.insert(segments.end(), borders.begin(), borders.end());
         IntersectionContour result;
         for (const JoinedLine& line : join_segments(ends_.size(), std::move(segments))) {
@@ -115,7 +127,10 @@ private:
             return static_cast<std::uint32_t>(first + i % found.size());
         };
         if (found.size() == 1) bridge(crossing, found.ends()[0], end(0));
-        if (found.size() == 2) segments_.push_back({end(0), end(1)});
+        if (found.size() == 2) {
+            auto& list = are_in_one_plane(crossing.a, crossing.b) ? touches_ : segments_;
+            list.push_back({end(0), end(1)});
+        }
         for (std::size_t i = 0; found.size() > 2 && i < found.size(); ++i)
             borders_.push_back({end(i), end(i + 1)});
     }
@@ -184,9 +199,9 @@ private:
     }
 
     /// What polygons beside each other have in common comes an even number of times.
-    static std::vector<SegmentEnds> odd_ones(std::vector<SegmentEnds> segments)
+    /// \pre sorted
+    static std::vector<SegmentEnds> odd_ones(const std::vector<SegmentEnds>& segments)
     {
-        std::ranges::sort(segments);
         std::vector<SegmentEnds> odd;
         for (const SegmentEnds& ends : segments) {
             if (!odd.empty() && odd.back() == ends) {
@@ -206,6 +221,7 @@ private:
     std::vector<ContourPoint> ends_;
     std::vector<SegmentEnds> segments_;
     std::vector<SegmentEnds> borders_;   ///< of polygons
+    std::vector<SegmentEnds> touches_;   ///< of triangles side by side in one plane
     std::vector<std::uint32_t> numbers_; ///< of the ends as added
 };
 

@@ -37,8 +37,11 @@ constexpr std::uint32_t round_chunks = 64;
 
 bool meet_beyond_corners(const Triangle& a, const Triangle& b) noexcept
 {
-    const bool share = has_corner(a, b[0]) || has_corner(a, b[1]) || has_corner(a, b[2]);
-    if (!share) return triangles_meet(a, b);
+    const int shared = static_cast<int>(has_corner(a, b[0])) +
+                       static_cast<int>(has_corner(a, b[1])) +
+                       static_cast<int>(has_corner(a, b[2]));
+    if (shared == 0) return triangles_meet(a, b);
+    if (shared == 3 && !is_degenerate(b)) return true;
     if (leaves_plane(a, b) || leaves_plane(b, a)) return false;
     const TriangleIntersection found = intersect(a, b);
     const auto is_shared = [&](const MeetingParts& parts) {
