@@ -25,5 +25,6 @@ struct Command {
 [[nodiscard]] Command add_patch_command(CLI::App& app);
 [[nodiscard]] Command add_raycast_command(CLI::App& app);
 [[nodiscard]] Command add_cull_command(CLI::App& app);
+[[nodiscard]] Command add_intersect_command(CLI::App& app);
 
 } // namespace proxima
