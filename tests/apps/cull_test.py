@@ -144,7 +144,7 @@ class Pictures(ProgramTest):
             share.append(sum(p[0] > p[2] + 60 for p in pixels) / len(pixels))
         self.assertEqual(share[0], 0)
         self.assertGreater(share[1], 0.02)
-        self.assertGreater(share[2], 1.5 * share[1])
+        self.assertGreater(share[2], 1.1 * share[1])
 
 
 class Refusing(ProgramTest):

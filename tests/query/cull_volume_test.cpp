@@ -75,7 +75,7 @@ void expect_truth(const TriangleMesh& mesh, const RayIndex& index, const ViewVol
             // As long as can be: there is a gap before each but the first.
             ASSERT_TRUE(range.first > end || (range.first == 0 && ids.empty()));
             end = range.first + range.count;
-            for (std::uint32_t row = range.first; row < end; ++row) ids.push_back(index.id(row));
+            for (std::uint32_t row = range.first; row < end; ++row) ids.push_back(index.ids()[row]);
         }
         ASSERT_LE(end, mesh.triangle_count());
         std::ranges::sort(ids);

@@ -2,7 +2,7 @@
 
 #include "proxima/base/grow_buffer.h"
 #include "proxima/base/text.h"
-#include "proxima/query/ray_block_rows.h"
+#include "proxima/query/ray_runs.h"
 #include "proxima/query/ray_tree.h"
 
 #include <algorithm>
@@ -28,7 +28,8 @@ constexpr double step_margin = 1.0 / 64;
 
 // Bytes per triangle at most: keys twice, order, boxes, nodes, rows and blocks.
 constexpr std::uint64_t scratch_bytes = 32 + 4 + 24 + sizeof(RayTreeNode);
-constexpr std::uint64_t index_bytes = sizeof(RayRow<double>) + 2 * (sizeof(RayBlock) + sizeof(RayBlockRows));
+constexpr std::uint64_t index_bytes =
+    sizeof(RayRow<double>) + sizeof(TriangleId) + 2 * sizeof(RayBlock);
 
 /// One axis of a node's grid.
 struct GridAxis {
@@ -95,9 +96,9 @@ std::uint16_t upper_half(double value) noexcept
 struct RayIndexStorage {
     GrowBuffer<std::byte> memory; ///< of the blocks, and room to align them
     std::span<const RayBlock> blocks;
-    std::vector<RayBlockRows> block_rows;
     GrowBuffer<RayRow<float>> float_rows;
     GrowBuffer<RayRow<double>> double_rows;
+    std::vector<TriangleId> ids;
 
     void take(std::span<const RayBlock> made)
     {
@@ -152,8 +153,9 @@ public:
 
     RayIndex result()
     {
+        write_runs(blocks_, root_);
         storage_.take(blocks_);
-        storage_.block_rows = rows_of_blocks(blocks_, root_);
+        storage_.ids = tree_.order;
         auto storage = std::make_shared<const RayIndexStorage>(std::move(storage_));
         RayIndex result;
         result.center_ = tree_.frame.center;
@@ -161,9 +163,9 @@ public:
         result.root_ = root_;
         result.triangle_count_ = static_cast<std::uint32_t>(tree_.order.size());
         result.blocks_ = storage->blocks;
-        result.block_rows_ = storage->block_rows;
         result.float_rows_ = storage->float_rows.span();
         result.double_rows_ = storage->double_rows.span();
+        result.ids_ = storage->ids;
         result.storage_ = std::move(storage);
         return result;
     }

@@ -6,7 +6,8 @@
 
 #include <algorithm>
 #include <bit>
-#include <numeric>
+#include <cstddef>
+#include <hwy/cache_control.h>
 
 #ifndef PROXIMA_QUERY_CULL_VOLUME_ONCE
 #define PROXIMA_QUERY_CULL_VOLUME_ONCE
@@ -209,10 +210,22 @@ struct PendingBlock {
 };
 using PendingBlocks = FixedStack<PendingBlock, 7 * RayIndex::max_levels + 1>;
 
+HWY_INLINE std::uint32_t first_row_below(const RayBlock* blocks, std::uint32_t reference)
+{
+    const RayBlock& block = blocks[reference & ~ray_leaf_bit];
+    return (reference & ray_leaf_bit) != 0 ? block.leaf.first_row : block.node.first_row;
+}
+
+HWY_INLINE void prefetch_both(const RayBlock& block)
+{
+    hwy::Prefetch(&block);
+    hwy::Prefetch(reinterpret_cast<const std::byte*>(&block) + 64);
+}
+
 HWY_INLINE void cull_node(const Culling& culling, const PendingBlock& at, PendingBlocks& pending)
 {
-    const std::uint32_t block = at.reference;
-    const RayNode& node = culling.index.blocks()[block].node;
+    const RayBlock* const blocks = culling.index.blocks().data();
+    const RayNode& node = blocks[at.reference].node;
     const NodeBoxes boxes(node);
     std::uint32_t visible = boxes.used();
     std::uint64_t cut[8] = {}; // by eights of planes: for each a byte, bits by child
@@ -229,23 +242,24 @@ HWY_INLINE void cull_node(const Culling& culling, const PendingBlock& at, Pendin
     if (visible == 0) return;
     for (std::size_t i = 0; i < 8 && at.mask >> (8 * i) != 0; ++i) cut[i] = transposed(cut[i]);
 
-    const RayBlockRows* const rows = culling.index.block_rows().data();
-    std::uint32_t order = rows[block].order;
     std::uint32_t places[8];
     std::uint32_t count = 0;
-    for (; count < 8 && (order & 15U) != RayBlockRows::no_child; order >>= 4U)
+    for (std::uint32_t order = node.order; count < 8 && (order & 15U) != RayNode::no_child;
+         order >>= 4U)
         places[count++] = order & 15U;
     std::uint32_t end = at.end;
     // The last one goes first, to come out last.
     while (count-- > 0) {
         const std::uint32_t place = places[count];
         const std::uint32_t reference = node.children[place];
-        const std::uint32_t first = rows[reference & ~ray_leaf_bit].first;
+        std::uint32_t first = node.first_row + node.starts[place];
+        if (node.starts[place] == RayNode::far_start) first = first_row_below(blocks, reference);
         if ((visible >> place & 1U) != 0) {
             PlaneMask mask = 0;
             for (std::size_t i = 0; i < 8 && at.mask >> (8 * i) != 0; ++i)
                 mask |= (cut[i] >> (8 * place) & 0xFFU) << (8 * i);
             pending.push({reference, first, end, mask});
+            if (mask != 0) prefetch_both(blocks[reference & ~ray_leaf_bit]);
         }
         end = first;
     }
@@ -395,8 +409,8 @@ void visible_triangles(const RayIndex& index, const ViewVolume& volume, CullMode
     std::vector<std::uint64_t> marks((triangles + word - 1) / word, marks_hidden ? ~0ULL : 0ULL);
     if (marks_hidden && triangles % word != 0) marks.back() = (1ULL << triangles % word) - 1;
     const auto turn = [&](std::uint32_t first, std::uint32_t end) {
-        for (std::uint32_t row = first; row < end; ++row) {
-            const std::uint32_t id = proxima::index(index.id(row));
+        for (const TriangleId triangle : index.ids().subspan(first, end - first)) {
+            const std::uint32_t id = proxima::index(triangle);
             marks[id / word] ^= 1ULL << id % word;
         }
     };

@@ -4,7 +4,7 @@
 //     std::vector<TriangleRange> ranges(4096);
 //     const std::size_t count = visible_ranges(*index, *volume, ranges);
 //
-// Ranges are of the index's order of triangles: RayIndex::id says which triangle stands where, and
+// Ranges are of the index's order of triangles: RayIndex::ids says which triangle stands where, and
 // index buffers laid out like that are drawn range by range. Whole subtrees whose box is inside or
 // outside are passed or dropped by a few comparisons. Nothing is dropped for lying behind another
 // triangle.
