@@ -2,7 +2,9 @@
 
 #include "cli/canvas.h"
 #include "cli/picture_scene.h"
+#include "proxima/geometry/view_contact.h"
 #include "proxima/octree/traverse.h"
+#include "proxima/query/cull_cells.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +18,19 @@ namespace {
 
 /// Few enough leaves to be drawn in some milliseconds.
 constexpr std::uint64_t block = 256;
+
+/// Triangles that the options' volume sees, and those that it does not.
+SurfaceColor surface_color(const TriangleMesh& mesh, const PictureOptions& options)
+{
+    if (options.volume == nullptr) return {};
+    return [&](TriangleId id) {
+        const Triangle triangle = mesh.triangle(id);
+        const bool seen = options.mode == CullMode::exact
+                              ? meets_volume(*options.volume, triangle)
+                              : passes_planes(*options.volume, triangle);
+        return seen ? srgb(0xF2B134) : srgb(0x8A93A0);
+    };
+}
 
 /// Colour of cells at `part` of the way from the coarsest leaves (0) to the finest (1).
 Color depth_color(double part)
@@ -95,11 +110,18 @@ void draw_edges(Canvas& canvas, const Camera& camera, const Box& box, const Colo
     }
 }
 
-/// The leaves that hold triangles, fine ones first.
-std::vector<Leaf> occupied_leaves(const Octree& octree, const Progress* progress)
+/// The leaves that hold triangles and are seen, fine ones first.
+std::vector<Leaf> occupied_leaves(const Octree& octree, const PictureOptions& options)
 {
     std::vector<Leaf> leaves;
-    traverse(octree, LeafCollector{octree, leaves, progress});
+    LeafCollector collector{octree, leaves, options.progress};
+    if (options.volume == nullptr) {
+        traverse(octree, collector);
+    } else {
+        visible_cells(octree, *options.volume, options.mode, [&](const VisibleCell& at) {
+            return collector.visit_leaf(at.cell, octree.triangles(at.cell));
+        });
+    }
     const auto finer = [](const Leaf& a, const Leaf& b) { return depth(a.key) > depth(b.key); };
     std::ranges::stable_sort(leaves, finer);
     return leaves;
@@ -140,7 +162,7 @@ Result<Image> draw_octree(const Octree& octree, const TriangleMesh& mesh,
 {
     Canvas canvas(options.width, options.height, options.progress);
     canvas.fill_background(srgb(0xFBFCFE), srgb(0xE3E8EF));
-    const std::vector<Leaf> leaves = occupied_leaves(octree, options.progress);
+    const std::vector<Leaf> leaves = occupied_leaves(octree, options);
     std::vector<Vec3> corners;
     for (const Leaf& leaf : leaves) {
         for (int bits = 0; bits < 8; ++bits) corners.push_back(box_corner(leaf.box, bits));
@@ -149,9 +171,12 @@ Result<Image> draw_octree(const Octree& octree, const TriangleMesh& mesh,
     if (shown.empty()) {
         for (const Vec3& corner : corners) shown.extend(corner);
     }
+    // With a volume the whole mesh is shown, its leaves are not all there.
+    for (int bits = 0; bits < 8 && options.volume != nullptr && !shown.empty(); ++bits)
+        corners.push_back(box_corner(shown, bits));
     Camera camera(shown, options.up);
     camera.fit(corners, options.width, options.height);
-    draw_mesh(canvas, camera, mesh, {}, options.progress);
+    draw_mesh(canvas, camera, mesh, surface_color(mesh, options), options.progress);
     if (options.progress != nullptr) options.progress->begin_stage("shading", 1);
     canvas.darken_creases(14.0, 0.55F);
     draw_leaves(canvas, camera, leaves, options.progress);
