@@ -119,8 +119,8 @@ TEST(SelfIntersectionAndCgal, FindTheSamePairsInMeshes)
         CGAL::Polygon_mesh_processing::self_intersections(surface, std::back_inserter(theirs));
         std::vector<TrianglePair> truth;
         for (const auto& [f, g] : theirs) {
-            const auto [low, high] = std::minmax(static_cast<std::uint32_t>(f.idx()),
-                                                 static_cast<std::uint32_t>(g.idx()));
+            const auto [low, high] = std::minmax(
+                {static_cast<std::uint32_t>(f.idx()), static_cast<std::uint32_t>(g.idx())});
             if (low != high) truth.push_back({TriangleId{low}, TriangleId{high}});
         }
         std::ranges::sort(truth);

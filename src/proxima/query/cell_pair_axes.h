@@ -45,7 +45,7 @@ public:
 
     /// Whether the two closed cells have a point in common. True wherever they do; where they do
     /// not, false unless the gap is below some 1e-14 of the largest coordinate. The pose's matrix
-    /// need not be a rotation to the last bit: cells of B are what it makes of them. About 10 ns.
+    /// need not be a rotation to the last bit: cells of B are what it makes of them. About 20 ns.
     [[nodiscard]] bool meet(const Values& projections, int depth_a, int depth_b) const noexcept
     {
         const double scale_a = scale_at(depth_a);

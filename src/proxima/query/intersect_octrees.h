@@ -27,7 +27,7 @@ struct LeafPair {
 
 /// Calls visitor(const LeafPair&) -> Flow for every pair of occupied leaves that meet, B's moved by
 /// the pose: all that do, and none that are farther apart than CellPairAxes::meet says. Returns how
-/// many pairs of cells were tested. Thread safe, no allocation. Each test about 10 to 20 ns.
+/// many pairs of cells were tested. Thread safe, no allocation. Each test about 50 ns.
 template <class Visitor>
 std::uint64_t visit_intersecting_leaves(const Octree& a, const Octree& b,
                                         const RigidTransform& pose_b, Visitor&& visitor)
@@ -41,16 +41,16 @@ std::uint64_t visit_intersecting_leaves(const Octree& a, const Octree& b,
     const CellPairAxes axes(a.frame(), b.frame(), pose_b);
     // Each level of either octree leaves at most seven siblings pending.
     FixedStack<Pending, 2 * 7 * max_octree_depth + 1> pending;
+    const auto is_occupied = [](const Octree& octree, const Cell& cell) {
+        return cell.node < octree.nodes().size() && !octree.nodes()[cell.node].is_empty();
+    };
+    if (!is_occupied(a, a.root()) || !is_occupied(b, b.root())) return 0;
     pending.push({{a.root(), b.root()}, axes.root_projections(), Turn::of_a});
     std::uint64_t tests = 0;
-    const auto is_occupied = [](const Octree& octree, const Cell& cell) {
-        return cell.node != Cell::no_node && !octree.nodes()[cell.node].is_empty();
-    };
     while (!pending.empty()) {
         const Pending pair = pending.pop();
         const Cell& cell_a = pair.cells.a;
         const Cell& cell_b = pair.cells.b;
-        if (!is_occupied(a, cell_a) || !is_occupied(b, cell_b)) continue;
         const int depth_a = depth(cell_a.key);
         const int depth_b = depth(cell_b.key);
         ++tests;
@@ -61,13 +61,17 @@ std::uint64_t visit_intersecting_leaves(const Octree& a, const Octree& b,
             if (visitor(pair.cells) == Flow::stop) break;
         } else if (b_is_leaf || (pair.turn == Turn::of_a && !a_is_leaf)) {
             for (int octant = 7; octant >= 0; --octant) {
-                pending.push({{a.child(cell_a, octant), cell_b},
+                const Cell child = a.child(cell_a, octant);
+                if (!is_occupied(a, child)) continue;
+                pending.push({{child, cell_b},
                               axes.child_of_a(pair.projections, depth_a, octant),
                               Turn::of_b});
             }
         } else {
             for (int octant = 7; octant >= 0; --octant) {
-                pending.push({{cell_a, b.child(cell_b, octant)},
+                const Cell child = b.child(cell_b, octant);
+                if (!is_occupied(b, child)) continue;
+                pending.push({{cell_a, child},
                               axes.child_of_b(pair.projections, depth_b, octant),
                               Turn::of_a});
             }

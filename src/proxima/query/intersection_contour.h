@@ -67,6 +67,8 @@ struct IntersectionContour {
 /// - Where surfaces only touch along an edge, the line along it ends where the edge does.
 /// - Where more than two segments meet in a point, lines go on along any of them, and no segment
 ///   comes twice.
+/// - Where triangles of one mesh cover each other (a flap, there and back), the line ends with
+/// them.
 /// - A triangle without an area joins the segments of its neighbours; two of them add nothing.
 /// O(pairs log pairs), about 3 us each; allocates. Same bits on every machine. \pre positions of
 /// the pairs' triangles are finite, and so are differences of coordinates

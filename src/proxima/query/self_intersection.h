@@ -37,7 +37,7 @@ struct SelfIntersections {
 };
 
 /// All such pairs of the index's mesh. The same for any number of threads. Error cancelled. About
-/// 3 us per triangle of a scanned model; quadratic where many triangles lie in one place.
+/// 5 us per triangle of a scanned model; quadratic where many triangles lie in one place.
 [[nodiscard]] Result<SelfIntersections>
 find_self_intersections(const RayIndex& index, const SelfIntersectionOptions& options = {});
 
