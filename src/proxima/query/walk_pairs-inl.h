@@ -16,9 +16,16 @@
 #include <cstdint>
 #include <hwy/cache_control.h>
 #include <hwy/highway.h>
+#include <utility>
 
 HWY_BEFORE_NAMESPACE();
 namespace proxima::HWY_NAMESPACE {
+
+HWY_INLINE void fetch_ahead(const RayBlock& block)
+{
+    hwy::Prefetch(&block);
+    hwy::Prefetch(reinterpret_cast<const std::byte*>(&block) + 64);
+}
 
 /// Blocks of both meshes that may meet.
 struct BlockPair {
@@ -52,7 +59,8 @@ private:
 };
 
 /// Calls search.take(row_a, row_b, sure) for all pairs of triangles that meet (sure) or may, until
-/// it returns false; then false.
+/// it returns false; then false. Where the search has deepest_first, it goes on with the child that
+/// lies deepest in the other box.
 template <class Search>
 HWY_INLINE bool walk_pairs(const OpenPair& open, Search& search)
 {
@@ -76,15 +84,19 @@ HWY_INLINE bool walk_pairs(const OpenPair& open, Search& search)
         }
     }
     while (pending > 0) {
-        const BlockPair at = stack[--pending];
+        const BlockPair& at = stack[--pending];
         const std::size_t side = is_leaf(at.sides[0])   ? 1
                                  : is_leaf(at.sides[1]) ? 0
                                                         : at.sides[0].size < at.sides[1].size;
-        const PairBox& other = at.sides[1 - side];
+        const PairBox other = at.sides[1 - side]; // its place is taken below
         const RayBlock* const blocks = open.sides[side].blocks;
         const RayNode& node = blocks[at.sides[side].reference].node;
-        std::uint32_t met = meet_boxes(node, open.sides[side].unit, open.frames[side],
-                                       open.box_slack, other, boxes);
+        std::uint32_t met =
+            meet_boxes(node, open.sides[side].unit, open.frames[side], other, boxes);
+        for (std::uint32_t left = met; left != 0; left &= left - 1) {
+            const auto slot = static_cast<std::size_t>(std::countr_zero(left));
+            fetch_ahead(blocks[node.children[slot] & ~ray_leaf_bit]);
+        }
         if (is_leaf(other)) {
             const RayLeaf& own = open.sides[1 - side].blocks[other.reference & ~ray_leaf_bit].leaf;
             bool taken = false;
@@ -100,12 +112,20 @@ HWY_INLINE bool walk_pairs(const OpenPair& open, Search& search)
                     return false;
             }
         }
+        if (met == 0) continue;
+        std::size_t deepest = pending;
+        float least = 0;
         for (; met != 0; met &= met - 1) {
             const auto slot = static_cast<std::uint32_t>(std::countr_zero(met));
+            if (boxes.most[slot] < least) {
+                least = boxes.most[slot];
+                deepest = pending;
+            }
             BlockPair& next = stack[pending++];
             boxes.copy(node, slot, next.sides[side]);
             next.sides[1 - side] = other;
         }
+        if (Search::deepest_first) std::swap(stack[deepest], stack[pending - 1]);
     }
     return true;
 }
