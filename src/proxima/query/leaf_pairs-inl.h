@@ -198,16 +198,14 @@ struct VertexSides {
     std::uint64_t above = 0;
     std::uint64_t below = 0;
 
-    HWY_INLINE void look(const LeafShape& planes, std::size_t i, const Eight3& vertices,
+    /// At least the first `count` planes.
+    HWY_INLINE void look(const LeafShape& planes, std::uint32_t count, const Eight3& vertices,
                          const Eight& bound)
     {
-        const Eight height =
-            multiply_add(all_eight(planes.planes[0][i]), vertices.x,
-                         multiply_add(all_eight(planes.planes[1][i]), vertices.y,
-                                      multiply_subtract(all_eight(planes.planes[2][i]), vertices.z,
-                                                        all_eight(planes.planes[3][i]))));
-        above |= std::uint64_t{(height > bound).bits()} << (8 * i);
-        below |= std::uint64_t{(height < -bound).bits()} << (8 * i);
+        // Most leaves have four or less: no branch that is hard to foresee.
+        for (std::size_t i = 0; i < 4; ++i) look_at(planes, i, vertices, bound);
+        if (count <= 4) return;
+        for (std::size_t i = 4; i < 8; ++i) look_at(planes, i, vertices, bound);
     }
 
     /// Bit 8 i + j: the corners of triangle j are all above plane i, or all below.
@@ -246,6 +244,19 @@ struct VertexSides {
 #endif
         return result;
     }
+
+private:
+    HWY_INLINE void look_at(const LeafShape& planes, std::size_t i, const Eight3& vertices,
+                            const Eight& bound)
+    {
+        const Eight height =
+            multiply_add(all_eight(planes.planes[0][i]), vertices.x,
+                         multiply_add(all_eight(planes.planes[1][i]), vertices.y,
+                                      multiply_subtract(all_eight(planes.planes[2][i]), vertices.z,
+                                                        all_eight(planes.planes[3][i]))));
+        above |= std::uint64_t{(height > bound).bits()} << (8 * i);
+        below |= std::uint64_t{(height < -bound).bits()} << (8 * i);
+    }
 };
 
 /// Bit 8 j + i of bit 8 i + j.
@@ -272,21 +283,15 @@ HWY_INLINE std::uint64_t unparted(const LeafShape& own, LeafShape& other, const 
     const std::uint32_t other_count = other.leaf->count;
     VertexSides sides;
     const Eight own_bound = all_eight(bounds.own_height);
-    for (std::size_t i = 0; i < own_count; ++i) sides.look(own, i, other.vertices, own_bound);
+    sides.look(own, own_count, other.vertices, own_bound);
     const std::uint64_t columns = first_bits(other_count) * 0x0101010101010101U;
     const std::uint64_t rows =
         own_count == 8 ? ~std::uint64_t{0} : (std::uint64_t{1} << (8 * own_count)) - 1;
     std::uint64_t left = ~sides.parted(other.corner_bits) & rows & columns;
     if (left == 0) return 0;
     find_planes(other);
-    std::uint64_t some = left | left >> 32U;
-    some |= some >> 16U;
-    some |= some >> 8U;
     VertexSides back;
-    const Eight other_bound = all_eight(bounds.other_height);
-    for (auto j = static_cast<std::uint32_t>(some & 0xFFU); j != 0; j &= j - 1) {
-        back.look(other, static_cast<std::size_t>(std::countr_zero(j)), own.vertices, other_bound);
-    }
+    back.look(other, other_count, own.vertices, all_eight(bounds.other_height));
     return left & ~transposed(back.parted(own.corner_bits));
 }
 

@@ -37,6 +37,21 @@ HWY_INLINE bool is_leaf(const PairBox& box)
     return (box.reference & ray_leaf_bit) != 0;
 }
 
+/// Bit i: child i is a leaf.
+HWY_INLINE std::uint32_t leaf_slots(const RayNode& node)
+{
+    static_assert(ray_leaf_bit == 1U << 31U);
+    const EightWordTag words;
+    EightMask leaves;
+    for (std::size_t i = 0; i < eight_parts; ++i) {
+        const auto references = hn::LoadU(words, node.children.data() + eight_lanes * i);
+        leaves.part[i] = hn::MaskFromVec(hn::BitCast(
+            EightTag(),
+            hn::BroadcastSignBit(hn::BitCast(hn::RebindToSigned<EightTag>(), references))));
+    }
+    return leaves.bits();
+}
+
 /// Tells `search` of a pair of triangles, of the leaf of one side and one of the other.
 template <class Search>
 class RowsOfLeaves {
@@ -98,14 +113,13 @@ HWY_INLINE bool walk_pairs(const OpenPair& open, Search& search)
             fetch_ahead(blocks[node.children[slot] & ~ray_leaf_bit]);
         }
         if (is_leaf(other)) {
+            std::uint32_t leaves = met & leaf_slots(node);
+            met ^= leaves;
             const RayLeaf& own = open.sides[1 - side].blocks[other.reference & ~ray_leaf_bit].leaf;
-            bool taken = false;
-            for (std::uint32_t left = met; left != 0; left &= left - 1) {
-                const auto slot = static_cast<std::size_t>(std::countr_zero(left));
-                if ((node.children[slot] & ray_leaf_bit) == 0) continue;
-                met ^= 1U << slot;
-                if (!taken) take_own_leaf(open, 1 - side, own, shape);
-                taken = true;
+            // The same for siblings, which follow each other.
+            if (leaves != 0 && shape.leaf != &own) take_own_leaf(open, 1 - side, own, shape);
+            for (; leaves != 0; leaves &= leaves - 1) {
+                const auto slot = static_cast<std::size_t>(std::countr_zero(leaves));
                 const RayLeaf& leaf = blocks[node.children[slot] & ~ray_leaf_bit].leaf;
                 if (!meet_leaves(open, 1 - side, shape, leaf,
                                  RowsOfLeaves(search, 1 - side, own, leaf)))
