@@ -28,6 +28,8 @@ namespace proxima::HWY_NAMESPACE {
 struct ChildBoxes {
     HWY_ALIGN float center[3][8];
     HWY_ALIGN float half[3][8];
+    HWY_ALIGN float size[8];
+    HWY_ALIGN float most[8]; ///< by how much the axis that parts most exceeds the radii
 
     HWY_INLINE void copy(const RayNode& node, std::uint32_t slot, PairBox& to) const
     {
@@ -36,34 +38,63 @@ struct ChildBoxes {
             to.half[axis] = half[axis][slot];
         }
         to.reference = node.children[slot];
-        to.size = to.half[0] + to.half[1] + to.half[2];
+        to.size = size[slot];
+    }
+};
+
+/// Which number of a box goes where: its centre is 0 to 2, its half sizes 3 to 5.
+struct BoxPlaces {
+    HWY_ALIGN std::uint8_t columns[3][8] = {
+        {0, 0, 0, 0, 3, 3, 3, 3}, {1, 1, 1, 1, 4, 4, 4, 4}, {2, 2, 2, 2, 5, 5, 5, 5}};
+    HWY_ALIGN std::uint8_t edges[4][8] = {{4, 4, 4, 4, 5, 5, 5, 5},
+                                          {5, 5, 5, 5, 3, 3, 3, 3},
+                                          {3, 3, 3, 3, 3, 4, 5, 5},
+                                          {4, 4, 4, 4, 3, 3, 3, 3}};
+};
+inline constexpr BoxPlaces box_places;
+
+/// What a box of the other mesh brings to the axes.
+struct OtherBox {
+    HWY_ALIGN float at[8];       ///< its centre in this frame, 0, then radii of axes e_i
+    HWY_ALIGN float edges[2][8]; ///< radii of e_i x R_0 and e_i x R_1; of e_i x R_2 and of R_j
+
+    HWY_INLINE OtherBox(const PairFrame& frame, const PairBox& box)
+    {
+        const Eight numbers = load_eight(box.center.data());
+        const auto product = [&](const std::array<float, 8>& factors, const std::uint8_t* places,
+                                 const Eight& sum) {
+            return multiply_add(load_eight(factors.data()),
+                                look_up(numbers, places_of_bytes(places)), sum);
+        };
+        Eight sum = load_eight(frame.offset.data());
+        for (std::size_t j = 0; j < 3; ++j)
+            sum = product(frame.columns[j], box_places.columns[j], sum);
+        store_eight(sum, at);
+        for (std::size_t k = 0; k < 2; ++k) {
+            const Eight first =
+                product(frame.edges[2 * k], box_places.edges[2 * k], all_eight(frame.slack));
+            store_eight(product(frame.edges[2 * k + 1], box_places.edges[2 * k + 1], first),
+                        edges[k]);
+        }
+    }
+    HWY_INLINE float face(std::size_t i) const { return at[4 + i]; }
+    HWY_INLINE float other_face(std::size_t j) const { return edges[1][4 + j]; }
+    HWY_INLINE float edge(std::size_t i, std::size_t j) const
+    {
+        return edges[j / 2][4 * (j % 2) + i];
     }
 };
 
 /// Bit i: the box of child i is not surely apart from `other`, a box of the other mesh. Writes
 /// `boxes` where there is such a child.
 HWY_INLINE std::uint32_t meet_boxes(const RayNode& node, float unit, const PairFrame& frame,
-                                    float slack, const PairBox& other, ChildBoxes& boxes)
+                                    const PairBox& box, ChildBoxes& boxes)
 {
-    // The other box in this frame, and what it adds to the radii.
-    HWY_ALIGN float at[4];
-    HWY_ALIGN float reach[4];
-    HWY_ALIGN float edge_reach[3][4];
-    for (std::size_t i = 0; i < 4; ++i) {
-        at[i] = frame.offset[i] +
-                (frame.columns[0][i] * other.center[0] +
-                 (frame.columns[1][i] * other.center[1] + frame.columns[2][i] * other.center[2]));
-    }
-    for (std::size_t i = 0; i < 4; ++i) {
-        reach[i] =
-            slack +
-            (frame.column_sizes[0][i] * other.half[0] +
-             (frame.column_sizes[1][i] * other.half[1] + frame.column_sizes[2][i] * other.half[2]));
-    }
+    const OtherBox other(frame, box);
     Eight center[3];
     Eight half[3];
     Eight off[3];
-    Eight most; // by how much the axis that parts most exceeds the radii
+    Eight most;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const Eight lower = eight_of_bytes(node.planes[axis].data());
         const Eight upper = eight_of_bytes(node.planes[axis].data() + 8);
@@ -71,46 +102,37 @@ HWY_INLINE std::uint32_t meet_boxes(const RayNode& node, float unit, const PairF
         const float origin = (node.origin[axis] + 32768.0F * node.step[axis]) * unit;
         center[axis] = multiply_add(lower + upper, half_step, all_eight(origin));
         half[axis] = (upper - lower) * half_step;
-        off[axis] = all_eight(at[axis]) - center[axis];
-        const Eight beyond = size_of(off[axis]) - (half[axis] + all_eight(reach[axis]));
+        off[axis] = all_eight(other.at[axis]) - center[axis];
+        const Eight beyond = size_of(off[axis]) - (half[axis] + all_eight(other.face(axis)));
         // Places without a child have their planes the wrong way round.
         most = axis == 0 ? most_of(beyond, -half[0]) : most_of(most, beyond);
     }
     const Eight none = all_eight(0);
     if ((most > none).bits() == 0xFFU) return 0;
+    const auto number = [&](std::size_t i, std::size_t j) {
+        return all_eight(frame.columns[j][i]);
+    };
+    const auto size = [&](std::size_t i, std::size_t j) {
+        return all_eight(frame.columns[j][4 + i]);
+    };
     for (std::size_t j = 0; j < 3; ++j) {
-        const auto& column = frame.columns[j];
-        const auto& size = frame.column_sizes[j];
-        const Eight along =
-            multiply_add(off[0], all_eight(column[0]),
-                         multiply_add(off[1], all_eight(column[1]), off[2] * all_eight(column[2])));
-        const Eight radius =
-            multiply_add(half[0], all_eight(size[0]),
-                         multiply_add(half[1], all_eight(size[1]),
-                                      multiply_add(half[2], all_eight(size[2]),
-                                                   all_eight(other.half[j] + slack))));
+        const Eight along = multiply_add(off[0], number(0, j),
+                                         multiply_add(off[1], number(1, j), off[2] * number(2, j)));
+        const Eight radius = multiply_add(
+            half[0], size(0, j),
+            multiply_add(half[1], size(1, j),
+                         multiply_add(half[2], size(2, j), all_eight(other.other_face(j)))));
         most = most_of(most, size_of(along) - radius);
     }
     if ((most > none).bits() == 0xFFU) return 0;
-    for (std::size_t j = 0; j < 3; ++j) {
-        const auto& next = frame.column_sizes[(j + 1) % 3];
-        const auto& last = frame.column_sizes[(j + 2) % 3];
-        for (std::size_t i = 0; i < 4; ++i) {
-            edge_reach[j][i] =
-                slack + (other.half[(j + 1) % 3] * last[i] + other.half[(j + 2) % 3] * next[i]);
-        }
-    }
     for (std::size_t i = 0; i < 3; ++i) {
         const std::size_t k = (i + 1) % 3;
         const std::size_t l = (i + 2) % 3;
         for (std::size_t j = 0; j < 3; ++j) {
-            const auto& column = frame.columns[j];
-            const auto& size = frame.column_sizes[j];
-            const Eight along =
-                multiply_subtract(off[l], all_eight(column[k]), off[k] * all_eight(column[l]));
-            const Eight radius = multiply_add(
-                half[k], all_eight(size[l]),
-                multiply_add(half[l], all_eight(size[k]), all_eight(edge_reach[j][i])));
+            const Eight along = multiply_subtract(off[l], number(k, j), off[k] * number(l, j));
+            const Eight radius =
+                multiply_add(half[k], size(l, j),
+                             multiply_add(half[l], size(k, j), all_eight(other.edge(i, j))));
             most = most_of(most, size_of(along) - radius);
         }
     }
@@ -120,6 +142,8 @@ HWY_INLINE std::uint32_t meet_boxes(const RayNode& node, float unit, const PairF
         store_eight(center[axis], boxes.center[axis]);
         store_eight(half[axis], boxes.half[axis]);
     }
+    store_eight((half[0] + half[1]) + half[2], boxes.size);
+    store_eight(most, boxes.most);
     return met;
 }
 

@@ -37,6 +37,8 @@ namespace proxima::HWY_NAMESPACE {
 /// Ends at the first pair that meets.
 class FirstPair {
 public:
+    static constexpr bool deepest_first = true;
+
     FirstPair(const OpenPair& open, RowPair& found) : open_(open), found_(found) {}
 
     HWY_INLINE bool take(std::uint32_t row_a, std::uint32_t row_b, bool sure) const
@@ -54,6 +56,8 @@ private:
 /// Hands on all that meet.
 class AllPairs {
 public:
+    static constexpr bool deepest_first = false;
+
     AllPairs(const OpenPair& open, TakeRowPairs hand_on, void* context)
         : open_(open), hand_on_(hand_on), context_(context)
     {}

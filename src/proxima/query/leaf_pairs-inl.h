@@ -43,15 +43,28 @@ namespace proxima::HWY_NAMESPACE {
 // + 2 X) + 2 E^2 2 X), and for rounding, computed as n.q - n.p_0, 60 u E^2 S < 5.5 E^2 X more. That
 // is below 72 X (E + X) (S + X), as S >= E.
 //
-// Side of two edges, e . (q x f) + f . (p x e): |p| <= E, |q| <= S. q x f is off by X (2 F + 4.2 S)
-// + 4.2 X^2 + 3 u S F, p x e by X (2 E + 4.2 E) + 4.2 X^2 + 3 u E^2: all in all 3 X (4.2 S F + 2.3
-// E F
-// + 4.2 E S + 4.2 E^2 + 6.5 E F), terms of X^2 beside, and for rounding 60 u E F S < 5.5 X E F.
-// That is below 48 X (S + X) (E + F + 2 X).
+// For a pair by itself, from p_0: P bounds |p_1 - p_0| and |p_2 - p_0|, F |q_1 - q_0| and |q_2 -
+// q_0|, Q every |q - p_0|, in each number. Differences are off by 2.4 X (2 X and a rounding, 11 u
+// of each of these sizes being below 2 X), n = e_0 x (p_2 - p_0) by 10 P X + 12 X^2 as above.
+//     height n . q of q       3 ((10 P X + 12 X^2) (Q + 2.4 X) + 2 P^2 2.4 X), for rounding 18 u
+//     P^2 Q
+//                             < 3.3 P^2 X: below 44 X (P + 2 X) (P + Q + 2 X)
+//     height m . p - m . q_0  m the normal of q, p at most P + Q =: W away: 3 ((10 F X + 12 X^2) (W
+//     +
+//                             4.8 X) + 2 F^2 4.8 X), for rounding 24 u F^2 W < 6.6 F^2 X: below 44
+//                             X (F + 2 X) (W + F + 2 X)
+//     side of two edges       e_i . M_j + f_j . (p_i x e_i), M_j = q_j x f_j off by 4.8 Q X + 10.7
+//     F X +
+//                             11.6 X^2; p_i x e_i is 0, n, 0, and f_j . n a difference of heights.
+//                             The worst is i = 1, |e_1| <= 2 P: X (28.8 P Q + 137 P F + 28.8 Q F
+//                             + 37.6 P^2)
+//                             + X^2 (142 P + 35 Q + 149 F) + 171 X^3, roundings of at most 90 u P Q
+//                             F and 48 u P^2 Q among them: below 72 X (P + F + 2 X) (P + Q + F + 2
+//                             X)
 struct LeafBounds {
+    float off = 0;          ///< X
     float own_height = 0;   ///< over own planes
     float other_height = 0; ///< over the other's
-    float side = 0;
 };
 
 /// A leaf's triangles among its vertices. Not all is filled in at once.
@@ -177,8 +190,7 @@ HWY_INLINE LeafBounds take_other_leaf(const OpenPair& open, std::size_t own, con
     const float off =
         u * ((0.5F * own_side.unit + 0.95F * other_side.unit) + 11 * reach) + open.pose_error;
     const float height = 72 * off * (reach + off);
-    return {height * (own_edge + off), height * (other_edge + off),
-            48 * off * (reach + off) * ((own_edge + other_edge) + 2 * off)};
+    return {off, height * (own_edge + off), height * (other_edge + off)};
 }
 
 /// By byte, which vertices are surely above and below a plane.
@@ -186,16 +198,14 @@ struct VertexSides {
     std::uint64_t above = 0;
     std::uint64_t below = 0;
 
-    HWY_INLINE void look(const LeafShape& planes, std::size_t i, const Eight3& vertices,
+    /// At least the first `count` planes.
+    HWY_INLINE void look(const LeafShape& planes, std::uint32_t count, const Eight3& vertices,
                          const Eight& bound)
     {
-        const Eight height =
-            multiply_add(all_eight(planes.planes[0][i]), vertices.x,
-                         multiply_add(all_eight(planes.planes[1][i]), vertices.y,
-                                      multiply_subtract(all_eight(planes.planes[2][i]), vertices.z,
-                                                        all_eight(planes.planes[3][i]))));
-        above |= std::uint64_t{(height > bound).bits()} << (8 * i);
-        below |= std::uint64_t{(height < -bound).bits()} << (8 * i);
+        // Most leaves have four or less: no branch that is hard to foresee.
+        for (std::size_t i = 0; i < 4; ++i) look_at(planes, i, vertices, bound);
+        if (count <= 4) return;
+        for (std::size_t i = 4; i < 8; ++i) look_at(planes, i, vertices, bound);
     }
 
     /// Bit 8 i + j: the corners of triangle j are all above plane i, or all below.
@@ -234,6 +244,19 @@ struct VertexSides {
 #endif
         return result;
     }
+
+private:
+    HWY_INLINE void look_at(const LeafShape& planes, std::size_t i, const Eight3& vertices,
+                            const Eight& bound)
+    {
+        const Eight height =
+            multiply_add(all_eight(planes.planes[0][i]), vertices.x,
+                         multiply_add(all_eight(planes.planes[1][i]), vertices.y,
+                                      multiply_subtract(all_eight(planes.planes[2][i]), vertices.z,
+                                                        all_eight(planes.planes[3][i]))));
+        above |= std::uint64_t{(height > bound).bits()} << (8 * i);
+        below |= std::uint64_t{(height < -bound).bits()} << (8 * i);
+    }
 };
 
 /// Bit 8 j + i of bit 8 i + j.
@@ -260,21 +283,15 @@ HWY_INLINE std::uint64_t unparted(const LeafShape& own, LeafShape& other, const 
     const std::uint32_t other_count = other.leaf->count;
     VertexSides sides;
     const Eight own_bound = all_eight(bounds.own_height);
-    for (std::size_t i = 0; i < own_count; ++i) sides.look(own, i, other.vertices, own_bound);
+    sides.look(own, own_count, other.vertices, own_bound);
     const std::uint64_t columns = first_bits(other_count) * 0x0101010101010101U;
     const std::uint64_t rows =
         own_count == 8 ? ~std::uint64_t{0} : (std::uint64_t{1} << (8 * own_count)) - 1;
     std::uint64_t left = ~sides.parted(other.corner_bits) & rows & columns;
     if (left == 0) return 0;
     find_planes(other);
-    std::uint64_t some = left | left >> 32U;
-    some |= some >> 16U;
-    some |= some >> 8U;
     VertexSides back;
-    const Eight other_bound = all_eight(bounds.other_height);
-    for (auto j = static_cast<std::uint32_t>(some & 0xFFU); j != 0; j &= j - 1) {
-        back.look(other, static_cast<std::size_t>(std::countr_zero(j)), own.vertices, other_bound);
-    }
+    back.look(other, other_count, own.vertices, all_eight(bounds.other_height));
     return left & ~transposed(back.parted(own.corner_bits));
 }
 
@@ -314,46 +331,54 @@ struct EdgeVerdict {
     }
 };
 
+/// The largest size of any number of two vectors.
+HWY_INLINE Eight largest(const Eight3& a, const Eight3& b)
+{
+    return most_of(
+        most_of(most_of(size_of(a.x), size_of(a.y)), most_of(size_of(a.z), size_of(b.x))),
+        most_of(size_of(b.y), size_of(b.z)));
+}
+
 HWY_INLINE PairVerdict look_at_pairs(const LeafShape& own, const EightPlaces& own_places,
                                      const LeafShape& other, const EightPlaces& other_places,
-                                     const LeafBounds& bounds)
+                                     float off)
 {
-    Eight3 p[3];
-    Eight3 q[3];
-    for (std::size_t k = 0; k < 3; ++k) {
-        p[k] = look_up(own.corners[k], own_places);
-        q[k] = look_up(other.corners[k], other_places);
-    }
-    const Eight3 own_normal = look_up(own.normals, own_places);
-    const Eight own_height = look_up(own.heights, own_places);
+    const Eight3 origin = look_up(own.corners[0], own_places);
+    const Eight3 p1 = look_up(own.corners[1], own_places) - origin;
+    const Eight3 p2 = look_up(own.corners[2], own_places) - origin;
+    const Eight3 p_edge = p2 - p1;
+    const Eight3 normal = look_up(own.normals, own_places);
     const Eight3 other_normal = look_up(other.normals, other_places);
-    const Eight other_height = look_up(other.heights, other_places);
-    Eight3 e[3];
+    Eight3 q[3];
     Eight3 f[3];
-    Eight3 p_moments[3];
-    Eight3 q_moments[3];
-    Eight p_heights[3];
+    Eight3 moments[3];
     Eight q_heights[3];
+    for (std::size_t k = 0; k < 3; ++k) q[k] = look_up(other.corners[k], other_places) - origin;
     for (std::size_t k = 0; k < 3; ++k) {
-        e[k] = p[(k + 1) % 3] - p[k];
         f[k] = q[(k + 1) % 3] - q[k];
-        p_moments[k] = cross(p[k], e[k]);
-        q_moments[k] = cross(q[k], f[k]);
-        p_heights[k] = dot(other_normal, p[k]) - other_height;
-        q_heights[k] = dot(own_normal, q[k]) - own_height;
+        moments[k] = cross(q[k], f[k]);
+        q_heights[k] = dot(normal, q[k]);
     }
+    Eight p_heights[3];
+    p_heights[0] = -dot(other_normal, q[0]);
+    p_heights[1] = dot(other_normal, p1) + p_heights[0];
+    p_heights[2] = dot(other_normal, p2) + p_heights[0];
     Eight sides[3][3];
-    for (std::size_t i = 0; i < 3; ++i) {
-        for (std::size_t j = 0; j < 3; ++j) {
-            sides[i][j] = multiply_add(
-                e[i].x, q_moments[j].x,
-                multiply_add(e[i].y, q_moments[j].y,
-                             multiply_add(e[i].z, q_moments[j].z, dot(f[j], p_moments[i]))));
-        }
+    for (std::size_t j = 0; j < 3; ++j) {
+        sides[0][j] = dot(p1, moments[j]);
+        sides[1][j] = dot(p_edge, moments[j]) + (q_heights[(j + 1) % 3] - q_heights[j]);
+        sides[2][j] = -dot(p2, moments[j]);
     }
-    const Eight over_own = all_eight(bounds.own_height);
-    const Eight over_other = all_eight(bounds.other_height);
-    const Eight side = all_eight(bounds.side);
+
+    const Eight p_size = largest(p1, p2);
+    const Eight f_size = largest(f[0], f[2]);
+    const Eight q_size = most_of(largest(q[0], q[1]), largest(q[2], q[2]));
+    const Eight slack = all_eight(2 * off);
+    const Eight reach = (p_size + q_size) + slack;
+    const Eight factor = all_eight(44 * off);
+    const Eight over_own = (p_size + slack) * (reach * factor);
+    const Eight over_other = (f_size + slack) * ((reach + f_size) * factor);
+    const Eight side = ((p_size + f_size) + slack) * ((reach + f_size) * all_eight(72 * off));
     const auto own_edge = [&](std::size_t i) {
         return EdgeVerdict::of(p_heights[i], p_heights[(i + 1) % 3], over_other, sides[i][0],
                                sides[i][1], sides[i][2], side);
@@ -395,7 +420,7 @@ HWY_INLINE bool meet_leaves(const OpenPair& open, std::size_t own_side, const Le
         std::memcpy(own_places, &own_bytes, 8);
         std::memcpy(other_places, &other_bytes, 8);
         const PairVerdict verdict = look_at_pairs(own, places_of_bytes(own_places), other,
-                                                  places_of_bytes(other_places), bounds);
+                                                  places_of_bytes(other_places), bounds.off);
         const auto used = static_cast<std::uint32_t>(first_bits(count));
         for (auto met = verdict.met & used; met != 0; met &= met - 1) {
             const auto lane = static_cast<std::size_t>(std::countr_zero(met));

@@ -13,19 +13,33 @@ namespace {
 constexpr double root_reach = 1.01; // the mesh is within 1, its boxes within 1 + 2^-19
 constexpr double too_coarse = 0x1p-6;
 
-void set_frame(const Mat3& rotation, const Vec3& offset, PairFrame& frame) noexcept
+void set_frame(const Mat3& rotation, const Vec3& offset, float slack, PairFrame& frame) noexcept
 {
     frame.exact_rotation = rotation;
     frame.exact_offset = offset;
-    for (int row = 0; row < 4; ++row) {
-        const auto k = static_cast<std::size_t>(row);
-        for (int column = 0; column < 3; ++column) {
-            const auto j = static_cast<std::size_t>(column);
-            const auto number = row < 3 ? static_cast<float>(rotation(row, column)) : 0.0F;
-            frame.columns[j][k] = number;
-            frame.column_sizes[j][k] = std::abs(number);
+    frame.slack = slack;
+    const auto number = [&](int row, int column) {
+        return row < 3 ? static_cast<float>(rotation(row, column)) : 0.0F;
+    };
+    for (int i = 0; i < 4; ++i) {
+        const auto low = static_cast<std::size_t>(i);
+        const std::size_t high = low + 4;
+        for (int j = 0; j < 3; ++j) {
+            auto& column = frame.columns[static_cast<std::size_t>(j)];
+            column[low] = number(i, j);
+            column[high] = std::abs(number(i, j));
         }
-        frame.offset[k] = row < 3 ? static_cast<float>(offset[row]) : 0.0F;
+        frame.offset[low] = i < 3 ? static_cast<float>(offset[i]) : 0.0F;
+        frame.offset[high] = slack;
+        // Axis e_i x R_j: half size j + 1 times |R_i,j+2|, and half size j + 2 times |R_i,j+1|.
+        frame.edges[0][low] = std::abs(number(i, 2));
+        frame.edges[1][low] = std::abs(number(i, 1));
+        frame.edges[0][high] = std::abs(number(i, 0));
+        frame.edges[1][high] = std::abs(number(i, 2));
+        frame.edges[2][low] = std::abs(number(i, 1));
+        frame.edges[3][low] = std::abs(number(i, 0));
+        frame.edges[2][high] = 1; // axis R_j: half size j
+        frame.edges[3][high] = 0;
     }
 }
 
@@ -51,12 +65,12 @@ PairStart open_pair(const RayIndex& a, const RayIndex& b, const RigidTransform& 
     if (farthest > (size_a + 1.8 * size_b) + 2 * error) return PairStart::apart;
     const double scale = std::min(a.scale(), b.scale());
     if (!(error * scale < too_coarse)) return PairStart::too_far;
-    set_frame(pose_b.rotation, between * scale, open.frames[0]);
-    set_frame(pose_b.rotation.transpose(), -(pose_b.rotation.transpose() * between) * scale,
-              open.frames[1]);
     open.pose_error = static_cast<float>(error * scale * 1.8);
     constexpr float float_roundoff = 0x1p-24F;
-    open.box_slack = 160 * float_roundoff + 2 * open.pose_error;
+    const float slack = 160 * float_roundoff + 2 * open.pose_error;
+    const Mat3 back = pose_b.rotation.transpose();
+    set_frame(pose_b.rotation, between * scale, slack, open.frames[0]);
+    set_frame(back, -(back * between) * scale, slack, open.frames[1]);
     open.sides[0] = {&a, a.blocks().data(), static_cast<float>(scale / a.scale())};
     open.sides[1] = {&b, b.blocks().data(), static_cast<float>(scale / b.scale())};
     open.pose = &pose_b;

@@ -24,22 +24,14 @@ struct alignas(32) PairBox {
     float size; ///< sum of `half`
 };
 
-/// From the other's frame to the own one. Columns have a fourth number, 0.
-struct PairFrame {
-    alignas(16) std::array<std::array<float, 4>, 3> columns;
-    alignas(16) std::array<std::array<float, 4>, 3> column_sizes; ///< of each number
-    alignas(16) std::array<float, 4> offset;
-    Mat3 exact_rotation;
-    Vec3 exact_offset;
-};
-
-struct PairSide {
-    const RayIndex* index = nullptr;
-    const RayBlock* blocks = nullptr;
-    float unit = 1; ///< of the index's blocks, a power of two, at most 1
-};
-
-struct OpenPair {
+/// From the other's frame to the own one, R and o, as vectors of eight: what a box there adds to
+/// the radii of the fifteen axes is a sum of these times its numbers (box_pairs-inl.h).
+struct alignas(32) PairFrame {
+    std::array<std::array<float, 8>, 3> columns; ///< by j: R_ij for i = 0 to 2, 0, |R_ij|, 0
+    std::array<float, 8> offset;                 ///< o, 0, slack four times
+    /// |R_ij| once more, as edges need it; the first two make axes e_i x R_0, then e_i x R_1, the
+    /// others e_i x R_2, then faces R_j.
+    std::array<std::array<float, 8>, 4> edges;
     /// Bounds of boxes' tests, u = 2^-24: what is farther apart than this says is apart.
     ///
     /// A block's box is drawn outward by 20 u of the index's units (build_ray_index.cpp). Its
@@ -57,7 +49,18 @@ struct OpenPair {
     /// The columns of R are orthogonal to 1e-9 < 0.02 u, which moves radii and, where the way back
     /// is by R^T, points by less than 0.1 u. The pose's own rounding comes to |axis|_1 <= sqrt(3)
     /// times pose_error, sqrt(3) more in frame 1.
-    float box_slack = 0;
+    float slack;
+    Mat3 exact_rotation;
+    Vec3 exact_offset;
+};
+
+struct PairSide {
+    const RayIndex* index = nullptr;
+    const RayBlock* blocks = nullptr;
+    float unit = 1; ///< of the index's blocks, a power of two, at most 1
+};
+
+struct OpenPair {
     /// In units of the frames, how far coordinates may be off beside floats: by rounding of moved
     /// points and of the offset, and of coordinates that were put into the indexes' units.
     float pose_error = 0;

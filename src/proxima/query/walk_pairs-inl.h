@@ -16,9 +16,16 @@
 #include <cstdint>
 #include <hwy/cache_control.h>
 #include <hwy/highway.h>
+#include <utility>
 
 HWY_BEFORE_NAMESPACE();
 namespace proxima::HWY_NAMESPACE {
+
+HWY_INLINE void fetch_ahead(const RayBlock& block)
+{
+    hwy::Prefetch(&block);
+    hwy::Prefetch(reinterpret_cast<const std::byte*>(&block) + 64);
+}
 
 /// Blocks of both meshes that may meet.
 struct BlockPair {
@@ -28,6 +35,21 @@ struct BlockPair {
 HWY_INLINE bool is_leaf(const PairBox& box)
 {
     return (box.reference & ray_leaf_bit) != 0;
+}
+
+/// Bit i: child i is a leaf.
+HWY_INLINE std::uint32_t leaf_slots(const RayNode& node)
+{
+    static_assert(ray_leaf_bit == 1U << 31U);
+    const EightWordTag words;
+    EightMask leaves;
+    for (std::size_t i = 0; i < eight_parts; ++i) {
+        const auto references = hn::LoadU(words, node.children.data() + eight_lanes * i);
+        leaves.part[i] = hn::MaskFromVec(hn::BitCast(
+            EightTag(),
+            hn::BroadcastSignBit(hn::BitCast(hn::RebindToSigned<EightTag>(), references))));
+    }
+    return leaves.bits();
 }
 
 /// Tells `search` of a pair of triangles, of the leaf of one side and one of the other.
@@ -52,7 +74,8 @@ private:
 };
 
 /// Calls search.take(row_a, row_b, sure) for all pairs of triangles that meet (sure) or may, until
-/// it returns false; then false.
+/// it returns false; then false. Where the search has deepest_first, it goes on with the child that
+/// lies deepest in the other box.
 template <class Search>
 HWY_INLINE bool walk_pairs(const OpenPair& open, Search& search)
 {
@@ -76,36 +99,47 @@ HWY_INLINE bool walk_pairs(const OpenPair& open, Search& search)
         }
     }
     while (pending > 0) {
-        const BlockPair at = stack[--pending];
+        const BlockPair& at = stack[--pending];
         const std::size_t side = is_leaf(at.sides[0])   ? 1
                                  : is_leaf(at.sides[1]) ? 0
                                                         : at.sides[0].size < at.sides[1].size;
-        const PairBox& other = at.sides[1 - side];
+        const PairBox other = at.sides[1 - side]; // its place is taken below
         const RayBlock* const blocks = open.sides[side].blocks;
         const RayNode& node = blocks[at.sides[side].reference].node;
-        std::uint32_t met = meet_boxes(node, open.sides[side].unit, open.frames[side],
-                                       open.box_slack, other, boxes);
+        std::uint32_t met =
+            meet_boxes(node, open.sides[side].unit, open.frames[side], other, boxes);
+        for (std::uint32_t left = met; left != 0; left &= left - 1) {
+            const auto slot = static_cast<std::size_t>(std::countr_zero(left));
+            fetch_ahead(blocks[node.children[slot] & ~ray_leaf_bit]);
+        }
         if (is_leaf(other)) {
+            std::uint32_t leaves = met & leaf_slots(node);
+            met ^= leaves;
             const RayLeaf& own = open.sides[1 - side].blocks[other.reference & ~ray_leaf_bit].leaf;
-            bool taken = false;
-            for (std::uint32_t left = met; left != 0; left &= left - 1) {
-                const auto slot = static_cast<std::size_t>(std::countr_zero(left));
-                if ((node.children[slot] & ray_leaf_bit) == 0) continue;
-                met ^= 1U << slot;
-                if (!taken) take_own_leaf(open, 1 - side, own, shape);
-                taken = true;
+            // The same for siblings, which follow each other.
+            if (leaves != 0 && shape.leaf != &own) take_own_leaf(open, 1 - side, own, shape);
+            for (; leaves != 0; leaves &= leaves - 1) {
+                const auto slot = static_cast<std::size_t>(std::countr_zero(leaves));
                 const RayLeaf& leaf = blocks[node.children[slot] & ~ray_leaf_bit].leaf;
                 if (!meet_leaves(open, 1 - side, shape, leaf,
                                  RowsOfLeaves(search, 1 - side, own, leaf)))
                     return false;
             }
         }
+        if (met == 0) continue;
+        std::size_t deepest = pending;
+        float least = 0;
         for (; met != 0; met &= met - 1) {
             const auto slot = static_cast<std::uint32_t>(std::countr_zero(met));
+            if (boxes.most[slot] < least) {
+                least = boxes.most[slot];
+                deepest = pending;
+            }
             BlockPair& next = stack[pending++];
             boxes.copy(node, slot, next.sides[side]);
             next.sides[1 - side] = other;
         }
+        if (Search::deepest_first) std::swap(stack[deepest], stack[pending - 1]);
     }
     return true;
 }
