@@ -210,7 +210,7 @@ TEST(SlideSphere, nothing_is_passed_on_any_mesh)
 {
     std::uint32_t seed = 100;
     for (const TouchMesh& named : testing::touch_meshes()) {
-        const int ticks = named.mesh.triangle_count() > 1000 ? 150 : 600;
+        const int ticks = named.mesh.triangle_count() > 1000 ? 100 : 300;
         for (const double radius : {0.0, 0.02})
             for (const double friction : {0.0, 0.4})
                 check_walk({named, radius, friction}, ++seed, ticks);
