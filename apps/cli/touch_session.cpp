@@ -63,8 +63,7 @@ class TouchRun {
 public:
     TouchRun(const TouchModel& model, const WorkspaceMap& map, const DeviceLimits& device,
              const RenderOptions& options)
-        : renderer_(*model.contact, map, device, options),
-          meter_(*model.contact, map, renderer_.options().force.stiffness)
+        : renderer_(*model.contact, map, device, options), meter_(*model.contact, map)
     {}
 
     const RenderTick& tick(const DeviceState& state, double seconds) noexcept

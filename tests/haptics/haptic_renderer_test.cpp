@@ -62,7 +62,7 @@ Session run(const Scene& scene, std::string_view script, std::uint64_t seed, int
     const auto path = HandScript::make(script, scene.mesh, scene.topology, scene.map, seed);
     EXPECT_TRUE(path);
     SimulatedHand hand({}, path->target(0));
-    QualityMeter meter(scene.surface, scene.map, renderer.options().force.stiffness);
+    QualityMeter meter(scene.surface, scene.map);
     Session session;
     session.recording.settings.map = scene.map;
     session.recording.settings.render = renderer.options();
@@ -129,7 +129,7 @@ TEST(HapticRenderer, closed_paths_against_analytic_walls_take_no_energy)
                                  .dynamic_friction = 0,
                                  .passivity = Passivity::unguarded};
         HapticRenderer renderer(cube.surface, cube.map, omni(), options);
-        QualityMeter meter(cube.surface, cube.map, k);
+        QualityMeter meter(cube.surface, cube.map);
         // An ellipse into the upper face and out again, from a point free of it back to it.
         const double top = 1 / cube.map.units_per_metre + radius;
         constexpr int ticks = 4000;

@@ -44,7 +44,7 @@ TEST(SweptSphere, agrees_with_small_steps)
         const Vec3 motion =
             seed % 4 < 2 ? Vec3(2 * anywhere()) : Vec3(triangle[0] - p + 0.4 * anywhere());
         if (distance(triangle, p) <= radius + 1e-6) continue;
-        const auto t = touch_time(triangle, unit_normal(triangle), radius, p, motion);
+        const auto t = touch_time(triangle, radius, p, motion);
         const auto expected = time_by_steps(triangle, radius, p, motion);
         if (t) {
             EXPECT_NEAR(distance(triangle, p + *t * motion), radius, 1e-9) << "seed " << seed;
@@ -88,7 +88,7 @@ TEST(SweptSphere, finds_a_radius_of_a_billionth)
         const double radius = 0x1p-30;
         if (distance(triangle, p) < 1e-3) continue;
         const Vec3 motion = 1.5 * (on - p);
-        const auto t = touch_time(triangle, unit_normal(triangle), radius, p, motion);
+        const auto t = touch_time(triangle, radius, p, motion);
         ASSERT_TRUE(t) << "seed " << seed;
         EXPECT_NEAR(distance(triangle, p + *t * motion), radius, 1e-14) << "seed " << seed;
         ++hits;

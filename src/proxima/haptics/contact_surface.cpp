@@ -57,13 +57,10 @@ Triangle triangle_of(const TriangleRow<Scalar>& row) noexcept
 /// Of one kind of rows, by the tree over them.
 template <class Scalar>
 std::size_t collect_rows(const TriangleTree& tree, std::span<const TriangleRow<Scalar>> rows,
-                         const Vec3& p, double distance, double touch_distance,
-                         std::span<ContactTriangle> buffer) noexcept
+                         const Vec3& p, double distance, std::span<ContactTriangle> buffer) noexcept
 {
     const double unit = tree.scale() * tree.scale();
     const double limit = triangle_distance_limit(distance * distance * unit, tree.reach());
-    const double touch_limit =
-        triangle_distance_limit(touch_distance * touch_distance * unit, tree.reach());
     std::size_t count = 0;
     visit_within(tree, {p, p}, distance * distance, [&](RankRange ranks) noexcept {
         const auto group = rows.subspan(ranks.first, ranks.count);
@@ -72,8 +69,7 @@ std::size_t collect_rows(const TriangleTree& tree, std::span<const TriangleRow<S
         for (std::size_t i = 0; i < group.size(); ++i) {
             if (squared[i] > limit) continue;
             if (count < buffer.size()) {
-                buffer[count] = {triangle_of(group[i]), TriangleId{group[i].triangle_id()},
-                                 !(squared[i] > touch_limit)};
+                buffer[count] = {triangle_of(group[i]), TriangleId{group[i].triangle_id()}};
             }
             ++count;
         }
@@ -103,14 +99,13 @@ OctreeContactSurface::OctreeContactSurface(const ProximityOctree& octree) : octr
     scale_ = sum.scale();
 }
 
-std::size_t OctreeContactSurface::collect(const Vec3& p, double distance, double touch_distance,
+std::size_t OctreeContactSurface::collect(const Vec3& p, double distance,
                                           std::span<ContactTriangle> buffer) const noexcept
 {
     const ProximityArrays& arrays = octree_->arrays();
     const TriangleTree& tree = octree_->tree();
-    return arrays.double_rows.empty()
-               ? collect_rows(tree, arrays.float_rows, p, distance, touch_distance, buffer)
-               : collect_rows(tree, arrays.double_rows, p, distance, touch_distance, buffer);
+    return arrays.double_rows.empty() ? collect_rows(tree, arrays.float_rows, p, distance, buffer)
+                                      : collect_rows(tree, arrays.double_rows, p, distance, buffer);
 }
 
 double OctreeContactSurface::clearance(const Vec3& p) const noexcept
@@ -118,7 +113,7 @@ double OctreeContactSurface::clearance(const Vec3& p) const noexcept
     return less_rounding(std::sqrt(closest_feature(*octree_, p).squared_distance), scale_, p);
 }
 
-std::size_t MeshContactSurface::collect(const Vec3& p, double distance, double /*touch_distance*/,
+std::size_t MeshContactSurface::collect(const Vec3& p, double distance,
                                         std::span<ContactTriangle> buffer) const noexcept
 {
     std::size_t count = 0;

@@ -22,7 +22,6 @@ namespace proxima {
 struct ContactTriangle {
     Triangle corners;
     TriangleId id{};
-    bool may_touch = true; ///< false: certainly farther than `touch_distance` of the question
 };
 
 /// The place and size of a surface, in its own unit.
@@ -46,8 +45,8 @@ public:
 
     /// Writes all triangles within `distance` of p, in any order, and perhaps some that are
     /// farther. Returns how many it wanted to write: more than the buffer's size means that some
-    /// are missing. \pre p is finite, 0 <= touch_distance <= distance
-    [[nodiscard]] virtual std::size_t collect(const Vec3& p, double distance, double touch_distance,
+    /// are missing. \pre p is finite, distance >= 0
+    [[nodiscard]] virtual std::size_t collect(const Vec3& p, double distance,
                                               std::span<ContactTriangle> buffer) const noexcept = 0;
 
     /// No part of the surface is nearer to p than this. 0 says nothing. \pre p is finite
@@ -62,7 +61,7 @@ public:
 
     [[nodiscard]] const SurfaceScale& scale() const noexcept override { return scale_; }
     /// About 1 us and 15 ns per triangle written.
-    [[nodiscard]] std::size_t collect(const Vec3& p, double distance, double touch_distance,
+    [[nodiscard]] std::size_t collect(const Vec3& p, double distance,
                                       std::span<ContactTriangle> buffer) const noexcept override;
     /// The distance of the closest feature, less its rounding.
     [[nodiscard]] double clearance(const Vec3& p) const noexcept override;
@@ -79,7 +78,7 @@ public:
 
     [[nodiscard]] const SurfaceScale& scale() const noexcept override { return scale_; }
     /// O(triangles).
-    [[nodiscard]] std::size_t collect(const Vec3& p, double distance, double touch_distance,
+    [[nodiscard]] std::size_t collect(const Vec3& p, double distance,
                                       std::span<ContactTriangle> buffer) const noexcept override;
     /// The distance of the nearest triangle, less its rounding. O(triangles).
     [[nodiscard]] double clearance(const Vec3& p) const noexcept override;

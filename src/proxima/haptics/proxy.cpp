@@ -48,7 +48,8 @@ const ProxyTick& Proxy::follow(const Vec3& p) noexcept
 {
     const Hold before = tick_.hold;
     const Vec3 start = tick_.proxy;
-    const SlideResult slide = slide_sphere(surface_, options_.radius, start, p, room_);
+    const SlideStart known = before == Hold::free ? SlideStart::anywhere : SlideStart::touching;
+    const SlideResult slide = slide_sphere(surface_, options_.radius, start, p, room_, known);
     ProxyTick next;
     next.slide = slide;
     next.proxy = slide.center;
@@ -77,8 +78,8 @@ const ProxyTick& Proxy::follow(const Vec3& p) noexcept
             next.held = slide.held + (anchor - slide.center);
         } else {
             const Vec3 lag = aside * (trail / distance);
-            const SlideResult dragged =
-                slide_sphere(surface_, options_.radius, start, p + lag, room_);
+            const SlideResult dragged = slide_sphere(surface_, options_.radius, start, p + lag,
+                                                     room_, SlideStart::touching);
             next.moves += dragged.moves;
             next.proxy = dragged.center;
             next.held = dragged.contact_count > 0 ? dragged.held : dragged.center;

@@ -18,8 +18,8 @@ double degrees_between(const Vec3& a, const Vec3& b) noexcept
 
 } // namespace
 
-QualityMeter::QualityMeter(const ContactSurface& surface, const WorkspaceMap& map, double stiffness)
-    : surface_(surface), map_(map), stiffness_(stiffness), near_(SlideRoom::triangles)
+QualityMeter::QualityMeter(const ContactSurface& surface, const WorkspaceMap& map)
+    : surface_(surface), map_(map), near_(SlideRoom::triangles)
 {}
 
 void QualityMeter::count_passes(std::span<const Vec3> path) noexcept
@@ -31,7 +31,7 @@ void QualityMeter::count_passes(std::span<const Vec3> path) noexcept
         const double half = 0.5 * (to - from).norm() * (1 + 0x1p-40);
         const Vec3 middle = 0.5 * from + 0.5 * to;
         if (surface_.clearance(middle) > half) continue;
-        const std::size_t found = surface_.collect(middle, half, half, near_);
+        const std::size_t found = surface_.collect(middle, half, near_);
         for (const ContactTriangle& near : std::span(near_).first(std::min(found, near_.size()))) {
             if (is_degenerate(near.corners) || !segment_meets_triangle(from, to, near.corners))
                 continue;
@@ -66,10 +66,12 @@ void QualityMeter::add(const RenderTick& tick, const Vec3& velocity,
         sum.taken_energy -= 0.5 * (tick.force + last_.force).dot(way);
         if (touching && last_.proxy.hold != Hold::free) {
             const double moved =
-                (proxy.held - last_.proxy.held).norm() / map_.units_per_metre + way.norm();
-            const double change = (tick.spring - last_.spring).norm();
-            if (moved > 0)
-                sum.max_step_ratio = std::max(sum.max_step_ratio, change / (stiffness_ * moved));
+                (proxy.proxy - last_.proxy.proxy).norm() / map_.units_per_metre + way.norm();
+            const Vec3 stretch = proxy.held - map_.to_model(tick.position);
+            const Vec3 last_stretch = last_.proxy.held - map_.to_model(last_.position);
+            const double change = (stretch - last_stretch).norm() / map_.units_per_metre;
+            constexpr double least = 1e-7; // m: shorter ways are the safety gap's
+            if (moved > least) sum.max_step_ratio = std::max(sum.max_step_ratio, change / moved);
             if (tick.spring.norm() > 0 && last_.spring.norm() > 0) {
                 sum.max_turn_degrees =
                     std::max(sum.max_turn_degrees, degrees_between(tick.spring, last_.spring));

@@ -21,8 +21,8 @@ struct QualityReport {
     double max_spring = 0;          ///< N, before clamp, slew and ramps
     double max_depth = 0;           ///< m
     double max_speed = 0;           ///< m/s, of the device
-    /// The largest |change of the spring's force| between two ticks of a contact, over K (|change
-    /// of the held place| + |change of the device|). At most 1 but for damping and passivity.
+    /// The largest |change of the spring's force|, damping apart, between two ticks of a contact,
+    /// over K (|way of the proxy| + |way of the device|): above 1 only where the force jumps.
     double max_step_ratio = 0;
     double max_turn_degrees = 0; ///< of the force between two ticks of a contact
     double taken_energy = 0;     ///< J: by the trapezoidal sum of force times way; 0 after a closed
@@ -35,7 +35,7 @@ struct QualityReport {
 class QualityMeter {
 public:
     /// The surface must outlive this: the proxy's moves are held against its triangles, exactly.
-    QualityMeter(const ContactSurface& surface, const WorkspaceMap& map, double stiffness);
+    QualityMeter(const ContactSurface& surface, const WorkspaceMap& map);
 
     void add(const RenderTick& tick, const Vec3& velocity, std::span<const Vec3> path) noexcept;
 
@@ -46,7 +46,6 @@ private:
 
     const ContactSurface& surface_;
     WorkspaceMap map_;
-    double stiffness_;
     std::vector<ContactTriangle> near_;
     QualityReport report_;
     RenderTick last_;

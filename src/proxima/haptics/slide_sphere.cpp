@@ -17,7 +17,7 @@ double skin_of(const SurfaceScale& scale) noexcept
     return 0x1p-42 * scale.reach;
 }
 
-/// A move asks for triangles so far away, in mean edges: a few dozen of them.
+/// A move is at most so long, in mean edges: a few dozen triangles are along it.
 constexpr double reach_in_edges = 2;
 
 /// The touching point as a plane, or nothing where the triangle is beyond `limit`.
@@ -114,12 +114,12 @@ public:
           skin_(skin_of(surface.scale())), to_(to), room_(room)
     {}
 
-    SlideResult run(const Vec3& from) noexcept
+    SlideResult run(const Vec3& from, SlideStart start) noexcept
     {
         result_.center = from;
         room_.path_[0] = from;
         room_.path_size_ = 1;
-        if (!reach_freely()) {
+        if (start == SlideStart::touching || !reach_freely()) {
             result_.end = SlideEnd::limited;
             while (result_.moves < max_slide_moves && move()) {
             }
@@ -132,8 +132,9 @@ private:
     bool reach_freely() noexcept
     {
         const double way = (to_ - result_.center).norm();
-        // The nearer half of all ticks would ask in vain: what is touched has no clearance.
-        if (surface_.clearance(result_.center) <= way + radius_ + skin_) return false;
+        const double clearance = surface_.clearance(result_.center);
+        touches_nothing_ = clearance > radius_ + skin_;
+        if (clearance <= way + radius_ + skin_) return false;
         result_.held = to_;
         if (way > 0) go(to_);
         return true;
@@ -149,29 +150,21 @@ private:
     /// One goal and the way there. False when the slide is over.
     bool move() noexcept
     {
-        const Vec3& p = result_.center;
-        double reach = std::min((to_ - p).norm(), reach_in_edges * surface_.scale().mean_edge);
-        if (!collect(reach)) return end(SlideEnd::overloaded);
-        const double rounding = 0.25 * skin_;
-        Touches touches(rounding);
-        for (std::size_t i = 0; i < near_count_; ++i) {
-            room_.touched_[i] = 0;
-            if (!room_.near_[i].may_touch) continue;
-            const auto contact = contact_with(room_.near_[i], p, radius_ + skin_, rounding);
-            if (!contact) continue;
-            room_.touched_[i] = 1;
-            if (!touches.add(*contact)) return end(SlideEnd::overloaded);
-        }
-        touches.sort();
+        const Vec3 p = result_.center;
+        Touches touches(0.25 * skin_);
+        if (!collect_touches(touches)) return end(SlideEnd::overloaded);
         const Vec3 goal = choose_goal(touches.contacts());
 
         Vec3 way = goal - p;
         const double length = way.norm();
         if (length <= 0.25 * skin_) return end(SlideEnd::settled);
-        const bool whole = length <= reach;
+        double reach = std::min(length, reach_in_edges * surface_.scale().mean_edge);
+        if (!collect_way(way / length, reach)) return end(SlideEnd::overloaded);
+        const bool whole = reach == length;
         if (!whole) way *= reach / length;
         const double t = sweep(way, touches.contacts());
         if (!(t > 0)) return end(SlideEnd::limited); // planes that no double satisfies
+        touches_nothing_ = false;
         if (t == 1 && whole) {
             go(goal);
             // Nothing held it back: it is there.
@@ -182,22 +175,41 @@ private:
         return true;
     }
 
+    /// What is touched where it is. False where there is no room.
+    bool collect_touches(Touches& touches) noexcept
+    {
+        touched_count_ = 0;
+        if (touches_nothing_) return true;
+        const double limit = radius_ + skin_;
+        const std::size_t count = surface_.collect(result_.center, limit, room_.near_);
+        if (count > room_.near_.size()) return false;
+        for (const ContactTriangle& triangle : std::span(room_.near_).first(count)) {
+            const auto contact = contact_with(triangle, result_.center, limit, 0.25 * skin_);
+            if (!contact) continue;
+            room_.touched_[touched_count_++] = triangle.id;
+            if (!touches.add(*contact)) return false;
+        }
+        touches.sort();
+        return true;
+    }
+
+    /// Triangles along the first `reach` of a direction; a shorter reach where there are too many.
+    bool collect_way(const Vec3& direction, double& reach) noexcept
+    {
+        for (int attempt = 0; attempt < 12; ++attempt) {
+            const Vec3 middle = result_.center + 0.5 * reach * direction;
+            const double distance = radius_ + 2 * skin_ + 0.5 * reach;
+            near_count_ = surface_.collect(middle, distance, room_.near_);
+            if (near_count_ <= room_.near_.size()) return true;
+            reach /= 2;
+        }
+        return false;
+    }
+
     bool end(SlideEnd how) noexcept
     {
         result_.end = how;
         if (result_.contact_count == 0) result_.held = result_.center;
-        return false;
-    }
-
-    /// Triangles within reach of a move; a shorter reach where there are too many.
-    bool collect(double& reach) noexcept
-    {
-        for (int attempt = 0; attempt < 8; ++attempt) {
-            near_count_ = surface_.collect(result_.center, radius_ + skin_ + reach, radius_ + skin_,
-                                           room_.near_);
-            if (near_count_ <= room_.near_.size()) return true;
-            reach /= 2;
-        }
         return false;
     }
 
@@ -261,13 +273,15 @@ private:
         for (const Contact& contact : touched) {
             if (contact.normal.dot(way) < -3 * skin_) return 0;
         }
+        const auto touched_ids = std::span(room_.touched_).first(touched_count_);
         double free = 1;
-        for (std::size_t i = 0; i < near_count_; ++i) {
-            if (room_.touched_[i] != 0) continue;
-            const Triangle& triangle = room_.near_[i].corners;
-            const auto t =
-                touch_time(triangle, unit_normal(triangle), radius_, result_.center, way);
-            if (t) free = std::min(free, *t);
+        for (const ContactTriangle& near : std::span(room_.near_).first(near_count_)) {
+            const auto t = touch_time(near.corners, radius_, result_.center, way);
+            if (!t || *t >= free) continue;
+            // What is touched already is left or gone along.
+            if (std::find(touched_ids.begin(), touched_ids.end(), near.id) != touched_ids.end())
+                continue;
+            free = *t;
         }
         return free;
     }
@@ -279,6 +293,8 @@ private:
     Vec3 to_;
     SlideRoom& room_;
     std::size_t near_count_ = 0;
+    std::size_t touched_count_ = 0;
+    bool touches_nothing_ = false;
     bool has_contact_ = false;
     SlideResult result_;
 };
@@ -287,7 +303,7 @@ std::optional<Contact> nearest_contact(const ContactSurface& surface, const Vec3
                                        double distance, SlideRoom& room) noexcept
 {
     const std::span<ContactTriangle> near = room.near_;
-    const std::size_t count = std::min(surface.collect(p, distance, distance, near), near.size());
+    const std::size_t count = std::min(surface.collect(p, distance, near), near.size());
     std::optional<Contact> best;
     for (const ContactTriangle& triangle : near.first(count)) {
         const auto contact = contact_with(triangle, p, distance, 0);
@@ -301,9 +317,9 @@ std::optional<Contact> nearest_contact(const ContactSurface& surface, const Vec3
 }
 
 SlideResult slide_sphere(const ContactSurface& surface, double radius, const Vec3& from,
-                         const Vec3& to, SlideRoom& room) noexcept
+                         const Vec3& to, SlideRoom& room, SlideStart start) noexcept
 {
-    return Slide(surface, radius, to, room).run(from);
+    return Slide(surface, radius, to, room).run(from, start);
 }
 
 } // namespace proxima

@@ -80,7 +80,7 @@ private:
     friend std::optional<Contact> nearest_contact(const ContactSurface& surface, const Vec3& p,
                                                   double distance, SlideRoom& room) noexcept;
     std::vector<ContactTriangle> near_;
-    std::vector<std::uint8_t> touched_;
+    std::vector<TriangleId> touched_;
     std::array<Vec3, max_slide_moves + 1> path_;
     std::size_t path_size_ = 0;
 };
@@ -94,10 +94,17 @@ private:
 [[nodiscard]] std::optional<Contact> nearest_contact(const ContactSurface& surface, const Vec3& p,
                                                      double distance, SlideRoom& room) noexcept;
 
+/// What is known of the place at which a slide begins.
+enum class SlideStart : std::uint8_t {
+    anywhere, ///< the surface is asked how far it is: long free ways in one move
+    touching  ///< something is near: that question would be in vain
+};
+
 /// Slides a sphere of max(radius, safety gap) from `from` towards `to`. noexcept, no allocation, no
 /// lock: at most max_slide_moves questions of the surface, usually one to three of about 1 us.
 /// \pre at `from` nothing is nearer than the sphere's radius; all finite; radius >= 0
 [[nodiscard]] SlideResult slide_sphere(const ContactSurface& surface, double radius,
-                                       const Vec3& from, const Vec3& to, SlideRoom& room) noexcept;
+                                       const Vec3& from, const Vec3& to, SlideRoom& room,
+                                       SlideStart start = SlideStart::anywhere) noexcept;
 
 } // namespace proxima

@@ -25,6 +25,16 @@ double entry_time(const Vec3& from, const Vec3& motion, double radius) noexcept
     return t >= 0 && t <= 1 ? t : never;
 }
 
+/// Whether the product of two sides is right to some digits: little of it cancels.
+bool is_plump(const Triangle& triangle, const Vec3& scaled) noexcept
+{
+    constexpr double plump = 0x1p-16;
+    const double squared = scaled.squaredNorm();
+    return squared > plump * (triangle[1] - triangle[0]).squaredNorm() *
+                         (triangle[2] - triangle[0]).squaredNorm() &&
+           squared > 1e-280;
+}
+
 bool is_above(const Triangle& triangle, const Vec3& normal, const Vec3& x) noexcept
 {
     for (int k = 0; k < 3; ++k) {
@@ -54,20 +64,27 @@ double side_time(const Vec3& from, const Vec3& to, double radius, const Vec3& p,
 
 Vec3 unit_normal(const Triangle& triangle) noexcept
 {
-    const Vec3 u = triangle[1] - triangle[0];
-    const Vec3 v = triangle[2] - triangle[0];
-    const Vec3 product = u.cross(v);
-    const double squared = product.squaredNorm();
-    constexpr double plump = 0x1p-40; // below it too much of the product cancels
-    if (squared > plump * u.squaredNorm() * v.squaredNorm() && squared > 1e-280)
-        return product / std::sqrt(squared);
+    const Vec3 scaled = scaled_normal(triangle);
+    if (is_plump(triangle, scaled)) return scaled / scaled.norm();
     return unit_normal({triangle[0], triangle[1]}, {triangle[0], triangle[2]});
 }
 
-std::optional<double> touch_time(const Triangle& triangle, const Vec3& normal, double radius,
-                                 const Vec3& p, const Vec3& motion) noexcept
+std::optional<double> touch_time(const Triangle& triangle, double radius, const Vec3& p,
+                                 const Vec3& motion) noexcept
 {
-    // The offset planes: outside of both, nothing else can be touched before them.
+    const Vec3 scaled = scaled_normal(triangle);
+    const double scaled_height = scaled.dot(p - triangle[0]);
+    const double scaled_end = scaled_height + scaled.dot(motion);
+    const double scaled_radius_squared =
+        1.01 * radius * radius * scaled.squaredNorm(); // more than rounding of plump ones
+    // Most triangles: the whole way on one side of the offset planes.
+    if (scaled_height * scaled_end > 0 && is_plump(triangle, scaled) &&
+        scaled_height * scaled_height > scaled_radius_squared &&
+        scaled_end * scaled_end > scaled_radius_squared)
+        return std::nullopt;
+
+    // Outside of both planes, nothing else can be touched before them.
+    const Vec3 normal = unit_normal(triangle);
     const double height = normal.dot(p - triangle[0]);
     const double rise = normal.dot(motion);
     if (std::abs(height) > radius) {

@@ -20,9 +20,8 @@ namespace proxima {
 [[nodiscard]] Vec3 unit_normal(const Triangle& triangle) noexcept;
 
 /// The first t at which the sphere touches, or nothing. noexcept, no allocation, 5 to 50 ns.
-/// \pre normal is unit_normal(triangle); at t = 0 the centre is farther than the radius; radius > 0
-[[nodiscard]] std::optional<double> touch_time(const Triangle& triangle, const Vec3& normal,
-                                               double radius, const Vec3& p,
-                                               const Vec3& motion) noexcept;
+/// \pre at t = 0 the centre is farther than the radius; radius > 0
+[[nodiscard]] std::optional<double> touch_time(const Triangle& triangle, double radius,
+                                               const Vec3& p, const Vec3& motion) noexcept;
 
 } // namespace proxima
