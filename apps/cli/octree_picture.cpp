@@ -1,6 +1,7 @@
 #include "cli/octree_picture.h"
 
 #include "cli/canvas.h"
+#include "cli/lamps.h"
 #include "proxima/octree/traverse.h"
 
 #include <algorithm>
@@ -52,11 +53,7 @@ public:
 
     [[nodiscard]] const Vec3& eye() const noexcept { return eye_; }
 
-    /// Direction on the screen (right, up, towards the eye) to one of the mesh.
-    [[nodiscard]] Vec3 from_screen(const Vec3& direction) const noexcept
-    {
-        return direction.x() * right_ + direction.y() * up_ + direction.z() * back_;
-    }
+    [[nodiscard]] Lamps lamps() const { return {right_, up_, back_}; }
 
     [[nodiscard]] ScreenPoint project(const Vec3& point) const noexcept
     {
@@ -75,33 +72,6 @@ private:
     Vec3 eye_;
     double zoom_ = 1.0; // pixels
     Vec2 origin_ = Vec2::Zero();
-};
-
-/// Three lamps fixed to the camera and light from the sky.
-class Lamps {
-public:
-    explicit Lamps(const Camera& camera)
-        : key_(camera.from_screen(Vec3(-0.45, 0.65, 0.60).normalized())),
-          fill_(camera.from_screen(Vec3(0.80, 0.10, 0.45).normalized())),
-          sky_(camera.from_screen(Vec3(0.0, 1.0, 0.0)))
-    {}
-
-    [[nodiscard]] Color shade(const Vec3& normal, const Color& surface) const
-    {
-        const auto part = [&](const Vec3& lamp) {
-            return static_cast<float>(std::max(0.0, normal.dot(lamp)));
-        };
-        const auto sky = static_cast<float>(0.5 + 0.5 * normal.dot(sky_));
-        const Color light = 0.80F * part(key_) * Color(1.00F, 0.97F, 0.92F) +
-                            0.20F * part(fill_) * Color(0.80F, 0.88F, 1.00F) +
-                            (0.14F + 0.22F * sky) * Color(0.93F, 0.96F, 1.00F);
-        return surface * light;
-    }
-
-private:
-    Vec3 key_;
-    Vec3 fill_;
-    Vec3 sky_;
 };
 
 /// Few enough triangles or leaves to be drawn in some milliseconds.
@@ -123,7 +93,7 @@ void draw_mesh(Canvas& canvas, const Camera& camera, const TriangleMesh& mesh, P
 {
     constexpr double smooth_below = 0.7; // cosine of the angle between a face and its smooth normal
     const Color surface = srgb(0xE9E1D2);
-    const Lamps lamps(camera);
+    const Lamps lamps = camera.lamps();
     StageSteps steps(progress, "drawing the mesh", 2 * mesh.triangle_count(), block);
     const std::vector<Vec3> normals = vertex_normals(mesh, steps);
     for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
