@@ -2,6 +2,8 @@
 // thesis has them.
 #pragma once
 
+#include "proxima/octree/octree.h"
+
 namespace proxima::figure_colors {
 
 inline constexpr unsigned ink = 0x222222;
@@ -20,5 +22,12 @@ inline constexpr unsigned yellow_tint = 0xFBF1C9;
 inline constexpr unsigned boundary_cell = 0xF4B860;
 inline constexpr unsigned inner_cell = 0xB9DCC0;
 inline constexpr unsigned outer_cell = 0xEEF2F7;
+
+[[nodiscard]] constexpr unsigned cell_color(CellClass type) noexcept
+{
+    return type == CellClass::boundary ? boundary_cell
+           : type == CellClass::inner  ? inner_cell
+                                       : outer_cell;
+}
 
 } // namespace proxima::figure_colors

@@ -19,13 +19,6 @@ const char* name_of(CellClass type)
     return type == CellClass::boundary ? "boundary" : type == CellClass::inner ? "inner" : "outer";
 }
 
-unsigned color_of(CellClass type)
-{
-    return type == CellClass::boundary ? boundary_cell
-           : type == CellClass::inner  ? inner_cell
-                                       : outer_cell;
-}
-
 /// Draws nodes as boxes of text.
 class NodeDrawing {
 public:
@@ -54,7 +47,7 @@ public:
             const Vec2 at = upper_left + Vec2(0, row * static_cast<double>(i));
             figure_.boxes.push_back({at, at + Vec2(width, row), ink});
             figure_.boxes.push_back({at + Vec2(1.5, 1.5), at + Vec2(width - 1.5, row),
-                                     i == 0 ? color_of(cell.type) : 0xFFFFFFU});
+                                     i == 0 ? cell_color(cell.type) : 0xFFFFFFU});
             figure_.texts.push_back({at + Vec2(14, 23), rows[i], {14, ink}});
         }
         const Vec2 end = upper_left + Vec2(0, row * static_cast<double>(rows.size()));
@@ -85,7 +78,7 @@ private:
         const Vec2 half = 0.5 * size;
         const Vec2 border(1.5, 1.5);
         figure_.boxes.push_back({center - half, center + half, ink});
-        figure_.boxes.push_back({center - half + border, center + half - border, color_of(type)});
+        figure_.boxes.push_back({center - half + border, center + half - border, cell_color(type)});
         figure_.texts.push_back({center + Vec2(0, 6), words, {12, ink, TextAnchor::middle}});
     }
 

@@ -17,7 +17,7 @@ constexpr std::size_t first_rectangle_line = 3; // n4
 constexpr double normal_length = 0.55;
 constexpr double line_reach = 2.1; // of a pushed line, to each side
 
-unsigned color_of(FacetOrigin origin)
+unsigned line_color(FacetOrigin origin)
 {
     return origin == FacetOrigin::b ? red : blue;
 }
@@ -70,24 +70,12 @@ void draw_points(PlanarPanel& panel, const PlanarSum& sum)
     }
 }
 
-/// The two outermost of the points that a line rests on.
-std::array<int, 2> ends_of(const PlanarSum& sum, const PushedLine& line)
-{
-    const Vec2 along(-line.normal.y(), line.normal.x());
-    const auto touched = sum.touched(line);
-    const auto before = [&](int a, int b) {
-        return along.dot(sum.points()[static_cast<std::size_t>(a)]) <
-               along.dot(sum.points()[static_cast<std::size_t>(b)]);
-    };
-    return {*std::ranges::min_element(touched, before), *std::ranges::max_element(touched, before)};
-}
-
 Result<FigureContent> pushing_figure(std::size_t number)
 {
     const auto sum = explained_planar_sum();
     if (!sum) return tl::unexpected(sum.error());
     const PushedLine& line = sum->lines()[number];
-    const auto ends = ends_of(*sum, line);
+    const auto ends = end_points(*sum, line);
     Figure figure;
     PlanarPanel panel = whole_panel(figure);
     draw_copies(panel, *sum);
@@ -100,7 +88,7 @@ Result<FigureContent> pushing_figure(std::size_t number)
                      i == steps ? ink : faint, i == steps ? 2.5 : 1.5);
     }
     panel.line(sum->points()[static_cast<std::size_t>(ends[0])],
-               sum->points()[static_cast<std::size_t>(ends[1])], color_of(line.origin), 6.0);
+               sum->points()[static_cast<std::size_t>(ends[1])], line_color(line.origin), 6.0);
     panel.arrow(Vec2::Zero(), line.offset * line.normal, green, 2.5);
     panel.dot(Vec2::Zero(), 9, ink);
     panel.words(Vec2::Zero(), "0", {-14, -14}, 14, ink);
@@ -132,13 +120,13 @@ Result<FigureContent> parallel_figure(FacetOrigin origin)
         const PushedLine& line = sum->lines()[i];
         if (line.origin != origin || !line.spans_edge) continue;
         ++count;
-        const auto ends = ends_of(*sum, line);
+        const auto ends = end_points(*sum, line);
         const Vec2& from = sum->points()[static_cast<std::size_t>(ends[0])];
         const Vec2& to = sum->points()[static_cast<std::size_t>(ends[1])];
-        panel.line(from, to, color_of(origin), 6.0);
+        panel.line(from, to, line_color(origin), 6.0);
         const Vec2 middle = 0.5 * (from + to);
         panel.words(middle, fmt::format("e{}", i + 1), 26.0 * Vec2(line.normal), 16,
-                    color_of(origin));
+                    line_color(origin));
     }
     draw_points(panel, *sum);
     const bool is_triangle = origin == FacetOrigin::b;
@@ -152,6 +140,17 @@ Result<FigureContent> parallel_figure(FacetOrigin origin)
 }
 
 } // namespace
+
+std::array<int, 2> end_points(const PlanarSum& sum, const PushedLine& line)
+{
+    const Vec2 along(-line.normal.y(), line.normal.x());
+    const auto touched = sum.touched(line);
+    const auto before = [&](int a, int b) {
+        return along.dot(sum.points()[static_cast<std::size_t>(a)]) <
+               along.dot(sum.points()[static_cast<std::size_t>(b)]);
+    };
+    return {*std::ranges::min_element(touched, before), *std::ranges::max_element(touched, before)};
+}
 
 Result<PlanarSum> explained_planar_sum()
 {

@@ -16,14 +16,7 @@ using namespace figure_colors;
 
 constexpr int circle_edges = 96;
 constexpr double circle_radius = 0.83; // of the root's half edge
-constexpr std::array depths = {2, 3, 4, 5};
-
-unsigned color_of(CellClass type)
-{
-    return type == CellClass::boundary ? boundary_cell
-           : type == CellClass::inner  ? inner_cell
-                                       : outer_cell;
-}
+constexpr std::array circle_depths = {2, 3, 4, 5};
 
 struct LeafCounts {
     std::array<int, 3> by_type = {};
@@ -37,7 +30,7 @@ LeafCounts draw_cells(PlanarPanel& panel, const CurveQuadtree& tree)
     for (const QuadtreeLeaf& leaf : tree.leaves) {
         const CellClass type = tree.type(leaf);
         ++counts.by_type[static_cast<std::size_t>(type)];
-        panel.fill_square(leaf.center, leaf.half, color_of(type));
+        panel.fill_square(leaf.center, leaf.half, cell_color(type));
         panel.square(leaf.center, leaf.half, faint, 1.0);
     }
     panel.outline(tree.curve.points(), ink, 2.5);
@@ -64,16 +57,16 @@ Result<FigureContent> circle_figure(Subdivision subdivision)
     FigureContent content;
     Figure figure{.width = 1480, .height = 470};
     std::string counts_text;
-    for (std::size_t i = 0; i < depths.size(); ++i) {
-        const auto tree = circle_quadtree(depths[i], subdivision);
+    for (std::size_t i = 0; i < circle_depths.size(); ++i) {
+        const auto tree = circle_quadtree(circle_depths[i], subdivision);
         if (!tree) return tl::unexpected(tree.error());
         const double left = 30.0 + step * static_cast<double>(i);
         PlanarPanel panel(figure, {Vec2(left, 50), Vec2(left + edge, 50 + edge)},
                           {Vec2(-1, -1), Vec2(1, 1)});
         const LeafCounts counts = draw_cells(panel, *tree);
-        panel.title(fmt::format("depth {}: {} leaves", depths[i], tree->leaves.size()));
+        panel.title(fmt::format("depth {}: {} leaves", circle_depths[i], tree->leaves.size()));
         counts_text += fmt::format("{}depth {}: {} leaves, {} of them boundary, {} inner, {} outer",
-                                   i == 0 ? "" : "; ", depths[i], tree->leaves.size(),
+                                   i == 0 ? "" : "; ", circle_depths[i], tree->leaves.size(),
                                    counts.of(CellClass::boundary), counts.of(CellClass::inner),
                                    counts.of(CellClass::outer));
     }

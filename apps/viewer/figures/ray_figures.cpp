@@ -14,7 +14,7 @@
 namespace proxima {
 namespace {
 
-constexpr Camera camera = {.azimuth = 0.5, .elevation = 0.34};
+const Camera ray_camera = {.azimuth = 0.5, .elevation = 0.34};
 
 Result<LitCells> lit_cells(TriangleMesh mesh, const Ray& ray, const OctreeOptions& options)
 {
@@ -34,7 +34,7 @@ double chord_weight(const Octree& octree, const CellOnRay& cell)
 TriangleMesh far_half(const TriangleMesh& mesh, const Ray& ray)
 {
     const Vec3 along = ray.direction.stableNormalized();
-    const Vec3 to_eye = Vec3(std::sin(camera.azimuth), -std::cos(camera.azimuth), 0);
+    const Vec3 to_eye = Vec3(std::sin(ray_camera.azimuth), -std::cos(ray_camera.azimuth), 0);
     const Vec3 across = to_eye - to_eye.dot(along) * along;
     std::vector<TriangleId> kept;
     for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
@@ -69,7 +69,7 @@ ScenePanel lit_panel(std::string title, const LitCells& lit, const Weight& weigh
     const ShapeStyle arrow = {.name = "ray", .color = srgb(figure_colors::red)};
     add_arrow(scene, at(enter - 0.75), at(enter - 0.01), 0.022, arrow);
     add_arrow(scene, at(exit + 0.01), at(exit + 0.55), 0.022, arrow);
-    return scene_panel(std::move(title), std::move(scene), camera, size);
+    return scene_panel(std::move(title), std::move(scene), ray_camera, size);
 }
 
 } // namespace

@@ -12,6 +12,8 @@ namespace proxima {
 inline constexpr ViewSize single_panel = {.width = 1000, .height = 780};
 inline constexpr ViewSize one_of_some = {.width = 620, .height = 560};
 
+inline const EdgeStyle thin_edges = {.color = srgb(0x333333), .width = 1.6};
+
 /// The scene seen as a whole.
 [[nodiscard]] ScenePanel scene_panel(std::string title, Scene scene, const Camera& camera,
                                      ViewSize size);

@@ -13,8 +13,7 @@ namespace proxima {
 namespace {
 
 constexpr double octahedron_size = 0.55; // the cube's half edge is 1
-constexpr Camera camera = {.azimuth = 0.55, .elevation = 0.42};
-const EdgeStyle thin_edges = {.color = srgb(0x333333), .width = 1.6};
+const Camera sum_camera = {.azimuth = 0.55, .elevation = 0.42};
 
 std::vector<std::uint32_t> facets_of(const MinkowskiSum& sum, FacetOrigin origin)
 {
@@ -56,7 +55,7 @@ Result<FigureContent> origin_figure(FacetOrigin origin, const char* words)
     content.caption = fmt::format("The {} of the {} facets of the sum that {}, with their normals.",
                                   facets.size(), sum->facet_count(), words);
     content.panels.emplace_back(scene_panel(fmt::format("{} facets {}", facets.size(), words),
-                                            std::move(scene), camera, single_panel));
+                                            std::move(scene), sum_camera, single_panel));
     return content;
 }
 
@@ -90,7 +89,7 @@ Result<FigureContent> figure_3_7(const FigureContext& /*context*/)
         "= {} points, whose convex hull is the sum.",
         copies, copies, sum->b().points().size(), copies * sum->b().points().size());
     content.panels.emplace_back(
-        scene_panel("A (red) and copies of B (blue)", std::move(scene), camera, single_panel));
+        scene_panel("A (red) and copies of B (blue)", std::move(scene), sum_camera, single_panel));
     return content;
 }
 
@@ -133,7 +132,7 @@ Result<FigureContent> figure_3_11(const FigureContext& /*context*/)
         "swept by an edge of B along one of A (green); {} corners of the {} points are left.",
         sum->facet_count(), counts[0], counts[1], counts[3], sum->point_count(),
         sum->a().points().size() * sum->b().points().size());
-    content.panels.emplace_back(scene_panel("A + B", std::move(scene), camera, single_panel));
+    content.panels.emplace_back(scene_panel("A + B", std::move(scene), sum_camera, single_panel));
     return content;
 }
 

@@ -9,7 +9,7 @@
 namespace proxima {
 namespace {
 
-constexpr auto figures = std::to_array<ThesisFigure>({
+constexpr auto made_figures = std::to_array<ThesisFigure>({
     {"2.3", "Uniform subdivision of a circle", figure_2_3},
     {"2.4", "Adaptive subdivision of a circle", figure_2_4},
     {"2.5", "The octree as a data structure", figure_2_5},
@@ -45,7 +45,7 @@ constexpr auto figures = std::to_array<ThesisFigure>({
     {"5.6", "Cells along a ray by their weights", figure_5_6},
 });
 
-constexpr auto missing = std::to_array<MissingFigure>({
+constexpr auto absent_figures = std::to_array<MissingFigure>({
     {"2.1", "BSP tree of a scene", "Cited from another work, of a tree that is not built here."},
     {"2.2", "Balanced and optimal BSP trees",
      "Cited from another work, of trees that are not built here."},
@@ -60,12 +60,12 @@ constexpr auto missing = std::to_array<MissingFigure>({
 
 std::span<const ThesisFigure> thesis_figures()
 {
-    return figures;
+    return made_figures;
 }
 
 std::span<const MissingFigure> missing_figures()
 {
-    return missing;
+    return absent_figures;
 }
 
 } // namespace proxima

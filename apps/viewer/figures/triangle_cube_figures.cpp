@@ -11,9 +11,9 @@
 namespace proxima {
 namespace {
 
-constexpr Camera camera = {.azimuth = 0.62, .elevation = 0.38};
-const EdgeStyle thin_edges = {.color = srgb(0x333333), .width = 1.6};
-const Triangle triangle = {{Vec3(-1.5, -0.5, -0.55), Vec3(1.5, -0.6, -0.2), Vec3(0.1, 0.9, 1.1)}};
+const Camera triangle_camera = {.azimuth = 0.62, .elevation = 0.38};
+const Triangle summed_triangle = {
+    {Vec3(-1.5, -0.5, -0.55), Vec3(1.5, -0.6, -0.2), Vec3(0.1, 0.9, 1.1)}};
 
 Box cube_of(double half)
 {
@@ -32,7 +32,7 @@ void add_triangle(Scene& scene, const Triangle& shown, const ShapeStyle& style)
 
 Result<MinkowskiSum> sum_with_cube(double half)
 {
-    const auto a = polyhedron_of_triangle(triangle);
+    const auto a = polyhedron_of_triangle(summed_triangle);
     if (!a) return tl::unexpected(a.error());
     const auto b = polyhedron_of_box(cube_of(half));
     if (!b) return tl::unexpected(b.error());
@@ -55,7 +55,7 @@ std::size_t shared_normals(const MinkowskiSum& one, const MinkowskiSum& other)
     return count;
 }
 
-constexpr std::array halves = {0.36, 0.18};
+constexpr std::array cube_halves = {0.36, 0.18};
 
 } // namespace
 
@@ -63,17 +63,17 @@ Result<FigureContent> figure_3_12(const FigureContext& /*context*/)
 {
     FigureContent content;
     content.columns = 2;
-    for (const double half : halves) {
+    for (const double half : cube_halves) {
         Scene scene;
-        add_triangle(scene, triangle, {.name = "A", .color = color_of(FacetOrigin::a)});
-        for (const Vec3& corner : triangle.vertices) {
+        add_triangle(scene, summed_triangle, {.name = "A", .color = color_of(FacetOrigin::a)});
+        for (const Vec3& corner : summed_triangle.vertices) {
             const Box cube = {corner - Vec3::Constant(half), corner + Vec3::Constant(half)};
             add_box(scene, cube,
                     {.name = "copy of B", .color = color_of(FacetOrigin::b), .opacity = 0.55F});
             add_box_edges(scene, std::array{cube}, thin_edges);
         }
         content.panels.emplace_back(scene_panel(fmt::format("cubes of edge {:g}", 2 * half),
-                                                std::move(scene), camera, one_of_some));
+                                                std::move(scene), triangle_camera, one_of_some));
     }
     content.caption = "Copies of cubes of one octree at the corners of a triangle, of two depths: "
                       "the cubes on the right are one level deeper, half as large.";
@@ -84,9 +84,9 @@ Result<FigureContent> figure_3_13(const FigureContext& /*context*/)
 {
     FigureContent content;
     content.columns = 2;
-    const auto large = sum_with_cube(halves[0]);
+    const auto large = sum_with_cube(cube_halves[0]);
     if (!large) return tl::unexpected(large.error());
-    const auto small = sum_with_cube(halves[1]);
+    const auto small = sum_with_cube(cube_halves[1]);
     if (!small) return tl::unexpected(small.error());
     for (const MinkowskiSum* const sum : {&*large, &*small}) {
         const auto surface = draw(*sum);
@@ -99,7 +99,7 @@ Result<FigureContent> figure_3_13(const FigureContext& /*context*/)
         add_polygon_edges(scene, *surface, first_numbers(sum->facet_count()), thin_edges);
         content.panels.emplace_back(scene_panel(
             fmt::format("{} facets, {} corners", sum->facet_count(), sum->point_count()),
-            std::move(scene), camera, one_of_some));
+            std::move(scene), triangle_camera, one_of_some));
     }
     content.caption = fmt::format(
         "Their Minkowski sums, each computed by itself: {} and {} facets, and {} of them share "
@@ -135,7 +135,7 @@ Result<FigureContent> figure_3_15(const FigureContext& /*context*/)
         add_box_edges(scene, std::array{cube}, thin_edges);
         add_ball(scene, shown.triangle[0], 0.05, {.name = "end point", .color = srgb(0x222222)});
         content.panels.emplace_back(
-            scene_panel(shown.title, std::move(scene), camera, one_of_some));
+            scene_panel(shown.title, std::move(scene), triangle_camera, one_of_some));
         verdicts += fmt::format("; {}: {} the closed cube, {} its inside", shown.title,
                                 triangle_overlaps_box(shown.triangle, cube) ? "touches" : "misses",
                                 triangle_overlaps_box(shown.triangle, inside) ? "meets" : "misses");

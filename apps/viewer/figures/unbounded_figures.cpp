@@ -4,6 +4,7 @@
 #include "proxima/minkowski/unbounded_sum.h"
 #include "proxima/proximity/feature_regions.h"
 #include "viewer/figures/figure_colors.h"
+#include "viewer/figures/minkowski_figures.h"
 #include "viewer/figures/planar_panel.h"
 #include "viewer/figures/scene_figure.h"
 #include "viewer/figures/voronoi_figures.h"
@@ -31,20 +32,6 @@ Result<PlanarSum> cone_and_square()
     const auto square = convex_polygon(corners);
     if (!square) return tl::unexpected(square.error());
     return planar_sum(*cone, *square, {.cut_length = cut_length});
-}
-
-/// Where the intermediate sum's edge on a line runs.
-std::array<Vec2, 2> edge_on(const PlanarSum& sum, const PushedLine& line)
-{
-    const Vec2 along(-line.normal.y(), line.normal.x());
-    const auto touched = sum.touched(line);
-    const auto before = [&](int a, int b) {
-        return along.dot(sum.points()[static_cast<std::size_t>(a)]) <
-               along.dot(sum.points()[static_cast<std::size_t>(b)]);
-    };
-    const auto [first, last] = std::ranges::minmax_element(touched, before);
-    return {sum.points()[static_cast<std::size_t>(*first)],
-            sum.points()[static_cast<std::size_t>(*last)]};
 }
 
 struct ConeDrawing {
@@ -97,8 +84,7 @@ Result<std::array<NamedFeature, 3>> pyramid_features(const Topology& topology)
 }
 
 constexpr double cube_half = 0.22;
-constexpr Camera camera = {.azimuth = 0.62, .elevation = 0.28};
-const EdgeStyle thin_edges = {.color = srgb(0x333333), .width = 1.5};
+const Camera cut_camera = {.azimuth = 0.62, .elevation = 0.28};
 
 Box cube_at(const Vec3& center)
 {
@@ -128,7 +114,9 @@ Result<FigureContent> figure_4_7(const FigureContext& /*context*/)
         if (i > 0) panel.outline(sum->a().corners, blue, 1.5);
         for (const PushedLine& line : sum->lines()) {
             if (i == 0 || i == 3 || !line.spans_edge) continue;
-            const auto [from, to] = edge_on(*sum, line);
+            const auto ends = end_points(*sum, line);
+            const Vec2& from = sum->points()[static_cast<std::size_t>(ends[0])];
+            const Vec2& to = sum->points()[static_cast<std::size_t>(ends[1])];
             const bool red_one = i == 2 && obstructs(line);
             panel.line(from, to, red_one ? red : ink, red_one ? 4.5 : 3.0);
             if (!red_one) continue;
@@ -186,7 +174,7 @@ Result<FigureContent> figure_4_8(const FigureContext& /*context*/)
         add_box_edges(scene, copies, thin_edges);
         content.caption += fmt::format(" {}: {} copies.", shown.name, copies.size());
         content.panels.emplace_back(scene_panel(fmt::format("region of the {}", shown.name),
-                                                std::move(scene), camera, one_of_some));
+                                                std::move(scene), cut_camera, one_of_some));
     }
     return content;
 }
@@ -229,7 +217,7 @@ Result<FigureContent> figure_4_9(const FigureContext& /*context*/)
         content.panels.emplace_back(
             scene_panel(fmt::format("{}: {} of {} facets obstruct", shown.name,
                                     sum->obstructing.size(), sum->intermediate.facet_count()),
-                        std::move(scene), camera, one_of_some));
+                        std::move(scene), cut_camera, one_of_some));
         content.caption +=
             fmt::format(" {}: {} facets, {} obstruct, {} remain; the sum by rays, "
                         "without a cut, has {}.",

@@ -12,8 +12,7 @@
 namespace proxima {
 namespace {
 
-constexpr Camera camera = {.azimuth = 0.62, .elevation = 0.32};
-const EdgeStyle body_edges = {.color = srgb(0x333333), .width = 1.8};
+const Camera region_camera = {.azimuth = 0.62, .elevation = 0.32};
 
 Color color_of(FeatureKind kind)
 {
@@ -54,7 +53,7 @@ Result<FigureContent> pyramid_figure(Feature feature, const char* words)
     if (!surface) return tl::unexpected(surface.error());
     Scene scene;
     add_mesh(scene, mesh, {.name = "pyramid"});
-    add_mesh_edges(scene, mesh, body_edges);
+    add_mesh_edges(scene, mesh, thin_edges);
     const auto sides = side_facets(*region);
     const Color color = color_of(feature.kind);
     add_polygons(scene, *surface, sides, {.name = "region", .color = color, .opacity = 0.55F});
@@ -78,7 +77,7 @@ Result<FigureContent> pyramid_figure(Feature feature, const char* words)
         name_of(feature.kind), feature.id, words, sides.size(), region->rays().size());
     content.panels.emplace_back(
         scene_panel(fmt::format("the region of a {}", name_of(feature.kind)), std::move(scene),
-                    camera, single_panel));
+                    region_camera, single_panel));
     return content;
 }
 
@@ -110,7 +109,7 @@ Result<ScenePanel> all_regions(const TriangleMesh& mesh, const char* name, doubl
     if (!status) return tl::unexpected(status.error());
     return scene_panel(
         fmt::format("{}: {} vertices, {} edges, {} faces", name, counts[0], counts[1], counts[2]),
-        std::move(scene), camera, one_of_some);
+        std::move(scene), region_camera, one_of_some);
 }
 
 } // namespace
