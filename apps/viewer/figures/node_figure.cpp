@@ -5,9 +5,11 @@
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/octree_figures.h"
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <fmt/core.h>
-#include <optional>
+#include <functional>
 
 namespace proxima {
 namespace {
@@ -86,71 +88,82 @@ private:
     const Octree& octree_;
 };
 
-/// The first child that has children of all three classes.
-std::optional<int> colourful_child(const Octree& octree, const Cell& cell)
+/// The cells from the root to the first that has children of all three types.
+std::vector<Cell> path_to_all_types(const Octree& octree)
 {
-    for (int octant = 0; octant < 8; ++octant) {
-        const Cell child = octree.child(cell, octant);
-        if (octree.is_leaf(child)) continue;
-        std::array<bool, 3> seen = {};
-        for (int i = 0; i < 8; ++i) {
-            const auto type = static_cast<std::size_t>(octree.child(child, i).type);
-            if (type < seen.size()) seen[type] = true;
+    struct Walk {
+        const Octree& octree;
+        std::vector<Cell> path;
+
+        bool visit(const Cell& cell)
+        {
+            if (octree.is_leaf(cell)) return false;
+            path.push_back(cell);
+            std::array<bool, 3> seen = {};
+            for (int i = 0; i < 8; ++i)
+                seen[static_cast<std::size_t>(octree.child(cell, i).type)] = true;
+            if (std::ranges::all_of(seen, std::identity())) return true;
+            for (int i = 0; i < 8; ++i)
+                if (visit(octree.child(cell, i))) return true;
+            path.pop_back();
+            return false;
         }
-        if (seen[0] && seen[1] && seen[2]) return octant;
-    }
-    return std::nullopt;
+    };
+    Walk walk{octree, {}};
+    walk.visit(octree.root());
+    return walk.path;
 }
 
 } // namespace
 
 Result<FigureContent> figure_2_5(const FigureContext& context)
 {
-    const TriangleMesh mesh = make_icosphere(2);
-    const auto octree = build_octree(mesh, {.max_depth = 2, .threads = context.threads});
+    const TriangleMesh mesh = make_torus(24, 12);
+    const auto octree = build_octree(mesh, {.max_depth = 4, .threads = context.threads});
     if (!octree) return tl::unexpected(octree.error());
-    const auto shown = colourful_child(*octree, octree->root());
-    if (!shown) return fail(ErrorCode::broken_invariant, "no child with cells of all classes");
+    const std::vector<Cell> path = path_to_all_types(*octree);
+    if (path.empty()) return fail(ErrorCode::broken_invariant, "no cell with leaves of all types");
 
+    constexpr double row = 108.0;
     const std::uint64_t cells = octree_statistics(*octree).total;
-    Figure figure{.width = 1200, .height = 700};
+    const double fields_top = 90.0 + row * static_cast<double>(path.size()) + 90.0;
+    Figure figure{.width = 1200, .height = static_cast<int>(fields_top) + 250};
     NodeDrawing drawing(figure, *octree);
-    const Cell root = octree->root();
-    const Cell child = octree->child(root, *shown);
-    const auto place = [](int octant, double y) -> Vec2 { return {110.0 + 140.0 * octant, y}; };
-    const Vec2 top(600, 60);
-    for (int i = 0; i < 8; ++i) drawing.link(top + Vec2(0, 22), place(i, 168) - Vec2(0, 22));
-    for (int i = 0; i < 8; ++i) {
-        drawing.link(place(*shown, 168) + Vec2(0, 22), place(i, 290) - Vec2(0, 22));
-    }
-    drawing.small(root, top);
-    figure.texts.push_back({{600, 26}, "root", {14, ink, TextAnchor::middle}});
-    std::array<std::optional<int>, 3> sample;
-    for (int i = 0; i < 8; ++i) {
-        drawing.small(octree->child(root, i), place(i, 168));
-        const Cell grandchild = octree->child(child, i);
-        drawing.small(grandchild, place(i, 290));
-        const auto type = static_cast<std::size_t>(grandchild.type);
-        if (!sample[type]) sample[type] = i;
+    const auto place = [&](int octant, std::size_t level) -> Vec2 {
+        return {110.0 + 140.0 * octant, 60.0 + row * static_cast<double>(level)};
+    };
+    const Vec2 half(0, 22);
+    Vec2 above(600, 60);
+    figure.texts.push_back({above - Vec2(0, 34), "root", {14, ink, TextAnchor::middle}});
+    drawing.small(path.front(), above);
+    std::array<int, 3> sample = {}; // octants of the last row, by type
+    for (std::size_t level = 1; level <= path.size(); ++level) {
+        Vec2 next = above;
+        for (int i = 0; i < 8; ++i) {
+            const Cell cell = octree->child(path[level - 1], i);
+            drawing.link(above + half, place(i, level) - half);
+            drawing.small(cell, place(i, level));
+            if (level < path.size() && cell.key == path[level].key) next = place(i, level);
+            if (level == path.size()) sample[static_cast<std::size_t>(cell.type)] = i;
+        }
+        above = next;
     }
     double x = 60;
     for (const CellClass type : {CellClass::boundary, CellClass::inner, CellClass::outer}) {
-        const int i = *sample[static_cast<std::size_t>(type)];
-        drawing.link(place(i, 290) + Vec2(0, 22), {x + 172, 430});
-        drawing.fields(octree->child(child, i), {x, 430});
+        const int i = sample[static_cast<std::size_t>(type)];
+        drawing.link(place(i, path.size()) + half, {x + 172, fields_top});
+        drawing.fields(octree->child(path.back(), i), {x, fields_top});
         x += 372;
     }
-    figure.texts.push_back(
-        {{600, 650},
-         fmt::format("{} cells, {} records of 8 bytes: empty leaves are a bit of their parent's",
-                     cells, octree->nodes().size()),
-         {15, ink, TextAnchor::middle}});
     FigureContent content;
     content.caption = fmt::format(
-        "The octree as a data structure, read from one of a sphere of {} triangles, two levels "
-        "deep: the root, its eight children, the eight children of one of them, and the fields of "
-        "one leaf of each type. Only boundary leaves list triangles. The {} cells take {} records "
-        "of 8 bytes and {} references of 4.",
+        "The octree as a data structure, read from one of a torus of {} triangles: the root, its "
+        "eight children, and on from one of them to eight cells of all three types, with the "
+        "fields "
+        "of one of each. Only boundary leaves list triangles. The octree has {} cells; empty "
+        "leaves "
+        "are but a bit of their parent's record, so {} records of 8 bytes and {} references of 4 "
+        "hold it.",
         mesh.triangle_count(), cells, octree->nodes().size(), octree->references().size());
     content.drawing = std::move(figure);
     return content;

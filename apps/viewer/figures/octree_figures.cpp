@@ -93,7 +93,7 @@ Result<LoadedModel> load(const BenchmarkModel& model, const FigureContext& conte
 
 Result<FigureContent> figure_2_6(const FigureContext& context)
 {
-    constexpr std::array depths = {1, 2, 3, 4, 5};
+    constexpr std::array depths = {0, 1, 2, 3, 4, 5};
     const auto mesh = sample_mesh("sphere:100x100", {.progress = context.progress});
     if (!mesh) return tl::unexpected(mesh.error());
     FigureContent content;

@@ -15,7 +15,7 @@ using namespace figure_colors;
 constexpr std::size_t first_triangle_line = 0;  // n1
 constexpr std::size_t first_rectangle_line = 3; // n4
 constexpr double normal_length = 0.55;
-constexpr double line_reach = 2.1; // of a pushed line, to each side
+constexpr double line_reach = 2.6; // of a pushed line, to each side
 
 unsigned line_color(FacetOrigin origin)
 {
@@ -98,11 +98,11 @@ Result<FigureContent> pushing_figure(std::size_t number)
     FigureContent content;
     content.caption = fmt::format(
         "A line with the normal n{} of the {} is pushed from the origin along it until it rests on "
-        "the farthest of the {} points, {:.3f} away: on {}. The edge e{} of the sum joins {} and "
-        "{}.",
+        "the farthest of the {} points, {:.3f} away: {} of them. The edge e{} of the sum joins {} "
+        "and {}.",
         number + 1, line.origin == FacetOrigin::b ? "triangle" : "rectangle", sum->points().size(),
-        line.offset, fmt::format("{} points", sum->touched(line).size()), number + 1,
-        point_name(ends[0]), point_name(ends[1]));
+        line.offset, sum->touched(line).size(), number + 1, point_name(ends[0]),
+        point_name(ends[1]));
     content.drawing = std::move(figure);
     return content;
 }

@@ -28,14 +28,27 @@ std::string names_of(const std::vector<int>& sets, int corners)
     return names;
 }
 
-void draw_regions(PlanarPanel& panel, const ConvexPolygon& polygon, double reach)
+/// How far a ray from a place within the root goes until it leaves it.
+double length_in_root(const Vec2& from, const Vec2& along, double half)
+{
+    double length = 1e300;
+    for (int axis = 0; axis < 2; ++axis) {
+        if (along[axis] == 0.0) continue;
+        const double side = along[axis] > 0.0 ? half : -half;
+        length = std::min(length, (side - from[axis]) / along[axis]);
+    }
+    return length;
+}
+
+void draw_regions(PlanarPanel& panel, const ConvexPolygon& polygon, double half)
 {
     const auto corners = polygon.points();
     for (std::size_t i = 0; i < corners.size(); ++i) {
         const Vec2& next = corners[(i + 1) % corners.size()];
         const Vec2 along = next - corners[i];
-        const Vec2 outward = reach * Vec2(along.y(), -along.x()).normalized();
-        for (const Vec2& end : {corners[i], next}) panel.dashes(end, end + outward, green, 1.6);
+        const Vec2 outward = Vec2(along.y(), -along.x()).normalized();
+        for (const Vec2& end : {corners[i], next})
+            panel.dashes(end, end + length_in_root(end, outward, half) * outward, green, 1.6);
     }
 }
 
@@ -72,17 +85,17 @@ Result<FigureContent> figure_4_1(const FigureContext& /*context*/)
                                              : red_tint;
         panel.fill_square(leaf.center, leaf.half, color);
         panel.square(leaf.center, leaf.half, faint, 1.0);
-        constexpr double letters_that_fit = 11.0;
+        if (is_inside(tree->polygon, leaf.center)) continue; // there the polygon's own names stand
         const std::string names = names_of(leaf.sets, corners);
         const double room = 2.0 * panel.scale() * leaf.half;
-        const double size = std::min(15.0, room / letters_that_fit * 1.9);
+        const double size = std::min(15.0, 0.17 * room);
         if (listed > 2) {
             panel.words(leaf.center, fmt::format("{}", listed), {0, 0}, size, red);
         } else if (text_length(names, size) < room) {
             panel.words(leaf.center, names, {0, 0}, size, ink);
         }
     }
-    draw_regions(panel, tree->polygon, 3.0);
+    draw_regions(panel, tree->polygon, tree->half);
     const auto points = tree->polygon.points();
     panel.outline(points, ink, 4.0);
     for (int i = 0; i < corners; ++i) {
@@ -111,7 +124,8 @@ Result<ListedFeature> sphere_with_listed_feature(const FigureContext& context)
     const auto topology = build_topology(mesh, {.threads = context.threads});
     if (!topology) return tl::unexpected(topology.error());
     auto octree = build_thesis_proximity_octree(
-        mesh, *topology, {.max_depth = 4, .margin = 0.8, .threads = context.threads});
+        mesh, *topology,
+        {.max_depth = 4, .thresholds = {6, 12, 8}, .margin = 0.8, .threads = context.threads});
     if (!octree) return tl::unexpected(octree.error());
     // A vertex that faces the camera: the cone of its region is seen from the side.
     std::uint32_t best = 0;
@@ -141,15 +155,26 @@ Result<FigureContent> figure_4_2(const FigureContext& context)
     const EdgeStyle mesh_edges = {.color = srgb(0x8A8172), .width = 1.0, .opacity = 0.7F};
     const Camera camera = {.azimuth = 0.35, .elevation = 0.3};
 
+    // Of the outer leaves the layer just behind the middle, brighter where lists are short.
     Scene left;
     add_mesh(left, shown->mesh, sphere);
     add_mesh_edges(left, shown->mesh, mesh_edges);
-    std::vector<Box> behind;
+    std::vector<Box> layer;
+    std::uint32_t longest = 0;
+    for (const ThesisCell& cell : shown->outer)
+        longest = std::max(longest, shown->octree.list_length(cell));
     for (const ThesisCell& cell : shown->outer) {
         const Box box = shown->octree.box(cell);
-        if (box.center().y() > 0) behind.push_back(box);
+        if (box.lower.y() > 1e-9 || box.upper.y() < 1e-6) continue;
+        layer.push_back(box);
+        const double part = static_cast<double>(shown->octree.list_length(cell)) / longest;
+        const auto bright = static_cast<float>(1.0 - part);
+        add_box(left, box,
+                {.name = "layer",
+                 .color = bright * srgb(0xDCEBFA) + (1.0F - bright) * srgb(0x0E3A75),
+                 .lighting = Lighting::flat});
     }
-    add_box_edges(left, behind, {.color = srgb(0x2F62B5), .width = 1.0, .opacity = 0.55F});
+    add_box_edges(left, layer, {.color = srgb(0x2F62B5), .width = 1.0});
 
     Scene right;
     add_mesh(right, shown->mesh, sphere);
@@ -165,13 +190,15 @@ Result<FigureContent> figure_4_2(const FigureContext& context)
     FigureContent content;
     content.columns = 2;
     content.caption = fmt::format(
-        "Left: the outer leaves of the proximity octree of a sphere of {} triangles, the far half "
-        "of {}. Right: the Voronoi region of vertex {} (yellow, it has no end and is cut for the "
-        "picture) and the {} outer leaves that list the vertex: those that its region meets.",
-        shown->mesh.triangle_count(), shown->outer.size(), shown->feature.id, listing.size());
+        "Left: of the {} outer leaves of the proximity octree of a sphere of {} triangles the {} "
+        "just behind the middle, the darker the more features they list, {} at most. Right: the "
+        "Voronoi region of vertex {} (yellow, it has no end and is cut for the picture) and the {} "
+        "outer leaves that list the vertex: those that its region meets.",
+        shown->outer.size(), shown->mesh.triangle_count(), layer.size(), longest, shown->feature.id,
+        listing.size());
     constexpr ViewSize size = {.width = 760, .height = 700};
     content.panels.emplace_back(
-        scene_panel(fmt::format("outer leaves, far half of {}", shown->outer.size()),
+        scene_panel(fmt::format("{} of {} outer leaves", layer.size(), shown->outer.size()),
                     std::move(left), camera, size));
     content.panels.emplace_back(
         scene_panel(fmt::format("a Voronoi region and its {} outer leaves", listing.size()),

@@ -144,10 +144,11 @@ Result<FigureContent> figure_5_6(const FigureContext& context)
         lit->cells.size(), by_depth.min.penetration, by_depth.max.penetration, chord(by_chord.min),
         chord(by_chord.max));
     constexpr ViewSize size = {.width = 760, .height = 660};
-    content.panels.emplace_back(lit_panel(fmt::format("{} cells by penetration", lit->cells.size()),
-                                          *lit, penetration, size));
     content.panels.emplace_back(
-        lit_panel(fmt::format("{} cells by chord", lit->cells.size()), *lit, chord, size));
+        lit_panel(fmt::format("{} cells by penetration: black 0, yellow 1", lit->cells.size()),
+                  *lit, penetration, size));
+    content.panels.emplace_back(lit_panel(
+        fmt::format("{} cells by chord: black 0, yellow 1", lit->cells.size()), *lit, chord, size));
     return content;
 }
 

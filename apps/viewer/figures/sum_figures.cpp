@@ -65,9 +65,9 @@ Result<MinkowskiSum> explained_sum()
 {
     const auto cube = polyhedron_of_mesh(make_cube());
     if (!cube) return tl::unexpected(cube.error());
+    const TriangleMesh unit = make_octahedron();
     std::vector<Vec3> corners;
-    for (const Vec3& position : make_octahedron().positions())
-        corners.emplace_back(octahedron_size * position);
+    for (const Vec3& position : unit.positions()) corners.emplace_back(octahedron_size * position);
     const auto octahedron = convex_hull(corners);
     if (!octahedron) return tl::unexpected(octahedron.error());
     return minkowski_sum(*cube, *octahedron);

@@ -119,7 +119,7 @@ Result<FigureContent> figure_3_15(const FigureContext& /*context*/)
     // Corner 0 of each lies in the cube's upper face.
     const std::array cases = {
         Case{"goes through the volume",
-             {{Vec3(-0.3, -0.2, 1), Vec3(1.7, -0.9, 0.1), Vec3(0.9, 0.9, -0.6)}}},
+             {{Vec3(-0.2, -0.1, 1), Vec3(1.5, 0.7, -0.5), Vec3(-0.7, -0.6, -0.4)}}},
         Case{"lies in the face", {{Vec3(-0.6, -0.5, 1), Vec3(0.7, -0.4, 1), Vec3(0.1, 0.6, 1)}}},
         Case{"stays outside", {{Vec3(0.0, -0.2, 1), Vec3(-0.8, 0.0, 2.1), Vec3(0.9, 0.3, 2.0)}}}};
     const Box cube = cube_of(1.0);
@@ -136,14 +136,14 @@ Result<FigureContent> figure_3_15(const FigureContext& /*context*/)
         add_ball(scene, shown.triangle[0], 0.05, {.name = "end point", .color = srgb(0x222222)});
         content.panels.emplace_back(
             scene_panel(shown.title, std::move(scene), triangle_camera, one_of_some));
-        verdicts += fmt::format("; {}: {} the closed cube, {} its inside", shown.title,
+        verdicts += fmt::format(" {}: {} the closed cube, {} its inside;", shown.title,
                                 triangle_overlaps_box(shown.triangle, cube) ? "touches" : "misses",
                                 triangle_overlaps_box(shown.triangle, inside) ? "meets" : "misses");
     }
     content.caption = fmt::format(
         "An edge ends exactly in a face of the cube (the ball): that alone does not say where the "
-        "triangle goes. The exact test decides{}.",
-        verdicts);
+        "triangle goes. The exact test decides:{}.",
+        std::string_view(verdicts).substr(0, verdicts.size() - 1));
     return content;
 }
 

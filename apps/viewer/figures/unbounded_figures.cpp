@@ -86,6 +86,20 @@ Result<std::array<NamedFeature, 3>> pyramid_features(const Topology& topology)
 constexpr double cube_half = 0.22;
 const Camera cut_camera = {.azimuth = 0.62, .elevation = 0.28};
 
+/// Facets in different planes: where the cut's corners were rounded, one plane may come in pieces.
+std::size_t planes_of(const MinkowskiSum& sum, std::span<const std::uint32_t> facets)
+{
+    std::vector<HalfSpace> planes;
+    for (const std::uint32_t facet : facets) {
+        const HalfSpace plane = sum.half_space(facet);
+        const bool known = std::ranges::any_of(planes, [&](const HalfSpace& other) {
+            return (plane.normal - other.normal).norm() < 1e-9;
+        });
+        if (!known) planes.push_back(plane);
+    }
+    return planes.size();
+}
+
 Box cube_at(const Vec3& center)
 {
     return {center - Vec3::Constant(cube_half), center + Vec3::Constant(cube_half)};
@@ -219,10 +233,11 @@ Result<FigureContent> figure_4_9(const FigureContext& /*context*/)
                                     sum->obstructing.size(), sum->intermediate.facet_count()),
                         std::move(scene), cut_camera, one_of_some));
         content.caption +=
-            fmt::format(" {}: {} facets, {} obstruct, {} remain; the sum by rays, "
-                        "without a cut, has {}.",
+            fmt::format(" {}: {} facets, {} obstruct, {} in {} planes remain; the "
+                        "sum by rays, without a cut, has {}.",
                         shown.name, sum->intermediate.facet_count(), sum->obstructing.size(),
-                        sum->remaining.size(), direct->facet_count());
+                        sum->remaining.size(), planes_of(sum->intermediate, sum->remaining),
+                        direct->facet_count());
     }
     return content;
 }

@@ -63,8 +63,10 @@ Result<FigureContent> pyramid_figure(Feature feature, const char* words)
         add_arrow(scene, from, from + 0.38 * region->half_space(side).normal, 0.014,
                   {.name = "normal", .color = srgb(figure_colors::red)});
     }
+    int endless = 0;
     for (const PolyhedronEdge& edge : region->edges()) {
         if (!region->is_ray(edge.to)) continue;
+        ++endless;
         const Vec3 from =
             region->vertex(edge.from) + length * region->vertex(edge.to).stableNormalized();
         add_arrow(scene, from, from + 0.3 * region->vertex(edge.to).stableNormalized(), 0.014,
@@ -72,12 +74,12 @@ Result<FigureContent> pyramid_figure(Feature feature, const char* words)
     }
     FigureContent content;
     content.caption = fmt::format(
-        "The Voronoi region of {} {} of a pyramid: {}. It is bounded to the side by {} planes, "
-        "whose outward normals are red, and goes on forever along {} rays (gray).",
-        name_of(feature.kind), feature.id, words, sides.size(), region->rays().size());
+        "The Voronoi region of {} {} of a pyramid: {}. {} planes with red outward normals "
+        "bound it to the side; {} half-lines go on forever (gray).",
+        name_of(feature.kind), feature.id, words, sides.size(), endless);
     content.panels.emplace_back(
-        scene_panel(fmt::format("the region of a {}", name_of(feature.kind)), std::move(scene),
-                    region_camera, single_panel));
+        scene_panel(fmt::format("Voronoi region of {} {}", name_of(feature.kind), feature.id),
+                    std::move(scene), region_camera, single_panel));
     return content;
 }
 
