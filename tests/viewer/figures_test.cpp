@@ -169,7 +169,9 @@ TEST(Figures, SumsInSpaceShowFacetsByOrigin)
         const int own = strong[static_cast<std::size_t>(channel)];
         EXPECT_GT(own, 20000);
         for (std::size_t k = 0; k < 3; ++k)
-            if (static_cast<int>(k) != channel) EXPECT_LT(strong[k], own / 10);
+            if (static_cast<int>(k) != channel) {
+                EXPECT_LT(strong[k], own / 10);
+            }
     }
     const auto whole = figure_3_11({});
     ASSERT_TRUE(whole);
@@ -340,7 +342,9 @@ TEST(Figures, LitCellsAreThoseOfTheRayWithItsWeights)
         const auto colors = pixels_by_color(picture_of(panel));
         for (std::size_t i = 0; i < shown.size(); ++i) {
             const double weight = lit->cells[i].penetration;
-            if (fully) EXPECT_NEAR(weight, 1.0, 1e-12);
+            if (fully) {
+                EXPECT_NEAR(weight, 1.0, 1e-12);
+            }
             const Color expected = intensity_color(weight);
             EXPECT_TRUE((shown[i]->color == expected).all());
             Canvas one(1, 1);

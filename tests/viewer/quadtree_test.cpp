@@ -56,7 +56,9 @@ TEST(Quadtree, LeavesListTheSegmentsThatTheyMeet)
             const bool is_deepest = leaf.depth == tree->depth;
             EXPECT_TRUE(is_deepest || (subdivision == Subdivision::adaptive && expected.empty()));
         }
-        if (subdivision == Subdivision::uniform) EXPECT_EQ(tree->leaves.size(), 1024U);
+        if (subdivision == Subdivision::uniform) {
+            EXPECT_EQ(tree->leaves.size(), 1024U);
+        }
     }
 }
 
@@ -94,7 +96,9 @@ TEST(Quadtree, LeavesOfTheProximityQuadtreeListTheClosestFeatures)
         seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
         // Random points find no more than the list has, and where it has one, just that.
         EXPECT_TRUE(std::ranges::includes(leaf.sets, seen));
-        if (leaf.sets.size() == 1 && !seen.empty()) EXPECT_EQ(seen, leaf.sets);
+        if (leaf.sets.size() == 1 && !seen.empty()) {
+            EXPECT_EQ(seen, leaf.sets);
+        }
         EXPECT_TRUE(leaf.depth == 4 || leaf.sets.size() <= 1);
     }
     EXPECT_GT(points_outside, 20000U);

@@ -5,11 +5,10 @@
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/octree_figures.h"
 
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <fmt/core.h>
-#include <functional>
+#include <optional>
 
 namespace proxima {
 namespace {
@@ -21,15 +20,29 @@ const char* name_of(CellClass type)
     return type == CellClass::boundary ? "boundary" : type == CellClass::inner ? "inner" : "outer";
 }
 
+int octant_of(const Cell& cell)
+{
+    return octant(cell.key);
+}
+
 /// Draws nodes as boxes of text.
 class NodeDrawing {
 public:
     NodeDrawing(Figure& figure, const Octree& octree) : figure_(figure), octree_(octree) {}
 
-    /// A square that stands for a node.
-    void small(const Cell& cell, const Vec2& center)
+    /// A box that stands for a node, with its type.
+    void named(const Cell& cell, const Vec2& center)
     {
-        box(center, {92, 44}, cell.type, name_of(cell.type));
+        box(center, {98, 44}, cell.type, name_of(cell.type));
+    }
+
+    /// The same, narrow.
+    void lettered(const Cell& cell, const Vec2& center)
+    {
+        const char* const letter = cell.type == CellClass::boundary ? "B"
+                                   : cell.type == CellClass::inner  ? "I"
+                                                                    : "O";
+        box(center, {48, 44}, cell.type, letter);
     }
 
     /// A node with its five fields.
@@ -88,83 +101,73 @@ private:
     const Octree& octree_;
 };
 
-/// The cells from the root to the first that has children of all three types.
-std::vector<Cell> path_to_all_types(const Octree& octree)
+/// The first child of the cell that is a leaf of this type.
+std::optional<int> leaf_of_type(const Octree& octree, const Cell& cell, CellClass type)
 {
-    struct Walk {
-        const Octree& octree;
-        std::vector<Cell> path;
-
-        bool visit(const Cell& cell)
-        {
-            if (octree.is_leaf(cell)) return false;
-            path.push_back(cell);
-            std::array<bool, 3> seen = {};
-            for (int i = 0; i < 8; ++i)
-                seen[static_cast<std::size_t>(octree.child(cell, i).type)] = true;
-            if (std::ranges::all_of(seen, std::identity())) return true;
-            for (int i = 0; i < 8; ++i)
-                if (visit(octree.child(cell, i))) return true;
-            path.pop_back();
-            return false;
-        }
-    };
-    Walk walk{octree, {}};
-    walk.visit(octree.root());
-    return walk.path;
+    for (int octant = 0; octant < 8; ++octant) {
+        const Cell child = octree.child(cell, octant);
+        if (octree.is_leaf(child) && child.type == type) return octant;
+    }
+    return std::nullopt;
 }
 
 } // namespace
 
 Result<FigureContent> figure_2_5(const FigureContext& context)
 {
-    const TriangleMesh mesh = make_torus(24, 12);
-    const auto octree = build_octree(mesh, {.max_depth = 4, .threads = context.threads});
+    // No cell has both inner and outer children, as all eight meet in its middle: two are opened.
+    const TriangleMesh mesh = make_icosphere(2);
+    const OctreeFrame root_frame = {Vec3::Constant(-1.2), Vec3::Constant(2.8)};
+    const auto octree =
+        build_octree(mesh, {.max_depth = 2, .root = root_frame, .threads = context.threads});
     if (!octree) return tl::unexpected(octree.error());
-    const std::vector<Cell> path = path_to_all_types(*octree);
-    if (path.empty()) return fail(ErrorCode::broken_invariant, "no cell with leaves of all types");
-
-    constexpr double row = 108.0;
-    const std::uint64_t cells = octree_statistics(*octree).total;
-    const double fields_top = 90.0 + row * static_cast<double>(path.size()) + 90.0;
-    Figure figure{.width = 1200, .height = static_cast<int>(fields_top) + 250};
-    NodeDrawing drawing(figure, *octree);
-    const auto place = [&](int octant, std::size_t level) -> Vec2 {
-        return {110.0 + 140.0 * octant, 60.0 + row * static_cast<double>(level)};
+    const Cell root = octree->root();
+    const std::array opened = {octree->child(root, 0), octree->child(root, 7)};
+    struct Sample {
+        Cell parent;
+        CellClass type;
+        double left;
     };
+    const std::array samples = {Sample{opened[0], CellClass::inner, 40.0},
+                                Sample{opened[1], CellClass::boundary, 427.0},
+                                Sample{opened[1], CellClass::outer, 814.0}};
+
+    Figure figure{.width = 1200, .height = 680};
+    NodeDrawing drawing(figure, *octree);
     const Vec2 half(0, 22);
-    Vec2 above(600, 60);
-    figure.texts.push_back({above - Vec2(0, 34), "root", {14, ink, TextAnchor::middle}});
-    drawing.small(path.front(), above);
-    std::array<int, 3> sample = {}; // octants of the last row, by type
-    for (std::size_t level = 1; level <= path.size(); ++level) {
-        Vec2 next = above;
-        for (int i = 0; i < 8; ++i) {
-            const Cell cell = octree->child(path[level - 1], i);
-            drawing.link(above + half, place(i, level) - half);
-            drawing.small(cell, place(i, level));
-            if (level < path.size() && cell.key == path[level].key) next = place(i, level);
-            if (level == path.size()) sample[static_cast<std::size_t>(cell.type)] = i;
-        }
-        above = next;
+    const Vec2 top(600, 70);
+    const auto child_place = [](int octant) -> Vec2 { return {110.0 + 140.0 * octant, 190.0}; };
+    const auto leaf_place = [](const Cell& parent, int octant) -> Vec2 {
+        return {(octant_of(parent) == 0 ? 50.0 : 660.0) + 70.0 * octant, 320.0};
+    };
+    figure.texts.push_back({top - Vec2(0, 34), "root", {14, ink, TextAnchor::middle}});
+    for (int i = 0; i < 8; ++i) {
+        drawing.link(top + half, child_place(i) - half);
+        drawing.named(octree->child(root, i), child_place(i));
     }
-    double x = 60;
-    for (const CellClass type : {CellClass::boundary, CellClass::inner, CellClass::outer}) {
-        const int i = sample[static_cast<std::size_t>(type)];
-        drawing.link(place(i, path.size()) + half, {x + 172, fields_top});
-        drawing.fields(octree->child(path.back(), i), {x, fields_top});
-        x += 372;
+    drawing.named(root, top);
+    for (const Cell& parent : opened) {
+        for (int i = 0; i < 8; ++i) {
+            drawing.link(child_place(octant_of(parent)) + half, leaf_place(parent, i) - half);
+            drawing.lettered(octree->child(parent, i), leaf_place(parent, i));
+        }
+    }
+    for (const auto& [parent, type, left] : samples) {
+        const auto octant = leaf_of_type(*octree, parent, type);
+        if (!octant)
+            return fail(ErrorCode::broken_invariant, "no leaf of this type", name_of(type));
+        drawing.link(leaf_place(parent, *octant) + half, {left + 172, 440});
+        drawing.fields(octree->child(parent, *octant), {left, 440});
     }
     FigureContent content;
     content.caption = fmt::format(
-        "The octree as a data structure, read from one of a torus of {} triangles: the root, its "
-        "eight children, and on from one of them to eight cells of all three types, with the "
-        "fields "
-        "of one of each. Only boundary leaves list triangles. The octree has {} cells; empty "
-        "leaves "
-        "are but a bit of their parent's record, so {} records of 8 bytes and {} references of 4 "
-        "hold it.",
-        mesh.triangle_count(), cells, octree->nodes().size(), octree->references().size());
+        "The octree as a data structure, read from one of a sphere of {} triangles in a root that "
+        "is not centred on it: the root, its eight children, the children of two of them (B "
+        "boundary, I inner, O outer) and the fields of a leaf of each type. Only boundary leaves "
+        "list triangles. The octree has {} cells; empty leaves are but a bit of their parent's "
+        "record, so {} records of 8 bytes and {} references of 4 hold it.",
+        mesh.triangle_count(), octree_statistics(*octree).total, octree->nodes().size(),
+        octree->references().size());
     content.drawing = std::move(figure);
     return content;
 }

@@ -54,7 +54,7 @@ Result<FigureContent> origin_figure(FacetOrigin origin, const char* words)
     FigureContent content;
     content.caption = fmt::format("The {} of the {} facets of the sum that {}, with their normals.",
                                   facets.size(), sum->facet_count(), words);
-    content.panels.emplace_back(scene_panel(fmt::format("{} facets {}", facets.size(), words),
+    content.panels.emplace_back(scene_panel(fmt::format("{} facets that {}", facets.size(), words),
                                             std::move(scene), sum_camera, single_panel));
     return content;
 }
@@ -105,7 +105,7 @@ Result<FigureContent> figure_3_9(const FigureContext& /*context*/)
 
 Result<FigureContent> figure_3_10(const FigureContext& /*context*/)
 {
-    return origin_figure(FacetOrigin::swept, "edges of B sweep along edges of A");
+    return origin_figure(FacetOrigin::swept, "edges of B sweep out along edges of A");
 }
 
 Result<FigureContent> figure_3_11(const FigureContext& /*context*/)
