@@ -18,6 +18,7 @@ namespace {
 struct FiguresOptions {
     std::string out;
     std::vector<std::string> only;
+    bool opengl = false;
 
     [[nodiscard]] bool wants(std::string_view number) const
     {
@@ -41,6 +42,13 @@ Status write_text(const std::string& text, const std::filesystem::path& path, Pr
     return output->commit();
 }
 
+Result<std::unique_ptr<Renderer>> make_renderer(const FiguresOptions& options,
+                                                const Progress* progress)
+{
+    if (options.opengl) return make_opengl_renderer();
+    return make_software_renderer(progress);
+}
+
 Status run_figures(const FiguresOptions& options, Session& session)
 {
     const std::filesystem::path folder = options.out;
@@ -51,7 +59,8 @@ Status run_figures(const FiguresOptions& options, Session& session)
                     options.out);
     }
     Progress* const progress = &session.progress();
-    const auto renderer = make_software_renderer(progress);
+    const auto renderer = make_renderer(options, progress);
+    if (!renderer) return tl::unexpected(renderer.error());
     const FigureContext context = {session.threads(), progress};
     std::vector<FigurePage> pages;
     nlohmann::ordered_json made = nlohmann::ordered_json::array();
@@ -59,7 +68,7 @@ Status run_figures(const FiguresOptions& options, Session& session)
         if (!options.wants(figure.number)) continue;
         auto page = [&] {
             const ProgressBar shown(session.progress(), session.bar());
-            return write_figure_page(figure, folder, *renderer, context);
+            return write_figure_page(figure, folder, **renderer, context);
         }();
         if (!page) return tl::unexpected(page.error());
         session.print(
@@ -115,6 +124,8 @@ Command add_figures_command(CLI::App& app)
             },
             concat("Only these, of ", figure_numbers()))
         ->type_name("LIST");
+    parser->add_flag("--opengl", options->opengl,
+                     "Draw scenes by OpenGL, without a display; by software otherwise");
     return {parser, [options](Session& session) { return run_figures(*options, session); }};
 }
 

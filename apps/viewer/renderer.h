@@ -28,4 +28,9 @@ public:
 /// Draws without any graphics system, the same bits on every machine; four samples a pixel.
 [[nodiscard]] std::unique_ptr<Renderer> make_software_renderer(const Progress* progress = nullptr);
 
+/// Draws by OpenGL 3.3 without a display; its graphics system is the machine's, so bits differ from
+/// machine to machine. Error unsupported_format where the program was built without it, or the
+/// machine has no such OpenGL.
+[[nodiscard]] Result<std::unique_ptr<Renderer>> make_opengl_renderer();
+
 } // namespace proxima

@@ -1,5 +1,6 @@
 #include "viewer/renderer.h"
 
+#include "proxima/mesh/sample_meshes.h"
 #include "viewer/scene_shapes.h"
 
 #include <gtest/gtest.h>
@@ -124,6 +125,69 @@ TEST_F(TwoSquares, DrawingStopsOnRequest)
     const auto image = renderer->render(scene, camera, size);
     ASSERT_FALSE(image);
     EXPECT_EQ(image.error().code, ErrorCode::cancelled);
+}
+
+/// How many bytes differ by more than a little, as part of all.
+double difference(const Image& one, const Image& other)
+{
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < one.bytes.size(); ++i)
+        if (std::abs(one.bytes[i] - other.bytes[i]) > 24) ++count;
+    return static_cast<double>(count) / static_cast<double>(one.bytes.size());
+}
+
+TEST(Renderers, OpenGlDrawsWhatSoftwareDraws)
+{
+    const auto opengl = make_opengl_renderer();
+    if (!opengl) GTEST_SKIP() << opengl.error().message;
+    Scene scene;
+    add_mesh(scene, make_torus(48, 24), {.smoothing = Smoothing::smooth});
+    add_box(scene, {Vec3(-2, -2, -0.6), Vec3(2, 2, -0.55)}, {.color = srgb(0x7FA6C9)});
+    add_box(scene, {Vec3(0.2, -1.8, -0.3), Vec3(1.4, -0.6, 0.9)},
+            {.color = srgb(0x57B57A), .opacity = 0.4F});
+    add_box_edges(scene, std::array{Box{Vec3(0.2, -1.8, -0.3), Vec3(1.4, -0.6, 0.9)}},
+                  {.width = 3.0});
+    add_arrow(scene, Vec3(0, 0, 0), Vec3(0, 0, 1.5), 0.05, {.color = srgb(0xC8373F)});
+    SceneLabel label;
+    label.at = Vec3(0, 0, 1.6);
+    label.text = "Label";
+    label.style = {.size = 18, .color = 0x222222};
+    scene.labels.push_back(label);
+    constexpr ViewSize large = {.width = 401, .height = 303};
+    const auto software = make_software_renderer();
+    // Far from the origin too: floats are relative to the scene.
+    for (const double away : {0.0, 1e6}) {
+        for (SceneSurface& surface : scene.surfaces)
+            for (Vec3& position : surface.positions) position += Vec3::Constant(away);
+        for (SceneLines& lines : scene.lines)
+            for (auto& segment : lines.segments)
+                for (Vec3& end : segment) end += Vec3::Constant(away);
+        scene.labels[0].at += Vec3::Constant(away);
+        for (const double azimuth : {0.3, 2.5}) {
+            const Camera camera = fitted({.azimuth = azimuth}, places_of(scene), large);
+            const auto one = software->render(scene, camera, large);
+            const auto other = (*opengl)->render(scene, camera, large);
+            ASSERT_TRUE(one);
+            ASSERT_TRUE(other) << other.error().message;
+            ASSERT_EQ(one->bytes.size(), other->bytes.size());
+            EXPECT_LT(difference(*one, *other), 0.02);
+        }
+    }
+    // Another camera is another picture: the measure can tell.
+    const Camera here = fitted({.azimuth = 0.3}, places_of(scene), large);
+    const Camera there = fitted({.azimuth = 0.6}, places_of(scene), large);
+    EXPECT_GT(
+        difference(*software->render(scene, here, large), *(*opengl)->render(scene, there, large)),
+        0.05);
+}
+
+TEST(Renderers, OpenGlRefusesPicturesThatAreTooLarge)
+{
+    const auto opengl = make_opengl_renderer();
+    if (!opengl) GTEST_SKIP() << opengl.error().message;
+    const auto image = (*opengl)->render({}, {}, {.width = 1 << 20, .height = 10});
+    ASSERT_FALSE(image);
+    EXPECT_EQ(image.error().code, ErrorCode::limit_exceeded);
 }
 
 TEST(SceneShapes, AreClosedSurfacesTurnedOutward)

@@ -98,7 +98,7 @@ Result<LitCells> fully_lit_cells(const FigureContext& context)
 
 Result<LitCells> variously_lit_cells(const FigureContext& context)
 {
-    const Ray ray = {.origin = Vec3(-3, -1.65, -0.55), .direction = Vec3(1, 0.43, 0.27)};
+    const Ray ray = {.origin = Vec3(-2.738, -1.524, 0.298), .direction = Vec3(1, 0.49, -0.189)};
     return lit_cells(make_icosphere(3), ray,
                      {.max_depth = 4,
                       .threshold = 4,
