@@ -16,7 +16,7 @@ Vec3 front_of(const Vec3& up)
 
 } // namespace
 
-View::View(const Camera& camera, ViewSize size)
+View::View(const OrbitCamera& camera, ViewSize size)
     : zoom_(camera.zoom), shift_(camera.shift), size_(size)
 {
     const Vec3 front = front_of(camera.up);
@@ -58,13 +58,14 @@ Eigen::Matrix4d View::clip_from_world(double near, double far) const
     return clip_from_eye * eye_from_world;
 }
 
-Camera fitted(const Camera& camera, std::span<const Vec3> points, ViewSize size, double margin)
+OrbitCamera fitted(const OrbitCamera& camera, std::span<const Vec3> points, ViewSize size,
+                   double margin)
 {
     Box box;
     for (const Vec3& point : points) box.extend(point);
     if (box.empty()) return camera;
     constexpr double distance_in_radii = 4.0;
-    Camera result = camera;
+    OrbitCamera result = camera;
     result.target = box.center();
     result.distance = distance_in_radii * std::max(0.5 * box.extent().norm(), 1e-12);
     result.zoom = 1.0;

@@ -15,7 +15,7 @@ struct ViewSize {
 };
 
 /// The eye stands `distance` from the target. Azimuth 0, elevation 0 looks along +y at z up.
-struct Camera {
+struct OrbitCamera {
     Vec3 target = Vec3::Zero();
     double distance = 4.0;
     double azimuth = 0.5;      ///< radians, the eye wanders to the right
@@ -28,7 +28,7 @@ struct Camera {
 /// A camera on pictures of one size: cheap to ask.
 class View {
 public:
-    View(const Camera& camera, ViewSize size);
+    View(const OrbitCamera& camera, ViewSize size);
 
     [[nodiscard]] const Vec3& eye() const noexcept { return eye_; }
     [[nodiscard]] const Vec3& right() const noexcept { return right_; }
@@ -56,7 +56,7 @@ private:
 
 /// The camera moved, not turned, so that all points fill the picture but for a margin on each side,
 /// as part of the picture. A camera without points stays. \pre margin in [0, 0.5)
-[[nodiscard]] Camera fitted(const Camera& camera, std::span<const Vec3> points, ViewSize size,
-                            double margin = 0.06);
+[[nodiscard]] OrbitCamera fitted(const OrbitCamera& camera, std::span<const Vec3> points,
+                                 ViewSize size, double margin = 0.06);
 
 } // namespace proxima

@@ -212,7 +212,7 @@ Result<GlPainter> GlPainter::create()
     return painter;
 }
 
-void GlPainter::draw(const GlScene& scene, const Camera& camera, ViewSize size) const
+void GlPainter::draw(const GlScene& scene, const OrbitCamera& camera, ViewSize size) const
 {
     const View view(camera, size);
     // The depth range is that of the scene, so that near and far are as close as can be.

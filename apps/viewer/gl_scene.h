@@ -57,7 +57,7 @@ public:
     [[nodiscard]] static Result<GlPainter> create();
 
     /// Into the framebuffer that is bound: its colours in sRGB, with depth.
-    void draw(const GlScene& scene, const Camera& camera, ViewSize size) const;
+    void draw(const GlScene& scene, const OrbitCamera& camera, ViewSize size) const;
 
 private:
     void draw_background(const GlScene& scene) const;

@@ -21,7 +21,7 @@ public:
 
     /// Opaque surfaces with depth; translucent ones and lines over them from far to near; labels in
     /// front of all. Errors: cancelled, and whatever the renderer's own system says.
-    [[nodiscard]] virtual Result<Image> render(const Scene& scene, const Camera& camera,
+    [[nodiscard]] virtual Result<Image> render(const Scene& scene, const OrbitCamera& camera,
                                                ViewSize size) = 0;
 };
 

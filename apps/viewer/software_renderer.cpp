@@ -60,7 +60,7 @@ class SoftwareRenderer final : public Renderer {
 public:
     explicit SoftwareRenderer(const Progress* progress) : progress_(progress) {}
 
-    Result<Image> render(const Scene& scene, const Camera& camera, ViewSize size) override
+    Result<Image> render(const Scene& scene, const OrbitCamera& camera, ViewSize size) override
     {
         Canvas canvas(size.width, size.height, progress_);
         canvas.fill_background(scene.background_top, scene.background_bottom);

@@ -23,7 +23,7 @@ TEST(Camera, FitsAllPointsIntoThePictureButForItsMargin)
     std::uniform_real_distribution<double> angle(-3.0, 3.0);
     for (int round = 0; round < 50; ++round) {
         const auto points = random_points(random);
-        Camera camera = {.azimuth = angle(random), .elevation = 0.5 * angle(random)};
+        OrbitCamera camera = {.azimuth = angle(random), .elevation = 0.5 * angle(random)};
         if (round % 2 == 0) camera.up = Vec3::UnitY();
         const View view(fitted(camera, points, size, 0.1), size);
         Eigen::AlignedBox2d seen;

@@ -43,7 +43,7 @@ protected:
     }
 
     Scene scene;
-    Camera camera = {.azimuth = 0.0, .elevation = 0.0};
+    OrbitCamera camera = {.azimuth = 0.0, .elevation = 0.0};
 };
 
 TEST_F(TwoSquares, TheNearOneHidesTheFarOneInAnyOrder)
@@ -164,7 +164,7 @@ TEST(Renderers, OpenGlDrawsWhatSoftwareDraws)
                 for (Vec3& end : segment) end += Vec3::Constant(away);
         scene.labels[0].at += Vec3::Constant(away);
         for (const double azimuth : {0.3, 2.5}) {
-            const Camera camera = fitted({.azimuth = azimuth}, places_of(scene), large);
+            const OrbitCamera camera = fitted({.azimuth = azimuth}, places_of(scene), large);
             const auto one = software->render(scene, camera, large);
             const auto other = (*opengl)->render(scene, camera, large);
             ASSERT_TRUE(one);
@@ -174,8 +174,8 @@ TEST(Renderers, OpenGlDrawsWhatSoftwareDraws)
         }
     }
     // Another camera is another picture: the measure can tell.
-    const Camera here = fitted({.azimuth = 0.3}, places_of(scene), large);
-    const Camera there = fitted({.azimuth = 0.6}, places_of(scene), large);
+    const OrbitCamera here = fitted({.azimuth = 0.3}, places_of(scene), large);
+    const OrbitCamera there = fitted({.azimuth = 0.6}, places_of(scene), large);
     EXPECT_GT(
         difference(*software->render(scene, here, large), *(*opengl)->render(scene, there, large)),
         0.05);

@@ -153,7 +153,7 @@ Result<FigureContent> figure_4_2(const FigureContext& context)
     if (!region) return tl::unexpected(region.error());
     const ShapeStyle sphere = {.name = "mesh"};
     const EdgeStyle mesh_edges = {.color = srgb(0x8A8172), .width = 1.0, .opacity = 0.7F};
-    const Camera camera = {.azimuth = 0.35, .elevation = 0.3};
+    const OrbitCamera camera = {.azimuth = 0.35, .elevation = 0.3};
 
     // Of the outer leaves the layer just behind the middle, brighter where lists are short.
     Scene left;

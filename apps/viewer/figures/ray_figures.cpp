@@ -14,7 +14,7 @@
 namespace proxima {
 namespace {
 
-const Camera ray_camera = {.azimuth = 0.5, .elevation = 0.34};
+const OrbitCamera ray_camera = {.azimuth = 0.5, .elevation = 0.34};
 
 Result<LitCells> lit_cells(TriangleMesh mesh, const Ray& ray, const OctreeOptions& options)
 {

@@ -4,9 +4,9 @@
 
 namespace proxima {
 
-ScenePanel scene_panel(std::string title, Scene scene, const Camera& camera, ViewSize size)
+ScenePanel scene_panel(std::string title, Scene scene, const OrbitCamera& camera, ViewSize size)
 {
-    const Camera seen = fitted(camera, places_of(scene), size);
+    const OrbitCamera seen = fitted(camera, places_of(scene), size);
     return {std::move(title), std::move(scene), seen, size};
 }
 

@@ -15,7 +15,7 @@ inline constexpr ViewSize one_of_some = {.width = 620, .height = 560};
 inline const EdgeStyle thin_edges = {.color = srgb(0x333333), .width = 1.6};
 
 /// The scene seen as a whole.
-[[nodiscard]] ScenePanel scene_panel(std::string title, Scene scene, const Camera& camera,
+[[nodiscard]] ScenePanel scene_panel(std::string title, Scene scene, const OrbitCamera& camera,
                                      ViewSize size);
 
 /// Red A's, blue B's, violet both's, green swept.

@@ -13,7 +13,7 @@ namespace proxima {
 namespace {
 
 constexpr double octahedron_size = 0.55; // the cube's half edge is 1
-const Camera sum_camera = {.azimuth = 0.55, .elevation = 0.42};
+const OrbitCamera sum_camera = {.azimuth = 0.55, .elevation = 0.42};
 
 std::vector<std::uint32_t> facets_of(const MinkowskiSum& sum, FacetOrigin origin)
 {

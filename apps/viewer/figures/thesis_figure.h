@@ -27,7 +27,7 @@ namespace proxima {
 struct ScenePanel {
     std::string title;
     Scene scene;
-    Camera camera;
+    OrbitCamera camera;
     ViewSize size;
 };
 

@@ -11,7 +11,7 @@
 namespace proxima {
 namespace {
 
-const Camera triangle_camera = {.azimuth = 0.62, .elevation = 0.38};
+const OrbitCamera triangle_camera = {.azimuth = 0.62, .elevation = 0.38};
 const Triangle summed_triangle = {
     {Vec3(-1.5, -0.5, -0.55), Vec3(1.5, -0.6, -0.2), Vec3(0.1, 0.9, 1.1)}};
 

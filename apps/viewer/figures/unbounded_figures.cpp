@@ -84,7 +84,7 @@ Result<std::array<NamedFeature, 3>> pyramid_features(const Topology& topology)
 }
 
 constexpr double cube_half = 0.22;
-const Camera cut_camera = {.azimuth = 0.62, .elevation = 0.28};
+const OrbitCamera cut_camera = {.azimuth = 0.62, .elevation = 0.28};
 
 /// Facets in different planes: where the cut's corners were rounded, one plane may come in pieces.
 std::size_t planes_of(const MinkowskiSum& sum, std::span<const std::uint32_t> facets)

@@ -12,7 +12,7 @@
 namespace proxima {
 namespace {
 
-const Camera region_camera = {.azimuth = 0.62, .elevation = 0.32};
+const OrbitCamera region_camera = {.azimuth = 0.62, .elevation = 0.32};
 
 Color color_of(FeatureKind kind)
 {

@@ -2,6 +2,7 @@
 
 #include "proxima/base/grow_buffer.h"
 #include "proxima/base/text.h"
+#include "proxima/query/ray_block_rows.h"
 #include "proxima/query/ray_tree.h"
 
 #include <algorithm>
@@ -27,7 +28,7 @@ constexpr double step_margin = 1.0 / 64;
 
 // Bytes per triangle at most: keys twice, order, boxes, nodes, rows and blocks.
 constexpr std::uint64_t scratch_bytes = 32 + 4 + 24 + sizeof(RayTreeNode);
-constexpr std::uint64_t index_bytes = sizeof(RayRow<double>) + 2 * sizeof(RayBlock);
+constexpr std::uint64_t index_bytes = sizeof(RayRow<double>) + 2 * (sizeof(RayBlock) + sizeof(RayBlockRows));
 
 /// One axis of a node's grid.
 struct GridAxis {
@@ -94,6 +95,7 @@ std::uint16_t upper_half(double value) noexcept
 struct RayIndexStorage {
     GrowBuffer<std::byte> memory; ///< of the blocks, and room to align them
     std::span<const RayBlock> blocks;
+    std::vector<RayBlockRows> block_rows;
     GrowBuffer<RayRow<float>> float_rows;
     GrowBuffer<RayRow<double>> double_rows;
 
@@ -151,6 +153,7 @@ public:
     RayIndex result()
     {
         storage_.take(blocks_);
+        storage_.block_rows = rows_of_blocks(blocks_, root_);
         auto storage = std::make_shared<const RayIndexStorage>(std::move(storage_));
         RayIndex result;
         result.center_ = tree_.frame.center;
@@ -158,6 +161,7 @@ public:
         result.root_ = root_;
         result.triangle_count_ = static_cast<std::uint32_t>(tree_.order.size());
         result.blocks_ = storage->blocks;
+        result.block_rows_ = storage->block_rows;
         result.float_rows_ = storage->float_rows.span();
         result.double_rows_ = storage->double_rows.span();
         result.storage_ = std::move(storage);

@@ -5,7 +5,7 @@
 //       node   8 boxes of 6 bytes: plane = origin + (32768 + byte) step, outward; 8 references
 //       leaf   up to 8 triangles among up to 8 vertices: coordinates in floats, corners as bytes
 //     rows     the triangles in the order of the leaves, in doubles (or floats where that is the
-//              same), with their ids: what hits are computed from
+//              same), with their ids: what hits are computed from; below a block they are a run
 //
 // Where the octree keeps a triangle in every leaf that it touches, here it is kept in the cell in
 // which its centre lies; chains of cells with a single child are left out, and levels joined where
@@ -50,6 +50,16 @@ static_assert(sizeof(RayBlock) == 128);
 /// References are places of blocks, with this bit for leaves.
 inline constexpr std::uint32_t ray_leaf_bit = 1U << 31U;
 
+/// Where the run of rows below a block begins. It ends where that of the next child in order begins,
+/// for the last child where the node's own ends.
+struct RayBlockRows {
+    static constexpr std::uint32_t no_child = 15;
+
+    std::uint32_t first = 0;
+    std::uint32_t order = 0; ///< of a node: its children's places by rows, 4 bits each from the
+                             ///< lowest up; no_child after the last
+};
+
 /// A triangle and its id in the mesh.
 template <class Scalar>
 struct RayRow {
@@ -76,10 +86,21 @@ public:
     [[nodiscard]] std::uint32_t triangle_count() const noexcept { return triangle_count_; }
     [[nodiscard]] std::span<const RayBlock> blocks() const noexcept { return blocks_; }
     [[nodiscard]] std::uint32_t root() const noexcept { return root_; }
+    [[nodiscard]] std::span<const RayBlockRows> block_rows() const noexcept { return block_rows_; }
     [[nodiscard]] std::span<const RayRow<float>> float_rows() const noexcept { return float_rows_; }
     [[nodiscard]] std::span<const RayRow<double>> double_rows() const noexcept
     {
         return double_rows_;
+    }
+
+    /// The triangle of a row, and its id. \pre row < triangle_count()
+    [[nodiscard]] Triangle triangle(std::uint32_t row) const noexcept
+    {
+        return double_rows_.empty() ? float_rows_[row].triangle() : double_rows_[row].triangle();
+    }
+    [[nodiscard]] TriangleId id(std::uint32_t row) const noexcept
+    {
+        return TriangleId{double_rows_.empty() ? float_rows_[row].id : double_rows_[row].id};
     }
 
     /// Blocks are in multiples of 1 / scale() from center(). The scale is a power of two, and the
@@ -87,10 +108,11 @@ public:
     [[nodiscard]] const Vec3& center() const noexcept { return center_; }
     [[nodiscard]] double scale() const noexcept { return scale_; }
 
-    /// Bytes of blocks and rows.
+    /// Bytes of blocks, their runs and rows.
     [[nodiscard]] std::uint64_t bytes() const noexcept
     {
-        return blocks_.size_bytes() + float_rows_.size_bytes() + double_rows_.size_bytes();
+        return blocks_.size_bytes() + block_rows_.size_bytes() + float_rows_.size_bytes() +
+               double_rows_.size_bytes();
     }
 
 private:
@@ -101,6 +123,7 @@ private:
     std::uint32_t root_ = 0;
     std::uint32_t triangle_count_ = 0;
     std::span<const RayBlock> blocks_;
+    std::span<const RayBlockRows> block_rows_;
     std::span<const RayRow<float>> float_rows_; ///< or double_rows_, not both
     std::span<const RayRow<double>> double_rows_;
     std::shared_ptr<const void> storage_;

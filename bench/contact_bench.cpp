@@ -1,0 +1,210 @@
+// A mesh against itself in a hundred poses, ours beside FCL: passes in turn, medians and ratios.
+//
+//     contact_bench [--rounds N] [--seed N] [--mesh NAME]...
+//
+// Every answer and every list of pairs is compared with ours, and what differs is counted. One
+// thread.
+#include "contact_peers.h"
+#include "contact_poses.h"
+#include "proxima/mesh/mesh_io.h"
+#include "proxima/mesh/sample_meshes.h"
+#include "proxima/octree/build_octree.h"
+#include "proxima/query/build_ray_index.h"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <filesystem>
+#include <iterator>
+
+namespace proxima::bench {
+namespace {
+
+struct BenchOptions {
+    int rounds = 7;
+    std::uint64_t seed = 1;
+    std::vector<std::string> meshes;
+};
+
+/// Processor time of this process: what others run does not count.
+double processor_seconds()
+{
+    timespec now{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+double median(std::vector<double> values)
+{
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+enum class Question : std::uint8_t { boolean, pairs };
+constexpr std::array questions = {Question::boolean, Question::pairs};
+
+/// What a peer did on one set of poses.
+struct SetResult {
+    std::array<std::vector<double>, 2> seconds; ///< of a pass over all poses, by question
+    std::size_t meeting = 0;
+    std::size_t pairs = 0;
+    std::size_t wrong_answers = 0;
+    std::size_t missing_pairs = 0; ///< that ours has
+    std::size_t added_pairs = 0;   ///< that ours has not
+};
+
+void pass(ContactPeer& peer, Question question, const PoseSet& set, SetResult& result)
+{
+    std::size_t sum = 0;
+    const double start = processor_seconds();
+    for (const RigidTransform& pose : set.poses)
+        sum +=
+            question == Question::boolean ? (peer.intersects(pose) ? 1 : 0) : peer.find_pairs(pose);
+    const double seconds = processor_seconds() - start;
+    result.seconds[static_cast<std::size_t>(question)].push_back(seconds);
+    (question == Question::boolean ? result.meeting : result.pairs) = sum;
+}
+
+void compare(std::span<const std::unique_ptr<ContactPeer>> peers, const PoseSet& set,
+             std::vector<SetResult>& results)
+{
+    for (const RigidTransform& pose : set.poses) {
+        (void)peers[0]->find_pairs(pose);
+        const std::vector<TrianglePair> ours = peers[0]->sorted_pairs();
+        for (std::size_t i = 0; i < peers.size(); ++i) {
+            results[i].wrong_answers += peers[i]->intersects(pose) == ours.empty() ? 1 : 0;
+            (void)peers[i]->find_pairs(pose);
+            const std::vector<TrianglePair> other = peers[i]->sorted_pairs();
+            std::vector<TrianglePair> difference;
+            std::ranges::set_difference(ours, other, std::back_inserter(difference));
+            results[i].missing_pairs += difference.size();
+            difference.clear();
+            std::ranges::set_difference(other, ours, std::back_inserter(difference));
+            results[i].added_pairs += difference.size();
+        }
+    }
+}
+
+void race(std::span<const std::unique_ptr<ContactPeer>> peers, const PoseSet& set, int rounds,
+          std::vector<SetResult>& results)
+{
+    results.resize(peers.size());
+    compare(peers, set, results);
+    for (int round = 0; round < rounds; ++round) {
+        for (std::size_t turn = 0; turn < peers.size(); ++turn) {
+            const std::size_t i = (turn + static_cast<std::size_t>(round)) % peers.size();
+            for (const Question question : questions) pass(*peers[i], question, set, results[i]);
+        }
+    }
+}
+
+double microseconds(const SetResult& result, Question question, const PoseSet& set)
+{
+    return 1e6 * median(result.seconds[static_cast<std::size_t>(question)]) /
+           static_cast<double>(set.poses.size());
+}
+
+int run_mesh(const std::string& name, const BenchOptions& options)
+{
+    const auto mesh = is_sample_mesh_name(name) ? sample_mesh(name) : read_mesh(name);
+    if (!mesh) {
+        std::fprintf(stderr, "%s\n", describe(mesh.error()).c_str());
+        return 1;
+    }
+    std::vector<std::unique_ptr<ContactPeer>> peers;
+    peers.push_back(make_proxima_contact_peer(*mesh));
+#ifdef PROXIMA_BENCH_FCL
+    peers.push_back(make_fcl_contact_peer(*mesh));
+#endif
+    std::printf("%s: %zu triangles\n", std::filesystem::path(name).filename().string().c_str(),
+                mesh->triangle_count());
+    for (const auto& peer : peers)
+        std::printf("    %-8s built in %.3f s\n", peer->name().c_str(), peer->build_seconds());
+    const auto octree = build_octree(*mesh, {.classification = Classification::none});
+    const RayIndex index = build_ray_index(octree.value(), *mesh).value();
+    const std::vector<PoseSet> sets = contact_poses(*mesh, index, options.seed);
+    std::printf("    %-8s %-8s %22s %22s   (us a pose, over ours)\n", "", "", "boolean",
+                "all pairs");
+    std::vector<std::vector<SetResult>> results(sets.size());
+    for (std::size_t k = 0; k < sets.size(); ++k) {
+        race(peers, sets[k], options.rounds, results[k]);
+        for (std::size_t i = 0; i < peers.size(); ++i) {
+            const SetResult& own = results[k][i];
+            std::printf("    %-8s %-8s", sets[k].name, peers[i]->name().c_str());
+            for (const Question question : questions) {
+                const double time = microseconds(own, question, sets[k]);
+                std::printf("%13.2f (%6.2f x)", time,
+                            time / microseconds(results[k][0], question, sets[k]));
+            }
+            std::printf("   %zu of %zu meet, %zu pairs", own.meeting, sets[k].poses.size(),
+                        own.pairs);
+            if (i > 0) {
+                std::printf("; %zu answers differ, %zu pairs missing, %zu added", own.wrong_answers,
+                            own.missing_pairs, own.added_pairs);
+            }
+            std::printf("\n");
+        }
+    }
+    for (std::size_t i = 0; i < peers.size(); ++i) {
+        std::printf("    %-8s %-8s", "all", peers[i]->name().c_str());
+        for (const Question question : questions) {
+            double time = 0;
+            double ours = 0;
+            double poses = 0;
+            for (std::size_t k = 0; k < sets.size(); ++k) {
+                const auto count = static_cast<double>(sets[k].poses.size());
+                time += count * microseconds(results[k][i], question, sets[k]);
+                ours += count * microseconds(results[k][0], question, sets[k]);
+                poses += count;
+            }
+            std::printf("%13.2f (%6.2f x)", time / poses, time / ours);
+        }
+        std::printf("\n");
+    }
+    std::fflush(stdout);
+    return 0;
+}
+
+int run(const BenchOptions& options)
+{
+    std::vector<std::string> names = options.meshes;
+    if (names.empty()) {
+        const char* const bunny = "/usr/share/glmark2/models/bunny.obj";
+        if (std::filesystem::exists(bunny)) names.emplace_back(bunny);
+        if (const char* const own = std::getenv("PROXIMA_BENCH_MESH")) names.emplace_back(own);
+        if (names.empty()) names = {"sphere:100x100"};
+    }
+    std::printf("one thread, poses from seed %llu, medians of %d interleaved rounds\n",
+                static_cast<unsigned long long>(options.seed), options.rounds);
+    for (const std::string& name : names)
+        if (const int status = run_mesh(name, options); status != 0) return status;
+    return 0;
+}
+
+} // namespace
+} // namespace proxima::bench
+
+int main(int argc, char** argv)
+try {
+    proxima::bench::BenchOptions options;
+    CLI::App app("Meshes against themselves in many poses, ours beside FCL");
+    app.add_option("--rounds", options.rounds, "Passes, of which medians are taken")
+        ->check(CLI::Range(1, 1000));
+    app.add_option("--seed", options.seed, "Seed of the poses");
+    app.add_option("--mesh", options.meshes, "A file or a built-in instead of the usual meshes")
+        ->allow_extra_args(false);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : 2;
+    }
+    return proxima::bench::run(options);
+} catch (const std::exception& error) {
+    (void)std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+}

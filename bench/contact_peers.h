@@ -1,0 +1,34 @@
+// What intersects a mesh with itself in contact_bench: ours and FCL.
+#pragma once
+
+#include "proxima/geometry/rigid_transform.h"
+#include "proxima/mesh/triangle_mesh.h"
+#include "proxima/query/intersect_meshes.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace proxima::bench {
+
+class ContactPeer {
+public:
+    ContactPeer() = default;
+    ContactPeer(const ContactPeer&) = delete;
+    ContactPeer& operator=(const ContactPeer&) = delete;
+    virtual ~ContactPeer() = default;
+
+    [[nodiscard]] virtual std::string name() const = 0;
+    [[nodiscard]] virtual double build_seconds() const = 0;
+    /// Whether the mesh and itself in a pose meet; stops at the first pair.
+    [[nodiscard]] virtual bool intersects(const RigidTransform& pose) = 0;
+    /// All pairs as the peer gives them; kept until the next call. Returns how many.
+    virtual std::size_t find_pairs(const RigidTransform& pose) = 0;
+    /// What find_pairs found last, sorted.
+    [[nodiscard]] virtual std::vector<TrianglePair> sorted_pairs() const = 0;
+};
+
+[[nodiscard]] std::unique_ptr<ContactPeer> make_proxima_contact_peer(const TriangleMesh& mesh);
+[[nodiscard]] std::unique_ptr<ContactPeer> make_fcl_contact_peer(const TriangleMesh& mesh);
+
+} // namespace proxima::bench

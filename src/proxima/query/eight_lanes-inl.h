@@ -1,0 +1,204 @@
+// Eight floats as one value, in as many registers as the instruction set needs. Included once per
+// target, after <hwy/highway.h>.
+
+#if defined(PROXIMA_QUERY_EIGHT_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef PROXIMA_QUERY_EIGHT_LANES_INL_H
+#undef PROXIMA_QUERY_EIGHT_LANES_INL_H
+#else
+#define PROXIMA_QUERY_EIGHT_LANES_INL_H
+#endif
+
+#include <cstddef>
+#include <cstdint>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace proxima::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using EightTag = hn::CappedTag<float, 8>;
+using EightWordTag = hn::RebindToUnsigned<EightTag>;
+using EightByteTag = hn::Rebind<std::uint8_t, EightTag>;
+inline constexpr std::size_t eight_lanes = HWY_MIN(8, HWY_LANES(float)); ///< of a register
+inline constexpr std::size_t eight_parts = 8 / eight_lanes;
+
+/// Bit i: lane i.
+struct EightMask {
+    hn::Mask<EightTag> part[eight_parts];
+
+    HWY_INLINE std::uint32_t bits() const
+    {
+        std::uint32_t bits = 0;
+        for (std::size_t i = 0; i < eight_parts; ++i) {
+            std::uint8_t bytes[8] = {};
+            (void)hn::StoreMaskBits(EightTag(), part[i], bytes);
+            bits |= static_cast<std::uint32_t>(bytes[0]) << (eight_lanes * i);
+        }
+        return bits;
+    }
+};
+
+struct Eight {
+    hn::Vec<EightTag> part[eight_parts];
+};
+
+/// Eight whole numbers below 8.
+struct EightPlaces {
+    hn::Vec<EightWordTag> part[eight_parts];
+};
+
+template <class Make>
+HWY_INLINE Eight make_eight(const Make& make)
+{
+    Eight result;
+    for (std::size_t i = 0; i < eight_parts; ++i) result.part[i] = make(i);
+    return result;
+}
+template <class Make>
+HWY_INLINE EightMask make_mask(const Make& make)
+{
+    EightMask result;
+    for (std::size_t i = 0; i < eight_parts; ++i) result.part[i] = make(i);
+    return result;
+}
+
+HWY_INLINE Eight all_eight(float value)
+{
+    return make_eight([&](std::size_t) { return hn::Set(EightTag(), value); });
+}
+/// \pre aligned
+HWY_INLINE Eight load_eight(const float* from)
+{
+    return make_eight([&](std::size_t i) { return hn::Load(EightTag(), from + eight_lanes * i); });
+}
+HWY_INLINE void store_eight(const Eight& value, float* to)
+{
+    for (std::size_t i = 0; i < eight_parts; ++i)
+        hn::Store(value.part[i], EightTag(), to + eight_lanes * i);
+}
+HWY_INLINE Eight eight_of_bytes(const std::uint8_t* bytes)
+{
+    const hn::RebindToSigned<EightTag> whole;
+    return make_eight([&](std::size_t i) {
+        const auto narrow = hn::LoadU(EightByteTag(), bytes + eight_lanes * i);
+        return hn::ConvertTo(EightTag(), hn::PromoteTo(whole, narrow));
+    });
+}
+
+HWY_INLINE Eight operator+(const Eight& a, const Eight& b)
+{
+    return make_eight([&](std::size_t i) { return hn::Add(a.part[i], b.part[i]); });
+}
+HWY_INLINE Eight operator-(const Eight& a, const Eight& b)
+{
+    return make_eight([&](std::size_t i) { return hn::Sub(a.part[i], b.part[i]); });
+}
+HWY_INLINE Eight operator*(const Eight& a, const Eight& b)
+{
+    return make_eight([&](std::size_t i) { return hn::Mul(a.part[i], b.part[i]); });
+}
+HWY_INLINE Eight operator-(const Eight& a)
+{
+    return make_eight([&](std::size_t i) { return hn::Neg(a.part[i]); });
+}
+/// a b + c, a b - c, c - a b.
+HWY_INLINE Eight multiply_add(const Eight& a, const Eight& b, const Eight& c)
+{
+    return make_eight([&](std::size_t i) { return hn::MulAdd(a.part[i], b.part[i], c.part[i]); });
+}
+HWY_INLINE Eight multiply_subtract(const Eight& a, const Eight& b, const Eight& c)
+{
+    return make_eight([&](std::size_t i) { return hn::MulSub(a.part[i], b.part[i], c.part[i]); });
+}
+HWY_INLINE Eight subtract_product(const Eight& a, const Eight& b, const Eight& c)
+{
+    return make_eight(
+        [&](std::size_t i) { return hn::NegMulAdd(a.part[i], b.part[i], c.part[i]); });
+}
+HWY_INLINE Eight least_of(const Eight& a, const Eight& b)
+{
+    return make_eight([&](std::size_t i) { return hn::Min(a.part[i], b.part[i]); });
+}
+HWY_INLINE Eight most_of(const Eight& a, const Eight& b)
+{
+    return make_eight([&](std::size_t i) { return hn::Max(a.part[i], b.part[i]); });
+}
+HWY_INLINE Eight size_of(const Eight& a)
+{
+    return make_eight([&](std::size_t i) { return hn::Abs(a.part[i]); });
+}
+HWY_INLINE EightMask operator>(const Eight& a, const Eight& b)
+{
+    return make_mask([&](std::size_t i) { return hn::Gt(a.part[i], b.part[i]); });
+}
+HWY_INLINE EightMask operator<(const Eight& a, const Eight& b)
+{
+    return make_mask([&](std::size_t i) { return hn::Lt(a.part[i], b.part[i]); });
+}
+HWY_INLINE EightMask operator&(const EightMask& a, const EightMask& b)
+{
+    return make_mask([&](std::size_t i) { return hn::And(a.part[i], b.part[i]); });
+}
+HWY_INLINE EightMask operator|(const EightMask& a, const EightMask& b)
+{
+    return make_mask([&](std::size_t i) { return hn::Or(a.part[i], b.part[i]); });
+}
+
+/// Eight bytes, below 8.
+HWY_INLINE EightPlaces places_of_bytes(const std::uint8_t* bytes)
+{
+    EightPlaces result;
+    for (std::size_t i = 0; i < eight_parts; ++i) {
+        result.part[i] =
+            hn::PromoteTo(EightWordTag(), hn::LoadU(EightByteTag(), bytes + eight_lanes * i));
+    }
+    return result;
+}
+/// By lane the value at its place.
+HWY_INLINE Eight look_up(const Eight& values, const EightPlaces& places)
+{
+    const EightTag d;
+    if constexpr (eight_parts == 1) {
+        return make_eight([&](std::size_t i) {
+            return hn::TableLookupLanes(values.part[i], hn::IndicesFromVec(d, places.part[i]));
+        });
+    } else {
+        HWY_ALIGN float memory[8];
+        store_eight(values, memory);
+        const hn::RebindToSigned<EightTag> whole;
+        return make_eight([&](std::size_t i) {
+            return hn::GatherIndex(d, memory, hn::BitCast(whole, places.part[i]));
+        });
+    }
+}
+
+/// Eight points, or vectors.
+struct Eight3 {
+    Eight x;
+    Eight y;
+    Eight z;
+};
+
+HWY_INLINE Eight3 operator-(const Eight3& a, const Eight3& b)
+{
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+HWY_INLINE Eight3 cross(const Eight3& a, const Eight3& b)
+{
+    return {subtract_product(a.z, b.y, a.y * b.z), subtract_product(a.x, b.z, a.z * b.x),
+            subtract_product(a.y, b.x, a.x * b.y)};
+}
+HWY_INLINE Eight dot(const Eight3& a, const Eight3& b)
+{
+    return multiply_add(a.x, b.x, multiply_add(a.y, b.y, a.z * b.z));
+}
+HWY_INLINE Eight3 look_up(const Eight3& values, const EightPlaces& places)
+{
+    return {look_up(values.x, places), look_up(values.y, places), look_up(values.z, places)};
+}
+
+} // namespace proxima::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
