@@ -33,7 +33,7 @@ class Making(ProgramTest):
 
     def test_the_whole_set(self):
         result = self.json_of("figures", "--out", self.folder)
-        self.assertEqual(len(result["figures"]), 33)
+        self.assertEqual(len(result["figures"]), 37)
         for figure in result["figures"]:
             for name in figure["files"]:
                 self.assertGreater((self.folder / name).stat().st_size, 2000, name)

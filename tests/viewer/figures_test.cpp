@@ -2,10 +2,13 @@
 // colours of those parts in the picture.
 #include "proxima/octree/traverse.h"
 #include "proxima/proximity/brute_force.h"
+#include "proxima/query/build_ray_index.h"
+#include "proxima/query/intersect_meshes.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/figure_pages.h"
 #include "viewer/figures/minkowski_figures.h"
 #include "viewer/figures/octree_figures.h"
+#include "viewer/figures/query_figures.h"
 #include "viewer/figures/ray_figures.h"
 #include "viewer/figures/voronoi_figures.h"
 
@@ -355,12 +358,110 @@ TEST(Figures, LitCellsAreThoseOfTheRayWithItsWeights)
     }
 }
 
+TEST(Figures, TheTouchedPlaceIsThatOfBruteForce)
+{
+    const auto touched = touched_place({});
+    ASSERT_TRUE(touched);
+    const auto topology = build_topology(touched->mesh);
+    const auto closest = closest_feature_by_brute_force(touched->mesh, *topology, touched->cursor);
+    EXPECT_EQ(touched->closest.feature, closest.feature);
+    EXPECT_TRUE(touched->leaf.contains(touched->cursor));
+    std::vector<TriangleId> around;
+    const TriangleCorners own = touched->mesh.triangles()[closest.feature.id];
+    for (std::uint32_t i = 0; i < touched->mesh.triangle_count(); ++i) {
+        const bool shares = std::ranges::any_of(touched->mesh.triangles()[i], [&](auto corner) {
+            return std::ranges::find(own, corner) != own.end();
+        });
+        if (shares && i != closest.feature.id) around.push_back(TriangleId{i});
+    }
+    EXPECT_EQ(touched->around, around);
+    const auto content = figure_5_2({});
+    ASSERT_TRUE(content) << content.error().message;
+    const Scene& scene = scene_of(*content).scene;
+    EXPECT_EQ(surfaces_named(scene, "closest").at(0)->triangles.size(), 1U);
+    EXPECT_EQ(surfaces_named(scene, "around").at(0)->triangles.size(), around.size());
+    EXPECT_EQ(surfaces_named(scene, "mesh").at(0)->triangles.size(),
+              touched->mesh.triangle_count() - around.size() - 1);
+    EXPECT_EQ(surfaces_named(scene, "leaf").size(), 1U);
+}
+
+TEST(Figures, YellowTrianglesAreAllThatCanIntersect)
+{
+    const auto spheres = meeting_spheres({});
+    ASSERT_TRUE(spheres);
+    const auto index_a = build_ray_index(spheres->octree_a, spheres->a);
+    ASSERT_TRUE(index_a);
+    const auto pairs = intersecting_pairs(*index_a, *index_a, spheres->pose_b);
+    EXPECT_GT(pairs.size(), 50U);
+    for (const TrianglePair& pair : pairs) {
+        EXPECT_TRUE(std::ranges::binary_search(spheres->candidates.a, pair.a));
+        EXPECT_TRUE(std::ranges::binary_search(spheres->candidates.b, pair.b));
+    }
+    const auto content = figure_5_4({});
+    ASSERT_TRUE(content);
+    const Scene& scene = scene_of(*content).scene;
+    const auto yellow = surfaces_named(scene, "candidates");
+    ASSERT_EQ(yellow.size(), 2U);
+    EXPECT_EQ(yellow[0]->triangles.size(), spheres->candidates.a.size());
+    EXPECT_EQ(yellow[1]->triangles.size(), spheres->candidates.b.size());
+    for (const bool of_a : {true, false}) {
+        std::set<std::uint64_t> keys;
+        for (const LeafPair& pair : spheres->leaves) keys.insert((of_a ? pair.a : pair.b).key.bits);
+        const auto lines =
+            std::ranges::find(scene.lines, of_a ? "leaves of A" : "leaves of B", &SceneLines::name);
+        ASSERT_NE(lines, scene.lines.end());
+        EXPECT_EQ(lines->segments.size(), 12 * keys.size());
+    }
+}
+
+TEST(Figures, CulledCellsAreOutsideOfAPlane)
+{
+    const auto ship = culled_ship({});
+    ASSERT_TRUE(ship);
+    struct Collector {
+        const CulledShip& ship;
+        std::set<std::uint64_t>& keys;
+        std::set<TriangleId>& triangles;
+
+        [[nodiscard]] bool should_enter(const Cell&) const { return true; }
+        Flow visit_leaf(const Cell& cell, std::span<const TriangleId> held)
+        {
+            if (held.empty()) return Flow::proceed;
+            const Box box = ship.octree.box(cell);
+            for (const ViewPlane& plane : ship.volume.planes()) {
+                double most = plane.offset;
+                for (int k = 0; k < 3; ++k) {
+                    most +=
+                        std::max(plane.normal[k] * box.lower[k], plane.normal[k] * box.upper[k]);
+                }
+                if (most < 0.0) return Flow::proceed;
+            }
+            keys.insert(cell.key.bits);
+            triangles.insert(held.begin(), held.end());
+            return Flow::proceed;
+        }
+    };
+    std::set<std::uint64_t> keys;
+    std::set<TriangleId> triangles;
+    traverse(ship->octree, Collector{*ship, keys, triangles});
+    std::set<std::uint64_t> shown;
+    for (const Cell& cell : ship->cells) shown.insert(cell.key.bits);
+    EXPECT_EQ(shown, keys);
+    EXPECT_EQ(ship->triangles, std::vector<TriangleId>(triangles.begin(), triangles.end()));
+    const auto content = figure_5_7({});
+    ASSERT_TRUE(content);
+    const Scene& scene = scene_of(*content).scene;
+    EXPECT_EQ(surfaces_named(scene, "visible").at(0)->triangles.size(), triangles.size());
+    EXPECT_EQ(surfaces_named(scene, "culled").at(0)->triangles.size(),
+              ship->mesh.triangle_count() - triangles.size());
+}
+
 TEST(Figures, AreNumberedOnceAndInOrder)
 {
     std::set<std::string_view> numbers;
     for (const ThesisFigure& figure : thesis_figures())
         EXPECT_TRUE(numbers.insert(figure.number).second);
-    EXPECT_EQ(numbers.size(), 33U);
+    EXPECT_EQ(numbers.size(), 37U);
     for (const MissingFigure& figure : missing_figures())
         EXPECT_TRUE(numbers.insert(figure.number).second);
     // 7 in chapter 2, 16 in 3, 9 in 4 and 8 in 5.

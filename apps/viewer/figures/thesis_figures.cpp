@@ -1,5 +1,6 @@
 #include "viewer/figures/minkowski_figures.h"
 #include "viewer/figures/octree_figures.h"
+#include "viewer/figures/query_figures.h"
 #include "viewer/figures/ray_figures.h"
 #include "viewer/figures/thesis_figure.h"
 #include "viewer/figures/voronoi_figures.h"
@@ -40,9 +41,13 @@ constexpr auto made_figures = std::to_array<ThesisFigure>({
     {"4.7", "An unbounded Minkowski sum in the plane", figure_4_7},
     {"4.8", "Copies of the cell at all corners of Voronoi regions", figure_4_8},
     {"4.9", "Sums of cut Voronoi regions", figure_4_9},
+    {"5.2", "The closest feature of a haptic cursor", figure_5_2},
     {"5.3", "Lengths of the lists of outer cells", figure_5_3},
+    {"5.4", "Two spheres that intersect", figure_5_4},
     {"5.5", "Cells along a ray, all of full weight", figure_5_5},
     {"5.6", "Cells along a ray by their weights", figure_5_6},
+    {"5.7", "Culling by a view volume, isometric view", figure_5_7},
+    {"5.8", "Culling by a view volume, views along the axes", figure_5_8},
 });
 
 constexpr auto absent_figures = std::to_array<MissingFigure>({
@@ -50,10 +55,6 @@ constexpr auto absent_figures = std::to_array<MissingFigure>({
     {"2.2", "Balanced and optimal BSP trees",
      "Cited from another work, of trees that are not built here."},
     {"5.1", "The haptic device", "A photograph."},
-    {"5.2", "Snapshot of the haptic application", "Not drawn yet."},
-    {"5.4", "Intersection of two sphere-like objects", "Not drawn yet."},
-    {"5.7", "View-volume culling, isometric view", "Not drawn yet."},
-    {"5.8", "View-volume culling, views along axes", "Not drawn yet."},
 });
 
 } // namespace
