@@ -1,5 +1,7 @@
 #include "cli/picture_scene.h"
 
+#include "cli/lamps.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,33 +17,6 @@ constexpr double azimuth = 0.42;   // radians from the front
 constexpr double elevation = 0.30; // radians above the horizon
 constexpr double eye_distance = 4.0;
 constexpr double margin = 0.05; // of the picture, kept free on each side
-
-/// Three lamps fixed to the camera and light from the sky.
-class Lamps {
-public:
-    explicit Lamps(const Camera& camera)
-        : key_(camera.from_screen(Vec3(-0.45, 0.65, 0.60).normalized())),
-          fill_(camera.from_screen(Vec3(0.80, 0.10, 0.45).normalized())),
-          sky_(camera.from_screen(Vec3(0.0, 1.0, 0.0)))
-    {}
-
-    [[nodiscard]] Color shade(const Vec3& normal, const Color& surface) const
-    {
-        const auto part = [&](const Vec3& lamp) {
-            return static_cast<float>(std::max(0.0, normal.dot(lamp)));
-        };
-        const auto sky = static_cast<float>(0.5 + 0.5 * normal.dot(sky_));
-        const Color light = 0.80F * part(key_) * Color(1.00F, 0.97F, 0.92F) +
-                            0.20F * part(fill_) * Color(0.80F, 0.88F, 1.00F) +
-                            (0.14F + 0.22F * sky) * Color(0.93F, 0.96F, 1.00F);
-        return surface * light;
-    }
-
-private:
-    Vec3 key_;
-    Vec3 fill_;
-    Vec3 sky_;
-};
 
 /// Few enough triangles to be drawn in some milliseconds.
 constexpr std::uint64_t block = 256;
@@ -65,7 +40,8 @@ void draw_mesh(Canvas& canvas, const Camera& camera, const TriangleMesh& mesh,
 {
     constexpr double smooth_below = 0.7; // cosine of the angle between a face and its smooth normal
     const Color clay = srgb(0xE9E1D2);
-    const Lamps lamps(camera);
+    const Lamps lamps(camera.from_screen(Vec3::UnitX()), camera.from_screen(Vec3::UnitY()),
+                      camera.from_screen(Vec3::UnitZ()));
     StageSteps steps(progress, "drawing the mesh", 2 * mesh.triangle_count(), block);
     const std::vector<Vec3> normals = vertex_normals(mesh, steps);
     for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
