@@ -70,9 +70,8 @@ std::vector<Triangle> triangles_of(const TriangleMesh& mesh,
 Result<std::unique_ptr<Scene>> make_scene(TriangleMesh mesh)
 {
     const double start = processor_seconds();
-    const auto octree = build_octree(mesh, {.max_depth = 5,
-                                            .classification = Classification::none,
-                                            .threads = {1}});
+    const auto octree = build_octree(
+        mesh, {.max_depth = 5, .classification = Classification::none, .threads = {1}});
     if (!octree) return tl::unexpected(octree.error());
     auto index = build_ray_index(*octree, mesh, {.threads = {1}});
     if (!index) return tl::unexpected(index.error());
@@ -84,10 +83,9 @@ Result<std::unique_ptr<Scene>> make_scene(TriangleMesh mesh)
     TriangleArrays by_row(triangles_of(mesh, sorted));
     VertexArrays vertices_by_id(mesh.positions(), mesh.triangles());
     VertexArrays vertices_by_row(mesh.positions(), sorted);
-    return std::make_unique<Scene>(Scene{std::move(mesh), std::move(*index), std::move(sorted),
-                                         std::move(by_id), std::move(by_row),
-                                         std::move(vertices_by_id), std::move(vertices_by_row),
-                                         seconds});
+    return std::make_unique<Scene>(
+        Scene{std::move(mesh), std::move(*index), std::move(sorted), std::move(by_id),
+              std::move(by_row), std::move(vertices_by_id), std::move(vertices_by_row), seconds});
 }
 
 std::size_t visible_count(const Scene& scene, const ViewVolume& volume)
@@ -212,9 +210,9 @@ void race(Scene& scene, double part, const BenchOptions& options)
         visible_triangles(scene.index, volumes[at], CullMode::conservative, ids);
         if (ids.size() != own) std::printf("  RANGES AND IDS DIFFER\n");
         for (const bool by_vertices : {false, true}) {
-            const std::size_t others =
-                by_vertices ? scene.vertices_by_id.visible_ids(planes[at], lane_ids)
-                            : scene.by_id.visible_ids(planes[at], lane_ids);
+            const std::size_t others = by_vertices
+                                           ? scene.vertices_by_id.visible_ids(planes[at], lane_ids)
+                                           : scene.by_id.visible_ids(planes[at], lane_ids);
             std::vector<TriangleId> lanes;
             for (std::size_t i = 0; i < others; ++i) lanes.push_back(TriangleId{lane_ids[i]});
             std::vector<TriangleId> only;

@@ -33,10 +33,9 @@ HWY_INLINE void for_blocks(const float* const* coordinates, std::size_t count,
         for (std::size_t i = 0; i < plane_count; ++i) {
             const auto& [a, b, c, e] = planes[i].numbers;
             const auto value = [&](std::size_t corner) HWY_ATTR {
-                return hn::MulAdd(
-                    hn::Set(d, a), x[corner],
-                    hn::MulAdd(hn::Set(d, b), y[corner],
-                               hn::MulAdd(hn::Set(d, c), z[corner], hn::Set(d, e))));
+                return hn::MulAdd(hn::Set(d, a), x[corner],
+                                  hn::MulAdd(hn::Set(d, b), y[corner],
+                                             hn::MulAdd(hn::Set(d, c), z[corner], hn::Set(d, e))));
             };
             const auto most = hn::Max(hn::Max(value(0), value(1)), value(2));
             inside = hn::And(inside, hn::Ge(most, hn::Zero(d)));
@@ -105,13 +104,12 @@ void vertices_outside(const float* const* coordinates, std::size_t count, const 
         auto bits = hn::Zero(words);
         for (std::size_t i = 0; i < plane_count; ++i) {
             const auto& [a, b, c, e] = planes[i].numbers;
-            const auto value =
-                hn::MulAdd(hn::Set(d, a), x,
-                           hn::MulAdd(hn::Set(d, b), y,
-                                      hn::MulAdd(hn::Set(d, c), z, hn::Set(d, e))));
+            const auto value = hn::MulAdd(
+                hn::Set(d, a), x,
+                hn::MulAdd(hn::Set(d, b), y, hn::MulAdd(hn::Set(d, c), z, hn::Set(d, e))));
             const auto bit = hn::Set(words, static_cast<std::int32_t>(1U << i));
-            bits = hn::Or(bits, hn::IfThenElseZero(
-                                    hn::RebindMask(words, hn::Lt(value, hn::Zero(d))), bit));
+            bits = hn::Or(
+                bits, hn::IfThenElseZero(hn::RebindMask(words, hn::Lt(value, hn::Zero(d))), bit));
         }
         hn::StoreU(hn::DemoteTo(bytes, bits), bytes, outside + first);
     }
@@ -195,9 +193,9 @@ VertexArrays::VertexArrays(std::span<const Vec3> positions,
     for (std::size_t k = 0; k < 3; ++k) {
         coordinates_[k] = hwy::AllocateAligned<float>(outside_.size());
         for (std::size_t i = 0; i < outside_.size(); ++i) {
-            coordinates_[k][i] = i < vertices_
-                                     ? static_cast<float>(positions[i][static_cast<Eigen::Index>(k)])
-                                     : 0.0F;
+            coordinates_[k][i] =
+                i < vertices_ ? static_cast<float>(positions[i][static_cast<Eigen::Index>(k)])
+                              : 0.0F;
         }
     }
 }
@@ -239,8 +237,7 @@ std::size_t VertexArrays::visible_ranges(std::span<const LanePlane> planes,
         }
         open = inside;
     }
-    if (open)
-        ranges[found++] = {begin, static_cast<std::uint32_t>(triangles_.size()) - begin};
+    if (open) ranges[found++] = {begin, static_cast<std::uint32_t>(triangles_.size()) - begin};
     return found;
 }
 

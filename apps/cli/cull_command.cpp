@@ -119,15 +119,16 @@ void cull(Culled& culled, CullMode mode)
 std::string text_of(const CullOptions& options, const Culled& culled)
 {
     const auto triangles = static_cast<double>(culled.mesh.triangle_count());
-    std::string text = fmt::format(
-        "{}: {} triangles, index of {:.2f} MB built in {:.3f} s\n"
-        "{} triangles visible ({:.3g} %), in {} ranges of the index in {:.3g} us, as ids in {:.3g} us\n"
-        "{} of {} occupied cells visible\n",
-        options.model, culled.mesh.triangle_count(),
-        1e-6 * static_cast<double>(culled.index.bytes()), culled.build_seconds,
-        culled.triangles.size(), 100 * static_cast<double>(culled.triangles.size()) / triangles,
-        culled.ranges.size(), 1e6 * culled.seconds, 1e6 * culled.id_seconds, culled.cells,
-        culled.all_cells);
+    std::string text = fmt::format("{}: {} triangles, index of {:.2f} MB built in {:.3f} s\n"
+                                   "{} triangles visible ({:.3g} %), in {} ranges of the index in "
+                                   "{:.3g} us, as ids in {:.3g} us\n"
+                                   "{} of {} occupied cells visible\n",
+                                   options.model, culled.mesh.triangle_count(),
+                                   1e-6 * static_cast<double>(culled.index.bytes()),
+                                   culled.build_seconds, culled.triangles.size(),
+                                   100 * static_cast<double>(culled.triangles.size()) / triangles,
+                                   culled.ranges.size(), 1e6 * culled.seconds,
+                                   1e6 * culled.id_seconds, culled.cells, culled.all_cells);
     if (culled.volume.empty()) text += "the planes contradict each other: no point is inside all\n";
     for (const std::string& path : {options.out, options.picture})
         if (!path.empty()) text += fmt::format("wrote {}\n", path);
@@ -180,8 +181,8 @@ Status run_cull(const CullOptions& options, Session& session)
 
 Command add_cull_command(CLI::App& app)
 {
-    CLI::App* const parser =
-        app.add_subcommand("cull", "Find the triangles and cells that a camera sees, hidden or not");
+    CLI::App* const parser = app.add_subcommand(
+        "cull", "Find the triangles and cells that a camera sees, hidden or not");
     const auto options = std::make_shared<CullOptions>();
     add_model_option(*parser, options->model);
     parser
@@ -191,15 +192,17 @@ Command add_cull_command(CLI::App& app)
         ->required()
         ->type_name("FILE");
     parser
-        ->add_option("--out", options->out,
-                     "Write the visible triangles: ids as .csv or .npy, a mesh as .obj, .ply or .stl")
+        ->add_option(
+            "--out", options->out,
+            "Write the visible triangles: ids as .csv or .npy, a mesh as .obj, .ply or .stl")
         ->type_name("FILE");
     parser
         ->add_option("--picture", options->picture,
                      "Draw the mesh, what is visible set off, with the visible cells: .png")
         ->type_name("FILE");
-    parser->add_flag("--exact", options->exact,
-                     "Only what has a point in common with the volume, not all that no plane drops");
+    parser->add_flag(
+        "--exact", options->exact,
+        "Only what has a point in common with the volume, not all that no plane drops");
     parser->add_option("--depth", options->depth, "Depth of the octree for cells")
         ->check(CLI::Range(0, max_octree_depth))
         ->type_name("N");

@@ -1,5 +1,5 @@
-// A picture of a mesh with the boundary leaves of its octree: lines coloured by depth; all of it, or
-// with the part that a camera sees set off.
+// A picture of a mesh with the boundary leaves of its octree: lines coloured by depth; all of it,
+// or with the part that a camera sees set off.
 #pragma once
 
 #include "cli/image.h"
@@ -16,7 +16,7 @@ enum class UpAxis { y, z };
 struct PictureOptions {
     int width = 1600;
     int height = 1200;
-    UpAxis up = UpAxis::y;        ///< which axis of the mesh points up in the picture
+    UpAxis up = UpAxis::y; ///< which axis of the mesh points up in the picture
     /// Where given: triangles that it does not see are drawn dark, and leaves that it does not see
     /// are left out.
     const ViewVolume* volume = nullptr;

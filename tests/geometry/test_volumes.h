@@ -18,8 +18,8 @@ namespace proxima::testing {
 inline std::vector<ViewPlane> whole_planes(std::mt19937_64& random, std::size_t count, int reach)
 {
     const auto number = [&](int size) {
-        return static_cast<double>(static_cast<int>(random() % static_cast<unsigned>(2 * size + 1)) -
-                                   size);
+        return static_cast<double>(
+            static_cast<int>(random() % static_cast<unsigned>(2 * size + 1)) - size);
     };
     std::vector<ViewPlane> planes(count);
     for (ViewPlane& plane : planes) {

@@ -1,4 +1,5 @@
-// View volumes against elimination in rational numbers of any size, on doubles that no grid reaches.
+// View volumes against elimination in rational numbers of any size, on doubles that no grid
+// reaches.
 #include "proxima/geometry/view_contact.h"
 
 #include "geometry/test_volumes.h"

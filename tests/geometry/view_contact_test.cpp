@@ -34,10 +34,7 @@ struct Counts {
     int passes_only = 0; ///< outside, though of no single plane
     int apart = 0;
 
-    void add(bool meet, bool pass)
-    {
-        ++(meet ? meets : pass ? passes_only : apart);
-    }
+    void add(bool meet, bool pass) { ++(meet ? meets : pass ? passes_only : apart); }
     void expect_each(int least) const
     {
         EXPECT_GT(meets, least);
@@ -48,7 +45,10 @@ struct Counts {
 
 class WholeShapes : public ::testing::Test {
 protected:
-    double number(int reach) { return static_cast<double>(random_() % static_cast<unsigned>(reach)); }
+    double number(int reach)
+    {
+        return static_cast<double>(random_() % static_cast<unsigned>(reach));
+    }
     Vec3 point(int reach)
     {
         const double x = number(reach);
@@ -67,8 +67,7 @@ TEST_F(WholeShapes, MeetTrianglesAsEliminationSays)
         Triangle triangle{{point(6), point(6), point(6)}};
         if (trial % 7 == 0) triangle.vertices[2] = triangle.vertices[0];
         if (trial % 49 == 0) triangle.vertices[1] = triangle.vertices[0];
-        if (trial % 11 == 0)
-            triangle.vertices[2] = 2 * triangle.vertices[1] - triangle.vertices[0];
+        if (trial % 11 == 0) triangle.vertices[2] = 2 * triangle.vertices[1] - triangle.vertices[0];
         const bool truth = oracle_meets<__int128>(planes, triangle);
         const bool passes =
             !volume.empty() && std::ranges::all_of(planes, [&](const ViewPlane& plane) {
@@ -144,7 +143,8 @@ TEST(ViewContact, TakesTheMostPlanes)
     // A ball of 1,024 planes.
     std::vector<ViewPlane> planes(max_view_planes);
     for (std::size_t i = 0; i < planes.size(); ++i) {
-        const double z = 1 - (2.0 * static_cast<double>(i) + 1) / static_cast<double>(planes.size());
+        const double z =
+            1 - (2.0 * static_cast<double>(i) + 1) / static_cast<double>(planes.size());
         const double angle = 2.4 * static_cast<double>(i);
         const double r = std::sqrt(1 - z * z);
         planes[i] = {Vec3(-r * std::cos(angle), -r * std::sin(angle), -z), 1};

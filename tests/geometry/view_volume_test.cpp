@@ -45,8 +45,9 @@ TEST(ViewPlane, TellsSidesLikeWholeNumbers)
         plane.offset = static_cast<double>(-value);
         if (trial % 2 != 0) {
             const double one_off = trial % 4 == 1 ? 1 : -1;
-            plane.offset = std::abs(plane.offset) < 0x1p52 ? plane.offset + one_off
-                                                           : std::nextafter(plane.offset, one_off * 1e30);
+            plane.offset = std::abs(plane.offset) < 0x1p52
+                               ? plane.offset + one_off
+                               : std::nextafter(plane.offset, one_off * 1e30);
         }
         value += static_cast<__int128>(plane.offset);
         const int truth = sign(value);
@@ -123,7 +124,8 @@ TEST(ViewVolume, MayBeFlatOrEmptyByABit)
 {
     const double third = 1.0 / 3;
     const auto slab = [&](double from, double to) {
-        return make_view_volume(std::vector<ViewPlane>{{Vec3(1, 1, 1), -from}, {Vec3(-1, -1, -1), to}})
+        return make_view_volume(
+                   std::vector<ViewPlane>{{Vec3(1, 1, 1), -from}, {Vec3(-1, -1, -1), to}})
             .value();
     };
     EXPECT_FALSE(slab(third, third).empty());
@@ -150,9 +152,8 @@ TEST(ViewVolume, RefusesWhatIsNoPlane)
 
 bool sees(const ViewVolume& volume, const Vec3& point)
 {
-    return std::ranges::all_of(volume.planes(), [&](const ViewPlane& plane) {
-        return side_of_plane(plane, point) >= 0;
-    });
+    return std::ranges::all_of(
+        volume.planes(), [&](const ViewPlane& plane) { return side_of_plane(plane, point) >= 0; });
 }
 
 TEST(PerspectiveCamera, SeesATruncatedPyramid)

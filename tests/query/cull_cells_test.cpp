@@ -56,8 +56,7 @@ TEST(CullCells, SeesWhatAllLeavesSay)
                     ASSERT_EQ(seen[next].cell.type, leaf.type);
                     bool inside = true;
                     for (const ViewPlane& plane : volume.planes()) {
-                        inside =
-                            inside && side_of_plane(plane, outermost_corner(plane, box)) >= 0;
+                        inside = inside && side_of_plane(plane, outermost_corner(plane, box)) >= 0;
                     }
                     ASSERT_EQ(seen[next].is_inside, inside);
                     counts[inside ? 3 : 2] += 1;
@@ -88,8 +87,8 @@ TEST(CullCells, DoesNotAllocateAndStopsOnRequest)
         EXPECT_EQ(first_few, 3U);
     }
     EXPECT_EQ(allocation_count(), before);
-    const auto nothing = make_view_volume(
-        std::vector<ViewPlane>{{Vec3::UnitX(), 0}, {-Vec3::UnitX(), -1e-9}});
+    const auto nothing =
+        make_view_volume(std::vector<ViewPlane>{{Vec3::UnitX(), 0}, {-Vec3::UnitX(), -1e-9}});
     EXPECT_TRUE(visible_cells(octree, *nothing).empty());
     EXPECT_TRUE(visible_cells(Octree(), volume).empty());
 }

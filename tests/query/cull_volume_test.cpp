@@ -148,9 +148,8 @@ TEST(CullVolume, DoesNotDependOnScaleOrPlace)
     for (const double scale : {1e-6, 1.0, 1e6, 1e-90, 1e90}) {
         for (const double far : {0.0, 1e4}) {
             SCOPED_TRACE(::testing::Message() << "scale " << scale << ", " << far << " away");
-            const TriangleMesh mesh = moved(torus, [&](const Vec3& p) {
-                return Vec3(scale * (p + Vec3::Constant(far)));
-            });
+            const TriangleMesh mesh = moved(
+                torus, [&](const Vec3& p) { return Vec3(scale * (p + Vec3::Constant(far))); });
             const RayIndex index = index_of(mesh);
             VolumeGenerator generate(mesh.positions(), 22);
             Seen seen;

@@ -119,10 +119,9 @@ private:
         };
         const double value =
             minor(1, 2) * c.values[0] + minor(2, 0) * c.values[1] + minor(0, 1) * c.values[2];
-        const double errors = (a.error * b.size + a.size * b.error) * c.size +
-                              a.size * b.size * c.error;
-        const double error =
-            8 * errors + 0x1p-46 * (a.size * b.size * c.size) + underflow_slack;
+        const double errors =
+            (a.error * b.size + a.size * b.error) * c.size + a.size * b.size * c.error;
+        const double error = 8 * errors + 0x1p-46 * (a.size * b.size * c.size) + underflow_slack;
         if (value > error) return 1;
         if (value < -error) return -1;
         return exact_determinant_sign(

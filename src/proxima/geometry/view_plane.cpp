@@ -19,8 +19,7 @@ bool fits(const ViewPlane& plane, const Vec3& point) noexcept
 {
     bool all = detail::fits_expansion(plane.offset);
     for (int k = 0; k < 3; ++k)
-        all =
-            all && detail::fits_expansion(plane.normal[k]) && detail::fits_expansion(point[k]);
+        all = all && detail::fits_expansion(plane.normal[k]) && detail::fits_expansion(point[k]);
     return all;
 }
 
@@ -102,9 +101,9 @@ int side_of_plane(const ViewPlane& plane, const PlaneMeeting& point) noexcept
     const double error = 0x1p-48 * determinant_size(rows) + underflow_slack;
     if (value > error) return weight;
     if (value < -error) return -weight;
-    const auto exact = determinant<WideInteger>(
-        detail::whole_numbers(rows[0]), detail::whole_numbers(rows[1]),
-        detail::whole_numbers(rows[2]), detail::whole_numbers(rows[3]));
+    const auto exact =
+        determinant<WideInteger>(detail::whole_numbers(rows[0]), detail::whole_numbers(rows[1]),
+                                 detail::whole_numbers(rows[2]), detail::whole_numbers(rows[3]));
     return exact.sign() * weight;
 }
 

@@ -40,8 +40,8 @@ private:
         const ViewPlane& plane = planes_[last];
         int axis = 0;
         plane.normal.cwiseAbs().maxCoeff(&axis);
-        std::optional<PlaneMeeting> at = PlaneMeeting{plane, coordinate_plane((axis + 1) % 3),
-                                                      coordinate_plane((axis + 2) % 3)};
+        std::optional<PlaneMeeting> at =
+            PlaneMeeting{plane, coordinate_plane((axis + 1) % 3), coordinate_plane((axis + 2) % 3)};
         for (std::size_t i = 0; i < last && at; ++i)
             if (side_of_plane(planes_[i], *at) < 0) at = on_line(last, i);
         return at;

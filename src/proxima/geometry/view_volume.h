@@ -47,8 +47,8 @@ private:
 /// A truncated pyramid. Lengths in the mesh's unit.
 struct PerspectiveCamera {
     Vec3 eye = Vec3::Zero();
-    Vec3 forward = -Vec3::UnitZ(); ///< of any length
-    Vec3 up = Vec3::UnitY();       ///< of any length, not along forward
+    Vec3 forward = -Vec3::UnitZ();                  ///< of any length
+    Vec3 up = Vec3::UnitY();                        ///< of any length, not along forward
     double field_of_view = 0.25 * std::numbers::pi; ///< radians from bottom to top, below pi
     double aspect = 1;                              ///< width over height
     double near = 0.01;                             ///< along forward

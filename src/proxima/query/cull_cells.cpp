@@ -40,8 +40,8 @@ void detail::visible_cells(const Octree& octree, const ViewVolume& volume, CullM
 {
     if (octree.nodes().empty() || volume.empty()) return;
     const std::span<const ViewPlane> planes = volume.planes();
-    const std::uint64_t all = planes.size() > last_bit ? ~std::uint64_t{0}
-                                                       : (std::uint64_t{1} << planes.size()) - 1;
+    const std::uint64_t all =
+        planes.size() > last_bit ? ~std::uint64_t{0} : (std::uint64_t{1} << planes.size()) - 1;
     FixedStack<PendingCell, 7 * max_octree_depth + 1> pending;
     pending.push({octree.root(), all});
     while (!pending.empty()) {

@@ -208,7 +208,19 @@ struct PendingBlock {
     std::uint32_t end;
     PlaneMask mask; ///< none: all is visible
 };
-using PendingBlocks = FixedStack<PendingBlock, 7 * RayIndex::max_levels + 1>;
+
+/// How many blocks are opened at once, so that memory brings the next ones meanwhile.
+inline constexpr std::size_t opened_together = 4;
+
+/// Of every level there are at most as many as the blocks above that are opened at once have
+/// children: blocks are opened from the top, where the deepest lie.
+using PendingBlocks = FixedStack<PendingBlock, 8 * opened_together * RayIndex::max_levels + 1>;
+
+/// What is visible below a node, in the order of rows.
+struct OpenedNode {
+    PendingBlock children[8];
+    std::uint32_t count = 0;
+};
 
 HWY_INLINE std::uint32_t first_row_below(const RayBlock* blocks, std::uint32_t reference)
 {
@@ -222,7 +234,7 @@ HWY_INLINE void prefetch_both(const RayBlock& block)
     hwy::Prefetch(reinterpret_cast<const std::byte*>(&block) + 64);
 }
 
-HWY_INLINE void cull_node(const Culling& culling, const PendingBlock& at, PendingBlocks& pending)
+HWY_INLINE void open_node(const Culling& culling, const PendingBlock& at, OpenedNode& opened)
 {
     const RayBlock* const blocks = culling.index.blocks().data();
     const RayNode& node = blocks[at.reference].node;
@@ -242,26 +254,22 @@ HWY_INLINE void cull_node(const Culling& culling, const PendingBlock& at, Pendin
     if (visible == 0) return;
     for (std::size_t i = 0; i < 8 && at.mask >> (8 * i) != 0; ++i) cut[i] = transposed(cut[i]);
 
-    std::uint32_t places[8];
-    std::uint32_t count = 0;
-    for (std::uint32_t order = node.order; count < 8 && (order & 15U) != RayNode::no_child;
-         order >>= 4U)
-        places[count++] = order & 15U;
-    std::uint32_t end = at.end;
-    // The last one goes first, to come out last.
-    while (count-- > 0) {
-        const std::uint32_t place = places[count];
+    PendingBlock* last = nullptr; // whose end is not known yet
+    std::uint32_t order = node.order;
+    for (std::uint32_t i = 0; i < 8 && (order & 15U) != RayNode::no_child; ++i, order >>= 4U) {
+        const std::uint32_t place = order & 15U;
         const std::uint32_t reference = node.children[place];
         std::uint32_t first = node.first_row + node.starts[place];
         if (node.starts[place] == RayNode::far_start) first = first_row_below(blocks, reference);
-        if ((visible >> place & 1U) != 0) {
-            PlaneMask mask = 0;
-            for (std::size_t i = 0; i < 8 && at.mask >> (8 * i) != 0; ++i)
-                mask |= (cut[i] >> (8 * place) & 0xFFU) << (8 * i);
-            pending.push({reference, first, end, mask});
-            if (mask != 0) prefetch_both(blocks[reference & ~ray_leaf_bit]);
-        }
-        end = first;
+        if (last != nullptr) last->end = first;
+        last = nullptr;
+        if ((visible >> place & 1U) == 0) continue;
+        PlaneMask mask = 0;
+        for (std::size_t k = 0; k < 8 && at.mask >> (8 * k) != 0; ++k)
+            mask |= (cut[k] >> (8 * place) & 0xFFU) << (8 * k);
+        if (mask != 0) prefetch_both(blocks[reference & ~ray_leaf_bit]);
+        last = &opened.children[opened.count++];
+        *last = {reference, first, at.end, mask};
     }
 }
 
@@ -319,18 +327,37 @@ HWY_INLINE void cull_leaf(const Culling& culling, const PendingBlock& at)
 void cull(const Culling& culling)
 {
     PendingBlocks pending;
-    const std::uint32_t count = culling.open.count;
-    const PlaneMask all =
-        count > last_plane_bit ? ~PlaneMask{0} : (PlaneMask{1} << count) - 1;
+    const std::uint32_t planes = culling.open.count;
+    const PlaneMask all = planes > last_plane_bit ? ~PlaneMask{0} : (PlaneMask{1} << planes) - 1;
     pending.push({culling.index.root(), 0, culling.index.triangle_count(), all});
+    const auto is_node = [](const PendingBlock& at) {
+        return at.mask != 0 && (at.reference & ray_leaf_bit) == 0;
+    };
     while (!pending.empty()) {
-        const PendingBlock at = pending.pop();
-        if (at.mask == 0) {
-            culling.ranges.add(at.first, at.end);
-        } else if ((at.reference & ray_leaf_bit) != 0) {
-            cull_leaf(culling, at);
-        } else {
-            cull_node(culling, at, pending);
+        if (!is_node(pending.top())) {
+            const PendingBlock at = pending.pop();
+            if (at.mask == 0) {
+                culling.ranges.add(at.first, at.end);
+            } else {
+                cull_leaf(culling, at);
+            }
+            continue;
+        }
+        OpenedNode opened[opened_together];
+        std::size_t count = 0;
+        for (; count < opened_together && !pending.empty(); ++count) {
+            const PendingBlock at = pending.pop();
+            if (is_node(at)) {
+                open_node(culling, at, opened[count]);
+            } else {
+                opened[count].children[0] = at;
+                opened[count].count = 1;
+            }
+        }
+        // The last one goes first, to come out last.
+        while (count-- > 0) {
+            for (std::uint32_t i = opened[count].count; i-- > 0;)
+                pending.push(opened[count].children[i]);
         }
     }
 }

@@ -66,8 +66,8 @@ void visit_visible(const RayIndex& index, const ViewVolume& volume, CullMode mod
 /// is too small, and a bit per triangle.
 void visible_triangles(const RayIndex& index, const ViewVolume& volume, CullMode mode,
                        std::vector<TriangleId>& ids);
-[[nodiscard]] std::vector<TriangleId>
-visible_triangles(const RayIndex& index, const ViewVolume& volume,
-                  CullMode mode = CullMode::conservative);
+[[nodiscard]] std::vector<TriangleId> visible_triangles(const RayIndex& index,
+                                                        const ViewVolume& volume,
+                                                        CullMode mode = CullMode::conservative);
 
 } // namespace proxima

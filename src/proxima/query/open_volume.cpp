@@ -7,10 +7,10 @@ namespace proxima {
 
 namespace {
 
-// Errors in floats, u = 2^-24, where |n|_1 <= 1, |y| <= 1.01 and |d| <= 1.05. A box's plane is o + q
-// s with s q <= 2.1: o is off by 1.01 u, n, d and n s by u of their size, the six products and sums
-// by u each of at most 4.3, twice that where they are not fused: 2 + 2 + 2.1 + 6 * 4.3 * 2 < 60 u.
-// Vertices, rounded to floats, are less off.
+// Errors in floats, u = 2^-24, where |n|_1 <= 1, |y| <= 1.01 and |d| <= 1.05. A box's plane is o +
+// q s with s q <= 2.1: o is off by 1.01 u, n, d and n s by u of their size, the six products and
+// sums by u each of at most 4.3, twice that where they are not fused: 2 + 2 + 2.1 + 6 * 4.3 * 2 <
+// 60 u. Vertices, rounded to floats, are less off.
 constexpr double float_slack = 64 * 0x1p-24;
 
 // In doubles the offset is off by a few roundings of what it is made of.
