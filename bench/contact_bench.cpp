@@ -72,9 +72,7 @@ void pass(ContactPeer& peer, Question question, const PoseSet& set, SetResult& r
 {
     (void)ask(peer, question, set);
     const double start = processor_seconds();
-    for (const RigidTransform& pose : set.poses)
-        sum +=
-            question == Question::boolean ? (peer.intersects(pose) ? 1 : 0) : peer.find_pairs(pose);
+    const std::size_t sum = ask(peer, question, set);
     const double seconds = processor_seconds() - start;
     result.seconds[static_cast<std::size_t>(question)].push_back(seconds);
     (question == Question::boolean ? result.meeting : result.pairs) = sum;

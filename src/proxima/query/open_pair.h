@@ -24,6 +24,23 @@ struct alignas(32) PairBox {
     float size; ///< sum of `half`
 };
 
+// Bounds of the boxes' tests, u = 2^-24, in units of the frames: what is farther apart is apart.
+//
+// A block's box is drawn outward by 20 u of the index's units (build_ray_index.cpp). Its centre c =
+// (origin + 32768 step) + (lower + upper) (step / 2) is off by 1.01 u for the first sum, 2.1 u for
+// the product and 1.01 u for the last sum, its half size by 1.1 u: what is below the block is in
+// the box as computed. So take centres c, y and half sizes h, g of two boxes as they are, |y| <=
+// 1.01 each, |o| <= 2.9, or 5.1 turned back. R y + o, each number: R and the products are off by u,
+// the sum of three is at most 1.75, those with o at most 6.9: 2 * 1.75 u + 3 * 6.9 u + 5.1 u for
+// o's own rounding < 30 u, and d = R y + o - c, at most 7.9, by 7.9 u more: 38 u. An axis is
+// compared by |axis . d| - radii:
+//     own face     38 u + radii, 1.75 (R, product) u + 3 sums below 2.8 u             <  60 u
+//     its face     38 u sqrt(3) + |d|_2 <= 13.7 times 4 u + radii below 4 * 2.8 u     < 135 u
+//     two edges    38 u sqrt(2) + 11.2 * 3 u + radii of four terms below 2.9, 5 u     < 105 u
+// The columns of R are orthogonal to 1e-9 < 0.02 u, which moves radii and, where the way back is by
+// R^T, points by less than 0.1 u. The pose's own rounding comes to |axis|_1 <= sqrt(3) times that
+// of a number, sqrt(3) / 1.8 of pose_error in frame 1 as well. Twice that and 160 u are the slack.
+
 /// From the other's frame to the own one, R and o, as vectors of eight: what a box there adds to
 /// the radii of the fifteen axes is a sum of these times its numbers (box_pairs-inl.h).
 struct alignas(32) PairFrame {
@@ -32,24 +49,7 @@ struct alignas(32) PairFrame {
     /// |R_ij| once more, as edges need it; the first two make axes e_i x R_0, then e_i x R_1, the
     /// others e_i x R_2, then faces R_j.
     std::array<std::array<float, 8>, 4> edges;
-    /// Bounds of boxes' tests, u = 2^-24: what is farther apart than this says is apart.
-    ///
-    /// A block's box is drawn outward by 20 u of the index's units (build_ray_index.cpp). Its
-    /// centre c = (origin + 32768 step) + (lower + upper) (step / 2) is off by 1.01 u for the first
-    /// sum, 2.1 u for the product and 1.01 u for the last sum, its half size by 1.1 u: what is
-    /// below the block is in the box as computed. So take centres c, y and half sizes h, g of two
-    /// boxes as they are, |y| <= 1.01 each, |o| <= 2.9, or 5.1 turned back. R y + o, each number: R
-    /// and the products are off by u, the sum of three is at most 1.75, those with o at most 6.9: 2
-    /// * 1.75 u
-    /// + 3 * 6.9 u + 5.1 u for o's own rounding < 30 u, and d = R y + o - c, at most 7.9, by 7.9 u
-    /// more: 38 u. An axis is compared by |axis . d| - radii:
-    ///     own face     38 u + radii, 1.75 (R, product) u + 3 sums below 2.8 u             <  60 u
-    ///     its face     38 u sqrt(3) + |d|_2 <= 13.7 times 4 u + radii below 4 * 2.8 u     < 130 u
-    ///     two edges    38 u sqrt(2) + 11.2 * 3 u + radii of four terms below 2.9, 5 u     < 100 u
-    /// The columns of R are orthogonal to 1e-9 < 0.02 u, which moves radii and, where the way back
-    /// is by R^T, points by less than 0.1 u. The pose's own rounding comes to |axis|_1 <= sqrt(3)
-    /// times pose_error, sqrt(3) more in frame 1.
-    float slack;
+    float slack; ///< of every axis, see above
     Mat3 exact_rotation;
     Vec3 exact_offset;
 };
