@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <tuple>
 
 namespace proxima {
 namespace {
@@ -121,10 +123,11 @@ GlBuffer upload_pairs(const std::vector<float>& values, GLuint divisor)
                  values.data(), GL_STATIC_DRAW);
     for (GLuint attribute = 0; attribute < 2; ++attribute) {
         glEnableVertexAttribArray(attribute);
+        const std::uintptr_t offset = std::uintptr_t{3} * attribute * sizeof(float);
         // OpenGL takes an offset in the place of a pointer.
-        const auto* const offset =
-            static_cast<const char*>(nullptr) + attribute * 3 * sizeof(float);
-        glVertexAttribPointer(attribute, 3, GL_FLOAT, GL_FALSE, stride, offset);
+        // NOLINTNEXTLINE(performance-no-int-to-ptr)
+        const auto* const place = reinterpret_cast<const void*>(offset);
+        glVertexAttribPointer(attribute, 3, GL_FLOAT, GL_FALSE, stride, place);
         glVertexAttribDivisor(attribute, divisor);
     }
     return buffer;

@@ -2,7 +2,7 @@
 import re
 import unittest
 
-from proxima_program import ProgramTest
+from proxima_program import ProgramTest, run
 
 
 class Making(ProgramTest):
@@ -30,6 +30,15 @@ class Making(ProgramTest):
                                           "--quiet"), "")
             pictures.append((self.folder / "figure_4_2.png").read_bytes())
         self.assertEqual(*pictures)
+
+    def test_opengl_draws_too_or_says_why_not(self):
+        result = run("figures", "--out", self.folder, "--only", "3.7", "--opengl")
+        if result.returncode == 0:
+            self.assertGreater((self.folder / "figure_3_7.png").stat().st_size, 2000)
+        else:
+            self.assertEqual(result.returncode, 1)
+            self.assertIn("OpenGL", result.stderr)
+            self.assertEqual(list(self.folder.iterdir()), [])
 
     def test_the_whole_set(self):
         result = self.json_of("figures", "--out", self.folder)

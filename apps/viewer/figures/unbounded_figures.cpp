@@ -141,8 +141,8 @@ Result<FigureContent> figure_4_7(const FigureContext& /*context*/)
         if (i >= 2) drawing.rays();
         if (i < 3) continue;
         for (const PlanarEdge& edge : sum->edges()) {
-            Vec2 from = sum->points()[static_cast<std::size_t>(edge.from)];
-            Vec2 to = sum->points()[static_cast<std::size_t>(edge.to)];
+            const Vec2& from = sum->points()[static_cast<std::size_t>(edge.from)];
+            const Vec2& to = sum->points()[static_cast<std::size_t>(edge.to)];
             const Vec2 along = Vec2(-edge.normal.y(), edge.normal.x());
             if (edge.from_infinity) panel.dashes(from, from - 0.7 * along, ink, 3.0);
             if (edge.to_infinity) panel.dashes(to, to + 0.7 * along, ink, 3.0);
