@@ -51,7 +51,8 @@ Meeting inner_point(const Three& weights, const Three& places) noexcept
     for (std::size_t i = 0; i < 3; ++i) at.weights[i] = weights[i] / sum;
     const double t =
         at.weights[0] * places[0] + at.weights[1] * places[1] + at.weights[2] * places[2];
-    const auto [least, most] = std::minmax({places[0], places[1], places[2]});
+    const double least = std::min(std::min(places[0], places[1]), places[2]);
+    const double most = std::max(std::max(places[0], places[1]), places[2]);
     at.t = std::clamp(t, least, most);
     return at;
 }
@@ -253,36 +254,39 @@ constexpr double sure_sum = 0x1p24;
 std::optional<RayTriangleHit> intersect(const Ray& ray, const Triangle& triangle,
                                         Faces faces) noexcept
 {
-    const Vec3& d = ray.direction;
-    int k = 0;
-    d.cwiseAbs().maxCoeff(&k);
-    const int i = (k + 1) % 3;
-    const int j = (k + 2) % 3;
-    const double inverse = 1 / d[k];
-    const double slope_x = d[i] * inverse;
-    const double slope_y = d[j] * inverse;
+    return intersect(ray, RayShear(ray.direction), triangle, faces);
+}
+
+std::optional<RayTriangleHit> intersect(const Ray& ray, const RayShear& shear,
+                                        const Triangle& triangle, Faces faces) noexcept
+{
+    const double* const origin = ray.origin.data();
     Three x;
     Three y;
     Three places;
     double size = 0;
     double reach = 0;
     for (std::size_t corner = 0; corner < 3; ++corner) {
-        const Vec3 about = triangle.vertices[corner] - ray.origin;
-        x[corner] = about[i] - slope_x * about[k];
-        y[corner] = about[j] - slope_y * about[k];
-        places[corner] = about[k] * inverse;
-        size = std::max({size, std::abs(about[0]), std::abs(about[1]), std::abs(about[2])});
+        const double* const vertex = triangle.vertices[corner].data();
+        const double about_x = vertex[shear.x] - origin[shear.x];
+        const double about_y = vertex[shear.y] - origin[shear.y];
+        const double about_z = vertex[shear.z] - origin[shear.z];
+        x[corner] = about_x - shear.slope_x * about_z;
+        y[corner] = about_y - shear.slope_y * about_z;
+        places[corner] = about_z * shear.inverse_z;
+        size = std::max({size, std::abs(about_x), std::abs(about_y), std::abs(about_z)});
         reach = std::max({reach, std::abs(x[corner]), std::abs(y[corner])});
     }
     const Three weights = {x[1] * y[2] - y[1] * x[2], x[2] * y[0] - y[2] * x[0],
                            x[0] * y[1] - y[0] * x[1]};
     const double error = error_factor * size * (reach + own_error * size);
-    const auto [least, most] = std::minmax({weights[0], weights[1], weights[2]});
+    const double least = std::min(std::min(weights[0], weights[1]), weights[2]);
+    const double most = std::max(std::max(weights[0], weights[1]), weights[2]);
     if (error >= safe_error && error <= std::numeric_limits<double>::max()) {
         if (least < -error && most > error) return std::nullopt;
         const double sum = weights[0] + weights[1] + weights[2];
         if ((least > error || most < -error) && std::abs(sum) > sure_sum * error) {
-            if (!is_wanted(d[k] > 0 ? sum : -sum, faces)) return std::nullopt;
+            if (!is_wanted(shear.inverse_z > 0 ? sum : -sum, faces)) return std::nullopt;
             return within_range(ray, inner_point(weights, places));
         }
     }

@@ -46,11 +46,11 @@ struct AllSearch {
     VisitPlacedHit visit;
     void* context;
 
-    HWY_INLINE bool take(const RayLeaf& leaf, const LeafCandidates& candidates, OpenRay& ray) const
+    HWY_INLINE bool take(std::uint32_t leaf, const LeafCandidates& candidates, OpenRay& ray) const
     {
         for (std::uint32_t left = candidates.lanes; left != 0; left &= left - 1) {
             const auto lane = static_cast<std::uint32_t>(std::countr_zero(left));
-            if (const auto hit = ask_row(index, leaf.first_row + lane, ray))
+            if (const auto hit = ask_triangle(index, {leaf, lane}, ray))
                 visit(context, ray.place, *hit);
         }
         return true;
@@ -63,10 +63,11 @@ HWY_INLINE void walk(const RayIndex& index, const Search& search, OpenRay& ray)
 {
     // On its own, so that it can stay in registers.
     RayPlace at = ray.at;
+    const NodeLanes lanes(ray);
     const RayBlock* const blocks = index.blocks().data();
-    while (step(blocks, search, ray, at)) {
-        // The one to come after it, behind which the end is the first.
-        if (at.pending > 1) prefetch_block(blocks[ray.references[at.pending - 1] & ~ray_leaf_bit]);
+    while (step(blocks, search, lanes, ray, at)) {
+        // The one to come after it.
+        prefetch_block(blocks[ray.references[at.pending - 1] & ~ray_leaf_bit]);
     }
     search.settle(ray);
 }
@@ -88,7 +89,7 @@ HWY_INLINE void walk_together(const RayIndex& index, const Search& search, const
         for (std::size_t i = 0; i < count;) {
             OpenRay& ray = *open[i];
             RayPlace at = ray.at;
-            const bool goes_on = step(blocks, search, ray, at);
+            const bool goes_on = step(blocks, search, NodeLanes(ray), ray, at);
             ray.at = at;
             if (!goes_on) {
                 search.settle(ray);

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "proxima/geometry/ray.h"
+#include "proxima/geometry/ray_triangle.h"
 #include "proxima/query/ray_hit.h"
 #include "proxima/query/ray_index.h"
 
@@ -22,28 +23,37 @@ inline constexpr float float_roundoff = 0x1p-24F;
 /// How far a walk has come.
 struct RayPlace {
     std::uint32_t next = 0;    ///< the block to look at
-    std::uint32_t pending = 0; ///< how many others are put aside
+    std::uint32_t pending = 0; ///< the end of those put aside
 };
 
+/// A triangle of a ray index.
+struct RayTriangle {
+    std::uint32_t leaf = 0; ///< its block
+    std::uint32_t lane = 0;
+};
+
+/// One number for each of the lanes that vectors are loaded by.
+using RayQuad = std::array<float, 4>;
+
 struct OpenRay {
-    static constexpr std::uint32_t end = 0xFFFFFFFFU;
-    static constexpr std::uint32_t no_row = 0xFFFFFFFFU;
+    /// Where all is seen: the empty leaf, which no box leads to.
+    static constexpr std::uint32_t end = ray_leaf_bit;
+    static constexpr std::uint32_t no_leaf = 0xFFFFFFFFU;
+    /// Below what is put aside: as many ends as are looked at together.
+    static constexpr std::uint32_t bottom = 8;
     /// A node makes way for at most eight children; vectors are written whole.
-    static constexpr std::size_t stack_size = 7 * RayIndex::max_levels + 1 + 8;
+    static constexpr std::size_t stack_size = bottom + 7 * RayIndex::max_levels + 1 + 8;
 
     // For boxes.
-    std::array<float, 3> origin;
-    std::array<float, 3> inverse; ///< of the direction, whose components are put away from zero
-    float least;                  ///< the range, outward; `most` sinks as hits are found
+    std::array<RayQuad, 3> inverse; ///< of the direction, its components put away from zero
+    std::array<RayQuad, 3> start;   ///< - origin * inverse
+    float least;                    ///< the range, outward; `most` sinks as hits are found
     float most;
-    float slack;          ///< that t of planes may be off beyond the boxes' margins
     std::uint32_t octant; ///< bit k: the direction is negative on axis k
-    std::array<std::uint32_t, 3>
-        near_planes; ///< how to put a node's planes in order, by axis: bytes
-    std::array<std::uint32_t, 3> far_planes; ///< into PlaneShuffles
 
     // For triangles: x, y, z are the axes in cyclic order, z the direction's largest component.
     std::array<std::uint32_t, 3> axes;
+    std::array<float, 3> origin; ///< on these
     float slope_x;
     float slope_y;
     float inverse_z;
@@ -55,17 +65,17 @@ struct OpenRay {
     bool refuses_negative;
 
     // What was found.
-    float best_least = std::numeric_limits<float>::infinity(); ///< the best hit's t is not below
-    std::uint32_t best_row = no_row; ///< surely hit, not yet computed; then `best` is older
-    bool found = false;              ///< `best` is a hit
-    RayHit best;
-
+    bool found;             ///< `best` is a hit
+    float best_least;       ///< the best hit's t is not below
+    RayTriangle best_noted; ///< surely hit, not yet computed; then `best` is older
     RayPlace at;
-    std::uint32_t place = 0; ///< of the ray in its batch
-    const Ray* ray = nullptr;
-    Faces faces = Faces::both;
-    double rate = 1;  ///< r
-    double shift = 0; ///< t0
+    std::uint32_t place; ///< of the ray in its batch
+    const Ray* ray;
+    Faces faces;
+    double rate;  ///< r
+    double shift; ///< t0
+    RayShear shear;
+    RayHit best;
     std::array<std::uint32_t, stack_size> references;
     std::array<float, stack_size> nearness; ///< t at which the box is entered
 };
@@ -82,17 +92,17 @@ enum class RayStart : std::uint8_t {
                                 OpenRay& open) noexcept;
 
 /// Asks a triangle of the index in doubles.
+[[nodiscard]] std::optional<RayHit> ask_triangle(const RayIndex& index, RayTriangle triangle,
+                                                 const OpenRay& open) noexcept;
+
+/// The same for rays that are not open.
 [[nodiscard]] std::optional<RayHit> ask_row(const RayIndex& index, std::uint32_t row,
                                             const Ray& ray, Faces faces) noexcept;
-[[nodiscard]] inline std::optional<RayHit> ask_row(const RayIndex& index, std::uint32_t row,
-                                                   const OpenRay& open) noexcept
-{
-    return ask_row(index, row, *open.ray, open.faces);
-}
 
-/// Where a triangle's row lies, to have it fetched.
+/// Where what ask_triangle has yet to read of a triangle lies, to have it fetched.
 [[nodiscard]] inline const void* row_address(const RayIndex& index, std::uint32_t row) noexcept
 {
+    if (index.has_exact_leaves()) return &index.ids()[row];
     if (index.double_rows().empty()) return &index.float_rows()[row];
     return &index.double_rows()[row];
 }
