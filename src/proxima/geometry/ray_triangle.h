@@ -57,8 +57,4 @@ struct RayShear {
 [[nodiscard]] std::optional<RayTriangleHit> intersect(const Ray& ray, const Triangle& triangle,
                                                       Faces faces = Faces::both) noexcept;
 
-/// The same for several triangles. \pre the shear is of the ray's direction
-[[nodiscard]] std::optional<RayTriangleHit>
-intersect(const Ray& ray, const RayShear& shear, const Triangle& triangle, Faces faces) noexcept;
-
 } // namespace proxima

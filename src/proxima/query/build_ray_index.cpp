@@ -144,6 +144,7 @@ public:
         RayIndex result;
         result.center_ = tree_.frame.center;
         result.scale_ = tree_.frame.scale;
+        result.unscale_ = 1 / tree_.frame.scale;
         result.root_ = root_;
         result.has_exact_leaves_ = has_exact_leaves_;
         result.triangle_count_ = static_cast<std::uint32_t>(tree_.order.size());

@@ -1,7 +1,7 @@
 #include "proxima/query/open_ray.h"
 
 #include "proxima/geometry/expansion.h"
-#include "proxima/geometry/ray_triangle.h"
+#include "proxima/geometry/ray_triangle-inl.h"
 
 #include <algorithm>
 #include <bit>
@@ -11,22 +11,9 @@ namespace proxima {
 
 namespace {
 
-constexpr double root_reach = 1.01; // the mesh is within 1, its boxes within 1 + 2^-19
 constexpr double too_far = 0x1p40;
-constexpr double far = 0x1p26; // moving an origin from nearer costs at most a float's half ulp
 constexpr std::uint64_t exponent_bits = 0x7FF0000000000000U;
 constexpr std::uint64_t sign_bit = 0x8000000000000000U;
-
-/// A float below the value, and one above, by little; infinity where that is.
-float rounded_down(double value) noexcept
-{
-    const auto nearest = static_cast<float>(value);
-    return nearest - std::min(std::abs(nearest), 0x1p100F) * 0x1p-23F;
-}
-float rounded_up(double value) noexcept
-{
-    return -rounded_down(-value);
-}
 
 using Three = std::array<double, 3>;
 
@@ -72,19 +59,19 @@ RayStart open_ray(const RayIndex& index, const Ray& ray, Faces faces, OpenRay& o
     double shift = 0;
     double moved = 0; // how far off the origin is for having been moved
     double t_off = 0; // and t
-    if (distance > root_reach) {
+    if (distance > OpenRay::root_reach) {
         if (!(distance < too_far)) return RayStart::too_far;
         for (std::size_t axis = 0; axis < 3; ++axis) {
             // Infinite where the ray stays between the two planes, or never gets there.
-            const double one = (-root_reach - origin[axis]) * inverse[axis];
-            const double other = (root_reach - origin[axis]) * inverse[axis];
+            const double one = (-OpenRay::root_reach - origin[axis]) * inverse[axis];
+            const double other = (OpenRay::root_reach - origin[axis]) * inverse[axis];
             least = std::max(least, std::min(one, other));
             most = std::min(most, std::max(one, other));
         }
         if (!(least <= most)) return RayStart::misses;
         shift = least;
         t_off = 0x1p-50 * distance;
-        if (distance > far) {
+        if (distance > OpenRay::far) {
             for (std::size_t axis = 0; axis < 3; ++axis)
                 origin[axis] = moved_origin(ray.origin.data()[axis], index.center().data()[axis],
                                             index.scale(), shift, direction[axis]);
@@ -96,10 +83,8 @@ RayStart open_ray(const RayIndex& index, const Ray& ray, Faces faces, OpenRay& o
     std::array<float, 3> places;
     open.octant = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        // A component below 2^-40 moves the ray by less than 2^-37 within the root.
-        constexpr double most_inverse = 0x1p40;
         const std::uint64_t sign = std::bit_cast<std::uint64_t>(direction[axis]) & sign_bit;
-        const double size = std::min(std::abs(inverse[axis]), most_inverse);
+        const double size = std::min(std::abs(inverse[axis]), OpenRay::most_inverse);
         const auto own =
             static_cast<float>(std::bit_cast<double>(std::bit_cast<std::uint64_t>(size) | sign));
         places[axis] = static_cast<float>(origin[axis]);
@@ -113,66 +98,44 @@ RayStart open_ray(const RayIndex& index, const Ray& ray, Faces faces, OpenRay& o
     open.slope_x = static_cast<float>(open.shear.slope_x);
     open.slope_y = static_cast<float>(open.shear.slope_y);
     open.inverse_z = open.inverse[z][0];
-    const float growth = 1 + static_cast<float>(moved) / (8 * float_roundoff);
-    open.error = growth * growth;
-    open.t_error = 40 * float_roundoff + 2 * static_cast<float>(t_off);
-    open.least = rounded_down(least - shift) - 4 * open.t_error;
-    open.most = rounded_up(most - shift) + 4 * open.t_error;
-    open.sure_least = rounded_up(ray.t_min * rate - shift) + open.t_error;
-    open.sure_most = rounded_down(ray.t_max * rate - shift) - open.t_error;
-    // Weights are positive where direction . normal has the sign of the direction's z.
-    const bool forward = direction[z] > 0;
-    open.refuses_positive =
-        (faces == Faces::front && forward) || (faces == Faces::back && !forward);
-    open.refuses_negative =
-        (faces == Faces::front && !forward) || (faces == Faces::back && forward);
-    open.found = false;
-    open.best_least = std::numeric_limits<float>::infinity();
-    open.best_noted = {OpenRay::no_leaf, 0};
-    open.ray = &ray;
-    open.faces = faces;
-    open.rate = rate;
-    open.shift = shift;
-    for (std::size_t i = 0; i < OpenRay::bottom; ++i) {
-        open.references[i] = OpenRay::end;
-        open.nearness[i] = -std::numeric_limits<float>::infinity();
-    }
-    open.at = {index.root(), OpenRay::bottom};
+    open.set_range(index, ray, faces, {rate, least, most, shift, moved, t_off});
     return RayStart::ready;
 }
 
 namespace {
 
-std::optional<RayHit> named(const std::optional<RayTriangleHit>& hit, TriangleId id) noexcept
+bool ask(const Ray& ray, const RayShear& shear, const Triangle& triangle, TriangleId id,
+         Faces faces, RayHit& hit) noexcept
 {
-    if (!hit) return std::nullopt;
-    return RayHit{hit->t, id, hit->u, hit->v};
+    const auto met = intersect(ray, shear, triangle, faces);
+    if (!met) return false;
+    hit.t = met->t;
+    hit.triangle = id;
+    hit.u = met->u;
+    hit.v = met->v;
+    return true;
 }
 
-template <class Scalar>
-std::optional<RayHit> ask(const RayRow<Scalar>& row, const Ray& ray, const RayShear& shear,
-                          Faces faces) noexcept
+bool ask_row(const RayIndex& index, std::uint32_t row, const Ray& ray, const RayShear& shear,
+             Faces faces, RayHit& hit) noexcept
 {
-    return named(intersect(ray, shear, row.triangle(), faces), TriangleId{row.id});
-}
-
-std::optional<RayHit> ask_row(const RayIndex& index, std::uint32_t row, const Ray& ray,
-                              const RayShear& shear, Faces faces) noexcept
-{
-    return index.double_rows().empty() ? ask(index.float_rows()[row], ray, shear, faces)
-                                       : ask(index.double_rows()[row], ray, shear, faces);
+    const TriangleId id = index.ids()[row];
+    const Triangle triangle = index.double_rows().empty() ? index.float_rows()[row].triangle()
+                                                          : index.double_rows()[row].triangle();
+    return ask(ray, shear, triangle, id, faces, hit);
 }
 
 } // namespace
 
-std::optional<RayHit> ask_triangle(const RayIndex& index, RayTriangle triangle,
-                                   const OpenRay& open) noexcept
+bool ask_triangle(const RayIndex& index, RayTriangle triangle, const OpenRay& open,
+                  RayHit& hit) noexcept
 {
     const RayLeaf& leaf = index.blocks()[triangle.leaf].leaf;
     const std::uint32_t row = leaf.first_row + triangle.lane;
-    if (!index.has_exact_leaves()) return ask_row(index, row, *open.ray, open.shear, open.faces);
+    if (!index.has_exact_leaves())
+        return ask_row(index, row, *open.ray, open.shear, open.faces, hit);
     Triangle corners;
-    const double unscale = 1 / index.scale();
+    const double unscale = index.unscale();
     for (std::size_t i = 0; i < 3; ++i) {
         const std::size_t vertex = leaf.corners[i][triangle.lane];
         for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -181,13 +144,15 @@ std::optional<RayHit> ask_triangle(const RayIndex& index, RayTriangle triangle,
                 index.center().data()[axis];
         }
     }
-    return named(intersect(*open.ray, open.shear, corners, open.faces), index.ids()[row]);
+    return ask(*open.ray, open.shear, corners, index.ids()[row], open.faces, hit);
 }
 
 std::optional<RayHit> ask_row(const RayIndex& index, std::uint32_t row, const Ray& ray,
                               Faces faces) noexcept
 {
-    return ask_row(index, row, ray, RayShear(ray.direction), faces);
+    RayHit hit;
+    if (!ask_row(index, row, ray, RayShear(ray.direction), faces, hit)) return std::nullopt;
+    return hit;
 }
 
 } // namespace proxima

@@ -85,13 +85,14 @@ public:
 
     /// Ids of the triangles in the order of the leaves.
     [[nodiscard]] std::span<const TriangleId> ids() const noexcept { return ids_; }
-    /// Whether coordinate / scale() + center() of a leaf's vertex, in doubles, is the mesh's own.
+    /// Whether coordinate * unscale() + center() of a leaf's vertex, in doubles, is the mesh's own.
     [[nodiscard]] bool has_exact_leaves() const noexcept { return has_exact_leaves_; }
 
-    /// Blocks are in multiples of 1 / scale() from center(). The scale is a power of two, and the
-    /// mesh within [-1, 1] on each axis.
+    /// Blocks are in multiples of unscale(), 1 / scale(), from center(). The scale is a power of
+    /// two, and the mesh within [-1, 1] on each axis.
     [[nodiscard]] const Vec3& center() const noexcept { return center_; }
     [[nodiscard]] double scale() const noexcept { return scale_; }
+    [[nodiscard]] double unscale() const noexcept { return unscale_; }
 
     /// Bytes of blocks, rows and ids.
     [[nodiscard]] std::uint64_t bytes() const noexcept
@@ -105,6 +106,7 @@ private:
 
     Vec3 center_ = Vec3::Zero();
     double scale_ = 1;
+    double unscale_ = 1;
     std::uint32_t root_ = 0;
     std::uint32_t triangle_count_ = 0;
     bool has_exact_leaves_ = false;

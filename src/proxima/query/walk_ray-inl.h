@@ -133,14 +133,18 @@ HWY_INLINE void leave(const OpenRay& ray, RayPlace& at)
     at.next = ray.references[at.pending];
 }
 
-/// Goes on to the nearest child that the ray meets and puts the others aside; where there is none,
-/// on to the last one put aside.
-HWY_INLINE void enter_node(const RayNode& node, const NodeLanes& lanes, OpenRay& ray, RayPlace& at)
+/// The children of a node that a ray meets, and where it enters them.
+struct MetChildren {
+    std::uint32_t bits = 0; ///< by lanes
+    RayFloats entered[8 / ray_lanes];
+};
+
+HWY_INLINE MetChildren meet_children(const RayNode& node, const NodeLanes& lanes,
+                                     const OpenRay& ray)
 {
     const RayTag d;
     const std::uint8_t(&shuffles)[3][2][32] = plane_shuffles.bytes[ray.octant];
-    std::uint32_t bits = 0;
-    RayFloats entered[8 / ray_lanes];
+    MetChildren met;
     for (std::size_t part = 0; part < 8 / ray_lanes; ++part) {
         auto near = lanes.least;
         auto far = hn::Set(d, ray.most);
@@ -154,16 +158,21 @@ HWY_INLINE void enter_node(const RayNode& node, const NodeLanes& lanes, OpenRay&
             near = hn::Max(near, hn::MulAdd(front, step, start));
             far = hn::Min(far, hn::MulAdd(back, step, start));
         }
-        entered[part] = near;
-        bits |= mask_bits(hn::Le(near, far)) << (ray_lanes * part);
+        met.entered[part] = near;
+        met.bits |= mask_bits(hn::Le(near, far)) << (ray_lanes * part);
     }
-    if (bits == 0) {
-        leave(ray, at);
-        return;
-    }
-    const auto nearest = static_cast<std::uint32_t>(std::countr_zero(bits));
-    at.next = node.children[nearest ^ ray.octant];
-    const std::uint32_t rest = bits & (bits - 1);
+    return met;
+}
+
+/// Goes on to the nearest child met and puts the others aside. Where none was met, only `at.next`
+/// is changed, to any child.
+HWY_INLINE void enter_nearest(const RayNode& node, const MetChildren& met, OpenRay& ray,
+                              RayPlace& at)
+{
+    const RayTag d;
+    const auto nearest = static_cast<std::uint32_t>(std::countr_zero(met.bits));
+    at.next = node.children[(nearest ^ ray.octant) & 7U];
+    const std::uint32_t rest = met.bits & (met.bits - 1);
 #if HWY_TARGET != HWY_SCALAR
     if constexpr (ray_lanes == 8) {
         // Backwards, the nearest last.
@@ -175,7 +184,7 @@ HWY_INLINE void enter_node(const RayNode& node, const NodeLanes& lanes, OpenRay&
         // Compressing to memory is far slower than to a register on some processors.
         hn::StoreU(hn::Compress(children, hn::LoadMaskBits(words, mask_byte)), words,
                    ray.references.data() + at.pending);
-        hn::StoreU(hn::Compress(hn::Reverse(d, entered[0]), hn::LoadMaskBits(d, mask_byte)), d,
+        hn::StoreU(hn::Compress(hn::Reverse(d, met.entered[0]), hn::LoadMaskBits(d, mask_byte)), d,
                    ray.nearness.data() + at.pending);
         at.pending += static_cast<std::uint32_t>(std::popcount(rest));
         return;
@@ -183,7 +192,7 @@ HWY_INLINE void enter_node(const RayNode& node, const NodeLanes& lanes, OpenRay&
 #endif
     float near[8];
     for (std::size_t part = 0; part < 8 / ray_lanes; ++part)
-        hn::StoreU(entered[part], d, near + ray_lanes * part);
+        hn::StoreU(met.entered[part], d, near + ray_lanes * part);
     for (std::uint32_t left = reversed_bits.bits[rest]; left != 0; left &= left - 1) {
         const auto lane = static_cast<std::uint32_t>(7 - std::countr_zero(left));
         ray.references[at.pending] = node.children[lane ^ ray.octant];
@@ -217,6 +226,10 @@ private:
     HWY_ALIGN float memory_[8];
 };
 
+/// Whether to stop at a leaf's triangles when all are missed: half of the time, which is hard to
+/// predict; in a batch it is better not to ask.
+enum class LeafWork : std::uint8_t { until_missed, whole };
+
 /// What floats say of a leaf's triangles: by lanes, or bits of lanes.
 struct LeafCandidates {
     HWY_ALIGN float least[8]; ///< t is between these, where sure
@@ -234,6 +247,7 @@ struct LeafCandidates {
 // Where all three are beyond E and their sum S beyond 8 E, the true sum is at least 5/8 S, and t,
 // the mean of the corners' by weights, is off by 3 E Z / (5/8 S) < 5 E Z / S for the weights, Z the
 // extent along the ray, and for the corners' own t and roundings by less than 40 u.
+template <LeafWork work>
 HWY_INLINE void look_at_leaf(const RayLeaf& leaf, const OpenRay& ray, LeafCandidates& candidates)
 {
     const RayTag d;
@@ -288,8 +302,9 @@ HWY_INLINE void look_at_leaf(const RayLeaf& leaf, const OpenRay& ray, LeafCandid
         lanes &= room;
         if (leaf.count < first + ray_lanes)
             lanes &= leaf.count > first ? (1U << (leaf.count - first)) - 1 : 0U;
-        if (lanes == 0) continue;
-
+        if constexpr (work == LeafWork::until_missed) {
+            if (lanes == 0) continue;
+        }
         const auto sum = hn::Add(hn::Add(weights[0], weights[1]), weights[2]);
         const auto size = hn::Abs(sum);
         const auto inverse = hn::Div(hn::Set(d, 1.0F), sum);
@@ -319,19 +334,18 @@ HWY_INLINE void look_at_leaf(const RayLeaf& leaf, const OpenRay& ray, LeafCandid
 struct ClosestSearch {
     const RayIndex& index;
 
-    HWY_INLINE void keep(OpenRay& ray, const RayHit& hit) const
+    HWY_INLINE void keep(OpenRay& ray) const
     {
-        ray.best = hit;
         ray.found = true;
         ray.best_noted.leaf = OpenRay::no_leaf;
-        const auto t = static_cast<float>(hit.t * ray.rate - ray.shift);
+        const auto t = static_cast<float>(ray.best.t * ray.rate - ray.shift);
         ray.best_least = t - ray.t_error;
         ray.most = HWY_MIN(ray.most, t + ray.t_error);
     }
     HWY_INLINE void settle(OpenRay& ray) const
     {
         if (ray.best_noted.leaf == OpenRay::no_leaf) return;
-        if (const auto hit = ask_triangle(index, ray.best_noted, ray)) keep(ray, *hit);
+        if (ask_triangle(index, ray.best_noted, ray, ray.best)) keep(ray);
     }
     /// False to end the search.
     HWY_INLINE bool take(std::uint32_t leaf, const LeafCandidates& candidates, OpenRay& ray) const
@@ -350,8 +364,11 @@ struct ClosestSearch {
                 }
             }
             settle(ray);
-            const auto hit = ask_triangle(index, {leaf, lane}, ray);
-            if (hit && (!ray.found || hit->before(ray.best))) keep(ray, *hit);
+            RayHit hit;
+            if (!ask_triangle(index, {leaf, lane}, ray, hit)) continue;
+            if (ray.found && !hit.before(ray.best)) continue;
+            ray.best = hit;
+            keep(ray);
         }
         return true;
     }
@@ -366,7 +383,7 @@ struct AnySearch {
         ray.found = candidates.sure != 0;
         for (std::uint32_t left = candidates.lanes; left != 0 && !ray.found; left &= left - 1) {
             const auto lane = static_cast<std::uint32_t>(std::countr_zero(left));
-            ray.found = ask_triangle(index, {leaf, lane}, ray).has_value();
+            ray.found = ask_triangle(index, {leaf, lane}, ray, ray.best);
         }
         return !ray.found;
     }
@@ -380,10 +397,16 @@ HWY_INLINE bool step(const RayBlock* blocks, const Search& search, const NodeLan
 {
     const std::uint32_t place = at.next & ~ray_leaf_bit;
     if ((at.next & ray_leaf_bit) == 0) {
-        enter_node(blocks[place].node, lanes, ray, at);
+        const RayNode& node = blocks[place].node;
+        const MetChildren met = meet_children(node, lanes, ray);
+        if (met.bits != 0) {
+            enter_nearest(node, met, ray, at);
+        } else {
+            leave(ray, at);
+        }
     } else {
         LeafCandidates candidates;
-        look_at_leaf(blocks[place].leaf, ray, candidates);
+        look_at_leaf<LeafWork::until_missed>(blocks[place].leaf, ray, candidates);
         if (candidates.lanes != 0 && !search.take(place, candidates, ray)) return false;
         leave(ray, at);
     }
