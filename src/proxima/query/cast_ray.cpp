@@ -32,6 +32,7 @@ namespace proxima::HWY_NAMESPACE {
 
 /// Every hit, as it comes.
 struct AllSearch {
+    static constexpr bool has_packets = false;
     const RayIndex& index;
     VisitPlacedHit visit;
     void* context;
@@ -177,7 +178,7 @@ private:
     const Ask& ask_;
 };
 
-constexpr std::size_t rays_per_task = 2048;
+constexpr std::size_t rays_per_task = RaySource::most_rays;
 
 /// Calls task(first, rays of a chunk) for all chunks; the errors of batches.
 template <class Task>

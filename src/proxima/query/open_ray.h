@@ -149,6 +149,8 @@ enum class RayStart : std::uint8_t {
 
 /// The rays of a batch, and who takes what comes of them.
 struct RaySource {
+    static constexpr std::size_t most_rays = 2048;
+
     std::span<const Ray> rays;
     Faces faces = Faces::both;
     void (*answer)(void* context, const OpenRay& ray) = nullptr; ///< its walk has ended

@@ -13,9 +13,11 @@
 #endif
 
 #include "proxima/query/open_ray-inl.h"
+#include "proxima/query/walk_packet-inl.h"
 #include "proxima/query/walk_ray-inl.h"
 
 #include <array>
+#include <bitset>
 #include <cstddef>
 #include <cstdint>
 
@@ -64,11 +66,16 @@ HWY_INLINE void leave_by_eights(const OpenRay& ray, RayPlace& at)
     }
 }
 
+using PacketBits = std::bitset<RaySource::most_rays / packet_size>;
+
 template <class Search>
 class BatchWalk {
 public:
-    HWY_INLINE BatchWalk(const RayIndex& index, const Search& search, const RaySource& source)
-        : index_(index), blocks_(index.blocks().data()), search_(search), source_(source)
+    /// Walks the rays of the source but those of packets answered already: a bit each.
+    HWY_INLINE BatchWalk(const RayIndex& index, const Search& search, const RaySource& source,
+                         const PacketBits& answered)
+        : index_(index), blocks_(index.blocks().data()), search_(search), source_(source),
+          answered_(answered)
     {}
 
     HWY_INLINE void run()
@@ -88,6 +95,10 @@ private:
     HWY_INLINE bool open_next(OpenRay& ray)
     {
         while (next_ < source_.rays.size()) {
+            if (next_ % packet_size == 0 && answered_.test(next_ / packet_size)) {
+                next_ += packet_size;
+                continue;
+            }
             const Ray& own = source_.rays[next_];
             const auto place = static_cast<std::uint32_t>(next_++);
             const RayStart start = open_any_ray(index_, own, source_.faces, ray);
@@ -185,6 +196,7 @@ private:
     const RayBlock* blocks_;
     const Search& search_;
     const RaySource& source_;
+    const PacketBits& answered_;
     std::size_t next_ = 0; ///< of the source's rays
     std::array<OpenRay, rays_together> rays_;
     std::array<LeafCandidates, rays_together> candidates_;
@@ -194,10 +206,19 @@ private:
     RayList ended_;
 };
 
+/// Those that follow the same way as packets, then all others in turns.
 template <class Search>
 HWY_INLINE void walk_together(const RayIndex& index, const Search& search, const RaySource& source)
 {
-    BatchWalk<Search>(index, search, source).run();
+    PacketBits answered;
+    if constexpr (Search::has_packets && ray_lanes > 1) {
+        PacketWalk<Search> packet(index, search);
+        for (std::size_t i = 0; i + packet_size <= source.rays.size(); i += packet_size) {
+            if (look_alike(source.rays.subspan(i, packet_size)) && packet.run(source, i))
+                answered.set(i / packet_size);
+        }
+    }
+    BatchWalk<Search>(index, search, source, answered).run();
 }
 
 } // namespace proxima::HWY_NAMESPACE

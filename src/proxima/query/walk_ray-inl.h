@@ -247,12 +247,22 @@ struct LeafCandidates {
 // Where all three are beyond E and their sum S beyond 8 E, the true sum is at least 5/8 S, and t,
 // the mean of the corners' by weights, is off by 3 E Z / (5/8 S) < 5 E Z / S for the weights, Z the
 // extent along the ray, and for the corners' own t and roundings by less than 40 u.
+HWY_INLINE float leaf_extent(const RayLeaf& leaf)
+{
+    return std::bit_cast<float>(static_cast<std::uint32_t>(leaf.extent_bits) << 16U);
+}
+
+HWY_INLINE float leaf_error(float extent, float factor)
+{
+    return (2 * extent + 32 * float_roundoff) * (86 * float_roundoff * factor);
+}
+
 template <LeafWork work>
 HWY_INLINE void look_at_leaf(const RayLeaf& leaf, const OpenRay& ray, LeafCandidates& candidates)
 {
     const RayTag d;
-    const auto extent = std::bit_cast<float>(static_cast<std::uint32_t>(leaf.extent_bits) << 16U);
-    const float error_size = (2 * extent + 32 * float_roundoff) * (86 * float_roundoff * ray.error);
+    const float extent = leaf_extent(leaf);
+    const float error_size = leaf_error(extent, ray.error);
     const auto error = hn::Set(d, error_size);
     const auto minus_error = hn::Set(d, -error_size);
     EightFloats x;
@@ -332,6 +342,8 @@ HWY_INLINE void look_at_leaf(const RayLeaf& leaf, const OpenRay& ray, LeafCandid
 
 /// The closest hit so far: computed where it must be, noted where that can wait.
 struct ClosestSearch {
+    static constexpr bool has_packets = true;
+    static constexpr bool notes_hits = true; ///< does not compute them at once
     const RayIndex& index;
 
     HWY_INLINE void keep(OpenRay& ray) const
@@ -376,6 +388,8 @@ struct ClosestSearch {
 
 /// Whether there is a hit.
 struct AnySearch {
+    static constexpr bool has_packets = true;
+    static constexpr bool notes_hits = false;
     const RayIndex& index;
 
     HWY_INLINE bool take(std::uint32_t leaf, const LeafCandidates& candidates, OpenRay& ray) const
