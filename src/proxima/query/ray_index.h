@@ -5,7 +5,8 @@
 //       node   8 boxes of 6 bytes: plane = origin + (32768 + byte) step, outward; 8 references
 //       leaf   up to 8 triangles among up to 8 vertices: coordinates in floats, corners as bytes
 //     rows     the triangles in the order of the leaves, in doubles (or floats where that is the
-//              same), with their ids: what hits are computed from; below a block they are a run
+//              same), with their ids: what hits are computed from, unless leaves hold the same;
+//              below a block they are a run
 //     ids      those of the rows once more, on their own
 //
 // Where the octree keeps a triangle in every leaf that it touches, here it is kept in the cell in
@@ -99,10 +100,14 @@ public:
         return double_rows_.empty() ? float_rows_[row].triangle() : double_rows_[row].triangle();
     }
 
-    /// Blocks are in multiples of 1 / scale() from center(). The scale is a power of two, and the
-    /// mesh within [-1, 1] on each axis.
+    /// Whether coordinate * unscale() + center() of a leaf's vertex, in doubles, is the mesh's own.
+    [[nodiscard]] bool has_exact_leaves() const noexcept { return has_exact_leaves_; }
+
+    /// Blocks are in multiples of unscale(), 1 / scale(), from center(). The scale is a power of
+    /// two, and the mesh within [-1, 1] on each axis.
     [[nodiscard]] const Vec3& center() const noexcept { return center_; }
     [[nodiscard]] double scale() const noexcept { return scale_; }
+    [[nodiscard]] double unscale() const noexcept { return unscale_; }
 
     /// Bytes of blocks, rows and ids.
     [[nodiscard]] std::uint64_t bytes() const noexcept
@@ -116,8 +121,10 @@ private:
 
     Vec3 center_ = Vec3::Zero();
     double scale_ = 1;
+    double unscale_ = 1;
     std::uint32_t root_ = 0;
     std::uint32_t triangle_count_ = 0;
+    bool has_exact_leaves_ = false;
     std::span<const RayBlock> blocks_;
     std::span<const RayRow<float>> float_rows_; ///< or double_rows_, not both
     std::span<const RayRow<double>> double_rows_;
