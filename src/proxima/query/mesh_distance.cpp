@@ -1,0 +1,156 @@
+#include "proxima/query/mesh_distance.h"
+
+#include "proxima/base/fixed_stack.h"
+#include "proxima/query/pair_search.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "proxima/query/mesh_distance.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+// After them: it is read once for every instruction set.
+#include "proxima/query/leaf_pair-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace proxima::HWY_NAMESPACE {
+
+/// Branch and bound over pairs of blocks, the nearest of a node's children first.
+template <class T>
+class PairWalk {
+public:
+    explicit PairWalk(PairSearch& search) : search_(search), pose_(search) {}
+
+    void run()
+    {
+        constexpr BlockBox root = {{0, 0, 0}, {1.01F, 1.01F, 1.01F}};
+        pending_.push({0, search_.a.root(), search_.b.root(), scaled(root, search_.a_scale),
+                       scaled(root, search_.b_scale)});
+        while (!pending_.empty()) {
+            const PendingPair at = pending_.pop();
+            if (at.bound > squared_limit()) continue;
+            const bool leaf_a = (at.reference_a & ray_leaf_bit) != 0;
+            const bool leaf_b = (at.reference_b & ray_leaf_bit) != 0;
+            if (leaf_a && leaf_b) {
+                if (look_at_leaves(at)) return;
+            } else if (leaf_b || (!leaf_a && size_of(at.box_a) >= size_of(at.box_b))) {
+                open_a(at);
+            } else {
+                open_b(at);
+            }
+        }
+    }
+
+private:
+    static BlockBox scaled(BlockBox box, float scale)
+    {
+        for (float& half : box.half) half *= scale;
+        return box;
+    }
+    static float size_of(const BlockBox& box)
+    {
+        return std::max({box.half[0], box.half[1], box.half[2]});
+    }
+    /// Above every squared bound, as rounded, of what is within the limit.
+    [[nodiscard]] double squared_limit() const
+    {
+        const double limit = search_.limit();
+        return limit * limit * (1 + 16 * double{std::numeric_limits<T>::epsilon()});
+    }
+
+    void open_a(const PendingPair& at)
+    {
+        const RayNode& node = search_.a.blocks()[at.reference_a].node;
+        const ChildBoxes boxes(node, search_.a_scale);
+        T squared[8];
+        bound_pairs(pose_, LaneBoxes<T>{boxes}, OneBox<T>{at.box_b}, squared);
+        push_nearest(squared, [&](std::size_t slot) {
+            return PendingPair{squared[slot], node.children[slot], at.reference_b, boxes[slot],
+                               at.box_b};
+        });
+    }
+    void open_b(const PendingPair& at)
+    {
+        const RayNode& node = search_.b.blocks()[at.reference_b].node;
+        const ChildBoxes boxes(node, search_.b_scale);
+        T squared[8];
+        bound_pairs(pose_, OneBox<T>{at.box_a}, LaneBoxes<T>{boxes}, squared);
+        push_nearest(squared, [&](std::size_t slot) {
+            return PendingPair{squared[slot], at.reference_a, node.children[slot], at.box_a,
+                               boxes[slot]};
+        });
+    }
+
+    template <class PairOf>
+    void push_nearest(const T (&squared)[8], const PairOf& pair_of)
+    {
+        const double limit = squared_limit();
+        std::uint8_t order[8]; // farthest first
+        std::size_t count = 0;
+        for (std::size_t slot = 0; slot < 8; ++slot) {
+            if (squared[slot] > limit) continue;
+            std::size_t place = count++;
+            for (; place > 0 && squared[order[place - 1]] < squared[slot]; --place)
+                order[place] = order[place - 1];
+            order[place] = static_cast<std::uint8_t>(slot);
+        }
+        for (std::size_t i = 0; i < count; ++i) pending_.push(pair_of(order[i]));
+    }
+
+    bool look_at_leaves(const PendingPair& at)
+    {
+        const RayLeaf& leaf_a = search_.a.blocks()[at.reference_a & ~ray_leaf_bit].leaf;
+        const RayLeaf& leaf_b = search_.b.blocks()[at.reference_b & ~ray_leaf_bit].leaf;
+        const LeafPoints<T> a(leaf_a, search_.a_scale);
+        const LeafPoints<T> b(leaf_b, search_.b_scale, pose_);
+        const auto center = [](const BlockBox& box) {
+            return Vec3(double{box.center[0]}, double{box.center[1]}, double{box.center[2]});
+        };
+        return ask_leaves(
+            search_, a, b,
+            Vec3(search_.rotation * center(at.box_b) + search_.offset - center(at.box_a)));
+    }
+
+    PairSearch& search_;
+    PoseLanes<T> pose_;
+    // Opening a block replaces a pair by eight at most, and each mesh has max_levels of them.
+    FixedStack<PendingPair, 7 * 2 * RayIndex::max_levels + 1> pending_;
+};
+
+void walk_pairs(PairSearch& search)
+{
+    if (search.is_far()) {
+        PairWalk<double>(search).run();
+    } else {
+        PairWalk<float>(search).run();
+    }
+}
+
+} // namespace proxima::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+namespace proxima {
+
+HWY_EXPORT(walk_pairs);
+
+std::optional<MeshDistance> mesh_distance_within(const RayIndex& a, const RayIndex& b,
+                                                 const RigidTransform& pose_b, double farthest,
+                                                 const MeshDistance* last) noexcept
+{
+    if (a.triangle_count() == 0 || b.triangle_count() == 0 || !(farthest >= 0)) return std::nullopt;
+    PairSearch search(a, b, pose_b, farthest);
+    const bool touch = last != nullptr && search.ask(last->row_a, last->row_b);
+    if (!touch) HWY_DYNAMIC_DISPATCH(walk_pairs)(search);
+    return search.found() ? std::optional(search.best()) : std::nullopt;
+}
+
+MeshDistance mesh_distance(const RayIndex& a, const RayIndex& b, const RigidTransform& pose_b,
+                           const MeshDistance* last) noexcept
+{
+    return mesh_distance_within(a, b, pose_b, std::numeric_limits<double>::infinity(), last)
+        .value_or(MeshDistance{});
+}
+
+} // namespace proxima
+
+#endif

@@ -1,0 +1,196 @@
+// How far boxes of two meshes are from each other at least, eight pairs at a time. Included once
+// per target, after <hwy/highway.h>. No multiply-add: the same bits on every instruction set.
+//
+//     axes of A    |d| - half a - |R| half b          gaps, as the sides of a box
+//     axes of B    |R^T d| - half b - |R|^T half a     the same
+//     along d      (d.d - |d|.half a - |R^T d|.half b) / |d|
+//
+// d is the difference of the centers. The greatest of the three is the bound.
+
+#if defined(PROXIMA_QUERY_PAIR_BOUNDS_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef PROXIMA_QUERY_PAIR_BOUNDS_INL_H
+#undef PROXIMA_QUERY_PAIR_BOUNDS_INL_H
+#else
+#define PROXIMA_QUERY_PAIR_BOUNDS_INL_H
+#endif
+
+#include "proxima/query/pair_search.h"
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <hwy/highway.h>
+#include <limits>
+
+HWY_BEFORE_NAMESPACE();
+namespace proxima::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// Eight lanes of a scalar in as many registers as that takes.
+template <class T>
+using PairTag = hn::CappedTag<T, 8>;
+template <class T>
+inline constexpr std::size_t pair_lanes = HWY_MIN(8, HWY_LANES(T));
+
+/// Floats as lanes of T.
+template <class T>
+HWY_INLINE hn::Vec<PairTag<T>> load_lanes(const float* values)
+{
+    const PairTag<T> d;
+    if constexpr (sizeof(T) == sizeof(float)) {
+        return hn::LoadU(d, values);
+    } else {
+        return hn::PromoteTo(d, hn::LoadU(hn::Rebind<float, PairTag<T>>(), values));
+    }
+}
+
+/// The pose, ready for lanes.
+template <class T>
+struct PoseLanes {
+    T rotation[3][3];
+    T sizes[3][3]; ///< of the rotation's numbers
+    T offset[3];
+
+    explicit PoseLanes(const PairSearch& search)
+    {
+        for (int i = 0; i < 3; ++i) {
+            offset[i] = static_cast<T>(search.offset[i]);
+            for (int k = 0; k < 3; ++k) {
+                rotation[i][k] = static_cast<T>(search.rotation(i, k));
+                sizes[i][k] = std::abs(rotation[i][k]);
+            }
+        }
+    }
+};
+
+/// The boxes of a node's children; half extents below zero where there is none.
+struct ChildBoxes {
+    HWY_ALIGN float center[3][8];
+    HWY_ALIGN float half[3][8];
+
+    HWY_INLINE ChildBoxes(const RayNode& node, float scale)
+    {
+        const hn::CappedTag<float, 8> d;
+        const hn::RebindToSigned<decltype(d)> words;
+        const hn::Rebind<std::uint8_t, decltype(d)> bytes;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const float half_step = 0.5F * node.step[axis] * scale;
+            const auto base = hn::Set(d, (node.origin[axis] + 32768.0F * node.step[axis]) * scale);
+            for (std::size_t at = 0; at < 8; at += pair_lanes<float>) {
+                const auto plane = [&](std::size_t first) {
+                    return hn::PromoteTo(words,
+                                         hn::LoadU(bytes, node.planes[axis].data() + first + at));
+                };
+                const auto lower = plane(0);
+                const auto upper = plane(8);
+                const auto sum = hn::ConvertTo(d, hn::Add(lower, upper));
+                const auto extent = hn::ConvertTo(d, hn::Sub(upper, lower));
+                const auto step = hn::Set(d, half_step);
+                hn::Store(hn::Add(base, hn::Mul(sum, step)), d, center[axis] + at);
+                hn::Store(hn::Mul(extent, step), d, half[axis] + at);
+            }
+        }
+    }
+    HWY_INLINE BlockBox operator[](std::size_t slot) const
+    {
+        return {{center[0][slot], center[1][slot], center[2][slot]},
+                {half[0][slot], half[1][slot], half[2][slot]}};
+    }
+};
+
+/// Boxes, one for each lane.
+template <class T>
+struct LaneBoxes {
+    const ChildBoxes& boxes;
+    HWY_INLINE hn::Vec<PairTag<T>> center(std::size_t axis, std::size_t first) const
+    {
+        return load_lanes<T>(boxes.center[axis] + first);
+    }
+    HWY_INLINE hn::Vec<PairTag<T>> half(std::size_t axis, std::size_t first) const
+    {
+        return load_lanes<T>(boxes.half[axis] + first);
+    }
+};
+
+/// One box for all lanes.
+template <class T>
+struct OneBox {
+    const BlockBox& box;
+    HWY_INLINE hn::Vec<PairTag<T>> center(std::size_t axis, std::size_t /*first*/) const
+    {
+        return hn::Set(PairTag<T>(), static_cast<T>(box.center[axis]));
+    }
+    HWY_INLINE hn::Vec<PairTag<T>> half(std::size_t axis, std::size_t /*first*/) const
+    {
+        return hn::Set(PairTag<T>(), static_cast<T>(box.half[axis]));
+    }
+};
+
+/// Squared bounds on the distances of eight pairs of boxes.
+template <class T, class BoxesA, class BoxesB>
+HWY_INLINE void bound_pairs(const PoseLanes<T>& pose, const BoxesA& a, const BoxesB& b,
+                            T (&squared)[8])
+{
+    const PairTag<T> d;
+    using Lanes = hn::Vec<PairTag<T>>;
+    const auto zero = hn::Zero(d);
+    for (std::size_t first = 0; first < 8; first += pair_lanes<T>) {
+        Lanes half_a[3];
+        Lanes half_b[3];
+        Lanes center_b[3];
+        for (std::size_t k = 0; k < 3; ++k) {
+            half_a[k] = a.half(k, first);
+            half_b[k] = b.half(k, first);
+            center_b[k] = b.center(k, first);
+        }
+        // sum of v_k m_k
+        const auto dot = [&](const Lanes(&v)[3], T m0, T m1, T m2) HWY_ATTR {
+            return hn::Add(hn::Add(hn::Mul(v[0], hn::Set(d, m0)), hn::Mul(v[1], hn::Set(d, m1))),
+                           hn::Mul(v[2], hn::Set(d, m2)));
+        };
+        Lanes difference[3];
+        auto length = zero; // of d, squared
+        auto reaches = zero;
+        auto gaps_a = zero;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const T(&row)[3] = pose.rotation[k];
+            const T(&sizes)[3] = pose.sizes[k];
+            const auto moved =
+                hn::Add(dot(center_b, row[0], row[1], row[2]), hn::Set(d, pose.offset[k]));
+            difference[k] = hn::Sub(moved, a.center(k, first));
+            const auto size = hn::Abs(difference[k]);
+            const auto reach = hn::Add(half_a[k], dot(half_b, sizes[0], sizes[1], sizes[2]));
+            const auto gap = hn::Max(hn::Sub(size, reach), zero);
+            gaps_a = hn::Add(gaps_a, hn::Mul(gap, gap));
+            length = hn::Add(length, hn::Mul(size, size));
+            reaches = hn::Add(reaches, hn::Mul(size, half_a[k]));
+        }
+        auto gaps_b = zero;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto& r = pose.rotation;
+            const auto& s = pose.sizes;
+            const auto along = hn::Abs(dot(difference, r[0][k], r[1][k], r[2][k]));
+            reaches = hn::Add(reaches, hn::Mul(along, half_b[k]));
+            // Doubles know that R is a rotation only up to 1e-9.
+            if constexpr (sizeof(T) == sizeof(float)) {
+                const auto reach = hn::Add(half_b[k], dot(half_a, s[0][k], s[1][k], s[2][k]));
+                const auto gap = hn::Max(hn::Sub(along, reach), zero);
+                gaps_b = hn::Add(gaps_b, hn::Mul(gap, gap));
+            }
+        }
+        // Zero over zero is none: Max takes the other.
+        const auto rest = hn::Max(hn::Sub(length, reaches), zero);
+        const auto tiny = hn::Set(d, std::numeric_limits<T>::min());
+        const auto along = hn::Div(hn::Mul(rest, rest), hn::Max(length, tiny));
+        auto bound = hn::Max(hn::Max(gaps_a, gaps_b), along);
+        const auto none = hn::Or(hn::Lt(half_a[0], zero), hn::Lt(half_b[0], zero));
+        bound = hn::IfThenElse(none, hn::Set(d, std::numeric_limits<T>::infinity()), bound);
+        hn::StoreU(bound, d, squared + first);
+    }
+}
+
+} // namespace proxima::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,77 @@
+// A search for the closest triangles of two indexes, under way.
+//
+//     frame   axes of A's coordinates, about A's center, in units of the larger mesh's size:
+//             x = a_scale p for points p of A's blocks, x = R (b_scale q) + offset for points q of
+//             B's
+#pragma once
+
+#include "proxima/query/mesh_distance.h"
+
+#include <array>
+#include <cstdint>
+
+namespace proxima {
+
+/// What is in a block, as boxes: by centers and half extents in units of the frame, along the axes
+/// of its own mesh and about its center.
+struct BlockBox {
+    std::array<float, 3> center;
+    std::array<float, 3> half;
+};
+
+/// Two blocks to be looked into, at least `bound` apart, squared.
+struct PendingPair {
+    double bound;
+    std::uint32_t reference_a;
+    std::uint32_t reference_b;
+    BlockBox box_a;
+    BlockBox box_b;
+};
+
+/// From how many sizes between the centers on lanes are doubles, and from how many a pair as close
+/// as the closest one, up to rounding, will do.
+inline constexpr double near_reach = 32;
+inline constexpr double far_reach = 0x1p26;
+
+/// The pose in the frame, and the closest pair so far.
+class PairSearch {
+public:
+    /// Looks for pairs at most `farthest` apart.
+    PairSearch(const RayIndex& a, const RayIndex& b, const RigidTransform& pose_b,
+               double farthest) noexcept;
+
+    /// Compares the best pair with that of these rows. Returns true where they touch.
+    bool ask(std::uint32_t row_a, std::uint32_t row_b) noexcept;
+
+    [[nodiscard]] bool found() const noexcept { return found_; }
+    [[nodiscard]] bool is_far() const noexcept { return reach_ > near_reach; }
+    /// Distances in the frame beyond which pairs are of no interest, whatever floats or doubles
+    /// round; its own rounding is less than that, too.
+    [[nodiscard]] double limit() const noexcept { return limit_; }
+    [[nodiscard]] const MeshDistance& best() const noexcept { return best_; }
+
+    const RayIndex& a;
+    const RayIndex& b;
+    float a_scale = 1;
+    float b_scale = 1;
+    Mat3 rotation;
+    Vec3 offset;
+    /// From the best pair's point of A to that of B, in the frame; zero before there is one, and
+    /// where they touch.
+    Vec3 direction = Vec3::Zero();
+
+private:
+    void set_limit(double distance) noexcept;
+
+    const RigidTransform& pose_b_;
+    double scale_;
+    double reach_ = 0;
+    double margin_ = 0;
+    double limit_ = 0;
+    double best_squared_;
+    double farthest_;
+    bool found_ = false;
+    MeshDistance best_;
+};
+
+} // namespace proxima
