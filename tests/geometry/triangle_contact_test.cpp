@@ -1,48 +1,22 @@
 #include "proxima/geometry/triangle_contact.h"
 
+#include "oracles/integer_contact.h"
+#include "proxima/geometry/closest_point.h"
 #include "proxima/geometry/exact_predicates.h"
+#include "proxima/geometry/triangle_intersection.h"
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <gtest/gtest.h>
 #include <random>
+#include <vector>
 
 namespace proxima {
 namespace {
 
-using Whole = Eigen::Matrix<std::int64_t, 3, 1>;
-using WholeTriangle = std::array<Whole, 3>;
-
-/// Two convex sets of whole points are apart if and only if an axis separates them: the normals,
-/// the cross products of sides, and for one plane the normals of sides in it. In whole numbers.
-bool separating_axis_exists(const WholeTriangle& a, const WholeTriangle& b)
-{
-    const auto separates = [&](const Whole& axis) {
-        std::array<std::int64_t, 3> on_a{};
-        std::array<std::int64_t, 3> on_b{};
-        for (std::size_t i = 0; i < 3; ++i) {
-            on_a[i] = axis.dot(a[i]);
-            on_b[i] = axis.dot(b[i]);
-        }
-        return *std::ranges::max_element(on_a) < *std::ranges::min_element(on_b) ||
-               *std::ranges::max_element(on_b) < *std::ranges::min_element(on_a);
-    };
-    const auto side = [](const WholeTriangle& t, std::size_t i) -> Whole {
-        return t[(i + 1) % 3] - t[i];
-    };
-    const Whole normal_a = side(a, 0).cross(side(a, 1));
-    const Whole normal_b = side(b, 0).cross(side(b, 1));
-    if (separates(normal_a) || separates(normal_b)) return true;
-    for (std::size_t i = 0; i < 3; ++i) {
-        if (separates(normal_a.cross(side(a, i))) || separates(normal_b.cross(side(b, i))))
-            return true;
-        for (std::size_t k = 0; k < 3; ++k) {
-            if (separates(side(a, i).cross(side(b, k)))) return true;
-        }
-    }
-    return false;
-}
+using oracle::Whole;
+using oracle::WholeTriangle;
 
 Triangle as_doubles(const WholeTriangle& t, double scale)
 {
@@ -50,14 +24,57 @@ Triangle as_doubles(const WholeTriangle& t, double scale)
         {scale * t[0].cast<double>(), scale * t[1].cast<double>(), scale * t[2].cast<double>()}};
 }
 
-TEST(TriangleContact, AgreesWithSeparatingAxesInWholeNumbers)
+Triangle turned(const Triangle& t, int first, bool mirrored)
 {
-    std::mt19937 random(1);
+    return mirrored ? Triangle{{t[first], t[(first + 2) % 3], t[(first + 1) % 3]}}
+                    : Triangle{{t[first], t[(first + 1) % 3], t[(first + 2) % 3]}};
+}
+
+struct Answers {
     int meeting = 0;
     int apart = 0;
-    for (int n = 0; n < 60000; ++n) {
-        const std::int64_t size = n % 3 == 0 ? 3 : n % 3 == 1 ? 6 : 1000;
-        const bool flat = n % 5 == 0; // both in one plane
+    void count(bool meet) { ++(meet ? meeting : apart); }
+};
+
+void compare(const WholeTriangle& s, const WholeTriangle& t, double scale, Answers& answers)
+{
+    const bool meet = oracle::triangles_meet(s, t);
+    const Triangle a = as_doubles(s, scale);
+    const Triangle b = as_doubles(t, scale);
+    ASSERT_EQ(triangles_meet(a, b), meet);
+    ASSERT_EQ(triangles_meet(b, a), meet);
+    ASSERT_EQ(!intersect(a, b).empty(), meet);
+    if (t[1] == t[2]) {
+        ASSERT_EQ(segment_meets_triangle(b[0], b[1], a), meet);
+    }
+    answers.count(meet);
+}
+
+TEST(TriangleContact, AgreesOnEveryPairInTheUnitCube)
+{
+    Answers answers;
+    for (unsigned bits = 0; bits < 1U << 18U; ++bits) {
+        std::array<WholeTriangle, 2> t;
+        for (unsigned i = 0; i < 6; ++i) {
+            const unsigned corner = bits >> 3U * i & 7U;
+            t[i / 3][i % 3] = Whole(corner & 1U, corner >> 1U & 1U, corner >> 2U);
+        }
+        SCOPED_TRACE(bits);
+        compare(t[0], t[1], 1, answers);
+        if (HasFatalFailure()) return;
+    }
+    EXPECT_GT(answers.meeting, 50000);
+    EXPECT_GT(answers.apart, 50000);
+}
+
+TEST(TriangleContact, AgreesWithTheHullOfDifferencesInWholeNumbers)
+{
+    constexpr unsigned seed = 1;
+    std::mt19937 random(seed);
+    Answers answers;
+    for (int n = 0; n < 150000; ++n) {
+        const std::int64_t size = n % 4 == 0 ? 3 : n % 4 == 1 ? 5 : n % 4 == 2 ? 7 : 1000;
+        const bool flat = n % 5 == 0;
         const auto coordinate = [&] {
             return static_cast<std::int64_t>(random() % static_cast<unsigned>(size));
         };
@@ -68,20 +85,17 @@ TEST(TriangleContact, AgreesWithSeparatingAxesInWholeNumbers)
                 if (flat) corner[2] = corner[0] + 2 * corner[1];
             }
         }
-        if (n % 7 == 0) t[1][0] = t[0][1]; // a corner in common
-        const auto has_area = [](const WholeTriangle& x) {
-            return !Whole((x[1] - x[0]).cross(x[2] - x[0])).isZero();
-        };
-        if (!has_area(t[0]) || !has_area(t[1])) continue;
-        const bool meet = !separating_axis_exists(t[0], t[1]);
-        const Triangle a = as_doubles(t[0], 0.25);
-        const Triangle b = as_doubles(t[1], 0.25);
-        ASSERT_EQ(triangles_meet(a, b), meet) << "case " << n;
-        ASSERT_EQ(triangles_meet(b, a), meet) << "case " << n;
-        ++(meet ? meeting : apart);
+        if (n % 7 == 0) t[1][0] = t[0][1];                      // a corner in common
+        if (n % 11 == 0) t[1][2] = t[1][1];                     // a segment
+        if (n % 13 == 0) t[0][2] = 2 * t[0][1] - t[0][0];       // another one
+        if (n % 17 == 0) t[1][0] = t[1][1] = t[1][2];           // a point
+        if (n % 19 == 0) t[1][1] = t[0][0] + t[0][1] - t[1][0]; // edges that halve each other
+        SCOPED_TRACE(::testing::Message() << "seed " << seed << " case " << n);
+        compare(t[0], t[1], 0.25, answers);
+        if (HasFatalFailure()) return;
     }
-    EXPECT_GT(meeting, 5000);
-    EXPECT_GT(apart, 5000);
+    EXPECT_GT(answers.meeting, 20000);
+    EXPECT_GT(answers.apart, 20000);
 }
 
 TEST(TriangleContact, SeesOneBitOfAGap)
@@ -95,6 +109,92 @@ TEST(TriangleContact, SeesOneBitOfAGap)
     EXPECT_TRUE(segment_meets_triangle(Vec3(0, 0, 0), Vec3(0, 0, 0.1), floor));
     EXPECT_FALSE(
         segment_meets_triangle(Vec3(0, 0, 0), Vec3(0, 0, std::nextafter(0.1, 0.0)), floor));
+}
+
+TEST(TriangleIntersection, NamesItsEnds)
+{
+    using enum TrianglePart;
+    const Triangle floor = {{Vec3(0, 0, 0), Vec3(4, 0, 0), Vec3(0, 4, 0)}};
+    const auto ends = [&](const Triangle& other) {
+        const TriangleIntersection found = intersect(floor, other);
+        std::vector<MeetingParts> list(found.ends().begin(), found.ends().end());
+        std::ranges::sort(list);
+        return list;
+    };
+    using Ends = std::vector<MeetingParts>;
+    // A wedge through the face; a corner on an edge; a fin along an edge; a segment; a point.
+    EXPECT_EQ(ends({{Vec3(1, 1, -1), Vec3(1, 1, 1), Vec3(1, 9, 0)}}),
+              (Ends{{side_1, inside}, {inside, side_0}}));
+    EXPECT_EQ(ends({{Vec3(1, 0, 0), Vec3(1, 0, 1), Vec3(2, 0, 3)}}), (Ends{{side_0, corner_0}}));
+    EXPECT_EQ(ends({{Vec3(-1, 0, 0), Vec3(1, 0, 0), Vec3(0, 0, 3)}}),
+              (Ends{{corner_0, side_0}, {side_0, corner_1}}));
+    EXPECT_EQ(ends({{Vec3(1, 1, -1), Vec3(1, 1, 0), Vec3(1, 1, 1)}}), (Ends{{inside, side_2}}));
+    EXPECT_EQ(ends({{Vec3(1, 1, 0), Vec3(1, 1, 0), Vec3(1, 1, 0)}}), (Ends{{inside, corner_0}}));
+    EXPECT_EQ(ends({{Vec3(1, 1, 1), Vec3(5, 1, 1), Vec3(1, 5, 1)}}), Ends{});
+}
+
+TEST(TriangleIntersection, OfTrianglesInOnePlaneIsAPolygonInOrder)
+{
+    using enum TrianglePart;
+    const Triangle a = {{Vec3(0, 0, 0), Vec3(6, 0, 0), Vec3(3, 6, 0)}};
+    const Triangle b = {{Vec3(0, 4, 0), Vec3(3, -2, 0), Vec3(6, 4, 0)}};
+    const TriangleIntersection star = intersect(a, b);
+    ASSERT_EQ(star.size(), 6U);
+    double doubled_area = 0;
+    for (std::size_t i = 0; i < 6; ++i) {
+        const Vec3 p = meeting_point(a, b, star.ends()[i]);
+        const Vec3 q = meeting_point(a, b, star.ends()[(i + 1) % 6]);
+        EXPECT_TRUE(is_side(star.ends()[i].of_a) && is_side(star.ends()[i].of_b));
+        doubled_area += p.cross(q).z();
+    }
+    EXPECT_NEAR(std::abs(doubled_area), 24, 1e-12);
+    EXPECT_EQ(intersect(a, a).size(), 3U);
+}
+
+/// As many ends whichever corner comes first; at the same bits whichever triangle does.
+TEST(TriangleIntersection, DoesNotDependOnTheOrderOfCorners)
+{
+    constexpr unsigned seed = 5;
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    std::mt19937 random(seed);
+    const auto number = [&] { return std::uniform_real_distribution<double>(-1, 1)(random); };
+    int met = 0;
+    for (int n = 0; n < 6000; ++n) {
+        const bool whole = n % 2 == 0;
+        Triangle a;
+        Triangle b;
+        for (Triangle* t : {&a, &b}) {
+            for (Vec3& corner : t->vertices) {
+                for (double& x : corner) x = whole ? std::round(2 * number()) : number();
+            }
+        }
+        if (n % 3 == 0) b.vertices[1] = a[2];
+        if (is_degenerate(a) || is_degenerate(b)) continue;
+        const auto places = [](const Triangle& s, const Triangle& t) {
+            std::vector<std::array<double, 3>> list;
+            for (const MeetingParts& parts : intersect(s, t).ends()) {
+                const Vec3 place = meeting_point(s, t, parts);
+                list.push_back({place.x(), place.y(), place.z()});
+            }
+            std::ranges::sort(list);
+            return list;
+        };
+        const auto list = places(a, b);
+        for (const auto& at : list) {
+            const Vec3 place(at[0], at[1], at[2]);
+            ASSERT_LT((closest_point(a, place).point - place).norm(), 4e-15) << "case " << n;
+            ASSERT_LT((closest_point(b, place).point - place).norm(), 4e-15) << "case " << n;
+            ++met;
+        }
+        for (int turn = 1; turn < 18; ++turn) {
+            const Triangle s = turned(a, turn % 3, turn >= 9);
+            const Triangle t = turned(b, turn / 3 % 3, turn % 2 != 0);
+            ASSERT_EQ(places(s, t).size(), list.size()) << "case " << n;
+            ASSERT_EQ(places(t, s).size(), list.size()) << "case " << n;
+        }
+        ASSERT_EQ(places(b, a), list) << "case " << n;
+    }
+    EXPECT_GT(met, 2000);
 }
 
 } // namespace

@@ -1,67 +1,71 @@
 #include "proxima/geometry/triangle_contact.h"
 
 #include "proxima/geometry/exact_predicates.h"
+#include "proxima/geometry/triangle_intersection.h"
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 namespace proxima {
 namespace {
 
-/// Without one coordinate.
-Vec2 shadow(const Vec3& point, int axis) noexcept
+using Sides = std::array<int, 3>;
+
+bool boxes_apart(const Triangle& a, const Triangle& b) noexcept
 {
-    return axis == 0   ? Vec2(point.y(), point.z())
-           : axis == 1 ? Vec2(point.z(), point.x())
-                       : Vec2(point.x(), point.y());
+    const Vec3 a_low = a[0].cwiseMin(a[1]).cwiseMin(a[2]);
+    const Vec3 b_low = b[0].cwiseMin(b[1]).cwiseMin(b[2]);
+    const Vec3 a_high = a[0].cwiseMax(a[1]).cwiseMax(a[2]);
+    const Vec3 b_high = b[0].cwiseMax(b[1]).cwiseMax(b[2]);
+    return (a_high.array() < b_low.array()).any() || (b_high.array() < a_low.array()).any();
 }
 
-bool is_between(const Vec2& p, const Vec2& a, const Vec2& b) noexcept
+/// On which sides of the other's plane the corners are. All nought: in the plane, or the other has
+/// no area.
+Sides sides_of(const Triangle& triangle, const Triangle& other) noexcept
 {
-    return (p.array() >= a.array().min(b.array())).all() &&
-           (p.array() <= a.array().max(b.array())).all();
+    Sides sides{};
+    for (std::size_t i = 0; i < 3; ++i)
+        sides[i] = orient3d(other[0], other[1], other[2], triangle.vertices[i]);
+    return sides;
 }
 
-bool segments_meet(const Vec2& a, const Vec2& b, const Vec2& p, const Vec2& q) noexcept
+bool are_all(const Sides& sides, int side) noexcept
 {
-    const int p_side = orient2d(a, b, p);
-    const int q_side = orient2d(a, b, q);
-    const int a_side = orient2d(p, q, a);
-    const int b_side = orient2d(p, q, b);
-    if (p_side * q_side < 0 && a_side * b_side < 0) return true;
-    return (p_side == 0 && is_between(p, a, b)) || (q_side == 0 && is_between(q, a, b)) ||
-           (a_side == 0 && is_between(a, p, q)) || (b_side == 0 && is_between(b, p, q));
+    return sides[0] == side && sides[1] == side && sides[2] == side;
 }
 
-/// In one plane: seen along an axis that keeps the triangle's area.
-bool meet_in_plane(const Vec3& p, const Vec3& q, const Triangle& triangle) noexcept
+/// Turns the triangle round until corner 0 is alone on its side of a plane, the others being on the
+/// other one or in it; corner 0 is in the plane only where both others are off it. Returns the side
+/// of corner 0, or of the others with the opposite sign. \pre the sides are neither all the same
+int put_lone_corner_first(Triangle& triangle, const Sides& sides) noexcept
 {
-    std::array<Vec2, 3> corners;
-    int axis = 0;
-    int turn = 0;
-    for (; axis < 3; ++axis) {
-        for (std::size_t i = 0; i < 3; ++i) corners[i] = shadow(triangle.vertices[i], axis);
-        turn = orient2d(corners[0], corners[1], corners[2]);
-        if (turn != 0) break;
-    }
-    const Vec2 from = shadow(p, axis);
-    const Vec2 to = shadow(q, axis);
-    bool inside = true;
     for (std::size_t i = 0; i < 3; ++i) {
-        const Vec2& a = corners[i];
-        const Vec2& b = corners[(i + 1) % 3];
-        if (segments_meet(a, b, from, to)) return true;
-        inside = inside && orient2d(a, b, from) * turn > 0;
+        const int lone = sides[i];
+        const int next = sides[(i + 1) % 3];
+        const int last = sides[(i + 2) % 3];
+        const bool alone = lone == 0 ? next == last : lone * next <= 0 && lone * last <= 0;
+        if (!alone) continue;
+        std::rotate(triangle.vertices.begin(),
+                    triangle.vertices.begin() + static_cast<std::ptrdiff_t>(i),
+                    triangle.vertices.end());
+        return lone != 0 ? lone : -next;
     }
-    return inside;
+    return 0;
 }
 
-/// Whether all corners are on one side of the other's plane, and none on it.
-bool is_apart(const Triangle& triangle, const Triangle& other) noexcept
+/// Both planes cut the other triangle: what they cut out of their common line are two stretches,
+/// each from the lone corner's one edge to its other one.
+bool stretches_meet(Triangle a, const Sides& sides_of_a, Triangle b,
+                    const Sides& sides_of_b) noexcept
 {
-    const int side = orient3d(other[0], other[1], other[2], triangle[0]);
-    return side != 0 && orient3d(other[0], other[1], other[2], triangle[1]) == side &&
-           orient3d(other[0], other[1], other[2], triangle[2]) == side;
+    const int side_of_a = put_lone_corner_first(a, sides_of_a);
+    const int side_of_b = put_lone_corner_first(b, sides_of_b);
+    // Face the planes so that both lone corners are above.
+    if (side_of_a < 0) std::swap(b.vertices[1], b.vertices[2]);
+    if (side_of_b < 0) std::swap(a.vertices[1], a.vertices[2]);
+    return orient3d(a[1], b[0], a[0], b[1]) <= 0 && orient3d(a[0], b[0], a[2], b[2]) <= 0;
 }
 
 } // namespace
@@ -71,7 +75,7 @@ bool segment_meets_triangle(const Vec3& p, const Vec3& q, const Triangle& triang
     const int p_side = orient3d(triangle[0], triangle[1], triangle[2], p);
     const int q_side = orient3d(triangle[0], triangle[1], triangle[2], q);
     if (p_side * q_side > 0) return false;
-    if (p_side == 0 && q_side == 0) return meet_in_plane(p, q, triangle);
+    if (p_side == 0 && q_side == 0) return !intersect({{p, q, q}}, triangle).empty();
     // The line passes through where it turns one way round all sides.
     int least = 0;
     int most = 0;
@@ -85,12 +89,13 @@ bool segment_meets_triangle(const Vec3& p, const Vec3& q, const Triangle& triang
 
 bool triangles_meet(const Triangle& a, const Triangle& b) noexcept
 {
-    if (is_apart(a, b) || is_apart(b, a)) return false;
-    for (int i = 0; i < 3; ++i) {
-        if (segment_meets_triangle(a[i], a[(i + 1) % 3], b)) return true;
-        if (segment_meets_triangle(b[i], b[(i + 1) % 3], a)) return true;
-    }
-    return false;
+    if (boxes_apart(a, b)) return false;
+    const Sides sides_of_a = sides_of(a, b);
+    if (are_all(sides_of_a, 1) || are_all(sides_of_a, -1)) return false;
+    const Sides sides_of_b = sides_of(b, a);
+    if (are_all(sides_of_b, 1) || are_all(sides_of_b, -1)) return false;
+    if (are_all(sides_of_a, 0) || are_all(sides_of_b, 0)) return !intersect(a, b).empty();
+    return stretches_meet(a, sides_of_a, b, sides_of_b);
 }
 
 } // namespace proxima
