@@ -1,12 +1,9 @@
 #include "proxima/geometry/triangle_distance.h"
 
-#include "proxima/geometry/triangle_contact.h"
+#include "proxima/geometry/triangle_intersection.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <limits>
-#include <optional>
 
 namespace proxima {
 namespace {
@@ -17,9 +14,9 @@ Segment side_of(const Triangle& triangle, std::size_t i) noexcept
 }
 
 /// The closest pair so far.
-class PairSearch {
+class ClosestPair {
 public:
-    PairSearch(const Triangle& first, const Triangle& second) noexcept
+    ClosestPair(const Triangle& first, const Triangle& second) noexcept
         : first_(first), second_(second)
     {
         for (const Vec3& p : first.vertices)
@@ -40,21 +37,6 @@ public:
             for (std::size_t k = 0; k < 3; ++k) {
                 const SegmentPair pair = closest_points(side_of(first_, i), side_of(second_, k));
                 offer(point_of_side(i, pair.first), point_of_side(k, pair.second));
-            }
-        }
-    }
-
-    /// Where the triangles meet: where sides pass through the other triangle's plane. A side that
-    /// is all but parallel to it passes where rounding says, but then there are points of two sides
-    /// as close to each other as rounding can tell.
-    void try_crossings() noexcept
-    {
-        for (std::size_t i = 0; i < 3; ++i) {
-            if (const auto crossing = crossing_of(side_of(first_, i), second_)) {
-                offer(point_of_side(i, *crossing), closest_point(second_, crossing->point));
-            }
-            if (const auto crossing = crossing_of(side_of(second_, i), first_)) {
-                offer(closest_point(first_, crossing->point), point_of_side(i, *crossing));
             }
         }
     }
@@ -88,20 +70,6 @@ private:
         best_ = {on_first, on_second, squared};
     }
 
-    /// Where the side passes through the triangle's plane, if it does.
-    [[nodiscard]] std::optional<SegmentPoint> crossing_of(const Segment& side,
-                                                          const Triangle& triangle) const noexcept
-    {
-        const auto& v = triangle.vertices;
-        const double unit = 1 / reach_; // differences become at most 2
-        const Vec3 normal = (unit * (v[1] - v[0])).cross(unit * (v[2] - v[0]));
-        const double from = normal.dot(unit * (side.from - v[0]));
-        const double to = normal.dot(unit * (side.to - v[0]));
-        if ((from > 0) == (to > 0) || from == to) return std::nullopt;
-        const double t = std::clamp(from / (from - to), 0.0, 1.0);
-        return SegmentPoint{side.at(t), t};
-    }
-
     const Triangle& first_;
     const Triangle& second_;
     double reach_ = 0; ///< largest difference of coordinates of a corner of each
@@ -112,17 +80,19 @@ private:
 
 TrianglePair closest_points(const Triangle& first, const Triangle& second) noexcept
 {
-    PairSearch search(first, second);
+    ClosestPair search(first, second);
     search.try_features();
     TrianglePair& best = search.best();
     if (search.surely_apart()) return best;
-    if (!triangles_meet(first, second)) {
-        best.squared_distance = std::max(best.squared_distance, PairSearch::tiny);
+    const TriangleIntersection meeting = intersect(first, second);
+    if (meeting.empty()) {
+        best.squared_distance = std::max(best.squared_distance, ClosestPair::tiny);
         return best;
     }
-    if (best.squared_distance > 0) search.try_crossings();
-    best.second.point = best.first.point;
-    best.squared_distance = 0;
+    const Vec3 common = meeting_point(first, second, meeting.ends()[0]);
+    best = {closest_point(first, common), closest_point(second, common), 0};
+    best.first.point = common;
+    best.second.point = common;
     return best;
 }
 

@@ -4,7 +4,7 @@
 //     meeting   any point that they have in common
 //
 // Degenerate triangles count as the segments and points that they are. Whether triangles meet is
-// decided exactly (triangle_contact.h).
+// decided exactly (triangle_intersection.h).
 #pragma once
 
 #include "proxima/geometry/closest_point.h"
