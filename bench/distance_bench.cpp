@@ -15,6 +15,7 @@
 #include "proxima/mesh/mesh_io.h"
 #include "proxima/mesh/sample_meshes.h"
 #include "proxima/octree/build_octree.h"
+#include "proxima/query/build_distance_index.h"
 #include "proxima/query/build_ray_index.h"
 #include "proxima/query/mesh_distance.h"
 
@@ -61,7 +62,8 @@ public:
         const auto start = std::chrono::steady_clock::now();
         const auto octree =
             build_octree(mesh, {.classification = Classification::none, .threads = {1}});
-        index_ = build_ray_index(octree.value(), mesh, {.threads = {1}}).value();
+        const auto triangles = build_ray_index(octree.value(), mesh, {.threads = {1}});
+        index_ = build_distance_index(triangles.value(), {.threads = {1}}).value();
         seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     }
     [[nodiscard]] std::string name() const override { return "proxima"; }
@@ -70,17 +72,17 @@ public:
     {
         return mesh_distance(index_, index_, pose_b).distance;
     }
-    [[nodiscard]] const RayIndex& index() const { return index_; }
+    [[nodiscard]] const DistanceIndex& index() const { return index_; }
 
 private:
-    RayIndex index_;
+    DistanceIndex index_;
     double seconds_ = 0;
 };
 
 /// The same, from the last answer.
 class WarmProximaDistance final : public DistancePeer {
 public:
-    explicit WarmProximaDistance(const RayIndex& index) : index_(index) {}
+    explicit WarmProximaDistance(const DistanceIndex& index) : index_(index) {}
     [[nodiscard]] std::string name() const override { return "proxima, from last"; }
     [[nodiscard]] double build_seconds() const override { return 0; }
     [[nodiscard]] double distance(const RigidTransform& pose_b) override
@@ -90,13 +92,13 @@ public:
     }
 
 private:
-    const RayIndex& index_;
+    const DistanceIndex& index_;
     MeshDistance last_;
 };
 
 class PoseMaker {
 public:
-    PoseMaker(const RayIndex& index, const Box& box, std::uint64_t seed)
+    PoseMaker(const DistanceIndex& index, const Box& box, std::uint64_t seed)
         : index_(index), center_(box.center()), diagonal_(box.extent().norm()), random_(seed)
     {}
 
@@ -158,7 +160,7 @@ private:
         pose.translation = center_ + by - pose.rotation * center_;
     }
 
-    const RayIndex& index_;
+    const DistanceIndex& index_;
     Vec3 center_;
     double diagonal_;
     std::mt19937_64 random_;
@@ -210,7 +212,7 @@ int run_mesh(const std::string& name, const BenchOptions& options)
     }
     std::vector<std::unique_ptr<DistancePeer>> peers;
     auto own = std::make_unique<ProximaDistance>(*mesh);
-    const RayIndex& index = own->index();
+    const DistanceIndex& index = own->index();
     peers.push_back(std::move(own));
     peers.push_back(std::make_unique<WarmProximaDistance>(index));
 #ifdef PROXIMA_BENCH_FCL

@@ -22,8 +22,8 @@ public:
     void run()
     {
         constexpr BlockBox root = {{0, 0, 0}, {1.01F, 1.01F, 1.01F}};
-        pending_.push({0, search_.a.root(), search_.b.root(), scaled(root, search_.a_scale),
-                       scaled(root, search_.b_scale)});
+        pending_.push({0, search_.a.triangles().root(), search_.b.triangles().root(),
+                       scaled(root, search_.a_scale), scaled(root, search_.b_scale)});
         while (!pending_.empty()) {
             const PendingPair at = pending_.pop();
             if (at.bound > squared_limit()) continue;
@@ -58,10 +58,12 @@ private:
 
     void open_a(const PendingPair& at)
     {
-        const RayNode& node = search_.a.blocks()[at.reference_a].node;
+        const RayNode& node = search_.a.triangles().blocks()[at.reference_a].node;
         const ChildBoxes boxes(node, search_.a_scale);
         T squared[8];
-        bound_pairs(pose_, LaneBoxes<T>{boxes}, OneBox<T>{at.box_b}, squared);
+        const ChildSlabs slabs(search_.a, node, search_.a_scale);
+        const OneSlab one(search_.b, at.reference_b, search_.b_scale);
+        bound_pairs(pose_, LaneBoxes<T>{boxes, slabs}, OneBox<T>{at.box_b, one}, squared);
         push_nearest(squared, [&](std::size_t slot) {
             return PendingPair{squared[slot], node.children[slot], at.reference_b, boxes[slot],
                                at.box_b};
@@ -69,10 +71,12 @@ private:
     }
     void open_b(const PendingPair& at)
     {
-        const RayNode& node = search_.b.blocks()[at.reference_b].node;
+        const RayNode& node = search_.b.triangles().blocks()[at.reference_b].node;
         const ChildBoxes boxes(node, search_.b_scale);
         T squared[8];
-        bound_pairs(pose_, OneBox<T>{at.box_a}, LaneBoxes<T>{boxes}, squared);
+        const ChildSlabs slabs(search_.b, node, search_.b_scale);
+        const OneSlab one(search_.a, at.reference_a, search_.a_scale);
+        bound_pairs(pose_, OneBox<T>{at.box_a, one}, LaneBoxes<T>{boxes, slabs}, squared);
         push_nearest(squared, [&](std::size_t slot) {
             return PendingPair{squared[slot], at.reference_a, node.children[slot], at.box_a,
                                boxes[slot]};
@@ -97,8 +101,8 @@ private:
 
     bool look_at_leaves(const PendingPair& at)
     {
-        const RayLeaf& leaf_a = search_.a.blocks()[at.reference_a & ~ray_leaf_bit].leaf;
-        const RayLeaf& leaf_b = search_.b.blocks()[at.reference_b & ~ray_leaf_bit].leaf;
+        const RayLeaf& leaf_a = search_.a.triangles().blocks()[at.reference_a & ~ray_leaf_bit].leaf;
+        const RayLeaf& leaf_b = search_.b.triangles().blocks()[at.reference_b & ~ray_leaf_bit].leaf;
         const LeafPoints<T> a(leaf_a, search_.a_scale);
         const LeafPoints<T> b(leaf_b, search_.b_scale, pose_);
         const auto center = [](const BlockBox& box) {
@@ -133,19 +137,21 @@ namespace proxima {
 
 HWY_EXPORT(walk_pairs);
 
-std::optional<MeshDistance> mesh_distance_within(const RayIndex& a, const RayIndex& b,
+std::optional<MeshDistance> mesh_distance_within(const DistanceIndex& a, const DistanceIndex& b,
                                                  const RigidTransform& pose_b, double farthest,
                                                  const MeshDistance* last) noexcept
 {
-    if (a.triangle_count() == 0 || b.triangle_count() == 0 || !(farthest >= 0)) return std::nullopt;
+    if (a.triangles().triangle_count() == 0 || b.triangles().triangle_count() == 0 ||
+        !(farthest >= 0))
+        return std::nullopt;
     PairSearch search(a, b, pose_b, farthest);
     const bool touch = last != nullptr && search.ask(last->row_a, last->row_b);
     if (!touch) HWY_DYNAMIC_DISPATCH(walk_pairs)(search);
     return search.found() ? std::optional(search.best()) : std::nullopt;
 }
 
-MeshDistance mesh_distance(const RayIndex& a, const RayIndex& b, const RigidTransform& pose_b,
-                           const MeshDistance* last) noexcept
+MeshDistance mesh_distance(const DistanceIndex& a, const DistanceIndex& b,
+                           const RigidTransform& pose_b, const MeshDistance* last) noexcept
 {
     return mesh_distance_within(a, b, pose_b, std::numeric_limits<double>::infinity(), last)
         .value_or(MeshDistance{});

@@ -18,7 +18,7 @@
 #include "proxima/geometry/rigid_transform.h"
 #include "proxima/geometry/vec.h"
 #include "proxima/mesh/triangle_mesh.h"
-#include "proxima/query/ray_index.h"
+#include "proxima/query/distance_index.h"
 
 #include <cstdint>
 #include <limits>
@@ -47,14 +47,14 @@ struct MeshDistance {
 ///
 /// \pre coordinates, moved ones too, are finite and differ by less than 1e150; `last` is of the
 /// same indexes
-[[nodiscard]] MeshDistance mesh_distance(const RayIndex& a, const RayIndex& b,
+[[nodiscard]] MeshDistance mesh_distance(const DistanceIndex& a, const DistanceIndex& b,
                                          const RigidTransform& pose_b = {},
                                          const MeshDistance* last = nullptr) noexcept;
 
 /// The same where the distance is at most `farthest`; nothing where it is more, which is found out
 /// sooner.
 [[nodiscard]] std::optional<MeshDistance>
-mesh_distance_within(const RayIndex& a, const RayIndex& b, const RigidTransform& pose_b,
+mesh_distance_within(const DistanceIndex& a, const DistanceIndex& b, const RigidTransform& pose_b,
                      double farthest, const MeshDistance* last = nullptr) noexcept;
 
 } // namespace proxima

@@ -3,7 +3,7 @@
 //
 //     axes of A    |d| - half a - |R| half b          gaps, as the sides of a box
 //     axes of B    |R^T d| - half b - |R|^T half a     the same
-//     along d      (d.d - |d|.half a - |R^T d|.half b) / |d|
+//     along d      |d| - reach of a's box and slab - reach of b's
 //
 // d is the difference of the centers. The greatest of the three is the bound.
 
@@ -99,10 +99,58 @@ struct ChildBoxes {
     }
 };
 
+/// The slabs of a node's children.
+struct ChildSlabs {
+    HWY_ALIGN float number[DistanceIndex::numbers][8];
+
+    HWY_INLINE ChildSlabs(const DistanceIndex& index, const RayNode& node, float scale)
+    {
+        const hn::CappedTag<float, 8> d;
+        const hn::RebindToUnsigned<decltype(d)> words;
+        // Children lie side by side in the order of their places, which not all have one.
+        std::uint32_t first = 0;
+        for (std::size_t slot = 8; slot-- > 0;) {
+            const std::uint32_t block = node.children[slot] & ~ray_leaf_bit;
+            if (block != 0) first = block;
+        }
+        for (std::size_t i = 0; i < DistanceIndex::numbers; ++i) {
+            const float* const numbers = index.slabs(i).data() + first;
+            const auto unit = hn::Set(d, i < DistanceIndex::lower ? 1.0F : scale);
+            if constexpr (pair_lanes<float> == 8) {
+                const auto places =
+                    hn::And(hn::Sub(hn::LoadU(words, node.children.data()), hn::Set(words, first)),
+                            hn::Set(words, 7U));
+                const auto found =
+                    hn::TableLookupLanes(hn::LoadU(d, numbers), hn::IndicesFromVec(d, places));
+                hn::Store(hn::Mul(found, unit), d, number[i]);
+            } else {
+                for (std::size_t slot = 0; slot < 8; ++slot)
+                    number[i][slot] = numbers[((node.children[slot] & ~ray_leaf_bit) - first) & 7U];
+                for (std::size_t at = 0; at < 8; at += pair_lanes<float>)
+                    hn::Store(hn::Mul(hn::Load(d, number[i] + at), unit), d, number[i] + at);
+            }
+        }
+    }
+};
+
+/// The slab of one block.
+struct OneSlab {
+    float number[DistanceIndex::numbers];
+
+    HWY_INLINE OneSlab(const DistanceIndex& index, std::uint32_t reference, float scale)
+    {
+        for (std::size_t i = 0; i < DistanceIndex::numbers; ++i) {
+            number[i] = index.slabs(i)[reference & ~ray_leaf_bit] *
+                        (i < DistanceIndex::lower ? 1.0F : scale);
+        }
+    }
+};
+
 /// Boxes, one for each lane.
 template <class T>
 struct LaneBoxes {
     const ChildBoxes& boxes;
+    const ChildSlabs& slabs;
     HWY_INLINE hn::Vec<PairTag<T>> center(std::size_t axis, std::size_t first) const
     {
         return load_lanes<T>(boxes.center[axis] + first);
@@ -111,12 +159,17 @@ struct LaneBoxes {
     {
         return load_lanes<T>(boxes.half[axis] + first);
     }
+    HWY_INLINE hn::Vec<PairTag<T>> slab(std::size_t number, std::size_t first) const
+    {
+        return load_lanes<T>(slabs.number[number] + first);
+    }
 };
 
 /// One box for all lanes.
 template <class T>
 struct OneBox {
     const BlockBox& box;
+    const OneSlab& slabs;
     HWY_INLINE hn::Vec<PairTag<T>> center(std::size_t axis, std::size_t /*first*/) const
     {
         return hn::Set(PairTag<T>(), static_cast<T>(box.center[axis]));
@@ -125,7 +178,36 @@ struct OneBox {
     {
         return hn::Set(PairTag<T>(), static_cast<T>(box.half[axis]));
     }
+    HWY_INLINE hn::Vec<PairTag<T>> slab(std::size_t number, std::size_t /*first*/) const
+    {
+        return hn::Set(PairTag<T>(), static_cast<T>(slabs.number[number]));
+    }
 };
+
+/// How far what is in boxes and slabs reaches from the boxes' centers along v, times |v|; v and the
+/// boxes in the same axes. v = l n + r, n the slab's normal: the slab bounds l n . p, the box r .
+/// p.
+template <class T, class Boxes>
+HWY_INLINE hn::Vec<PairTag<T>> reach_along(const hn::Vec<PairTag<T>> (&v)[3], const Boxes& boxes,
+                                           std::size_t first)
+{
+    auto on_normal = hn::Mul(v[0], boxes.slab(0, first));
+    auto center = hn::Mul(boxes.center(0, first), boxes.slab(0, first));
+    for (std::size_t k = 1; k < 3; ++k) {
+        on_normal = hn::Add(on_normal, hn::Mul(v[k], boxes.slab(k, first)));
+        center = hn::Add(center, hn::Mul(boxes.center(k, first), boxes.slab(k, first)));
+    }
+    const auto lower = hn::Sub(boxes.slab(DistanceIndex::lower, first), center);
+    const auto upper = hn::Sub(boxes.slab(DistanceIndex::upper, first), center);
+    auto by_slab = hn::Max(hn::Mul(on_normal, lower), hn::Mul(on_normal, upper));
+    auto by_box = hn::Mul(hn::Abs(v[0]), boxes.half(0, first));
+    for (std::size_t k = 0; k < 3; ++k) {
+        const auto rest = hn::Sub(v[k], hn::Mul(on_normal, boxes.slab(k, first)));
+        by_slab = hn::Add(by_slab, hn::Mul(hn::Abs(rest), boxes.half(k, first)));
+        if (k > 0) by_box = hn::Add(by_box, hn::Mul(hn::Abs(v[k]), boxes.half(k, first)));
+    }
+    return hn::Min(by_box, by_slab);
+}
 
 /// Squared bounds on the distances of eight pairs of boxes.
 template <class T, class BoxesA, class BoxesB>
@@ -151,7 +233,6 @@ HWY_INLINE void bound_pairs(const PoseLanes<T>& pose, const BoxesA& a, const Box
         };
         Lanes difference[3];
         auto length = zero; // of d, squared
-        auto reaches = zero;
         auto gaps_a = zero;
         for (std::size_t k = 0; k < 3; ++k) {
             const T(&row)[3] = pose.rotation[k];
@@ -164,22 +245,22 @@ HWY_INLINE void bound_pairs(const PoseLanes<T>& pose, const BoxesA& a, const Box
             const auto gap = hn::Max(hn::Sub(size, reach), zero);
             gaps_a = hn::Add(gaps_a, hn::Mul(gap, gap));
             length = hn::Add(length, hn::Mul(size, size));
-            reaches = hn::Add(reaches, hn::Mul(size, half_a[k]));
         }
+        Lanes back[3]; // from B to A, along B's axes
         auto gaps_b = zero;
         for (std::size_t k = 0; k < 3; ++k) {
             const auto& r = pose.rotation;
             const auto& s = pose.sizes;
-            const auto along = hn::Abs(dot(difference, r[0][k], r[1][k], r[2][k]));
-            reaches = hn::Add(reaches, hn::Mul(along, half_b[k]));
+            back[k] = hn::Neg(dot(difference, r[0][k], r[1][k], r[2][k]));
             // Doubles know that R is a rotation only up to 1e-9.
             if constexpr (sizeof(T) == sizeof(float)) {
                 const auto reach = hn::Add(half_b[k], dot(half_a, s[0][k], s[1][k], s[2][k]));
-                const auto gap = hn::Max(hn::Sub(along, reach), zero);
+                const auto gap = hn::Max(hn::Sub(hn::Abs(back[k]), reach), zero);
                 gaps_b = hn::Add(gaps_b, hn::Mul(gap, gap));
             }
         }
-        // Zero over zero is none: Max takes the other.
+        const auto reaches =
+            hn::Add(reach_along<T>(difference, a, first), reach_along<T>(back, b, first));
         const auto rest = hn::Max(hn::Sub(length, reaches), zero);
         const auto tiny = hn::Set(d, std::numeric_limits<T>::min());
         const auto along = hn::Div(hn::Mul(rest, rest), hn::Max(length, tiny));

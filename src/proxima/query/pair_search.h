@@ -37,7 +37,7 @@ inline constexpr double far_reach = 0x1p26;
 class PairSearch {
 public:
     /// Looks for pairs at most `farthest` apart.
-    PairSearch(const RayIndex& a, const RayIndex& b, const RigidTransform& pose_b,
+    PairSearch(const DistanceIndex& a, const DistanceIndex& b, const RigidTransform& pose_b,
                double farthest) noexcept;
 
     /// Compares the best pair with that of these rows. Returns true where they touch.
@@ -50,8 +50,8 @@ public:
     [[nodiscard]] double limit() const noexcept { return limit_; }
     [[nodiscard]] const MeshDistance& best() const noexcept { return best_; }
 
-    const RayIndex& a;
-    const RayIndex& b;
+    const DistanceIndex& a;
+    const DistanceIndex& b;
     float a_scale = 1;
     float b_scale = 1;
     Mat3 rotation;
