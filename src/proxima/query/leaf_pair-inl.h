@@ -5,7 +5,7 @@
 //                          greatest  gap  least   is beyond the limit are out
 //
 // The direction across the closest points of one pair is good for its neighbours, too. What that
-// leaves is bounded pair by pair, and what that leaves is asked in doubles, the nearest first.
+// leaves is bounded pair by pair, and what that leaves is noted, to be asked in doubles.
 
 #if defined(PROXIMA_QUERY_LEAF_PAIR_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef PROXIMA_QUERY_LEAF_PAIR_INL_H
@@ -55,7 +55,7 @@ HWY_INLINE T lane_limit(double limit)
 }
 
 /// Of the pairs 8 i + k (of A's triangle i and B's k), those whose gap along the unit vector n is
-/// at most the limit; gaps are written down.
+/// at most the limit.
 template <class T>
 HWY_INLINE std::uint64_t pairs_within(const LeafPoints<T>& a, const LeafPoints<T>& b,
                                       const Vec3& direction, double limit)
@@ -88,8 +88,8 @@ HWY_INLINE bool ask_leaves(PairSearch& search, const LeafPoints<T>& a, const Lea
                            const Vec3& between)
 {
     std::uint64_t left = ~std::uint64_t{0};
-    if (search.found()) {
-        left = pairs_within(a, b, search.direction, search.limit());
+    if (!search.direction().isZero()) {
+        left = pairs_within(a, b, search.direction(), search.limit());
         if (left == 0) return false;
     }
     const double length = between.norm();
@@ -97,26 +97,24 @@ HWY_INLINE bool ask_leaves(PairSearch& search, const LeafPoints<T>& a, const Lea
     left &= pairs_within(a, b, along, search.limit());
     if (left == 0) return false;
 
-    PairPlace places[64];
-    T bounds[64];
-    std::size_t count = 0;
-    for (; left != 0; left &= left - 1)
-        places[count++] = static_cast<PairPlace>(std::countr_zero(left));
-    // What is left of eight is filled up by what comes first.
-    for (std::size_t i = count; i % 8 != 0; ++i) places[i] = places[0];
-    for (std::size_t at = 0; at < count; at += 8) bound_eight(a, b, places + at, bounds + at);
-    // The nearest first, for as long as any is within the limit.
-    for (;;) {
-        const T* const nearest = std::min_element(bounds, bounds + count);
-        if (count == 0 || !(*nearest <= lane_limit<T>(search.limit()))) return false;
-        const auto i = static_cast<std::size_t>(nearest - bounds);
-        const std::uint32_t row_a = a.leaf.first_row + places[i] / 8;
-        const std::uint32_t row_b = b.leaf.first_row + places[i] % 8;
-        if (search.ask(row_a, row_b)) return true;
-        --count;
-        bounds[i] = bounds[count];
-        places[i] = places[count];
+    while (left != 0) {
+        PairPlace places[8];
+        std::size_t count = 0;
+        for (; left != 0 && count < 8; left &= left - 1)
+            places[count++] = static_cast<PairPlace>(std::countr_zero(left));
+        for (std::size_t i = count; i < 8; ++i) places[i] = places[0];
+        EightDistances<T> known;
+        bound_eight(a, b, places, known);
+        for (std::size_t i = 0; i < count; ++i) {
+            if (known.least[i] > lane_limit<T>(search.limit())) continue;
+            const Vec3 nearest(known.nearest[0][i], known.nearest[1][i], known.nearest[2][i]);
+            if (search.note({known.least[i], known.most[i], a.leaf.first_row + places[i] / 8,
+                             b.leaf.first_row + places[i] % 8},
+                            nearest))
+                return true;
+        }
     }
+    return false;
 }
 
 } // namespace proxima::HWY_NAMESPACE

@@ -19,7 +19,8 @@ class PairWalk {
 public:
     explicit PairWalk(PairSearch& search) : search_(search), pose_(search) {}
 
-    void run()
+    /// Leaves noted pairs to be settled, but for where two touch: then it returns true.
+    bool run()
     {
         constexpr BlockBox root = {{0, 0, 0}, {1.01F, 1.01F, 1.01F}};
         pending_.push({0, search_.a.triangles().root(), search_.b.triangles().root(),
@@ -30,13 +31,14 @@ public:
             const bool leaf_a = (at.reference_a & ray_leaf_bit) != 0;
             const bool leaf_b = (at.reference_b & ray_leaf_bit) != 0;
             if (leaf_a && leaf_b) {
-                if (look_at_leaves(at)) return;
+                if (look_at_leaves(at)) return true;
             } else if (leaf_b || (!leaf_a && size_of(at.box_a) >= size_of(at.box_b))) {
                 open_a(at);
             } else {
                 open_b(at);
             }
         }
+        return false;
     }
 
 private:
@@ -119,13 +121,9 @@ private:
     FixedStack<PendingPair, 7 * 2 * RayIndex::max_levels + 1> pending_;
 };
 
-void walk_pairs(PairSearch& search)
+bool walk_pairs(PairSearch& search)
 {
-    if (search.is_far()) {
-        PairWalk<double>(search).run();
-    } else {
-        PairWalk<float>(search).run();
-    }
+    return search.is_far() ? PairWalk<double>(search).run() : PairWalk<float>(search).run();
 }
 
 } // namespace proxima::HWY_NAMESPACE
@@ -146,7 +144,7 @@ std::optional<MeshDistance> mesh_distance_within(const DistanceIndex& a, const D
         return std::nullopt;
     PairSearch search(a, b, pose_b, farthest);
     const bool touch = last != nullptr && search.ask(last->row_a, last->row_b);
-    if (!touch) HWY_DYNAMIC_DISPATCH(walk_pairs)(search);
+    if (!touch && !HWY_DYNAMIC_DISPATCH(walk_pairs)(search)) (void)search.settle();
     return search.found() ? std::optional(search.best()) : std::nullopt;
 }
 

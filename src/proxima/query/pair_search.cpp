@@ -60,14 +60,14 @@ PairSearch::PairSearch(const DistanceIndex& index_a, const DistanceIndex& index_
     const double lane_roundoff = is_far() ? 0x1p-53 : float_roundoff;
     margin_ = (128 + 64 * reach_) * lane_roundoff + 8 * float_roundoff +
               0x1p-50 * (scale_ * coordinates + 2);
-    set_limit(farthest);
+    lower_limit(farthest * scale_);
 }
 
-void PairSearch::set_limit(double distance) noexcept
+void PairSearch::lower_limit(double distance) noexcept
 {
     // Far away bounds are right to 2^-48 of the distance, and so will the answer be.
-    limit_ =
-        reach_ > far_reach ? distance * scale_ - 0x1p-47 * reach_ : distance * scale_ + margin_;
+    const double limit = reach_ > far_reach ? distance - 0x1p-47 * reach_ : distance + margin_;
+    limit_ = std::min(limit_, limit);
 }
 
 bool PairSearch::ask(std::uint32_t row_a, std::uint32_t row_b) noexcept
@@ -76,8 +76,6 @@ bool PairSearch::ask(std::uint32_t row_a, std::uint32_t row_b) noexcept
     const IndexedTriangle second = row_of(b.triangles(), row_b);
     const TrianglePair pair = closest_points(first.triangle, pose_b_(second.triangle));
     const double distance = std::sqrt(pair.squared_distance);
-    direction =
-        distance > 0 ? Vec3((pair.second.point - pair.first.point) / distance) : Vec3::Zero();
     if (!(distance <= farthest_)) return false;
     const auto order = [](double squared, TriangleId id_a, TriangleId id_b) {
         return std::tuple(squared, id_a, id_b);
@@ -90,8 +88,32 @@ bool PairSearch::ask(std::uint32_t row_a, std::uint32_t row_b) noexcept
     best_ = {distance,  pair.first.point, pair.second.point, first.id,
              second.id, pair.first.part,  pair.second.part,  row_a,
              row_b};
-    set_limit(distance);
+    if (distance > 0) direction_ = (pair.second.point - pair.first.point) / distance;
+    lower_limit(distance * scale_);
     return distance == 0;
+}
+
+bool PairSearch::note(const NotedPair& pair, const Vec3& nearest) noexcept
+{
+    if (pair.least <= margin_) return ask(pair.row_a, pair.row_b);
+    if (noted_count_ == most_noted && settle()) return true;
+    noted_[noted_count_++] = pair;
+    // Points that lanes found are as far apart as they say, but for as much as bounds are off.
+    const double limit = limit_;
+    lower_limit(pair.most + margin_);
+    if (limit_ < limit) direction_ = nearest / pair.most;
+    return false;
+}
+
+bool PairSearch::settle() noexcept
+{
+    const auto begin = noted_.begin();
+    const auto end = begin + static_cast<std::ptrdiff_t>(noted_count_);
+    noted_count_ = 0;
+    std::sort(begin, end, [](const NotedPair& p, const NotedPair& q) { return p.least < q.least; });
+    for (auto pair = begin; pair != end && pair->least <= limit_; ++pair)
+        if (ask(pair->row_a, pair->row_b)) return true;
+    return false;
 }
 
 } // namespace proxima

@@ -8,7 +8,9 @@
 #include "proxima/query/mesh_distance.h"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 
 namespace proxima {
 
@@ -28,6 +30,14 @@ struct PendingPair {
     BlockBox box_b;
 };
 
+/// Two triangles, and what lanes say of their distance in the frame.
+struct NotedPair {
+    double least;
+    double most;
+    std::uint32_t row_a;
+    std::uint32_t row_b;
+};
+
 /// From how many sizes between the centers on lanes are doubles, and from how many a pair as close
 /// as the closest one, up to rounding, will do.
 inline constexpr double near_reach = 32;
@@ -40,8 +50,16 @@ public:
     PairSearch(const DistanceIndex& a, const DistanceIndex& b, const RigidTransform& pose_b,
                double farthest) noexcept;
 
-    /// Compares the best pair with that of these rows. Returns true where they touch.
+    /// Compares the best pair with that of these rows, in doubles. Returns true where they touch.
     bool ask(std::uint32_t row_a, std::uint32_t row_b) noexcept;
+
+    /// Keeps a pair in mind to be asked by settle(), if it is not sure to be beaten by then; one
+    /// that may touch is asked at once. `nearest` points from one to the other. Returns true where
+    /// they touch.
+    bool note(const NotedPair& pair, const Vec3& nearest) noexcept;
+
+    /// Asks all noted pairs that are not beaten. Returns true where two touch.
+    bool settle() noexcept;
 
     [[nodiscard]] bool found() const noexcept { return found_; }
     [[nodiscard]] bool is_far() const noexcept { return reach_ > near_reach; }
@@ -56,18 +74,22 @@ public:
     float b_scale = 1;
     Mat3 rotation;
     Vec3 offset;
-    /// From the best pair's point of A to that of B, in the frame; zero before there is one, and
-    /// where they touch.
-    Vec3 direction = Vec3::Zero();
+    /// From the closest point of A found so far to that of B; zero before there is one.
+    [[nodiscard]] const Vec3& direction() const noexcept { return direction_; }
 
 private:
-    void set_limit(double distance) noexcept;
+    void lower_limit(double distance) noexcept;
+
+    static constexpr std::size_t most_noted = 64;
 
     const RigidTransform& pose_b_;
     double scale_;
     double reach_ = 0;
     double margin_ = 0;
-    double limit_ = 0;
+    double limit_ = std::numeric_limits<double>::infinity();
+    Vec3 direction_ = Vec3::Zero();
+    std::array<NotedPair, most_noted> noted_;
+    std::size_t noted_count_ = 0;
     double best_squared_;
     double farthest_;
     bool found_ = false;
