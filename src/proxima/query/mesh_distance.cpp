@@ -123,7 +123,7 @@ private:
 
 bool walk_pairs(PairSearch& search)
 {
-    return search.is_far() ? PairWalk<double>(search).run() : PairWalk<float>(search).run();
+    return search.needs_doubles() ? PairWalk<double>(search).run() : PairWalk<float>(search).run();
 }
 
 } // namespace proxima::HWY_NAMESPACE
@@ -144,7 +144,11 @@ std::optional<MeshDistance> mesh_distance_within(const DistanceIndex& a, const D
         return std::nullopt;
     PairSearch search(a, b, pose_b, farthest);
     const bool touch = last != nullptr && search.ask(last->row_a, last->row_b);
-    if (!touch && !HWY_DYNAMIC_DISPATCH(walk_pairs)(search)) (void)search.settle();
+    if (search.needs_no_walk()) {
+        (void)search.ask(0, 0);
+    } else if (!touch && !HWY_DYNAMIC_DISPATCH(walk_pairs)(search)) {
+        (void)search.settle();
+    }
     return search.found() ? std::optional(search.best()) : std::nullopt;
 }
 

@@ -57,7 +57,7 @@ PairSearch::PairSearch(const DistanceIndex& index_a, const DistanceIndex& index_
     const double coordinates = index_a.triangles().center().cwiseAbs().maxCoeff() +
                                2 * index_b.triangles().center().cwiseAbs().maxCoeff() +
                                pose_b.translation.cwiseAbs().maxCoeff();
-    const double lane_roundoff = is_far() ? 0x1p-53 : float_roundoff;
+    const double lane_roundoff = needs_doubles() ? 0x1p-53 : float_roundoff;
     margin_ = (128 + 64 * reach_) * lane_roundoff + 8 * float_roundoff +
               0x1p-50 * (scale_ * coordinates + 2);
     lower_limit(farthest * scale_);

@@ -38,10 +38,12 @@ struct NotedPair {
     std::uint32_t row_b;
 };
 
-/// From how many sizes between the centers on lanes are doubles, and from how many a pair as close
-/// as the closest one, up to rounding, will do.
+/// From how many sizes between the centers on, or times the smaller one's size, lanes are doubles;
+/// from how many sizes any pair as close as the closest one, up to rounding, will do; and from how
+/// many all pairs are.
 inline constexpr double near_reach = 32;
 inline constexpr double far_reach = 0x1p26;
+inline constexpr double farthest_reach = 0x1p60;
 
 /// The pose in the frame, and the closest pair so far.
 class PairSearch {
@@ -62,7 +64,11 @@ public:
     bool settle() noexcept;
 
     [[nodiscard]] bool found() const noexcept { return found_; }
-    [[nodiscard]] bool is_far() const noexcept { return reach_ > near_reach; }
+    [[nodiscard]] bool needs_doubles() const noexcept
+    {
+        return reach_ > near_reach || a_scale < 1 / near_reach || b_scale < 1 / near_reach;
+    }
+    [[nodiscard]] bool needs_no_walk() const noexcept { return !(reach_ < farthest_reach); }
     /// Distances in the frame beyond which pairs are of no interest, whatever floats or doubles
     /// round; its own rounding is less than that, too.
     [[nodiscard]] double limit() const noexcept { return limit_; }
