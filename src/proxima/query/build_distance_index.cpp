@@ -3,6 +3,8 @@
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -10,15 +12,26 @@ namespace proxima {
 
 namespace {
 
-// How far slabs are drawn out, in units of the blocks: vertices were rounded to floats in [-1, 1],
-// and lower and upper are once more.
-constexpr double slab_margin = 4 * 0x1p-24;
+// How far slabs are drawn out, in units of the blocks: what the vertices' rounding to floats takes
+// (u = 2^-24 on each axis), that of boxes' centers as lanes read them (6 u), and e's own.
+constexpr double slab_margin = 16 * 0x1p-24;
 constexpr std::size_t blocks_per_task = 64;
 constexpr std::size_t lanes = 8;
+constexpr int normal_unit = 512;
+constexpr int extent_unit = 32768;
 
-struct SlabStorage {
-    std::array<std::vector<float>, DistanceIndex::numbers> slabs;
+/// A block and the box that its node draws round it.
+struct BoxedBlock {
+    std::uint32_t reference;
+    Vec3 center;
+    Vec3 half;
 };
+
+std::uint32_t bits_of(double value, int most, unsigned bits)
+{
+    const double whole = std::clamp(value, -static_cast<double>(most), static_cast<double>(most));
+    return static_cast<std::uint32_t>(static_cast<std::int32_t>(whole)) & ((1U << bits) - 1);
+}
 
 } // namespace
 
@@ -26,28 +39,25 @@ class DistanceIndexWriter {
 public:
     explicit DistanceIndexWriter(const RayIndex& triangles)
         : triangles_(triangles), blocks_(triangles.blocks()),
-          storage_(std::make_shared<SlabStorage>())
-    {
-        for (auto& numbers : storage_->slabs) numbers.assign(blocks_.size() + lanes, 0.0F);
-    }
+          slabs_(std::make_shared<std::vector<BlockSlab>>(blocks_.size() + lanes - 1))
+    {}
 
     bool write(Threads threads, Progress* progress)
     {
-        std::vector<std::uint32_t> references;
-        references.reserve(blocks_.size());
-        if (triangles_.triangle_count() > 0) references.push_back(triangles_.root());
-        for (std::size_t i = 0; i < references.size(); ++i) {
-            if ((references[i] & ray_leaf_bit) != 0) continue;
-            for (const std::uint32_t child : blocks_[references[i]].node.children)
-                if (!is_empty(child)) references.push_back(child);
-        }
-        if (progress != nullptr) progress->begin_stage("fitting slabs", references.size());
-        const std::size_t tasks = (references.size() + blocks_per_task - 1) / blocks_per_task;
+        std::vector<BoxedBlock> found;
+        found.reserve(blocks_.size());
+        constexpr double root_half = 1.01; // as the search begins with
+        if (triangles_.triangle_count() > 0)
+            found.push_back({triangles_.root(), Vec3::Zero(), Vec3::Constant(root_half)});
+        for (std::size_t i = 0; i < found.size(); ++i) add_children(found[i].reference, found);
+        if (progress != nullptr) progress->begin_stage("fitting slabs", found.size());
+        const std::size_t tasks = (found.size() + blocks_per_task - 1) / blocks_per_task;
         parallel_for(tasks, threads, [&](std::size_t task) {
             if (is_cancelled(progress)) return;
             const std::size_t first = task * blocks_per_task;
-            const std::size_t end = std::min(references.size(), first + blocks_per_task);
-            for (std::size_t i = first; i < end; ++i) fit_slab(references[i]);
+            const std::size_t end = std::min(found.size(), first + blocks_per_task);
+            for (std::size_t i = first; i < end; ++i)
+                (*slabs_)[found[i].reference & ~ray_leaf_bit] = slab_of(found[i]);
             if (progress != nullptr) progress->advance(end - first);
         });
         return !is_cancelled(progress);
@@ -57,9 +67,8 @@ public:
     {
         DistanceIndex index;
         index.triangles_ = triangles_;
-        for (std::size_t i = 0; i < DistanceIndex::numbers; ++i)
-            index.slabs_[i] = storage_->slabs[i];
-        index.storage_ = std::move(storage_);
+        index.slabs_ = *slabs_;
+        index.storage_ = std::move(slabs_);
         return index;
     }
 
@@ -68,6 +77,26 @@ private:
     {
         return (reference & ray_leaf_bit) != 0 &&
                blocks_[reference & ~ray_leaf_bit].leaf.count == 0;
+    }
+
+    void add_children(std::uint32_t reference, std::vector<BoxedBlock>& found) const
+    {
+        if ((reference & ray_leaf_bit) != 0) return;
+        const RayNode& node = blocks_[reference].node;
+        for (std::size_t slot = 0; slot < lanes; ++slot) {
+            if (is_empty(node.children[slot])) continue;
+            BoxedBlock child = {node.children[slot], {}, {}};
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const double origin = double{node.origin[axis]} + 32768 * double{node.step[axis]};
+                const double half_step = 0.5 * double{node.step[axis]};
+                const int lower = node.planes[axis][slot];
+                const int upper = node.planes[axis][lanes + slot];
+                const auto k = static_cast<Eigen::Index>(axis);
+                child.center[k] = origin + half_step * (lower + upper);
+                child.half[k] = half_step * (upper - lower);
+            }
+            found.push_back(child);
+        }
     }
 
     /// Calls visit(point) for every vertex below, those of several leaves several times.
@@ -87,48 +116,54 @@ private:
     }
 
     /// Across the direction in which the vertices are spread least.
-    void fit_slab(std::uint32_t reference)
+    [[nodiscard]] BlockSlab slab_of(const BoxedBlock& block) const
     {
         Vec3 sum = Vec3::Zero();
         double count = 0;
-        visit_vertices(reference, [&](const Vec3& p) {
+        visit_vertices(block.reference, [&](const Vec3& p) {
             sum += p;
             count += 1;
         });
-        const Vec3 center = sum / count;
+        const Vec3 mean = sum / count;
         Mat3 spread = Mat3::Zero();
-        visit_vertices(reference, [&](const Vec3& p) {
-            const Vec3 from_center = p - center;
-            spread += from_center * from_center.transpose();
+        visit_vertices(block.reference, [&](const Vec3& p) {
+            const Vec3 from_mean = p - mean;
+            spread += from_mean * from_mean.transpose();
         });
         Eigen::SelfAdjointEigenSolver<Mat3> solver;
         solver.computeDirect(spread);
-        const Eigen::Vector3f normal = solver.eigenvectors().col(0).cast<float>();
+        const Vec3 across = solver.eigenvectors().col(0);
+        BlockSlab slab;
+        Vec3 normal;
+        for (int k = 0; k < 3; ++k) {
+            const double number = std::round(across[k] * normal_unit);
+            normal[k] = std::clamp(number, 1.0 - normal_unit, normal_unit - 1.0) / normal_unit;
+            slab.normal |= bits_of(number, normal_unit - 1, 10) << (22 - 10 * k);
+        }
         double lower = std::numeric_limits<double>::infinity();
         double upper = -lower;
-        visit_vertices(reference, [&](const Vec3& p) {
-            const double on = normal.cast<double>().dot(p);
+        visit_vertices(block.reference, [&](const Vec3& p) {
+            const double on = normal.dot(p - block.center);
             lower = std::min(lower, on);
             upper = std::max(upper, on);
         });
-        const std::uint32_t block = reference & ~ray_leaf_bit;
-        auto& slabs = storage_->slabs;
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            slabs[axis][block] = normal[static_cast<Eigen::Index>(axis)];
-        slabs[DistanceIndex::lower][block] = static_cast<float>(lower - slab_margin);
-        slabs[DistanceIndex::upper][block] = static_cast<float>(upper + slab_margin);
+        const double unit = normal.cwiseAbs().dot(block.half) / extent_unit;
+        const double up = std::ceil((upper + slab_margin) / unit);
+        const double down = std::floor((lower - slab_margin) / unit);
+        slab.extent = bits_of(up, extent_unit - 1, 16) << 16U | bits_of(down, extent_unit - 1, 16);
+        return slab;
     }
 
     const RayIndex& triangles_;
     std::span<const RayBlock> blocks_;
-    std::shared_ptr<SlabStorage> storage_;
+    std::shared_ptr<std::vector<BlockSlab>> slabs_;
 };
 
 Result<DistanceIndex> build_distance_index(const RayIndex& triangles,
                                            const DistanceIndexOptions& options)
 {
     const std::uint64_t needed =
-        triangles.blocks().size() * (DistanceIndex::numbers * sizeof(float) + 4);
+        triangles.blocks().size() * (sizeof(BlockSlab) + sizeof(BoxedBlock));
     if (auto status =
             check_budget(options.budget, needed, "the distance index", "raise the budget");
         !status)

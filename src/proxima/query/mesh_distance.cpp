@@ -63,8 +63,8 @@ private:
         const RayNode& node = search_.a.triangles().blocks()[at.reference_a].node;
         const ChildBoxes boxes(node, search_.a_scale);
         T squared[8];
-        const ChildSlabs slabs(search_.a, node, search_.a_scale);
-        const OneSlab one(search_.b, at.reference_b, search_.b_scale);
+        const ChildSlabs slabs(search_.a, node);
+        const OneSlab one(search_.b, at.reference_b);
         bound_pairs(pose_, LaneBoxes<T>{boxes, slabs}, OneBox<T>{at.box_b, one}, squared);
         push_nearest(squared, [&](std::size_t slot) {
             return PendingPair{squared[slot], node.children[slot], at.reference_b, boxes[slot],
@@ -76,8 +76,8 @@ private:
         const RayNode& node = search_.b.triangles().blocks()[at.reference_b].node;
         const ChildBoxes boxes(node, search_.b_scale);
         T squared[8];
-        const ChildSlabs slabs(search_.b, node, search_.b_scale);
-        const OneSlab one(search_.a, at.reference_a, search_.a_scale);
+        const ChildSlabs slabs(search_.b, node);
+        const OneSlab one(search_.a, at.reference_a);
         bound_pairs(pose_, OneBox<T>{at.box_a, one}, LaneBoxes<T>{boxes, slabs}, squared);
         push_nearest(squared, [&](std::size_t slot) {
             return PendingPair{squared[slot], at.reference_a, node.children[slot], at.box_a,

@@ -99,50 +99,73 @@ struct ChildBoxes {
     }
 };
 
-/// The slabs of a node's children.
+/// Slabs: normals, and how far from the box's center they reach in units of the box's reach.
 struct ChildSlabs {
-    HWY_ALIGN float number[DistanceIndex::numbers][8];
+    HWY_ALIGN float normal[3][8];
+    HWY_ALIGN float lower[8];
+    HWY_ALIGN float upper[8];
 
-    HWY_INLINE ChildSlabs(const DistanceIndex& index, const RayNode& node, float scale)
+    HWY_INLINE ChildSlabs(const DistanceIndex& index, const RayNode& node)
     {
         const hn::CappedTag<float, 8> d;
-        const hn::RebindToUnsigned<decltype(d)> words;
+        const hn::RebindToSigned<decltype(d)> words;
         // Children lie side by side in the order of their places, which not all have one.
         std::uint32_t first = 0;
         for (std::size_t slot = 8; slot-- > 0;) {
             const std::uint32_t block = node.children[slot] & ~ray_leaf_bit;
             if (block != 0) first = block;
         }
-        for (std::size_t i = 0; i < DistanceIndex::numbers; ++i) {
-            const float* const numbers = index.slabs(i).data() + first;
-            const auto unit = hn::Set(d, i < DistanceIndex::lower ? 1.0F : scale);
-            if constexpr (pair_lanes<float> == 8) {
-                const auto places =
-                    hn::And(hn::Sub(hn::LoadU(words, node.children.data()), hn::Set(words, first)),
-                            hn::Set(words, 7U));
-                const auto found =
-                    hn::TableLookupLanes(hn::LoadU(d, numbers), hn::IndicesFromVec(d, places));
-                hn::Store(hn::Mul(found, unit), d, number[i]);
-            } else {
-                for (std::size_t slot = 0; slot < 8; ++slot)
-                    number[i][slot] = numbers[((node.children[slot] & ~ray_leaf_bit) - first) & 7U];
-                for (std::size_t at = 0; at < 8; at += pair_lanes<float>)
-                    hn::Store(hn::Mul(hn::Load(d, number[i] + at), unit), d, number[i] + at);
+        const BlockSlab* const slabs = index.slabs().data() + first;
+        HWY_ALIGN std::int32_t normals[8];
+        HWY_ALIGN std::int32_t extents[8];
+        if constexpr (pair_lanes<float> == 8) {
+            hn::Vec<decltype(words)> normal_words;
+            hn::Vec<decltype(words)> extent_words;
+            hn::LoadInterleaved2(words, reinterpret_cast<const std::int32_t*>(slabs), normal_words,
+                                 extent_words);
+            const hn::RebindToUnsigned<decltype(d)> numbers;
+            const auto places =
+                hn::And(hn::Sub(hn::LoadU(numbers, node.children.data()), hn::Set(numbers, first)),
+                        hn::Set(numbers, 7U));
+            const auto lanes = hn::IndicesFromVec(words, places);
+            hn::Store(hn::TableLookupLanes(normal_words, lanes), words, normals);
+            hn::Store(hn::TableLookupLanes(extent_words, lanes), words, extents);
+        } else {
+            for (std::size_t slot = 0; slot < 8; ++slot) {
+                const BlockSlab& slab = slabs[(node.children[slot] - first) & 7U];
+                normals[slot] = static_cast<std::int32_t>(slab.normal);
+                extents[slot] = static_cast<std::int32_t>(slab.extent);
             }
+        }
+        for (std::size_t at = 0; at < 8; at += pair_lanes<float>) {
+            const auto n = hn::Load(words, normals + at);
+            const auto e = hn::Load(words, extents + at);
+            const auto number = [&](auto bits, float unit) HWY_ATTR {
+                return hn::Mul(hn::ConvertTo(d, bits), hn::Set(d, unit));
+            };
+            hn::Store(number(hn::ShiftRight<22>(n), 0x1p-9F), d, normal[0] + at);
+            hn::Store(number(hn::ShiftRight<22>(hn::ShiftLeft<10>(n)), 0x1p-9F), d, normal[1] + at);
+            hn::Store(number(hn::ShiftRight<22>(hn::ShiftLeft<20>(n)), 0x1p-9F), d, normal[2] + at);
+            hn::Store(number(hn::ShiftRight<16>(e), 0x1p-15F), d, upper + at);
+            hn::Store(number(hn::ShiftRight<16>(hn::ShiftLeft<16>(e)), 0x1p-15F), d, lower + at);
         }
     }
 };
 
 /// The slab of one block.
 struct OneSlab {
-    float number[DistanceIndex::numbers];
+    float normal[3];
+    float lower;
+    float upper;
 
-    HWY_INLINE OneSlab(const DistanceIndex& index, std::uint32_t reference, float scale)
+    HWY_INLINE OneSlab(const DistanceIndex& index, std::uint32_t reference)
     {
-        for (std::size_t i = 0; i < DistanceIndex::numbers; ++i) {
-            number[i] = index.slabs(i)[reference & ~ray_leaf_bit] *
-                        (i < DistanceIndex::lower ? 1.0F : scale);
-        }
+        const BlockSlab& slab = index.slabs()[reference & ~ray_leaf_bit];
+        for (unsigned k = 0; k < 3; ++k)
+            normal[k] = static_cast<float>(static_cast<std::int32_t>(slab.normal << 10 * k) >> 22) *
+                        0x1p-9F;
+        upper = static_cast<float>(static_cast<std::int32_t>(slab.extent) >> 16) * 0x1p-15F;
+        lower = static_cast<float>(static_cast<std::int32_t>(slab.extent << 16U) >> 16) * 0x1p-15F;
     }
 };
 
@@ -159,9 +182,17 @@ struct LaneBoxes {
     {
         return load_lanes<T>(boxes.half[axis] + first);
     }
-    HWY_INLINE hn::Vec<PairTag<T>> slab(std::size_t number, std::size_t first) const
+    HWY_INLINE hn::Vec<PairTag<T>> normal(std::size_t axis, std::size_t first) const
     {
-        return load_lanes<T>(slabs.number[number] + first);
+        return load_lanes<T>(slabs.normal[axis] + first);
+    }
+    HWY_INLINE hn::Vec<PairTag<T>> lower(std::size_t first) const
+    {
+        return load_lanes<T>(slabs.lower + first);
+    }
+    HWY_INLINE hn::Vec<PairTag<T>> upper(std::size_t first) const
+    {
+        return load_lanes<T>(slabs.upper + first);
     }
 };
 
@@ -178,9 +209,17 @@ struct OneBox {
     {
         return hn::Set(PairTag<T>(), static_cast<T>(box.half[axis]));
     }
-    HWY_INLINE hn::Vec<PairTag<T>> slab(std::size_t number, std::size_t /*first*/) const
+    HWY_INLINE hn::Vec<PairTag<T>> normal(std::size_t axis, std::size_t /*first*/) const
     {
-        return hn::Set(PairTag<T>(), static_cast<T>(slabs.number[number]));
+        return hn::Set(PairTag<T>(), static_cast<T>(slabs.normal[axis]));
+    }
+    HWY_INLINE hn::Vec<PairTag<T>> lower(std::size_t /*first*/) const
+    {
+        return hn::Set(PairTag<T>(), static_cast<T>(slabs.lower));
+    }
+    HWY_INLINE hn::Vec<PairTag<T>> upper(std::size_t /*first*/) const
+    {
+        return hn::Set(PairTag<T>(), static_cast<T>(slabs.upper));
     }
 };
 
@@ -191,20 +230,20 @@ template <class T, class Boxes>
 HWY_INLINE hn::Vec<PairTag<T>> reach_along(const hn::Vec<PairTag<T>> (&v)[3], const Boxes& boxes,
                                            std::size_t first)
 {
-    auto on_normal = hn::Mul(v[0], boxes.slab(0, first));
-    auto center = hn::Mul(boxes.center(0, first), boxes.slab(0, first));
-    for (std::size_t k = 1; k < 3; ++k) {
-        on_normal = hn::Add(on_normal, hn::Mul(v[k], boxes.slab(k, first)));
-        center = hn::Add(center, hn::Mul(boxes.center(k, first), boxes.slab(k, first)));
-    }
-    const auto lower = hn::Sub(boxes.slab(DistanceIndex::lower, first), center);
-    const auto upper = hn::Sub(boxes.slab(DistanceIndex::upper, first), center);
-    auto by_slab = hn::Max(hn::Mul(on_normal, lower), hn::Mul(on_normal, upper));
+    auto on_normal = hn::Mul(v[0], boxes.normal(0, first));
+    auto reach = hn::Mul(hn::Abs(boxes.normal(0, first)), boxes.half(0, first));
     auto by_box = hn::Mul(hn::Abs(v[0]), boxes.half(0, first));
+    for (std::size_t k = 1; k < 3; ++k) {
+        const auto normal = boxes.normal(k, first);
+        on_normal = hn::Add(on_normal, hn::Mul(v[k], normal));
+        reach = hn::Add(reach, hn::Mul(hn::Abs(normal), boxes.half(k, first)));
+        by_box = hn::Add(by_box, hn::Mul(hn::Abs(v[k]), boxes.half(k, first)));
+    }
+    auto by_slab = hn::Mul(reach, hn::Max(hn::Mul(on_normal, boxes.lower(first)),
+                                          hn::Mul(on_normal, boxes.upper(first))));
     for (std::size_t k = 0; k < 3; ++k) {
-        const auto rest = hn::Sub(v[k], hn::Mul(on_normal, boxes.slab(k, first)));
+        const auto rest = hn::Sub(v[k], hn::Mul(on_normal, boxes.normal(k, first)));
         by_slab = hn::Add(by_slab, hn::Mul(hn::Abs(rest), boxes.half(k, first)));
-        if (k > 0) by_box = hn::Add(by_box, hn::Mul(hn::Abs(v[k]), boxes.half(k, first)));
     }
     return hn::Min(by_box, by_slab);
 }
