@@ -3,6 +3,7 @@
 #include "proxima/geometry/triangle_intersection.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace proxima {
@@ -24,21 +25,40 @@ public:
                 reach_ = std::max(reach_, (q - p).cwiseAbs().maxCoeff());
     }
 
-    /// All that can be closest while the triangles are apart.
-    void try_features() noexcept
+    /// The corners and the other triangle.
+    void try_corners() noexcept
     {
         for (std::size_t i = 0; i < 3; ++i) {
-            const auto on_first = closest_point_inside(first_, second_.vertices[i]);
-            if (on_first) offer(*on_first, point_of_side(i, {second_.vertices[i], 0}));
-            const auto on_second = closest_point_inside(second_, first_.vertices[i]);
-            if (on_second) offer(point_of_side(i, {first_.vertices[i], 0}), *on_second);
+            const Vec3& p = first_.vertices[i];
+            const Vec3& q = second_.vertices[i];
+            offer(closest_point(first_, q), point_of_side(i, {q, 0}));
+            offer(point_of_side(i, {p, 0}), closest_point(second_, p));
         }
+    }
+
+    /// The insides of sides; with their ends once more.
+    void try_sides() noexcept
+    {
         for (std::size_t i = 0; i < 3; ++i) {
             for (std::size_t k = 0; k < 3; ++k) {
                 const SegmentPair pair = closest_points(side_of(first_, i), side_of(second_, k));
                 offer(point_of_side(i, pair.first), point_of_side(k, pair.second));
             }
         }
+    }
+
+    /// Whether planes across the line between the closest points, through them, have all corners
+    /// behind them, but for a few roundings: nothing is nearer by more than these.
+    [[nodiscard]] bool surely_closest() const noexcept
+    {
+        const Vec3 gap = best_.second.point - best_.first.point;
+        const double length = std::sqrt(best_.squared_distance);
+        double beyond = 0;
+        for (std::size_t i = 0; i < 3; ++i) {
+            beyond = std::max({beyond, gap.dot(first_.vertices[i] - best_.first.point),
+                               gap.dot(best_.second.point - second_.vertices[i])});
+        }
+        return length > 0x1p-40 * reach_ && beyond <= 0x1p-53 * reach_ * length;
     }
 
     /// Whether a plane across the line between the closest points surely separates the triangles.
@@ -81,7 +101,9 @@ private:
 TrianglePair closest_points(const Triangle& first, const Triangle& second) noexcept
 {
     ClosestPair search(first, second);
-    search.try_features();
+    search.try_corners();
+    if (search.surely_closest()) return search.best();
+    search.try_sides();
     TrianglePair& best = search.best();
     if (search.surely_apart()) return best;
     const TriangleIntersection meeting = intersect(first, second);

@@ -3,6 +3,11 @@
 #include "proxima/base/fixed_stack.h"
 #include "proxima/query/pair_search.h"
 
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <hwy/cache_control.h>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "proxima/query/mesh_distance.cpp"
 #include <hwy/foreach_target.h>
@@ -52,10 +57,10 @@ private:
         return std::max({box.half[0], box.half[1], box.half[2]});
     }
     /// Above every squared bound, as rounded, of what is within the limit.
-    [[nodiscard]] double squared_limit() const
+    [[nodiscard]] T squared_limit() const
     {
         const double limit = search_.limit();
-        return limit * limit * (1 + 16 * double{std::numeric_limits<T>::epsilon()});
+        return static_cast<T>(limit * limit * (1 + 16 * double{std::numeric_limits<T>::epsilon()}));
     }
 
     void open_a(const PendingPair& at)
@@ -65,8 +70,10 @@ private:
         T squared[8];
         const ChildSlabs slabs(search_.a, node);
         const OneSlab one(search_.b, at.reference_b);
-        bound_pairs(pose_, LaneBoxes<T>{boxes, slabs}, OneBox<T>{at.box_b, one}, squared);
-        push_nearest(squared, [&](std::size_t slot) {
+        const std::uint32_t within = bound_pairs(
+            pose_, LaneBoxes<T>{boxes, slabs}, OneBox<T>{at.box_b, one}, squared_limit(), squared);
+        push_nearest(within, squared, [&](std::size_t slot) {
+            prefetch(search_.a, node.children[slot]);
             return PendingPair{squared[slot], node.children[slot], at.reference_b, boxes[slot],
                                at.box_b};
         });
@@ -78,27 +85,34 @@ private:
         T squared[8];
         const ChildSlabs slabs(search_.b, node);
         const OneSlab one(search_.a, at.reference_a);
-        bound_pairs(pose_, OneBox<T>{at.box_a, one}, LaneBoxes<T>{boxes, slabs}, squared);
-        push_nearest(squared, [&](std::size_t slot) {
+        const std::uint32_t within = bound_pairs(
+            pose_, OneBox<T>{at.box_a, one}, LaneBoxes<T>{boxes, slabs}, squared_limit(), squared);
+        push_nearest(within, squared, [&](std::size_t slot) {
+            prefetch(search_.b, node.children[slot]);
             return PendingPair{squared[slot], at.reference_a, node.children[slot], at.box_a,
                                boxes[slot]};
         });
     }
 
     template <class PairOf>
-    void push_nearest(const T (&squared)[8], const PairOf& pair_of)
+    void push_nearest(std::uint32_t within, const T (&squared)[8], const PairOf& pair_of)
     {
-        const double limit = squared_limit();
         std::uint8_t order[8]; // farthest first
         std::size_t count = 0;
-        for (std::size_t slot = 0; slot < 8; ++slot) {
-            if (squared[slot] > limit) continue;
+        for (; within != 0; within &= within - 1) {
+            const auto slot = static_cast<std::uint8_t>(std::countr_zero(within));
             std::size_t place = count++;
             for (; place > 0 && squared[order[place - 1]] < squared[slot]; --place)
                 order[place] = order[place - 1];
-            order[place] = static_cast<std::uint8_t>(slot);
+            order[place] = slot;
         }
         for (std::size_t i = 0; i < count; ++i) pending_.push(pair_of(order[i]));
+    }
+    static void prefetch(const DistanceIndex& index, std::uint32_t reference)
+    {
+        const RayBlock& block = index.triangles().blocks()[reference & ~ray_leaf_bit];
+        hwy::Prefetch(&block);
+        hwy::Prefetch(reinterpret_cast<const std::byte*>(&block) + 64);
     }
 
     bool look_at_leaves(const PendingPair& at)

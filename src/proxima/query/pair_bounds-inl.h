@@ -248,11 +248,13 @@ HWY_INLINE hn::Vec<PairTag<T>> reach_along(const hn::Vec<PairTag<T>> (&v)[3], co
     return hn::Min(by_box, by_slab);
 }
 
-/// Squared bounds on the distances of eight pairs of boxes.
+/// Squared bounds on the distances of eight pairs of boxes. Returns bits for those within the
+/// limit.
 template <class T, class BoxesA, class BoxesB>
-HWY_INLINE void bound_pairs(const PoseLanes<T>& pose, const BoxesA& a, const BoxesB& b,
-                            T (&squared)[8])
+HWY_INLINE std::uint32_t bound_pairs(const PoseLanes<T>& pose, const BoxesA& a, const BoxesB& b,
+                                     T limit, T (&squared)[8])
 {
+    std::uint32_t within = 0;
     const PairTag<T> d;
     using Lanes = hn::Vec<PairTag<T>>;
     const auto zero = hn::Zero(d);
@@ -303,11 +305,14 @@ HWY_INLINE void bound_pairs(const PoseLanes<T>& pose, const BoxesA& a, const Box
         const auto rest = hn::Max(hn::Sub(length, reaches), zero);
         const auto tiny = hn::Set(d, std::numeric_limits<T>::min());
         const auto along = hn::Div(hn::Mul(rest, rest), hn::Max(length, tiny));
-        auto bound = hn::Max(hn::Max(gaps_a, gaps_b), along);
-        const auto none = hn::Or(hn::Lt(half_a[0], zero), hn::Lt(half_b[0], zero));
-        bound = hn::IfThenElse(none, hn::Set(d, std::numeric_limits<T>::infinity()), bound);
+        const auto bound = hn::Max(hn::Max(gaps_a, gaps_b), along);
         hn::StoreU(bound, d, squared + first);
+        const auto exists = hn::Ge(hn::Min(half_a[0], half_b[0]), zero);
+        std::uint8_t bits[8] = {};
+        (void)hn::StoreMaskBits(d, hn::And(exists, hn::Le(bound, hn::Set(d, limit))), bits);
+        within |= static_cast<std::uint32_t>(bits[0]) << first;
     }
+    return within;
 }
 
 } // namespace proxima::HWY_NAMESPACE
