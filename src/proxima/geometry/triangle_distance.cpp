@@ -20,9 +20,10 @@ public:
     ClosestPair(const Triangle& first, const Triangle& second) noexcept
         : first_(first), second_(second)
     {
-        for (const Vec3& p : first.vertices)
+        for (const Vec3& p : first.vertices) {
             for (const Vec3& q : second.vertices)
                 reach_ = std::max(reach_, (q - p).cwiseAbs().maxCoeff());
+        }
     }
 
     /// The corners and the other triangle.

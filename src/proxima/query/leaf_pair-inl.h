@@ -33,6 +33,11 @@ struct Greater {
     {
         return std::max(a, b);
     }
+    template <class T>
+    HWY_INLINE T all(const T (&values)[8]) const
+    {
+        return *std::max_element(values, values + 8);
+    }
 };
 struct Less {
     template <class V>
@@ -44,6 +49,11 @@ struct Less {
     HWY_INLINE T one(T a, T b) const
     {
         return std::min(a, b);
+    }
+    template <class T>
+    HWY_INLINE T all(const T (&values)[8]) const
+    {
+        return *std::min_element(values, values + 8);
     }
 };
 
@@ -81,22 +91,52 @@ HWY_INLINE std::uint64_t pairs_within(const LeafPoints<T>& a, const LeafPoints<T
     return pairs & row * 0x0101010101010101U;
 }
 
+/// The least or the greatest of n . p for a leaf's vertices.
+template <class T, class Choose>
+HWY_INLINE T extreme_of(const RayLeaf& leaf, const Vec3& direction, const Choose& choose)
+{
+    const PairTag<T> d;
+    T on[8];
+    for (std::size_t at = 0; at < 8; at += pair_lanes<T>) {
+        auto sum = hn::Zero(d);
+        for (std::size_t k = 0; k < 3; ++k) {
+            const T number = static_cast<T>(direction[static_cast<Eigen::Index>(k)]);
+            sum = hn::Add(
+                sum, hn::Mul(load_lanes<T>(leaf.coordinates[k].data() + at), hn::Set(d, number)));
+        }
+        hn::StoreU(sum, d, on + at);
+    }
+    return choose.all(on);
+}
+
+/// Whether the vertices of two leaves may be within the limit: their gap along a direction is.
+template <class T>
+HWY_INLINE bool may_be_near(const PairSearch& search, const RayLeaf& a, const RayLeaf& b,
+                            const Vec3& direction)
+{
+    const Vec3 on_a = direction * double{search.a_scale};
+    const Vec3 on_b = search.rotation.transpose() * direction * double{search.b_scale};
+    const auto apart = static_cast<T>(direction.dot(search.offset));
+    const T gap = apart + extreme_of<T>(b, on_b, Less()) - extreme_of<T>(a, on_a, Greater());
+    return gap <= lane_limit<T>(search.limit());
+}
+
 /// Looks at all pairs of triangles of two leaves, given their centers' difference. Returns true
 /// where two touch.
 template <class T>
-HWY_INLINE bool ask_leaves(PairSearch& search, const LeafPoints<T>& a, const LeafPoints<T>& b,
-                           const Vec3& between)
+HWY_INLINE bool ask_leaves(PairSearch& search, const PoseLanes<T>& pose, const RayLeaf& leaf_a,
+                           const RayLeaf& leaf_b, const Vec3& between)
 {
-    std::uint64_t left = ~std::uint64_t{0};
-    if (!search.direction().isZero()) {
-        left = pairs_within(a, b, search.direction(), search.limit());
-        if (left == 0) return false;
-    }
+    const bool has_direction = !search.direction().isZero();
+    if (has_direction && !may_be_near<T>(search, leaf_a, leaf_b, search.direction())) return false;
     const double length = between.norm();
     const Vec3 along = length > 0 ? Vec3(between / length) : Vec3::UnitX();
-    left &= pairs_within(a, b, along, search.limit());
-    if (left == 0) return false;
+    if (!may_be_near<T>(search, leaf_a, leaf_b, along)) return false;
 
+    const LeafPoints<T> a(leaf_a, search.a_scale);
+    const LeafPoints<T> b(leaf_b, search.b_scale, pose);
+    std::uint64_t left = pairs_within(a, b, along, search.limit());
+    if (has_direction) left &= pairs_within(a, b, search.direction(), search.limit());
     while (left != 0) {
         PairPlace places[8];
         std::size_t count = 0;

@@ -108,6 +108,7 @@ private:
         }
         for (std::size_t i = 0; i < count; ++i) pending_.push(pair_of(order[i]));
     }
+
     static void prefetch(const DistanceIndex& index, std::uint32_t reference)
     {
         const RayBlock& block = index.triangles().blocks()[reference & ~ray_leaf_bit];
@@ -119,13 +120,11 @@ private:
     {
         const RayLeaf& leaf_a = search_.a.triangles().blocks()[at.reference_a & ~ray_leaf_bit].leaf;
         const RayLeaf& leaf_b = search_.b.triangles().blocks()[at.reference_b & ~ray_leaf_bit].leaf;
-        const LeafPoints<T> a(leaf_a, search_.a_scale);
-        const LeafPoints<T> b(leaf_b, search_.b_scale, pose_);
         const auto center = [](const BlockBox& box) {
             return Vec3(double{box.center[0]}, double{box.center[1]}, double{box.center[2]});
         };
         return ask_leaves(
-            search_, a, b,
+            search_, pose_, leaf_a, leaf_b,
             Vec3(search_.rotation * center(at.box_b) + search_.offset - center(at.box_a)));
     }
 

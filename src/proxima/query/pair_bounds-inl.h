@@ -2,10 +2,9 @@
 // per target, after <hwy/highway.h>. No multiply-add: the same bits on every instruction set.
 //
 //     axes of A    |d| - half a - |R| half b          gaps, as the sides of a box
-//     axes of B    |R^T d| - half b - |R|^T half a     the same
 //     along d      |d| - reach of a's box and slab - reach of b's
 //
-// d is the difference of the centers. The greatest of the three is the bound.
+// d is the difference of the centers. The greater of the two is the bound.
 
 #if defined(PROXIMA_QUERY_PAIR_BOUNDS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef PROXIMA_QUERY_PAIR_BOUNDS_INL_H
@@ -274,7 +273,7 @@ HWY_INLINE std::uint32_t bound_pairs(const PoseLanes<T>& pose, const BoxesA& a, 
         };
         Lanes difference[3];
         auto length = zero; // of d, squared
-        auto gaps_a = zero;
+        auto gaps = zero;
         for (std::size_t k = 0; k < 3; ++k) {
             const T(&row)[3] = pose.rotation[k];
             const T(&sizes)[3] = pose.sizes[k];
@@ -284,28 +283,20 @@ HWY_INLINE std::uint32_t bound_pairs(const PoseLanes<T>& pose, const BoxesA& a, 
             const auto size = hn::Abs(difference[k]);
             const auto reach = hn::Add(half_a[k], dot(half_b, sizes[0], sizes[1], sizes[2]));
             const auto gap = hn::Max(hn::Sub(size, reach), zero);
-            gaps_a = hn::Add(gaps_a, hn::Mul(gap, gap));
+            gaps = hn::Add(gaps, hn::Mul(gap, gap));
             length = hn::Add(length, hn::Mul(size, size));
         }
         Lanes back[3]; // from B to A, along B's axes
-        auto gaps_b = zero;
         for (std::size_t k = 0; k < 3; ++k) {
             const auto& r = pose.rotation;
-            const auto& s = pose.sizes;
             back[k] = hn::Neg(dot(difference, r[0][k], r[1][k], r[2][k]));
-            // Doubles know that R is a rotation only up to 1e-9.
-            if constexpr (sizeof(T) == sizeof(float)) {
-                const auto reach = hn::Add(half_b[k], dot(half_a, s[0][k], s[1][k], s[2][k]));
-                const auto gap = hn::Max(hn::Sub(hn::Abs(back[k]), reach), zero);
-                gaps_b = hn::Add(gaps_b, hn::Mul(gap, gap));
-            }
         }
         const auto reaches =
             hn::Add(reach_along<T>(difference, a, first), reach_along<T>(back, b, first));
         const auto rest = hn::Max(hn::Sub(length, reaches), zero);
         const auto tiny = hn::Set(d, std::numeric_limits<T>::min());
         const auto along = hn::Div(hn::Mul(rest, rest), hn::Max(length, tiny));
-        const auto bound = hn::Max(hn::Max(gaps_a, gaps_b), along);
+        const auto bound = hn::Max(gaps, along);
         hn::StoreU(bound, d, squared + first);
         const auto exists = hn::Ge(hn::Min(half_a[0], half_b[0]), zero);
         std::uint8_t bits[8] = {};
