@@ -43,7 +43,8 @@ struct MeshDistance {
 /// The distance, off by a few roundings of the coordinates that it is computed from. `last`, the
 /// answer for another pose of the same meshes, makes it quicker if that was near; it changes
 /// nothing else. Infinite where a mesh is empty. Real-time safe: noexcept, no allocation, no lock,
-/// 100 KB of stack; any number of threads. 5 to 100 us on scanned models of 70,000 triangles.
+/// 100 KB of stack; any number of threads. 0.05 to 0.5 ms on scanned models of 70,000 triangles, a
+/// quarter of it from a near pose's answer; see docs/limitations.md for what takes longer.
 ///
 /// \pre coordinates, moved ones too, are finite and differ by less than 1e150; `last` is of the
 /// same indexes
