@@ -1,4 +1,5 @@
 // proxima intersect: where two meshes meet, in any rigid poses of the second one.
+#include "cli/answer_table.h"
 #include "cli/commands.h"
 #include "cli/intersection_files.h"
 #include "cli/intersection_picture.h"
@@ -7,16 +8,20 @@
 #include "cli/stopwatch.h"
 #include "proxima/base/file_extension.h"
 #include "proxima/base/output_file.h"
+#include "proxima/geometry/triangle_intersection.h"
 #include "proxima/octree/build_octree.h"
+#include "proxima/query/build_distance_index.h"
 #include "proxima/query/build_ray_index.h"
 #include "proxima/query/containment.h"
 #include "proxima/query/intersect_octrees.h"
+#include "proxima/query/mesh_distance.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <fmt/core.h>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 namespace proxima {
 
@@ -32,6 +37,7 @@ struct IntersectOptions {
     std::string contour;
     std::string picture;
     bool cells = false;
+    bool distance = false;
     int depth = 5;
     std::uint32_t threshold = 1;
 };
@@ -43,6 +49,7 @@ struct Body {
     Octree octree;
     RayIndex index;
     Enclosure enclosure;
+    DistanceIndex distances; ///< where asked for
 };
 
 /// What was found in one pose.
@@ -55,6 +62,8 @@ struct PoseAnswer {
     std::uint64_t cell_tests = 0;
     double cell_seconds = 0;
     CandidateTriangles candidates;
+    std::optional<MeshDistance> nearest; ///< where asked for
+    double distance_seconds = 0;
 };
 
 Status check_options(const IntersectOptions& options, const Session& session)
@@ -97,11 +106,17 @@ Status prepare(Body& body, const std::string& model, const IntersectOptions& opt
         build_enclosure(body.mesh, {.threads = session.threads(), .progress = &session.progress()});
     if (!enclosure) return at_model(enclosure.error(), model);
     body.enclosure = std::move(*enclosure);
+    if (!options.distance) return {};
+    auto distances = build_distance_index(
+        body.index, {.threads = session.threads(), .progress = &session.progress()});
+    if (!distances) return at_model(distances.error(), model);
+    body.distances = std::move(*distances);
     return {};
 }
 
+/// `last`: the nearest points of another pose, if any.
 PoseAnswer find_in(const Body& a, const Body& b, const RigidTransform& pose,
-                   const IntersectOptions& options)
+                   const IntersectOptions& options, const MeshDistance* last)
 {
     PoseAnswer answer;
     {
@@ -122,6 +137,11 @@ PoseAnswer find_in(const Body& a, const Body& b, const RigidTransform& pose,
         answer.cell_seconds = watch.seconds();
         answer.candidates = candidate_triangles(a.octree, b.octree, answer.leaves);
     }
+    if (options.distance) {
+        const Stopwatch watch;
+        answer.nearest = mesh_distance(a.distances, b.distances, pose, last);
+        answer.distance_seconds = watch.seconds();
+    }
     return answer;
 }
 
@@ -137,6 +157,13 @@ std::string_view name_of(InsideMethod method)
     return method == InsideMethod::crossings ? "crossings"
            : method == InsideMethod::parity  ? "parity"
                                              : "winding_number";
+}
+
+FeatureKind kind_of(TrianglePart part)
+{
+    return is_corner(part) ? FeatureKind::vertex
+           : is_side(part) ? FeatureKind::edge
+                           : FeatureKind::face;
 }
 
 std::uint64_t distinct_cells(const std::vector<LeafPair>& pairs, Cell LeafPair::*side)
@@ -160,6 +187,17 @@ Json json_of(const PoseAnswer& answer, const IntersectOptions& options)
             {"closed", std::ranges::count_if(answer.contour.lines, &ContourLine::closed)},
             {"points", answer.contour.points.size()},
             {"length", answer.contour.length()}};
+    }
+    if (answer.nearest) {
+        const auto coordinates = [](const Vec3& p) { return Json{p.x(), p.y(), p.z()}; };
+        json["separation"] = answer.nearest->distance;
+        json["closest_a"] = coordinates(answer.nearest->point_a);
+        json["closest_b"] = coordinates(answer.nearest->point_b);
+        json["triangle_a"] = index(answer.nearest->triangle_a);
+        json["triangle_b"] = index(answer.nearest->triangle_b);
+        json["feature_a"] = kind_name(kind_of(answer.nearest->part_a));
+        json["feature_b"] = kind_name(kind_of(answer.nearest->part_b));
+        json["distance_seconds"] = answer.distance_seconds;
     }
     if (options.cells) {
         json["cells"] = {{"pairs", answer.leaves.size()},
@@ -189,6 +227,11 @@ std::string text_of(const PoseAnswer& answer, const IntersectOptions& options)
                             answer.contour.lines.size(),
                             std::ranges::count_if(answer.contour.lines, &ContourLine::closed),
                             answer.contour.length());
+    }
+    if (answer.nearest) {
+        text += fmt::format("; separation {:.9g} between triangles {} and {}, {:.1f} us",
+                            answer.nearest->distance, index(answer.nearest->triangle_a),
+                            index(answer.nearest->triangle_b), 1e6 * answer.distance_seconds);
     }
     if (options.cells) {
         text += fmt::format("; {} pairs of cells ({} of A, {} of B) hold {} and {} triangles, "
@@ -272,12 +315,14 @@ Status run_intersect(const IntersectOptions& options, Session& session)
                                    b->mesh.triangle_count(), build_seconds);
     std::size_t intersecting = 0;
     double seconds = 0;
+    std::optional<MeshDistance> last;
     {
         const ProgressBar shown(session.progress(), session.bar());
         session.progress().begin_stage("intersecting", poses.size());
         for (std::size_t i = 0; i < poses.size(); ++i) {
             if (Status status = session.check_running(); !status) return status;
-            const PoseAnswer answer = find_in(*a, *b, poses[i], options);
+            const PoseAnswer answer = find_in(*a, *b, poses[i], options, last ? &*last : nullptr);
+            last = answer.nearest;
             texts.add(i, answer);
             rows.push_back(json_of(answer, options));
             intersecting += answer.pairs.empty() ? 0U : 1U;
@@ -341,6 +386,8 @@ Command add_intersect_command(CLI::App& app)
                      "contour")
         ->type_name("FILE");
     parser->add_flag("--cells", options->cells, "Count the leaves of the octrees that meet, too");
+    parser->add_flag("--distance", options->distance,
+                     "How far the surfaces are apart, and their closest points");
     parser->add_option("--depth", options->depth, "Depth of the octrees, for cells")
         ->check(CLI::Range(0, max_octree_depth))
         ->type_name("N");

@@ -109,6 +109,23 @@ class Meeting(ProgramTest):
                 self.assertAlmostEqual(at[axis], 0.5, delta=0.02)
                 self.assertAlmostEqual(sum(x * x for x in at), 1, delta=0.02)
 
+    def test_says_how_far_apart(self):
+        # A corner of the second cube is nearest to an edge, a corner and a face of the first one.
+        turned = [[1, 0, 0], [0, math.cos(math.pi / 4), -math.sin(math.pi / 4)], [0, math.sin(math.pi / 4), math.cos(math.pi / 4)]]
+        shifts = [(3, 0, 0), (3, 4, 5), (0, 0, 4), (1, 1, 1)]
+        poses = [shifted(*shifts[0]), shifted(*shifts[1]), shifted(0, 0, 0), shifted(*shifts[3])]
+        poses[2] = [x for row, z in zip(turned, shifts[2]) for x in (*row, z)]
+        path = self.file("poses.csv", text_of(poses))
+        plain, corner, edge, meeting = self.json_of("intersect", "cube", "cube", "--pose", path, "--distance")["poses"]
+        self.assertEqual([plain["separation"], plain["closest_b"][0] - plain["closest_a"][0]], [1, 1])
+        self.assertEqual(corner["separation"], math.sqrt(1 + 4 + 9))
+        self.assertEqual([corner["closest_a"], corner["closest_b"]], [[1, 1, 1], [2, 3, 4]])
+        self.assertEqual([corner["feature_a"], corner["feature_b"]], ["vertex", "vertex"])
+        self.assertAlmostEqual(edge["separation"], 3 - math.sqrt(2), delta=1e-15)
+        self.assertEqual([meeting["separation"], meeting["intersecting"]], [0, True])
+        self.assertEqual(meeting["closest_a"], meeting["closest_b"])
+        self.assertIn("separation 1 between", self.succeed("intersect", "cube", "cube", "--pose", path, "--distance"))
+
     def test_counts_cells_and_draws_them(self):
         poses = self.file("poses.csv", text_of([shifted(1, 0, 0)]))
         out = self.folder / "spheres.png"
