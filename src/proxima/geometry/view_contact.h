@@ -1,9 +1,9 @@
 // Whether a view volume meets triangles and boxes: by its planes one at a time, or exactly.
 //
-//     volume   \   /        the triangle lies outside of the volume, but outside of no single
-//           ____\_/____     plane: it passes the planes and does not meet the volume
-//          '-._  v  _.-'
-//              '-_-'
+//     planes    \   /
+//                \ /
+//     triangle ---x--- below the x: outside of the volume, but of no single plane, so that it
+//                      passes the planes and does not meet the volume
 //
 // All sets are closed, all answers are exact for the doubles given: signs are computed in doubles
 // with error bounds, and where those do not tell, in whole numbers.

@@ -240,6 +240,7 @@ HWY_INLINE void open_node(const Culling& culling, const PendingBlock& at, Opened
     const RayNode& node = blocks[at.reference].node;
     const NodeBoxes boxes(node);
     std::uint32_t visible = boxes.used();
+    std::uint32_t any_cut = 0;
     std::uint64_t cut[8] = {}; // by eights of planes: for each a byte, bits by child
     for (PlaneMask left = at.mask; left != 0 && visible != 0; left &= left - 1) {
         const auto bit = static_cast<std::uint32_t>(std::countr_zero(left));
@@ -249,27 +250,43 @@ HWY_INLINE void open_node(const Culling& culling, const PendingBlock& at, Opened
             visible &= ~sides.outside;
             inside &= sides.inside;
         }
+        any_cut |= ~inside & 0xFFU;
         cut[bit / 8] |= std::uint64_t{~inside & 0xFFU} << (8 * (bit % 8));
     }
     if (visible == 0) return;
     for (std::size_t i = 0; i < 8 && at.mask >> (8 * i) != 0; ++i) cut[i] = transposed(cut[i]);
 
-    PendingBlock* last = nullptr; // whose end is not known yet
-    std::uint32_t order = node.order;
-    for (std::uint32_t i = 0; i < 8 && (order & 15U) != RayNode::no_child; ++i, order >>= 4U) {
-        const std::uint32_t place = order & 15U;
-        const std::uint32_t reference = node.children[place];
-        std::uint32_t first = node.first_row + node.starts[place];
-        if (node.starts[place] == RayNode::far_start) first = first_row_below(blocks, reference);
-        if (last != nullptr) last->end = first;
-        last = nullptr;
-        if ((visible >> place & 1U) == 0) continue;
+    // In the order of rows: where runs begin, and bits of what is visible and what is cut.
+    const auto count = 8 - static_cast<std::uint32_t>(std::countl_one(node.order)) / 4;
+    std::uint32_t firsts[9];
+    std::uint32_t shown = 0;
+    std::uint32_t whole = 0;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const std::uint32_t place = node.order >> (4 * i) & 15U;
+        firsts[i] = node.starts[place] == RayNode::far_start
+                        ? first_row_below(blocks, node.children[place])
+                        : node.first_row + node.starts[place];
+        shown |= (visible >> place & 1U) << i;
+        whole |= (visible & ~any_cut) >> place << 31U >> (31U - i);
+    }
+    firsts[count] = at.end;
+    while (shown != 0) {
+        const auto i = static_cast<std::uint32_t>(std::countr_zero(shown));
+        // Neighbours that are wholly visible go as one.
+        const auto together = static_cast<std::uint32_t>(std::countr_one(whole >> i));
+        if (together > 0) {
+            opened.children[opened.count++] = {0, firsts[i], firsts[i + together], 0};
+            shown &= ~(((1U << together) - 1) << i);
+            continue;
+        }
+        shown &= shown - 1;
+        const std::uint32_t place = node.order >> (4 * i) & 15U;
         PlaneMask mask = 0;
         for (std::size_t k = 0; k < 8 && at.mask >> (8 * k) != 0; ++k)
             mask |= (cut[k] >> (8 * place) & 0xFFU) << (8 * k);
-        if (mask != 0) prefetch_both(blocks[reference & ~ray_leaf_bit]);
-        last = &opened.children[opened.count++];
-        *last = {reference, first, at.end, mask};
+        const std::uint32_t reference = node.children[place];
+        prefetch_both(blocks[reference & ~ray_leaf_bit]);
+        opened.children[opened.count++] = {reference, firsts[i], firsts[i + 1], mask};
     }
 }
 
