@@ -1,6 +1,7 @@
 // Feeds files with right checksums and any content to the loader of proximity octrees, queries what
 // it accepts, and makes its mesh again. Seeds are octrees of the cube, the octahedron (one leaf)
 // and torus:8x6 to depth 2.
+#include "exact_copy.h"
 #include "proxima/mesh/topology.h"
 #include "proxima/proximity/closest_feature.h"
 #include "proxima/proximity/octree_mesh.h"
@@ -9,21 +10,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
-#include <cstring>
-#include <memory>
-#include <new>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
 {
-    struct Free {
-        void operator()(std::byte* bytes) const
-        {
-            ::operator delete[](bytes, std::align_val_t{64});
-        }
-    };
-    const std::shared_ptr<std::byte> copy(
-        static_cast<std::byte*>(::operator new[](size, std::align_val_t{64})), Free{});
-    if (size > 0) std::memcpy(copy.get(), data, size);
+    const auto copy = proxima::testing::exact_copy(data, size);
     proxima::reseal_binary_file({copy.get(), size});
     const auto octree = proxima::load_proximity_octree({copy.get(), size}, copy, "fuzz");
     if (!octree) return 0;

@@ -64,8 +64,7 @@ void Canvas::fill_background(const Color& top, const Color& bottom)
 }
 
 template <class Put>
-void Canvas::cover(const std::array<ScreenPoint, 3>& triangle, std::vector<float>& nearest,
-                   const Put& put)
+void Canvas::cover(const std::array<ScreenPoint, 3>& triangle, const Put& put) const
 {
     const auto corner = [&](std::size_t i) -> Vec2 {
         return samples_per_axis * Vec2(triangle[i].x, triangle[i].y);
@@ -88,26 +87,37 @@ void Canvas::cover(const std::array<ScreenPoint, 3>& triangle, std::vector<float
             if (u < 0.0 || v < 0.0 || w < 0.0) continue;
             const auto nearness = static_cast<float>(
                 u * triangle[0].nearness + v * triangle[1].nearness + w * triangle[2].nearness);
-            const std::size_t sample = sample_index(x, y);
-            if (nearness <= nearest[sample]) continue;
-            nearest[sample] = nearness;
-            put(sample, static_cast<float>(u), static_cast<float>(v), static_cast<float>(w));
+            put(sample_index(x, y), nearness, static_cast<float>(u), static_cast<float>(v),
+                static_cast<float>(w));
         }
     }
 }
 
 void Canvas::draw_triangle(const std::array<ScreenVertex, 3>& triangle)
 {
-    cover({triangle[0].point, triangle[1].point, triangle[2].point}, nearness_,
-          [&](std::size_t sample, float u, float v, float w) {
+    cover({triangle[0].point, triangle[1].point, triangle[2].point},
+          [&](std::size_t sample, float nearness, float u, float v, float w) {
+              if (nearness <= nearness_[sample]) return;
+              nearness_[sample] = nearness;
               colors_[sample] =
                   u * triangle[0].color + v * triangle[1].color + w * triangle[2].color;
           });
 }
 
+void Canvas::blend_triangle(const std::array<ScreenPoint, 3>& triangle, const Color& color,
+                            float opacity)
+{
+    cover(triangle, [&](std::size_t sample, float nearness, float, float, float) {
+        if (nearness <= nearness_[sample]) return;
+        colors_[sample] = (1.0F - opacity) * colors_[sample] + opacity * color;
+    });
+}
+
 void Canvas::hide_lines_behind(const std::array<ScreenPoint, 3>& triangle)
 {
-    cover(triangle, line_nearness_, [](std::size_t, float, float, float) {});
+    cover(triangle, [&](std::size_t sample, float nearness, float, float, float) {
+        line_nearness_[sample] = std::max(line_nearness_[sample], nearness);
+    });
 }
 
 void Canvas::draw_line(const ScreenPoint& from, const ScreenPoint& to, const Color& color,

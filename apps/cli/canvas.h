@@ -54,6 +54,12 @@ public:
     /// \pre all three in front of the eye
     void draw_triangle(const std::array<ScreenVertex, 3>& triangle);
 
+    /// Blends the triangle, of one colour, over what lies there, where nothing is nearer: later
+    /// triangles are not hidden by it, so far ones are to be drawn first.
+    /// \pre all three in front of the eye
+    void blend_triangle(const std::array<ScreenPoint, 3>& triangle, const Color& color,
+                        float opacity);
+
     /// Hides lines behind the triangle without drawing it: a pane of glass that only lines heed.
     void hide_lines_behind(const std::array<ScreenPoint, 3>& triangle);
 
@@ -69,9 +75,9 @@ public:
     [[nodiscard]] Image image() const;
 
 private:
+    /// Calls put(sample, nearness, u, v, w) for all samples that the triangle covers.
     template <class Put>
-    void cover(const std::array<ScreenPoint, 3>& triangle, std::vector<float>& nearest,
-               const Put& put);
+    void cover(const std::array<ScreenPoint, 3>& triangle, const Put& put) const;
 
     [[nodiscard]] std::size_t sample_index(int x, int y) const noexcept
     {

@@ -7,7 +7,11 @@
 #include "cli/text_table.h"
 #include "proxima/base/text.h"
 #include "proxima/mesh/mesh_report.h"
+#include "proxima/octree/build_octree.h"
+#include "proxima/query/build_ray_index.h"
+#include "proxima/query/self_intersection.h"
 
+#include <algorithm>
 #include <fmt/core.h>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -44,7 +48,19 @@ Json json_of(const MeshFinding& finding)
             {"meaning", finding.meaning}};
 }
 
-Json json_of(const MeshReport& report, const std::string& model)
+/// How many pairs are shown.
+constexpr std::size_t first_pairs = 5;
+
+Json json_of(const SelfIntersections& found)
+{
+    Json first = Json::array();
+    for (std::size_t i = 0; i < std::min(first_pairs, found.pairs.size()); ++i)
+        first.push_back({index(found.pairs[i].a), index(found.pairs[i].b)});
+    return {{"pairs", found.pairs.size()}, {"complete", found.complete}, {"first_pairs", first}};
+}
+
+Json json_of(const MeshReport& report, const std::optional<SelfIntersections>& intersections,
+             const std::string& model)
 {
     Json bounds;
     if (!report.bounds.empty()) {
@@ -75,6 +91,7 @@ Json json_of(const MeshReport& report, const std::string& model)
             {"signed_volume", json_of(report.signed_volume)},
             {"euler_characteristic", report.euler_characteristic},
             {"genus", json_of(report.genus)},
+            {"self_intersections", intersections ? json_of(*intersections) : Json()},
             {"findings", findings},
             {"outlook", outlook}};
 }
@@ -131,7 +148,25 @@ std::string finding_text(const MeshFinding& finding)
     return text;
 }
 
-std::string report_text(const MeshReport& report, const std::string& model)
+std::string intersections_text(const SelfIntersections& found)
+{
+    std::string text = fmt::format(
+        "warning: {}{} intersect\n    triangles that meet in more than the corners they share: "
+        "where the surface passes through itself or folds back, inside and outside mean less\n    "
+        "{}:",
+        found.complete ? "" : "at least ",
+        counted(found.pairs.size(), "pair of triangles", "pairs of triangles"),
+        found.pairs.size() > first_pairs ? "the first" : "at");
+    for (std::size_t i = 0; i < std::min(first_pairs, found.pairs.size()); ++i) {
+        text += fmt::format("{} {} and {}", i == 0 ? "" : ",", index(found.pairs[i].a),
+                            index(found.pairs[i].b));
+    }
+    return text + '\n';
+}
+
+std::string report_text(const MeshReport& report,
+                        const std::optional<SelfIntersections>& intersections,
+                        const std::string& model)
 {
     std::string text = fmt::format(
         "{}: {}, {}, {}, {}\n", model, counted(report.vertices, "vertex", "vertices"),
@@ -157,14 +192,37 @@ std::string report_text(const MeshReport& report, const std::string& model)
         text += "it would be closed if vertices at the same position were one\n";
     }
     text += '\n';
-    if (report.findings.empty()) text += "nothing is wrong with it\n";
+    const bool intersects = intersections && !intersections->pairs.empty();
+    if (report.findings.empty() && !intersects) text += "nothing is wrong with it\n";
     for (const MeshFinding& finding : report.findings) text += finding_text(finding);
+    if (intersects) text += intersections_text(*intersections);
 
     TextTable outlook({"Query", "Outlook", "Why"});
     for (const QueryOutlook& query : report.outlook) {
         outlook.add_row({words(name_of(query.query)), words(name_of(query.outlook)), query.reason});
     }
     return text + '\n' + outlook.text();
+}
+
+/// Nothing of a mesh that builders refuse.
+Result<std::optional<SelfIntersections>> intersections_of(const TriangleMesh& mesh,
+                                                          Session& session)
+{
+    if (!checked_bounding_box(mesh)) return std::nullopt;
+    Progress* const progress = &session.progress();
+    const ProgressBar shown(session.progress(), session.bar());
+    const auto octree = build_octree(mesh, {.threshold = 16,
+                                            .classification = Classification::none,
+                                            .threads = session.threads(),
+                                            .progress = progress});
+    if (!octree) return tl::unexpected(octree.error());
+    const auto index =
+        build_ray_index(*octree, mesh, {.threads = session.threads(), .progress = progress});
+    if (!index) return tl::unexpected(index.error());
+    auto found =
+        find_self_intersections(*index, {.threads = session.threads(), .progress = progress});
+    if (!found) return tl::unexpected(found.error());
+    return std::move(*found);
 }
 
 Status check_mesh(const std::string& model, Session& session)
@@ -176,8 +234,10 @@ Status check_mesh(const std::string& model, Session& session)
         return report_mesh(*mesh, {.threads = session.threads(), .progress = &session.progress()});
     }();
     if (!report) return at_model(report.error(), model);
-    session.print(report_text(*report, model));
-    return session.write_json(json_of(*report, model));
+    const auto intersections = intersections_of(*mesh, session);
+    if (!intersections) return at_model(intersections.error(), model);
+    session.print(report_text(*report, *intersections, model));
+    return session.write_json(json_of(*report, *intersections, model));
 }
 
 } // namespace

@@ -24,5 +24,8 @@ struct Command {
 [[nodiscard]] Command add_closest_command(CLI::App& app);
 [[nodiscard]] Command add_patch_command(CLI::App& app);
 [[nodiscard]] Command add_raycast_command(CLI::App& app);
+[[nodiscard]] Command add_cull_command(CLI::App& app);
+[[nodiscard]] Command add_intersect_command(CLI::App& app);
+[[nodiscard]] Command add_touch_command(CLI::App& app);
 
 } // namespace proxima

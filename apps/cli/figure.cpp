@@ -61,6 +61,12 @@ std::string figure_svg(const Figure& figure)
                            "fill=\"#{:06x}\"/>\n",
                            box.lower.x(), box.lower.y(), size.x(), size.y(), box.color);
     }
+    for (const FigurePolygon& polygon : figure.polygons) {
+        svg += "<polygon points=\"";
+        for (const Vec2& corner : polygon.corners)
+            svg += fmt::format("{:.2f},{:.2f} ", corner.x(), corner.y());
+        svg += fmt::format("\" fill=\"#{:06x}\"/>\n", polygon.color);
+    }
     for (const FigureLine& line : figure.lines) {
         svg += fmt::format(
             "<line x1=\"{:.2f}\" y1=\"{:.2f}\" x2=\"{:.2f}\" y2=\"{:.2f}\" "
@@ -98,6 +104,15 @@ Image figure_image(const Figure& figure)
         const ScreenVertex d = corner(box.lower.x(), box.upper.y());
         canvas.draw_triangle({a, b, c});
         canvas.draw_triangle({a, c, d});
+    }
+    for (const FigurePolygon& polygon : figure.polygons) {
+        nearness += 1.0;
+        const Color color = srgb(polygon.color);
+        const auto corner = [&](std::size_t i) -> ScreenVertex {
+            return {{polygon.corners[i].x(), polygon.corners[i].y(), nearness}, color};
+        };
+        for (std::size_t i = 2; i < polygon.corners.size(); ++i)
+            canvas.draw_triangle({corner(0), corner(i - 1), corner(i)});
     }
     nearness += 1.0;
     for (const FigureLine& line : figure.lines) {

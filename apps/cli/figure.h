@@ -1,4 +1,4 @@
-// A flat drawing of boxes, lines and text, written as SVG or drawn as a picture.
+// A flat drawing of boxes, polygons, lines and text, written as SVG or drawn as a picture.
 //
 //     Figure figure{.width = 1200, .height = 800};
 //     figure.lines.push_back({{60, 700}, {1180, 700}, 0x333333, 2});
@@ -22,6 +22,12 @@ struct FigureBox {
     unsigned color = 0; ///< 0xRRGGBB, as all colours here
 };
 
+/// Convex, its corners in either direction.
+struct FigurePolygon {
+    std::vector<Vec2> corners;
+    unsigned color = 0;
+};
+
 struct FigureLine {
     Vec2 from = Vec2::Zero();
     Vec2 to = Vec2::Zero();
@@ -35,11 +41,13 @@ struct FigureText {
     TextStyle style = {};
 };
 
-/// In pixels from the upper left corner, on white: boxes below lines below text.
+/// In pixels from the upper left corner, on white: boxes below polygons below lines below
+/// text.
 struct Figure {
     int width = 1200;
     int height = 800;
     std::vector<FigureBox> boxes = {};
+    std::vector<FigurePolygon> polygons = {};
     std::vector<FigureLine> lines = {};
     std::vector<FigureText> texts = {};
 };

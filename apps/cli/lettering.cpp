@@ -139,22 +139,21 @@ double text_length(std::string_view text, double size) noexcept
     return text.empty() ? 0.0 : (length - gap) * size / capital;
 }
 
-void draw_text(Canvas& canvas, std::string_view text, double x, double y, const TextStyle& style)
+std::vector<std::array<Vec2, 2>> text_strokes(std::string_view text, double x, double y,
+                                              const TextStyle& style)
 {
-    constexpr double nearest = 1e6;
     const double scale = style.size / capital;
     const double length = text_length(text, style.size);
     double pen = style.anchor == TextAnchor::start    ? 0.0
                  : style.anchor == TextAnchor::middle ? -0.5 * length
                                                       : -length;
-    const auto place = [&](char across, char up) -> ScreenPoint {
+    const auto place = [&](char across, char up) -> Vec2 {
         const double along = pen + scale * (across - '0');
         const double above = scale * (up - baseline);
-        if (style.turn == TextTurn::upward) return {x - above, y - along, nearest};
-        return {x + along, y - above, nearest};
+        if (style.turn == TextTurn::upward) return {x - above, y - along};
+        return {x + along, y - above};
     };
-    const Color color = srgb(style.color);
-    const LineStyle line = {.width = std::max(1.0, 0.11 * style.size)};
+    std::vector<std::array<Vec2, 2>> lines;
     for (const char letter : text) {
         const std::string_view strokes = glyph_of(letter);
         for (std::size_t i = 0; i + 3 < strokes.size(); i += 2) {
@@ -163,11 +162,26 @@ void draw_text(Canvas& canvas, std::string_view text, double x, double y, const 
                 i += 2;
                 continue;
             }
-            canvas.draw_line(place(strokes[i], strokes[i + 1]),
-                             place(strokes[i + 2], strokes[i + 3]), color, line);
+            lines.push_back(
+                {place(strokes[i], strokes[i + 1]), place(strokes[i + 2], strokes[i + 3])});
         }
         pen += scale * (width_of(letter) + gap);
     }
+    return lines;
+}
+
+double stroke_width(const TextStyle& style) noexcept
+{
+    return std::max(1.0, 0.11 * style.size);
+}
+
+void draw_text(Canvas& canvas, std::string_view text, double x, double y, const TextStyle& style)
+{
+    constexpr double nearest = 1e6;
+    const Color color = srgb(style.color);
+    const LineStyle line = {.width = stroke_width(style)};
+    for (const auto& [from, to] : text_strokes(text, x, y, style))
+        canvas.draw_line({from.x(), from.y(), nearest}, {to.x(), to.y(), nearest}, color, line);
 }
 
 } // namespace proxima

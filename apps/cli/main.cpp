@@ -6,6 +6,7 @@
 #include "cli/interrupt.h"
 #include "cli/names.h"
 #include "cli/session.h"
+#include "viewer/commands.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -80,8 +81,10 @@ int parse_and_run(int argc, char** argv)
         proxima::add_octree_command(app),    proxima::add_compare_command(app),
         proxima::add_minkowski_command(app), proxima::add_proximity_command(app),
         proxima::add_closest_command(app),   proxima::add_patch_command(app),
-        proxima::add_raycast_command(app),   proxima::add_tables_command(app),
-        proxima::add_check_command(app)};
+        proxima::add_raycast_command(app),   proxima::add_cull_command(app),
+        proxima::add_intersect_command(app), proxima::add_touch_command(app),
+        proxima::add_tables_command(app),    proxima::add_check_command(app),
+        proxima::add_figures_command(app)};
     for (const Command& command : commands) add_common_options(*command.parser, options);
     const auto asked_for = [](const Command& command) { return command.parser->parsed(); };
     try {
@@ -92,7 +95,8 @@ int parse_and_run(int argc, char** argv)
         if (found == commands.end() && argc > 1 && argv[1][0] != '-') {
             report(fmt::format(
                 "{} is no command: they are octree, compare, minkowski, proximity, closest, "
-                "patch, raycast, tables and check; see proxima --help",
+                "patch, raycast, cull, intersect, touch, tables, check and figures; see proxima "
+                "--help",
                 argv[1]));
             return wrong_usage;
         }

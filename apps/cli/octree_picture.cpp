@@ -1,7 +1,10 @@
 #include "cli/octree_picture.h"
 
 #include "cli/canvas.h"
+#include "cli/picture_scene.h"
+#include "proxima/geometry/view_contact.h"
 #include "proxima/octree/traverse.h"
+#include "proxima/query/cull_cells.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,134 +16,20 @@ namespace proxima {
 
 namespace {
 
-// The eye looks from the right, a little above, at a scene scaled to radius 1.
-constexpr double azimuth = 0.42;   // radians from the front
-constexpr double elevation = 0.30; // radians above the horizon
-constexpr double eye_distance = 4.0;
-constexpr double margin = 0.05; // of the picture, kept free on each side
-
-/// Perspective view of a box.
-class Camera {
-public:
-    Camera(const Box& box, UpAxis up)
-        : center_(box.center()), scale_(2.0 / std::max(box.extent().norm(), 1e-300))
-    {
-        const bool y_up = up == UpAxis::y;
-        up_ = y_up ? Vec3(0, 1, 0) : Vec3(0, 0, 1);
-        const Vec3 front = y_up ? Vec3(0, 0, 1) : Vec3(0, -1, 0);
-        const Vec3 side = up_.cross(front);
-        back_ = std::cos(elevation) * (std::cos(azimuth) * front + std::sin(azimuth) * side) +
-                std::sin(elevation) * up_;
-        right_ = up_.cross(back_).normalized();
-        up_ = back_.cross(right_);
-        eye_ = center_ + eye_distance / scale_ * back_;
-    }
-
-    /// Moves and zooms so that all points fill the picture but for its margin.
-    void fit(std::span<const Vec3> points, const PictureOptions& options)
-    {
-        Eigen::AlignedBox2d seen;
-        for (const Vec3& point : points) {
-            const ScreenPoint at = project(point);
-            seen.extend(Vec2(at.x, at.y));
-        }
-        const Vec2 size(options.width, options.height);
-        const Vec2 room = (1.0 - 2.0 * margin) * size;
-        zoom_ = (room.array() / seen.sizes().array().max(1e-12)).minCoeff();
-        origin_ = 0.5 * size - zoom_ * seen.center();
-    }
-
-    [[nodiscard]] const Vec3& eye() const noexcept { return eye_; }
-
-    /// Direction on the screen (right, up, towards the eye) to one of the mesh.
-    [[nodiscard]] Vec3 from_screen(const Vec3& direction) const noexcept
-    {
-        return direction.x() * right_ + direction.y() * up_ + direction.z() * back_;
-    }
-
-    [[nodiscard]] ScreenPoint project(const Vec3& point) const noexcept
-    {
-        const Vec3 offset = scale_ * (point - center_);
-        const double nearness = 1.0 / (eye_distance - back_.dot(offset));
-        return {origin_.x() + zoom_ * right_.dot(offset) * nearness,
-                origin_.y() - zoom_ * up_.dot(offset) * nearness, nearness};
-    }
-
-private:
-    Vec3 center_;
-    double scale_;
-    Vec3 right_;
-    Vec3 up_;
-    Vec3 back_; // from the scene to the eye
-    Vec3 eye_;
-    double zoom_ = 1.0; // pixels
-    Vec2 origin_ = Vec2::Zero();
-};
-
-/// Three lamps fixed to the camera and light from the sky.
-class Lamps {
-public:
-    explicit Lamps(const Camera& camera)
-        : key_(camera.from_screen(Vec3(-0.45, 0.65, 0.60).normalized())),
-          fill_(camera.from_screen(Vec3(0.80, 0.10, 0.45).normalized())),
-          sky_(camera.from_screen(Vec3(0.0, 1.0, 0.0)))
-    {}
-
-    [[nodiscard]] Color shade(const Vec3& normal, const Color& surface) const
-    {
-        const auto part = [&](const Vec3& lamp) {
-            return static_cast<float>(std::max(0.0, normal.dot(lamp)));
-        };
-        const auto sky = static_cast<float>(0.5 + 0.5 * normal.dot(sky_));
-        const Color light = 0.80F * part(key_) * Color(1.00F, 0.97F, 0.92F) +
-                            0.20F * part(fill_) * Color(0.80F, 0.88F, 1.00F) +
-                            (0.14F + 0.22F * sky) * Color(0.93F, 0.96F, 1.00F);
-        return surface * light;
-    }
-
-private:
-    Vec3 key_;
-    Vec3 fill_;
-    Vec3 sky_;
-};
-
-/// Few enough triangles or leaves to be drawn in some milliseconds.
+/// Few enough leaves to be drawn in some milliseconds.
 constexpr std::uint64_t block = 256;
 
-/// Area-weighted vertex normals, not of unit length.
-std::vector<Vec3> vertex_normals(const TriangleMesh& mesh, StageSteps& steps)
+/// Triangles that the options' volume sees, and those that it does not.
+SurfaceColor surface_color(const TriangleMesh& mesh, const PictureOptions& options)
 {
-    std::vector<Vec3> normals(mesh.vertex_count(), Vec3::Zero());
-    for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
-        const Vec3 normal = scaled_normal(mesh.triangle(TriangleId{i}));
-        for (const std::uint32_t corner : mesh.triangles()[i]) normals[corner] += normal;
-        if (!steps.done(1)) break;
-    }
-    return normals;
-}
-
-void draw_mesh(Canvas& canvas, const Camera& camera, const TriangleMesh& mesh, Progress* progress)
-{
-    constexpr double smooth_below = 0.7; // cosine of the angle between a face and its smooth normal
-    const Color surface = srgb(0xE9E1D2);
-    const Lamps lamps(camera);
-    StageSteps steps(progress, "drawing the mesh", 2 * mesh.triangle_count(), block);
-    const std::vector<Vec3> normals = vertex_normals(mesh, steps);
-    for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
-        const Triangle triangle = mesh.triangle(TriangleId{i});
-        const Vec3 face = scaled_normal(triangle).normalized();
-        // Seen from behind, a surface is lit as if it faced the eye: open meshes show their inside.
-        const double side = face.dot(camera.eye() - triangle[0]) < 0.0 ? -1.0 : 1.0;
-        std::array<ScreenVertex, 3> vertices;
-        for (std::size_t corner = 0; corner < 3; ++corner) {
-            const Vec3 smooth = normals[mesh.triangles()[i][corner]].normalized();
-            const Vec3 normal = side * (smooth.dot(face) > smooth_below ? smooth : face);
-            vertices[corner] = {camera.project(triangle.vertices[corner]),
-                                lamps.shade(normal, surface)};
-        }
-        canvas.draw_triangle(vertices);
-        if (!steps.done(1)) return;
-    }
+    if (options.volume == nullptr) return {};
+    return [&](TriangleId id) {
+        const Triangle triangle = mesh.triangle(id);
+        const bool seen = options.mode == CullMode::exact
+                              ? meets_volume(*options.volume, triangle)
+                              : passes_planes(*options.volume, triangle);
+        return seen ? srgb(0xF2B134) : srgb(0x8A93A0);
+    };
 }
 
 /// Colour of cells at `part` of the way from the coarsest leaves (0) to the finest (1).
@@ -221,11 +110,18 @@ void draw_edges(Canvas& canvas, const Camera& camera, const Box& box, const Colo
     }
 }
 
-/// The leaves that hold triangles, fine ones first.
-std::vector<Leaf> occupied_leaves(const Octree& octree, const Progress* progress)
+/// The leaves that hold triangles and are seen, fine ones first.
+std::vector<Leaf> occupied_leaves(const Octree& octree, const PictureOptions& options)
 {
     std::vector<Leaf> leaves;
-    traverse(octree, LeafCollector{octree, leaves, progress});
+    LeafCollector collector{octree, leaves, options.progress};
+    if (options.volume == nullptr) {
+        traverse(octree, collector);
+    } else {
+        visible_cells(octree, *options.volume, options.mode, [&](const VisibleCell& at) {
+            return collector.visit_leaf(at.cell, octree.triangles(at.cell));
+        });
+    }
     const auto finer = [](const Leaf& a, const Leaf& b) { return depth(a.key) > depth(b.key); };
     std::ranges::stable_sort(leaves, finer);
     return leaves;
@@ -266,7 +162,7 @@ Result<Image> draw_octree(const Octree& octree, const TriangleMesh& mesh,
 {
     Canvas canvas(options.width, options.height, options.progress);
     canvas.fill_background(srgb(0xFBFCFE), srgb(0xE3E8EF));
-    const std::vector<Leaf> leaves = occupied_leaves(octree, options.progress);
+    const std::vector<Leaf> leaves = occupied_leaves(octree, options);
     std::vector<Vec3> corners;
     for (const Leaf& leaf : leaves) {
         for (int bits = 0; bits < 8; ++bits) corners.push_back(box_corner(leaf.box, bits));
@@ -275,9 +171,12 @@ Result<Image> draw_octree(const Octree& octree, const TriangleMesh& mesh,
     if (shown.empty()) {
         for (const Vec3& corner : corners) shown.extend(corner);
     }
+    // With a volume the whole mesh is shown, its leaves are not all there.
+    for (int bits = 0; bits < 8 && options.volume != nullptr && !shown.empty(); ++bits)
+        corners.push_back(box_corner(shown, bits));
     Camera camera(shown, options.up);
-    camera.fit(corners, options);
-    draw_mesh(canvas, camera, mesh, options.progress);
+    camera.fit(corners, options.width, options.height);
+    draw_mesh(canvas, camera, mesh, surface_color(mesh, options), options.progress);
     if (options.progress != nullptr) options.progress->begin_stage("shading", 1);
     canvas.darken_creases(14.0, 0.55F);
     draw_leaves(canvas, camera, leaves, options.progress);

@@ -1,4 +1,5 @@
-// A picture of a mesh with the boundary leaves of its octree: lines coloured by depth.
+// A picture of a mesh with the boundary leaves of its octree: lines coloured by depth; all of it,
+// or with the part that a camera sees set off.
 #pragma once
 
 #include "cli/image.h"
@@ -6,6 +7,7 @@
 #include "proxima/base/result.h"
 #include "proxima/mesh/triangle_mesh.h"
 #include "proxima/octree/octree.h"
+#include "proxima/query/cull_volume.h"
 
 namespace proxima {
 
@@ -14,7 +16,11 @@ enum class UpAxis { y, z };
 struct PictureOptions {
     int width = 1600;
     int height = 1200;
-    UpAxis up = UpAxis::y;        ///< which axis of the mesh points up in the picture
+    UpAxis up = UpAxis::y; ///< which axis of the mesh points up in the picture
+    /// Where given: triangles that it does not see are drawn dark, and leaves that it does not see
+    /// are left out.
+    const ViewVolume* volume = nullptr;
+    CullMode mode = CullMode::conservative;
     Progress* progress = nullptr; ///< stages "drawing the mesh", "shading" and "drawing the cells"
 };
 

@@ -4,7 +4,10 @@
 #include "proxima/query/cells_along_ray.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
+#include <vector>
 
 namespace proxima {
 
@@ -20,6 +23,38 @@ void put_pixel(Image& image, std::size_t pixel, const Color& color)
     }
 }
 
+/// From black over purple, red and orange to pale yellow, each step as much lighter to the eye as
+/// the last: black and eight of the colours of matplotlib's "inferno", in sRGB. Beyond 1 as 1.
+Color heat(float share)
+{
+    constexpr std::array<unsigned, 9> stops = {0x000000, 0x210C4A, 0x57106E, 0x8A226A, 0xBC3754,
+                                               0xE45A31, 0xF98E09, 0xF9CB35, 0xFCFFA4};
+    const float at = std::clamp(share, 0.0F, 1.0F) * (stops.size() - 1);
+    const auto below = std::min(static_cast<std::size_t>(at), stops.size() - 2);
+    const float part = at - static_cast<float>(below);
+    Color color;
+    for (int channel = 0; channel < 3; ++channel) {
+        const auto of = [&](unsigned stop) {
+            return static_cast<float>(stop >> (16 - 8 * channel) & 0xFFU) / 255;
+        };
+        color[channel] = (1 - part) * of(stops[below]) + part * of(stops[below + 1]);
+    }
+    return color;
+}
+
+/// What one in a hundred of the weights above zero exceeds, so that a few do not darken the rest;
+/// 1 where there are none.
+float usual_most(const std::vector<float>& weights)
+{
+    std::vector<float> seen;
+    std::copy_if(weights.begin(), weights.end(), std::back_inserter(seen),
+                 [](float weight) { return weight > 0; });
+    if (seen.empty()) return 1;
+    const auto place = seen.begin() + static_cast<std::ptrdiff_t>((seen.size() - 1) * 99 / 100);
+    std::nth_element(seen.begin(), place, seen.end());
+    return *place;
+}
+
 Image empty_image(const PictureSize& size)
 {
     Image image{size.width, size.height, {}};
@@ -33,14 +68,12 @@ Image empty_image(const PictureSize& size)
 Image draw_weights(const Octree& octree, std::span<const Ray> rays, const PictureSize& size,
                    Threads threads, Progress* progress)
 {
-    Image image = empty_image(size);
-    constexpr double opacity = 0.3;
-    const Color yellow = srgb(0xFFE23D);
-    if (progress != nullptr)
-        progress->begin_stage("casting rays", static_cast<std::uint64_t>(size.height));
-    parallel_for(static_cast<std::size_t>(size.height), threads, [&](std::size_t y) {
+    const auto width = static_cast<std::size_t>(size.width);
+    const auto height = static_cast<std::size_t>(size.height);
+    std::vector<float> weights(width * height, 0.0F);
+    if (progress != nullptr) progress->begin_stage("casting rays", height);
+    parallel_for(height, threads, [&](std::size_t y) {
         if (is_cancelled(progress)) return;
-        const auto width = static_cast<std::size_t>(size.width);
         for (std::size_t pixel = y * width; pixel < (y + 1) * width; ++pixel) {
             double weight = 0;
             cells_along_ray(octree, rays[pixel], [&](const CellOnRay& at) {
@@ -48,10 +81,19 @@ Image draw_weights(const Octree& octree, std::span<const Ray> rays, const Pictur
                 const double edge = octree.box(at.cell).extent().maxCoeff();
                 weight += at.penetration * at.chord / edge;
             });
-            put_pixel(image, pixel, yellow * static_cast<float>(1 - std::exp(-opacity * weight)));
+            weights[pixel] = static_cast<float>(weight);
         }
         if (progress != nullptr) progress->advance(1);
     });
+    const float full = usual_most(weights);
+    Image image = empty_image(size);
+    for (std::size_t pixel = 0; pixel < weights.size(); ++pixel) {
+        const Color color = heat(weights[pixel] / full);
+        for (std::size_t channel = 0; channel < 3; ++channel) {
+            image.bytes[3 * pixel + channel] =
+                static_cast<std::uint8_t>(std::lround(255 * color[static_cast<int>(channel)]));
+        }
+    }
     return image;
 }
 

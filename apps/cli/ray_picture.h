@@ -13,8 +13,9 @@
 
 namespace proxima {
 
-/// From black to yellow by how much of the ray is seen in cells that hold triangles: each lets
-/// exp(-0.3 penetration * chord / its edge) of the light behind it through. \pre a ray per pixel
+/// From black to pale yellow by the weight of the cells with triangles that a pixel's ray goes
+/// through, the sum of penetration * chord / edge; pale yellow are the largest hundredth of those
+/// above zero. \pre a ray per pixel
 [[nodiscard]] Image draw_weights(const Octree& octree, std::span<const Ray> rays,
                                  const PictureSize& size, Threads threads, Progress* progress);
 

@@ -230,9 +230,20 @@ class Check(ProgramTest):
         self.assertEqual(list(result), [
             "model", "vertices", "triangles", "edges", "components", "boundary_loops", "bounds", "area",
             "min_edge_length", "max_edge_length", "closed", "consistently_oriented", "closed_if_welded",
-            "orientation", "signed_volume", "euler_characteristic", "genus", "findings", "outlook"])
+            "orientation", "signed_volume", "euler_characteristic", "genus", "self_intersections", "findings",
+            "outlook"])
         self.assertEqual((result["vertices"], result["edges"], result["triangles"]), (6, 12, 8))
         self.assertEqual((result["closed"], result["genus"], result["findings"]), (True, 0, []))
+        self.assertEqual(result["self_intersections"], {"pairs": 0, "complete": True, "first_pairs": []})
+        self.assertIn("nothing is wrong", self.succeed("check", "octahedron"))
+
+    def test_triangles_that_intersect_are_counted_and_named(self):
+        # Two crossing ones, one that shares an edge with the first, and one beside.
+        path = self.file("cross.off", "OFF\n10 4 0\n0 0 0\n4 0 0\n0 4 0\n1 1 -1\n1 1 1\n3 3 1\n0 -4 0\n"
+                                      "9 9 9\n8 9 9\n9 8 9\n3 0 1 2\n3 3 4 5\n3 1 0 6\n3 7 8 9\n")
+        found = self.json_of("check", path)["self_intersections"]
+        self.assertEqual(found, {"pairs": 1, "complete": True, "first_pairs": [[0, 1]]})
+        self.assertIn("1 pair of triangles intersect", self.succeed("check", path))
 
     def test_a_hole_is_found_and_said(self):
         path = self.file("open.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
@@ -255,7 +266,9 @@ class Check(ProgramTest):
 
     def test_infinity_is_null(self):
         path = self.file("nan.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 nan 0\n3 0 1 2\n")
-        self.assertIsNone(self.json_of("check", path)["findings"][0]["first_places"][0][1])
+        result = self.json_of("check", path)
+        self.assertIsNone(result["findings"][0]["first_places"][0][1])
+        self.assertIsNone(result["self_intersections"])
 
 
 class Parser(ProgramTest):

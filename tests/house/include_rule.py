@@ -4,7 +4,8 @@
     base  geometry  mesh  minkowski  octree  {proximity query}  haptics  apps
     <------------------------------------ a file includes its own folder and those to its left
 
-proximity and query do not see each other; an app sees only itself among the apps. Includes are
+proximity and query do not see each other; an app sees only itself among the apps, the viewer also the
+command line, and the program's main file all. Includes are
 written as the path below src/ or apps/, files never include each other in a circle, and foreign
 headers stay in the layers that may use them. Nobody, tests and benchmarks neither, writes for one
 processor: vector code goes through Highway, in base and in the kernels named below.
@@ -19,6 +20,11 @@ from pathlib import Path
 RANK = {"base": 0, "geometry": 1, "mesh": 2, "minkowski": 3, "octree": 4,
         "proximity": 5, "query": 5, "haptics": 6, "apps": 7}
 
+# Apps stand beside each other, but for those that may include another one. The program's main file
+# knows the commands of all.
+MAY_INCLUDE_APP = {"viewer": {"cli"}}
+PROGRAM = "apps/cli/main.cpp"
+
 # Foreign headers (first part of the path) and the layers that may name them; None: all layers.
 FOREIGN = {"Eigen": None, "hwy": {"base"}, "tl": None, "xxhash.h": None, "sys": None, "sanitizer": {"base"},
            "tbb": {"base"}, "oneapi": {"base"}, "assimp": {"mesh"}}
@@ -30,7 +36,9 @@ KERNELS = {f"src/proxima/octree/{name}" for name in (
     f"src/proxima/proximity/{name}" for name in (
         "block_scan-inl.h", "closest_feature.cpp", "domination.cpp", "eight_lanes-inl.h", "local_region.cpp",
         "row_distance-inl.h", "triangle_lanes.cpp", "triangle_tree_search.cpp")} | {
-    f"src/proxima/query/{name}" for name in ("cast_ray.cpp", "walk_ray-inl.h")}
+    f"src/proxima/query/{name}" for name in (
+        "cast_ray.cpp", "leaf_pair-inl.h", "leaf_points-inl.h", "mesh_distance.cpp", "pair_bounds-inl.h",
+        "triangle_bounds-inl.h", "walk_ray-inl.h")}
 
 # Headers of one processor: immintrin.h, x86intrin.h, arm_neon.h, riscv_vector.h and their like.
 INTRINSICS = re.compile(r"^(\w*intrin|cpuid|(arm|riscv)_\w+|altivec|wasm_simd128|msa)\.h$")
@@ -81,7 +89,11 @@ def edge_problem(source, target):
         return f"{other} is no layer"
     if RANK[other] < RANK[one]:
         return None
-    return f"{one} must not include {other}" if one != other else "an app must not include another app"
+    if one != other:
+        return f"{one} must not include {other}"
+    if source.as_posix() == PROGRAM or target.parts[1] in MAY_INCLUDE_APP.get(source.parts[1], set()):
+        return None
+    return "an app must not include another app"
 
 
 def circles(graph):

@@ -1,5 +1,8 @@
 #include "proxima/octree/octree_file.h"
 
+#include "damaged_files.h"
+#include "exact_copy.h"
+
 #include "octree/slow_builder.h"
 #include "octree/small_meshes.h"
 #include "proxima/octree/classify_cells.h"
@@ -26,12 +29,7 @@ std::string slurp(const std::filesystem::path& path)
 /// Loads from an exact copy of the bytes, so that a sanitizer sees the first one out of bounds.
 Result<Octree> load_bytes(const std::string& bytes, Verification verify = Verification::full)
 {
-    struct Free {
-        void operator()(std::byte* p) const { ::operator delete[](p, std::align_val_t{64}); }
-    };
-    const std::shared_ptr<std::byte> copy(
-        static_cast<std::byte*>(::operator new[](bytes.size(), std::align_val_t{64})), Free{});
-    std::memcpy(copy.get(), bytes.data(), bytes.size());
+    const auto copy = testing::exact_copy(bytes.data(), bytes.size());
     return load_octree(std::span(copy.get(), bytes.size()), copy, "memory", {.verify = verify});
 }
 
@@ -93,27 +91,12 @@ TEST_F(OctreeFile, ComesBackAsItWas)
 
 TEST_F(OctreeFile, RefusesEveryFlippedBit)
 {
-    const std::string bytes = saved(small);
-    ASSERT_TRUE(load_bytes(bytes));
-    for (std::size_t i = 0; i < bytes.size(); ++i) {
-        for (unsigned bit = 0; bit < 8; ++bit) {
-            std::string damaged = bytes;
-            damaged[i] = static_cast<char>(static_cast<unsigned char>(damaged[i]) ^ 1U << bit);
-            const auto loaded = load_bytes(damaged);
-            ASSERT_FALSE(loaded) << "byte " << i << " bit " << bit;
-            ASSERT_FALSE(loaded.error().message.empty());
-        }
-    }
+    testing::refuses_every_flipped_bit(saved(small), load_bytes);
 }
 
 TEST_F(OctreeFile, RefusesEveryTruncationAndExtension)
 {
-    const std::string bytes = saved(small);
-    for (std::size_t size = 0; size < bytes.size(); ++size) {
-        ASSERT_FALSE(load_bytes(bytes.substr(0, size))) << size;
-        ASSERT_FALSE(load_bytes(bytes.substr(0, size), Verification::structure)) << size;
-    }
-    EXPECT_FALSE(load_bytes(bytes + '\0'));
+    testing::refuses_every_truncation_and_extension(saved(small), load_bytes);
 }
 
 TEST_F(OctreeFile, DamageWithRightChecksumsIsHarmless)

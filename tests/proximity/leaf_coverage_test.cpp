@@ -1,6 +1,7 @@
 // Every leaf lists the closest feature of each of its points: of closed cells, corners included.
 #include "octree/small_meshes.h"
 #include "proxima/proximity/build_proximity_octree.h"
+#include "proxima/proximity/neighbourhood.h"
 #include "proxima/proximity/proximity_cells.h"
 #include "proxima/proximity/surface_search.h"
 #include "proximity/test_meshes.h"
@@ -19,20 +20,6 @@ TriangleId triangle_of(const ProximityArrays& arrays, std::uint32_t rank)
 {
     return TriangleId{arrays.double_rows.empty() ? arrays.float_rows[rank].triangle_id()
                                                  : arrays.double_rows[rank].triangle_id()};
-}
-
-std::span<const TriangleId> triangles_of(const Topology& topology, const Feature& feature,
-                                         const TriangleId& face)
-{
-    switch (feature.kind) {
-    case FeatureKind::vertex:
-        return topology.triangles(VertexId{feature.id});
-    case FeatureKind::edge:
-        return topology.triangles(EdgeId{feature.id});
-    case FeatureKind::face:
-        break;
-    }
-    return {&face, 1};
 }
 
 struct Coverage {
@@ -77,7 +64,8 @@ Coverage ask_every_leaf(const ProximityOctree& octree, const SurfaceSearch& sear
         const auto ask = [&](const Vec3& away) {
             const Vec3 p = center + half * away;
             const ClosestFeature truth = closest_feature(search, p);
-            const auto holding = triangles_of(search.topology(), truth.feature, truth.triangle);
+            const auto holding =
+                incident_triangles(search.topology(), truth.feature, truth.triangle);
             const bool found = std::ranges::any_of(holding, [&](TriangleId triangle) {
                 return std::ranges::binary_search(listed, triangle);
             });

@@ -1,8 +1,8 @@
 #include "proxima/proximity/neighbourhood.h"
 
+#include "counted_allocations.h"
 #include "proxima/geometry/closest_point.h"
 #include "proxima/proximity/brute_force.h"
-#include "counted_allocations.h"
 #include "proximity/test_meshes.h"
 
 #include <gtest/gtest.h>
@@ -176,9 +176,18 @@ TEST(Rings, NeedNoClearingEvenWhenRoundsRunOut)
     for (std::uint32_t vertex = 0; vertex < 20; ++vertex) EXPECT_EQ(rings(vertex), truth[vertex]);
 }
 
-TEST(MetricPatch, HasAllTrianglesWithinTheRadius)
+/// A ball about a point, and how far distances from it may be off.
+struct Ball {
+    Vec3 p;
+    double radius = 0;
+    double rounding = 0;
+};
+
+/// Calls body(mesh, topology, search, ball) for `count` balls of all sizes about each mesh.
+template <class Body>
+void for_balls(int count, unsigned seed, const Body& body)
 {
-    std::mt19937 random(2);
+    std::mt19937 random(seed);
     for (const NamedMesh& named : proximity_meshes()) {
         SCOPED_TRACE(named.name);
         const TriangleMesh& mesh = named.mesh;
@@ -186,25 +195,32 @@ TEST(MetricPatch, HasAllTrianglesWithinTheRadius)
         const auto search = build_surface_search(mesh, topology).value();
         const Box bounds = bounding_box(mesh);
         const double size = bounds.extent().maxCoeff();
-        std::vector<TriangleId> buffer(mesh.triangle_count());
-        for (const Vec3& p : proximity_points(mesh, 40, 3)) {
+        for (const Vec3& p : proximity_points(mesh, count, seed + 1)) {
             const double radius = std::ldexp(size, 1 - static_cast<int>(random() % 9));
-            const Neighbourhood found = collect_triangles(search, p, radius, buffer);
-            EXPECT_TRUE(found.complete);
-            const auto ids = std::span(buffer).first(found.count);
-            EXPECT_TRUE(std::ranges::is_sorted(ids));
-            EXPECT_EQ(std::ranges::adjacent_find(ids), ids.end());
-            const double rounding =
-                1e-13 * (size + bounds.lower.cwiseAbs().maxCoeff() + p.cwiseAbs().maxCoeff());
-            for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
-                const double distance =
-                    (closest_point(mesh.triangle(TriangleId{i}), p).point - p).norm();
-                if (std::abs(distance - radius) <= rounding) continue;
-                EXPECT_EQ(std::ranges::binary_search(ids, TriangleId{i}), distance < radius)
-                    << "triangle " << i;
-            }
+            const double reach = bounds.lower.cwiseAbs().maxCoeff() + p.cwiseAbs().maxCoeff();
+            body(mesh, topology, search, Ball{p, radius, 1e-13 * (size + reach)});
         }
     }
+}
+
+TEST(MetricPatch, HasAllTrianglesWithinTheRadius)
+{
+    std::vector<TriangleId> buffer;
+    for_balls(40, 2, [&](const auto& mesh, const auto&, const auto& search, const Ball& ball) {
+        buffer.resize(mesh.triangle_count());
+        const Neighbourhood found = collect_triangles(search, ball.p, ball.radius, buffer);
+        EXPECT_TRUE(found.complete);
+        const auto ids = std::span(buffer).first(found.count);
+        EXPECT_TRUE(std::ranges::is_sorted(ids));
+        EXPECT_EQ(std::ranges::adjacent_find(ids), ids.end());
+        for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
+            const Vec3 closest = closest_point(mesh.triangle(TriangleId{i}), ball.p).point;
+            const double distance = (closest - ball.p).norm();
+            if (std::abs(distance - ball.radius) <= ball.rounding) continue;
+            EXPECT_EQ(std::ranges::binary_search(ids, TriangleId{i}), distance < ball.radius)
+                << "triangle " << i;
+        }
+    });
 }
 
 TEST(MetricPatch, TakesRadiiOfNothingAndEverything)
@@ -225,35 +241,24 @@ TEST(MetricPatch, TakesRadiiOfNothingAndEverything)
 
 TEST(FeaturesWithin, AreThoseOfAllVerticesEdgesAndFaces)
 {
-    std::mt19937 random(4);
-    for (const NamedMesh& named : proximity_meshes()) {
-        SCOPED_TRACE(named.name);
-        const TriangleMesh& mesh = named.mesh;
-        const Topology topology = build_topology(mesh).value();
-        const auto search = build_surface_search(mesh, topology).value();
-        const Box bounds = bounding_box(mesh);
-        const double size = bounds.extent().maxCoeff();
-        std::vector<NearestFeature> buffer(mesh.vertex_count() + topology.edge_count() +
-                                           mesh.triangle_count());
-        for (const Vec3& p : proximity_points(mesh, 30, 5)) {
-            const double radius = std::ldexp(size, 1 - static_cast<int>(random() % 9));
-            const Neighbourhood found = collect_features(search, p, radius, buffer);
+    std::vector<NearestFeature> buffer;
+    for_balls(
+        30, 4, [&](const auto& mesh, const auto& topology, const auto& search, const Ball& ball) {
+            buffer.resize(mesh.vertex_count() + topology.edge_count() + mesh.triangle_count());
+            const Neighbourhood found = collect_features(search, ball.p, ball.radius, buffer);
             EXPECT_TRUE(found.complete);
             const auto features = std::span(buffer).first(found.count);
-            for (std::size_t i = 1; i < features.size(); ++i) {
+            for (std::size_t i = 1; i < features.size(); ++i)
                 EXPECT_LT(features[i - 1].feature, features[i].feature);
-            }
-            const double rounding =
-                1e-13 * (size + bounds.lower.cwiseAbs().maxCoeff() + p.cwiseAbs().maxCoeff());
             const auto expect = [&](FeatureKind kind, std::uint32_t id, const Vec3& closest) {
-                const double distance = (closest - p).norm();
+                const double distance = (closest - ball.p).norm();
                 const auto place =
                     std::ranges::find(features, Feature{kind, id}, &NearestFeature::feature);
                 if (place != features.end()) {
-                    EXPECT_NEAR(std::sqrt(place->squared), distance, rounding);
+                    EXPECT_NEAR(std::sqrt(place->squared), distance, ball.rounding);
                 }
-                if (std::abs(distance - radius) <= rounding) return;
-                EXPECT_EQ(place != features.end(), distance < radius)
+                if (std::abs(distance - ball.radius) <= ball.rounding) return;
+                EXPECT_EQ(place != features.end(), distance < ball.radius)
                     << "kind " << static_cast<int>(kind) << " id " << id;
             };
             for (std::uint32_t i = 0; i < mesh.vertex_count(); ++i) {
@@ -262,14 +267,14 @@ TEST(FeaturesWithin, AreThoseOfAllVerticesEdgesAndFaces)
             }
             for (std::uint32_t i = 0; i < topology.edge_count(); ++i) {
                 const auto [low, high] = topology.vertices(EdgeId{i});
-                expect(FeatureKind::edge, i,
-                       closest_point(Segment{mesh.position(low), mesh.position(high)}, p).point);
+                const Segment edge{mesh.position(low), mesh.position(high)};
+                expect(FeatureKind::edge, i, closest_point(edge, ball.p).point);
             }
             for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
-                expect(FeatureKind::face, i, closest_point(mesh.triangle(TriangleId{i}), p).point);
+                const Triangle triangle = mesh.triangle(TriangleId{i});
+                expect(FeatureKind::face, i, closest_point(triangle, ball.p).point);
             }
-        }
-    }
+        });
 }
 
 TEST(Neighbourhoods, SayWhereTheBufferIsTooSmallAndDoNotAllocate)

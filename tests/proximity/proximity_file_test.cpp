@@ -2,6 +2,8 @@
 #include "proxima/proximity/proximity_file.h"
 
 #include "cancellation.h"
+#include "damaged_files.h"
+#include "exact_copy.h"
 #include "folder_test.h"
 #include "proxima/base/text.h"
 #include "proxima/mesh/sample_meshes.h"
@@ -36,12 +38,7 @@ std::string slurp(const std::filesystem::path& path)
 Result<ProximityOctree> load_bytes(const std::string& bytes,
                                    Verification verify = Verification::full)
 {
-    struct Free {
-        void operator()(std::byte* p) const { ::operator delete[](p, std::align_val_t{64}); }
-    };
-    const std::shared_ptr<std::byte> copy(
-        static_cast<std::byte*>(::operator new[](bytes.size(), std::align_val_t{64})), Free{});
-    std::memcpy(copy.get(), bytes.data(), bytes.size());
+    const auto copy = testing::exact_copy(bytes.data(), bytes.size());
     return load_proximity_octree(std::span(copy.get(), bytes.size()), copy, "memory",
                                  {.verify = verify});
 }
@@ -195,27 +192,13 @@ TEST_F(ProximityFile, OutlivesItsFile)
 
 TEST_F(ProximityFile, RefusesEveryTruncationAndExtension)
 {
-    const std::string bytes = saved(built(sample_mesh("cube").value()));
-    ASSERT_TRUE(load_bytes(bytes));
-    for (std::size_t size = 0; size < bytes.size(); ++size) {
-        ASSERT_FALSE(load_bytes(bytes.substr(0, size))) << size;
-        ASSERT_FALSE(load_bytes(bytes.substr(0, size), Verification::structure)) << size;
-    }
-    EXPECT_FALSE(load_bytes(bytes + '\0'));
+    testing::refuses_every_truncation_and_extension(saved(built(sample_mesh("cube").value())),
+                                                    load_bytes);
 }
 
 TEST_F(ProximityFile, RefusesEveryFlippedBit)
 {
-    const std::string bytes = saved(built(sample_mesh("cube").value()));
-    for (std::size_t i = 0; i < bytes.size(); ++i) {
-        for (unsigned bit = 0; bit < 8; ++bit) {
-            std::string damaged = bytes;
-            damaged[i] = static_cast<char>(static_cast<unsigned char>(damaged[i]) ^ 1U << bit);
-            const auto loaded = load_bytes(damaged);
-            ASSERT_FALSE(loaded) << "byte " << i << " bit " << bit;
-            ASSERT_FALSE(loaded.error().message.empty());
-        }
-    }
+    testing::refuses_every_flipped_bit(saved(built(sample_mesh("cube").value())), load_bytes);
 }
 
 TEST_F(ProximityFile, DamageWithRightChecksumsIsHarmless)

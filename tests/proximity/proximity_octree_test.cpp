@@ -224,6 +224,30 @@ TEST(ProximityOctree, FindsNothingBeyondTheRadius)
     EXPECT_TRUE(closest_feature(octree, p, 1.001 * distance));
 }
 
+TEST(ProximityOctree, SearchesLessFromAnEarlierAnswer)
+{
+    const TriangleMesh mesh = sample_mesh("torus:60x40").value();
+    const ProximityOctree octree = build(mesh, {.budget_bytes = 200 * mesh.triangle_count()});
+    std::mt19937_64 random(9);
+    std::uniform_real_distribution<double> part(-1, 1);
+    const auto step = [&](double length) {
+        return Vec3(length * part(random), length * part(random), length * part(random));
+    };
+    QuerySteps cold;
+    QuerySteps warm;
+    for (int i = 0; i < 2000; ++i) {
+        const Vec3 p = step(4);
+        const Vec3 near = p + step(1e-3);
+        const ClosestFeature earlier = closest_feature(octree, near);
+        const ClosestFeature found = closest_feature(octree, p, cold);
+        const ClosestFeature again = closest_feature(octree, p, earlier, warm);
+        ASSERT_EQ(again.feature, found.feature);
+        ASSERT_EQ(again.squared_distance, found.squared_distance);
+    }
+    EXPECT_LT(warm.groups + warm.blocks, cold.groups + cold.blocks);
+    EXPECT_LT(warm.rechecks, cold.rechecks);
+}
+
 TEST(ProximityOctree, QueriesDoNotAllocate)
 {
     const TriangleMesh mesh = sample_mesh("sphere:20x20").value();

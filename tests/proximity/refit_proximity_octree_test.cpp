@@ -137,29 +137,6 @@ TEST(RefitProximityOctree, KeepsListsAwayFromWhatMoved)
     EXPECT_EQ(same.statistics(), built.statistics());
 }
 
-TEST(RefitProximityOctree, SearchesLessFromAnEarlierAnswer)
-{
-    const TriangleMesh mesh = sample_mesh("torus:60x40").value();
-    const auto topology = build_topology(mesh).value();
-    ProximityOptions options;
-    options.budget_bytes = 200 * mesh.triangle_count();
-    const auto octree = build_proximity_octree(mesh, topology, options).value();
-    std::mt19937_64 random(9);
-    QuerySteps cold;
-    QuerySteps warm;
-    for (int i = 0; i < 2000; ++i) {
-        const Vec3 p = random_step(random, 4);
-        const Vec3 near = p + random_step(random, 1e-3);
-        const ClosestFeature earlier = closest_feature(octree, near);
-        const ClosestFeature found = closest_feature(octree, p, cold);
-        const ClosestFeature again = closest_feature(octree, p, earlier, warm);
-        ASSERT_EQ(again.feature, found.feature);
-        ASSERT_EQ(again.squared_distance, found.squared_distance);
-    }
-    EXPECT_LT(warm.groups + warm.blocks, cold.groups + cold.blocks);
-    EXPECT_LT(warm.rechecks, cold.rechecks);
-}
-
 TEST(RefitProximityOctree, IsTheSameForAnyNumberOfThreads)
 {
     const TriangleMesh mesh = sample_mesh("torus:40x30").value();

@@ -1,9 +1,9 @@
 #include "proxima/proximity/signed_distance.h"
 
+#include "counted_allocations.h"
 #include "oracles/exact_winding.h"
 #include "proxima/geometry/triangle_contact.h"
 #include "proxima/mesh/mesh_io.h"
-#include "counted_allocations.h"
 #include "proximity/test_meshes.h"
 
 #include <filesystem>

@@ -1,9 +1,9 @@
 #include "proxima/proximity/surface_search.h"
 
+#include "counted_allocations.h"
 #include "proxima/base/simd.h"
 #include "proxima/proximity/brute_force.h"
 #include "proxima/proximity/triangle_lanes.h"
-#include "counted_allocations.h"
 #include "proximity/test_meshes.h"
 
 #include <gtest/gtest.h>

@@ -1,9 +1,9 @@
 #include "proxima/proximity/triangle_tree.h"
 
+#include "counted_allocations.h"
 #include "oracles/quad_distance.h"
 #include "proxima/base/simd.h"
 #include "proxima/mesh/triangle_order.h"
-#include "counted_allocations.h"
 #include "proximity/test_meshes.h"
 
 #include <gtest/gtest.h>

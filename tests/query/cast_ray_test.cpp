@@ -204,6 +204,78 @@ TEST(CastRay, BatchesAnswerAsSingleRaysForAnyNumberOfThreads)
     }
 }
 
+/// Rows of rays that go much the same way: from a point or all in one direction, from near or far,
+/// with ranges that begin or end in the mesh, some of them odd ones out.
+std::vector<Ray> rows_of_rays(const TriangleMesh& mesh, std::uint32_t seed)
+{
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal;
+    std::uniform_real_distribution<double> unit(0, 1);
+    const Box box = bounding_box(mesh);
+    const double size = std::max(box.extent().maxCoeff(), 1e-3);
+    constexpr double ways[] = {0.1, 1, 3, 1000, 0x1p30};
+    std::vector<Ray> rays;
+    for (int row = 0; row < 24; ++row) {
+        Vec3 way = Vec3(normal(random), normal(random), normal(random)).normalized();
+        if (row % 4 == 0) way = Vec3::Unit(row / 4 % 3); // axes, whose other components are zero
+        const double far = size * ways[static_cast<std::size_t>(row) % 5];
+        const Vec3 eye = box.center() - far * way;
+        const Vec3 across = way.unitOrthogonal();
+        const bool from_point = row % 2 == 0;
+        const double width = size * (row % 3 == 0 ? 1.2 : 0.1);
+        const Vec3& aim = mesh.positions()[random() % mesh.vertex_count()];
+        for (int i = 0; i < 50; ++i) {
+            const Vec3 off = width * (i / 50.0 - 0.5) * across;
+            Ray ray{from_point ? eye : Vec3(aim - far * way + off),
+                    from_point ? Vec3(aim - eye + off) : way};
+            if (row % 5 == 1) ray.t_max = 0.8 * far + 0.4 * size * unit(random);
+            if (row % 5 == 2) ray.t_min = 0.8 * far + 0.4 * size * unit(random);
+            if (i == 45 && row % 7 == 0) ray.direction = -ray.direction;
+            if (is_valid(ray)) rays.push_back(ray);
+        }
+    }
+    return rays;
+}
+
+TEST(CastRay, PacketsAnswerAsBruteForceOnEveryInstructionSet)
+{
+    std::size_t hits = 0;
+    std::size_t cast = 0;
+    const auto expect_truth_of_rows = [&](const TriangleMesh& mesh, std::uint32_t seed) {
+        if (!checked_bounding_box(mesh)) return;
+        const RayIndex index = index_of(mesh);
+        const std::vector<Ray> rays = rows_of_rays(mesh, seed);
+        const Faces faces = all_faces[seed % 3];
+        std::vector<std::optional<RayHit>> truth;
+        truth.reserve(rays.size());
+        for (const Ray& ray : rays) {
+            truth.push_back(closest_hit_by_brute_force(mesh, ray, faces));
+            hits += truth.back() ? 1 : 0;
+        }
+        cast += rays.size();
+        for (const SimdTarget& target : simd_targets()) {
+            SCOPED_TRACE(::testing::Message() << target.name << ", seed " << seed);
+            force_simd_target(target);
+            std::vector<std::optional<RayHit>> closest(rays.size());
+            const auto any = std::make_unique<bool[]>(rays.size());
+            EXPECT_TRUE(closest_hits(index, rays, closest, {.faces = faces}));
+            EXPECT_TRUE(any_hits(index, rays, {any.get(), rays.size()}, {.faces = faces}));
+            restore_simd_targets();
+            for (std::size_t i = 0; i < rays.size(); ++i) {
+                ASSERT_EQ(closest[i], truth[i]) << "ray " << i;
+                ASSERT_EQ(any[i], truth[i].has_value()) << "ray " << i;
+            }
+        }
+    };
+    for (std::uint32_t seed = 0; seed < 9 && !HasFailure(); ++seed) {
+        for (const TriangleMesh& mesh : {nasty_mesh(seed), grid_mesh(seed), random_soup(seed)})
+            expect_truth_of_rows(mesh, seed);
+    }
+    expect_truth_of_rows(torus_mesh(1.0, 0.4, 24, 16), 1);
+    expect_truth_of_rows(sphere_mesh(Vec3(5, 6, 7), 1.0, 20, 30), 3);
+    EXPECT_GT(hits, cast / 10);
+}
+
 TEST(CastRay, AnswersTheSameOnEveryInstructionSetWithoutAllocating)
 {
     const TriangleMesh torus = torus_mesh(1.0, 0.4, 24, 16);

@@ -11,6 +11,7 @@
 
 #include <bit>
 #include <cstring>
+#include <random>
 
 namespace proxima {
 namespace {
@@ -82,6 +83,7 @@ private:
             const std::uint32_t row = leaf.first_row + i;
             ASSERT_LT(row_id(index_, row), mesh_.triangle_count());
             const TriangleId id{row_id(index_, row)};
+            EXPECT_EQ(index_.ids()[row], id);
             ++seen_[row_id(index_, row)];
             for (std::size_t corner = 0; corner < 3; ++corner) {
                 const Vec3 p = mesh_.triangle(id).vertices[corner];
@@ -94,6 +96,9 @@ private:
                     const float stored =
                         leaf.coordinates[static_cast<std::size_t>(axis)][leaf.corners[corner][i]];
                     EXPECT_EQ(stored, static_cast<float>(place[axis]));
+                    if (index_.has_exact_leaves()) {
+                        EXPECT_EQ(stored / index_.scale() + index_.center()[axis], p[axis]);
+                    }
                 }
             }
         }
@@ -136,6 +141,32 @@ TEST(RayIndex, KeepsFloatsWhereTheyAreTheSame)
     EXPECT_EQ(build_ray_index(octree_of(cube), cube)->float_rows().size(), 12U);
     const TriangleMesh third = cube_mesh(Vec3(1, 2, 3), 1.0 / 3);
     EXPECT_EQ(build_ray_index(octree_of(third), third)->double_rows().size(), 12U);
+}
+
+TEST(RayIndex, HasExactLeavesOfFloatsWhereverTheyLie)
+{
+    std::mt19937 random(5);
+    for (const Vec3& place : {Vec3(0, 0, 0), Vec3(0.2, 3, -1000), Vec3(-0.6, 1e6, 0.9)}) {
+        std::vector<Vec3> positions(300);
+        for (Vec3& p : positions) {
+            for (int axis = 0; axis < 3; ++axis) {
+                std::uniform_real_distribution<float> around(
+                    static_cast<float>(place[axis]) - 0.5F, static_cast<float>(place[axis]) + 0.5F);
+                p[axis] = double{around(random)};
+            }
+        }
+        std::vector<TriangleCorners> triangles;
+        for (std::uint32_t i = 0; i + 2 < positions.size(); ++i)
+            triangles.push_back({i, i + 1, i + 2});
+        const TriangleMesh mesh = mesh_of(positions, triangles);
+        const RayIndex index = build_ray_index(octree_of(mesh), mesh).value();
+        EXPECT_TRUE(index.has_exact_leaves());
+        const Inspection inspection(index, mesh);
+        positions[7][1] += 1e-12; // no float
+        const TriangleMesh other = mesh_of(positions, triangles);
+        if (other.positions()[7] == mesh.positions()[7]) continue;
+        EXPECT_FALSE(build_ray_index(octree_of(other), other)->has_exact_leaves());
+    }
 }
 
 TEST(RayIndex, IsTheSameForAnyNumberOfThreadsAndAnyDepthOfTheOctree)

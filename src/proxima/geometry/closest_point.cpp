@@ -69,6 +69,19 @@ std::optional<TrianglePoint> closest_point_inside(const Triangle& triangle, cons
     return result;
 }
 
+TrianglePoint point_of_side(std::size_t side, const SegmentPoint& point) noexcept
+{
+    const std::size_t next = (side + 1) % 3;
+    TrianglePoint result;
+    result.point = point.point;
+    result.weights[side] = 1 - point.t;
+    result.weights[next] = point.t;
+    constexpr auto first_side = static_cast<std::size_t>(TrianglePart::side_0);
+    const std::size_t part = point.t == 0 ? side : point.t == 1 ? next : first_side + side;
+    result.part = static_cast<TrianglePart>(part);
+    return result;
+}
+
 TrianglePoint closest_point(const Triangle& triangle, const Vec3& p) noexcept
 {
     if (const auto inside = closest_point_inside(triangle, p)) return *inside;
@@ -80,15 +93,7 @@ TrianglePoint closest_point(const Triangle& triangle, const Vec3& p) noexcept
         const double squared_distance = (candidate.point - p).squaredNorm();
         if (!(squared_distance < best)) continue;
         best = squared_distance;
-        result.point = candidate.point;
-        result.weights = {};
-        result.weights[i] = 1 - candidate.t;
-        result.weights[(i + 1) % 3] = candidate.t;
-        constexpr auto first_side = static_cast<std::size_t>(TrianglePart::side_0);
-        const std::size_t part = candidate.t == 0   ? i
-                                 : candidate.t == 1 ? (i + 1) % 3
-                                                    : first_side + i;
-        result.part = static_cast<TrianglePart>(part);
+        result = point_of_side(i, candidate);
     }
     return result;
 }

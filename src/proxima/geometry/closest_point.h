@@ -15,6 +15,7 @@
 #include "proxima/geometry/vec.h"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 
@@ -56,6 +57,9 @@ struct TrianglePoint {
     std::array<double, 3> weights = {};
     TrianglePart part = TrianglePart::corner_0;
 };
+
+/// The point of side i, from corner i to i + 1 mod 3, as one of the triangle. \pre side < 3
+[[nodiscard]] TrianglePoint point_of_side(std::size_t side, const SegmentPoint& point) noexcept;
 
 /// The point of the triangle closest to p. About 0.1 us. Where a side or corner is as close as the
 /// inside, up to rounding, it may be named instead.

@@ -1,6 +1,6 @@
 // Exact signs of orientation determinants of points with double coordinates.
 //
-//     double filter -> expansion arithmetic -> whole numbers of up to 8,704 bits
+//     double filter -> expansion arithmetic -> whole numbers of up to 12,800 bits
 //
 // The filter answers nearly always; expansions (expansion.h, [shewchuk-1997]) answer the rest where
 // every coordinate is zero or between 2^-288 and 2^300 in size; outside of that range whole numbers

@@ -2,6 +2,7 @@
 
 #include "proxima/geometry/exact_predicates.h"
 #include "proxima/geometry/expansion.h"
+#include "proxima/geometry/ray_triangle-inl.h"
 
 #include <algorithm>
 #include <array>
@@ -11,13 +12,11 @@
 namespace proxima {
 namespace {
 
-using Three = std::array<double, 3>;
-
-/// One point of the triangle on the ray's line: barycentric weights, sum 1.
-struct Meeting {
-    double t = 0;
-    Three weights = {};
-};
+using detail::inner_point;
+using detail::is_wanted;
+using detail::Meeting;
+using detail::Three;
+using detail::within_range;
 
 /// Where corners are along the ray, measured on the direction's largest component.
 Three corner_places(const Ray& ray, const Triangle& triangle) noexcept
@@ -29,31 +28,6 @@ Three corner_places(const Ray& ray, const Triangle& triangle) noexcept
         places[i] = (triangle.vertices[i][axis] - ray.origin[axis]) / ray.direction[axis];
     }
     return places;
-}
-
-bool is_wanted(double determinant, Faces faces) noexcept
-{
-    // The sum of the weights is direction . normal: negative where the front is seen.
-    return faces == Faces::both || (faces == Faces::front) == (determinant < 0);
-}
-
-std::optional<RayTriangleHit> within_range(const Ray& ray, const Meeting& at) noexcept
-{
-    if (!(ray.t_min <= at.t && at.t <= ray.t_max)) return std::nullopt;
-    return RayTriangleHit{at.t, at.weights[1], at.weights[2]};
-}
-
-/// The point with weights of one sign, none of them all.
-Meeting inner_point(const Three& weights, const Three& places) noexcept
-{
-    const double sum = weights[0] + weights[1] + weights[2];
-    Meeting at;
-    for (std::size_t i = 0; i < 3; ++i) at.weights[i] = weights[i] / sum;
-    const double t =
-        at.weights[0] * places[0] + at.weights[1] * places[1] + at.weights[2] * places[2];
-    const auto [least, most] = std::minmax({places[0], places[1], places[2]});
-    at.t = std::clamp(t, least, most);
-    return at;
 }
 
 Meeting corner_point(std::size_t corner, const Three& places) noexcept
@@ -234,59 +208,18 @@ private:
     Conditioned conditioned_;
 };
 
-// Bounds of the quick test, which looks along the ray: with d_k the largest component of the
-// direction, S = d_i / d_k, corners become x = A_i - S_x A_k and y, A about the origin. Let M be
-// the largest component of all A, R the largest of all x and y, u = 2^-53. Rounding A, S (twice),
-// their product and the difference leaves x off by at most 7 u M, a weight x_1 y_2 - y_1 x_2 by
-// less than 28 u M R + 98 u^2 M^2 + 4 u R^2 < 2^-47 M (R + 2^-51 M), as R <= 2 M (1 + 7 u). Where
-// that is at least 2^-900, what products lost by underflow is within its slack; infinity compares
-// as unsure.
-constexpr double error_factor = 0x1p-47;
-constexpr double own_error = 0x1p-51;
-constexpr double safe_error = 0x1p-900;
-// Weights whose sum is at least so many errors are good to 2^-24 of it, and so is t, over the
-// triangle's extent, at worst. Less is for triangles seen all but edge-on, or from far away.
-constexpr double sure_sum = 0x1p24;
-
 } // namespace
+
+std::optional<RayTriangleHit> detail::intersect_exactly(const Ray& ray, const Triangle& triangle,
+                                                        Faces faces) noexcept
+{
+    return ExactMeeting(ray, triangle).find(faces);
+}
 
 std::optional<RayTriangleHit> intersect(const Ray& ray, const Triangle& triangle,
                                         Faces faces) noexcept
 {
-    const Vec3& d = ray.direction;
-    int k = 0;
-    d.cwiseAbs().maxCoeff(&k);
-    const int i = (k + 1) % 3;
-    const int j = (k + 2) % 3;
-    const double inverse = 1 / d[k];
-    const double slope_x = d[i] * inverse;
-    const double slope_y = d[j] * inverse;
-    Three x;
-    Three y;
-    Three places;
-    double size = 0;
-    double reach = 0;
-    for (std::size_t corner = 0; corner < 3; ++corner) {
-        const Vec3 about = triangle.vertices[corner] - ray.origin;
-        x[corner] = about[i] - slope_x * about[k];
-        y[corner] = about[j] - slope_y * about[k];
-        places[corner] = about[k] * inverse;
-        size = std::max({size, std::abs(about[0]), std::abs(about[1]), std::abs(about[2])});
-        reach = std::max({reach, std::abs(x[corner]), std::abs(y[corner])});
-    }
-    const Three weights = {x[1] * y[2] - y[1] * x[2], x[2] * y[0] - y[2] * x[0],
-                           x[0] * y[1] - y[0] * x[1]};
-    const double error = error_factor * size * (reach + own_error * size);
-    const auto [least, most] = std::minmax({weights[0], weights[1], weights[2]});
-    if (error >= safe_error && error <= std::numeric_limits<double>::max()) {
-        if (least < -error && most > error) return std::nullopt;
-        const double sum = weights[0] + weights[1] + weights[2];
-        if ((least > error || most < -error) && std::abs(sum) > sure_sum * error) {
-            if (!is_wanted(d[k] > 0 ? sum : -sum, faces)) return std::nullopt;
-            return within_range(ray, inner_point(weights, places));
-        }
-    }
-    return ExactMeeting(ray, triangle).find(faces);
+    return intersect(ray, RayShear(ray.direction), triangle, faces);
 }
 
 } // namespace proxima

@@ -11,6 +11,8 @@
 #include "proxima/geometry/ray.h"
 #include "proxima/geometry/shapes.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <optional>
 
 namespace proxima {
@@ -21,6 +23,30 @@ struct RayTriangleHit {
     double u = 0; ///< u, v >= 0, u + v <= 1, up to rounding of the sum
     double v = 0;
     friend bool operator==(const RayTriangleHit&, const RayTriangleHit&) = default;
+};
+
+/// A ray seen along its direction's largest component z: p becomes p_x - slope_x p_z, likewise y.
+struct RayShear {
+    std::uint32_t x = 0;
+    std::uint32_t y = 0;
+    std::uint32_t z = 0;
+    double inverse_z = 0;
+    double slope_x = 0;
+    double slope_y = 0;
+
+    RayShear() = default;
+    explicit RayShear(const Vec3& direction) noexcept
+    {
+        const Vec3 sizes = direction.cwiseAbs();
+        z = sizes[1] > sizes[0] ? 1 : 0;
+        z = sizes[2] > std::max(sizes[0], sizes[1]) ? 2 : z;
+        x = z == 2 ? 0 : z + 1;
+        y = z == 0 ? 2 : z - 1;
+        const double* const d = direction.data();
+        inverse_z = 1 / d[z];
+        slope_x = d[x] * inverse_z;
+        slope_y = d[y] * inverse_z;
+    }
 };
 
 /// The first point of the closed triangle on the ray, degenerate triangles being the segments and

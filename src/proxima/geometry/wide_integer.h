@@ -1,7 +1,7 @@
 // Whole numbers wide enough for any orientation determinant of doubles, on the stack.
 //
-// Every double is a whole multiple of 2^-1074 of at most 2,098 bits. Two differences of them and a
-// product of two doubles multiply to 8,394 bits, and sums of a few such products stay below 8,704.
+// Every double is a whole multiple of 2^-1074 of at most 2,098 bits. Three sums of a few products of
+// two doubles multiply to 12,600 bits, and sums of a few such products stay below 12,800.
 // Slow (microseconds): for the inputs on which expansions would over- or underflow.
 #pragma once
 
@@ -24,11 +24,11 @@ public:
     [[nodiscard]] WideInteger operator-() const noexcept;
     friend WideInteger operator+(const WideInteger& a, const WideInteger& b) noexcept;
     friend WideInteger operator-(const WideInteger& a, const WideInteger& b) noexcept;
-    /// \pre the product has at most 8,704 bits
+    /// \pre the product has at most 12,800 bits
     friend WideInteger operator*(const WideInteger& a, const WideInteger& b) noexcept;
 
 private:
-    static constexpr int capacity = 272;
+    static constexpr int capacity = 400;
 
     [[nodiscard]] static int compare_sizes(const WideInteger& a, const WideInteger& b) noexcept;
     [[nodiscard]] static WideInteger add_sizes(const WideInteger& a, const WideInteger& b) noexcept;

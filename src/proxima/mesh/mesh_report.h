@@ -7,7 +7,7 @@
 //     for (const QueryOutlook& query : report->outlook) ...   // octree: works, sign: with care,
 //     ...
 //
-// Whether the surface intersects itself is not examined.
+// Whether the surface intersects itself is not examined: query/self_intersection.h does.
 #pragma once
 
 #include "proxima/base/memory_budget.h"

@@ -264,6 +264,7 @@ HWY_EXPORT(drop_dominated);
 std::size_t drop_dominated(const LocalFeatures& features, std::uint32_t* list, std::size_t count,
                            const FrameCell& cell, DominationScratch& scratch)
 {
+    if (count == 0) return 0;
     if (scratch.bounds.size() < 4 * count) scratch.bounds.resize(4 * count);
     return HWY_DYNAMIC_DISPATCH(drop_dominated)(features, list, count, cell, scratch.bounds.data());
 }

@@ -53,8 +53,8 @@ public:
 
     using Lists = std::array<std::vector<std::uint32_t>, 8>;
 
-    /// The features of a cell's children.
-    void split(const FrameCell& cube, std::span<const std::uint32_t> list, Lists& lists)
+    /// The features whose regions reach a cell's children.
+    void find_in_reach(const FrameCell& cube, std::span<const std::uint32_t> list, Lists& lists)
     {
         masks_.resize(list.size());
         find_children_in_reach(features_, list, cube, masks_.data());
@@ -62,11 +62,20 @@ public:
         for (std::size_t k = 0; k < list.size(); ++k)
             for (unsigned mask = masks_[k]; mask != 0; mask &= mask - 1)
                 lists[static_cast<std::size_t>(std::countr_zero(mask))].push_back(list[k]);
-        for (int octant = 0; octant < 8; ++octant) {
-            auto& one = lists[static_cast<std::size_t>(octant)];
-            one.resize(
-                drop_dominated(features_, one.data(), one.size(), child(cube, octant), scratch_));
-        }
+    }
+
+    /// Of a cell's features those that may be closest to a point of it.
+    void drop_farther(const FrameCell& cube, std::vector<std::uint32_t>& list)
+    {
+        list.resize(drop_dominated(features_, list.data(), list.size(), cube, scratch_));
+    }
+
+    /// The features of a cell's children.
+    void split(const FrameCell& cube, std::span<const std::uint32_t> list, Lists& lists)
+    {
+        find_in_reach(cube, list, lists);
+        for (int octant = 0; octant < 8; ++octant)
+            drop_farther(child(cube, octant), lists[static_cast<std::size_t>(octant)]);
     }
 
     /// Adds the cell's list to the tree and describes it.
@@ -183,21 +192,35 @@ std::optional<GrownTop> grow_top(const LocalFeatures& features, const QueryDensi
             if (is_cancelled(options.progress)) return;
             CellGrower own(features, density, options);
             CellGrower::Lists lists;
-            own.split(level[i].cube, level[i].features, lists);
+            own.find_in_reach(level[i].cube, level[i].features, lists);
             next[i] = children_of(level[i], density);
             for (std::size_t k = 0; k < 8; ++k) next[i][k].features = std::move(lists[k]);
-            if (options.progress != nullptr) options.progress->advance(1);
+        });
+        // Child by child: there is work for several threads from the root on.
+        std::vector<GrownTree> described(8 * level.size());
+        parallel_for(described.size(), options.threads, [&](std::size_t i) {
+            if (is_cancelled(options.progress)) return;
+            CellGrower own(features, density, options);
+            OpenCell& one = next[i / 8][i % 8];
+            own.drop_farther(one.cube, one.features);
+            described[i].cells.push_back(own.describe(one, one.features, described[i]));
+            if (options.progress != nullptr && i % 8 == 0) options.progress->advance(1);
         });
         if (is_cancelled(options.progress)) return std::nullopt;
         std::vector<OpenCell> cells;
-        for (std::size_t i = 0; i < next.size(); ++i) {
+        for (std::size_t i = 0; i < described.size(); ++i) {
             GrownTree& tree = top.tree;
-            tree.cells[level[i].place].children = static_cast<std::uint32_t>(tree.cells.size());
-            for (OpenCell& one : next[i]) {
-                one.place = static_cast<std::uint32_t>(tree.cells.size());
-                tree.cells.push_back(grower.describe(one, one.features, tree));
-                cells.push_back(std::move(one));
-            }
+            const auto place = static_cast<std::uint32_t>(tree.cells.size());
+            if (i % 8 == 0) tree.cells[level[i / 8].place].children = place;
+            OpenCell& one = next[i / 8][i % 8];
+            one.place = place;
+            GrownCell grown = described[i].cells[0];
+            grown.list = static_cast<std::uint32_t>(tree.lists.size());
+            tree.cells.push_back(grown);
+            tree.lists.insert(tree.lists.end(), described[i].lists.begin(),
+                              described[i].lists.end());
+            described[i] = {};
+            cells.push_back(std::move(one));
         }
         level = std::move(cells);
     }

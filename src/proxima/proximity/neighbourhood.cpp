@@ -34,20 +34,6 @@ private:
     Neighbourhood result_;
 };
 
-std::span<const TriangleId> incident_triangles(const Topology& topology, const Feature& feature,
-                                               const TriangleId& face) noexcept
-{
-    switch (feature.kind) {
-    case FeatureKind::vertex:
-        return topology.triangles(VertexId{feature.id});
-    case FeatureKind::edge:
-        return topology.triangles(EdgeId{feature.id});
-    case FeatureKind::face:
-        break;
-    }
-    return {&face, 1};
-}
-
 /// Adds the unmarked triangles at the triangle's vertices; false where there is no room.
 bool add_neighbours(const TriangleMesh& mesh, const Topology& topology, TriangleId triangle,
                     NeighbourhoodScratch& scratch, BufferWriter<TriangleId>& found) noexcept
@@ -96,6 +82,20 @@ double closed_distance(const SurfaceSearch& search, EdgeId edge, const Vec3& p) 
 }
 
 } // namespace
+
+std::span<const TriangleId> incident_triangles(const Topology& topology, const Feature& feature,
+                                               const TriangleId& face) noexcept
+{
+    switch (feature.kind) {
+    case FeatureKind::vertex:
+        return topology.triangles(VertexId{feature.id});
+    case FeatureKind::edge:
+        return topology.triangles(EdgeId{feature.id});
+    case FeatureKind::face:
+        break;
+    }
+    return {&face, 1};
+}
 
 NeighbourhoodScratch::NeighbourhoodScratch(const TriangleMesh& mesh)
     : vertices_(mesh.vertex_count(), 0), triangles_(mesh.triangle_count(), 0)

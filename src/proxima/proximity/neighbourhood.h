@@ -66,6 +66,12 @@ private:
     std::uint32_t round_ = 0;
 };
 
+/// The triangles at a feature by topology, ids ascending: of a face itself, which `face` has to
+/// name and outlive the answer.
+[[nodiscard]] std::span<const TriangleId> incident_triangles(const Topology& topology,
+                                                             const Feature& feature,
+                                                             const TriangleId& face) noexcept;
+
 /// Rings 0 to `rings` round a feature. Ring 0 are the triangles incident to it by topology, ring k
 /// adds those that share a vertex id with one of ring k - 1. Written ring by ring, ids ascending
 /// within each; what does not fit ends the search, and the last ring written has then some of its

@@ -2,6 +2,7 @@
 
 #include "proxima/base/grow_buffer.h"
 #include "proxima/base/text.h"
+#include "proxima/query/ray_runs.h"
 #include "proxima/query/ray_tree.h"
 
 #include <algorithm>
@@ -27,7 +28,8 @@ constexpr double step_margin = 1.0 / 64;
 
 // Bytes per triangle at most: keys twice, order, boxes, nodes, rows and blocks.
 constexpr std::uint64_t scratch_bytes = 32 + 4 + 24 + sizeof(RayTreeNode);
-constexpr std::uint64_t index_bytes = sizeof(RayRow<double>) + 2 * sizeof(RayBlock);
+constexpr std::uint64_t index_bytes =
+    sizeof(RayRow<double>) + sizeof(TriangleId) + 2 * sizeof(RayBlock);
 
 /// One axis of a node's grid.
 struct GridAxis {
@@ -70,17 +72,6 @@ private:
     }
 };
 
-/// Whether a float holds the same number. By its bits: g++ 12 drops the rounding of a conversion
-/// there and back where it makes vectors of it.
-bool is_float(double value) noexcept
-{
-    constexpr std::uint64_t beyond_float = (1U << 29U) - 1;
-    const double size = std::abs(value);
-    return size == 0 || ((std::bit_cast<std::uint64_t>(value) & beyond_float) == 0 &&
-                         size >= static_cast<double>(std::numeric_limits<float>::min()) &&
-                         size <= static_cast<double>(std::numeric_limits<float>::max()));
-}
-
 /// The upper half of the least such float not below the value.
 std::uint16_t upper_half(double value) noexcept
 {
@@ -96,6 +87,7 @@ struct RayIndexStorage {
     std::span<const RayBlock> blocks;
     GrowBuffer<RayRow<float>> float_rows;
     GrowBuffer<RayRow<double>> double_rows;
+    std::vector<TriangleId> ids;
 
     void take(std::span<const RayBlock> made)
     {
@@ -138,10 +130,7 @@ public:
 
     void write_rows(Threads threads)
     {
-        bool all_floats = true;
-        for (const Vec3& p : mesh_.positions())
-            all_floats = all_floats && is_float(p.x()) && is_float(p.y()) && is_float(p.z());
-        if (all_floats) {
+        if (tree_.has_floats) {
             fill_rows(storage_.float_rows, threads);
         } else {
             fill_rows(storage_.double_rows, threads);
@@ -150,16 +139,21 @@ public:
 
     RayIndex result()
     {
+        write_runs(blocks_, root_);
         storage_.take(blocks_);
+        storage_.ids = tree_.order;
         auto storage = std::make_shared<const RayIndexStorage>(std::move(storage_));
         RayIndex result;
         result.center_ = tree_.frame.center;
         result.scale_ = tree_.frame.scale;
+        result.unscale_ = 1 / tree_.frame.scale;
         result.root_ = root_;
+        result.has_exact_leaves_ = has_exact_leaves_;
         result.triangle_count_ = static_cast<std::uint32_t>(tree_.order.size());
         result.blocks_ = storage->blocks;
         result.float_rows_ = storage->float_rows.span();
         result.double_rows_ = storage->double_rows.span();
+        result.ids_ = storage->ids;
         result.storage_ = std::move(storage);
         return result;
     }
@@ -305,9 +299,14 @@ private:
         }
         for (std::size_t i = 0; i < ray_width; ++i) {
             const std::uint32_t vertex = vertices[i < count ? i : 0];
-            const Vec3 p = tree_.frame.to_frame(mesh_.positions()[vertex]);
-            for (std::size_t axis = 0; axis < 3; ++axis)
-                leaf.coordinates[axis][i] = static_cast<float>(p[static_cast<Eigen::Index>(axis)]);
+            const Vec3& own = mesh_.positions()[vertex];
+            const Vec3 p = tree_.frame.to_frame(own);
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const auto k = static_cast<Eigen::Index>(axis);
+                leaf.coordinates[axis][i] = static_cast<float>(p[k]);
+                has_exact_leaves_ = has_exact_leaves_ && is_float(p[k]) &&
+                                    p[k] / tree_.frame.scale + tree_.frame.center[k] == own[k];
+            }
         }
         leaf.first_row = at.child.first;
         leaf.count = static_cast<std::uint16_t>(at.child.count);
@@ -318,6 +317,7 @@ private:
     const TriangleMesh& mesh_;
     const RayTree& tree_;
     std::uint32_t root_ = 0;
+    bool has_exact_leaves_ = true;
     std::vector<RayBlock> blocks_;
     RayIndexStorage storage_;
     std::vector<Child> found_; ///< of the node being written

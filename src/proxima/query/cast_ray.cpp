@@ -13,18 +13,8 @@
 
 namespace proxima {
 
-/// Rays under way at once.
-inline constexpr std::size_t rays_together = 16;
-
 /// Takes a hit of the ray at a place of its batch.
 using VisitPlacedHit = void (*)(void* context, std::uint32_t place, const RayHit& hit);
-
-/// Where a batch's rays come from and go to.
-struct RaySource {
-    bool (*open_next)(void* context, OpenRay& ray); ///< false where there is none
-    void (*close)(void* context, OpenRay& ray);
-    void* context;
-};
 
 } // namespace proxima
 
@@ -35,23 +25,24 @@ struct RaySource {
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 // After them: it is read once for every instruction set.
-#include "proxima/query/walk_ray-inl.h"
+#include "proxima/query/walk_batch-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace proxima::HWY_NAMESPACE {
 
 /// Every hit, as it comes.
 struct AllSearch {
+    static constexpr bool has_packets = false;
     const RayIndex& index;
     VisitPlacedHit visit;
     void* context;
 
-    HWY_INLINE bool take(const RayLeaf& leaf, const LeafCandidates& candidates, OpenRay& ray) const
+    HWY_INLINE bool take(std::uint32_t leaf, const LeafCandidates& candidates, OpenRay& ray) const
     {
         for (std::uint32_t left = candidates.lanes; left != 0; left &= left - 1) {
             const auto lane = static_cast<std::uint32_t>(std::countr_zero(left));
-            if (const auto hit = ask_row(index, leaf.first_row + lane, ray))
-                visit(context, ray.place, *hit);
+            if (ask_triangle(index, {leaf, lane}, ray, ray.best))
+                visit(context, ray.place, ray.best);
         }
         return true;
     }
@@ -63,58 +54,34 @@ HWY_INLINE void walk(const RayIndex& index, const Search& search, OpenRay& ray)
 {
     // On its own, so that it can stay in registers.
     RayPlace at = ray.at;
+    const NodeLanes lanes(ray);
     const RayBlock* const blocks = index.blocks().data();
-    while (step(blocks, search, ray, at)) {
-        // The one to come after it, behind which the end is the first.
-        if (at.pending > 1) prefetch_block(blocks[ray.references[at.pending - 1] & ~ray_leaf_bit]);
+    while (step(blocks, search, lanes, ray, at)) {
+        // The one to come after it.
+        prefetch_block(blocks[ray.references[at.pending - 1] & ~ray_leaf_bit]);
     }
     search.settle(ray);
 }
 
-/// Walks rays in turns of one step, so that each waits for memory while the others work.
-template <class Search>
-HWY_INLINE void walk_together(const RayIndex& index, const Search& search, const RaySource& source)
+RayStart walk_to_closest(const RayIndex& index, const Ray& ray, Faces faces, OpenRay& open)
 {
-    const RayBlock* const blocks = index.blocks().data();
-    std::array<OpenRay, rays_together> rays;
-    std::array<OpenRay*, rays_together> open{};
-    std::size_t count = 0;
-    for (OpenRay& ray : rays) {
-        if (!source.open_next(source.context, ray)) break;
-        prefetch_block(blocks[ray.at.next & ~ray_leaf_bit]);
-        open[count++] = &ray;
-    }
-    while (count > 0) {
-        for (std::size_t i = 0; i < count;) {
-            OpenRay& ray = *open[i];
-            RayPlace at = ray.at;
-            const bool goes_on = step(blocks, search, ray, at);
-            ray.at = at;
-            if (!goes_on) {
-                search.settle(ray);
-                source.close(source.context, ray);
-                if (!source.open_next(source.context, ray)) {
-                    open[i] = open[--count];
-                    continue;
-                }
-            }
-            prefetch_block(blocks[ray.at.next & ~ray_leaf_bit]);
-            ++i;
-        }
-    }
+    const RayStart start = open_any_ray(index, ray, faces, open);
+    if (start == RayStart::ready) walk(index, ClosestSearch{index}, open);
+    return start;
 }
-
-void walk_to_closest(const RayIndex& index, OpenRay& ray)
+RayStart walk_to_any(const RayIndex& index, const Ray& ray, Faces faces, OpenRay& open)
 {
-    walk(index, ClosestSearch{index}, ray);
+    const RayStart start = open_any_ray(index, ray, faces, open);
+    if (start == RayStart::ready) walk(index, AnySearch{index}, open);
+    return start;
 }
-void walk_to_any(const RayIndex& index, OpenRay& ray)
+RayStart walk_to_all(const RayIndex& index, const Ray& ray, Faces faces, VisitPlacedHit visit,
+                     void* context)
 {
-    walk(index, AnySearch{index}, ray);
-}
-void walk_to_all(const RayIndex& index, OpenRay& ray, VisitPlacedHit visit, void* context)
-{
-    walk(index, AllSearch{index, visit, context}, ray);
+    OpenRay open;
+    const RayStart start = open_any_ray(index, ray, faces, open);
+    if (start == RayStart::ready) walk(index, AllSearch{index, visit, context}, open);
+    return start;
 }
 void walk_all_to_closest(const RayIndex& index, const RaySource& source)
 {
@@ -176,54 +143,42 @@ bool ask_for_any(const RayIndex& index, const Ray& ray, Faces faces)
     return found;
 }
 
-/// The rays of a chunk, one after the other. `answer(place, ray)` takes those whose walk has ended,
-/// `miss(place)` those that need none, `ask(place)` those that are too far for one.
+/// The rays of a chunk. `answer(place, ray)` takes those whose walk has ended, `miss(place)` those
+/// that need none, `ask(place)` those that are too far for one.
 template <class Answer, class Miss, class Ask>
-class ChunkSource {
+class ChunkTakers {
 public:
-    ChunkSource(const RayIndex& index, std::span<const Ray> rays, Faces faces, const Answer& answer,
-                const Miss& miss, const Ask& ask)
-        : index_(index), rays_(rays), faces_(faces), answer_(answer), miss_(miss), ask_(ask)
+    ChunkTakers(std::span<const Ray> rays, Faces faces, const Answer& answer, const Miss& miss,
+                const Ask& ask)
+        : rays_(rays), faces_(faces), answer_(answer), miss_(miss), ask_(ask)
     {}
 
     [[nodiscard]] RaySource source() noexcept
     {
-        return {[](void* context, OpenRay& open) {
-                    return static_cast<ChunkSource*>(context)->open_next(open);
+        return {rays_, faces_,
+                [](void* context, const OpenRay& open) {
+                    static_cast<ChunkTakers*>(context)->answer_(open.place, open);
                 },
-                [](void* context, OpenRay& open) {
-                    static_cast<ChunkSource*>(context)->answer_(open.place, open);
+                [](void* context, std::uint32_t place, RayStart start) {
+                    auto& takers = *static_cast<ChunkTakers*>(context);
+                    if (start == RayStart::misses) {
+                        takers.miss_(place);
+                    } else {
+                        takers.ask_(place);
+                    }
                 },
                 this};
     }
 
 private:
-    bool open_next(OpenRay& open)
-    {
-        while (next_ < rays_.size()) {
-            const auto place = static_cast<std::uint32_t>(next_++);
-            const RayStart start = open_ray(index_, rays_[place], faces_, open);
-            open.place = place;
-            if (start == RayStart::ready) return true;
-            if (start == RayStart::misses) {
-                miss_(place);
-            } else {
-                ask_(place);
-            }
-        }
-        return false;
-    }
-
-    const RayIndex& index_;
     std::span<const Ray> rays_;
     Faces faces_;
     const Answer& answer_;
     const Miss& miss_;
     const Ask& ask_;
-    std::size_t next_ = 0;
 };
 
-constexpr std::size_t rays_per_task = 2048;
+constexpr std::size_t rays_per_task = RaySource::most_rays;
 
 /// Calls task(first, rays of a chunk) for all chunks; the errors of batches.
 template <class Task>
@@ -266,36 +221,24 @@ bool before(const RayHit& a, const RayHit& b) noexcept
 std::optional<RayHit> closest_hit(const RayIndex& index, const Ray& ray, Faces faces) noexcept
 {
     OpenRay open;
-    const RayStart start = open_ray(index, ray, faces, open);
+    const RayStart start = HWY_DYNAMIC_DISPATCH(walk_to_closest)(index, ray, faces, open);
     if (start == RayStart::misses) return std::nullopt;
     if (start == RayStart::too_far) return ask_for_closest(index, ray, faces);
-    HWY_DYNAMIC_DISPATCH(walk_to_closest)(index, open);
     return open.found ? std::optional(open.best) : std::nullopt;
 }
 
 bool any_hit(const RayIndex& index, const Ray& ray, Faces faces) noexcept
 {
     OpenRay open;
-    const RayStart start = open_ray(index, ray, faces, open);
+    const RayStart start = HWY_DYNAMIC_DISPATCH(walk_to_any)(index, ray, faces, open);
     if (start == RayStart::misses) return false;
     if (start == RayStart::too_far) return ask_for_any(index, ray, faces);
-    HWY_DYNAMIC_DISPATCH(walk_to_any)(index, open);
     return open.found;
 }
 
 void detail::visit_hits(const RayIndex& index, const Ray& ray, Faces faces, VisitHit visit,
                         void* context) noexcept
 {
-    OpenRay open;
-    const RayStart start = open_ray(index, ray, faces, open);
-    if (start == RayStart::misses) return;
-    if (start == RayStart::too_far) {
-        ask_all(index, ray, faces, [&](const RayHit& hit) {
-            visit(context, hit);
-            return true;
-        });
-        return;
-    }
     struct Visitor {
         VisitHit visit;
         void* context;
@@ -303,7 +246,12 @@ void detail::visit_hits(const RayIndex& index, const Ray& ray, Faces faces, Visi
     const auto pass_on = [](void* to, std::uint32_t /*place*/, const RayHit& hit) {
         static_cast<Visitor*>(to)->visit(static_cast<Visitor*>(to)->context, hit);
     };
-    HWY_DYNAMIC_DISPATCH(walk_to_all)(index, open, pass_on, &visitor);
+    const RayStart start = HWY_DYNAMIC_DISPATCH(walk_to_all)(index, ray, faces, pass_on, &visitor);
+    if (start != RayStart::too_far) return;
+    ask_all(index, ray, faces, [&](const RayHit& hit) {
+        visit(context, hit);
+        return true;
+    });
 }
 
 std::size_t all_hits(const RayIndex& index, const Ray& ray, std::span<RayHit> hits,
@@ -346,8 +294,8 @@ Status closest_hits(const RayIndex& index, std::span<const Ray> rays,
             const auto ask = [&](std::uint32_t place) {
                 hits[first + place] = ask_for_closest(index, chunk[place], options.faces);
             };
-            ChunkSource source(index, chunk, options.faces, answer, miss, ask);
-            HWY_DYNAMIC_DISPATCH(walk_all_to_closest)(index, source.source());
+            ChunkTakers takers(chunk, options.faces, answer, miss, ask);
+            HWY_DYNAMIC_DISPATCH(walk_all_to_closest)(index, takers.source());
         });
 }
 
@@ -363,8 +311,8 @@ Status any_hits(const RayIndex& index, std::span<const Ray> rays, std::span<bool
             const auto ask = [&](std::uint32_t place) {
                 hits[first + place] = ask_for_any(index, chunk[place], options.faces);
             };
-            ChunkSource source(index, chunk, options.faces, answer, miss, ask);
-            HWY_DYNAMIC_DISPATCH(walk_all_to_any)(index, source.source());
+            ChunkTakers takers(chunk, options.faces, answer, miss, ask);
+            HWY_DYNAMIC_DISPATCH(walk_all_to_any)(index, takers.source());
         });
 }
 
@@ -391,8 +339,8 @@ Result<RayHitLists> all_hits(const RayIndex& index, std::span<const Ray> rays,
             const auto keep = [](void* to, std::uint32_t place, const RayHit& hit) {
                 static_cast<Found*>(to)->push_back({place, hit});
             };
-            ChunkSource source(index, chunk, options.faces, answer, miss, ask);
-            HWY_DYNAMIC_DISPATCH(walk_all_to_all)(index, source.source(), keep, &hits);
+            ChunkTakers takers(chunk, options.faces, answer, miss, ask);
+            HWY_DYNAMIC_DISPATCH(walk_all_to_all)(index, takers.source(), keep, &hits);
             std::ranges::sort(hits, [](const PlacedHit& a, const PlacedHit& b) {
                 return a.place < b.place || (a.place == b.place && a.hit.before(b.hit));
             });

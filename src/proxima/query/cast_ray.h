@@ -66,9 +66,11 @@ struct RayBatchOptions {
     Progress* progress = nullptr; ///< stage "casting rays", steps are rays
 };
 
-/// The same for many rays, several at a time, so that their memory accesses overlap; rays near each
-/// other are best kept together. Answers are those of single rays. Allocates. Errors:
-/// invalid_argument (sizes differ, or a ray is invalid: which and why), cancelled.
+/// The same for many rays, several at a time, so that their memory accesses overlap. Of sixteen in
+/// a row that begin and go much the same way, as a camera's do, the closest or any hits are
+/// searched together, about half as fast again: keep such rays together. Answers are those of
+/// single rays. Allocates. Errors: invalid_argument (sizes differ, or a ray is invalid: which and
+/// why), cancelled.
 [[nodiscard]] Status closest_hits(const RayIndex& index, std::span<const Ray> rays,
                                   std::span<std::optional<RayHit>> hits,
                                   const RayBatchOptions& options = {});

@@ -55,7 +55,8 @@ struct LastMeeting {
 [[nodiscard]] bool meshes_intersect(const RayIndex& a, const RayIndex& b,
                                     const RigidTransform& pose_b, LastMeeting& last) noexcept;
 
-/// All pairs of triangles that meet, by a, then b, each once. Allocates the list. 0.3 to 1 us a pair.
+/// All pairs of triangles that meet, by a, then b, each once. Allocates the list. 0.3 to 1 us a
+/// pair.
 [[nodiscard]] std::vector<TrianglePair> intersecting_pairs(const RayIndex& a, const RayIndex& b,
                                                            const RigidTransform& pose_b);
 

@@ -6,44 +6,75 @@
 #pragma once
 
 #include "proxima/geometry/ray.h"
+#include "proxima/geometry/ray_triangle.h"
 #include "proxima/query/ray_hit.h"
 #include "proxima/query/ray_index.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 
 namespace proxima {
 
 /// Unit roundoff of floats.
 inline constexpr float float_roundoff = 0x1p-24F;
 
+/// A float below the value, and one above, by little; infinity where that is.
+[[nodiscard]] inline float rounded_down(double value) noexcept
+{
+    const auto nearest = static_cast<float>(value);
+    return nearest - std::min(std::abs(nearest), 0x1p100F) * 0x1p-23F;
+}
+[[nodiscard]] inline float rounded_up(double value) noexcept
+{
+    return -rounded_down(-value);
+}
+
 /// How far a walk has come.
 struct RayPlace {
     std::uint32_t next = 0;    ///< the block to look at
-    std::uint32_t pending = 0; ///< how many others are put aside
+    std::uint32_t pending = 0; ///< the end of those put aside
 };
 
+/// A triangle of a ray index.
+struct RayTriangle {
+    std::uint32_t leaf = 0; ///< its block
+    std::uint32_t lane = 0;
+};
+
+/// One number for each of the lanes that vectors are loaded by.
+using RayQuad = std::array<float, 4>;
+
 struct OpenRay {
-    static constexpr std::uint32_t end = 0xFFFFFFFFU;
-    static constexpr std::uint32_t no_row = 0xFFFFFFFFU;
+    /// Where all is seen: the empty leaf, which no box leads to.
+    static constexpr std::uint32_t end = ray_leaf_bit;
+    static constexpr std::uint32_t no_leaf = 0xFFFFFFFFU;
+    /// Below what is put aside: as many ends as are looked at together.
+    static constexpr std::uint32_t bottom = 8;
     /// A node makes way for at most eight children; vectors are written whole.
-    static constexpr std::size_t stack_size = 7 * RayIndex::max_levels + 1 + 8;
+    static constexpr std::size_t stack_size = bottom + 7 * RayIndex::max_levels + 1 + 8;
+
+    /// The mesh is within 1, its boxes within 1 + 2^-19.
+    static constexpr double root_reach = 1.01;
+    /// A component below 2^-40 moves the ray by less than 2^-37 within the root.
+    static constexpr double most_inverse = 0x1p40;
+    /// Moving an origin from nearer costs at most a float's half ulp.
+    static constexpr double far = 0x1p26;
 
     // For boxes.
-    std::array<float, 3> origin;
-    std::array<float, 3> inverse; ///< of the direction, whose components are put away from zero
-    float least;                  ///< the range, outward; `most` sinks as hits are found
+    std::array<RayQuad, 3> inverse; ///< of the direction, its components put away from zero
+    std::array<RayQuad, 3> start;   ///< - origin * inverse
+    float least;                    ///< the range, outward; `most` sinks as hits are found
     float most;
-    float slack;          ///< that t of planes may be off beyond the boxes' margins
     std::uint32_t octant; ///< bit k: the direction is negative on axis k
-    std::array<std::uint32_t, 3>
-        near_planes; ///< how to put a node's planes in order, by axis: bytes
-    std::array<std::uint32_t, 3> far_planes; ///< into PlaneShuffles
 
     // For triangles: x, y, z are the axes in cyclic order, z the direction's largest component.
     std::array<std::uint32_t, 3> axes;
+    std::array<float, 3> origin; ///< on these
     float slope_x;
     float slope_y;
     float inverse_z;
@@ -55,19 +86,58 @@ struct OpenRay {
     bool refuses_negative;
 
     // What was found.
-    float best_least = std::numeric_limits<float>::infinity(); ///< the best hit's t is not below
-    std::uint32_t best_row = no_row; ///< surely hit, not yet computed; then `best` is older
-    bool found = false;              ///< `best` is a hit
-    RayHit best;
-
+    bool found;             ///< `best` is a hit
+    float best_least;       ///< the best hit's t is not below
+    RayTriangle best_noted; ///< surely hit, not yet computed; then `best` is older
     RayPlace at;
-    std::uint32_t place = 0; ///< of the ray in its batch
-    const Ray* ray = nullptr;
-    Faces faces = Faces::both;
-    double rate = 1;  ///< r
-    double shift = 0; ///< t0
+    std::uint32_t place; ///< of the ray in its batch
+    const Ray* ray;
+    Faces faces;
+    double rate;  ///< r
+    double shift; ///< t0
+    RayShear shear;
+    RayHit best;
     std::array<std::uint32_t, stack_size> references;
     std::array<float, stack_size> nearness; ///< t at which the box is entered
+
+    /// What was worked out in doubles.
+    struct Range {
+        double rate = 1;
+        double least = 0; ///< of t in the root
+        double most = 0;
+        double shift = 0;
+        double moved = 0; ///< how far off the origin is for having been moved
+        double t_off = 0; ///< and t
+    };
+    /// Sets all but what is for boxes and for triangles, these including `t_error`.
+    void set_range(const RayIndex& index, const Ray& own, Faces wanted, const Range& range) noexcept
+    {
+        const float growth = 1 + static_cast<float>(range.moved) / (8 * float_roundoff);
+        error = growth * growth;
+        t_error = 40 * float_roundoff + 2 * static_cast<float>(range.t_off);
+        least = rounded_down(range.least - range.shift) - 4 * t_error;
+        most = rounded_up(range.most - range.shift) + 4 * t_error;
+        sure_least = rounded_up(own.t_min * range.rate - range.shift) + t_error;
+        sure_most = rounded_down(own.t_max * range.rate - range.shift) - t_error;
+        // Weights are positive where direction . normal has the sign of the direction's z.
+        const bool forward = shear.inverse_z > 0;
+        refuses_positive =
+            (wanted == Faces::front && forward) || (wanted == Faces::back && !forward);
+        refuses_negative =
+            (wanted == Faces::front && !forward) || (wanted == Faces::back && forward);
+        found = false;
+        best_least = std::numeric_limits<float>::infinity();
+        best_noted = {OpenRay::no_leaf, 0};
+        ray = &own;
+        faces = wanted;
+        rate = range.rate;
+        shift = range.shift;
+        for (std::size_t i = 0; i < OpenRay::bottom; ++i) {
+            references[i] = OpenRay::end;
+            nearness[i] = -std::numeric_limits<float>::infinity();
+        }
+        at = {index.root(), OpenRay::bottom};
+    }
 };
 
 /// What open_ray says.
@@ -77,22 +147,33 @@ enum class RayStart : std::uint8_t {
     too_far, ///< beyond what floats can sort out: every triangle must be asked
 };
 
+/// The rays of a batch, and who takes what comes of them.
+struct RaySource {
+    static constexpr std::size_t most_rays = 2048;
+
+    std::span<const Ray> rays;
+    Faces faces = Faces::both;
+    void (*answer)(void* context, const OpenRay& ray) = nullptr; ///< its walk has ended
+    void (*refuse)(void* context, std::uint32_t place, RayStart start) = nullptr; ///< no walk
+    void* context = nullptr;
+};
+
 /// Sets everything up. The ray must outlive `open`.
 [[nodiscard]] RayStart open_ray(const RayIndex& index, const Ray& ray, Faces faces,
                                 OpenRay& open) noexcept;
 
-/// Asks a triangle of the index in doubles.
+/// Asks a triangle of the index in doubles. Where there is no hit, `hit` stays as it is.
+[[nodiscard]] bool ask_triangle(const RayIndex& index, RayTriangle triangle, const OpenRay& open,
+                                RayHit& hit) noexcept;
+
+/// The same for rays that are not open.
 [[nodiscard]] std::optional<RayHit> ask_row(const RayIndex& index, std::uint32_t row,
                                             const Ray& ray, Faces faces) noexcept;
-[[nodiscard]] inline std::optional<RayHit> ask_row(const RayIndex& index, std::uint32_t row,
-                                                   const OpenRay& open) noexcept
-{
-    return ask_row(index, row, *open.ray, open.faces);
-}
 
-/// Where a triangle's row lies, to have it fetched.
+/// Where what ask_triangle has yet to read of a triangle lies, to have it fetched.
 [[nodiscard]] inline const void* row_address(const RayIndex& index, std::uint32_t row) noexcept
 {
+    if (index.has_exact_leaves()) return &index.ids()[row];
     if (index.double_rows().empty()) return &index.float_rows()[row];
     return &index.double_rows()[row];
 }

@@ -5,7 +5,9 @@
 //       node   8 boxes of 6 bytes: plane = origin + (32768 + byte) step, outward; 8 references
 //       leaf   up to 8 triangles among up to 8 vertices: coordinates in floats, corners as bytes
 //     rows     the triangles in the order of the leaves, in doubles (or floats where that is the
-//              same), with their ids: what hits are computed from
+//              same), with their ids: what hits are computed from, unless leaves hold the same;
+//              below a block they are a run
+//     ids      those of the rows once more, on their own
 //
 // Where the octree keeps a triangle in every leaf that it touches, here it is kept in the cell in
 // which its centre lies; chains of cells with a single child are left out, and levels joined where
@@ -29,6 +31,14 @@ struct RayNode {
     std::array<std::uint32_t, 8> children;              ///< by octant of the node, more or less
     std::array<float, 3> origin;
     std::array<float, 3> step;
+    std::uint32_t first_row; ///< of the run of rows below
+    std::uint32_t order;     ///< places of the children by their rows, 4 bits each from the lowest
+                             ///< up; no_child after the last
+    std::array<std::uint16_t, 8> starts; ///< by place: where a child's run begins, from first_row
+                                         ///< on; far_start: as its own block says
+
+    static constexpr std::uint32_t no_child = 15;
+    static constexpr std::uint16_t far_start = 0xFFFF;
 };
 
 /// Triangles by bytes into the vertices.
@@ -82,15 +92,28 @@ public:
         return double_rows_;
     }
 
-    /// Blocks are in multiples of 1 / scale() from center(). The scale is a power of two, and the
-    /// mesh within [-1, 1] on each axis.
+    /// Ids of the triangles in the order of the leaves.
+    [[nodiscard]] std::span<const TriangleId> ids() const noexcept { return ids_; }
+    /// The triangle of a row. \pre row < triangle_count()
+    [[nodiscard]] Triangle triangle(std::uint32_t row) const noexcept
+    {
+        return double_rows_.empty() ? float_rows_[row].triangle() : double_rows_[row].triangle();
+    }
+
+    /// Whether coordinate * unscale() + center() of a leaf's vertex, in doubles, is the mesh's own.
+    [[nodiscard]] bool has_exact_leaves() const noexcept { return has_exact_leaves_; }
+
+    /// Blocks are in multiples of unscale(), 1 / scale(), from center(). The scale is a power of
+    /// two, and the mesh within [-1, 1] on each axis.
     [[nodiscard]] const Vec3& center() const noexcept { return center_; }
     [[nodiscard]] double scale() const noexcept { return scale_; }
+    [[nodiscard]] double unscale() const noexcept { return unscale_; }
 
-    /// Bytes of blocks and rows.
+    /// Bytes of blocks, rows and ids.
     [[nodiscard]] std::uint64_t bytes() const noexcept
     {
-        return blocks_.size_bytes() + float_rows_.size_bytes() + double_rows_.size_bytes();
+        return blocks_.size_bytes() + float_rows_.size_bytes() + double_rows_.size_bytes() +
+               ids_.size_bytes();
     }
 
 private:
@@ -98,11 +121,14 @@ private:
 
     Vec3 center_ = Vec3::Zero();
     double scale_ = 1;
+    double unscale_ = 1;
     std::uint32_t root_ = 0;
     std::uint32_t triangle_count_ = 0;
+    bool has_exact_leaves_ = false;
     std::span<const RayBlock> blocks_;
     std::span<const RayRow<float>> float_rows_; ///< or double_rows_, not both
     std::span<const RayRow<double>> double_rows_;
+    std::span<const TriangleId> ids_;
     std::shared_ptr<const void> storage_;
 };
 

@@ -14,12 +14,31 @@ namespace proxima {
 namespace {
 
 constexpr std::size_t triangles_per_task = 4096;
+constexpr std::uint64_t beyond_float = (1U << 29U) - 1; // bits that floats have no room for
 constexpr float float_infinity = std::numeric_limits<float>::infinity();
 
-RayFrame frame_of(const Box& box) noexcept
+bool has_floats(const TriangleMesh& mesh) noexcept
+{
+    return std::ranges::all_of(mesh.positions(), [](const Vec3& p) {
+        return is_float(p.x()) && is_float(p.y()) && is_float(p.z());
+    });
+}
+
+/// Where floats count from so that they stay floats: from zero, unless the ends are within a factor
+/// of two of each other; then the difference of any two between them is exact.
+double float_center(double lower, double upper) noexcept
+{
+    const bool is_far = (lower > 0 && upper <= 2 * lower) || (upper < 0 && 2 * upper <= lower);
+    const double middle = 0.5 * lower + 0.5 * upper;
+    return is_far ? std::bit_cast<double>(std::bit_cast<std::uint64_t>(middle) & ~beyond_float) : 0;
+}
+
+RayFrame frame_of(const Box& box, bool has_floats) noexcept
 {
     RayFrame frame;
     frame.center = box.center();
+    for (int axis = 0; has_floats && axis < 3; ++axis)
+        frame.center[axis] = float_center(box.lower[axis], box.upper[axis]);
     const double reach =
         std::max((box.upper - frame.center).maxCoeff(), (frame.center - box.lower).maxCoeff());
     if (reach > 0) frame.scale = std::ldexp(1.0, std::clamp(-std::ilogb(reach) - 1, -1000, 1000));
@@ -56,7 +75,8 @@ public:
                    Threads threads, Progress* progress)
         : mesh_(mesh), root_(root), threads_(threads), progress_(progress)
     {
-        tree_.frame = frame_of(box);
+        tree_.has_floats = has_floats(mesh);
+        tree_.frame = frame_of(box, tree_.has_floats);
     }
 
     bool sort_triangles()
@@ -197,6 +217,16 @@ private:
 };
 
 } // namespace
+
+// By its bits: g++ 12 drops the rounding of a conversion there and back where it makes vectors of
+// it.
+bool is_float(double value) noexcept
+{
+    const double size = std::abs(value);
+    return size == 0 || ((std::bit_cast<std::uint64_t>(value) & beyond_float) == 0 &&
+                         size >= static_cast<double>(std::numeric_limits<float>::min()) &&
+                         size <= static_cast<double>(std::numeric_limits<float>::max()));
+}
 
 RayTree::Child RayTree::root() const noexcept
 {

@@ -59,6 +59,7 @@ struct RayTreeNode {
 
 struct RayTree {
     RayFrame frame;
+    bool has_floats = false; ///< all the mesh's coordinates are
     std::vector<TriangleId> order;
     std::vector<RayBox> boxes;      ///< of the order's triangles
     std::vector<RayTreeNode> nodes; ///< parents before children, left before right; root first
@@ -85,6 +86,9 @@ struct RayTree {
     /// child gets the rest. \pre most in [2, ray_width]
     [[nodiscard]] std::uint32_t left_share(std::uint32_t node, std::uint32_t most) const noexcept;
 };
+
+/// Whether a float, not a subnormal one, holds the same number.
+[[nodiscard]] bool is_float(double value) noexcept;
 
 /// Error cancelled. The same for any number of threads. O(triangles log triangles).
 /// \pre the mesh has triangles, `box` is its box, `root` contains it

@@ -1,8 +1,8 @@
 // One step of a ray through a ray index: eight boxes, or up to eight triangles, at once. Included
 // once per target, after <hwy/highway.h>.
 //
-//     lane     7 6 5 4 3 2 1 0        children from near to far: lane = 7 ^ octant ^ place, so that
-//     nearest  ^                      the topmost bit of the mask is the next one to enter
+//     lane     7 6 5 4 3 2 1 0        children from far to near: lane = octant ^ place, so that the
+//     nearest                ^        lowest bit of the mask is the next one to enter
 //
 // Floats leave out what surely is not hit; a triangle that surely is hit, with t surely less than
 // all before, is only noted; everything else is asked in doubles at once (ray_triangle.h).
@@ -35,27 +35,42 @@ using RayByteTag = hn::Repartition<std::uint8_t, RayTag>;
 using RayFloats = hn::Vec<RayTag>;
 inline constexpr std::size_t ray_lanes = HWY_MIN(8, HWY_LANES(float));
 
-/// For every octant, where lanes find their byte among a node's 16 of an axis: of the lower planes,
-/// then of the upper ones. It becomes the second byte of 32 bits, the others zero.
+/// For every octant and axis, where lanes find the byte of the plane among a node's 16 by which the
+/// ray enters, then of that by which it leaves. It becomes the second byte of 32 bits, the others
+/// zero.
 struct PlaneShuffles {
-    alignas(64) std::uint8_t bytes[8][2][32]{};
+    alignas(64) std::uint8_t bytes[8][3][2][32]{};
 
     constexpr PlaneShuffles()
     {
         for (std::uint32_t octant = 0; octant < 8; ++octant) {
-            for (std::uint32_t lane = 0; lane < 8; ++lane) {
-                for (std::uint32_t byte = 0; byte < 4; ++byte) {
-                    const auto place = static_cast<std::uint8_t>(lane ^ 7U ^ octant);
-                    const bool used = byte == 1;
-                    bytes[octant][0][4 * lane + byte] = used ? place : 0x80;
-                    bytes[octant][1][4 * lane + byte] =
-                        used ? static_cast<std::uint8_t>(8 + place) : 0x80;
+            for (std::uint32_t axis = 0; axis < 3; ++axis) {
+                for (std::uint32_t far = 0; far < 2; ++far) {
+                    for (std::uint32_t lane = 0; lane < 8; ++lane) {
+                        const std::uint32_t upper = (octant >> axis & 1U) ^ far;
+                        std::uint8_t* const own = bytes[octant][axis][far] + 4 * lane;
+                        own[0] = own[2] = own[3] = 0x80;
+                        own[1] = static_cast<std::uint8_t>(8 * upper + (lane ^ octant));
+                    }
                 }
             }
         }
     }
 };
 inline constexpr PlaneShuffles plane_shuffles;
+
+/// Eight bits in reverse order.
+struct ReversedBits {
+    std::uint8_t bits[256]{};
+
+    constexpr ReversedBits()
+    {
+        for (std::uint32_t i = 0; i < 256; ++i)
+            for (std::uint32_t k = 0; k < 8; ++k)
+                bits[i] = static_cast<std::uint8_t>(bits[i] | (i >> k & 1U) << (7 - k));
+    }
+};
+inline constexpr ReversedBits reversed_bits;
 
 HWY_INLINE std::uint32_t mask_bits(hn::Mask<RayTag> mask)
 {
@@ -86,60 +101,90 @@ HWY_INLINE RayFloats plane_numbers(const std::array<std::uint8_t, 16>& planes,
     return hn::BitCast(RayTag(), hn::Or(chosen, hn::Set(words, float_32768)));
 }
 
-/// Takes the next block that is waiting; `end` where none is.
+/// A number in all lanes.
+HWY_INLINE RayFloats load_all(const RayQuad& quad)
+{
+#if HWY_TARGET == HWY_SCALAR
+    return hn::Set(RayTag(), quad[0]);
+#else
+    return hn::LoadDup128(RayTag(), quad.data());
+#endif
+}
+
+/// What of a ray every node needs, for registers.
+struct NodeLanes {
+    RayFloats inverse[3];
+    RayFloats start[3];
+    RayFloats least;
+
+    HWY_INLINE explicit NodeLanes(const OpenRay& ray)
+        : inverse{load_all(ray.inverse[0]), load_all(ray.inverse[1]), load_all(ray.inverse[2])},
+          start{load_all(ray.start[0]), load_all(ray.start[1]), load_all(ray.start[2])},
+          least(hn::Set(RayTag(), ray.least))
+    {}
+};
+
+/// Takes the last of the blocks put aside that are near enough.
 HWY_INLINE void leave(const OpenRay& ray, RayPlace& at)
 {
-    const float most = ray.most + ray.slack;
     do {
         --at.pending;
-    } while (ray.nearness[at.pending] > most);
+    } while (ray.nearness[at.pending] > ray.most);
     at.next = ray.references[at.pending];
 }
 
-/// Goes on to the nearest child that the ray meets, and puts the others aside.
-HWY_INLINE void enter_node(const RayNode& node, OpenRay& ray, RayPlace& at)
+/// The children of a node that a ray meets, and where it enters them.
+struct MetChildren {
+    std::uint32_t bits = 0; ///< by lanes
+    RayFloats entered[8 / ray_lanes];
+};
+
+HWY_INLINE MetChildren meet_children(const RayNode& node, const NodeLanes& lanes,
+                                     const OpenRay& ray)
 {
     const RayTag d;
-    const std::uint8_t* const shuffles = plane_shuffles.bytes[0][0];
-    std::uint32_t bits = 0;
-    RayFloats entered[8 / ray_lanes];
+    const std::uint8_t(&shuffles)[3][2][32] = plane_shuffles.bytes[ray.octant];
+    MetChildren met;
     for (std::size_t part = 0; part < 8 / ray_lanes; ++part) {
-        auto near = hn::Set(d, ray.least);
+        auto near = lanes.least;
         auto far = hn::Set(d, ray.most);
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            const auto inverse = hn::Set(d, ray.inverse[axis]);
-            const auto step = hn::Mul(hn::Set(d, node.step[axis]), inverse);
-            const auto start = hn::Mul(
-                hn::Sub(hn::Set(d, node.origin[axis]), hn::Set(d, ray.origin[axis])), inverse);
-            const std::uint8_t* const own = shuffles + 4 * ray_lanes * part;
-            const auto front = plane_numbers(node.planes[axis], own + ray.near_planes[axis]);
-            const auto back = plane_numbers(node.planes[axis], own + ray.far_planes[axis]);
+            const auto step = hn::Mul(hn::Set(d, node.step[axis]), lanes.inverse[axis]);
+            const auto start =
+                hn::MulAdd(hn::Set(d, node.origin[axis]), lanes.inverse[axis], lanes.start[axis]);
+            const std::size_t own = 4 * ray_lanes * part;
+            const auto front = plane_numbers(node.planes[axis], shuffles[axis][0] + own);
+            const auto back = plane_numbers(node.planes[axis], shuffles[axis][1] + own);
             near = hn::Max(near, hn::MulAdd(front, step, start));
             far = hn::Min(far, hn::MulAdd(back, step, start));
         }
-        entered[part] = near;
-        const auto met = hn::Le(near, hn::Add(far, hn::Set(d, ray.slack)));
-        bits |= mask_bits(met) << (ray_lanes * part);
+        met.entered[part] = near;
+        met.bits |= mask_bits(hn::Le(near, far)) << (ray_lanes * part);
     }
-    if (bits == 0) {
-        leave(ray, at);
-        return;
-    }
-    const std::uint32_t turn = 7U ^ ray.octant;
-    const auto nearest = static_cast<std::uint32_t>(31 - std::countl_zero(bits));
-    at.next = node.children[nearest ^ turn];
-    const std::uint32_t rest = bits ^ 1U << nearest;
+    return met;
+}
+
+/// Goes on to the nearest child met and puts the others aside. Where none was met, only `at.next`
+/// is changed, to any child.
+HWY_INLINE void enter_nearest(const RayNode& node, const MetChildren& met, OpenRay& ray,
+                              RayPlace& at)
+{
+    const RayTag d;
+    const auto nearest = static_cast<std::uint32_t>(std::countr_zero(met.bits));
+    at.next = node.children[(nearest ^ ray.octant) & 7U];
+    const std::uint32_t rest = met.bits & (met.bits - 1);
 #if HWY_TARGET != HWY_SCALAR
     if constexpr (ray_lanes == 8) {
+        // Backwards, the nearest last.
         const RayIndexTag words;
-        const auto places = hn::Xor(hn::Iota(words, 0), hn::Set(words, turn));
+        const auto places = hn::Xor(hn::Iota(words, 0), hn::Set(words, 7U ^ ray.octant));
         const auto children = hn::TableLookupLanes(hn::LoadU(words, node.children.data()),
                                                    hn::IndicesFromVec(words, places));
-        const std::uint8_t mask_byte[8] = {static_cast<std::uint8_t>(rest)};
+        const std::uint8_t mask_byte[8] = {reversed_bits.bits[rest]};
         // Compressing to memory is far slower than to a register on some processors.
         hn::StoreU(hn::Compress(children, hn::LoadMaskBits(words, mask_byte)), words,
                    ray.references.data() + at.pending);
-        hn::StoreU(hn::Compress(entered[0], hn::LoadMaskBits(d, mask_byte)), d,
+        hn::StoreU(hn::Compress(hn::Reverse(d, met.entered[0]), hn::LoadMaskBits(d, mask_byte)), d,
                    ray.nearness.data() + at.pending);
         at.pending += static_cast<std::uint32_t>(std::popcount(rest));
         return;
@@ -147,10 +192,10 @@ HWY_INLINE void enter_node(const RayNode& node, OpenRay& ray, RayPlace& at)
 #endif
     float near[8];
     for (std::size_t part = 0; part < 8 / ray_lanes; ++part)
-        hn::StoreU(entered[part], d, near + ray_lanes * part);
-    for (std::uint32_t left = rest; left != 0; left &= left - 1) {
-        const auto lane = static_cast<std::uint32_t>(std::countr_zero(left));
-        ray.references[at.pending] = node.children[lane ^ turn];
+        hn::StoreU(met.entered[part], d, near + ray_lanes * part);
+    for (std::uint32_t left = reversed_bits.bits[rest]; left != 0; left &= left - 1) {
+        const auto lane = static_cast<std::uint32_t>(7 - std::countr_zero(left));
+        ray.references[at.pending] = node.children[lane ^ ray.octant];
         ray.nearness[at.pending++] = near[lane];
     }
 }
@@ -181,6 +226,10 @@ private:
     HWY_ALIGN float memory_[8];
 };
 
+/// Whether to stop at a leaf's triangles when all are missed: half of the time, which is hard to
+/// predict; in a batch it is better not to ask.
+enum class LeafWork : std::uint8_t { until_missed, whole };
+
 /// What floats say of a leaf's triangles: by lanes, or bits of lanes.
 struct LeafCandidates {
     HWY_ALIGN float least[8]; ///< t is between these, where sure
@@ -193,31 +242,44 @@ struct LeafCandidates {
 // (its own rounding and the origin's, u each, and that of a difference of at most 2.02), x = A_x -
 // S A_z by 4.03 u more for A_z, 4.04 u for S and its product, and 4.04 u for the difference: X = 17
 // u, times the ray's factor where its origin was moved. A weight x_1 y_2 - y_1 x_2 with x, y up to
-// R <= 4 is off by 4 R X + 2 X^2 + 4 u R^2 <= 84 u R + 578 u^2 < 86 u (R + 32 u) =: E.
+// R <= 4 is off by 4 R X + 2 X^2 + 4 u R^2 <= 84 u R + 578 u^2 < 86 u (R + 32 u) =: E. As the ray
+// comes through the leaf's box, of edges up to Z, and |S| <= 1, R <= 2 Z.
 // Where all three are beyond E and their sum S beyond 8 E, the true sum is at least 5/8 S, and t,
 // the mean of the corners' by weights, is off by 3 E Z / (5/8 S) < 5 E Z / S for the weights, Z the
 // extent along the ray, and for the corners' own t and roundings by less than 40 u.
+HWY_INLINE float leaf_extent(const RayLeaf& leaf)
+{
+    return std::bit_cast<float>(static_cast<std::uint32_t>(leaf.extent_bits) << 16U);
+}
+
+HWY_INLINE float leaf_error(float extent, float factor)
+{
+    return (2 * extent + 32 * float_roundoff) * (86 * float_roundoff * factor);
+}
+
+template <LeafWork work>
 HWY_INLINE void look_at_leaf(const RayLeaf& leaf, const OpenRay& ray, LeafCandidates& candidates)
 {
     const RayTag d;
-    const auto [axis_x, axis_y, axis_z] = ray.axes;
+    const float extent = leaf_extent(leaf);
+    const float error_size = leaf_error(extent, ray.error);
+    const auto error = hn::Set(d, error_size);
+    const auto minus_error = hn::Set(d, -error_size);
     EightFloats x;
     EightFloats y;
     EightFloats z;
-    EightFloats reach;
     for (std::size_t part = 0; part < 8 / ray_lanes; ++part) {
         const std::size_t at = ray_lanes * part;
-        const auto load = [&](std::uint32_t axis) {
-            return hn::Sub(hn::Load(d, leaf.coordinates[axis].data() + at),
-                           hn::Set(d, ray.origin[axis]));
+        const auto load = [&](std::size_t k) {
+            return hn::Sub(hn::Load(d, leaf.coordinates[ray.axes[k]].data() + at),
+                           hn::Set(d, ray.origin[k]));
         };
-        const auto along = load(axis_z);
-        const auto across_x = hn::NegMulAdd(along, hn::Set(d, ray.slope_x), load(axis_x));
-        const auto across_y = hn::NegMulAdd(along, hn::Set(d, ray.slope_y), load(axis_y));
+        const auto along = load(2);
+        const auto across_x = hn::NegMulAdd(along, hn::Set(d, ray.slope_x), load(0));
+        const auto across_y = hn::NegMulAdd(along, hn::Set(d, ray.slope_y), load(1));
         x.set(part, across_x);
         y.set(part, across_y);
         z.set(part, along);
-        reach.set(part, hn::Max(hn::Abs(across_x), hn::Abs(across_y)));
     }
     for (std::size_t part = 0; part < 8 / ray_lanes; ++part) {
         const std::size_t first = ray_lanes * part;
@@ -237,16 +299,12 @@ HWY_INLINE void look_at_leaf(const RayLeaf& leaf, const OpenRay& ray, LeafCandid
             const std::size_t c = (i + 2) % 3;
             weights[i] = hn::NegMulAdd(ys[b], xs[c], hn::Mul(xs[b], ys[c]));
         }
-        const auto farthest =
-            hn::Max(hn::Max(reach.at(corner[0]), reach.at(corner[1])), reach.at(corner[2]));
-        const auto error = hn::Mul(hn::Add(farthest, hn::Set(d, 32 * float_roundoff)),
-                                   hn::Set(d, 86 * float_roundoff * ray.error));
         const auto lower = hn::Min(hn::Min(weights[0], weights[1]), weights[2]);
         const auto upper = hn::Max(hn::Max(weights[0], weights[1]), weights[2]);
         const auto some_positive = hn::Gt(upper, error);
-        const auto some_negative = hn::Lt(lower, hn::Neg(error));
+        const auto some_negative = hn::Lt(lower, minus_error);
         const auto positive = hn::Gt(lower, error);
-        const auto negative = hn::Lt(upper, hn::Neg(error));
+        const auto negative = hn::Lt(upper, minus_error);
         std::uint32_t lanes = mask_bits(hn::Not(hn::And(some_positive, some_negative)));
         if (ray.refuses_positive) lanes &= ~mask_bits(positive);
         if (ray.refuses_negative) lanes &= ~mask_bits(negative);
@@ -254,8 +312,9 @@ HWY_INLINE void look_at_leaf(const RayLeaf& leaf, const OpenRay& ray, LeafCandid
         lanes &= room;
         if (leaf.count < first + ray_lanes)
             lanes &= leaf.count > first ? (1U << (leaf.count - first)) - 1 : 0U;
-        if (lanes == 0) continue;
-
+        if constexpr (work == LeafWork::until_missed) {
+            if (lanes == 0) continue;
+        }
         const auto sum = hn::Add(hn::Add(weights[0], weights[1]), weights[2]);
         const auto size = hn::Abs(sum);
         const auto inverse = hn::Div(hn::Set(d, 1.0F), sum);
@@ -263,14 +322,12 @@ HWY_INLINE void look_at_leaf(const RayLeaf& leaf, const OpenRay& ray, LeafCandid
             weights[0], z.at(corner[0]),
             hn::MulAdd(weights[1], z.at(corner[1]), hn::Mul(weights[2], z.at(corner[2]))));
         const auto t = hn::Mul(hn::Mul(mean, inverse), hn::Set(d, ray.inverse_z));
-        const auto extent =
-            std::bit_cast<float>(static_cast<std::uint32_t>(leaf.extent_bits) << 16U);
-        const auto off = hn::MulAdd(hn::Mul(error, hn::Abs(inverse)), hn::Set(d, 5 * extent),
+        const auto off = hn::MulAdd(hn::Abs(inverse), hn::Set(d, 5 * extent * error_size),
                                     hn::Set(d, ray.t_error));
         const auto least = hn::Sub(t, off);
         const auto most = hn::Add(t, off);
         const auto sure =
-            hn::And(hn::Or(positive, negative), hn::Gt(size, hn::Mul(error, hn::Set(d, 8.0F))));
+            hn::And(hn::Or(positive, negative), hn::Gt(size, hn::Set(d, 8 * error_size)));
         const auto out = hn::And(
             sure, hn::Or(hn::Gt(least, hn::Set(d, ray.most)), hn::Lt(most, hn::Set(d, ray.least))));
         const auto in = hn::And(sure, hn::And(hn::Ge(least, hn::Set(d, ray.sure_least)),
@@ -285,41 +342,45 @@ HWY_INLINE void look_at_leaf(const RayLeaf& leaf, const OpenRay& ray, LeafCandid
 
 /// The closest hit so far: computed where it must be, noted where that can wait.
 struct ClosestSearch {
+    static constexpr bool has_packets = true;
+    static constexpr bool notes_hits = true; ///< does not compute them at once
     const RayIndex& index;
 
-    HWY_INLINE void keep(OpenRay& ray, const RayHit& hit) const
+    HWY_INLINE void keep(OpenRay& ray) const
     {
-        ray.best = hit;
         ray.found = true;
-        ray.best_row = OpenRay::no_row;
-        const auto t = static_cast<float>(hit.t * ray.rate - ray.shift);
+        ray.best_noted.leaf = OpenRay::no_leaf;
+        const auto t = static_cast<float>(ray.best.t * ray.rate - ray.shift);
         ray.best_least = t - ray.t_error;
         ray.most = HWY_MIN(ray.most, t + ray.t_error);
     }
     HWY_INLINE void settle(OpenRay& ray) const
     {
-        if (ray.best_row == OpenRay::no_row) return;
-        if (const auto hit = ask_row(index, ray.best_row, ray)) keep(ray, *hit);
+        if (ray.best_noted.leaf == OpenRay::no_leaf) return;
+        if (ask_triangle(index, ray.best_noted, ray, ray.best)) keep(ray);
     }
     /// False to end the search.
-    HWY_INLINE bool take(const RayLeaf& leaf, const LeafCandidates& candidates, OpenRay& ray) const
+    HWY_INLINE bool take(std::uint32_t leaf, const LeafCandidates& candidates, OpenRay& ray) const
     {
         for (std::uint32_t left = candidates.lanes; left != 0; left &= left - 1) {
             const auto lane = static_cast<std::uint32_t>(std::countr_zero(left));
-            const std::uint32_t row = leaf.first_row + lane;
             if ((candidates.sure >> lane & 1U) != 0) {
                 if (candidates.least[lane] > ray.most) continue;
                 if (candidates.most[lane] < ray.best_least) {
-                    ray.best_row = row;
-                    hwy::Prefetch(row_address(index, row));
+                    ray.best_noted = {leaf, lane};
+                    const std::uint32_t first = index.blocks()[leaf].leaf.first_row;
+                    hwy::Prefetch(row_address(index, first + lane));
                     ray.best_least = candidates.least[lane];
                     ray.most = candidates.most[lane];
                     continue;
                 }
             }
             settle(ray);
-            const auto hit = ask_row(index, row, ray);
-            if (hit && (!ray.found || hit->before(ray.best))) keep(ray, *hit);
+            RayHit hit;
+            if (!ask_triangle(index, {leaf, lane}, ray, hit)) continue;
+            if (ray.found && !hit.before(ray.best)) continue;
+            ray.best = hit;
+            keep(ray);
         }
         return true;
     }
@@ -327,14 +388,16 @@ struct ClosestSearch {
 
 /// Whether there is a hit.
 struct AnySearch {
+    static constexpr bool has_packets = true;
+    static constexpr bool notes_hits = false;
     const RayIndex& index;
 
-    HWY_INLINE bool take(const RayLeaf& leaf, const LeafCandidates& candidates, OpenRay& ray) const
+    HWY_INLINE bool take(std::uint32_t leaf, const LeafCandidates& candidates, OpenRay& ray) const
     {
         ray.found = candidates.sure != 0;
         for (std::uint32_t left = candidates.lanes; left != 0 && !ray.found; left &= left - 1) {
             const auto lane = static_cast<std::uint32_t>(std::countr_zero(left));
-            ray.found = ask_row(index, leaf.first_row + lane, ray).has_value();
+            ray.found = ask_triangle(index, {leaf, lane}, ray, ray.best);
         }
         return !ray.found;
     }
@@ -343,15 +406,22 @@ struct AnySearch {
 
 /// One block. False where the walk has ended.
 template <class Search>
-HWY_INLINE bool step(const RayBlock* blocks, const Search& search, OpenRay& ray, RayPlace& at)
+HWY_INLINE bool step(const RayBlock* blocks, const Search& search, const NodeLanes& lanes,
+                     OpenRay& ray, RayPlace& at)
 {
-    const RayBlock& block = blocks[at.next & ~ray_leaf_bit];
+    const std::uint32_t place = at.next & ~ray_leaf_bit;
     if ((at.next & ray_leaf_bit) == 0) {
-        enter_node(block.node, ray, at);
+        const RayNode& node = blocks[place].node;
+        const MetChildren met = meet_children(node, lanes, ray);
+        if (met.bits != 0) {
+            enter_nearest(node, met, ray, at);
+        } else {
+            leave(ray, at);
+        }
     } else {
         LeafCandidates candidates;
-        look_at_leaf(block.leaf, ray, candidates);
-        if (candidates.lanes != 0 && !search.take(block.leaf, candidates, ray)) return false;
+        look_at_leaf<LeafWork::until_missed>(blocks[place].leaf, ray, candidates);
+        if (candidates.lanes != 0 && !search.take(place, candidates, ray)) return false;
         leave(ray, at);
     }
     return at.next != OpenRay::end;

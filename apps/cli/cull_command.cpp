@@ -1,0 +1,214 @@
+// proxima cull: the triangles and cells within a view volume (thesis section 5.4).
+#include "cli/commands.h"
+#include "cli/model_options.h"
+#include "cli/number_table.h"
+#include "cli/octree_picture.h"
+#include "cli/stopwatch.h"
+#include "cli/triangle_file.h"
+#include "proxima/base/file_extension.h"
+#include "proxima/octree/build_octree.h"
+#include "proxima/query/build_ray_index.h"
+#include "proxima/query/cull_cells.h"
+#include "proxima/query/cull_volume.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+namespace proxima {
+
+namespace {
+
+struct CullOptions {
+    std::string model;
+    std::string frustum;
+    std::string out;
+    std::string picture;
+    bool exact = false;
+    int depth = 5;
+    std::uint32_t threshold = 1;
+};
+
+CullMode mode_of(const CullOptions& options)
+{
+    return options.exact ? CullMode::exact : CullMode::conservative;
+}
+
+/// A row a,b,c,d per plane.
+Result<ViewVolume> read_volume(const std::string& path, Progress* progress)
+{
+    const auto table = read_number_table(path, "a,b,c,d", {.progress = progress});
+    if (!table) return tl::unexpected(table.error());
+    std::vector<ViewPlane> planes(table->rows());
+    for (std::size_t i = 0; i < planes.size(); ++i) {
+        const double* const row = table->values.data() + 4 * i;
+        planes[i] = {{row[0], row[1], row[2]}, row[3]};
+    }
+    auto volume = make_view_volume(planes);
+    if (!volume) return fail(volume.error().code, volume.error().message, path);
+    return volume;
+}
+
+Status check_options(const CullOptions& options, const Session& session)
+{
+    if (!options.picture.empty() && lower_case_extension(options.picture) != ".png")
+        return fail(ErrorCode::unsupported_format, "a picture is a .png file", options.picture);
+    if (!options.out.empty())
+        if (Status status = check_triangle_file_format(options.out); !status) return status;
+    return session.check_outputs({options.out, options.picture});
+}
+
+/// What is culled, and what is left.
+struct Culled {
+    TriangleMesh mesh;
+    Octree octree;
+    RayIndex index;
+    ViewVolume volume;
+    double build_seconds = 0;
+    std::vector<TriangleRange> ranges;
+    std::vector<TriangleId> triangles; ///< ascending
+    double seconds = 0;                ///< of the ranges
+    double id_seconds = 0;             ///< of the ids
+    std::uint64_t cells = 0;           ///< visible leaves that hold triangles
+    std::uint64_t all_cells = 0;       ///< all leaves that hold triangles
+};
+
+Result<std::unique_ptr<Culled>> prepare(const CullOptions& options, Session& session)
+{
+    auto culled = std::make_unique<Culled>();
+    auto mesh = session.load_model(options.model);
+    if (!mesh) return tl::unexpected(mesh.error());
+    culled->mesh = std::move(*mesh);
+    const ProgressBar shown(session.progress(), session.bar());
+    auto volume = read_volume(options.frustum, &session.progress());
+    if (!volume) return tl::unexpected(volume.error());
+    culled->volume = std::move(*volume);
+    const Stopwatch watch;
+    auto octree = build_octree(culled->mesh, {.max_depth = options.depth,
+                                              .threshold = options.threshold,
+                                              .classification = Classification::none,
+                                              .threads = session.threads(),
+                                              .progress = &session.progress()});
+    if (!octree) return at_model(octree.error(), options.model);
+    culled->octree = std::move(*octree);
+    auto index = build_ray_index(culled->octree, culled->mesh,
+                                 {.threads = session.threads(), .progress = &session.progress()});
+    if (!index) return at_model(index.error(), options.model);
+    culled->index = std::move(*index);
+    culled->build_seconds = watch.seconds();
+    return culled;
+}
+
+void cull(Culled& culled, CullMode mode)
+{
+    culled.ranges.resize(culled.index.triangle_count() / 2 + 1);
+    const Stopwatch watch;
+    culled.ranges.resize(visible_ranges(culled.index, culled.volume, culled.ranges, mode));
+    culled.seconds = watch.seconds();
+    const Stopwatch id_watch;
+    visible_triangles(culled.index, culled.volume, mode, culled.triangles);
+    culled.id_seconds = id_watch.seconds();
+    visible_cells(culled.octree, culled.volume, mode, [&](const VisibleCell& at) {
+        culled.cells += culled.octree.triangles(at.cell).empty() ? 0 : 1;
+    });
+    for (const OctreeNode& node : culled.octree.nodes())
+        culled.all_cells += node.is_leaf() && !node.is_empty() ? 1 : 0;
+}
+
+std::string text_of(const CullOptions& options, const Culled& culled)
+{
+    const auto triangles = static_cast<double>(culled.mesh.triangle_count());
+    std::string text = fmt::format("{}: {} triangles, index of {:.2f} MB built in {:.3f} s\n"
+                                   "{} triangles visible ({:.3g} %), in {} ranges of the index in "
+                                   "{:.3g} us, as ids in {:.3g} us\n"
+                                   "{} of {} occupied cells visible\n",
+                                   options.model, culled.mesh.triangle_count(),
+                                   1e-6 * static_cast<double>(culled.index.bytes()),
+                                   culled.build_seconds, culled.triangles.size(),
+                                   100 * static_cast<double>(culled.triangles.size()) / triangles,
+                                   culled.ranges.size(), 1e6 * culled.seconds,
+                                   1e6 * culled.id_seconds, culled.cells, culled.all_cells);
+    if (culled.volume.empty()) text += "the planes contradict each other: no point is inside all\n";
+    for (const std::string& path : {options.out, options.picture})
+        if (!path.empty()) text += fmt::format("wrote {}\n", path);
+    return text;
+}
+
+Status run_cull(const CullOptions& options, Session& session)
+{
+    if (Status status = check_options(options, session); !status) return status;
+    const auto prepared = prepare(options, session);
+    if (!prepared) return tl::unexpected(prepared.error());
+    Culled& culled = **prepared;
+    cull(culled, mode_of(options));
+    if (!options.out.empty() || !options.picture.empty()) {
+        const ProgressBar shown(session.progress(), session.bar());
+        if (!options.out.empty()) {
+            if (Status status = write_triangle_file(culled.mesh, culled.triangles, options.out,
+                                                    &session.progress());
+                !status)
+                return status;
+        }
+        if (!options.picture.empty()) {
+            const auto image = draw_octree(culled.octree, culled.mesh,
+                                           {.up = up_axis_of_model(options.model),
+                                            .volume = &culled.volume,
+                                            .mode = mode_of(options),
+                                            .progress = &session.progress()});
+            if (!image) return tl::unexpected(image.error());
+            if (Status status = write_png(*image, options.picture, &session.progress()); !status)
+                return status;
+        }
+    }
+    session.print(text_of(options, culled));
+    return session.write_json({{"model", options.model},
+                               {"triangles", culled.mesh.triangle_count()},
+                               {"planes", culled.volume.planes().size()},
+                               {"empty", culled.volume.empty()},
+                               {"exact", options.exact},
+                               {"visible", culled.triangles.size()},
+                               {"ranges", culled.ranges.size()},
+                               {"visible_cells", culled.cells},
+                               {"cells", culled.all_cells},
+                               {"seconds", culled.seconds},
+                               {"id_seconds", culled.id_seconds},
+                               {"build_seconds", culled.build_seconds},
+                               {"bytes", culled.index.bytes()}});
+}
+
+} // namespace
+
+Command add_cull_command(CLI::App& app)
+{
+    CLI::App* const parser = app.add_subcommand(
+        "cull", "Find the triangles and cells that a camera sees, hidden or not");
+    const auto options = std::make_shared<CullOptions>();
+    add_model_option(*parser, options->model);
+    parser
+        ->add_option("--frustum", options->frustum,
+                     "The view volume: .npy, else CSV, of a,b,c,d per plane, inside where "
+                     "a x + b y + c z + d >= 0")
+        ->required()
+        ->type_name("FILE");
+    parser
+        ->add_option(
+            "--out", options->out,
+            "Write the visible triangles: ids as .csv or .npy, a mesh as .obj, .ply or .stl")
+        ->type_name("FILE");
+    parser
+        ->add_option("--picture", options->picture,
+                     "Draw the mesh, what is visible set off, with the visible cells: .png")
+        ->type_name("FILE");
+    parser->add_flag(
+        "--exact", options->exact,
+        "Only what has a point in common with the volume, not all that no plane drops");
+    parser->add_option("--depth", options->depth, "Depth of the octree for cells")
+        ->check(CLI::Range(0, max_octree_depth))
+        ->type_name("N");
+    parser->add_option("--threshold", options->threshold, "Triangles that a cell may keep")
+        ->type_name("N");
+    return {parser, [options](Session& session) { return run_cull(*options, session); }};
+}
+
+} // namespace proxima

@@ -1,0 +1,399 @@
+// proxima intersect: where two meshes meet, in any rigid poses of the second one.
+#include "cli/answer_table.h"
+#include "cli/commands.h"
+#include "cli/intersection_files.h"
+#include "cli/intersection_picture.h"
+#include "cli/model_options.h"
+#include "cli/pose_file.h"
+#include "cli/stopwatch.h"
+#include "proxima/base/file_extension.h"
+#include "proxima/base/output_file.h"
+#include "proxima/geometry/triangle_intersection.h"
+#include "proxima/octree/build_octree.h"
+#include "proxima/query/build_distance_index.h"
+#include "proxima/query/build_ray_index.h"
+#include "proxima/query/containment.h"
+#include "proxima/query/intersect_octrees.h"
+#include "proxima/query/mesh_distance.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <fmt/core.h>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+namespace proxima {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct IntersectOptions {
+    std::string model_a;
+    std::string model_b;
+    std::string poses;
+    std::string pairs;
+    std::string contour;
+    std::string picture;
+    bool cells = false;
+    bool distance = false;
+    int depth = 5;
+    std::uint32_t threshold = 1;
+};
+
+/// One mesh and what is built of it.
+struct Body {
+    std::string model;
+    TriangleMesh mesh;
+    Octree octree;
+    RayIndex index;
+    Enclosure enclosure;
+    DistanceIndex distances; ///< where asked for
+};
+
+/// What was found in one pose.
+struct PoseAnswer {
+    std::vector<TrianglePair> pairs;
+    ContainmentAnswer inside;
+    double seconds = 0;
+    IntersectionContour contour;  ///< where asked for
+    std::vector<LeafPair> leaves; ///< where asked for
+    std::uint64_t cell_tests = 0;
+    double cell_seconds = 0;
+    CandidateTriangles candidates;
+    std::optional<MeshDistance> nearest; ///< where asked for
+    double distance_seconds = 0;
+};
+
+Status check_options(const IntersectOptions& options, const Session& session)
+{
+    const auto wants = [](const std::string& path, std::string_view extension,
+                          std::string_view option) -> Status {
+        if (path.empty() || lower_case_extension(path) == extension) return {};
+        return fail(ErrorCode::unsupported_format,
+                    fmt::format("{} writes {} alone", option, extension), path);
+    };
+    if (Status status = wants(options.contour, ".obj", "--contour"); !status) return status;
+    if (Status status = wants(options.picture, ".png", "--picture"); !status) return status;
+    if (!options.pairs.empty()) {
+        if (const auto format = answer_format(options.pairs); !format)
+            return tl::unexpected(format.error());
+    }
+    return session.check_outputs({options.pairs, options.contour, options.picture});
+}
+
+Status prepare(Body& body, const std::string& model, const IntersectOptions& options,
+               Session& session)
+{
+    body.model = model;
+    auto mesh = session.load_model(model);
+    if (!mesh) return tl::unexpected(mesh.error());
+    body.mesh = std::move(*mesh);
+    const ProgressBar shown(session.progress(), session.bar());
+    auto octree = build_octree(body.mesh, {.max_depth = options.depth,
+                                           .threshold = options.threshold,
+                                           .classification = Classification::none,
+                                           .threads = session.threads(),
+                                           .progress = &session.progress()});
+    if (!octree) return at_model(octree.error(), model);
+    body.octree = std::move(*octree);
+    auto index = build_ray_index(body.octree, body.mesh,
+                                 {.threads = session.threads(), .progress = &session.progress()});
+    if (!index) return at_model(index.error(), model);
+    body.index = std::move(*index);
+    auto enclosure =
+        build_enclosure(body.mesh, {.threads = session.threads(), .progress = &session.progress()});
+    if (!enclosure) return at_model(enclosure.error(), model);
+    body.enclosure = std::move(*enclosure);
+    if (!options.distance) return {};
+    auto distances = build_distance_index(
+        body.index, {.threads = session.threads(), .progress = &session.progress()});
+    if (!distances) return at_model(distances.error(), model);
+    body.distances = std::move(*distances);
+    return {};
+}
+
+/// `last`: the nearest points of another pose, if any.
+PoseAnswer find_in(const Body& a, const Body& b, const RigidTransform& pose,
+                   const IntersectOptions& options, const MeshDistance* last)
+{
+    PoseAnswer answer;
+    {
+        const Stopwatch watch;
+        answer.pairs = intersecting_pairs(a.index, b.index, pose);
+        if (answer.pairs.empty()) answer.inside = find_containment(a.enclosure, b.enclosure, pose);
+        answer.seconds = watch.seconds();
+    }
+    if (!options.contour.empty() || !options.picture.empty())
+        answer.contour = intersection_contour(a.mesh, b.mesh, pose, answer.pairs);
+    if (options.cells || !options.picture.empty()) {
+        const Stopwatch watch;
+        answer.cell_tests =
+            visit_intersecting_leaves(a.octree, b.octree, pose, [&](const LeafPair& pair) {
+                answer.leaves.push_back(pair);
+                return Flow::proceed;
+            });
+        answer.cell_seconds = watch.seconds();
+        answer.candidates = candidate_triangles(a.octree, b.octree, answer.leaves);
+    }
+    if (options.distance) {
+        const Stopwatch watch;
+        answer.nearest = mesh_distance(a.distances, b.distances, pose, last);
+        answer.distance_seconds = watch.seconds();
+    }
+    return answer;
+}
+
+std::string_view name_of(Containment containment)
+{
+    return containment == Containment::a_in_b   ? "A_in_B"
+           : containment == Containment::b_in_a ? "B_in_A"
+                                                : "none";
+}
+
+std::string_view name_of(InsideMethod method)
+{
+    return method == InsideMethod::crossings ? "crossings"
+           : method == InsideMethod::parity  ? "parity"
+                                             : "winding_number";
+}
+
+FeatureKind kind_of(TrianglePart part)
+{
+    return is_corner(part) ? FeatureKind::vertex
+           : is_side(part) ? FeatureKind::edge
+                           : FeatureKind::face;
+}
+
+std::uint64_t distinct_cells(const std::vector<LeafPair>& pairs, Cell LeafPair::*side)
+{
+    std::vector<CellKey> keys;
+    for (const LeafPair& pair : pairs) keys.push_back((pair.*side).key);
+    std::ranges::sort(keys);
+    return static_cast<std::uint64_t>(std::ranges::unique(keys).begin() - keys.begin());
+}
+
+Json json_of(const PoseAnswer& answer, const IntersectOptions& options)
+{
+    Json json = {{"intersecting", !answer.pairs.empty()},
+                 {"pairs", answer.pairs.size()},
+                 {"contained", name_of(answer.inside.containment)},
+                 {"seconds", answer.seconds}};
+    if (answer.pairs.empty()) json["inside_method"] = name_of(answer.inside.method);
+    if (!options.contour.empty()) {
+        json["contour"] = {
+            {"lines", answer.contour.lines.size()},
+            {"closed", std::ranges::count_if(answer.contour.lines, &ContourLine::closed)},
+            {"points", answer.contour.points.size()},
+            {"length", answer.contour.length()}};
+    }
+    if (answer.nearest) {
+        const auto coordinates = [](const Vec3& p) { return Json{p.x(), p.y(), p.z()}; };
+        json["separation"] = answer.nearest->distance;
+        json["closest_a"] = coordinates(answer.nearest->point_a);
+        json["closest_b"] = coordinates(answer.nearest->point_b);
+        json["triangle_a"] = index(answer.nearest->triangle_a);
+        json["triangle_b"] = index(answer.nearest->triangle_b);
+        json["feature_a"] = kind_name(kind_of(answer.nearest->part_a));
+        json["feature_b"] = kind_name(kind_of(answer.nearest->part_b));
+        json["distance_seconds"] = answer.distance_seconds;
+    }
+    if (options.cells) {
+        json["cells"] = {{"pairs", answer.leaves.size()},
+                         {"a", distinct_cells(answer.leaves, &LeafPair::a)},
+                         {"b", distinct_cells(answer.leaves, &LeafPair::b)},
+                         {"triangles_a", answer.candidates.a.size()},
+                         {"triangles_b", answer.candidates.b.size()},
+                         {"tests", answer.cell_tests},
+                         {"seconds", answer.cell_seconds}};
+    }
+    return json;
+}
+
+std::string text_of(const PoseAnswer& answer, const IntersectOptions& options)
+{
+    std::string text;
+    if (!answer.pairs.empty()) {
+        text = fmt::format("{} pairs of triangles meet", answer.pairs.size());
+    } else {
+        text = answer.inside.containment == Containment::a_in_b   ? "A is inside of B"
+               : answer.inside.containment == Containment::b_in_a ? "B is inside of A"
+                                                                  : "apart";
+    }
+    text += fmt::format(", {:.1f} us", 1e6 * answer.seconds);
+    if (!options.contour.empty()) {
+        text += fmt::format("; contour of {} lines, {} closed, length {:.6g}",
+                            answer.contour.lines.size(),
+                            std::ranges::count_if(answer.contour.lines, &ContourLine::closed),
+                            answer.contour.length());
+    }
+    if (answer.nearest) {
+        text += fmt::format("; separation {:.9g} between triangles {} and {}, {:.1f} us",
+                            answer.nearest->distance, index(answer.nearest->triangle_a),
+                            index(answer.nearest->triangle_b), 1e6 * answer.distance_seconds);
+    }
+    if (options.cells) {
+        text += fmt::format("; {} pairs of cells ({} of A, {} of B) hold {} and {} triangles, "
+                            "{:.1f} us",
+                            answer.leaves.size(), distinct_cells(answer.leaves, &LeafPair::a),
+                            distinct_cells(answer.leaves, &LeafPair::b), answer.candidates.a.size(),
+                            answer.candidates.b.size(), 1e6 * answer.cell_seconds);
+    }
+    return text + '\n';
+}
+
+/// The files that grow by a piece per pose.
+class OutputTexts {
+public:
+    explicit OutputTexts(const IntersectOptions& options) : options_(options) {}
+
+    void add(std::uint64_t pose, const PoseAnswer& answer)
+    {
+        if (!options_.pairs.empty()) {
+            pairs_ += pair_rows(answer_format(options_.pairs).value(), pose, answer.pairs);
+            rows_ += answer.pairs.size();
+        }
+        if (!options_.contour.empty()) {
+            contour_ += contour_obj(answer.contour, pose, next_vertex_);
+            next_vertex_ += answer.contour.points.size();
+        }
+    }
+
+    [[nodiscard]] Status write() const
+    {
+        if (!options_.pairs.empty()) {
+            const AnswerFormat format = answer_format(options_.pairs).value();
+            if (Status status = write_file(options_.pairs, pair_header(format, rows_), pairs_);
+                !status)
+                return status;
+        }
+        return options_.contour.empty() ? Status{} : write_file(options_.contour, "", contour_);
+    }
+
+private:
+    static Status write_file(const std::string& path, std::string_view header,
+                             std::string_view text)
+    {
+        auto file = OutputFile::create(path);
+        if (!file) return tl::unexpected(file.error());
+        if (Status status = file->write(header); !status) return status;
+        if (Status status = file->write(text); !status) return status;
+        return file->commit();
+    }
+
+    const IntersectOptions& options_;
+    std::string pairs_;
+    std::string contour_;
+    std::uint64_t rows_ = 0;
+    std::uint64_t next_vertex_ = 1;
+};
+
+Status run_intersect(const IntersectOptions& options, Session& session)
+{
+    if (Status status = check_options(options, session); !status) return status;
+    std::vector<RigidTransform> poses(1);
+    if (!options.poses.empty()) {
+        auto read = read_poses(options.poses, &session.progress());
+        if (!read) return tl::unexpected(read.error());
+        poses = std::move(*read);
+    }
+    // Enclosures refer to their meshes.
+    const auto a = std::make_unique<Body>();
+    const auto b = std::make_unique<Body>();
+    const Stopwatch watch;
+    if (Status status = prepare(*a, options.model_a, options, session); !status) return status;
+    if (Status status = prepare(*b, options.model_b, options, session); !status) return status;
+    const double build_seconds = watch.seconds();
+
+    constexpr std::size_t shown_poses = 10;
+    OutputTexts texts(options);
+    Json rows = Json::array();
+    std::string text = fmt::format("A {}: {} triangles\nB {}: {} triangles\nloaded and built in "
+                                   "{:.3f} s\n",
+                                   a->model, a->mesh.triangle_count(), b->model,
+                                   b->mesh.triangle_count(), build_seconds);
+    std::size_t intersecting = 0;
+    double seconds = 0;
+    std::optional<MeshDistance> last;
+    {
+        const ProgressBar shown(session.progress(), session.bar());
+        session.progress().begin_stage("intersecting", poses.size());
+        for (std::size_t i = 0; i < poses.size(); ++i) {
+            if (Status status = session.check_running(); !status) return status;
+            const PoseAnswer answer = find_in(*a, *b, poses[i], options, last ? &*last : nullptr);
+            last = answer.nearest;
+            texts.add(i, answer);
+            rows.push_back(json_of(answer, options));
+            intersecting += answer.pairs.empty() ? 0U : 1U;
+            seconds += answer.seconds;
+            if (i < shown_poses) text += fmt::format("pose {}: {}", i, text_of(answer, options));
+            if (i == 0 && !options.picture.empty()) {
+                const auto image = draw_intersection(
+                    {a->mesh, b->mesh, a->octree, b->octree, poses[0], answer.leaves,
+                     answer.contour},
+                    {.up = up_axis_of_model(options.model_a), .progress = &session.progress()});
+                if (!image) return tl::unexpected(image.error());
+                if (Status status = write_png(*image, options.picture, &session.progress());
+                    !status)
+                    return status;
+            }
+            session.progress().advance(1);
+        }
+    }
+    if (Status status = texts.write(); !status) return status;
+    if (poses.size() > shown_poses) text += "...\n";
+    text += fmt::format("{} of {} poses intersect, {:.1f} us each\n", intersecting, poses.size(),
+                        1e6 * seconds / static_cast<double>(poses.size()));
+    for (const std::string& path : {options.pairs, options.contour, options.picture}) {
+        if (!path.empty()) text += fmt::format("wrote {}\n", path);
+    }
+    session.print(text);
+    return session.write_json({{"a", a->model},
+                               {"b", b->model},
+                               {"triangles_a", a->mesh.triangle_count()},
+                               {"triangles_b", b->mesh.triangle_count()},
+                               {"build_seconds", build_seconds},
+                               {"poses", rows}});
+}
+
+} // namespace
+
+Command add_intersect_command(CLI::App& app)
+{
+    CLI::App* const parser = app.add_subcommand(
+        "intersect", "Find where two meshes meet, in any rigid poses of the second one");
+    const auto options = std::make_shared<IntersectOptions>();
+    const auto model = [&](const char* name, std::string& text, const char* what) {
+        parser->add_option(name, text, what)->required()->type_name("MODEL");
+    };
+    model("A", options->model_a, "The mesh that stands still: a file or a built-in");
+    model("B", options->model_b, "The mesh that poses move");
+    parser
+        ->add_option("--pose", options->poses,
+                     "Poses of B: .npy, else CSV, a row of 12 numbers each, the 3x4 matrix by "
+                     "rows; without it B stays where it is")
+        ->type_name("FILE");
+    parser
+        ->add_option("--pairs", options->pairs,
+                     "Write the pairs of triangles that meet: .csv or .npy of pose,a,b")
+        ->type_name("FILE");
+    parser->add_option("--contour", options->contour, "Write the contours as polylines: .obj")
+        ->type_name("FILE");
+    parser
+        ->add_option("--picture", options->picture,
+                     "Draw the first pose: .png of the cells that meet, their triangles and the "
+                     "contour")
+        ->type_name("FILE");
+    parser->add_flag("--cells", options->cells, "Count the leaves of the octrees that meet, too");
+    parser->add_flag("--distance", options->distance,
+                     "How far the surfaces are apart, and their closest points");
+    parser->add_option("--depth", options->depth, "Depth of the octrees, for cells")
+        ->check(CLI::Range(0, max_octree_depth))
+        ->type_name("N");
+    parser->add_option("--threshold", options->threshold, "Triangles that a cell may keep")
+        ->type_name("N");
+    return {parser, [options](Session& session) { return run_intersect(*options, session); }};
+}
+
+} // namespace proxima

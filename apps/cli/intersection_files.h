@@ -1,0 +1,28 @@
+// What proxima intersect writes: pairs of triangles, and contours.
+//
+//     pose,a,b                          .csv or .npy (float64): ascending
+//     o pose_0 / v x y z / l 1 2 3 1    .obj: polylines; a closed one ends where it began
+#pragma once
+
+#include "cli/answer_table.h"
+#include "proxima/query/intersect_meshes.h"
+#include "proxima/query/intersection_contour.h"
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+namespace proxima {
+
+/// The header line, or the header of .npy for `rows` pairs.
+[[nodiscard]] std::string pair_header(AnswerFormat format, std::uint64_t rows);
+
+[[nodiscard]] std::string pair_rows(AnswerFormat format, std::uint64_t pose,
+                                    std::span<const TrianglePair> pairs);
+
+/// `first_vertex` is the number that the file's next vertex has, from 1. Numbers have 17
+/// significant digits. Points alone are written as `p`.
+[[nodiscard]] std::string contour_obj(const IntersectionContour& contour, std::uint64_t pose,
+                                      std::uint64_t first_vertex);
+
+} // namespace proxima

@@ -1,0 +1,291 @@
+// proxima touch: feels a model with a simulated hand or a recording, and reports how good it was
+// (thesis section 5.1).
+#include "cli/commands.h"
+#include "cli/model_options.h"
+#include "cli/touch_session.h"
+#include "proxima/base/text.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <fmt/core.h>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+namespace proxima {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::string_view hand_prefix = "hand:";
+constexpr std::string_view replay_prefix = "replay:";
+
+struct TouchOptions {
+    std::string model;
+    std::string device; ///< hand:SCRIPT or replay:FILE
+    std::string limits = "omni";
+    double seconds = 5;
+    std::uint64_t seed = 1;
+    double stiffness = ForceOptions{}.stiffness;
+    double damping = ForceOptions{}.damping;
+    double radius = 0; ///< m
+    double friction = RenderOptions{}.static_friction;
+    bool free_running = false;
+    std::string record;
+};
+
+std::string names_of_devices()
+{
+    std::string names;
+    for (const DeviceLimits& device : known_devices())
+        names += (names.empty() ? "" : ", ") + std::string(device.name);
+    return names;
+}
+
+TouchSettings settings_of(const TouchOptions& options)
+{
+    TouchSettings settings;
+    settings.script = options.device.substr(hand_prefix.size());
+    settings.seed = options.seed;
+    settings.seconds = options.seconds;
+    settings.device = *find_device(options.limits);
+    settings.render.force.stiffness = options.stiffness;
+    settings.render.force.damping = options.damping;
+    settings.render.proxy_radius = options.radius;
+    settings.render.static_friction = options.friction;
+    settings.render.dynamic_friction = 0.75 * options.friction;
+    settings.pace = options.free_running ? Pace::unpaced : Pace::real_time;
+    settings.record = !options.record.empty();
+    return settings;
+}
+
+std::string microseconds(const LatencyHistogram& histogram)
+{
+    const auto at = [&](double part) {
+        return 1e-3 * static_cast<double>(histogram.quantile(part));
+    };
+    return fmt::format("p50 {:.2f}, p99 {:.2f}, p99.9 {:.2f}, p99.99 {:.2f}, max {:.2f} us",
+                       at(0.5), at(0.99), at(0.999), at(0.9999), at(1));
+}
+
+Json latency_json(const LatencyHistogram& histogram)
+{
+    return {{"p50_ns", histogram.quantile(0.5)},
+            {"p99_ns", histogram.quantile(0.99)},
+            {"p99_9_ns", histogram.quantile(0.999)},
+            {"p99_99_ns", histogram.quantile(0.9999)},
+            {"max_ns", histogram.max()}};
+}
+
+double percent(std::uint64_t part, std::uint64_t whole)
+{
+    return whole == 0 ? 0 : 100 * static_cast<double>(part) / static_cast<double>(whole);
+}
+
+std::string text_of(const TouchOptions& options, const TouchModel& model, const TouchResult& result,
+                    std::optional<std::uint64_t> differences)
+{
+    const QualityReport& quality = result.quality;
+    const RenderOptions& render = result.render_options;
+    const Vec3& center = result.map.center;
+    std::string text = fmt::format(
+        "{}: {} triangles, ready in {:.3f} s\n"
+        "workspace: 1 m of the device is {:.6g} of the model, its middle ({:.6g}, {:.6g}, {:.6g})\n"
+        "{}: {} ticks, K {:g} N/m, B {:g} N s/m, friction {:g} and {:g}, radius {:g} m\n",
+        options.model, model.surface.mesh.triangle_count(), model.build_seconds,
+        result.map.units_per_metre, center.x(), center.y(), center.z(), options.device,
+        quality.ticks, render.force.stiffness, render.force.damping, render.static_friction,
+        render.dynamic_friction, render.proxy_radius);
+    text += fmt::format(
+        "touching {:.1f} %, sticking {:.1f} %; force at most {:.3f} N, depth {:.2f} mm, speed "
+        "{:.2f} "
+        "m/s\n"
+        "passed through: {}; slides cut short {}, overloaded {}, faulty input {}\n"
+        "force step over K times the way: {:.3f}; turn {:.1f} degrees; energy taken {:.3g} J\n"
+        "guards: clamped {}, slewed {}, damped {} ticks; lowest energy {:.3g} J\n"
+        "tick: {}\n",
+        percent(quality.touching_ticks, quality.ticks),
+        percent(quality.sticking_ticks, quality.ticks), quality.max_force, 1e3 * quality.max_depth,
+        quality.max_speed, quality.passes, quality.limited_ticks, quality.overloaded_ticks,
+        quality.faulty_ticks, quality.max_step_ratio, quality.max_turn_degrees,
+        quality.taken_energy, result.clamped, result.slewed, result.damped, result.lowest_energy,
+        microseconds(result.render));
+    if (differences) {
+        text += fmt::format("replayed: {} ticks differ from the recording\n", *differences);
+    } else if (!options.free_running) {
+        text += fmt::format(
+            "servo: {:.1f} Hz, {} deadlines missed, {} ticks left out; late by {}\n"
+            "real-time priority: {}, locked memory: {}\n",
+            static_cast<double>(result.servo.ticks) / std::max(result.servo.seconds, 1e-9),
+            result.servo.missed, result.servo.skipped, microseconds(result.servo.late),
+            result.servo.real_time_priority ? "yes" : "no",
+            result.servo.locked_memory ? "yes" : "no");
+        if (!result.servo.note.empty()) text += fmt::format("note: {}\n", result.servo.note);
+    }
+    return text;
+}
+
+Json json_of(const TouchOptions& options, const TouchModel& model, const TouchResult& result,
+             std::optional<std::uint64_t> differences)
+{
+    const QualityReport& quality = result.quality;
+    const RenderOptions& render = result.render_options;
+    const Vec3& center = result.map.center;
+    Json json = {{"model", options.model},
+                 {"triangles", model.surface.mesh.triangle_count()},
+                 {"device", options.device},
+                 {"build_seconds", model.build_seconds},
+                 {"units_per_metre", result.map.units_per_metre},
+                 {"center", {center.x(), center.y(), center.z()}},
+                 {"stiffness", render.force.stiffness},
+                 {"damping", render.force.damping},
+                 {"static_friction", render.static_friction},
+                 {"dynamic_friction", render.dynamic_friction},
+                 {"radius", render.proxy_radius},
+                 {"ticks", quality.ticks},
+                 {"touching_ticks", quality.touching_ticks},
+                 {"sticking_ticks", quality.sticking_ticks},
+                 {"passes", quality.passes},
+                 {"limited_ticks", quality.limited_ticks},
+                 {"overloaded_ticks", quality.overloaded_ticks},
+                 {"faulty_ticks", quality.faulty_ticks},
+                 {"max_force", quality.max_force},
+                 {"max_spring", quality.max_spring},
+                 {"max_depth", quality.max_depth},
+                 {"max_speed", quality.max_speed},
+                 {"max_step_ratio", quality.max_step_ratio},
+                 {"max_turn_degrees", quality.max_turn_degrees},
+                 {"taken_energy", quality.taken_energy},
+                 {"max_moves", quality.max_moves},
+                 {"clamped_ticks", result.clamped},
+                 {"slewed_ticks", result.slewed},
+                 {"damped_ticks", result.damped},
+                 {"lowest_energy", result.lowest_energy},
+                 {"tick", latency_json(result.render)},
+                 {"servo", nullptr},
+                 {"replay_differences", nullptr}};
+    if (differences) {
+        json["replay_differences"] = *differences;
+    } else if (!options.free_running) {
+        json["servo"] = {{"seconds", result.servo.seconds},
+                         {"missed_deadlines", result.servo.missed},
+                         {"skipped_ticks", result.servo.skipped},
+                         {"late", latency_json(result.servo.late)},
+                         {"real_time_priority", result.servo.real_time_priority},
+                         {"locked_memory", result.servo.locked_memory},
+                         {"note", result.servo.note}};
+    }
+    return json;
+}
+
+Status run_replay(const TouchOptions& options, Session& session)
+{
+    const std::string path = options.device.substr(replay_prefix.size());
+    const auto recording = load_recording(path, &session.progress());
+    if (!recording) return tl::unexpected(recording.error());
+    const auto model = load_touch_model(options.model, session);
+    if (!model) return tl::unexpected(model.error());
+    const auto result = replay_touch(**model, *recording, path);
+    if (!result) return tl::unexpected(result.error());
+    if (Status status = session.check_running(); !status) return status;
+    session.print(text_of(options, **model, result->touch, result->differences));
+    return session.write_json(json_of(options, **model, result->touch, result->differences));
+}
+
+Status run_hand(const TouchOptions& options, Session& session)
+{
+    if (!options.record.empty()) {
+        if (Status status = session.check_outputs({options.record}); !status) return status;
+    }
+    const auto model = load_touch_model(options.model, session);
+    if (!model) return tl::unexpected(model.error());
+    const auto result = touch_by_hand(**model, settings_of(options), session);
+    if (!result) return tl::unexpected(result.error());
+    if (!options.record.empty()) {
+        Status status = save_recording(result->recording, options.record, &session.progress());
+        if (!status) return status;
+    }
+    session.print(text_of(options, **model, *result, std::nullopt));
+    if (!options.record.empty()) session.print(fmt::format("wrote {}\n", options.record));
+    return session.write_json(json_of(options, **model, *result, std::nullopt));
+}
+
+Status run_touch(const TouchOptions& options, Session& session)
+{
+    return options.device.starts_with(replay_prefix) ? run_replay(options, session)
+                                                     : run_hand(options, session);
+}
+
+/// Empty where the device is one that there is.
+std::string device_problem(const std::string& device)
+{
+    if (device.starts_with(replay_prefix) && device.size() > replay_prefix.size()) return {};
+    if (device.starts_with(hand_prefix) && is_hand_script(device.substr(hand_prefix.size())))
+        return {};
+    return concat(device, " is no device: give hand:SCRIPT with a script of ", hand_script_names(),
+                  ", or replay:FILE");
+}
+
+void add_settings(CLI::App& parser, TouchOptions& options)
+{
+    parser.add_option("--seconds", options.seconds, "How long the hand touches")
+        ->check(CLI::Range(0.001, 86400.0))
+        ->capture_default_str()
+        ->type_name("S");
+    parser.add_option("--seed", options.seed, "Of the hand's script")
+        ->capture_default_str()
+        ->type_name("N");
+    parser
+        .add_option("--limits", options.limits,
+                    "Whose force, stiffness and damping are the most: " + names_of_devices())
+        ->check([](const std::string& name) {
+            return find_device(name) ? std::string()
+                                     : concat(name, " is no device: they are ", names_of_devices());
+        })
+        ->capture_default_str()
+        ->type_name("NAME");
+    parser.add_option("--stiffness", options.stiffness, "Of the surface, N/m")
+        ->check(CLI::Range(0.0, 1e5))
+        ->capture_default_str()
+        ->type_name("K");
+    parser.add_option("--damping", options.damping, "Of the surface, N s/m")
+        ->check(CLI::Range(0.0, 1e3))
+        ->capture_default_str()
+        ->type_name("B");
+    parser.add_option("--radius", options.radius, "Of the proxy, m; 0 is a point")
+        ->check(CLI::Range(0.0, 0.1))
+        ->capture_default_str()
+        ->type_name("R");
+    parser
+        .add_option("--friction", options.friction,
+                    "Static friction; the dynamic one is three quarters of it")
+        ->check(CLI::Range(0.0, 10.0))
+        ->capture_default_str()
+        ->type_name("MU");
+    parser.add_flag("--free-running", options.free_running,
+                    "Tick after tick without waiting: the same forces, sooner");
+    parser.add_option("--record", options.record, "Write the session, to be replayed (.pxt)")
+        ->type_name("FILE");
+}
+
+} // namespace
+
+Command add_touch_command(CLI::App& app)
+{
+    CLI::App* const parser = app.add_subcommand(
+        "touch", "Feel a model at 1,000 Hz with a simulated hand, and report how good it was");
+    const auto options = std::make_shared<TouchOptions>();
+    add_model_option(*parser, options->model, ModelKinds::meshes_and_proximity_octrees);
+    parser
+        ->add_option("--device", options->device,
+                     concat("hand:SCRIPT, a script of ", hand_script_names(), "; or replay:FILE"))
+        ->required()
+        ->check(device_problem)
+        ->type_name("NAME:ARGS");
+    add_settings(*parser, *options);
+    return {parser, [options](Session& session) { return run_touch(*options, session); }};
+}
+
+} // namespace proxima

@@ -1,0 +1,214 @@
+#include "cli/touch_session.h"
+
+#include "cli/model_options.h"
+#include "cli/stopwatch.h"
+#include "proxima/haptics/snapshot.h"
+#include "proxima/proximity/build_proximity_octree.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <fmt/core.h>
+#include <thread>
+#include <unistd.h>
+
+namespace proxima {
+
+namespace {
+
+std::int64_t nanoseconds_now() noexcept
+{
+    return std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1);
+}
+
+Status build_octree_of(TouchModel& model, const std::string& name, Session& session)
+{
+    auto mesh = session.load_model(name);
+    if (!mesh) return tl::unexpected(mesh.error());
+    auto surface = surface_of(std::move(*mesh), name, session);
+    if (!surface) return tl::unexpected(surface.error());
+    model.surface = std::move(*surface);
+    const ProgressBar shown(session.progress(), session.bar());
+    auto octree =
+        build_proximity_octree(model.surface.mesh, model.surface.topology,
+                               {.threads = session.threads(), .progress = &session.progress()});
+    if (!octree) return at_model(octree.error(), name);
+    model.octree = std::move(*octree);
+    return {};
+}
+
+Status open_octree(TouchModel& model, const std::string& name, Session& session)
+{
+    auto octree = load_proximity_file(name, session);
+    if (!octree) return tl::unexpected(octree.error());
+    model.octree = std::move(*octree);
+    auto surface = surface_of(model.octree, name, session);
+    if (!surface) return tl::unexpected(surface.error());
+    model.surface = std::move(*surface);
+    return {};
+}
+
+/// What the terminal shows while the hand is at it.
+struct LiveTouch {
+    double seconds = 0;
+    std::uint64_t ticks = 0;
+    double force = 0;
+    Hold hold = Hold::free;
+};
+
+/// Renders and keeps account; all that the loop calls is without allocation.
+class TouchRun {
+public:
+    TouchRun(const TouchModel& model, const WorkspaceMap& map, const DeviceLimits& device,
+             const RenderOptions& options)
+        : renderer_(*model.contact, map, device, options), meter_(*model.contact, map)
+    {}
+
+    const RenderTick& tick(const DeviceState& state, double seconds) noexcept
+    {
+        const std::int64_t begin = nanoseconds_now();
+        const RenderTick& felt = renderer_.tick(state, seconds);
+        result_.render.add(nanoseconds_now() - begin);
+        meter_.add(felt, state.velocity, renderer_.proxy().path());
+        return felt;
+    }
+
+    [[nodiscard]] const HapticRenderer& renderer() const noexcept { return renderer_; }
+
+    [[nodiscard]] TouchResult finish() &&
+    {
+        result_.quality = meter_.report();
+        result_.clamped = renderer_.guard().clamped();
+        result_.slewed = renderer_.guard().slewed();
+        result_.damped = renderer_.passivity().damped_ticks();
+        result_.lowest_energy = renderer_.passivity().lowest_energy();
+        result_.map = renderer_.map();
+        result_.render_options = renderer_.options();
+        return std::move(result_);
+    }
+
+private:
+    HapticRenderer renderer_;
+    QualityMeter meter_;
+    TouchResult result_;
+};
+
+/// Rate and force on a terminal, ten times a second, until `ended`.
+void show_live(Snapshot<LiveTouch>& live, const std::atomic<bool>& ended, bool shown)
+{
+    constexpr auto pause = std::chrono::milliseconds(10);
+    constexpr int pauses_per_line = 10;
+    LiveTouch last;
+    for (int pauses = 1; !ended.load(); ++pauses) {
+        std::this_thread::sleep_for(pause);
+        if (!shown || pauses % pauses_per_line != 0 || !live.update()) continue;
+        const LiveTouch& now = live.reading();
+        const double span = now.seconds - last.seconds;
+        const double rate = span > 0 ? static_cast<double>(now.ticks - last.ticks) / span : 0;
+        const auto bar = static_cast<std::size_t>(std::min(now.force, 10.0) * 4);
+        const char* const hold = now.hold == Hold::free       ? "free"
+                                 : now.hold == Hold::sticking ? "sticking"
+                                                              : "sliding";
+        fmt::print(stderr, "\r\x1b[K{:5.1f} s {:6.0f} Hz {:6.3f} N {:8} {}", now.seconds, rate,
+                   now.force, hold, std::string(bar, '#'));
+        std::fflush(stderr);
+        last = now;
+    }
+    if (shown) fmt::print(stderr, "\r\x1b[K");
+}
+
+} // namespace
+
+Result<std::unique_ptr<TouchModel>> load_touch_model(const std::string& name, Session& session)
+{
+    auto model = std::make_unique<TouchModel>();
+    const Stopwatch watch;
+    const Status status = is_proximity_file(name) ? open_octree(*model, name, session)
+                                                  : build_octree_of(*model, name, session);
+    if (!status) return tl::unexpected(status.error());
+    model->contact = std::make_unique<OctreeContactSurface>(model->octree);
+    model->build_seconds = watch.seconds();
+    return model;
+}
+
+Result<TouchResult> touch_by_hand(const TouchModel& model, const TouchSettings& settings,
+                                  Session& session)
+{
+    const TriangleMesh& mesh = model.surface.mesh;
+    const WorkspaceMap map = fit_workspace(bounding_box(mesh), settings.device.workspace_radius);
+    const auto script =
+        HandScript::make(settings.script, mesh, model.surface.topology, map, settings.seed);
+    if (!script) return tl::unexpected(script.error());
+
+    TouchRun run(model, map, settings.device, settings.render);
+    SimulatedHand hand(settings.hand, script->target(0));
+    const double tick_seconds = settings.hand.tick_seconds;
+    const auto ticks = static_cast<std::uint64_t>(std::llround(settings.seconds / tick_seconds));
+    std::vector<RecordedTick> recorded_ticks(settings.record ? ticks : 0);
+    Snapshot<LiveTouch> live;
+    std::atomic<bool> ended{false};
+    ServoStatistics servo;
+    const std::int64_t begin = nanoseconds_now();
+    std::thread servo_thread([&] {
+        servo = run_servo_loop(
+            {.rate = 1 / tick_seconds, .ticks = ticks, .pace = settings.pace},
+            [&](std::uint64_t number) noexcept {
+                const double seconds = static_cast<double>(number) * tick_seconds;
+                const DeviceState state = hand.state();
+                const RenderTick& felt = run.tick(state, tick_seconds);
+                if (settings.record) recorded_ticks[number] = recorded(seconds, state, felt);
+                hand.step(felt.force, script->target(seconds));
+                live.writing() = {1e-9 * static_cast<double>(nanoseconds_now() - begin), number + 1,
+                                  felt.force.norm(), felt.proxy.hold};
+                live.publish();
+                return session.progress().cancelled() ? Flow::stop : Flow::proceed;
+            });
+        ended.store(true);
+    });
+    show_live(live, ended, session.bar() == BarMode::automatic && isatty(STDERR_FILENO) != 0);
+    servo_thread.join();
+    if (Status status = session.check_running(); !status) return tl::unexpected(status.error());
+
+    TouchResult result = std::move(run).finish();
+    result.servo = std::move(servo);
+    if (settings.record) {
+        result.recording.settings = {.mesh_fingerprint = model.octree.mesh_fingerprint(),
+                                     .tick_seconds = tick_seconds,
+                                     .map = map,
+                                     .render = result.render_options,
+                                     .max_force = settings.device.max_force,
+                                     .max_stiffness = settings.device.max_stiffness,
+                                     .max_damping = settings.device.max_damping};
+        result.recording.ticks = std::move(recorded_ticks);
+    }
+    return result;
+}
+
+Result<ReplayResult> replay_touch(const TouchModel& model, const Recording& recording,
+                                  const std::string& path)
+{
+    const RecordingSettings& settings = recording.settings;
+    if (settings.mesh_fingerprint != model.octree.mesh_fingerprint()) {
+        return fail(ErrorCode::invalid_argument,
+                    "was recorded with another model: replay it with the one that was touched",
+                    path);
+    }
+    const DeviceLimits device = {.name = "recorded",
+                                 .max_force = settings.max_force,
+                                 .max_stiffness = settings.max_stiffness,
+                                 .max_damping = settings.max_damping};
+    TouchRun run(model, settings.map, device, settings.render);
+    ReplayResult result;
+    for (const RecordedTick& tick : recording.ticks) {
+        const DeviceState state = device_state(tick);
+        if (!same_feeling(tick,
+                          recorded(tick.seconds, state, run.tick(state, settings.tick_seconds))))
+            ++result.differences;
+    }
+    result.touch = std::move(run).finish();
+    return result;
+}
+
+} // namespace proxima

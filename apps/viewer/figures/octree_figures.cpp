@@ -1,0 +1,162 @@
+// Figures 2.6, 2.7 and 3.16: octrees of models.
+#include "viewer/figures/octree_figures.h"
+
+#include "cli/octree_picture.h"
+#include "proxima/mesh/mesh_io.h"
+#include "proxima/mesh/sample_meshes.h"
+#include "proxima/octree/build_octree.h"
+#include "proxima/octree/statistics.h"
+
+#include <array>
+#include <filesystem>
+#include <fmt/core.h>
+
+namespace proxima {
+namespace {
+
+constexpr ViewSize panel_size = {.width = 720, .height = 600};
+
+Result<PicturePanel> picture_of(const Octree& octree, const TriangleMesh& mesh, UpAxis up,
+                                std::string title, const FigureContext& context)
+{
+    auto image = draw_octree(octree, mesh,
+                             {.width = panel_size.width,
+                              .height = panel_size.height,
+                              .up = up,
+                              .progress = context.progress});
+    if (!image) return tl::unexpected(image.error());
+    return PicturePanel{std::move(title), std::move(*image)};
+}
+
+OctreeOptions options_for(int depth, const FigureContext& context)
+{
+    return {.max_depth = depth, .threads = context.threads, .progress = context.progress};
+}
+
+/// A panel for each depth, and what the leaves are in words.
+Result<std::string> add_depths(FigureContent& content, const TriangleMesh& mesh,
+                               std::span<const int> depths, const FigureContext& context)
+{
+    std::string counts;
+    for (const int depth : depths) {
+        const auto octree = build_octree(mesh, options_for(depth, context));
+        if (!octree) return tl::unexpected(octree.error());
+        const OctreeStatistics statistics = octree_statistics(*octree);
+        auto panel = picture_of(*octree, mesh, UpAxis::z,
+                                fmt::format("depth {}: {} cells, {} leaves hold triangles", depth,
+                                            statistics.total, statistics.boundary),
+                                context);
+        if (!panel) return tl::unexpected(panel.error());
+        content.panels.emplace_back(std::move(*panel));
+        counts +=
+            fmt::format("{}depth {}: {} cells, {} leaves, {:.1f} % of them occupied, {} "
+                        "references",
+                        counts.empty() ? "" : "; ", depth, statistics.total, statistics.leaves,
+                        statistics.occupied_percent, statistics.references);
+    }
+    return counts;
+}
+
+/// A model by its file, or by the built-in that stands in where there is no such file.
+struct BenchmarkModel {
+    const char* file;
+    const char* stand_in;
+};
+
+constexpr std::array benchmark_models = {
+    BenchmarkModel{"/usr/share/glmark2/models/bunny.obj", "icosphere:5"},
+    BenchmarkModel{"/usr/share/glmark2/models/horse.3ds", "torus:80x40"},
+    BenchmarkModel{"", "torus:64x32"}, BenchmarkModel{"", "spaceship:33000"}};
+
+struct LoadedModel {
+    std::string name;
+    TriangleMesh mesh;
+    UpAxis up = UpAxis::z;
+};
+
+Result<LoadedModel> load(const BenchmarkModel& model, const FigureContext& context)
+{
+    std::error_code error;
+    const std::filesystem::path file = model.file;
+    if (!file.empty() && std::filesystem::exists(file, error)) {
+        auto mesh = read_mesh(file, {.progress = context.progress});
+        if (mesh) return LoadedModel{file.filename().string(), std::move(*mesh), UpAxis::y};
+        // Without assimp there is no 3DS: the stand-in is shown then too.
+        if (mesh.error().code != ErrorCode::unsupported_format) return tl::unexpected(mesh.error());
+    }
+    auto mesh = sample_mesh(model.stand_in, {.progress = context.progress});
+    if (!mesh) return tl::unexpected(mesh.error());
+    return LoadedModel{model.stand_in, std::move(*mesh), UpAxis::z};
+}
+
+} // namespace
+
+Result<FigureContent> figure_2_6(const FigureContext& context)
+{
+    constexpr std::array depths = {0, 1, 2, 3, 4, 5};
+    const auto mesh = sample_mesh("sphere:100x100", {.progress = context.progress});
+    if (!mesh) return tl::unexpected(mesh.error());
+    FigureContent content;
+    const auto counts = add_depths(content, *mesh, depths, context);
+    if (!counts) return tl::unexpected(counts.error());
+    content.caption = fmt::format(
+        "Adaptive subdivision of a sphere of {} triangles, threshold 1: the leaves that hold "
+        "triangles, coloured by depth. The deeper the octree, the closer its leaves follow the "
+        "surface. {}.",
+        mesh->triangle_count(), *counts);
+    return content;
+}
+
+Result<FigureContent> figure_2_7(const FigureContext& context)
+{
+    FigureContent content;
+    content.columns = 2;
+    content.caption = "Adaptive subdivision to depth 5 with the thesis's heuristic: built with "
+                      "threshold 1, and again with the longest list as threshold.";
+    for (const BenchmarkModel& source : benchmark_models) {
+        const auto model = load(source, context);
+        if (!model) return tl::unexpected(model.error());
+        const OctreeOptions options = options_for(5, context);
+        const auto first = build_octree(model->mesh, options);
+        if (!first) return tl::unexpected(first.error());
+        const auto octree = build_octree_two_pass(model->mesh, options);
+        if (!octree) return tl::unexpected(octree.error());
+        const OctreeStatistics before = octree_statistics(*first);
+        const OctreeStatistics after = octree_statistics(*octree);
+        const std::uint32_t threshold = octree->parameters().threshold;
+        auto panel = picture_of(*octree, model->mesh, model->up,
+                                fmt::format("{}: threshold {}, {} leaves hold triangles",
+                                            model->name, threshold, after.boundary),
+                                context);
+        if (!panel) return tl::unexpected(panel.error());
+        content.panels.emplace_back(std::move(*panel));
+        content.caption += fmt::format(
+            " {}, {} triangles: {} cells with threshold 1, {} with threshold {}, the longest list "
+            "{} either way, on average {:.2f} and {:.2f} triangles a leaf.",
+            model->name, model->mesh.triangle_count(), before.total, after.total, threshold,
+            before.max_triangles, before.mean_all_leaves, after.mean_all_leaves);
+        if (before.max_triangles != after.max_triangles) {
+            return fail(ErrorCode::broken_invariant,
+                        "the second pass made longer lists than the first", model->name);
+        }
+    }
+    return content;
+}
+
+Result<FigureContent> figure_3_16(const FigureContext& context)
+{
+    constexpr std::array depths = {3, 4, 5, 6};
+    const auto mesh = make_spaceship(33000, {.progress = context.progress});
+    if (!mesh) return tl::unexpected(mesh.error());
+    FigureContent content;
+    content.columns = 2;
+    const auto counts = add_depths(content, *mesh, depths, context);
+    if (!counts) return tl::unexpected(counts.error());
+    content.caption = fmt::format(
+        "A procedural spaceship of {} triangles, in the place of the thesis's model of as many, "
+        "and its octrees, threshold 1. {}.",
+        mesh->triangle_count(), *counts);
+    return content;
+}
+
+} // namespace proxima

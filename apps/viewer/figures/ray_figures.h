@@ -1,0 +1,32 @@
+// Figures of thesis section 5.3: cells along a ray.
+#pragma once
+
+#include "proxima/mesh/triangle_mesh.h"
+#include "proxima/octree/octree.h"
+#include "proxima/query/cells_along_ray.h"
+#include "viewer/figures/thesis_figure.h"
+
+#include <vector>
+
+namespace proxima {
+
+/// A ray through an octree and the cells that it lights.
+struct LitCells {
+    TriangleMesh mesh;
+    Octree octree;
+    Ray ray;
+    std::vector<CellOnRay> cells;
+};
+
+/// Figure 5.5: a ray along an axis through the middle of every cell of a uniform octree.
+[[nodiscard]] Result<LitCells> fully_lit_cells(const FigureContext& context);
+/// Figure 5.6: a slanted ray through an adaptive one.
+[[nodiscard]] Result<LitCells> variously_lit_cells(const FigureContext& context);
+
+/// From black at 0 to yellow at 1.
+[[nodiscard]] Color intensity_color(double weight);
+
+[[nodiscard]] Result<FigureContent> figure_5_5(const FigureContext& context);
+[[nodiscard]] Result<FigureContent> figure_5_6(const FigureContext& context);
+
+} // namespace proxima

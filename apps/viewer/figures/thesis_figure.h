@@ -1,0 +1,72 @@
+// The figures of the thesis, made anew from what the library computes.
+//
+//     for (const ThesisFigure& figure : thesis_figures()) {
+//         const auto drawn = figure.make({.progress = &progress});     // what it shows
+//         const auto image = figure_picture(*drawn, renderer);         // figure_pages.h
+//     }
+#pragma once
+
+#include "cli/figure.h"
+#include "cli/image.h"
+#include "proxima/base/parallel.h"
+#include "proxima/base/progress.h"
+#include "proxima/base/result.h"
+#include "viewer/camera.h"
+#include "viewer/scene.h"
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace proxima {
+
+/// A scene and who looks at it.
+struct ScenePanel {
+    std::string title;
+    Scene scene;
+    OrbitCamera camera;
+    ViewSize size;
+};
+
+/// A picture that is there already.
+struct PicturePanel {
+    std::string title;
+    Image image;
+};
+
+using FigurePanel = std::variant<ScenePanel, PicturePanel>;
+
+/// What a figure shows: a flat drawing, or panels in rows.
+struct FigureContent {
+    std::string caption; ///< its numbers are those of this run
+    std::optional<Figure> drawing = {};
+    std::vector<FigurePanel> panels = {};
+    int columns = 3; ///< of panels
+};
+
+struct FigureContext {
+    Threads threads = {};
+    Progress* progress = nullptr;
+};
+
+struct ThesisFigure {
+    std::string_view number; ///< "3.14"
+    std::string_view title;
+    Result<FigureContent> (*make)(const FigureContext& context) = nullptr;
+};
+
+/// A figure of the thesis that is not made, and why.
+struct MissingFigure {
+    std::string_view number;
+    std::string_view title;
+    std::string_view reason;
+};
+
+/// All, in the thesis's order.
+[[nodiscard]] std::span<const ThesisFigure> thesis_figures();
+[[nodiscard]] std::span<const MissingFigure> missing_figures();
+
+} // namespace proxima

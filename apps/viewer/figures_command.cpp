@@ -1,0 +1,132 @@
+// proxima figures: the figures of the thesis, as pictures with captions.
+#include "cli/names.h"
+#include "proxima/base/output_file.h"
+#include "proxima/base/text.h"
+#include "viewer/commands.h"
+#include "viewer/figures/figure_pages.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <fmt/core.h>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+namespace proxima {
+namespace {
+
+struct FiguresOptions {
+    std::string out;
+    std::vector<std::string> only;
+    bool opengl = false;
+
+    [[nodiscard]] bool wants(std::string_view number) const
+    {
+        return only.empty() || std::ranges::find(only, number) != only.end();
+    }
+};
+
+std::string figure_numbers()
+{
+    std::string numbers;
+    for (const ThesisFigure& figure : thesis_figures())
+        numbers += fmt::format("{}{}", numbers.empty() ? "" : ", ", figure.number);
+    return numbers;
+}
+
+Status write_text(const std::string& text, const std::filesystem::path& path, Progress* progress)
+{
+    auto output = OutputFile::create(path, {progress, text.size()});
+    if (!output) return tl::unexpected(output.error());
+    if (Status status = output->write(text); !status) return status;
+    return output->commit();
+}
+
+Result<std::unique_ptr<Renderer>> make_renderer(const FiguresOptions& options,
+                                                const Progress* progress)
+{
+    if (options.opengl) return make_opengl_renderer();
+    return make_software_renderer(progress);
+}
+
+Status run_figures(const FiguresOptions& options, Session& session)
+{
+    const std::filesystem::path folder = options.out;
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (!std::filesystem::is_directory(folder, error)) {
+        return fail(ErrorCode::file_not_writable, "this folder is not there and cannot be made",
+                    options.out);
+    }
+    Progress* const progress = &session.progress();
+    const auto renderer = make_renderer(options, progress);
+    if (!renderer) return tl::unexpected(renderer.error());
+    const FigureContext context = {session.threads(), progress};
+    std::vector<FigurePage> pages;
+    nlohmann::ordered_json made = nlohmann::ordered_json::array();
+    for (const ThesisFigure& figure : thesis_figures()) {
+        if (!options.wants(figure.number)) continue;
+        auto page = [&] {
+            const ProgressBar shown(session.progress(), session.bar());
+            return write_figure_page(figure, folder, **renderer, context);
+        }();
+        if (!page) return tl::unexpected(page.error());
+        session.print(
+            fmt::format("Figure {:<5} {:6.2f} s  {}\n", page->number, page->seconds, page->title));
+        made.push_back({{"figure", page->number},
+                        {"title", page->title},
+                        {"caption", page->caption},
+                        {"files", page->files},
+                        {"seconds", page->seconds}});
+        pages.push_back(std::move(*page));
+    }
+    nlohmann::ordered_json missing = nlohmann::ordered_json::array();
+    for (const MissingFigure& figure : missing_figures()) {
+        missing.push_back(
+            {{"figure", figure.number}, {"title", figure.title}, {"reason", figure.reason}});
+    }
+    const std::filesystem::path sheet = folder / "figures.html";
+    if (Status status = write_text(figure_sheet(pages, missing_figures()), sheet, progress);
+        !status) {
+        return status;
+    }
+    session.print(fmt::format("wrote {}\n", sheet.string()));
+    return session.write_json({{"figures", made}, {"missing", missing}});
+}
+
+} // namespace
+
+Command add_figures_command(CLI::App& app)
+{
+    CLI::App* const parser =
+        app.add_subcommand("figures", "Draw the figures of the thesis, with captions and a page "
+                                      "that shows them");
+    const auto options = std::make_shared<FiguresOptions>();
+    parser
+        ->add_option("--out", options->out, "Folder for pictures and figures.html; made if need be")
+        ->required()
+        ->type_name("DIR");
+    parser
+        ->add_option_function<std::string>(
+            "--only",
+            [options](const std::string& text) {
+                options->only = split_list(text);
+                for (const std::string& number : options->only) {
+                    if (std::ranges::none_of(thesis_figures(), [&](const ThesisFigure& figure) {
+                            return figure.number == number;
+                        })) {
+                        throw CLI::ValidationError("--only", concat('"', number,
+                                                                    "\" is no figure here: they "
+                                                                    "are ",
+                                                                    figure_numbers()));
+                    }
+                }
+            },
+            concat("Only these, of ", figure_numbers()))
+        ->type_name("LIST");
+    parser->add_flag("--opengl", options->opengl,
+                     "Draw scenes by OpenGL, without a display; by software otherwise");
+    return {parser, [options](Session& session) { return run_figures(*options, session); }};
+}
+
+} // namespace proxima

@@ -1,0 +1,36 @@
+// Who draws scenes.
+#pragma once
+
+#include "cli/image.h"
+#include "proxima/base/progress.h"
+#include "proxima/base/result.h"
+#include "viewer/camera.h"
+#include "viewer/scene.h"
+
+#include <memory>
+
+namespace proxima {
+
+/// Draws scenes into pictures. Not thread safe.
+class Renderer {
+public:
+    Renderer() = default;
+    Renderer(const Renderer&) = delete;
+    Renderer& operator=(const Renderer&) = delete;
+    virtual ~Renderer() = default;
+
+    /// Opaque surfaces with depth; translucent ones and lines over them from far to near; labels in
+    /// front of all. Errors: cancelled, and whatever the renderer's own system says.
+    [[nodiscard]] virtual Result<Image> render(const Scene& scene, const OrbitCamera& camera,
+                                               ViewSize size) = 0;
+};
+
+/// Draws without any graphics system, the same bits on every machine; four samples a pixel.
+[[nodiscard]] std::unique_ptr<Renderer> make_software_renderer(const Progress* progress = nullptr);
+
+/// Draws by OpenGL 3.3 without a display; its graphics system is the machine's, so bits differ from
+/// machine to machine. Error unsupported_format where the program was built without it, or the
+/// machine has no such OpenGL.
+[[nodiscard]] Result<std::unique_ptr<Renderer>> make_opengl_renderer();
+
+} // namespace proxima

@@ -1,0 +1,66 @@
+// What a figure or a window shows: surfaces, lines and labels in space. Nothing of how it is drawn.
+//
+//     Scene scene;
+//     add_mesh(scene, mesh, {.name = "mesh"});              // scene_shapes.h
+//     add_box(scene, cell, {.color = srgb(0xFFE23D)});
+//     const OrbitCamera camera = fitted({.azimuth = 0.5}, scene, size);
+//     renderer.render(scene, camera, size);
+#pragma once
+
+#include "cli/canvas.h"
+#include "cli/lettering.h"
+#include "proxima/geometry/shapes.h"
+#include "proxima/mesh/triangle_mesh.h"
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace proxima {
+
+/// Whether lamps shade a surface, or it shows its colour as it is.
+enum class Lighting { lit, flat };
+
+/// Triangles of one colour.
+struct SceneSurface {
+    std::string name; ///< of what it shows, for whoever looks for it
+    std::vector<Vec3> positions;
+    std::vector<Vec3> normals; ///< one per position, or none: every triangle is flat
+    std::vector<TriangleCorners> triangles;
+    Color color = Color::Ones();
+    float opacity = 1.0F;
+    Lighting lighting = Lighting::lit;
+};
+
+/// Segments of one colour.
+struct SceneLines {
+    std::string name;
+    std::vector<std::array<Vec3, 2>> segments;
+    Color color = Color::Zero();
+    double width = 1.5; ///< pixels
+    float opacity = 1.0F;
+};
+
+/// A word at a place, in front of everything.
+struct SceneLabel {
+    Vec3 at = Vec3::Zero();
+    std::string text;
+    TextStyle style = {};
+};
+
+struct Scene {
+    Color background_top = srgb(0xFBFCFE);
+    Color background_bottom = srgb(0xE3E8EF);
+    float creases = 0.0F; ///< how dark creases are, 0 to 1
+    std::vector<SceneSurface> surfaces = {};
+    std::vector<SceneLines> lines = {};
+    std::vector<SceneLabel> labels = {};
+};
+
+/// Of surfaces and lines; empty without any.
+[[nodiscard]] Box bounding_box(const Scene& scene);
+
+/// All places that a camera must show: corners of surfaces and ends of lines.
+[[nodiscard]] std::vector<Vec3> places_of(const Scene& scene);
+
+} // namespace proxima

@@ -1,0 +1,56 @@
+// Meshes, boxes, arrows and balls for scenes.
+#pragma once
+
+#include "proxima/minkowski/drawn_surface.h"
+#include "viewer/scene.h"
+
+#include <span>
+#include <string>
+
+namespace proxima {
+
+enum class Smoothing { flat, smooth };
+
+struct ShapeStyle {
+    std::string name = {};
+    Color color = srgb(0xE9E1D2);
+    float opacity = 1.0F;
+    Lighting lighting = Lighting::lit;
+    Smoothing smoothing = Smoothing::flat;
+};
+
+struct EdgeStyle {
+    std::string name = {};
+    Color color = srgb(0x222222);
+    double width = 1.5;
+    float opacity = 1.0F;
+};
+
+/// Smooth ones get a normal per vertex, but for edges sharper than 45 degrees.
+void add_mesh(Scene& scene, const TriangleMesh& mesh, const ShapeStyle& style);
+
+/// All edges between triangles that are bent by more than about a degree, and borders.
+void add_mesh_edges(Scene& scene, const TriangleMesh& mesh, const EdgeStyle& style);
+
+/// The polygons named, all without names, as fans.
+void add_polygons(Scene& scene, const DrawnSurface& surface,
+                  std::span<const std::uint32_t> polygons, const ShapeStyle& style);
+void add_polygon_edges(Scene& scene, const DrawnSurface& surface,
+                       std::span<const std::uint32_t> polygons, const EdgeStyle& style);
+
+void add_box(Scene& scene, const Box& box, const ShapeStyle& style);
+void add_box_edges(Scene& scene, std::span<const Box> boxes, const EdgeStyle& style);
+
+/// A shaft with a tip, lit. \pre from != to
+void add_arrow(Scene& scene, const Vec3& from, const Vec3& to, double radius,
+               const ShapeStyle& style);
+
+void add_ball(Scene& scene, const Vec3& center, double radius, const ShapeStyle& style);
+
+/// 0, 1, ..., count - 1.
+[[nodiscard]] std::vector<std::uint32_t> first_numbers(std::size_t count);
+
+/// Where the corners of a polygon are on average.
+[[nodiscard]] Vec3 middle_of(const DrawnSurface& surface, std::uint32_t polygon);
+
+} // namespace proxima

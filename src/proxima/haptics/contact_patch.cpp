@@ -1,0 +1,59 @@
+#include "proxima/haptics/contact_patch.h"
+
+#include "proxima/proximity/closest_feature.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace proxima {
+
+void fill_metric_patch(ContactPatch& patch, const ContactSurface& surface, const Vec3& device,
+                       double radius) noexcept
+{
+    const std::size_t wanted = surface.collect(device, radius, patch.room());
+    patch.count = std::min(wanted, ContactPatch::most);
+    patch.complete = wanted <= ContactPatch::most;
+    patch.center = device;
+    patch.clearance = surface.clearance(device);
+}
+
+RingPatches::RingPatches(const ProximityOctree& octree, const TriangleMesh& mesh,
+                         const Topology& topology)
+    : octree_(octree), mesh_(mesh), topology_(topology), scratch_(mesh), ids_(ContactPatch::most)
+{}
+
+void RingPatches::fill(ContactPatch& patch, const Vec3& device, int depth) noexcept
+{
+    const ClosestFeature closest = closest_feature(octree_, device);
+    const Neighbourhood found =
+        collect_rings(mesh_, topology_, closest.feature, depth, scratch_, ids_);
+    for (std::size_t i = 0; i < found.count; ++i)
+        patch.room()[i] = {mesh_.triangle(ids_[i]), ids_[i]};
+    patch.count = found.count;
+    patch.complete = found.complete;
+    patch.center = device;
+    patch.clearance = std::sqrt(closest.squared_distance) * (1 - 0x1p-40);
+}
+
+std::size_t PatchContactSurface::collect(const Vec3& p, double distance,
+                                         std::span<ContactTriangle> buffer) const noexcept
+{
+    if (patch_ == nullptr) return 0;
+    std::size_t count = 0;
+    for (const ContactTriangle& triangle : patch_->triangles()) {
+        const Box box = bounding_box(triangle.corners);
+        const Vec3 gap = (box.lower - p).cwiseMax(p - box.upper).cwiseMax(0.0);
+        if (gap.squaredNorm() > distance * distance) continue;
+        if (count < buffer.size()) buffer[count] = triangle;
+        ++count;
+    }
+    return count;
+}
+
+double PatchContactSurface::clearance(const Vec3& p) const noexcept
+{
+    if (patch_ == nullptr) return std::numeric_limits<double>::infinity();
+    return patch_->clearance - (p - patch_->center).norm() * (1 + 0x1p-50);
+}
+
+} // namespace proxima

@@ -1,0 +1,101 @@
+// The triangles that the collision loop hands to the servo loop (thesis 5.1.1), and a proxy's view
+// of them.
+//
+//     metric   all triangles within R of the device:
+//              R >= 2 v (T + latency) + |device - proxy| + proxy radius       v: fastest hand
+//     rings    triangles within so many rings of the closest feature          the thesis's
+//
+// With the metric patch nothing that a proxy can meet before the next patch comes is missing: the
+// proxy stays as near to the device as it was, give or take the device's way, there and back. Rings
+// promise nothing on meshes of uneven triangles: a hand may leave them within a collision tick.
+#pragma once
+
+#include "proxima/haptics/contact_surface.h"
+#include "proxima/mesh/topology.h"
+#include "proxima/proximity/neighbourhood.h"
+#include "proxima/proximity/proximity_octree.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace proxima {
+
+/// Triangles round a place. Its room is allocated once: it can be filled in a loop.
+class ContactPatch {
+public:
+    static constexpr std::size_t most = 8192; ///< triangles
+
+    ContactPatch() : triangles_(most) {}
+
+    [[nodiscard]] std::span<const ContactTriangle> triangles() const noexcept
+    {
+        return std::span(triangles_).first(count);
+    }
+    [[nodiscard]] std::span<ContactTriangle> room() noexcept { return triangles_; }
+
+    std::size_t count = 0;
+    bool complete = true;       ///< all triangles that were asked for are there
+    Vec3 center = Vec3::Zero(); ///< the device's place that it was made for
+    double clearance = 0;       ///< no part of the whole surface is nearer to the centre
+    std::uint64_t made_at = 0;  ///< the servo tick whose state it was made for
+
+private:
+    std::vector<ContactTriangle> triangles_;
+};
+
+/// How far a metric patch must reach, in the model's units. Lengths of the same unit, seconds.
+[[nodiscard]] constexpr double patch_radius(double speed, double collision_seconds,
+                                            double latency_seconds, double device_to_proxy,
+                                            double proxy_radius) noexcept
+{
+    return 2 * speed * (collision_seconds + latency_seconds) + device_to_proxy + proxy_radius;
+}
+
+/// Fills a patch with all triangles within a radius of the device. noexcept, no allocation, one
+/// question of the surface. \pre finite, radius >= 0
+void fill_metric_patch(ContactPatch& patch, const ContactSurface& surface, const Vec3& device,
+                       double radius) noexcept;
+
+/// Makes patches of rings, the thesis's; one thread.
+class RingPatches {
+public:
+    /// Refers to all three, which must outlive it.
+    RingPatches(const ProximityOctree& octree, const TriangleMesh& mesh, const Topology& topology);
+
+    /// Fills a patch with the triangles within `depth` rings of the device's closest feature.
+    /// noexcept, no allocation. \pre device is finite, depth >= 0
+    void fill(ContactPatch& patch, const Vec3& device, int depth) noexcept;
+
+private:
+    const ProximityOctree& octree_;
+    const TriangleMesh& mesh_;
+    const Topology& topology_;
+    NeighbourhoodScratch scratch_;
+    std::vector<TriangleId> ids_;
+};
+
+/// The latest patch as a proxy's surface. Without one it is empty.
+class PatchContactSurface final : public ContactSurface {
+public:
+    /// The scale is the whole surface's: proxies of both behave alike.
+    explicit PatchContactSurface(const SurfaceScale& scale) : scale_(scale) {}
+
+    /// From now on this patch, which must stay as it is until the next call. One thread.
+    void use(const ContactPatch* patch) noexcept { patch_ = patch; }
+
+    [[nodiscard]] const SurfaceScale& scale() const noexcept override { return scale_; }
+    /// O(triangles of the patch).
+    [[nodiscard]] std::size_t collect(const Vec3& p, double distance,
+                                      std::span<ContactTriangle> buffer) const noexcept override;
+    /// By the patch's clearance and the way from its centre.
+    [[nodiscard]] double clearance(const Vec3& p) const noexcept override;
+
+private:
+    SurfaceScale scale_;
+    const ContactPatch* patch_ = nullptr;
+};
+
+} // namespace proxima

@@ -1,0 +1,131 @@
+#include "proxima/haptics/contact_planes.h"
+
+#include "proxima/base/check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace proxima {
+
+namespace {
+
+/// sin^2 of the least angle between planes that are combined.
+constexpr double least_sine_squared = 1e-22;
+constexpr double least_determinant = 1e-16;
+
+using Subset = std::array<std::uint8_t, 3>;
+
+/// The shift onto all planes of the subset, if they meet.
+std::optional<PlaneSolution> meet(std::span<const ContactPlane> planes, const Subset& subset,
+                                  std::size_t count) noexcept
+{
+    PlaneSolution result;
+    result.active = subset;
+    result.count = count;
+    const ContactPlane& a = planes[subset[0]];
+    if (count == 1) {
+        result.pressure[0] = -a.gap;
+        result.shift = -a.gap * a.normal;
+        return result;
+    }
+    const ContactPlane& b = planes[subset[1]];
+    const Vec3 ab = a.normal.cross(b.normal);
+    if (count == 2) {
+        const double sine_squared = ab.squaredNorm();
+        if (!(sine_squared > least_sine_squared)) return std::nullopt;
+        const double cosine = a.normal.dot(b.normal);
+        result.pressure[0] = (cosine * b.gap - a.gap) / sine_squared;
+        result.pressure[1] = (cosine * a.gap - b.gap) / sine_squared;
+        // Along the dual of the normals: no difference of two large multiples of them.
+        result.shift = (-a.gap * b.normal.cross(ab) + b.gap * a.normal.cross(ab)) / sine_squared;
+        return result;
+    }
+    const ContactPlane& c = planes[subset[2]];
+    const double determinant = ab.dot(c.normal);
+    if (!(std::abs(determinant) > least_determinant)) return std::nullopt;
+    const Vec3 bc = b.normal.cross(c.normal);
+    const Vec3 ca = c.normal.cross(a.normal);
+    result.shift = -(a.gap * bc + b.gap * ca + c.gap * ab) / determinant;
+    result.pressure = {result.shift.dot(bc) / determinant, result.shift.dot(ca) / determinant,
+                       result.shift.dot(ab) / determinant};
+    return result;
+}
+
+double violation(const ContactPlane& plane, const Vec3& shift) noexcept
+{
+    return -(plane.gap + plane.normal.dot(shift));
+}
+
+/// Of all subsets of up to three that have the last of `members`, the nearest that satisfies all
+/// members; where rounding leaves none, the one that violates least, marked infeasible.
+PlaneSolution best_subset(std::span<const ContactPlane> planes,
+                          std::span<const std::uint8_t> members, double tolerance) noexcept
+{
+    const std::uint8_t added = members.back();
+    const std::size_t others = members.size() - 1;
+    PlaneSolution best;
+    best.feasible = false;
+    double best_size = std::numeric_limits<double>::infinity();
+    double best_violation = std::numeric_limits<double>::infinity();
+    for (std::uint32_t chosen = 0; chosen < (1U << others); ++chosen) {
+        Subset subset = {added};
+        std::size_t count = 1;
+        for (std::size_t i = 0; i < others && count <= subset.size(); ++i) {
+            if ((chosen >> i & 1U) == 0) continue;
+            if (count < subset.size()) subset[count] = members[i];
+            ++count;
+        }
+        if (count > subset.size()) continue;
+        auto solution = meet(planes, subset, count);
+        if (!solution) continue;
+        double worst = 0;
+        for (const std::uint8_t member : members)
+            worst = std::max(worst, violation(planes[member], solution->shift));
+        const bool feasible = worst <= tolerance;
+        const double size = solution->shift.squaredNorm();
+        const bool better = feasible == best.feasible
+                                ? (feasible ? size < best_size : worst < best_violation)
+                                : feasible;
+        if (!better) continue;
+        best = *solution;
+        best.feasible = feasible;
+        best_size = size;
+        best_violation = worst;
+    }
+    return best;
+}
+
+} // namespace
+
+PlaneSolution nearest_allowed(std::span<const ContactPlane> planes, double tolerance) noexcept
+{
+    PROXIMA_CHECK_LE(planes.size(), max_contact_planes);
+    PlaneSolution solution;
+    // Every round raises |shift|, or rounding has the last word.
+    for (std::size_t round = 0; round < 2 * max_contact_planes; ++round) {
+        std::size_t worst = planes.size();
+        double worst_violation = tolerance;
+        for (std::size_t i = 0; i < planes.size(); ++i) {
+            const double by = violation(planes[i], solution.shift);
+            if (by > worst_violation) {
+                worst_violation = by;
+                worst = i;
+            }
+        }
+        if (worst == planes.size()) return solution;
+        std::array<std::uint8_t, 4> members{};
+        std::size_t count = 0;
+        for (std::size_t i = 0; i < solution.count; ++i) {
+            if (solution.active[i] != worst) members[count++] = solution.active[i];
+        }
+        members[count++] = static_cast<std::uint8_t>(worst);
+        solution = best_subset(planes, std::span(members).first(count), tolerance);
+        if (!solution.feasible) return solution;
+    }
+    solution.feasible = false;
+    return solution;
+}
+
+} // namespace proxima

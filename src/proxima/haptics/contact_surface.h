@@ -1,0 +1,91 @@
+// What a proxy touches: the triangles near a place, by whichever structure knows them.
+//
+//     direct mode   the proximity octree itself: the servo loop asks it for what is near
+//     patch mode    the triangles handed over by the collision loop (contact_patch.h)
+//     brute force   all triangles of the mesh: slow, what the others are held against
+//
+// All members are noexcept, do not allocate, and may be called from any thread.
+#pragma once
+
+#include "proxima/geometry/shapes.h"
+#include "proxima/geometry/vec.h"
+#include "proxima/mesh/topology.h"
+#include "proxima/mesh/triangle_mesh.h"
+#include "proxima/proximity/proximity_octree.h"
+
+#include <cstddef>
+#include <span>
+
+namespace proxima {
+
+/// A triangle that may be met.
+struct ContactTriangle {
+    Triangle corners;
+    TriangleId id{};
+};
+
+/// The place and size of a surface, in its own unit.
+struct SurfaceScale {
+    double extent = 1;    ///< the longest edge of the box about it
+    double reach = 1;     ///< the largest |coordinate|
+    double mean_edge = 1; ///< the side of equal triangles that had its area
+};
+
+[[nodiscard]] SurfaceScale scale_of(const TriangleMesh& mesh);
+
+/// Triangles by place. Immutable while it is asked.
+class ContactSurface {
+public:
+    ContactSurface() = default;
+    ContactSurface(const ContactSurface&) = delete;
+    ContactSurface& operator=(const ContactSurface&) = delete;
+    virtual ~ContactSurface() = default;
+
+    [[nodiscard]] virtual const SurfaceScale& scale() const noexcept = 0;
+
+    /// Writes all triangles within `distance` of p, in any order, and perhaps some that are
+    /// farther. Returns how many it wanted to write: more than the buffer's size means that some
+    /// are missing. \pre p is finite, distance >= 0
+    [[nodiscard]] virtual std::size_t collect(const Vec3& p, double distance,
+                                              std::span<ContactTriangle> buffer) const noexcept = 0;
+
+    /// No part of the surface is nearer to p than this. 0 says nothing. \pre p is finite
+    [[nodiscard]] virtual double clearance(const Vec3& p) const noexcept = 0;
+};
+
+/// The surface as a proximity octree knows it, which must outlive this.
+class OctreeContactSurface final : public ContactSurface {
+public:
+    /// O(triangles). \pre the octree is not empty
+    explicit OctreeContactSurface(const ProximityOctree& octree);
+
+    [[nodiscard]] const SurfaceScale& scale() const noexcept override { return scale_; }
+    /// About 1 us and 15 ns per triangle written.
+    [[nodiscard]] std::size_t collect(const Vec3& p, double distance,
+                                      std::span<ContactTriangle> buffer) const noexcept override;
+    /// The distance of the closest feature, less its rounding.
+    [[nodiscard]] double clearance(const Vec3& p) const noexcept override;
+
+private:
+    const ProximityOctree* octree_;
+    SurfaceScale scale_;
+};
+
+/// All triangles of a mesh, which must outlive this, each looked at every time.
+class MeshContactSurface final : public ContactSurface {
+public:
+    explicit MeshContactSurface(const TriangleMesh& mesh) : mesh_(&mesh), scale_(scale_of(mesh)) {}
+
+    [[nodiscard]] const SurfaceScale& scale() const noexcept override { return scale_; }
+    /// O(triangles).
+    [[nodiscard]] std::size_t collect(const Vec3& p, double distance,
+                                      std::span<ContactTriangle> buffer) const noexcept override;
+    /// The distance of the nearest triangle, less its rounding. O(triangles).
+    [[nodiscard]] double clearance(const Vec3& p) const noexcept override;
+
+private:
+    const TriangleMesh* mesh_;
+    SurfaceScale scale_;
+};
+
+} // namespace proxima

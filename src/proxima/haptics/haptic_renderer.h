@@ -1,0 +1,76 @@
+// One tick of haptic rendering: from what the device says to the force that it gets.
+//
+//     device -> model's frame -> proxy -> spring and damper -> passivity -> ramps, clamp, slew
+//
+//     HapticRenderer renderer(surface, map, *find_device("omni"));
+//     renderer.tick(state, 1e-3).force                       // every millisecond
+//
+// Bad input never reaches the force: a position that is no number keeps the last one and lets the
+// force fade; a jump that no hand makes begins anew from there, with the ramp of a start.
+#pragma once
+
+#include "proxima/haptics/contact_force.h"
+#include "proxima/haptics/contact_surface.h"
+#include "proxima/haptics/device.h"
+#include "proxima/haptics/passivity.h"
+#include "proxima/haptics/proxy.h"
+#include "proxima/haptics/workspace_map.h"
+
+#include <cstdint>
+
+namespace proxima {
+
+enum class Passivity : bool { unguarded, guarded };
+
+struct RenderOptions {
+    ForceOptions force = {};
+    double proxy_radius = 0; ///< m; 0 = a point
+    double static_friction = 0.4;
+    double dynamic_friction = 0.3;
+    Passivity passivity = Passivity::guarded;
+    double max_jump = 0.05; ///< m in a tick: 50 m/s at 1 kHz
+};
+
+/// What was wrong with a tick's input.
+enum class InputFault : std::uint8_t { none, not_finite, jumped };
+
+struct RenderTick {
+    Vec3 position = Vec3::Zero(); ///< of the device, m, as used
+    Vec3 force = Vec3::Zero();    ///< N, what the device gets
+    Vec3 spring = Vec3::Zero();   ///< N, before the guards
+    ProxyTick proxy;              ///< in the model's units
+    InputFault fault = InputFault::none;
+};
+
+/// Refers to the surface. One thread. noexcept and without allocation but for the constructor.
+class HapticRenderer {
+public:
+    /// The options are limited to what the device can take.
+    HapticRenderer(const ContactSurface& surface, const WorkspaceMap& map,
+                   const DeviceLimits& device, const RenderOptions& options = {});
+
+    [[nodiscard]] const RenderOptions& options() const noexcept { return options_; }
+    [[nodiscard]] const WorkspaceMap& map() const noexcept { return map_; }
+    [[nodiscard]] const Proxy& proxy() const noexcept { return proxy_; }
+    [[nodiscard]] const ForceGuard& guard() const noexcept { return guard_; }
+    [[nodiscard]] const PassivityGuard& passivity() const noexcept { return passivity_; }
+
+    /// The first tick places the proxy. \pre seconds > 0
+    const RenderTick& tick(const DeviceState& state, double seconds,
+                           Patch patch = Patch::at_hand) noexcept;
+
+    [[nodiscard]] const RenderTick& last() const noexcept { return tick_; }
+
+private:
+    [[nodiscard]] Vec3 accept(const DeviceState& state) noexcept;
+
+    WorkspaceMap map_;
+    RenderOptions options_;
+    Proxy proxy_;
+    ForceGuard guard_;
+    PassivityGuard passivity_;
+    RenderTick tick_;
+    bool placed_ = false;
+};
+
+} // namespace proxima

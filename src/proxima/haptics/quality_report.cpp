@@ -1,0 +1,84 @@
+#include "proxima/haptics/quality_report.h"
+
+#include "proxima/geometry/exact_predicates.h"
+#include "proxima/geometry/triangle_contact.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace proxima {
+
+namespace {
+
+double degrees_between(const Vec3& a, const Vec3& b) noexcept
+{
+    return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi;
+}
+
+} // namespace
+
+QualityMeter::QualityMeter(const ContactSurface& surface, const WorkspaceMap& map)
+    : surface_(surface), map_(map), near_(SlideRoom::triangles)
+{}
+
+void QualityMeter::count_passes(std::span<const Vec3> path) noexcept
+{
+    for (std::size_t i = 1; i < path.size(); ++i) {
+        const Vec3& from = path[i - 1];
+        const Vec3& to = path[i];
+        if (from == to) continue;
+        const double half = 0.5 * (to - from).norm() * (1 + 0x1p-40);
+        const Vec3 middle = 0.5 * from + 0.5 * to;
+        if (surface_.clearance(middle) > half) continue;
+        const std::size_t found = surface_.collect(middle, half, near_);
+        for (const ContactTriangle& near : std::span(near_).first(std::min(found, near_.size()))) {
+            if (is_degenerate(near.corners) || !segment_meets_triangle(from, to, near.corners))
+                continue;
+            ++report_.passes;
+            break;
+        }
+    }
+}
+
+void QualityMeter::add(const RenderTick& tick, const Vec3& velocity,
+                       std::span<const Vec3> path) noexcept
+{
+    const ProxyTick& proxy = tick.proxy;
+    QualityReport& sum = report_;
+    const bool first = sum.ticks == 0;
+    const bool touching = proxy.hold != Hold::free;
+    ++sum.ticks;
+    sum.touching_ticks += touching ? 1U : 0U;
+    sum.sticking_ticks += proxy.hold == Hold::sticking ? 1U : 0U;
+    sum.limited_ticks += proxy.slide.end == SlideEnd::limited ? 1U : 0U;
+    sum.overloaded_ticks += proxy.slide.end == SlideEnd::overloaded ? 1U : 0U;
+    sum.faulty_ticks += tick.fault != InputFault::none ? 1U : 0U;
+    sum.max_force = std::max(sum.max_force, tick.force.norm());
+    sum.max_spring = std::max(sum.max_spring, tick.spring.norm());
+    sum.max_depth = std::max(sum.max_depth, proxy.depth / map_.units_per_metre);
+    sum.max_speed = std::max(sum.max_speed, velocity.norm());
+    sum.max_moves = std::max<std::uint64_t>(sum.max_moves, proxy.moves);
+    sum.moves += proxy.moves;
+    count_passes(path);
+    if (!first && tick.fault == InputFault::none) {
+        const Vec3 way = tick.position - last_.position;
+        sum.taken_energy -= 0.5 * (tick.force + last_.force).dot(way);
+        if (touching && last_.proxy.hold != Hold::free) {
+            const double moved =
+                (proxy.proxy - last_.proxy.proxy).norm() / map_.units_per_metre + way.norm();
+            const Vec3 stretch = proxy.held - map_.to_model(tick.position);
+            const Vec3 last_stretch = last_.proxy.held - map_.to_model(last_.position);
+            const double change = (stretch - last_stretch).norm() / map_.units_per_metre;
+            constexpr double least = 1e-7; // m: shorter ways are the safety gap's
+            if (moved > least) sum.max_step_ratio = std::max(sum.max_step_ratio, change / moved);
+            if (tick.spring.norm() > 0 && last_.spring.norm() > 0) {
+                sum.max_turn_degrees =
+                    std::max(sum.max_turn_degrees, degrees_between(tick.spring, last_.spring));
+            }
+        }
+    }
+    last_ = tick;
+}
+
+} // namespace proxima

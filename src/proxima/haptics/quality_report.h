@@ -1,0 +1,54 @@
+// How good the touch was: what a session of ticks amounts to.
+#pragma once
+
+#include "proxima/haptics/haptic_renderer.h"
+#include "proxima/haptics/latency_histogram.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace proxima {
+
+struct QualityReport {
+    std::uint64_t ticks = 0;
+    std::uint64_t touching_ticks = 0;
+    std::uint64_t sticking_ticks = 0;
+    std::uint64_t passes = 0;        ///< moves of the proxy through a triangle: pop-through
+    std::uint64_t limited_ticks = 0; ///< slides that ended by their number of moves
+    std::uint64_t overloaded_ticks = 0;
+    std::uint64_t faulty_ticks = 0; ///< input that was no number, or jumped
+    double max_force = 0;           ///< N
+    double max_spring = 0;          ///< N, before clamp, slew and ramps
+    double max_depth = 0;           ///< m
+    double max_speed = 0;           ///< m/s, of the device
+    /// The largest |change of the spring's force|, damping apart, between two ticks of a contact,
+    /// over K (|way of the proxy| + |way of the device|): above 1 only where the force jumps.
+    double max_step_ratio = 0;
+    double max_turn_degrees = 0; ///< of the force between two ticks of a contact
+    double taken_energy = 0;     ///< J: by the trapezoidal sum of force times way; 0 after a closed
+                                 ///< path without friction and damping
+    std::uint64_t max_moves = 0; ///< of the proxy in a tick
+    std::uint64_t moves = 0;     ///< of all
+};
+
+/// Adds ticks up. One thread; add() is noexcept and without allocation, 1 us.
+class QualityMeter {
+public:
+    /// The surface must outlive this: the proxy's moves are held against its triangles, exactly.
+    QualityMeter(const ContactSurface& surface, const WorkspaceMap& map);
+
+    void add(const RenderTick& tick, const Vec3& velocity, std::span<const Vec3> path) noexcept;
+
+    [[nodiscard]] const QualityReport& report() const noexcept { return report_; }
+
+private:
+    void count_passes(std::span<const Vec3> path) noexcept;
+
+    const ContactSurface& surface_;
+    WorkspaceMap map_;
+    std::vector<ContactTriangle> near_;
+    QualityReport report_;
+    RenderTick last_;
+};
+
+} // namespace proxima

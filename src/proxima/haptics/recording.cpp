@@ -1,0 +1,190 @@
+#include "proxima/haptics/recording.h"
+
+#include "proxima/base/binary_file.h"
+#include "proxima/mesh/topology.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace proxima {
+
+namespace {
+
+constexpr FileFormat format = {{'P', 'X', 'T', 'O', 'U', 'C', 'H', '\n'}, 1, "recording"};
+
+enum Section : std::uint32_t { fingerprint_section = 1, settings_section = 2, ticks_section = 3 };
+
+/// The settings as numbers, in the order of the file.
+struct SettingNumbers {
+    double tick_seconds;
+    double units_per_metre;
+    double center[3];
+    double stiffness;
+    double damping;
+    double max_slew;
+    double start_seconds;
+    double loss_seconds;
+    double proxy_radius;
+    double static_friction;
+    double dynamic_friction;
+    double passivity;
+    double max_jump;
+    double max_force;
+    double max_stiffness;
+    double max_damping;
+};
+static_assert(sizeof(SettingNumbers) == 18 * sizeof(double));
+static_assert(sizeof(RecordedTick) == 13 * sizeof(double) + 4 * sizeof(std::uint32_t));
+
+std::array<double, 3> numbers(const Vec3& v) noexcept
+{
+    return {v.x(), v.y(), v.z()};
+}
+Vec3 vector(const std::array<double, 3>& v) noexcept
+{
+    return {v[0], v[1], v[2]};
+}
+
+SettingNumbers numbers(const RecordingSettings& settings)
+{
+    const RenderOptions& render = settings.render;
+    const Vec3& center = settings.map.center;
+    return {settings.tick_seconds,
+            settings.map.units_per_metre,
+            {center.x(), center.y(), center.z()},
+            render.force.stiffness,
+            render.force.damping,
+            render.force.max_slew,
+            render.force.start_seconds,
+            render.force.loss_seconds,
+            render.proxy_radius,
+            render.static_friction,
+            render.dynamic_friction,
+            render.passivity == Passivity::guarded ? 1.0 : 0.0,
+            render.max_jump,
+            settings.max_force,
+            settings.max_stiffness,
+            settings.max_damping};
+}
+
+RecordingSettings settings_of(const SettingNumbers& numbers, std::uint64_t fingerprint)
+{
+    RecordingSettings settings;
+    settings.mesh_fingerprint = fingerprint;
+    settings.tick_seconds = numbers.tick_seconds;
+    settings.map = {numbers.units_per_metre,
+                    Vec3(numbers.center[0], numbers.center[1], numbers.center[2])};
+    settings.render = {.force = {.stiffness = numbers.stiffness,
+                                 .damping = numbers.damping,
+                                 .max_slew = numbers.max_slew,
+                                 .start_seconds = numbers.start_seconds,
+                                 .loss_seconds = numbers.loss_seconds},
+                       .proxy_radius = numbers.proxy_radius,
+                       .static_friction = numbers.static_friction,
+                       .dynamic_friction = numbers.dynamic_friction,
+                       .passivity =
+                           numbers.passivity != 0 ? Passivity::guarded : Passivity::unguarded,
+                       .max_jump = numbers.max_jump};
+    settings.max_force = numbers.max_force;
+    settings.max_stiffness = numbers.max_stiffness;
+    settings.max_damping = numbers.max_damping;
+    return settings;
+}
+
+/// Whether a renderer can be made with them.
+bool in_range(const SettingNumbers& n)
+{
+    const auto bytes = std::bit_cast<std::array<double, 18>>(n);
+    const bool finite = std::ranges::all_of(bytes, [](double x) { return std::isfinite(x); });
+    return finite && n.tick_seconds > 0 && n.units_per_metre > 0 && n.stiffness >= 0 &&
+           n.damping >= 0 && n.max_slew >= 0 && n.proxy_radius >= 0 && n.dynamic_friction >= 0 &&
+           n.dynamic_friction <= n.static_friction && n.max_jump >= 0 && n.max_force > 0 &&
+           n.max_stiffness >= 0 && n.max_damping >= 0;
+}
+
+bool same_bits(const std::array<double, 3>& a, const std::array<double, 3>& b) noexcept
+{
+    for (std::size_t i = 0; i < 3; ++i) {
+        if (std::bit_cast<std::uint64_t>(a[i]) != std::bit_cast<std::uint64_t>(b[i])) return false;
+    }
+    return true;
+}
+
+} // namespace
+
+RecordedTick recorded(double seconds, const DeviceState& state, const RenderTick& tick) noexcept
+{
+    RecordedTick result;
+    result.seconds = seconds;
+    result.position = numbers(state.pose.translation);
+    result.velocity = numbers(state.velocity);
+    result.force = numbers(tick.force);
+    result.proxy = numbers(tick.proxy.proxy);
+    result.buttons = state.buttons;
+    const SlideResult& slide = tick.proxy.slide;
+    result.triangle = index(slide.contact_count > 0 ? slide.contacts[0].triangle : no_triangle);
+    result.hold = static_cast<std::uint32_t>(tick.proxy.hold);
+    result.fault = static_cast<std::uint32_t>(tick.fault);
+    return result;
+}
+
+DeviceState device_state(const RecordedTick& tick) noexcept
+{
+    DeviceState state;
+    state.pose.translation = vector(tick.position);
+    state.velocity = vector(tick.velocity);
+    state.buttons = tick.buttons;
+    return state;
+}
+
+bool same_feeling(const RecordedTick& a, const RecordedTick& b) noexcept
+{
+    return same_bits(a.force, b.force) && same_bits(a.proxy, b.proxy);
+}
+
+Status save_recording(const Recording& recording, const std::filesystem::path& path,
+                      Progress* progress)
+{
+    const SettingNumbers settings = numbers(recording.settings);
+    const std::uint64_t fingerprint = recording.settings.mesh_fingerprint;
+    const std::array<BinarySection, 3> sections = {
+        {{fingerprint_section, sizeof fingerprint, std::as_bytes(std::span(&fingerprint, 1))},
+         {settings_section, sizeof settings, std::as_bytes(std::span(&settings, 1))},
+         {ticks_section, sizeof(RecordedTick), std::as_bytes(std::span(recording.ticks))}}};
+    return write_binary_file(path, format, sections, progress);
+}
+
+Result<Recording> load_recording(const std::filesystem::path& path, Progress* progress)
+{
+    const auto file = BinaryFile::open(path, format, Verification::full, progress);
+    if (!file) return tl::unexpected(file.error());
+    const auto fingerprint = file->section<std::uint64_t>(fingerprint_section);
+    if (!fingerprint) return tl::unexpected(fingerprint.error());
+    const auto settings = file->section<SettingNumbers>(settings_section);
+    if (!settings) return tl::unexpected(settings.error());
+    const auto ticks = file->section<RecordedTick>(ticks_section);
+    if (!ticks) return tl::unexpected(ticks.error());
+    if (fingerprint->size() != 1 || settings->size() != 1 || !in_range(settings->front())) {
+        return fail(ErrorCode::malformed_file,
+                    "settings of the recording are missing or out of range: record it again",
+                    path.string());
+    }
+    Recording recording;
+    recording.settings = settings_of(settings->front(), fingerprint->front());
+    recording.ticks.assign(ticks->begin(), ticks->end());
+    return recording;
+}
+
+std::uint64_t count_differences(const Recording& recording, HapticRenderer& renderer) noexcept
+{
+    std::uint64_t differences = 0;
+    for (const RecordedTick& tick : recording.ticks) {
+        const DeviceState state = device_state(tick);
+        const RenderTick& felt = renderer.tick(state, recording.settings.tick_seconds);
+        if (!same_feeling(recorded(tick.seconds, state, felt), tick)) ++differences;
+    }
+    return differences;
+}
+
+} // namespace proxima

@@ -1,0 +1,112 @@
+#include "proxima/haptics/servo_loop.h"
+
+#include "proxima/base/check.h"
+#include "proxima/base/text.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <ctime>
+#include <pthread.h>
+#include <sched.h>
+#include <sys/mman.h>
+
+namespace proxima {
+
+namespace {
+
+constexpr std::int64_t nanoseconds_per_second = 1'000'000'000;
+
+std::int64_t now() noexcept
+{
+    timespec time{};
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    return time.tv_sec * nanoseconds_per_second + time.tv_nsec;
+}
+
+void sleep_until(std::int64_t nanoseconds) noexcept
+{
+    const timespec time = {nanoseconds / nanoseconds_per_second,
+                           nanoseconds % nanoseconds_per_second};
+    while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &time, nullptr) == EINTR) {
+    }
+}
+
+/// Real-time priority and locked memory while it lives, as far as they are granted.
+class RealTimeGrant {
+public:
+    RealTimeGrant(Pace pace, ServoStatistics& statistics) : statistics_(statistics)
+    {
+        if (pace != Pace::real_time) return;
+        pthread_getschedparam(pthread_self(), &policy_, &parameters_);
+        sched_param wanted{};
+        wanted.sched_priority = sched_get_priority_max(SCHED_FIFO) / 2;
+        const int refused = pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted);
+        statistics.real_time_priority = refused == 0;
+        if (refused != 0) {
+            statistics.note += concat("no real-time priority (", std::strerror(refused),
+                                      "): give the program CAP_SYS_NICE or an rtprio limit. ");
+        }
+        statistics.locked_memory = mlockall(MCL_CURRENT) == 0;
+        if (!statistics.locked_memory) {
+            statistics.note += concat("memory is not locked (", std::strerror(errno),
+                                      "): raise the memlock limit. ");
+        }
+        if (!statistics.note.empty()) statistics.note.pop_back();
+    }
+    RealTimeGrant(const RealTimeGrant&) = delete;
+    RealTimeGrant& operator=(const RealTimeGrant&) = delete;
+    ~RealTimeGrant()
+    {
+        if (statistics_.locked_memory) munlockall();
+        if (statistics_.real_time_priority)
+            pthread_setschedparam(pthread_self(), policy_, &parameters_);
+    }
+
+private:
+    ServoStatistics& statistics_;
+    int policy_ = SCHED_OTHER;
+    sched_param parameters_{};
+};
+
+} // namespace
+
+ServoStatistics detail::run_servo_loop(const ServoOptions& options, ServoTick tick, void* context)
+{
+    PROXIMA_CHECK_GT(options.rate, 0);
+    ServoStatistics seen;
+    const RealTimeGrant grant(options.pace, seen);
+    const double period = static_cast<double>(nanoseconds_per_second) / options.rate;
+    const bool paced = options.pace != Pace::unpaced;
+    const std::int64_t begin = now();
+    double planned = 0; // ticks since the beginning
+    std::int64_t end = begin;
+    for (std::uint64_t number = 0; number < options.ticks; ++number) {
+        std::int64_t start = now();
+        if (paced) {
+            const std::int64_t at = begin + std::llround(planned * period);
+            if (start < at) {
+                sleep_until(at);
+                start = now();
+            }
+            seen.late.add(start - at);
+        }
+        const Flow flow = tick(context, number);
+        end = now();
+        seen.work.add(end - start);
+        ++seen.ticks;
+        if (flow == Flow::stop) break;
+        planned += 1;
+        if (!paced) continue;
+        const double passed = std::floor(static_cast<double>(end - begin) / period);
+        if (passed < planned) continue;
+        ++seen.missed;
+        seen.skipped += static_cast<std::uint64_t>(passed - planned);
+        planned = std::max(planned, passed);
+    }
+    seen.seconds = static_cast<double>(end - begin) / static_cast<double>(nanoseconds_per_second);
+    return seen;
+}
+
+} // namespace proxima

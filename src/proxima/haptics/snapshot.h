@@ -1,0 +1,60 @@
+// The latest value from one thread to another, without a lock and without waiting: three slots.
+//
+//     writer   fills its slot, swaps it with the middle one         never waits for the reader
+//     reader   takes the middle one in exchange for its own         never waits for the writer
+//
+// The reader always sees a whole value, the newest published when it asked; values in between are
+// lost. The bits of `middle_` are the slot's number and whether it is news.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+
+namespace proxima {
+
+/// One writer thread, one reader thread. All but the constructors are noexcept, wait-free, and
+/// allocate nothing.
+template <class T>
+class Snapshot {
+public:
+    Snapshot() = default;
+    /// All slots begin as copies.
+    explicit Snapshot(const T& value) : slots_{value, value, value} {}
+
+    /// The writer's slot: what was in it before is any older value.
+    [[nodiscard]] T& writing() noexcept { return slots_[write_]; }
+
+    /// Hands the writer's slot over.
+    void publish() noexcept
+    {
+        write_ =
+            middle_.exchange(static_cast<std::uint8_t>(write_ | news), std::memory_order_acq_rel) &
+            number;
+    }
+
+    /// The reader takes what is newest. False where nothing was published since the last time.
+    bool update() noexcept
+    {
+        if ((middle_.load(std::memory_order_relaxed) & news) == 0) return false;
+        read_ = middle_.exchange(read_, std::memory_order_acq_rel) & number;
+        return true;
+    }
+
+    /// The reader's slot: stays as it is until the next update.
+    [[nodiscard]] const T& reading() const noexcept { return slots_[read_]; }
+    [[nodiscard]] T& reading() noexcept { return slots_[read_]; }
+
+private:
+    static constexpr std::uint8_t number = 3;
+    static constexpr std::uint8_t news = 4;
+    static_assert(std::atomic<std::uint8_t>::is_always_lock_free);
+
+    std::array<T, 3> slots_{};
+    alignas(64) std::atomic<std::uint8_t> middle_{1};
+    alignas(64) std::uint8_t write_ = 0; ///< the writer's alone
+    alignas(64) std::uint8_t read_ = 2;  ///< the reader's alone
+};
+
+} // namespace proxima

@@ -1,0 +1,27 @@
+// When a moving sphere first touches a triangle: faces, sides and corners as offset planes,
+// cylinders and spheres.
+//
+//     the centre goes   p + t motion,  0 <= t <= 1
+//     it touches        where the centre is `radius` from the triangle: a convex set, entered once
+//
+// Written so that a radius of a billionth of the coordinates still works: distances of lines are
+// lengths of perpendiculars, not differences of squares.
+#pragma once
+
+#include "proxima/geometry/shapes.h"
+#include "proxima/geometry/vec.h"
+
+#include <optional>
+
+namespace proxima {
+
+/// The direction of the triangle's normal, of length 1 and right up to a few roundings also for
+/// slivers; zero for a triangle without an area. 10 ns.
+[[nodiscard]] Vec3 unit_normal(const Triangle& triangle) noexcept;
+
+/// The first t at which the sphere touches, or nothing. noexcept, no allocation, 5 to 50 ns.
+/// \pre at t = 0 the centre is farther than the radius; radius > 0
+[[nodiscard]] std::optional<double> touch_time(const Triangle& triangle, double radius,
+                                               const Vec3& p, const Vec3& motion) noexcept;
+
+} // namespace proxima

@@ -1,0 +1,15 @@
+// Turns what a search found into the answer in full.
+#pragma once
+
+#include "proxima/proximity/closest_feature.h"
+#include "proxima/proximity/proximity_octree.h"
+#include "proxima/proximity/triangle_row.h"
+
+namespace proxima {
+
+/// The answer named by the lowest triangle that has the feature. Two loads that may miss the
+/// caches: the feature's place, and the row again.
+[[nodiscard]] ClosestFeature describe_closest(const ProximityOctree& octree,
+                                              const RowDistance& found) noexcept;
+
+} // namespace proxima

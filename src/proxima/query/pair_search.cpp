@@ -1,0 +1,119 @@
+#include "proxima/query/pair_search.h"
+
+#include "proxima/geometry/triangle_distance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace proxima {
+
+namespace {
+
+/// The number of a row's triangle, and the triangle.
+struct IndexedTriangle {
+    TriangleId id;
+    Triangle triangle;
+};
+IndexedTriangle row_of(const RayIndex& index, std::uint32_t row) noexcept
+{
+    if (index.double_rows().empty()) {
+        const RayRow<float>& at = index.float_rows()[row];
+        return {TriangleId{at.id}, at.triangle()};
+    }
+    const RayRow<double>& at = index.double_rows()[row];
+    return {TriangleId{at.id}, at.triangle()};
+}
+
+constexpr double float_roundoff = 0x1p-24;
+
+} // namespace
+
+// How far bounds may be above the distances of what they are bounds of, in units of the frame. Let
+// u be the roundoff of lanes, and every point within r of A's center, on each axis.
+// - Boxes are drawn out by 20 u of floats when the index is made, of which the vertices' rounding
+//   to floats and that of centers and half extents, read from bytes, take less than 8 u.
+// - The difference d of two centers takes R c, where |c| <= 1.8, the offset, and two sums: 5 u 1.8
+// +
+//   3 u r on each axis. A gap along an axis of A's takes that and the reach of B's box, 5 u 1.8.
+// - Along an axis of B's, R^T d takes 3^(1/2) times the error of d, and 5 u |d|: 16 u + 14 u r;
+// that
+//   R is a rotation but for 1e-9 takes less than u / 32 |d| in floats, and doubles leave these axes
+//   out. A gap takes 10 u more, and the length of three gaps is off by 3^(1/2) times as much.
+// - Along d itself (|d|^2 - reaches) / |d| takes less than 2 (|d| 6 u + error of d).
+// - A leaf's vertices, moved, are off by 9 u + 3 u r, and their projections by 2 (16 u + 12 u r).
+// All of them are below 128 u + 64 u r. To that come the vertices of leaves, floats in any case,
+// and what moving vertices and the offset round in doubles: in all, 2^-50 of the coordinates.
+PairSearch::PairSearch(const DistanceIndex& index_a, const DistanceIndex& index_b,
+                       const RigidTransform& pose_b, double farthest) noexcept
+    : a(index_a), b(index_b), rotation(pose_b.rotation), pose_b_(pose_b),
+      scale_(std::min(index_a.triangles().scale(), index_b.triangles().scale())),
+      best_squared_(std::numeric_limits<double>::infinity()), farthest_(farthest)
+{
+    a_scale = static_cast<float>(scale_ / index_a.triangles().scale());
+    b_scale = static_cast<float>(scale_ / index_b.triangles().scale());
+    offset = (pose_b(index_b.triangles().center()) - index_a.triangles().center()) * scale_;
+    reach_ = offset.cwiseAbs().maxCoeff() + 2;
+    const double coordinates = index_a.triangles().center().cwiseAbs().maxCoeff() +
+                               2 * index_b.triangles().center().cwiseAbs().maxCoeff() +
+                               pose_b.translation.cwiseAbs().maxCoeff();
+    const double lane_roundoff = needs_doubles() ? 0x1p-53 : float_roundoff;
+    margin_ = (128 + 64 * reach_) * lane_roundoff + 8 * float_roundoff +
+              0x1p-50 * (scale_ * coordinates + 2);
+    lower_limit(farthest * scale_);
+}
+
+void PairSearch::lower_limit(double distance) noexcept
+{
+    // Far away bounds are right to 2^-48 of the distance, and so will the answer be.
+    const double limit = reach_ > far_reach ? distance - 0x1p-47 * reach_ : distance + margin_;
+    limit_ = std::min(limit_, limit);
+}
+
+bool PairSearch::ask(std::uint32_t row_a, std::uint32_t row_b) noexcept
+{
+    const IndexedTriangle first = row_of(a.triangles(), row_a);
+    const IndexedTriangle second = row_of(b.triangles(), row_b);
+    const TrianglePair pair = closest_points(first.triangle, pose_b_(second.triangle));
+    const double distance = std::sqrt(pair.squared_distance);
+    if (!(distance <= farthest_)) return false;
+    const auto order = [](double squared, TriangleId id_a, TriangleId id_b) {
+        return std::tuple(squared, id_a, id_b);
+    };
+    if (found_ && order(pair.squared_distance, first.id, second.id) >=
+                      order(best_squared_, best_.triangle_a, best_.triangle_b))
+        return false;
+    found_ = true;
+    best_squared_ = pair.squared_distance;
+    best_ = {distance,  pair.first.point, pair.second.point, first.id,
+             second.id, pair.first.part,  pair.second.part,  row_a,
+             row_b};
+    if (distance > 0) direction_ = (pair.second.point - pair.first.point) / distance;
+    lower_limit(distance * scale_);
+    return distance == 0;
+}
+
+bool PairSearch::note(const NotedPair& pair, const Vec3& nearest) noexcept
+{
+    if (pair.least <= margin_) return ask(pair.row_a, pair.row_b);
+    if (noted_count_ == most_noted && settle()) return true;
+    noted_[noted_count_++] = pair;
+    // Points that lanes found are as far apart as they say, but for as much as bounds are off.
+    const double limit = limit_;
+    lower_limit(pair.most + margin_);
+    if (limit_ < limit) direction_ = nearest / pair.most;
+    return false;
+}
+
+bool PairSearch::settle() noexcept
+{
+    const auto begin = noted_.begin();
+    const auto end = begin + static_cast<std::ptrdiff_t>(noted_count_);
+    noted_count_ = 0;
+    std::sort(begin, end, [](const NotedPair& p, const NotedPair& q) { return p.least < q.least; });
+    for (auto pair = begin; pair != end && pair->least <= limit_; ++pair)
+        if (ask(pair->row_a, pair->row_b)) return true;
+    return false;
+}
+
+} // namespace proxima

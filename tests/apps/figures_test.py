@@ -1,0 +1,63 @@
+"""proxima figures as its users run it."""
+import re
+import unittest
+
+from proxima_program import ProgramTest, run
+
+
+class Making(ProgramTest):
+    def test_chosen_figures_with_captions_and_commands(self):
+        out = self.folder / "new" / "figures"
+        result = self.json_of("figures", "--out", out, "--only", "3.14,5.6")
+        self.assertEqual(list(result), ["figures", "missing"])
+        self.assertEqual([figure["figure"] for figure in result["figures"]], ["3.14", "5.6"])
+        self.assertEqual(list(result["figures"][0]), ["figure", "title", "caption", "files", "seconds"])
+        self.assertEqual(result["figures"][0]["files"], ["figure_3_14.png", "figure_3_14.svg"])
+        self.assertEqual(sorted(path.name for path in out.iterdir()),
+                         ["figure_3_14.png", "figure_3_14.svg", "figure_5_6.png", "figures.html"])
+        sheet = (out / "figures.html").read_text()
+        for figure in result["figures"]:
+            self.assertIn(f"proxima figures --out DIR --only {figure['figure']}<", sheet)
+            self.assertRegex(figure["caption"], r"\d")
+        for figure in result["missing"]:
+            self.assertEqual(list(figure), ["figure", "title", "reason"])
+            self.assertIn(f"<b>Figure {figure['figure']}.", sheet)
+
+    def test_pictures_do_not_depend_on_threads(self):
+        pictures = []
+        for threads in (1, 2):
+            self.assertEqual(self.succeed("figures", "--out", self.folder, "--only", "4.2", "--threads", threads,
+                                          "--quiet"), "")
+            pictures.append((self.folder / "figure_4_2.png").read_bytes())
+        self.assertEqual(*pictures)
+
+    def test_opengl_draws_too_or_says_why_not(self):
+        result = run("figures", "--out", self.folder, "--only", "3.7", "--opengl")
+        if result.returncode == 0:
+            self.assertGreater((self.folder / "figure_3_7.png").stat().st_size, 2000)
+        else:
+            self.assertEqual(result.returncode, 1)
+            self.assertIn("OpenGL", result.stderr)
+            self.assertEqual(list(self.folder.iterdir()), [])
+
+    def test_the_whole_set(self):
+        result = self.json_of("figures", "--out", self.folder)
+        self.assertEqual(len(result["figures"]), 37)
+        for figure in result["figures"]:
+            for name in figure["files"]:
+                self.assertGreater((self.folder / name).stat().st_size, 2000, name)
+        sheet = (self.folder / "figures.html").read_text()
+        shown = re.findall(r'<img src="([^"]+)"', sheet)
+        self.assertEqual(shown, [figure["files"][0] for figure in result["figures"]])
+
+
+class Refusing(ProgramTest):
+    def test_wrong_names_and_places(self):
+        self.refuse("figures", "--out", self.folder, "--only", "9.9", status=2, says=("9.9", "no figure here"))
+        self.refuse("figures", status=2, says="--out")
+        file = self.file("file", "")
+        self.refuse("figures", "--out", file / "below", says=("below", "cannot be made"))
+
+
+if __name__ == "__main__":
+    unittest.main()

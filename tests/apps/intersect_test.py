@@ -1,0 +1,168 @@
+"""proxima intersect as its users run it; pairs against separating axes in whole numbers."""
+import csv
+import io
+import math
+import random
+import struct
+import unittest
+
+from bad_input_test import off
+from closest_test import cross, dot, read_npy, sub
+from proxima_program import ProgramTest
+from raycast_test import some_mesh
+
+IDENTITY = (1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0)
+POSE_KEYS = ["intersecting", "pairs", "contained", "seconds"]
+
+
+def shifted(x, y, z):
+    return (1, 0, 0, x, 0, 1, 0, y, 0, 0, 1, z)
+
+
+def text_of(poses):
+    return "".join(",".join(map(repr, pose)) + "\n" for pose in poses)
+
+
+def quarter_turn(x, y, z):
+    """About z, then moved: exact in doubles."""
+    return (0, -1, 0, x, 1, 0, 0, y, 0, 0, 1, z)
+
+
+def moved(point, pose):
+    """In units of 1/64, whole for the coordinates and poses of these tests."""
+    result = [64 * (sum(pose[4 * row + k] * point[k] for k in range(3)) + pose[4 * row + 3]) for row in range(3)]
+    assert all(x == int(x) for x in result)
+    return [int(x) for x in result]
+
+
+def meet(a, b):
+    """Two triangles with areas: no axis separates them."""
+    sides = [[sub(t[(i + 1) % 3], t[i]) for i in range(3)] for t in (a, b)]
+    normals = [cross(s[0], s[1]) for s in sides]
+    axes = normals + [cross(p, q) for p in sides[0] for q in sides[1]]
+    axes += [cross(n, p) for n, s in zip(normals, sides) for p in s]
+    for axis in axes:
+        low, high = ([dot(axis, p) for p in t] for t in (a, b))
+        if max(low) < min(high) or max(high) < min(low):
+            return False
+    return True
+
+
+class Meeting(ProgramTest):
+    def test_pairs_are_those_of_whole_numbers_in_csv_and_npy(self):
+        rng = random.Random(7)
+        meshes = [some_mesh(rng, 25) for _ in range(2)]
+        a, b = (self.file(name, off(*mesh)) for name, mesh in zip(("a.off", "b.off"), meshes))
+        poses = [IDENTITY, shifted(0.5, -0.25, 1), quarter_turn(-1, 0.5, 0), shifted(40, 0, 0)]
+        path = self.file("poses.csv", "r00,r01,r02,tx,r10,r11,r12,ty,r20,r21,r22,tz\n" + text_of(poses))
+        out = self.folder / "pairs.csv"
+        result = self.json_of("intersect", a, b, "--pose", path, "--pairs", out)
+        triangles = [[[points[v] for v in t] for t in faces] for points, faces in meshes]
+        truth = []
+        for number, pose in enumerate(poses):
+            there = [[moved(p, pose) for p in t] for t in triangles[1]]
+            here = [[moved(p, IDENTITY) for p in t] for t in triangles[0]]
+            truth += [(number, i, k) for i, t in enumerate(here) for k, s in enumerate(there) if meet(t, s)]
+        rows = list(csv.reader(io.StringIO(out.read_text())))
+        self.assertEqual(rows[0], ["pose", "a", "b"])
+        self.assertEqual([tuple(map(int, row)) for row in rows[1:]], truth)
+        self.assertGreater(len(truth), 20)
+        self.assertEqual(list(result), ["a", "b", "triangles_a", "triangles_b", "build_seconds", "poses"])
+        for number, pose in enumerate(result["poses"]):
+            self.assertEqual(list(pose)[:4], POSE_KEYS)
+            self.assertEqual(pose["pairs"], sum(row[0] == number for row in truth))
+            self.assertEqual(pose["intersecting"], pose["pairs"] > 0)
+        out = self.folder / "pairs.npy"
+        self.succeed("intersect", a, b, "--pose", path, "--pairs", out)
+        self.assertEqual([tuple(row) for row in read_npy(out.read_bytes())], truth)
+
+    def test_says_what_is_inside(self):
+        small = self.file("small.off", "OFF\n4 4 0\n0 0 0\n.1 0 0\n0 .1 0\n0 0 .1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n")
+        poses = self.file("poses.csv", text_of([IDENTITY, shifted(1.05, 0, 0), shifted(5, 0, 0)]))
+        answers = self.json_of("intersect", small, "cube", "--pose", poses)["poses"]
+        self.assertEqual([pose["contained"] for pose in answers], ["A_in_B", "none", "none"])
+        self.assertEqual([pose["intersecting"] for pose in answers], [False, True, False])
+        poses = self.file("poses.csv", text_of([IDENTITY, shifted(0.95, 0, 0), shifted(5, 0, 0)]))
+        answers = self.json_of("intersect", "cube", small, "--pose", poses)["poses"]
+        self.assertEqual([pose["contained"] for pose in answers], ["B_in_A", "none", "none"])
+        self.assertEqual(answers[0]["inside_method"], "crossings")
+        self.assertIn("A is inside of B", self.succeed("intersect", small, "cube"))
+
+    def test_contour_of_two_spheres_is_a_circle(self):
+        poses = self.file("poses.csv", text_of([shifted(1, 0, 0), shifted(0, 1, 0), shifted(3, 0, 0)]))
+        out = self.folder / "contour.obj"
+        answers = self.json_of("intersect", "sphere:30x30", "sphere:30x30", "--pose", poses, "--contour", out)["poses"]
+        self.assertEqual([pose["contour"]["lines"] for pose in answers], [1, 1, 0])
+        for pose in answers[:2]:
+            self.assertEqual(pose["contour"]["closed"], 1)
+            self.assertAlmostEqual(pose["contour"]["length"], 2 * math.pi * math.sqrt(0.75), delta=0.1)
+        points, lines, objects = [], [], []
+        for line in out.read_text().splitlines():
+            kind, *rest = line.split()
+            {"v": points, "l": lines, "o": objects}[kind].append(rest)
+        self.assertEqual(objects, [["pose_0"], ["pose_1"], ["pose_2"]])
+        self.assertEqual(len(lines), 2)
+        for axis, line in zip((0, 1), lines):
+            self.assertEqual(line[0], line[-1], "closed")
+            for number in line:
+                at = [float(x) for x in points[int(number) - 1]]
+                self.assertAlmostEqual(at[axis], 0.5, delta=0.02)
+                self.assertAlmostEqual(sum(x * x for x in at), 1, delta=0.02)
+
+    def test_says_how_far_apart(self):
+        # A corner of the second cube is nearest to an edge, a corner and a face of the first one.
+        turned = [[1, 0, 0], [0, math.cos(math.pi / 4), -math.sin(math.pi / 4)], [0, math.sin(math.pi / 4), math.cos(math.pi / 4)]]
+        shifts = [(3, 0, 0), (3, 4, 5), (0, 0, 4), (1, 1, 1)]
+        poses = [shifted(*shifts[0]), shifted(*shifts[1]), shifted(0, 0, 0), shifted(*shifts[3])]
+        poses[2] = [x for row, z in zip(turned, shifts[2]) for x in (*row, z)]
+        path = self.file("poses.csv", text_of(poses))
+        plain, corner, edge, meeting = self.json_of("intersect", "cube", "cube", "--pose", path, "--distance")["poses"]
+        self.assertEqual([plain["separation"], plain["closest_b"][0] - plain["closest_a"][0]], [1, 1])
+        self.assertEqual(corner["separation"], math.sqrt(1 + 4 + 9))
+        self.assertEqual([corner["closest_a"], corner["closest_b"]], [[1, 1, 1], [2, 3, 4]])
+        self.assertEqual([corner["feature_a"], corner["feature_b"]], ["vertex", "vertex"])
+        self.assertAlmostEqual(edge["separation"], 3 - math.sqrt(2), delta=1e-15)
+        self.assertEqual([meeting["separation"], meeting["intersecting"]], [0, True])
+        self.assertEqual(meeting["closest_a"], meeting["closest_b"])
+        self.assertIn("separation 1 between", self.succeed("intersect", "cube", "cube", "--pose", path, "--distance"))
+
+    def test_counts_cells_and_draws_them(self):
+        poses = self.file("poses.csv", text_of([shifted(1, 0, 0)]))
+        out = self.folder / "spheres.png"
+        pose, = self.json_of("intersect", "sphere:30x30", "sphere:30x30", "--pose", poses, "--cells",
+                             "--picture", out)["poses"]
+        cells = pose["cells"]
+        self.assertEqual(list(cells), ["pairs", "a", "b", "triangles_a", "triangles_b", "tests", "seconds"])
+        self.assertTrue(50 < cells["triangles_a"] < 600, "of 1,740")
+        self.assertGreater(cells["pairs"], cells["a"])
+        self.assertEqual(struct.unpack(">II", out.read_bytes()[16:24]), (1600, 1200))
+
+
+class Refusing(ProgramTest):
+    def test_poses_that_are_not_rigid_name_their_line(self):
+        good = text_of([IDENTITY])
+        for bad, says in (((2,) + IDENTITY[1:], "stretches"), ((-1,) + IDENTITY[1:], "mirrors"),
+                          (IDENTITY[:1] + (1e-8,) + IDENTITY[2:], "shears")):
+            path = self.file("poses.csv", good + text_of([bad]))
+            self.refuse("intersect", "cube", "cube", "--pose", path, says=(says, "poses.csv:2"))
+            headed = self.file("poses.csv", "r00,r01,r02,tx,r10,r11,r12,ty,r20,r21,r22,tz\n" + good + text_of([bad]))
+            self.refuse("intersect", "cube", "cube", "--pose", headed, says="poses.csv:3")
+            header = "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 12), }"
+            npy = self.file("poses.npy", b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header) + 1) + header.encode()
+                            + b"\n" + struct.pack("<24d", *IDENTITY, *bad))
+            self.refuse("intersect", "cube", "cube", "--pose", npy, says=("poses.npy", "row 1"))
+
+    def test_bad_files_and_options(self):
+        for text, says in (("1,0,0\n", "poses.csv"), ("", "poses.csv"), (text_of([("nan",) + IDENTITY[1:]]), "poses.csv")):
+            self.refuse("intersect", "cube", "cube", "--pose", self.file("poses.csv", text.replace("'", "")), says=says)
+        self.refuse("intersect", "cube", "cube", "--contour", self.folder / "x.ply", says=".obj")
+        self.refuse("intersect", "cube", "cube", "--picture", self.folder / "x.jpg", says=".png")
+        self.refuse("intersect", "cube", "cube", "--pairs", self.folder / "x.txt", says="unknown extension")
+        self.refuse("intersect", "cube", self.folder / "absent.off", says="absent.off")
+        empty = self.file("empty.off", "OFF\n0 0 0\n")
+        self.refuse("intersect", "cube", empty, says="empty.off")
+        self.refuse("intersect", "cube", status=2, says="B")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,309 @@
+#include "proxima/haptics/haptic_renderer.h"
+
+#include "counted_allocations.h"
+#include "folder_test.h"
+#include "haptics/touch_meshes.h"
+#include "proxima/haptics/hand_script.h"
+#include "proxima/haptics/quality_report.h"
+#include "proxima/haptics/recording.h"
+#include "proxima/haptics/simulated_hand.h"
+#include "proxima/proximity/build_proximity_octree.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <numbers>
+#include <random>
+
+namespace proxima {
+namespace {
+
+constexpr double tick_seconds = 1e-3;
+
+/// A model with all that a session needs.
+struct Scene {
+    explicit Scene(TriangleMesh model)
+        : mesh(std::move(model)), topology(*build_topology(mesh)),
+          octree(*build_proximity_octree(mesh, topology)), surface(octree),
+          map(fit_workspace(bounding_box(mesh), 0.1))
+    {}
+    TriangleMesh mesh;
+    Topology topology;
+    ProximityOctree octree;
+    OctreeContactSurface surface;
+    WorkspaceMap map;
+};
+
+const DeviceLimits& omni()
+{
+    static const DeviceLimits limits = *find_device("omni");
+    return limits;
+}
+
+DeviceState at(const Vec3& p)
+{
+    DeviceState state;
+    state.pose.translation = p;
+    return state;
+}
+
+/// A hand that follows a script for some ticks.
+struct Session {
+    QualityReport quality;
+    Recording recording;
+};
+
+Session run(const Scene& scene, std::string_view script, std::uint64_t seed, int ticks,
+            const RenderOptions& options)
+{
+    HapticRenderer renderer(scene.surface, scene.map, omni(), options);
+    const auto path = HandScript::make(script, scene.mesh, scene.topology, scene.map, seed);
+    EXPECT_TRUE(path);
+    SimulatedHand hand({}, path->target(0));
+    QualityMeter meter(scene.surface, scene.map);
+    Session session;
+    session.recording.settings.map = scene.map;
+    session.recording.settings.render = renderer.options();
+    session.recording.settings.mesh_fingerprint = scene.octree.mesh_fingerprint();
+    session.recording.ticks.reserve(static_cast<std::size_t>(ticks));
+    const std::size_t allocations = testing::allocation_count();
+    for (int tick = 0; tick < ticks; ++tick) {
+        const DeviceState state = hand.state();
+        const RenderTick& felt = renderer.tick(state, tick_seconds);
+        session.recording.ticks.push_back(recorded(tick * tick_seconds, state, felt));
+        meter.add(felt, state.velocity, renderer.proxy().path());
+        hand.step(felt.force, path->target(tick * tick_seconds));
+    }
+    EXPECT_EQ(testing::allocation_count(), allocations);
+    session.quality = meter.report();
+    return session;
+}
+
+TEST(HapticRenderer, every_script_touches_and_nothing_pops_through)
+{
+    for (const std::string_view model : {"cube", "sphere:30x30", "torus:24x12", "spaceship:1300"}) {
+        const Scene scene(*sample_mesh(model));
+        for (const std::string_view script :
+             {"press", "slide", "stroke", "corner", "poke", "walk"}) {
+            for (const double radius : {0.0, 0.002}) {
+                const QualityReport quality =
+                    run(scene, script, 1, 4000, {.proxy_radius = radius}).quality;
+                const std::string where =
+                    std::string(model) + ' ' + std::string(script) + ' ' + std::to_string(radius);
+                EXPECT_GT(quality.touching_ticks, 100U) << where;
+                EXPECT_EQ(quality.passes, 0U) << where;
+                EXPECT_EQ(quality.overloaded_ticks, 0U) << where;
+                EXPECT_LT(quality.limited_ticks, 40U) << where;
+                EXPECT_EQ(quality.faulty_ticks, 0U) << where;
+                EXPECT_LE(quality.max_force, omni().max_force) << where;
+                EXPECT_GT(quality.max_spring, 0.1) << where;
+            }
+        }
+    }
+}
+
+TEST(HapticRenderer, a_thin_plate_holds_a_fast_poke)
+{
+    const Scene scene(testing::thin_plate());
+    const QualityReport quality = run(scene, "poke", 3, 8000, {}).quality;
+    EXPECT_GT(quality.touching_ticks, 500U);
+    EXPECT_GT(quality.max_speed, 0.3);
+    EXPECT_EQ(quality.passes, 0U);
+}
+
+// Without friction and damping, what a slow closed path took it gives back.
+TEST(HapticRenderer, closed_paths_against_analytic_walls_take_no_energy)
+{
+    const Scene cube(*sample_mesh("cube"));
+    const double k = 500;
+    for (const double radius : {0.0, 0.004}) {
+        RenderOptions options = {.force = {.stiffness = k,
+                                           .damping = 0,
+                                           .max_slew = 1e9,
+                                           .start_seconds = 0,
+                                           .loss_seconds = 0},
+                                 .proxy_radius = radius,
+                                 .static_friction = 0,
+                                 .dynamic_friction = 0,
+                                 .passivity = Passivity::unguarded};
+        HapticRenderer renderer(cube.surface, cube.map, omni(), options);
+        QualityMeter meter(cube.surface, cube.map);
+        // An ellipse into the upper face and out again, from a point free of it back to it.
+        const double top = 1 / cube.map.units_per_metre + radius;
+        constexpr int ticks = 4000;
+        Vec3 before = Vec3::Zero();
+        for (int tick = 0; tick <= ticks; ++tick) {
+            const double angle = 2 * std::numbers::pi * tick / ticks;
+            const Vec3 p(0.006 * std::sin(angle), 0.003 * std::sin(2 * angle),
+                         top + 0.005 * std::cos(angle));
+            meter.add(renderer.tick(at(p), tick_seconds), (p - before) / tick_seconds,
+                      renderer.proxy().path());
+            before = p;
+        }
+        const double depth = meter.report().max_depth;
+        EXPECT_NEAR(depth, 0.005, 1e-5);
+        // Crossing the surface within a tick, the sum errs: by symmetry as much in as out.
+        EXPECT_LT(std::abs(meter.report().taken_energy), 1e-9 * k * depth * depth);
+        EXPECT_LE(meter.report().max_step_ratio, 1 + 1e-9);
+    }
+}
+
+TEST(HapticRenderer, sticks_within_the_friction_cone_and_slides_beyond)
+{
+    const Scene cube(*sample_mesh("cube"));
+    RenderOptions options = {.force = {.damping = 0, .max_slew = 1e9, .start_seconds = 0},
+                             .passivity = Passivity::unguarded};
+    HapticRenderer renderer(cube.surface, cube.map, omni(), options);
+    const double top = 1 / cube.map.units_per_metre;
+    renderer.tick(at(Vec3(0, 0, top + 0.001)), tick_seconds);
+    renderer.tick(at(Vec3(0, 0, top - 0.001)), tick_seconds);
+    const double depth = 0.001;
+    // Sideways: sticking until 0.4 of the depth, the force leaning with the device.
+    for (double x = 0; x < 0.4 * depth; x += 1e-5) {
+        const RenderTick& felt = renderer.tick(at(Vec3(x, 0, top - depth)), tick_seconds);
+        EXPECT_EQ(felt.proxy.hold, Hold::sticking);
+        EXPECT_NEAR(felt.force.x(), -500 * x, 1e-6);
+        EXPECT_NEAR(felt.force.z(), 500 * depth, 1e-6);
+    }
+    for (double x = 0.45 * depth; x < 3 * depth; x += 1e-5) {
+        const RenderTick& felt = renderer.tick(at(Vec3(x, 0, top - depth)), tick_seconds);
+        EXPECT_EQ(felt.proxy.hold, Hold::sliding);
+        EXPECT_NEAR(felt.force.x(), -0.3 * 500 * depth, 1e-6);
+    }
+    // Turning back, it holds still until it sticks the other way.
+    const RenderTick& turned = renderer.tick(at(Vec3(2.8 * depth, 0, top - depth)), tick_seconds);
+    EXPECT_EQ(turned.proxy.hold, Hold::sticking);
+}
+
+TEST(HapticRenderer, bad_input_never_reaches_the_force)
+{
+    const Scene scene(*sample_mesh("sphere:30x30"));
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    const double infinity = std::numeric_limits<double>::infinity();
+    HapticRenderer renderer(scene.surface, scene.map, omni());
+    const auto path = HandScript::make("slide", scene.mesh, scene.topology, scene.map, 2);
+    SimulatedHand hand({}, path->target(0));
+    std::mt19937 random(9);
+    Vec3 last = Vec3::Zero();
+    int faults = 0;
+    for (int tick = 0; tick < 20000; ++tick) {
+        DeviceState state = hand.state();
+        switch (random() % 100) {
+        case 0:
+            state.pose.translation[random() % 3] = nan;
+            break;
+        case 1:
+            state.pose.translation[random() % 3] = infinity;
+            break;
+        case 2:
+            state.velocity[random() % 3] = nan;
+            break;
+        case 3:
+            state.velocity *= 1e300;
+            break;
+        case 4:
+            state.pose.translation += Vec3(1, 0, 0); // a jump of a metre
+            break;
+        case 5:
+            state.pose.translation *= 1e200;
+            break;
+        default:
+            break;
+        }
+        const RenderTick& felt = renderer.tick(state, tick_seconds);
+        ASSERT_TRUE(felt.force.allFinite()) << tick;
+        ASSERT_LE(felt.force.norm(), omni().max_force) << tick;
+        // A jump begins anew from no force; all other changes are slow.
+        if (felt.fault != InputFault::jumped) {
+            ASSERT_LE((felt.force - last).norm(), 2000 * tick_seconds + 1e-12) << tick;
+        }
+        faults += felt.fault != InputFault::none ? 1 : 0;
+        last = felt.force;
+        hand.step(felt.force, path->target(tick * tick_seconds));
+    }
+    EXPECT_GT(faults, 400);
+}
+
+TEST(HapticRenderer, a_device_that_begins_inside_is_not_kicked_out)
+{
+    const Scene scene(*sample_mesh("cube"));
+    HapticRenderer renderer(scene.surface, scene.map, omni());
+    for (int tick = 0; tick < 500; ++tick)
+        EXPECT_EQ(renderer.tick(at(Vec3(0, 0, 1e-5 * tick)), tick_seconds).force, Vec3::Zero());
+}
+
+using RecordingTest = FolderTest;
+
+TEST_F(RecordingTest, replays_bit_for_bit)
+{
+    const Scene scene(*sample_mesh("torus:24x12"));
+    const Session session = run(scene, "walk", 5, 3000, {.proxy_radius = 0.001});
+    EXPECT_GT(session.quality.touching_ticks, 100U);
+    const auto path = folder() / "session.pxt";
+    ASSERT_TRUE(save_recording(session.recording, path));
+    auto loaded = load_recording(path);
+    ASSERT_TRUE(loaded) << describe(loaded.error());
+    EXPECT_EQ(loaded->ticks, session.recording.ticks);
+    EXPECT_EQ(loaded->settings.mesh_fingerprint, scene.octree.mesh_fingerprint());
+    EXPECT_EQ(loaded->settings.map.units_per_metre, scene.map.units_per_metre);
+    EXPECT_EQ(loaded->settings.map.center, scene.map.center);
+    EXPECT_EQ(loaded->settings.render.proxy_radius, 0.001);
+    {
+        HapticRenderer again(scene.surface, loaded->settings.map, omni(), loaded->settings.render);
+        EXPECT_EQ(count_differences(*loaded, again), 0U);
+    }
+    // One bit of one position is noticed.
+    double& x = loaded->ticks[1500].position[0];
+    x = std::nextafter(x, 1.0);
+    HapticRenderer again(scene.surface, loaded->settings.map, omni(), loaded->settings.render);
+    EXPECT_GT(count_differences(*loaded, again), 0U);
+}
+
+TEST_F(RecordingTest, damage_is_refused)
+{
+    Recording recording;
+    recording.ticks.resize(10);
+    const auto path = folder() / "session.pxt";
+    ASSERT_TRUE(save_recording(recording, path));
+    ASSERT_TRUE(load_recording(path));
+    std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(700);
+    file.put('x');
+    file.close();
+    const auto damaged = load_recording(path);
+    ASSERT_FALSE(damaged);
+    EXPECT_EQ(damaged.error().code, ErrorCode::malformed_file);
+    recording.settings.render.dynamic_friction = 2; // more than the static one
+    ASSERT_TRUE(save_recording(recording, path));
+    EXPECT_EQ(load_recording(path).error().code, ErrorCode::malformed_file);
+    EXPECT_EQ(load_recording(folder() / "none.pxt").error().code, ErrorCode::file_not_found);
+}
+
+TEST(HandScript, is_smooth_and_goes_round)
+{
+    const Scene scene(*sample_mesh("spaceship:1300"));
+    for (const std::string_view name : {"press", "slide", "stroke", "corner", "poke", "walk"}) {
+        const auto script = HandScript::make(name, scene.mesh, scene.topology, scene.map, 4);
+        const auto again = HandScript::make(name, scene.mesh, scene.topology, scene.map, 4);
+        const auto other = HandScript::make(name, scene.mesh, scene.topology, scene.map, 5);
+        ASSERT_TRUE(script && again && other);
+        EXPECT_LT((script->target(script->period()) - script->target(0)).norm(), 1e-12);
+        double differ = 0;
+        for (double t = 0; t < 2 * script->period(); t += 1e-3) {
+            EXPECT_LT((script->target(t + 1e-3) - script->target(t)).norm(), 0.005) << name << t;
+            EXPECT_EQ(script->target(t), again->target(t));
+            differ = std::max(differ, (script->target(t) - other->target(t)).norm());
+        }
+        if (name != "corner") {
+            EXPECT_GT(differ, 1e-3) << name;
+        }
+    }
+    const auto wrong = HandScript::make("hit", scene.mesh, scene.topology, scene.map, 1);
+    ASSERT_FALSE(wrong);
+    EXPECT_NE(wrong.error().message.find("press"), std::string::npos);
+}
+
+} // namespace
+} // namespace proxima

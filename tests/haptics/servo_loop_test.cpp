@@ -1,0 +1,92 @@
+#include "proxima/haptics/servo_loop.h"
+
+#include "counted_allocations.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <random>
+#include <thread>
+#include <vector>
+
+namespace proxima {
+namespace {
+
+TEST(LatencyHistogram, quantiles_are_within_three_per_cent)
+{
+    std::mt19937_64 random(1);
+    LatencyHistogram histogram;
+    EXPECT_EQ(histogram.quantile(0.5), 0U);
+    std::vector<std::uint64_t> values;
+    for (int i = 0; i < 20000; ++i) {
+        values.push_back(random() >> (random() % 60 + 1));
+        histogram.add(static_cast<std::int64_t>(values.back()));
+    }
+    std::ranges::sort(values);
+    for (const double part : {0.0, 0.001, 0.25, 0.5, 0.9, 0.99, 0.9999, 1.0}) {
+        const auto rank = static_cast<std::size_t>(std::ceil(part * 20000));
+        const auto exact = static_cast<double>(values[rank == 0 ? 0 : rank - 1]);
+        const auto said = static_cast<double>(histogram.quantile(part));
+        EXPECT_GE(said, exact) << part;
+        EXPECT_LE(said, exact * 33 / 32 + 1) << part;
+    }
+    EXPECT_EQ(histogram.max(), values.back());
+    EXPECT_EQ(histogram.count(), 20000U);
+    histogram.add(-5);
+    EXPECT_EQ(histogram.quantile(0), 0U);
+}
+
+TEST(ServoLoop, keeps_its_rate)
+{
+    using Clock = std::chrono::steady_clock;
+    std::vector<Clock::time_point> times(200);
+    const ServoStatistics seen = run_servo_loop({.rate = 1000, .ticks = 200}, [&](std::uint64_t i) {
+        times[i] = Clock::now();
+        return Flow::proceed;
+    });
+    EXPECT_EQ(seen.ticks, 200U);
+    EXPECT_EQ(seen.late.count(), 200U);
+    const auto planned = std::chrono::microseconds(1000);
+    // No tick comes before its time, however late others were.
+    for (std::size_t i = 1; i < times.size(); ++i)
+        EXPECT_GE(times[i] - times[0] + std::chrono::milliseconds(1), i * planned) << i;
+    EXPECT_GE(seen.seconds, 0.198);
+}
+
+TEST(ServoLoop, counts_what_it_missed_and_does_not_catch_up)
+{
+    const ServoStatistics seen = run_servo_loop({.rate = 1000, .ticks = 30}, [](std::uint64_t i) {
+        if (i == 10) std::this_thread::sleep_for(std::chrono::microseconds(5500));
+        return Flow::proceed;
+    });
+    EXPECT_GE(seen.missed, 1U);
+    EXPECT_GE(seen.skipped, 4U);
+    EXPECT_GE(seen.seconds, 0.0325); // tick 29 is planned at 29 + 4 ms
+    EXPECT_GE(seen.work.max(), 5'500'000U);
+}
+
+TEST(ServoLoop, stops_when_told_and_does_not_allocate)
+{
+    std::size_t first = 0;
+    std::size_t last = 0;
+    const ServoStatistics seen =
+        run_servo_loop({.ticks = 1000, .pace = Pace::unpaced}, [&](std::uint64_t i) {
+            if (i == 0) first = testing::allocation_count();
+            last = testing::allocation_count();
+            return i == 99 ? Flow::stop : Flow::proceed;
+        });
+    EXPECT_EQ(seen.ticks, 100U);
+    EXPECT_EQ(first, last);
+    EXPECT_EQ(seen.missed, 0U);
+}
+
+TEST(ServoLoop, says_what_was_not_granted)
+{
+    const ServoStatistics seen = run_servo_loop({.ticks = 3, .pace = Pace::real_time},
+                                                [](std::uint64_t) { return Flow::proceed; });
+    EXPECT_EQ(seen.real_time_priority && seen.locked_memory, seen.note.empty()) << seen.note;
+}
+
+} // namespace
+} // namespace proxima

@@ -1,0 +1,215 @@
+#include "proxima/haptics/simulated_hand.h"
+
+#include "proxima/haptics/passivity.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace proxima {
+namespace {
+
+/// A wall of stiffness and damping that fills all space, as theory has it.
+struct Wall {
+    double stiffness = 0;
+    double damping = 0;
+
+    [[nodiscard]] Vec3 force(const DeviceState& state) const
+    {
+        return -stiffness * state.pose.translation - damping * state.velocity;
+    }
+};
+
+HandModel without_hand()
+{
+    HandModel model;
+    model.hand_stiffness = 0;
+    model.hand_damping = 0;
+    return model;
+}
+
+/// The largest |x| in the last tenth of some ticks, let go a millimetre away.
+double swing(const HandModel& model, const Wall& wall, int ticks)
+{
+    SimulatedHand hand(model, Vec3(1e-3, 0, 0));
+    double largest = 0;
+    for (int tick = 0; tick < ticks; ++tick) {
+        hand.step(wall.force(hand.state()), Vec3::Zero());
+        const double x = std::abs(hand.position().x());
+        if (!(x < 1)) return 1;
+        if (tick >= ticks - ticks / 10) largest = std::max(largest, x);
+    }
+    return largest;
+}
+
+/// The stiffness at which a swing neither grows nor fades, by halving.
+double stiffness_limit(const HandModel& model, double damping)
+{
+    double stable = 1;
+    double unstable = 1e5;
+    while (unstable / stable > 1.0005) {
+        const double middle = std::sqrt(stable * unstable);
+        const bool fades = swing(model, {middle, damping}, 40000) < 1e-3;
+        (fades ? stable : unstable) = middle;
+    }
+    return stable;
+}
+
+TEST(SimulatedHand, limits_of_stability_are_those_of_theory)
+{
+    HandModel model = without_hand();
+    EXPECT_NEAR(stiffness_limit(model, 0), 0.5 / 0.0005, 0.02 * 1000);
+    model.delay_ticks = 1;
+    EXPECT_NEAR(stiffness_limit(model, 0), 0.5 / 0.0015, 0.02 * 333.3);
+    model.delay_ticks = 0;
+    model.tick_seconds = 0.01;
+    EXPECT_NEAR(stiffness_limit(model, 0), 0.5 / 0.005, 0.02 * 100);
+    model.tick_seconds = 0.001;
+    model.device_damping = 0.1;
+    EXPECT_NEAR(stiffness_limit(model, 1), 1.1 / 0.0005, 0.02 * 2200);
+    model.velocity = VelocityEstimate::exact;
+    EXPECT_NEAR(stiffness_limit(model, 1), 1.1 / 0.0005, 0.02 * 2200);
+}
+
+TEST(SimulatedHand, friction_quiets_an_encoder_up_to_its_limit)
+{
+    HandModel model = without_hand();
+    model.device_damping = 0.5;
+    model.encoder_step = 5e-5;
+    model.coulomb_friction = 0.02;
+    const double limit = 2 * model.coulomb_friction / model.encoder_step; // 800 N/m
+    ASSERT_LT(limit, 2 * model.device_damping / model.tick_seconds);
+    EXPECT_LT(swing(model, {0.9 * limit, 0}, 20000), 2 * model.encoder_step);
+    SimulatedHand hand(model, Vec3(1e-3, 0, 0));
+    for (int tick = 0; tick < 20000; ++tick)
+        hand.step(Wall{0.9 * limit, 0}.force(hand.state()), Vec3::Zero());
+    EXPECT_EQ(hand.velocity(), Vec3::Zero()); // at rest, not in a cycle
+}
+
+TEST(SimulatedHand, moves_as_its_equation_says)
+{
+    // Against many small steps of the midpoint rule.
+    const HandModel model;
+    SimulatedHand hand(model, Vec3(0.01, -0.02, 0.03));
+    const Vec3 target(0.02, 0.01, -0.01);
+    const Vec3 force(0.3, -0.2, 0.1);
+    Vec3 x = hand.position();
+    Vec3 v = Vec3::Zero();
+    const auto acceleration = [&](const Vec3& at, const Vec3& speed) {
+        return Vec3((force + model.hand_stiffness * (target - at) -
+                     (model.hand_damping + model.device_damping) * speed) /
+                    model.mass);
+    };
+    for (int tick = 0; tick < 50; ++tick) {
+        hand.step(force, target);
+        constexpr int parts = 1000;
+        const double h = model.tick_seconds / parts;
+        for (int i = 0; i < parts; ++i) {
+            const Vec3 middle_v = v + h / 2 * acceleration(x, v);
+            const Vec3 middle_x = x + h / 2 * v;
+            x += h * middle_v;
+            v += h * acceleration(middle_x, middle_v);
+        }
+        EXPECT_LT((hand.position() - x).norm(), 1e-10) << tick;
+        EXPECT_LT((hand.velocity() - v).norm(), 1e-8) << tick;
+    }
+}
+
+TEST(SimulatedHand, says_what_an_encoder_sees)
+{
+    HandModel model = without_hand();
+    model.encoder_step = 1e-4;
+    model.device_damping = 0;
+    SimulatedHand hand(model, Vec3(0.00012, 0, 0));
+    EXPECT_NEAR(hand.state().pose.translation.x(), 1e-4, 1e-18);
+    hand.set_motion(Vec3(0.00012, 0, 0), Vec3(0.05, 0, 0));
+    hand.step(Vec3::Zero(), Vec3::Zero());
+    EXPECT_NEAR(hand.position().x(), 0.00017, 1e-15);
+    EXPECT_NEAR(hand.state().pose.translation.x(), 2e-4, 1e-18);
+    EXPECT_NEAR(hand.state().velocity.x(), 0.1, 1e-12); // two steps for one and a half
+}
+
+TEST(SimulatedHand, feels_forces_after_the_delay)
+{
+    HandModel model = without_hand();
+    model.device_damping = 0;
+    model.delay_ticks = 3;
+    SimulatedHand hand(model, Vec3::Zero());
+    for (int tick = 0; tick < 6; ++tick) {
+        hand.step(tick == 0 ? Vec3(1, 0, 0) : Vec3(0, 0, 0), Vec3::Zero());
+        EXPECT_EQ(hand.velocity().x() > 0, tick >= 3) << tick;
+    }
+}
+
+/// Swings against a wall with the passivity guard between.
+struct Guarded {
+    double largest = 0; ///< |x| of the last tenth
+    double lowest_energy = 0;
+    std::uint64_t damped = 0;
+};
+
+Guarded guarded_swing(const HandModel& model, const Wall& wall, double max_damping)
+{
+    SimulatedHand hand(model, Vec3(1e-3, 0, 0));
+    PassivityGuard guard(max_damping);
+    Guarded result;
+    constexpr int ticks = 20000;
+    for (int tick = 0; tick < ticks; ++tick) {
+        const DeviceState state = hand.state();
+        const Vec3 force = guard.pass(state.pose.translation, state.velocity, wall.force(state),
+                                      model.tick_seconds);
+        hand.step(force, Vec3::Zero());
+        if (tick >= ticks - ticks / 10)
+            result.largest = std::max(result.largest, std::abs(hand.position().x()));
+    }
+    result.lowest_energy = guard.lowest_energy();
+    result.damped = guard.damped_ticks();
+    return result;
+}
+
+TEST(PassivityGuard, catches_walls_that_are_too_stiff)
+{
+    HandModel model = without_hand();
+    for (const double factor : {1.2, 1.5, 2.0, 3.0}) {
+        const Wall wall{factor * 1000, 0};
+        EXPECT_GT(swing(model, wall, 20000), 1e-2) << factor; // it would have grown
+        const Guarded guarded = guarded_swing(model, wall, 30);
+        EXPECT_LT(guarded.largest, 1.5e-3) << factor;
+        EXPECT_GT(guarded.damped, 0U) << factor;
+    }
+    model.delay_ticks = 1;
+    EXPECT_GT(swing(model, {500, 0}, 20000), 1e-2);
+    EXPECT_LT(guarded_swing(model, {500, 0}, 30).largest, 1.5e-3);
+}
+
+TEST(PassivityGuard, leaves_stable_walls_alone_but_for_the_first_swing)
+{
+    const Guarded guarded = guarded_swing(without_hand(), {300, 0}, 30);
+    EXPECT_LT(guarded.largest, 1e-6);
+}
+
+TEST(PassivityGuard, accounts_are_exact)
+{
+    // A spring pressed in and let out again by a slow path returns what it took, and no more.
+    PassivityGuard guard(0);
+    const double stiffness = 500;
+    double taken = 0;
+    Vec3 before = Vec3::Zero();
+    Vec3 force = Vec3::Zero();
+    for (int tick = 0; tick <= 2000; ++tick) {
+        const double x = -1e-3 * std::sin(tick * 3.14159265358979 / 2000);
+        const Vec3 position(x, 0, 0);
+        taken -= force.dot(position - before);
+        force = guard.pass(position, (position - before) / 1e-3, Vec3(-stiffness * x, 0, 0), 1e-3);
+        before = position;
+        EXPECT_NEAR(guard.energy(), taken, 1e-18);
+    }
+    // What a held force gives is at most half a step's worth more than it took.
+    EXPECT_LT(std::abs(guard.energy()), 0.01 * stiffness * 1e-6);
+    guard.restart();
+    EXPECT_EQ(guard.energy(), 0);
+}
+
+} // namespace
+} // namespace proxima

@@ -1,0 +1,63 @@
+#include "proxima/haptics/snapshot.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <thread>
+
+namespace proxima {
+namespace {
+
+/// Large enough to be torn, were it possible.
+struct Page {
+    std::array<std::uint64_t, 64> words{};
+};
+
+TEST(Snapshot, gives_the_newest_once)
+{
+    Snapshot<int> snapshot(7);
+    EXPECT_FALSE(snapshot.update());
+    EXPECT_EQ(snapshot.reading(), 7);
+    for (int value = 1; value < 10; ++value) {
+        snapshot.writing() = value;
+        snapshot.publish();
+        if (value % 3 != 0) continue;
+        EXPECT_TRUE(snapshot.update());
+        EXPECT_EQ(snapshot.reading(), value);
+        EXPECT_FALSE(snapshot.update());
+        EXPECT_EQ(snapshot.reading(), value);
+    }
+}
+
+TEST(Snapshot, is_never_torn_and_never_goes_back)
+{
+    constexpr std::uint64_t last = 200000;
+    Snapshot<Page> snapshot;
+    std::thread writer([&] {
+        for (std::uint64_t round = 1; round <= last; ++round) {
+            snapshot.writing().words.fill(round);
+            snapshot.publish();
+        }
+    });
+    std::uint64_t seen = 0;
+    std::uint64_t updates = 0;
+    while (seen < last) {
+        if (!snapshot.update()) {
+            std::this_thread::yield();
+            continue;
+        }
+        const Page& page = snapshot.reading();
+        const auto [least, most] = std::minmax_element(page.words.begin(), page.words.end());
+        ASSERT_EQ(*least, *most);
+        ASSERT_GT(*least, seen);
+        seen = *least;
+        ++updates;
+    }
+    writer.join();
+    EXPECT_GT(updates, 0U);
+    EXPECT_FALSE(snapshot.update());
+}
+
+} // namespace
+} // namespace proxima
