@@ -58,21 +58,13 @@ struct SetResult {
     std::size_t added_pairs = 0;   ///< that ours has not
 };
 
-std::size_t ask(ContactPeer& peer, Question question, const PoseSet& set)
+void pass(ContactPeer& peer, Question question, const PoseSet& set, SetResult& result)
 {
     std::size_t sum = 0;
+    const double start = processor_seconds();
     for (const RigidTransform& pose : set.poses)
         sum +=
             question == Question::boolean ? (peer.intersects(pose) ? 1 : 0) : peer.find_pairs(pose);
-    return sum;
-}
-
-/// One pass untimed, so that no peer pays for what others left in the caches, then one timed.
-void pass(ContactPeer& peer, Question question, const PoseSet& set, SetResult& result)
-{
-    (void)ask(peer, question, set);
-    const double start = processor_seconds();
-    const std::size_t sum = ask(peer, question, set);
     const double seconds = processor_seconds() - start;
     result.seconds[static_cast<std::size_t>(question)].push_back(seconds);
     (question == Question::boolean ? result.meeting : result.pairs) = sum;

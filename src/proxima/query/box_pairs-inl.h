@@ -25,7 +25,7 @@ HWY_BEFORE_NAMESPACE();
 namespace proxima::HWY_NAMESPACE {
 
 /// The boxes of a node's children in its mesh's frame, by axis.
-struct ChildBoxes {
+struct MetBoxes {
     HWY_ALIGN float center[3][8];
     HWY_ALIGN float half[3][8];
     HWY_ALIGN float size[8];
@@ -88,7 +88,7 @@ struct OtherBox {
 /// Bit i: the box of child i is not surely apart from `other`, a box of the other mesh. Writes
 /// `boxes` where there is such a child.
 HWY_INLINE std::uint32_t meet_boxes(const RayNode& node, float unit, const PairFrame& frame,
-                                    const PairBox& box, ChildBoxes& boxes)
+                                    const PairBox& box, MetBoxes& boxes)
 {
     const OtherBox other(frame, box);
     Eight center[3];

@@ -260,7 +260,7 @@ private:
 };
 
 /// Bit 8 j + i of bit 8 i + j.
-HWY_INLINE std::uint64_t transposed(std::uint64_t x)
+HWY_INLINE std::uint64_t with_rows_as_columns(std::uint64_t x)
 {
     std::uint64_t t = (x ^ (x >> 7U)) & 0x00AA00AA00AA00AAU;
     x ^= t ^ (t << 7U);
@@ -292,7 +292,7 @@ HWY_INLINE std::uint64_t unparted(const LeafShape& own, LeafShape& other, const 
     find_planes(other);
     VertexSides back;
     back.look(other, other_count, own.vertices, all_eight(bounds.other_height));
-    return left & ~transposed(back.parted(own.corner_bits));
+    return left & ~with_rows_as_columns(back.parted(own.corner_bits));
 }
 
 /// What floats say of eight pairs.

@@ -82,7 +82,7 @@ HWY_INLINE bool walk_pairs(const OpenPair& open, Search& search)
     BlockPair stack[OpenPair::stack_size];
     std::size_t pending = 0;
     LeafShape shape;
-    ChildBoxes boxes;
+    MetBoxes boxes;
     {
         BlockPair& root = stack[pending++];
         for (std::size_t side = 0; side < 2; ++side) {
