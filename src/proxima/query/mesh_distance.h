@@ -35,8 +35,7 @@ struct MeshDistance {
     TriangleId triangle_b = {};
     TrianglePart part_a = {}; ///< the corner or side of the triangle on which the point is
     TrianglePart part_b = {};
-    std::uint32_t row_a =
-        0; ///< the triangle's place in its index: for a later search to start from
+    std::uint32_t row_a = 0; ///< places in the indexes: for a later search to start from
     std::uint32_t row_b = 0;
 };
 
