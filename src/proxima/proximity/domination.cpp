@@ -8,7 +8,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 // After them: it is read once for every instruction set.
-#include "proxima/proximity/eight_lanes-inl.h"
+#include "proxima/proximity/eight_corners-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace proxima::HWY_NAMESPACE {

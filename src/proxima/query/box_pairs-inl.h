@@ -14,7 +14,7 @@
 #define PROXIMA_QUERY_BOX_PAIRS_INL_H
 #endif
 
-#include "proxima/query/eight_lanes-inl.h"
+#include "proxima/query/eight_points-inl.h"
 #include "proxima/query/open_pair.h"
 
 #include <cstddef>
@@ -72,7 +72,7 @@ struct OtherBox {
         store_eight(sum, at);
         for (std::size_t k = 0; k < 2; ++k) {
             const Eight first =
-                product(frame.edges[2 * k], box_places.edges[2 * k], all_eight(frame.slack));
+                product(frame.edges[2 * k], box_places.edges[2 * k], eight(frame.slack));
             store_eight(product(frame.edges[2 * k + 1], box_places.edges[2 * k + 1], first),
                         edges[k]);
         }
@@ -98,31 +98,27 @@ HWY_INLINE std::uint32_t meet_boxes(const RayNode& node, float unit, const PairF
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const Eight lower = eight_of_bytes(node.planes[axis].data());
         const Eight upper = eight_of_bytes(node.planes[axis].data() + 8);
-        const Eight half_step = all_eight(node.step[axis] * (0.5F * unit));
+        const Eight half_step = eight(node.step[axis] * (0.5F * unit));
         const float origin = (node.origin[axis] + 32768.0F * node.step[axis]) * unit;
-        center[axis] = multiply_add(lower + upper, half_step, all_eight(origin));
+        center[axis] = multiply_add(lower + upper, half_step, eight(origin));
         half[axis] = (upper - lower) * half_step;
-        off[axis] = all_eight(other.at[axis]) - center[axis];
-        const Eight beyond = size_of(off[axis]) - (half[axis] + all_eight(other.face(axis)));
+        off[axis] = eight(other.at[axis]) - center[axis];
+        const Eight beyond = size_of(off[axis]) - (half[axis] + eight(other.face(axis)));
         // Places without a child have their planes the wrong way round.
-        most = axis == 0 ? most_of(beyond, -half[0]) : most_of(most, beyond);
+        most = axis == 0 ? maximum(beyond, -half[0]) : maximum(most, beyond);
     }
-    const Eight none = all_eight(0);
+    const Eight none = eight(0);
     if ((most > none).bits() == 0xFFU) return 0;
-    const auto number = [&](std::size_t i, std::size_t j) {
-        return all_eight(frame.columns[j][i]);
-    };
-    const auto size = [&](std::size_t i, std::size_t j) {
-        return all_eight(frame.columns[j][4 + i]);
-    };
+    const auto number = [&](std::size_t i, std::size_t j) { return eight(frame.columns[j][i]); };
+    const auto size = [&](std::size_t i, std::size_t j) { return eight(frame.columns[j][4 + i]); };
     for (std::size_t j = 0; j < 3; ++j) {
         const Eight along = multiply_add(off[0], number(0, j),
                                          multiply_add(off[1], number(1, j), off[2] * number(2, j)));
         const Eight radius = multiply_add(
             half[0], size(0, j),
             multiply_add(half[1], size(1, j),
-                         multiply_add(half[2], size(2, j), all_eight(other.other_face(j)))));
-        most = most_of(most, size_of(along) - radius);
+                         multiply_add(half[2], size(2, j), eight(other.other_face(j)))));
+        most = maximum(most, size_of(along) - radius);
     }
     if ((most > none).bits() == 0xFFU) return 0;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -130,10 +126,9 @@ HWY_INLINE std::uint32_t meet_boxes(const RayNode& node, float unit, const PairF
         const std::size_t l = (i + 2) % 3;
         for (std::size_t j = 0; j < 3; ++j) {
             const Eight along = multiply_subtract(off[l], number(k, j), off[k] * number(l, j));
-            const Eight radius =
-                multiply_add(half[k], size(l, j),
-                             multiply_add(half[l], size(k, j), all_eight(other.edge(i, j))));
-            most = most_of(most, size_of(along) - radius);
+            const Eight radius = multiply_add(
+                half[k], size(l, j), multiply_add(half[l], size(k, j), eight(other.edge(i, j))));
+            most = maximum(most, size_of(along) - radius);
         }
     }
     const std::uint32_t met = ~(most > none).bits() & 0xFFU;

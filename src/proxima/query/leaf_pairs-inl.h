@@ -15,7 +15,7 @@
 #define PROXIMA_QUERY_LEAF_PAIRS_INL_H
 #endif
 
-#include "proxima/query/eight_lanes-inl.h"
+#include "proxima/query/eight_points-inl.h"
 #include "proxima/query/open_pair.h"
 
 #include <bit>
@@ -111,10 +111,10 @@ HWY_INLINE void take_leaf(const RayLeaf& leaf, float unit, LeafShape& shape)
     shape.extent = unit * std::bit_cast<float>(static_cast<std::uint32_t>(leaf.extent_bits) << 16U);
     shape.corner_bits = find_corner_bits(leaf);
     // From the first vertex.
-    const Eight scale = all_eight(unit);
+    const Eight scale = eight(unit);
     const auto load = [&](std::size_t axis) {
         const float* const from = leaf.coordinates[axis].data();
-        return (load_eight(from) - all_eight(from[0])) * scale;
+        return (load_eight(from) - eight(from[0])) * scale;
     };
     shape.vertices = {load(0), load(1), load(2)};
 }
@@ -145,9 +145,9 @@ HWY_INLINE Eight3 moved(const PairFrame& frame, const Eight3& p, const float* by
 {
     const auto row = [&](std::size_t i) {
         return multiply_add(
-            all_eight(frame.columns[0][i]), p.x,
-            multiply_add(all_eight(frame.columns[1][i]), p.y,
-                         multiply_add(all_eight(frame.columns[2][i]), p.z, all_eight(by[i]))));
+            eight(frame.columns[0][i]), p.x,
+            multiply_add(eight(frame.columns[1][i]), p.y,
+                         multiply_add(eight(frame.columns[2][i]), p.z, eight(by[i]))));
     };
     return {row(0), row(1), row(2)};
 }
@@ -250,10 +250,10 @@ private:
                             const Eight& bound)
     {
         const Eight height =
-            multiply_add(all_eight(planes.planes[0][i]), vertices.x,
-                         multiply_add(all_eight(planes.planes[1][i]), vertices.y,
-                                      multiply_subtract(all_eight(planes.planes[2][i]), vertices.z,
-                                                        all_eight(planes.planes[3][i]))));
+            multiply_add(eight(planes.planes[0][i]), vertices.x,
+                         multiply_add(eight(planes.planes[1][i]), vertices.y,
+                                      multiply_subtract(eight(planes.planes[2][i]), vertices.z,
+                                                        eight(planes.planes[3][i]))));
         above |= std::uint64_t{(height > bound).bits()} << (8 * i);
         below |= std::uint64_t{(height < -bound).bits()} << (8 * i);
     }
@@ -282,7 +282,7 @@ HWY_INLINE std::uint64_t unparted(const LeafShape& own, LeafShape& other, const 
     const std::uint32_t own_count = own.leaf->count;
     const std::uint32_t other_count = other.leaf->count;
     VertexSides sides;
-    const Eight own_bound = all_eight(bounds.own_height);
+    const Eight own_bound = eight(bounds.own_height);
     sides.look(own, own_count, other.vertices, own_bound);
     const std::uint64_t columns = first_bits(other_count) * 0x0101010101010101U;
     const std::uint64_t rows =
@@ -291,7 +291,7 @@ HWY_INLINE std::uint64_t unparted(const LeafShape& own, LeafShape& other, const 
     if (left == 0) return 0;
     find_planes(other);
     VertexSides back;
-    back.look(other, other_count, own.vertices, all_eight(bounds.other_height));
+    back.look(other, other_count, own.vertices, eight(bounds.other_height));
     return left & ~with_rows_as_columns(back.parted(own.corner_bits));
 }
 
@@ -314,14 +314,14 @@ struct EdgeVerdict {
                                      const Eight& a, const Eight& b, const Eight& c,
                                      const Eight& side)
     {
-        const Eight low = least_of(start, end);
-        const Eight high = most_of(start, end);
-        const Eight least = least_of(least_of(a, b), c);
-        const Eight most = most_of(most_of(a, b), c);
-        const EightMask across = least_of(-low, high) > height;
-        const EightMask beside = most_of(low, -high) > height;
-        const EightMask within = most_of(least, -most) > side;
-        const EightMask without = least_of(-least, most) > side;
+        const Eight low = minimum(start, end);
+        const Eight high = maximum(start, end);
+        const Eight least = minimum(minimum(a, b), c);
+        const Eight most = maximum(maximum(a, b), c);
+        const EightMask across = minimum(-low, high) > height;
+        const EightMask beside = maximum(low, -high) > height;
+        const EightMask within = maximum(least, -most) > side;
+        const EightMask without = minimum(-least, most) > side;
         return {across & within, beside | without};
     }
     HWY_INLINE void add(const EdgeVerdict& other)
@@ -334,9 +334,9 @@ struct EdgeVerdict {
 /// The largest size of any number of two vectors.
 HWY_INLINE Eight largest(const Eight3& a, const Eight3& b)
 {
-    return most_of(
-        most_of(most_of(size_of(a.x), size_of(a.y)), most_of(size_of(a.z), size_of(b.x))),
-        most_of(size_of(b.y), size_of(b.z)));
+    return maximum(
+        maximum(maximum(size_of(a.x), size_of(a.y)), maximum(size_of(a.z), size_of(b.x))),
+        maximum(size_of(b.y), size_of(b.z)));
 }
 
 HWY_INLINE PairVerdict look_at_pairs(const LeafShape& own, const EightPlaces& own_places,
@@ -372,13 +372,13 @@ HWY_INLINE PairVerdict look_at_pairs(const LeafShape& own, const EightPlaces& ow
 
     const Eight p_size = largest(p1, p2);
     const Eight f_size = largest(f[0], f[2]);
-    const Eight q_size = most_of(largest(q[0], q[1]), largest(q[2], q[2]));
-    const Eight slack = all_eight(2 * off);
+    const Eight q_size = maximum(largest(q[0], q[1]), largest(q[2], q[2]));
+    const Eight slack = eight(2 * off);
     const Eight reach = (p_size + q_size) + slack;
-    const Eight factor = all_eight(44 * off);
+    const Eight factor = eight(44 * off);
     const Eight over_own = (p_size + slack) * (reach * factor);
     const Eight over_other = (f_size + slack) * ((reach + f_size) * factor);
-    const Eight side = ((p_size + f_size) + slack) * ((reach + f_size) * all_eight(72 * off));
+    const Eight side = ((p_size + f_size) + slack) * ((reach + f_size) * eight(72 * off));
     const auto own_edge = [&](std::size_t i) {
         return EdgeVerdict::of(p_heights[i], p_heights[(i + 1) % 3], over_other, sides[i][0],
                                sides[i][1], sides[i][2], side);

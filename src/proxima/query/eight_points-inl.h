@@ -1,12 +1,14 @@
-// Eight floats as one value, in as many registers as the instruction set needs. Included once per
+// Eight points as one value, masks of eight, and looking up by eight places. Included once per
 // target, after <hwy/highway.h>.
 
-#if defined(PROXIMA_QUERY_EIGHT_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
-#ifdef PROXIMA_QUERY_EIGHT_LANES_INL_H
-#undef PROXIMA_QUERY_EIGHT_LANES_INL_H
+#if defined(PROXIMA_QUERY_EIGHT_POINTS_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef PROXIMA_QUERY_EIGHT_POINTS_INL_H
+#undef PROXIMA_QUERY_EIGHT_POINTS_INL_H
 #else
-#define PROXIMA_QUERY_EIGHT_LANES_INL_H
+#define PROXIMA_QUERY_EIGHT_POINTS_INL_H
 #endif
+
+#include "proxima/base/eight_lanes-inl.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -17,11 +19,8 @@ namespace proxima::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-using EightTag = hn::CappedTag<float, 8>;
 using EightWordTag = hn::RebindToUnsigned<EightTag>;
 using EightByteTag = hn::Rebind<std::uint8_t, EightTag>;
-inline constexpr std::size_t eight_lanes = HWY_MIN(8, HWY_LANES(float)); ///< of a register
-inline constexpr std::size_t eight_parts = 8 / eight_lanes;
 
 /// Bit i: lane i.
 struct EightMask {
@@ -39,22 +38,11 @@ struct EightMask {
     }
 };
 
-struct Eight {
-    hn::Vec<EightTag> part[eight_parts];
-};
-
 /// Eight whole numbers below 8.
 struct EightPlaces {
     hn::Vec<EightWordTag> part[eight_parts];
 };
 
-template <class Make>
-HWY_INLINE Eight make_eight(const Make& make)
-{
-    Eight result;
-    for (std::size_t i = 0; i < eight_parts; ++i) result.part[i] = make(i);
-    return result;
-}
 template <class Make>
 HWY_INLINE EightMask make_mask(const Make& make)
 {
@@ -63,20 +51,6 @@ HWY_INLINE EightMask make_mask(const Make& make)
     return result;
 }
 
-HWY_INLINE Eight all_eight(float value)
-{
-    return make_eight([&](std::size_t) { return hn::Set(EightTag(), value); });
-}
-/// \pre aligned
-HWY_INLINE Eight load_eight(const float* from)
-{
-    return make_eight([&](std::size_t i) { return hn::Load(EightTag(), from + eight_lanes * i); });
-}
-HWY_INLINE void store_eight(const Eight& value, float* to)
-{
-    for (std::size_t i = 0; i < eight_parts; ++i)
-        hn::Store(value.part[i], EightTag(), to + eight_lanes * i);
-}
 HWY_INLINE Eight eight_of_bytes(const std::uint8_t* bytes)
 {
     const hn::RebindToSigned<EightTag> whole;
@@ -86,18 +60,6 @@ HWY_INLINE Eight eight_of_bytes(const std::uint8_t* bytes)
     });
 }
 
-HWY_INLINE Eight operator+(const Eight& a, const Eight& b)
-{
-    return make_eight([&](std::size_t i) { return hn::Add(a.part[i], b.part[i]); });
-}
-HWY_INLINE Eight operator-(const Eight& a, const Eight& b)
-{
-    return make_eight([&](std::size_t i) { return hn::Sub(a.part[i], b.part[i]); });
-}
-HWY_INLINE Eight operator*(const Eight& a, const Eight& b)
-{
-    return make_eight([&](std::size_t i) { return hn::Mul(a.part[i], b.part[i]); });
-}
 HWY_INLINE Eight operator-(const Eight& a)
 {
     return make_eight([&](std::size_t i) { return hn::Neg(a.part[i]); });
@@ -115,14 +77,6 @@ HWY_INLINE Eight subtract_product(const Eight& a, const Eight& b, const Eight& c
 {
     return make_eight(
         [&](std::size_t i) { return hn::NegMulAdd(a.part[i], b.part[i], c.part[i]); });
-}
-HWY_INLINE Eight least_of(const Eight& a, const Eight& b)
-{
-    return make_eight([&](std::size_t i) { return hn::Min(a.part[i], b.part[i]); });
-}
-HWY_INLINE Eight most_of(const Eight& a, const Eight& b)
-{
-    return make_eight([&](std::size_t i) { return hn::Max(a.part[i], b.part[i]); });
 }
 HWY_INLINE Eight size_of(const Eight& a)
 {
