@@ -336,7 +336,8 @@ TEST(MeshDistance, OfAnEmptyMeshIsInfinite)
 /// Every vertex below a block lies between the planes of its slab.
 class SlabInspection {
 public:
-    SlabInspection(const DistanceIndex& index) : index_(index), triangles_(index.triangles())
+    explicit SlabInspection(const DistanceIndex& index)
+        : index_(index), triangles_(index.triangles())
     {
         visit(triangles_.root(), Vec3::Zero(), Vec3::Constant(1.01), {});
     }

@@ -19,7 +19,7 @@ struct DistanceIndexOptions {
 };
 
 /// The ray index is shared, not copied. The same bits for any number of threads. Errors:
-/// budget_exceeded, cancelled. About 0.2 us and 2 bytes per triangle.
+/// budget_exceeded, cancelled. About 0.3 us and 3 bytes per triangle.
 [[nodiscard]] Result<DistanceIndex> build_distance_index(const RayIndex& triangles,
                                                          const DistanceIndexOptions& options = {});
 

@@ -66,8 +66,8 @@ struct LeafPoints {
         }
     }
 
-    /// The triangles of pairs: `first_bit` is that of their place there.
-    template <unsigned first_bit>
+    /// The triangles of pairs: `FirstBit` is that of their place there.
+    template <unsigned FirstBit>
     HWY_INLINE TriangleLanes<T> triangles(const PairPlace* pairs) const
     {
         const PairTag<T> d;
@@ -76,7 +76,7 @@ struct LeafPoints {
             const hn::RebindToUnsigned<PairTag<T>> words;
             const hn::Rebind<std::uint8_t, PairTag<T>> bytes;
             const auto place =
-                hn::And(hn::ShiftRight<first_bit>(hn::LoadU(words, pairs)), hn::Set(words, 7U));
+                hn::And(hn::ShiftRight<FirstBit>(hn::LoadU(words, pairs)), hn::Set(words, 7U));
             for (std::size_t i = 0; i < 3; ++i) {
                 const auto corners = hn::PromoteTo(words, hn::LoadU(bytes, leaf.corners[i].data()));
                 const auto corner = hn::IndicesFromVec(
@@ -90,7 +90,7 @@ struct LeafPoints {
             for (std::size_t i = 0; i < 3; ++i) {
                 HWY_ALIGN T found[3][8];
                 for (std::size_t lane = 0; lane < pair_lanes<T>; ++lane) {
-                    const std::uint8_t corner = leaf.corners[i][pairs[lane] >> first_bit & 7U];
+                    const std::uint8_t corner = leaf.corners[i][pairs[lane] >> FirstBit & 7U];
                     for (std::size_t k = 0; k < 3; ++k) found[k][lane] = x[k][corner];
                 }
                 result.corner[i] = {hn::Load(d, found[0]), hn::Load(d, found[1]),

@@ -160,9 +160,10 @@ struct OneSlab {
     HWY_INLINE OneSlab(const DistanceIndex& index, std::uint32_t reference)
     {
         const BlockSlab& slab = index.slabs()[reference & ~ray_leaf_bit];
-        for (unsigned k = 0; k < 3; ++k)
+        for (unsigned k = 0; k < 3; ++k) {
             normal[k] = static_cast<float>(static_cast<std::int32_t>(slab.normal << 10 * k) >> 22) *
                         0x1p-9F;
+        }
         upper = static_cast<float>(static_cast<std::int32_t>(slab.extent) >> 16) * 0x1p-15F;
         lower = static_cast<float>(static_cast<std::int32_t>(slab.extent << 16U) >> 16) * 0x1p-15F;
     }
