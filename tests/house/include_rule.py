@@ -30,7 +30,7 @@ KERNELS = {f"src/proxima/octree/{name}" for name in (
     f"src/proxima/proximity/{name}" for name in (
         "block_scan-inl.h", "closest_feature.cpp", "domination.cpp", "eight_lanes-inl.h", "local_region.cpp",
         "row_distance-inl.h", "triangle_lanes.cpp", "triangle_tree_search.cpp")} | {
-    f"src/proxima/query/{name}" for name in ("cast_ray.cpp", "walk_ray-inl.h")}
+    f"src/proxima/query/{name}" for name in ("cast_ray.cpp", "open_ray-inl.h", "walk_ray-inl.h")}
 
 # Headers of one processor: immintrin.h, x86intrin.h, arm_neon.h, riscv_vector.h and their like.
 INTRINSICS = re.compile(r"^(\w*intrin|cpuid|(arm|riscv)_\w+|altivec|wasm_simd128|msa)\.h$")
