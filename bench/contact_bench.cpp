@@ -4,6 +4,7 @@
 //
 // Every answer and every list of pairs is compared with ours, and what differs is counted. One
 // thread.
+#include "bench_program.h"
 #include "contact_peers.h"
 #include "contact_poses.h"
 #include "proxima/mesh/mesh_io.h"
@@ -24,26 +25,7 @@
 namespace proxima::bench {
 namespace {
 
-struct BenchOptions {
-    int rounds = 7;
-    std::uint64_t seed = 1;
-    std::vector<std::string> meshes;
-};
-
-/// Processor time of this process: what others run does not count.
-double processor_seconds()
-{
-    timespec now{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-double median(std::vector<double> values)
-{
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
+using BenchOptions = CommonOptions;
 
 enum class Question : std::uint8_t { boolean, pairs };
 constexpr std::array questions = {Question::boolean, Question::pairs};
@@ -172,16 +154,9 @@ int run_mesh(const std::string& name, const BenchOptions& options)
 
 int run(const BenchOptions& options)
 {
-    std::vector<std::string> names = options.meshes;
-    if (names.empty()) {
-        const char* const bunny = "/usr/share/glmark2/models/bunny.obj";
-        if (std::filesystem::exists(bunny)) names.emplace_back(bunny);
-        if (const char* const own = std::getenv("PROXIMA_BENCH_MESH")) names.emplace_back(own);
-        if (names.empty()) names = {"sphere:100x100"};
-    }
     std::printf("one thread, poses from seed %llu, medians of %d interleaved rounds\n",
                 static_cast<unsigned long long>(options.seed), options.rounds);
-    for (const std::string& name : names)
+    for (const std::string& name : meshes_of(options))
         if (const int status = run_mesh(name, options); status != 0) return status;
     return 0;
 }
@@ -190,21 +165,10 @@ int run(const BenchOptions& options)
 } // namespace proxima::bench
 
 int main(int argc, char** argv)
-try {
+{
     proxima::bench::BenchOptions options;
     CLI::App app("Meshes against themselves in many poses, ours beside FCL");
-    app.add_option("--rounds", options.rounds, "Passes, of which medians are taken")
-        ->check(CLI::Range(1, 1000));
-    app.add_option("--seed", options.seed, "Seed of the poses");
-    app.add_option("--mesh", options.meshes, "A file or a built-in instead of the usual meshes")
-        ->allow_extra_args(false);
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : 2;
-    }
-    return proxima::bench::run(options);
-} catch (const std::exception& error) {
-    (void)std::fprintf(stderr, "%s\n", error.what());
-    return 1;
+    add_common_options(app, options);
+    return proxima::bench::run_program(app, argc, argv,
+                                       [&] { return proxima::bench::run(options); });
 }

@@ -4,6 +4,7 @@
 //
 // For every part of the triangles (0, 0.1, 10, 50, 100 %) some cameras that see about that many.
 // All answers are compared: brute force, in floats, may differ in a few triangles. One thread.
+#include "bench_program.h"
 #include "cull_by_lanes.h"
 #include "proxima/mesh/mesh_io.h"
 #include "proxima/mesh/sample_meshes.h"
@@ -24,27 +25,9 @@
 namespace proxima::bench {
 namespace {
 
-struct BenchOptions {
+struct BenchOptions : CommonOptions {
     int views = 8;
-    int rounds = 7;
-    std::uint64_t seed = 1;
-    std::vector<std::string> meshes;
 };
-
-/// Processor time of this process: what others run does not count.
-double processor_seconds()
-{
-    timespec now{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-double median(std::vector<double> values)
-{
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
 
 /// A mesh, and all that is culled with.
 struct Scene {
@@ -280,17 +263,10 @@ int run_mesh(const std::string& name, const BenchOptions& options)
 
 int run(const BenchOptions& options)
 {
-    std::vector<std::string> names = options.meshes;
-    if (names.empty()) {
-        names = {"sphere:100x100"};
-        const char* const bunny = "/usr/share/glmark2/models/bunny.obj";
-        if (std::filesystem::exists(bunny)) names.emplace_back(bunny);
-        if (const char* const own = std::getenv("PROXIMA_BENCH_MESH")) names.emplace_back(own);
-    }
     std::printf("one thread, %d cameras from seed %llu, medians of %d interleaved rounds; per "
                 "camera, lanes over ours\n",
                 options.views, static_cast<unsigned long long>(options.seed), options.rounds);
-    for (const std::string& name : names)
+    for (const std::string& name : meshes_of(options))
         if (const int status = run_mesh(name, options); status != 0) return status;
     return 0;
 }
@@ -299,22 +275,11 @@ int run(const BenchOptions& options)
 } // namespace proxima::bench
 
 int main(int argc, char** argv)
-try {
+{
     proxima::bench::BenchOptions options;
     CLI::App app("View-volume culling, ours beside brute force by vector lanes");
     app.add_option("--views", options.views, "Cameras of each part")->check(CLI::Range(1, 1000));
-    app.add_option("--rounds", options.rounds, "Passes, of which medians are taken")
-        ->check(CLI::Range(1, 1000));
-    app.add_option("--seed", options.seed, "Seed of the cameras");
-    app.add_option("--mesh", options.meshes, "A file or a built-in instead of the usual meshes")
-        ->allow_extra_args(false);
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : 2;
-    }
-    return proxima::bench::run(options);
-} catch (const std::exception& error) {
-    (void)std::fprintf(stderr, "%s\n", error.what());
-    return 1;
+    add_common_options(app, options);
+    return proxima::bench::run_program(app, argc, argv,
+                                       [&] { return proxima::bench::run(options); });
 }

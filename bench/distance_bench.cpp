@@ -11,6 +11,7 @@
 //               starts from its last answer
 //
 // Every distance is compared with ours. Prints tables; one thread.
+#include "bench_program.h"
 #include "fcl_distance_peer.h"
 #include "proxima/mesh/mesh_io.h"
 #include "proxima/mesh/sample_meshes.h"
@@ -33,27 +34,9 @@
 namespace proxima::bench {
 namespace {
 
-struct BenchOptions {
+struct BenchOptions : CommonOptions {
     int poses = 30;
-    int rounds = 5;
-    std::uint64_t seed = 1;
-    std::vector<std::string> meshes;
 };
-
-/// Processor time of this process: what others run does not count.
-double processor_seconds()
-{
-    timespec now{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-double median(std::vector<double> values)
-{
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
 
 class ProximaDistance final : public DistancePeer {
 public:
@@ -242,17 +225,10 @@ int run_mesh(const std::string& name, const BenchOptions& options)
 
 int run(const BenchOptions& options)
 {
-    std::vector<std::string> names = options.meshes;
-    if (names.empty()) {
-        names = {"sphere:100x100"};
-        const char* const bunny = "/usr/share/glmark2/models/bunny.obj";
-        if (std::filesystem::exists(bunny)) names.emplace_back(bunny);
-        if (const char* const other = std::getenv("PROXIMA_BENCH_MESH")) names.emplace_back(other);
-    }
     std::printf("one thread, %d poses a row from seed %llu, medians of %d interleaved rounds, then "
                 "of poses\n",
                 options.poses, static_cast<unsigned long long>(options.seed), options.rounds);
-    for (const std::string& name : names)
+    for (const std::string& name : meshes_of(options))
         if (const int status = run_mesh(name, options); status != 0) return status;
     return 0;
 }
@@ -261,22 +237,11 @@ int run(const BenchOptions& options)
 } // namespace proxima::bench
 
 int main(int argc, char** argv)
-try {
+{
     proxima::bench::BenchOptions options;
     CLI::App app("Distances between meshes, ours beside FCL");
     app.add_option("--poses", options.poses, "Poses of each row")->check(CLI::Range(1, 1000000));
-    app.add_option("--rounds", options.rounds, "Passes, of which medians are taken")
-        ->check(CLI::Range(1, 1000));
-    app.add_option("--seed", options.seed, "Seed of the poses");
-    app.add_option("--mesh", options.meshes, "A file or a built-in instead of the usual meshes")
-        ->allow_extra_args(false);
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : 2;
-    }
-    return proxima::bench::run(options);
-} catch (const std::exception& error) {
-    (void)std::fprintf(stderr, "%s\n", error.what());
-    return 1;
+    add_common_options(app, options);
+    return proxima::bench::run_program(app, argc, argv,
+                                       [&] { return proxima::bench::run(options); });
 }

@@ -4,6 +4,7 @@
 //
 // Every row of hits is compared with ours: another triangle at another t, or a miss where we hit,
 // is counted. Prints tables; one thread.
+#include "bench_program.h"
 #include "proxima/mesh/mesh_io.h"
 #include "proxima/mesh/sample_meshes.h"
 #include "ray_peers.h"
@@ -21,11 +22,8 @@
 namespace proxima::bench {
 namespace {
 
-struct BenchOptions {
+struct BenchOptions : CommonOptions {
     std::size_t rays = 1'000'000;
-    int rounds = 5;
-    std::uint64_t seed = 1;
-    std::vector<std::string> meshes;
 };
 
 using Pass = void (RayPeer::*)();
@@ -39,21 +37,6 @@ constexpr std::array<PassKind, 4> pass_kinds = {
      {"closest batch", &RayPeer::cast_closest_together, true},
      {"any", &RayPeer::cast_any, false},
      {"any batch", &RayPeer::cast_any_together, false}}};
-
-/// Processor time of this process: what others run does not count.
-double processor_seconds()
-{
-    timespec now{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-double median(std::vector<double> values)
-{
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
 
 /// What a peer did on one set by one kind of pass.
 struct PassResult {
@@ -148,16 +131,9 @@ int run_mesh(const std::string& name, const BenchOptions& options)
 
 int run(const BenchOptions& options)
 {
-    std::vector<std::string> names = options.meshes;
-    if (names.empty()) {
-        names = {"sphere:100x100"};
-        const char* const bunny = "/usr/share/glmark2/models/bunny.obj";
-        if (std::filesystem::exists(bunny)) names.emplace_back(bunny);
-        if (const char* const own = std::getenv("PROXIMA_BENCH_MESH")) names.emplace_back(own);
-    }
     std::printf("one thread, %zu rays a set from seed %llu, medians of %d interleaved rounds\n",
                 options.rays, static_cast<unsigned long long>(options.seed), options.rounds);
-    for (const std::string& name : names)
+    for (const std::string& name : meshes_of(options))
         if (const int status = run_mesh(name, options); status != 0) return status;
     return 0;
 }
@@ -166,22 +142,11 @@ int run(const BenchOptions& options)
 } // namespace proxima::bench
 
 int main(int argc, char** argv)
-try {
+{
     proxima::bench::BenchOptions options;
     CLI::App app("Rays against meshes, ours beside Embree");
     app.add_option("--rays", options.rays, "Rays of each set")->check(CLI::Range(1, 100000000));
-    app.add_option("--rounds", options.rounds, "Passes, of which medians are taken")
-        ->check(CLI::Range(1, 1000));
-    app.add_option("--seed", options.seed, "Seed of the incoherent set");
-    app.add_option("--mesh", options.meshes, "A file or a built-in instead of the usual meshes")
-        ->allow_extra_args(false);
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : 2;
-    }
-    return proxima::bench::run(options);
-} catch (const std::exception& error) {
-    (void)std::fprintf(stderr, "%s\n", error.what());
-    return 1;
+    add_common_options(app, options);
+    return proxima::bench::run_program(app, argc, argv,
+                                       [&] { return proxima::bench::run(options); });
 }

@@ -34,11 +34,13 @@ FOREIGN_TO_ALL_BUT_APPS = {"CLI", "fmt", "nlohmann", "png.h", "GLFW", "epoxy", "
 KERNELS = {f"src/proxima/octree/{name}" for name in (
     "distribute_children.cpp", "snapped_boxes.cpp", "snapped_lanes-inl.h", "snapped_overlap.cpp")} | {
     f"src/proxima/proximity/{name}" for name in (
-        "block_scan-inl.h", "closest_feature.cpp", "domination.cpp", "eight_lanes-inl.h", "local_region.cpp",
-        "row_distance-inl.h", "triangle_lanes.cpp", "triangle_tree_search.cpp")} | {
+        "block_scan-inl.h", "closest_feature.cpp", "closest_features.cpp", "domination.cpp", "eight_corners-
+        inl.h", "local_region.cpp", "row_distance-inl.h", "search_octree-inl.h", "triangle_lanes.cpp",
+        "triangle_tree_search.cpp")} | {
     f"src/proxima/query/{name}" for name in (
-        "cast_ray.cpp", "leaf_pair-inl.h", "leaf_points-inl.h", "mesh_distance.cpp", "pair_bounds-inl.h",
-        "triangle_bounds-inl.h", "walk_ray-inl.h")}
+        "box_pairs-inl.h", "cast_ray.cpp", "cull_volume.cpp", "eight_points-inl.h", "intersect_meshes.cpp",
+        "leaf_pairs-inl.h", "mesh_distance.cpp", "open_ray-inl.h", "pair_bounds-inl.h", "walk_pairs-inl.h",
+        "walk_ray-inl.h")}
 
 # Headers of one processor: immintrin.h, x86intrin.h, arm_neon.h, riscv_vector.h and their like.
 INTRINSICS = re.compile(r"^(\w*intrin|cpuid|(arm|riscv)_\w+|altivec|wasm_simd128|msa)\.h$")

@@ -72,9 +72,10 @@ RayStart open_ray(const RayIndex& index, const Ray& ray, Faces faces, OpenRay& o
         shift = least;
         t_off = 0x1p-50 * distance;
         if (distance > OpenRay::far) {
-            for (std::size_t axis = 0; axis < 3; ++axis)
+            for (std::size_t axis = 0; axis < 3; ++axis) {
                 origin[axis] = moved_origin(ray.origin.data()[axis], index.center().data()[axis],
                                             index.scale(), shift, direction[axis]);
+            }
         } else {
             for (std::size_t axis = 0; axis < 3; ++axis) origin[axis] += shift * direction[axis];
             moved = t_off;
