@@ -34,9 +34,8 @@ FOREIGN_TO_ALL_BUT_APPS = {"CLI", "fmt", "nlohmann", "png.h", "GLFW", "epoxy", "
 KERNELS = {f"src/proxima/octree/{name}" for name in (
     "distribute_children.cpp", "snapped_boxes.cpp", "snapped_lanes-inl.h", "snapped_overlap.cpp")} | {
     f"src/proxima/proximity/{name}" for name in (
-        "block_scan-inl.h", "closest_feature.cpp", "closest_features.cpp", "domination.cpp", "eight_corners-
-        inl.h", "local_region.cpp", "row_distance-inl.h", "search_octree-inl.h", "triangle_lanes.cpp",
-        "triangle_tree_search.cpp")} | {
+        "block_scan-inl.h", "closest_feature.cpp", "closest_features.cpp", "domination.cpp", "eight_corners-inl.h",
+        "local_region.cpp", "row_distance-inl.h", "search_octree-inl.h", "triangle_lanes.cpp", "triangle_tree_search.cpp")} | {
     f"src/proxima/query/{name}" for name in (
         "box_pairs-inl.h", "cast_ray.cpp", "cull_volume.cpp", "eight_points-inl.h", "intersect_meshes.cpp",
         "leaf_pairs-inl.h", "mesh_distance.cpp", "open_ray-inl.h", "pair_bounds-inl.h", "walk_pairs-inl.h",
