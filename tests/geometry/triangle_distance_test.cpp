@@ -128,7 +128,7 @@ TEST(TriangleDistance, IsThatOfAllPairsOfFeaturesInQuads)
         SCOPED_TRACE(seed);
         Pairs pairs(seed);
         const auto [a, b] = pairs();
-        const TrianglePair closest = closest_points(a, b);
+        const ClosestTrianglePoints closest = closest_points(a, b);
         expect_on(closest.first, a);
         expect_on(closest.second, b);
         const bool meet = triangles_meet(a, b);
@@ -195,13 +195,13 @@ TEST(TriangleDistance, ScalesByPowersOfTwo)
         SCOPED_TRACE(seed);
         Pairs pairs(seed);
         const auto [a, b] = pairs();
-        const TrianglePair closest = closest_points(a, b);
+        const ClosestTrianglePoints closest = closest_points(a, b);
         for (const int power : {-80, 80}) {
             const auto scaled = [&](Triangle t) {
                 for (Vec3& v : t.vertices) v *= std::ldexp(1.0, power);
                 return t;
             };
-            const TrianglePair other = closest_points(scaled(a), scaled(b));
+            const ClosestTrianglePoints other = closest_points(scaled(a), scaled(b));
             if (closest.squared_distance > 1e-300) {
                 EXPECT_EQ(other.squared_distance, std::ldexp(closest.squared_distance, 2 * power));
             }

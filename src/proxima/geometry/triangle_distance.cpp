@@ -78,7 +78,7 @@ public:
         return second_near - first_far > 0x1p-48 * reach_ * gap.cwiseAbs().sum() + tiny;
     }
 
-    [[nodiscard]] TrianglePair& best() noexcept { return best_; }
+    [[nodiscard]] ClosestTrianglePoints& best() noexcept { return best_; }
 
     /// The least squared distance that is told from none.
     static constexpr double tiny = std::numeric_limits<double>::min();
@@ -94,18 +94,18 @@ private:
     const Triangle& first_;
     const Triangle& second_;
     double reach_ = 0; ///< largest difference of coordinates of a corner of each
-    TrianglePair best_;
+    ClosestTrianglePoints best_;
 };
 
 } // namespace
 
-TrianglePair closest_points(const Triangle& first, const Triangle& second) noexcept
+ClosestTrianglePoints closest_points(const Triangle& first, const Triangle& second) noexcept
 {
     ClosestPair search(first, second);
     search.try_corners();
     if (search.surely_closest()) return search.best();
     search.try_sides();
-    TrianglePair& best = search.best();
+    ClosestTrianglePoints& best = search.best();
     if (search.surely_apart()) return best;
     const TriangleIntersection meeting = intersect(first, second);
     if (meeting.empty()) {

@@ -22,6 +22,11 @@ TrianglePart side_part(int from, int to) noexcept
     return static_cast<TrianglePart>(3 + first);
 }
 
+} // namespace
+
+// Not of this file alone: what the header befriends has members of it.
+namespace detail {
+
 /// A triangle as the simplex that it is: three, two or one of its corners.
 struct Simplex {
     Triangle triangle;
@@ -63,6 +68,12 @@ struct Simplex {
                          corners[static_cast<std::size_t>(after(edge))]);
     }
 };
+
+} // namespace detail
+
+namespace {
+
+using detail::Simplex;
 
 /// Without one coordinate.
 Vec2 shadow(const Vec3& point, int axis) noexcept

@@ -13,7 +13,7 @@ namespace {
 using detail::WideInteger;
 
 // More than underflow takes from the few products of a filter.
-constexpr double underflow_slack = 16 * std::numeric_limits<double>::min();
+constexpr double plane_underflow = 16 * std::numeric_limits<double>::min();
 
 bool fits(const ViewPlane& plane, const Vec3& point) noexcept
 {
@@ -81,7 +81,7 @@ int side_of_plane(const ViewPlane& plane, const Vec3& point) noexcept
     const double z = plane.normal.z() * point.z();
     const double value = ((x + y) + z) + plane.offset;
     const double size = ((std::abs(x) + std::abs(y)) + std::abs(z)) + std::abs(plane.offset);
-    const double error = 0x1p-50 * size + underflow_slack;
+    const double error = 0x1p-50 * size + plane_underflow;
     if (value > error) return 1;
     if (value < -error) return -1;
     return exact_side(plane, point);
@@ -98,7 +98,7 @@ int side_of_plane(const ViewPlane& plane, const PlaneMeeting& point) noexcept
                                                        row(plane)};
     // A product of four has at most 3 + 3 + 3 roundings: the bound is far above them.
     const auto value = determinant<double>(rows[0], rows[1], rows[2], rows[3]);
-    const double error = 0x1p-48 * determinant_size(rows) + underflow_slack;
+    const double error = 0x1p-48 * determinant_size(rows) + plane_underflow;
     if (value > error) return weight;
     if (value < -error) return -weight;
     const auto exact =

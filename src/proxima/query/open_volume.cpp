@@ -17,7 +17,7 @@ constexpr double float_slack = 64 * 0x1p-24;
 constexpr double double_error = 0x1p-48;
 
 /// No point of the mesh is farther from the centre, on any axis.
-constexpr double reach = 1.01;
+constexpr double volume_reach = 1.01;
 /// Beyond this, margins included, a plane does not come near.
 constexpr double beyond = 1.04;
 
@@ -46,7 +46,7 @@ VolumeStart open_volume(const RayIndex& index, const ViewVolume& volume, OpenVol
         if (offset + error < -beyond) return VolumeStart::sees_nothing;
         FloatPlane& flat = open.planes[open.count++];
         // Unsure everywhere where doubles are too coarse.
-        const bool is_known = error < reach;
+        const bool is_known = error < volume_reach;
         flat.offset = is_known ? static_cast<float>(offset) : 0.0F;
         flat.slack = is_known ? static_cast<float>(float_slack + 2 * error)
                               : std::numeric_limits<float>::infinity();

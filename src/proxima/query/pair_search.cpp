@@ -74,7 +74,7 @@ bool PairSearch::ask(std::uint32_t row_a, std::uint32_t row_b) noexcept
 {
     const IndexedTriangle first = row_of(a.triangles(), row_a);
     const IndexedTriangle second = row_of(b.triangles(), row_b);
-    const TrianglePair pair = closest_points(first.triangle, pose_b_(second.triangle));
+    const ClosestTrianglePoints pair = closest_points(first.triangle, pose_b_(second.triangle));
     const double distance = std::sqrt(pair.squared_distance);
     if (!(distance <= farthest_)) return false;
     const auto order = [](double squared, TriangleId id_a, TriangleId id_b) {
