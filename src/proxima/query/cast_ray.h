@@ -68,9 +68,9 @@ struct RayBatchOptions {
 
 /// The same for many rays, several at a time, so that their memory accesses overlap. Of sixteen in
 /// a row that begin and go much the same way, as a camera's do, the closest or any hits are
-/// searched together, about half as fast again: keep such rays together. Answers are those of
-/// single rays. Allocates. Errors: invalid_argument (sizes differ, or a ray is invalid: which and
-/// why), cancelled.
+/// searched together, which pays where triangles are larger than the rays' spacing: keep such rays
+/// together. Answers are those of single rays. Allocates. Errors: invalid_argument (sizes differ,
+/// or a ray is invalid: which and why), cancelled.
 [[nodiscard]] Status closest_hits(const RayIndex& index, std::span<const Ray> rays,
                                   std::span<std::optional<RayHit>> hits,
                                   const RayBatchOptions& options = {});
