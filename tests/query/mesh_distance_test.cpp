@@ -41,7 +41,7 @@ MeshDistance distance_by_brute_force(const TriangleMesh& a, const TriangleMesh& 
     for (std::uint32_t i = 0; i < a.triangle_count(); ++i) {
         const Triangle triangle = a.triangle(TriangleId{i});
         for (std::uint32_t k = 0; k < b.triangle_count(); ++k) {
-            const TrianglePair pair = closest_points(triangle, moved[k]);
+            const ClosestTrianglePoints pair = closest_points(triangle, moved[k]);
             if (!(pair.squared_distance < least)) continue;
             least = pair.squared_distance;
             best.distance = std::sqrt(least);
