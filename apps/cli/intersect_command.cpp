@@ -171,7 +171,7 @@ std::uint64_t distinct_cells(const std::vector<LeafPair>& pairs, Cell LeafPair::
     std::vector<CellKey> keys;
     for (const LeafPair& pair : pairs) keys.push_back((pair.*side).key);
     std::ranges::sort(keys);
-    return static_cast<std::uint64_t>(std::ranges::unique(keys).begin() - keys.begin());
+    return static_cast<std::uint64_t>(std::unique(keys.begin(), keys.end()) - keys.begin());
 }
 
 Json json_of(const PoseAnswer& answer, const IntersectOptions& options)

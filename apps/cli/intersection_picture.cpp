@@ -91,7 +91,8 @@ std::vector<Corners> boxes_of(const Octree& octree, const std::vector<LeafPair>&
     cells.reserve(pairs.size());
     for (const LeafPair& pair : pairs) cells.push_back(pair.*side);
     std::ranges::sort(cells, {}, &Cell::key);
-    cells.erase(std::ranges::unique(cells, {}, &Cell::key).begin(), cells.end());
+    const auto are_same = [](const Cell& one, const Cell& other) { return one.key == other.key; };
+    cells.erase(std::unique(cells.begin(), cells.end(), are_same), cells.end());
     std::vector<Corners> boxes;
     boxes.reserve(cells.size());
     for (const Cell& cell : cells) boxes.push_back(corners_of(octree.box(cell), pose));

@@ -23,16 +23,17 @@ CandidateTriangles candidate_triangles(const Octree& a, const Octree& b,
         leaves.reserve(pairs.size());
         for (const LeafPair& pair : pairs) leaves.push_back(pair.*side);
         std::ranges::sort(leaves, {}, &Cell::node);
-        const auto repeated = std::ranges::unique(leaves, {}, &Cell::node);
-        leaves.erase(repeated.begin(), repeated.end());
+        const auto are_same = [](const Cell& one, const Cell& other) {
+            return one.node == other.node;
+        };
+        leaves.erase(std::unique(leaves.begin(), leaves.end(), are_same), leaves.end());
         std::vector<TriangleId> triangles;
         for (const Cell& leaf : leaves) {
             const auto list = octree.triangles(leaf);
             triangles.insert(triangles.end(), list.begin(), list.end());
         }
         std::ranges::sort(triangles);
-        const auto doubled = std::ranges::unique(triangles);
-        triangles.erase(doubled.begin(), doubled.end());
+        triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
         return triangles;
     };
     return {collect(a, &LeafPair::a), collect(b, &LeafPair::b)};

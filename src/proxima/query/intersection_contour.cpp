@@ -24,7 +24,7 @@ public:
                 ids_.push_back(corner);
         }
         std::ranges::sort(ids_);
-        ids_.erase(std::ranges::unique(ids_).begin(), ids_.end());
+        ids_.erase(std::unique(ids_.begin(), ids_.end()), ids_.end());
         std::vector<std::uint32_t> by_place = ids_;
         const auto place = [&](std::uint32_t id) {
             const Vec3& p = mesh.positions()[id];

@@ -13,7 +13,7 @@ public:
         for (SegmentEnds& ends : segments_) std::ranges::sort(ends);
         std::erase_if(segments_, [](const SegmentEnds& ends) { return ends[0] == ends[1]; });
         std::ranges::sort(segments_);
-        segments_.erase(std::ranges::unique(segments_).begin(), segments_.end());
+        segments_.erase(std::unique(segments_.begin(), segments_.end()), segments_.end());
         used_.resize(segments_.size());
         // The segments at each point, in the order of their other ends.
         first_.resize(point_count + 1);
