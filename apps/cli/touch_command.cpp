@@ -2,6 +2,7 @@
 // (thesis section 5.1).
 #include "cli/commands.h"
 #include "cli/model_options.h"
+#include "cli/names.h"
 #include "cli/touch_session.h"
 #include "proxima/base/text.h"
 
@@ -228,13 +229,27 @@ std::string device_problem(const std::string& device)
                   ", or replay:FILE");
 }
 
+/// A finite number of a range: CLI::Range lets through what is no number.
+CLI::Validator number_from(double least, double most)
+{
+    const auto problem = [least, most](const std::string& text) {
+        const auto numbers = parse_finite_numbers(text);
+        const bool right = numbers && numbers->size() == 1 && numbers->front() >= least &&
+                           numbers->front() <= most;
+        return right ? std::string()
+                     : fmt::format("{} is no number from {:g} to {:g}", text, least, most);
+    };
+    return {problem, fmt::format("in [{:g} - {:g}]", least, most)};
+}
+
 void add_settings(CLI::App& parser, TouchOptions& options)
 {
     parser.add_option("--seconds", options.seconds, "How long the hand touches")
-        ->check(CLI::Range(0.001, 86400.0))
+        ->check(number_from(0.001, 86400.0))
         ->capture_default_str()
         ->type_name("S");
     parser.add_option("--seed", options.seed, "Of the hand's script")
+        ->check(CLI::NonNegativeNumber)
         ->capture_default_str()
         ->type_name("N");
     parser
@@ -247,21 +262,21 @@ void add_settings(CLI::App& parser, TouchOptions& options)
         ->capture_default_str()
         ->type_name("NAME");
     parser.add_option("--stiffness", options.stiffness, "Of the surface, N/m")
-        ->check(CLI::Range(0.0, 1e5))
+        ->check(number_from(0.0, 1e5))
         ->capture_default_str()
         ->type_name("K");
     parser.add_option("--damping", options.damping, "Of the surface, N s/m")
-        ->check(CLI::Range(0.0, 1e3))
+        ->check(number_from(0.0, 1e3))
         ->capture_default_str()
         ->type_name("B");
     parser.add_option("--radius", options.radius, "Of the proxy, m; 0 is a point")
-        ->check(CLI::Range(0.0, 0.1))
+        ->check(number_from(0.0, 0.1))
         ->capture_default_str()
         ->type_name("R");
     parser
         .add_option("--friction", options.friction,
                     "Static friction; the dynamic one is three quarters of it")
-        ->check(CLI::Range(0.0, 10.0))
+        ->check(number_from(0.0, 10.0))
         ->capture_default_str()
         ->type_name("MU");
     parser.add_flag("--free-running", options.free_running,

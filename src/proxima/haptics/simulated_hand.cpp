@@ -2,6 +2,7 @@
 
 #include "proxima/base/check.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace proxima {
@@ -11,8 +12,7 @@ namespace {
 /// exp(a) by its series, halved often enough first.
 Mat3 exponential(Mat3 a) noexcept
 {
-    int halvings = 0;
-    for (double size = a.cwiseAbs().maxCoeff(); size > 0.03; size /= 2) ++halvings;
+    const int halvings = std::max(0, std::ilogb(a.cwiseAbs().maxCoeff() / 0.03) + 1);
     a /= std::ldexp(1.0, halvings);
     Mat3 sum = Mat3::Identity();
     Mat3 term = Mat3::Identity();

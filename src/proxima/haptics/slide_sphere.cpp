@@ -232,7 +232,7 @@ private:
             contact.pressure = solution.pressure[i];
         }
         result_.contact_count = solution.count;
-        const Vec3 goal = to_ + solution.shift;
+        Vec3 goal = to_ + solution.shift;
         result_.held = radius_ > gap_ ? goal : held_at_surface(used);
         if (!has_contact_) {
             has_contact_ = true;
