@@ -169,6 +169,7 @@ FeatureKind kind_of(TrianglePart part)
 std::uint64_t distinct_cells(const std::vector<LeafPair>& pairs, Cell LeafPair::*side)
 {
     std::vector<CellKey> keys;
+    keys.reserve(pairs.size());
     for (const LeafPair& pair : pairs) keys.push_back((pair.*side).key);
     std::ranges::sort(keys);
     return static_cast<std::uint64_t>(std::unique(keys.begin(), keys.end()) - keys.begin());

@@ -10,7 +10,7 @@ Result<RigidTransform> make_rigid_transform(std::span<const double, 12> matrix)
 {
     RigidTransform result;
     for (int row = 0; row < 3; ++row) {
-        const auto at = matrix.subspan(static_cast<std::size_t>(4 * row), 4);
+        const auto at = matrix.subspan(4 * static_cast<std::size_t>(row), 4);
         for (int column = 0; column < 4; ++column) {
             const double number = at[static_cast<std::size_t>(column)];
             if (!std::isfinite(number)) {

@@ -126,10 +126,11 @@ void search_octree_together(const ProximityOctree& octree, std::span<const Vec3>
                             RowDistance* found)
 {
     const ProximityArrays& arrays = octree.arrays();
-    if (arrays.double_rows.empty())
+    if (arrays.double_rows.empty()) {
         search_together(octree, arrays.float_rows, points, found);
-    else
+    } else {
         search_together(octree, arrays.double_rows, points, found);
+    }
 }
 
 } // namespace proxima::HWY_NAMESPACE

@@ -194,9 +194,10 @@ RunEntry TreeEmitter::bound(std::span<const std::uint32_t> chunk, const Vec3& ce
         used[axis] = static_cast<double>(entry.direction[axis]);
     }
     double least = std::numeric_limits<double>::infinity();
-    for (const std::uint32_t rank : chunk)
+    for (const std::uint32_t rank : chunk) {
         for (const std::uint32_t vertex : source_.triangles[rank])
             least = std::min(least, used.dot(source_.positions[vertex] - center));
+    }
     entry.least = static_cast<float>(least) - 0x1p-20F;
     return entry;
 }

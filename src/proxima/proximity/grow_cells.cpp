@@ -59,9 +59,10 @@ public:
         masks_.resize(list.size());
         find_children_in_reach(features_, list, cube, masks_.data());
         for (auto& one : lists) one.clear();
-        for (std::size_t k = 0; k < list.size(); ++k)
+        for (std::size_t k = 0; k < list.size(); ++k) {
             for (unsigned mask = masks_[k]; mask != 0; mask &= mask - 1)
                 lists[static_cast<std::size_t>(std::countr_zero(mask))].push_back(list[k]);
+        }
     }
 
     /// Of a cell's features those that may be closest to a point of it.
