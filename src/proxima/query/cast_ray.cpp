@@ -33,11 +33,13 @@ namespace proxima::HWY_NAMESPACE {
 /// Every hit, as it comes.
 struct AllSearch {
     static constexpr bool has_packets = false;
+    static constexpr bool notes_hits = false;
     const RayIndex& index;
     VisitPlacedHit visit;
     void* context;
 
-    HWY_INLINE bool take(std::uint32_t leaf, const LeafCandidates& candidates, OpenRay& ray) const
+    HWY_INLINE bool take(std::uint32_t leaf, const LeafCandidates& candidates,
+                         SearchedRay& ray) const
     {
         for (std::uint32_t left = candidates.lanes; left != 0; left &= left - 1) {
             const auto lane = static_cast<std::uint32_t>(std::countr_zero(left));
@@ -46,7 +48,7 @@ struct AllSearch {
         }
         return true;
     }
-    HWY_INLINE void settle(OpenRay& /*ray*/) const {}
+    HWY_INLINE void settle(SearchedRay& /*ray*/) const {}
 };
 
 template <class Search>
@@ -143,7 +145,7 @@ bool ask_for_any(const RayIndex& index, const Ray& ray, Faces faces)
     return found;
 }
 
-/// The rays of a chunk. `answer(place, ray)` takes those whose walk has ended, `miss(place)` those
+/// The rays of a chunk. `answer(place, hit)` takes those whose walk has ended, `miss(place)` those
 /// that need none, `ask(place)` those that are too far for one.
 template <class Answer, class Miss, class Ask>
 class ChunkTakers {
@@ -156,8 +158,8 @@ public:
     [[nodiscard]] RaySource source() noexcept
     {
         return {rays_, faces_,
-                [](void* context, const OpenRay& open) {
-                    static_cast<ChunkTakers*>(context)->answer_(open.place, open);
+                [](void* context, std::uint32_t place, const RayHit* hit) {
+                    static_cast<ChunkTakers*>(context)->answer_(place, hit);
                 },
                 [](void* context, std::uint32_t place, RayStart start) {
                     auto& takers = *static_cast<ChunkTakers*>(context);
@@ -287,8 +289,8 @@ Status closest_hits(const RayIndex& index, std::span<const Ray> rays,
 {
     return for_chunks(
         rays, hits.size(), options, [&](std::size_t first, std::span<const Ray> chunk) {
-            const auto answer = [&](std::uint32_t place, const OpenRay& open) {
-                hits[first + place] = open.found ? std::optional(open.best) : std::nullopt;
+            const auto answer = [&](std::uint32_t place, const RayHit* hit) {
+                hits[first + place] = hit != nullptr ? std::optional(*hit) : std::nullopt;
             };
             const auto miss = [&](std::uint32_t place) { hits[first + place].reset(); };
             const auto ask = [&](std::uint32_t place) {
@@ -304,8 +306,8 @@ Status any_hits(const RayIndex& index, std::span<const Ray> rays, std::span<bool
 {
     return for_chunks(
         rays, hits.size(), options, [&](std::size_t first, std::span<const Ray> chunk) {
-            const auto answer = [&](std::uint32_t place, const OpenRay& open) {
-                hits[first + place] = open.found;
+            const auto answer = [&](std::uint32_t place, const RayHit* hit) {
+                hits[first + place] = hit != nullptr;
             };
             const auto miss = [&](std::uint32_t place) { hits[first + place] = false; };
             const auto ask = [&](std::uint32_t place) {
@@ -328,7 +330,7 @@ Result<RayHitLists> all_hits(const RayIndex& index, std::span<const Ray> rays,
     const Status status =
         for_chunks(rays, rays.size(), options, [&](std::size_t first, std::span<const Ray> chunk) {
             Found& hits = found[first / rays_per_task];
-            const auto answer = [](std::uint32_t /*place*/, const OpenRay& /*open*/) {};
+            const auto answer = [](std::uint32_t /*place*/, const RayHit* /*hit*/) {};
             const auto miss = [](std::uint32_t /*place*/) {};
             const auto ask = [&](std::uint32_t place) {
                 ask_all(index, chunk[place], options.faces, [&](const RayHit& hit) {

@@ -128,13 +128,13 @@ bool ask_row(const RayIndex& index, std::uint32_t row, const Ray& ray, const Ray
 
 } // namespace
 
-bool ask_triangle(const RayIndex& index, RayTriangle triangle, const OpenRay& open,
+bool ask_triangle(const RayIndex& index, RayTriangle triangle, const SearchedRay& searched,
                   RayHit& hit) noexcept
 {
     const RayLeaf& leaf = index.blocks()[triangle.leaf].leaf;
     const std::uint32_t row = leaf.first_row + triangle.lane;
     if (!index.has_exact_leaves())
-        return ask_row(index, row, *open.ray, open.shear, open.faces, hit);
+        return ask_row(index, row, *searched.ray, searched.shear, searched.faces, hit);
     Triangle corners;
     const double unscale = index.unscale();
     for (std::size_t i = 0; i < 3; ++i) {
@@ -145,7 +145,7 @@ bool ask_triangle(const RayIndex& index, RayTriangle triangle, const OpenRay& op
                 index.center().data()[axis];
         }
     }
-    return ask(*open.ray, open.shear, corners, index.ids()[row], open.faces, hit);
+    return ask(*searched.ray, searched.shear, corners, index.ids()[row], searched.faces, hit);
 }
 
 std::optional<RayHit> ask_row(const RayIndex& index, std::uint32_t row, const Ray& ray,

@@ -42,6 +42,7 @@ struct RayPlace {
 
 /// A triangle of a ray index.
 struct RayTriangle {
+    static constexpr std::uint32_t no_leaf = 0xFFFFFFFFU;
     std::uint32_t leaf = 0; ///< its block
     std::uint32_t lane = 0;
 };
@@ -49,10 +50,25 @@ struct RayTriangle {
 /// One number for each of the lanes that vectors are loaded by.
 using RayQuad = std::array<float, 4>;
 
-struct OpenRay {
+/// What a search for hits knows of a ray.
+struct SearchedRay {
+    float most;             ///< end of the range, outward: sinks as hits are found
+    float t_error;          ///< of t, beside what weights' errors do
+    float best_least;       ///< the best hit's t is not below
+    bool found;             ///< `best` is a hit
+    RayTriangle best_noted; ///< surely hit, not yet computed; then `best` is older
+    std::uint32_t place;    ///< of the ray in its batch
+    const Ray* ray;
+    Faces faces;
+    double rate;  ///< r
+    double shift; ///< t0
+    RayShear shear;
+    RayHit best;
+};
+
+struct OpenRay : SearchedRay {
     /// Where all is seen: the empty leaf, which no box leads to.
     static constexpr std::uint32_t end = ray_leaf_bit;
-    static constexpr std::uint32_t no_leaf = 0xFFFFFFFFU;
     /// Below what is put aside: as many ends as are looked at together.
     static constexpr std::uint32_t bottom = 8;
     /// A node makes way for at most eight children; vectors are written whole.
@@ -68,9 +84,8 @@ struct OpenRay {
     // For boxes.
     std::array<RayQuad, 3> inverse; ///< of the direction, its components put away from zero
     std::array<RayQuad, 3> start;   ///< - origin * inverse
-    float least;                    ///< the range, outward; `most` sinks as hits are found
-    float most;
-    std::uint32_t octant; ///< bit k: the direction is negative on axis k
+    float least;                    ///< begin of the range, outward
+    std::uint32_t octant;           ///< bit k: the direction is negative on axis k
 
     // For triangles: x, y, z are the axes in cyclic order, z the direction's largest component.
     std::array<std::uint32_t, 3> axes;
@@ -79,24 +94,12 @@ struct OpenRay {
     float slope_y;
     float inverse_z;
     float error;      ///< factor of weights' errors for a moved origin
-    float t_error;    ///< of t, beside what weights' errors do
     float sure_least; ///< t between these are surely in range
     float sure_most;
     bool refuses_positive; ///< weights of this sign are of faces not asked for
     bool refuses_negative;
 
-    // What was found.
-    bool found;             ///< `best` is a hit
-    float best_least;       ///< the best hit's t is not below
-    RayTriangle best_noted; ///< surely hit, not yet computed; then `best` is older
     RayPlace at;
-    std::uint32_t place; ///< of the ray in its batch
-    const Ray* ray;
-    Faces faces;
-    double rate;  ///< r
-    double shift; ///< t0
-    RayShear shear;
-    RayHit best;
     std::array<std::uint32_t, stack_size> references;
     std::array<float, stack_size> nearness; ///< t at which the box is entered
 
@@ -127,7 +130,7 @@ struct OpenRay {
             (wanted == Faces::front && !forward) || (wanted == Faces::back && forward);
         found = false;
         best_least = std::numeric_limits<float>::infinity();
-        best_noted = {OpenRay::no_leaf, 0};
+        best_noted = {RayTriangle::no_leaf, 0};
         ray = &own;
         faces = wanted;
         rate = range.rate;
@@ -153,7 +156,8 @@ struct RaySource {
 
     std::span<const Ray> rays;
     Faces faces = Faces::both;
-    void (*answer)(void* context, const OpenRay& ray) = nullptr; ///< its walk has ended
+    /// The ray's walk has ended: with this hit, or without one.
+    void (*answer)(void* context, std::uint32_t place, const RayHit* hit) = nullptr;
     void (*refuse)(void* context, std::uint32_t place, RayStart start) = nullptr; ///< no walk
     void* context = nullptr;
 };
@@ -163,8 +167,8 @@ struct RaySource {
                                 OpenRay& open) noexcept;
 
 /// Asks a triangle of the index in doubles. Where there is no hit, `hit` stays as it is.
-[[nodiscard]] bool ask_triangle(const RayIndex& index, RayTriangle triangle, const OpenRay& open,
-                                RayHit& hit) noexcept;
+[[nodiscard]] bool ask_triangle(const RayIndex& index, RayTriangle triangle,
+                                const SearchedRay& searched, RayHit& hit) noexcept;
 
 /// The same for rays that are not open.
 [[nodiscard]] std::optional<RayHit> ask_row(const RayIndex& index, std::uint32_t row,

@@ -12,6 +12,7 @@
 #define PROXIMA_QUERY_WALK_BATCH_INL_H
 #endif
 
+#include "proxima/query/ask_together-inl.h"
 #include "proxima/query/open_ray-inl.h"
 #include "proxima/query/walk_packet-inl.h"
 #include "proxima/query/walk_ray-inl.h"
@@ -75,7 +76,7 @@ public:
     HWY_INLINE BatchWalk(const RayIndex& index, const Search& search, const RaySource& source,
                          const PacketBits& answered)
         : index_(index), blocks_(index.blocks().data()), search_(search), source_(source),
-          answered_(answered)
+          answered_(answered), hits_(index, source)
     {}
 
     HWY_INLINE void run()
@@ -89,6 +90,7 @@ public:
             leave_blocks();
             replace_ended();
         }
+        hits_.answer();
     }
 
 private:
@@ -185,8 +187,12 @@ private:
     {
         for (std::size_t i = 0; i < ended_.size(); ++i) {
             OpenRay& ray = ended_[i];
-            search_.settle(ray);
-            source_.answer(source_.context, ray);
+            if (Search::notes_hits && !ray.found && ray.best_noted.leaf != RayTriangle::no_leaf) {
+                hits_.add(ray.place, ray.shear, ray.best_noted);
+            } else {
+                search_.settle(ray);
+                source_.answer(source_.context, ray.place, ray.found ? &ray.best : nullptr);
+            }
             (void)open_next(ray);
         }
         ended_.clear();
@@ -204,6 +210,7 @@ private:
     RayList leaves_;
     RayList leaving_;
     RayList ended_;
+    HitLanes hits_;
 };
 
 /// Those that follow the same way as packets, then all others in turns.
@@ -212,11 +219,10 @@ HWY_INLINE void walk_together(const RayIndex& index, const Search& search, const
 {
     PacketBits answered;
     if constexpr (Search::has_packets && ray_lanes > 1) {
-        PacketWalk<Search> packet(index, search);
-        for (std::size_t i = 0; i + packet_size <= source.rays.size(); i += packet_size) {
-            if (look_alike(source.rays.subspan(i, packet_size)) && packet.run(source, i))
-                answered.set(i / packet_size);
-        }
+        PacketWalk<Search> packet(index, search, source);
+        for (std::size_t i = 0; i + packet_size <= source.rays.size(); i += packet_size)
+            if (packet.run(i)) answered.set(i / packet_size);
+        packet.end();
     }
     BatchWalk<Search>(index, search, source, answered).run();
 }

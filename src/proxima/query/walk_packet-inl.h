@@ -15,7 +15,8 @@
 #define PROXIMA_QUERY_WALK_PACKET_INL_H
 #endif
 
-#include "proxima/query/open_ray-inl.h"
+#include "proxima/query/ask_together-inl.h"
+#include "proxima/query/open_packet-inl.h"
 #include "proxima/query/walk_ray-inl.h"
 
 #include <algorithm>
@@ -25,82 +26,62 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <span>
 
 HWY_BEFORE_NAMESPACE();
 namespace proxima::HWY_NAMESPACE {
 
-/// Rays of a packet.
-inline constexpr std::size_t packet_size = 16;
-inline constexpr std::size_t packet_parts = packet_size / ray_lanes;
-
-/// A number of every ray.
-struct PacketFloats {
-    HWY_ALIGN float values[packet_size];
-
-    HWY_INLINE RayFloats part(std::size_t i) const
-    {
-        return hn::Load(RayTag(), values + ray_lanes * i);
-    }
-};
-
-/// Whether rays look alike enough to be worth opening as a packet: a guess.
-HWY_INLINE bool look_alike(std::span<const Ray> rays)
-{
-    const Ray& first = rays.front();
-    const double reach = 0.25 * first.direction.cwiseAbs().maxCoeff();
-    return std::ranges::all_of(rays.subspan(1), [&](const Ray& ray) {
-        const Vec3 off = (ray.direction - first.direction).cwiseAbs();
-        return std::max({off[0], off[1], off[2]}) <= reach;
-    });
-}
-
 template <class Search>
 class PacketWalk {
 public:
-    HWY_INLINE PacketWalk(const RayIndex& index, const Search& search)
-        : index_(index), blocks_(index.blocks().data()), search_(search)
-    {}
-
-    /// Answers packet_size rays of the source. False where they are no packet: nothing is answered.
-    HWY_INLINE bool run(const RaySource& source, std::size_t first)
+    HWY_INLINE PacketWalk(const RayIndex& index, const Search& search, const RaySource& source)
+        : index_(index), blocks_(index.blocks().data()), search_(search), source_(source),
+          hits_(index, source)
     {
-        std::array<RayStart, packet_size> starts;
-        std::size_t leader = packet_size;
-        for (std::size_t i = 0; i < packet_size; ++i) {
-            starts[i] = open_any_ray(index_, source.rays[first + i], source.faces, rays_[i]);
-            rays_[i].place = static_cast<std::uint32_t>(first + i);
-            if (starts[i] == RayStart::ready && leader == packet_size) leader = i;
+        std::fill_n(stack_.references.begin(), OpenRay::bottom, OpenRay::end);
+        std::fill_n(stack_.nearness.begin(), OpenRay::bottom, -infinity);
+    }
+
+    /// Takes on packet_size rays of the source, from this place on. False where they are no packet:
+    /// then none of them is answered.
+    HWY_INLINE bool run(std::size_t first)
+    {
+        if (!rays_.open(index_, source_.rays.subspan(first, packet_size))) return false;
+        first_ = static_cast<std::uint32_t>(first);
+        if (rays_.ready != 0) {
+            if (!bound()) return false;
+            searched_now_ = 0;
+            for (std::size_t part = 0; part < packet_parts; ++part)
+                hn::Store(hn::Set(RayTag(), infinity), RayTag(),
+                          best_least_.values + ray_lanes * part);
+            noted_.fill({RayTriangle::no_leaf, 0});
+            walk();
         }
-        if (leader < packet_size) {
-            if (!gather(starts, leader)) return false;
-            walk(rays_[leader]);
-        }
-        for (std::size_t i = 0; i < packet_size; ++i) {
-            OpenRay& ray = rays_[i];
-            if (starts[i] == RayStart::ready) {
-                write_back(i);
-                search_.settle(ray);
-                source.answer(source.context, ray);
-            } else {
-                source.refuse(source.context, ray.place, starts[i]);
-            }
-        }
+        for (std::uint32_t i = 0; i < packet_size; ++i) answer(i);
         return true;
     }
+
+    /// Answers those that still wait.
+    HWY_INLINE void end() { hits_.answer(); }
 
 private:
     static constexpr float infinity = std::numeric_limits<float>::infinity();
 
-    /// The least and the most of the rays' numbers on an axis.
+    /// The least and the most of the rays' numbers.
     struct Interval {
-        float least = infinity;
-        float most = -infinity;
+        float least;
+        float most;
 
-        HWY_INLINE void add(float value)
+        HWY_INLINE explicit Interval(const PacketFloats& numbers)
         {
-            least = HWY_MIN(least, value);
-            most = HWY_MAX(most, value);
+            const RayTag d;
+            auto lower = numbers.part(0);
+            auto upper = lower;
+            for (std::size_t part = 1; part < packet_parts; ++part) {
+                lower = hn::Min(lower, numbers.part(part));
+                upper = hn::Max(upper, numbers.part(part));
+            }
+            least = hn::GetLane(hn::MinOfLanes(d, lower));
+            most = hn::GetLane(hn::MaxOfLanes(d, upper));
         }
     };
 
@@ -112,69 +93,36 @@ private:
         RayQuad leave;
     };
 
-    /// Intervals, and what leaves need of each ray. False where rays are too different.
-    HWY_INLINE bool gather(const std::array<RayStart, packet_size>& starts, std::size_t leader)
+    /// Intervals. False where rays are too different.
+    HWY_INLINE bool bound()
     {
-        const OpenRay& like = rays_[leader];
-        axes_ = like.axes;
-        refuses_positive_ = like.refuses_positive;
-        refuses_negative_ = like.refuses_negative;
-        std::array<Interval, 3> inverse;
-        std::array<Interval, 3> origin;
-        Interval range;
-        Interval error;
-        Interval t_error;
-        bool fits = true;
-        for (std::size_t i = 0; i < packet_size; ++i) {
-            const bool is_ready = starts[i] == RayStart::ready;
-            const OpenRay& ray = is_ready ? rays_[i] : like;
-            fits = fits && ray.octant == like.octant && ray.axes == like.axes;
-            for (std::size_t k = 0; k < 3; ++k) {
-                inverse[k].add(ray.inverse[k][0]);
-                origin[ray.axes[k]].add(ray.origin[k]);
-                origin_[k].values[i] = ray.origin[k];
-            }
-            range.add(ray.least);
-            error.add(ray.error);
-            t_error.add(ray.t_error);
-            slope_x_.values[i] = ray.slope_x;
-            slope_y_.values[i] = ray.slope_y;
-            inverse_z_.values[i] = ray.inverse_z;
-            least_.values[i] = ray.least;
-            most_.values[i] = is_ready ? ray.most : -infinity;
-            sure_least_.values[i] = ray.sure_least;
-            sure_most_.values[i] = ray.sure_most;
-            best_least_.values[i] = ray.best_least;
-            noted_[i] = ray.best_noted;
-        }
-        packet_least_ = range.least;
-        error_ = error.most;
-        t_error_ = t_error.most;
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            const bool rises = inverse[axis].least > 0;
-            const float small = std::abs(rises ? inverse[axis].least : inverse[axis].most);
-            const float large = std::abs(rises ? inverse[axis].most : inverse[axis].least);
-            constexpr float most_apart = 0.25F; // of origins: a guess as well
-            fits = fits && large <= 1.25F * small &&
-                   origin[axis].most - origin[axis].least <= most_apart;
-            const float enters = rises ? origin[axis].most : origin[axis].least;
-            const float leaves = rises ? origin[axis].least : origin[axis].most;
+            const Interval inverse(rays_.inverse[axis]);
+            const Interval origin(rays_.origin[axis]);
+            const bool rises = inverse.least > 0;
+            const float small = std::abs(rises ? inverse.least : inverse.most);
+            const float large = std::abs(rises ? inverse.most : inverse.least);
+            constexpr float most_apart = 0.25F; // of origins: a guess
+            if (!(large <= 1.25F * small && origin.most - origin.least <= most_apart)) return false;
+            const float enters = rises ? origin.most : origin.least;
+            const float leaves = rises ? origin.least : origin.most;
             for (std::size_t i = 0; i < 2; ++i) {
-                const float r = i == 0 ? inverse[axis].least : inverse[axis].most;
+                const float r = i == 0 ? inverse.least : inverse.most;
                 ends_[axis][i].inverse.fill(r);
                 ends_[axis][i].enter.fill(-enters * r);
                 ends_[axis][i].leave.fill(-leaves * r);
             }
         }
+        // Weights are positive where direction . normal has the sign of the direction's z.
+        const bool forward = (rays_.octant >> rays_.axes[2] & 1U) == 0;
+        refuses_positive_ = source_.faces == (forward ? Faces::front : Faces::back);
+        refuses_negative_ = source_.faces == (forward ? Faces::back : Faces::front);
+        packet_least_ = Interval(rays_.least).least;
         find_most();
-        return fits;
+        return true;
     }
 
-    HWY_INLINE void find_most()
-    {
-        packet_most_ = most_.values[0];
-        for (const float most : most_.values) packet_most_ = HWY_MAX(packet_most_, most);
-    }
+    HWY_INLINE void find_most() { packet_most_ = Interval(rays_.most).most; }
 
     /// Children that some ray may meet.
     HWY_INLINE MetChildren meet(const RayNode& node, std::uint32_t octant) const
@@ -210,10 +158,11 @@ private:
         return met;
     }
 
-    /// `like` lends its octant, and its room for blocks put aside.
-    HWY_INLINE void walk(OpenRay& like)
+    HWY_INLINE void walk()
     {
-        RayPlace at = like.at;
+        OpenRay& like = stack_;
+        like.octant = rays_.octant;
+        RayPlace at = {index_.root(), OpenRay::bottom};
         while (at.next != OpenRay::end) {
             const std::uint32_t place = at.next & ~ray_leaf_bit;
             if ((at.next & ray_leaf_bit) == 0) {
@@ -245,19 +194,19 @@ private:
             auto reach = hn::Zero(d);
             for (std::size_t i = 0; i < 8; ++i) {
                 const auto about = [&](std::size_t k) {
-                    return hn::Sub(hn::Set(d, leaf.coordinates[axes_[k]][i]),
-                                   origin_[k].part(part));
+                    return hn::Sub(hn::Set(d, leaf.coordinates[rays_.axes[k]][i]),
+                                   rays_.origin[rays_.axes[k]].part(part));
                 };
                 const auto along = about(2);
-                const auto x = hn::NegMulAdd(along, slope_x_.part(part), about(0));
-                const auto y = hn::NegMulAdd(along, slope_y_.part(part), about(1));
+                const auto x = hn::NegMulAdd(along, rays_.slope_x.part(part), about(0));
+                const auto y = hn::NegMulAdd(along, rays_.slope_y.part(part), about(1));
                 reach = hn::Max(reach, hn::Max(hn::Abs(x), hn::Abs(y)));
                 hn::Store(x, d, corners.x[i]);
                 hn::Store(y, d, corners.y[i]);
                 hn::Store(along, d, corners.z[i]);
             }
             const auto error = hn::Mul(hn::Add(reach, hn::Set(d, 32 * float_roundoff)),
-                                       hn::Set(d, 86 * float_roundoff * error_));
+                                       hn::Set(d, 86 * float_roundoff * rays_.error));
             hn::Store(error, d, corners.error);
             for (std::uint32_t lane = 0; lane < leaf.count; ++lane)
                 changes = look_at_triangle({place, lane}, part, corners) || changes;
@@ -297,7 +246,7 @@ private:
         const auto upper = hn::Max(hn::Max(weights[0], weights[1]), weights[2]);
         const auto positive = hn::Gt(lower, error);
         const auto negative = hn::Lt(upper, minus_error);
-        const auto most = most_.part(part);
+        const auto most = rays_.most.part(part);
         const auto missed = hn::And(hn::Gt(upper, error), hn::Lt(lower, minus_error));
         std::uint32_t rays = mask_bits(hn::Not(missed)) & ((1U << ray_lanes) - 1);
         if (refuses_positive_) rays &= ~mask_bits(positive);
@@ -314,16 +263,16 @@ private:
         };
         const auto mean = hn::MulAdd(
             weights[0], depth(0), hn::MulAdd(weights[1], depth(1), hn::Mul(weights[2], depth(2))));
-        const auto t = hn::Mul(hn::Mul(mean, inverse), inverse_z_.part(part));
+        const auto t = hn::Mul(hn::Mul(mean, inverse), rays_.inverse_z.part(part));
         const auto off = hn::MulAdd(hn::Mul(error, hn::Abs(inverse)),
-                                    hn::Set(d, 5 * leaf_extent(leaf)), hn::Set(d, t_error_));
+                                    hn::Set(d, 5 * leaf_extent(leaf)), hn::Set(d, rays_.t_error));
         const auto first = hn::Sub(t, off);
         const auto last = hn::Add(t, off);
         const auto sure = hn::And(wanted, hn::Gt(hn::Abs(sum), hn::Mul(error, hn::Set(d, 8.0F))));
         const auto out =
-            hn::And(sure, hn::Or(hn::Gt(first, most), hn::Lt(last, least_.part(part))));
-        const auto in = hn::And(sure, hn::And(hn::Ge(first, sure_least_.part(part)),
-                                              hn::Le(last, sure_most_.part(part))));
+            hn::And(sure, hn::Or(hn::Gt(first, most), hn::Lt(last, rays_.least.part(part))));
+        const auto in = hn::And(sure, hn::And(hn::Ge(first, rays_.sure_least.part(part)),
+                                              hn::Le(last, rays_.sure_most.part(part))));
         // Rays that no longer look for hits have a `most` below everything.
         const auto looks = hn::Gt(most, hn::Set(d, -infinity));
         rays &= mask_bits(hn::And(hn::Not(out), looks));
@@ -333,7 +282,7 @@ private:
             const auto better =
                 hn::And(hn::And(in, looks), hn::And(hn::Le(first, most), hn::Lt(last, best_least)));
             noted = mask_bits(better) & rays;
-            hn::Store(hn::IfThenElse(better, last, most), d, most_.values + ray_lanes * part);
+            hn::Store(hn::IfThenElse(better, last, most), d, rays_.most.values + ray_lanes * part);
             hn::Store(hn::IfThenElse(better, first, best_least), d,
                       best_least_.values + ray_lanes * part);
             for (std::uint32_t left = noted; left != 0; left &= left - 1)
@@ -360,43 +309,78 @@ private:
         candidates.sure = sure ? candidates.lanes : 0;
         candidates.least[triangle.lane] = first;
         candidates.most[triangle.lane] = last;
-        write_back(i);
-        OpenRay& ray = rays_[i];
+        SearchedRay& ray = searched(i);
         const bool goes_on = search_.take(triangle.leaf, candidates, ray);
-        most_.values[i] = goes_on ? ray.most : -infinity;
+        rays_.most.values[i] = goes_on ? ray.most : -infinity;
         best_least_.values[i] = ray.best_least;
         noted_[i] = ray.best_noted;
     }
 
-    HWY_INLINE void write_back(std::size_t i)
+    /// A ray as it is by now.
+    HWY_INLINE SearchedRay& searched(std::size_t i)
     {
-        rays_[i].most = most_.values[i];
-        rays_[i].best_least = best_least_.values[i];
-        rays_[i].best_noted = noted_[i];
+        SearchedRay& ray = searched_[i];
+        if ((searched_now_ >> i & 1U) == 0) {
+            searched_now_ |= 1U << i;
+            ray.t_error = rays_.t_error;
+            ray.found = false;
+            ray.place = first_ + static_cast<std::uint32_t>(i);
+            ray.ray = &source_.rays[ray.place];
+            ray.faces = source_.faces;
+            ray.rate = rays_.rate.values[i];
+            ray.shift = rays_.shift.values[i];
+            ray.shear = shear(i);
+        }
+        ray.most = rays_.most.values[i];
+        ray.best_least = best_least_.values[i];
+        ray.best_noted = noted_[i];
+        return ray;
+    }
+    HWY_INLINE RayShear shear(std::size_t i) const
+    {
+        RayShear shear;
+        shear.x = rays_.axes[0];
+        shear.y = rays_.axes[1];
+        shear.z = rays_.axes[2];
+        shear.inverse_z = rays_.inverses_z.values[i];
+        shear.slope_x = rays_.slopes_x.values[i];
+        shear.slope_y = rays_.slopes_y.values[i];
+        return shear;
+    }
+
+    HWY_INLINE void answer(std::uint32_t i)
+    {
+        const std::uint32_t place = first_ + i;
+        if ((rays_.ready >> i & 1U) == 0) {
+            source_.refuse(source_.context, place, RayStart::misses);
+        } else if ((searched_now_ >> i & 1U) != 0) {
+            SearchedRay& ray = searched(i);
+            search_.settle(ray);
+            source_.answer(source_.context, place, ray.found ? &ray.best : nullptr);
+        } else if (noted_[i].leaf != RayTriangle::no_leaf) {
+            hits_.add(place, shear(i), noted_[i]);
+        } else {
+            source_.answer(source_.context, place, nullptr);
+        }
     }
 
     const RayIndex& index_;
     const RayBlock* blocks_;
     const Search& search_;
-    std::array<OpenRay, packet_size> rays_;
+    const RaySource& source_;
+    HitLanes hits_;
+    PacketRays rays_;
+    OpenRay stack_; ///< lends its octant, and its room for blocks put aside
     End ends_[3][2];
+    std::uint32_t first_ = 0; ///< place of the packet's first ray
     float packet_least_ = 0;
     float packet_most_ = 0;
-    float error_ = 0;
-    float t_error_ = 0;
-    std::array<std::uint32_t, 3> axes_{};
     bool refuses_positive_ = false;
     bool refuses_negative_ = false;
-    std::array<PacketFloats, 3> origin_;
-    PacketFloats slope_x_;
-    PacketFloats slope_y_;
-    PacketFloats inverse_z_;
-    PacketFloats least_;
-    PacketFloats most_;
-    PacketFloats sure_least_;
-    PacketFloats sure_most_;
     PacketFloats best_least_;
     std::array<RayTriangle, packet_size> noted_;
+    std::uint32_t searched_now_ = 0; ///< bits of the rays that were asked on their own
+    std::array<SearchedRay, packet_size> searched_;
 };
 
 } // namespace proxima::HWY_NAMESPACE

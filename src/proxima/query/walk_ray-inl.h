@@ -346,21 +346,22 @@ struct ClosestSearch {
     static constexpr bool notes_hits = true; ///< does not compute them at once
     const RayIndex& index;
 
-    HWY_INLINE void keep(OpenRay& ray) const
+    HWY_INLINE void keep(SearchedRay& ray) const
     {
         ray.found = true;
-        ray.best_noted.leaf = OpenRay::no_leaf;
+        ray.best_noted.leaf = RayTriangle::no_leaf;
         const auto t = static_cast<float>(ray.best.t * ray.rate - ray.shift);
         ray.best_least = t - ray.t_error;
         ray.most = HWY_MIN(ray.most, t + ray.t_error);
     }
-    HWY_INLINE void settle(OpenRay& ray) const
+    HWY_INLINE void settle(SearchedRay& ray) const
     {
-        if (ray.best_noted.leaf == OpenRay::no_leaf) return;
+        if (ray.best_noted.leaf == RayTriangle::no_leaf) return;
         if (ask_triangle(index, ray.best_noted, ray, ray.best)) keep(ray);
     }
     /// False to end the search.
-    HWY_INLINE bool take(std::uint32_t leaf, const LeafCandidates& candidates, OpenRay& ray) const
+    HWY_INLINE bool take(std::uint32_t leaf, const LeafCandidates& candidates,
+                         SearchedRay& ray) const
     {
         for (std::uint32_t left = candidates.lanes; left != 0; left &= left - 1) {
             const auto lane = static_cast<std::uint32_t>(std::countr_zero(left));
@@ -392,7 +393,8 @@ struct AnySearch {
     static constexpr bool notes_hits = false;
     const RayIndex& index;
 
-    HWY_INLINE bool take(std::uint32_t leaf, const LeafCandidates& candidates, OpenRay& ray) const
+    HWY_INLINE bool take(std::uint32_t leaf, const LeafCandidates& candidates,
+                         SearchedRay& ray) const
     {
         ray.found = candidates.sure != 0;
         for (std::uint32_t left = candidates.lanes; left != 0 && !ray.found; left &= left - 1) {
@@ -401,7 +403,7 @@ struct AnySearch {
         }
         return !ray.found;
     }
-    HWY_INLINE void settle(OpenRay& /*ray*/) const {}
+    HWY_INLINE void settle(SearchedRay& /*ray*/) const {}
 };
 
 /// One block. False where the walk has ended.
