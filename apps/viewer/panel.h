@@ -104,10 +104,16 @@ public:
 
     /// Over the picture, from moment to moment, where something moves by itself.
     virtual void add_live(PanelPicture& /*picture*/) {}
+
+    /// Another panel is shown from now on.
+    virtual void leave() {}
 };
 
+/// Whether pictures follow each other, or there is one that has to show all by itself.
+enum class Pictures : std::uint8_t { live, still };
+
 /// All panels, in the order in which they are offered.
-[[nodiscard]] std::vector<std::unique_ptr<Panel>> make_panels();
+[[nodiscard]] std::vector<std::unique_ptr<Panel>> make_panels(Pictures pictures);
 
 /// The models as they are, as layers.
 [[nodiscard]] std::vector<SceneLayer> model_layers(const ViewModels& models, Smoothing smoothing);

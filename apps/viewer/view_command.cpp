@@ -95,7 +95,7 @@ Status write_files(const Viewer& viewer, const ViewOptions& options, Session& se
 /// The picture without a window.
 Status run_headless(const ViewOptions& options, Session& session)
 {
-    Viewer viewer({.threads = session.threads(), .wake = {}});
+    Viewer viewer({.threads = session.threads()});
     viewer.resize(options.size);
     if (Status status = prepare(viewer, options); !status) return status;
     viewer.open(options.models);
@@ -121,7 +121,7 @@ Status run_view(const ViewOptions& options, Session& session)
     if (Status status = session.check_outputs({options.snapshot, options.glb}); !status)
         return status;
     if (!options.needs_window()) return run_headless(options, session);
-    Viewer viewer({.threads = session.threads(), .wake = wake_window});
+    Viewer viewer({.threads = session.threads(), .pictures = Pictures::live, .wake = wake_window});
     if (Status status = prepare(viewer, options); !status) return status;
     viewer.open(options.models);
     if (Status status = run_window(viewer, {.size = options.size,

@@ -51,7 +51,9 @@ private:
 
 } // namespace
 
-Viewer::Viewer(ViewerOptions options) : options_(std::move(options)), panels_(make_panels()) {}
+Viewer::Viewer(ViewerOptions options)
+    : options_(std::move(options)), panels_(make_panels(options_.pictures))
+{}
 
 void Viewer::open(std::vector<std::string> names)
 {
@@ -163,6 +165,7 @@ void Viewer::offer(Controls& controls)
     const std::vector<std::string_view> names = panel_names();
     std::size_t panel = panel_;
     if (watched.choice("panel", panel, names)) {
+        panels_[panel_]->leave();
         panel_ = panel;
         problem_.clear();
     }
@@ -192,6 +195,7 @@ Status Viewer::choose_panel(std::string_view name)
         return fail(ErrorCode::invalid_argument,
                     concat('"', name, "\" is no panel: they are ", all));
     }
+    panels_[panel_]->leave();
     panel_ = static_cast<std::size_t>(found - names.begin());
     ++wanted_;
     return {};

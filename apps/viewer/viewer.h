@@ -27,6 +27,7 @@ enum class MouseButton : std::uint8_t { left, middle, right };
 
 struct ViewerOptions {
     Threads threads = {};
+    Pictures pictures = Pictures::still;
     std::function<void()> wake = {}; ///< called by the worker when there is something to take
 };
 

@@ -2,11 +2,19 @@
 
 namespace proxima {
 
-std::vector<std::unique_ptr<Panel>> make_panels()
+std::vector<std::unique_ptr<Panel>> make_panels(Pictures pictures)
 {
+    const auto proximity = std::make_shared<SharedProximity>();
     std::vector<std::unique_ptr<Panel>> panels;
     panels.push_back(make_model_panel());
     panels.push_back(make_octree_panel());
+    panels.push_back(make_minkowski_panel());
+    panels.push_back(make_voronoi_panel(proximity));
+    panels.push_back(make_closest_panel(proximity));
+    panels.push_back(make_ray_panel());
+    panels.push_back(make_culling_panel());
+    panels.push_back(make_intersection_panel());
+    panels.push_back(make_touch_panel(proximity, pictures));
     return panels;
 }
 
