@@ -84,7 +84,7 @@ int parse_and_run(int argc, char** argv)
         proxima::add_raycast_command(app),   proxima::add_cull_command(app),
         proxima::add_intersect_command(app), proxima::add_touch_command(app),
         proxima::add_tables_command(app),    proxima::add_check_command(app),
-        proxima::add_figures_command(app)};
+        proxima::add_figures_command(app),   proxima::add_view_command(app)};
     for (const Command& command : commands) add_common_options(*command.parser, options);
     const auto asked_for = [](const Command& command) { return command.parser->parsed(); };
     try {
@@ -95,7 +95,8 @@ int parse_and_run(int argc, char** argv)
         if (found == commands.end() && argc > 1 && argv[1][0] != '-') {
             report(fmt::format(
                 "{} is no command: they are octree, compare, minkowski, proximity, closest, "
-                "patch, raycast, cull, intersect, touch, tables, check and figures; see proxima "
+                "patch, raycast, cull, intersect, touch, tables, check, figures and view; see "
+                "proxima "
                 "--help",
                 argv[1]));
             return wrong_usage;

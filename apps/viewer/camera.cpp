@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace proxima {
 namespace {
@@ -37,6 +38,14 @@ ScreenPoint View::project(const Vec3& point) const noexcept
     const double half_height = 0.5 * size_.height;
     return {0.5 * size_.width + half_height * (zoom_ * right_.dot(offset) * nearness + shift_.x()),
             half_height * (1.0 - zoom_ * up_.dot(offset) * nearness - shift_.y()), nearness};
+}
+
+Vec3 View::direction(const Vec2& pixel) const noexcept
+{
+    const double half_height = 0.5 * size_.height;
+    const double right = ((pixel.x() - 0.5 * size_.width) / half_height - shift_.x()) / zoom_;
+    const double up = (1.0 - pixel.y() / half_height - shift_.y()) / zoom_;
+    return right * right_ + up * up_ - back_;
 }
 
 Eigen::Matrix4d View::clip_from_world(double near, double far) const
@@ -82,6 +91,48 @@ OrbitCamera fitted(const OrbitCamera& camera, std::span<const Vec3> points, View
     result.zoom = scale;
     const Vec2 away = scale * (seen.center() - 0.5 * whole) / (0.5 * size.height);
     result.shift = Vec2(-away.x(), away.y());
+    return result;
+}
+
+OrbitCamera framed(const OrbitCamera& camera, const Box& box, ViewSize size)
+{
+    if (box.empty()) return camera;
+    constexpr double room = 1.05;
+    const double radius = std::max(0.5 * box.extent().norm(), 1e-12);
+    // The slope from the axis to the nearer side of the picture.
+    const double slope = std::min(1.0, static_cast<double>(size.width) / size.height) / camera.zoom;
+    OrbitCamera result = camera;
+    result.target = box.center();
+    result.distance = room * radius * std::sqrt(1.0 + 1.0 / (slope * slope));
+    result.shift = Vec2::Zero();
+    return result;
+}
+
+OrbitCamera orbited(const OrbitCamera& camera, const Vec2& drag, ViewSize size)
+{
+    // From side to side is half a turn.
+    const double turn = std::numbers::pi / size.height;
+    constexpr double pole = 0.5 * std::numbers::pi;
+    OrbitCamera result = camera;
+    result.azimuth -= turn * drag.x();
+    result.elevation = std::clamp(camera.elevation + turn * drag.y(), -pole, pole);
+    return result;
+}
+
+OrbitCamera panned(const OrbitCamera& camera, const Vec2& drag, ViewSize size)
+{
+    const View view(camera, size);
+    const double units_per_pixel = camera.distance / (camera.zoom * 0.5 * size.height);
+    OrbitCamera result = camera;
+    result.target += units_per_pixel * (drag.y() * view.up() - drag.x() * view.right());
+    return result;
+}
+
+OrbitCamera zoomed(const OrbitCamera& camera, double steps)
+{
+    constexpr double per_step = 0.88;
+    OrbitCamera result = camera;
+    result.distance = std::max(camera.distance * std::pow(per_step, steps), 1e-12);
     return result;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "cli/canvas.h"
+#include "proxima/geometry/shapes.h"
 #include "proxima/geometry/vec.h"
 
 #include <span>
@@ -41,6 +42,9 @@ public:
     /// \pre depth(point) > 0
     [[nodiscard]] ScreenPoint project(const Vec3& point) const noexcept;
 
+    /// Where a pixel's ray from the eye goes, one unit of depth long.
+    [[nodiscard]] Vec3 direction(const Vec2& pixel) const noexcept;
+
     /// Homogeneous OpenGL clip coordinates of points, depths from `near` to `far`.
     [[nodiscard]] Eigen::Matrix4d clip_from_world(double near, double far) const;
 
@@ -58,5 +62,17 @@ private:
 /// as part of the picture. A camera without points stays. \pre margin in [0, 0.5)
 [[nodiscard]] OrbitCamera fitted(const OrbitCamera& camera, std::span<const Vec3> points,
                                  ViewSize size, double margin = 0.06);
+
+/// Far enough from the box that all of it is in the picture, from whatever side it is looked at.
+[[nodiscard]] OrbitCamera framed(const OrbitCamera& camera, const Box& box, ViewSize size);
+
+/// As a hand at the mouse moves it; `drag` in pixels, right and down. Never over the pole.
+[[nodiscard]] OrbitCamera orbited(const OrbitCamera& camera, const Vec2& drag, ViewSize size);
+
+/// What is as far as the target follows the mouse.
+[[nodiscard]] OrbitCamera panned(const OrbitCamera& camera, const Vec2& drag, ViewSize size);
+
+/// Nearer to the target by so many steps of a wheel.
+[[nodiscard]] OrbitCamera zoomed(const OrbitCamera& camera, double steps);
 
 } // namespace proxima

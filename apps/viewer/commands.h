@@ -6,5 +6,6 @@
 namespace proxima {
 
 [[nodiscard]] Command add_figures_command(CLI::App& app);
+[[nodiscard]] Command add_view_command(CLI::App& app);
 
 } // namespace proxima

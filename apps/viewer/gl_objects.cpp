@@ -63,6 +63,13 @@ GlRenderbuffer make_renderbuffer()
     return GlRenderbuffer(name);
 }
 
+GlTexture make_texture()
+{
+    GLuint name = 0;
+    glGenTextures(1, &name);
+    return GlTexture(name);
+}
+
 GlFramebuffer make_framebuffer()
 {
     GLuint name = 0;

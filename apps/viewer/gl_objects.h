@@ -46,6 +46,9 @@ struct DeleteRenderbuffer {
 struct DeleteFramebuffer {
     void operator()(GLuint name) const { glDeleteFramebuffers(1, &name); }
 };
+struct DeleteTexture {
+    void operator()(GLuint name) const { glDeleteTextures(1, &name); }
+};
 struct DeleteProgram {
     void operator()(GLuint name) const { glDeleteProgram(name); }
 };
@@ -54,6 +57,7 @@ using GlBuffer = GlObject<DeleteBuffer>;
 using GlVertexArray = GlObject<DeleteVertexArray>;
 using GlRenderbuffer = GlObject<DeleteRenderbuffer>;
 using GlFramebuffer = GlObject<DeleteFramebuffer>;
+using GlTexture = GlObject<DeleteTexture>;
 using GlProgram = GlObject<DeleteProgram>;
 
 /// A program of the two shaders. Error broken_invariant with the compiler's words.
@@ -64,5 +68,6 @@ using GlProgram = GlObject<DeleteProgram>;
 [[nodiscard]] GlVertexArray make_vertex_array();
 [[nodiscard]] GlRenderbuffer make_renderbuffer();
 [[nodiscard]] GlFramebuffer make_framebuffer();
+[[nodiscard]] GlTexture make_texture();
 
 } // namespace proxima

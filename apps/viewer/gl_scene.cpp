@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <limits>
 #include <tuple>
 
 namespace proxima {
@@ -29,15 +31,23 @@ constexpr const char* surface_vertices = R"(#version 330 core
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 uniform mat4 clip;
+uniform vec4 cut;
+uniform float lift;
+uniform vec2 depth_of_nearness;
 out vec3 direction;
+out float beyond;
 void main() {
     direction = normal;
+    beyond = dot(cut.xyz, position) - cut.w;
     gl_Position = clip * vec4(position, 1.0);
+    if (lift != 0.0)
+        gl_Position.z = depth_of_nearness.x * gl_Position.w + depth_of_nearness.y * (1.0 + lift);
 })";
 
 // As Lamps::shade has it; what is seen from behind is lit as if it faced the eye.
 constexpr const char* surface_colors = R"(#version 330 core
 in vec3 direction;
+in float beyond;
 uniform vec3 own;
 uniform float opacity;
 uniform bool lit;
@@ -46,6 +56,7 @@ uniform vec3 light[3];
 uniform vec3 everywhere;
 out vec4 color;
 void main() {
+    if (beyond > 0.0) discard;
     vec3 normal = gl_FrontFacing ? normalize(direction) : -normalize(direction);
     vec3 sum = everywhere + light[2] * (0.5 + 0.5 * dot(normal, toward[2]));
     for (int i = 0; i < 2; ++i) sum += light[i] * max(0.0, dot(normal, toward[i]));
@@ -61,7 +72,10 @@ uniform vec2 size;
 uniform float width;
 uniform float lift;
 uniform vec2 depth_of_nearness;
+uniform vec4 cut;
+out float beyond;
 void main() {
+    beyond = dot(cut.xyz, gl_VertexID < 2 ? from : to) - cut.w;
     vec4 a = clip * vec4(from, 1.0);
     vec4 b = clip * vec4(to, 1.0);
     const float least = 1e-4;
@@ -81,10 +95,11 @@ void main() {
 })";
 
 constexpr const char* line_colors = R"(#version 330 core
+in float beyond;
 uniform vec3 own;
 uniform float opacity;
 out vec4 color;
-void main() { color = vec4(own, opacity); })";
+void main() { if (beyond > 0.0) discard; color = vec4(own, opacity); })";
 
 void set(const GlProgram& program, const char* name, const Eigen::Vector3f& value)
 {
@@ -151,8 +166,7 @@ GlScene::Lines GlScene::upload_segments(const std::vector<float>& coordinates)
 }
 
 GlScene::GlScene(const Scene& scene)
-    : background_top_(scene.background_top), background_bottom_(scene.background_bottom),
-      labels_(scene.labels)
+    : backdrop_{scene.background_top, scene.background_bottom}, labels_(scene.labels)
 {
     const Box box = bounding_box(scene);
     if (!box.empty()) {
@@ -182,6 +196,8 @@ GlScene::GlScene(const Scene& scene)
         surface.color = from.color;
         surface.opacity = from.opacity;
         surface.lighting = from.lighting;
+        surface.lift = from.lift;
+        bytes_ += values.size() * sizeof(float);
         surfaces_.push_back(std::move(surface));
     }
     for (const SceneLines& from : scene.lines) {
@@ -195,6 +211,7 @@ GlScene::GlScene(const Scene& scene)
         lines.color = from.color;
         lines.opacity = from.opacity;
         lines.width = from.width;
+        bytes_ += values.size() * sizeof(float);
         lines_.push_back(std::move(lines));
     }
 }
@@ -215,17 +232,113 @@ Result<GlPainter> GlPainter::create()
     return painter;
 }
 
+/// One picture's camera, lamps and depth range.
+class GlPainter::Frame {
+public:
+    Frame(const GlPainter& painter, std::span<const GlLayer> layers, const OrbitCamera& camera,
+          ViewSize picture)
+        : view(camera, picture), size(picture), painter_(painter),
+          lamps_(view.right(), view.up(), view.back())
+    {
+        // The depth range is that of the scenes, so that near and far are as close as can be.
+        far_ = 1e-9;
+        near_ = std::numeric_limits<double>::infinity();
+        for (const GlLayer& layer : layers) {
+            const double middle = view.depth(layer.pose(layer.scene->origin_));
+            far_ = std::max(far_, middle + 1.01 * layer.scene->radius_);
+            near_ = std::min(near_, middle - 1.01 * layer.scene->radius_);
+        }
+        near_ = std::clamp(near_, 1e-3 * far_, 0.999 * far_);
+        depth_of_nearness_ =
+            Vec2((far_ + near_) / (far_ - near_), -2.0 * far_ * near_ / (far_ - near_));
+        world_clip_ = view.clip_from_world(near_, far_);
+    }
+
+    /// From the layer's floats to clip coordinates.
+    [[nodiscard]] Eigen::Matrix4d clip(const GlLayer& layer) const
+    {
+        Eigen::Matrix4d world_from_local = Eigen::Matrix4d::Identity();
+        world_from_local.topLeftCorner<3, 3>() = layer.pose.rotation;
+        world_from_local.topRightCorner<3, 1>() = layer.pose(layer.scene->origin_);
+        return world_clip_ * world_from_local;
+    }
+
+    /// What all surfaces of a layer share.
+    void use_surfaces_of(const GlLayer& layer) const
+    {
+        const GlProgram& program = painter_.surface_;
+        glUseProgram(program.name());
+        set(program, "clip", clip(layer));
+        set(program, "depth_of_nearness", depth_of_nearness_);
+        set_cut(program, layer);
+        const std::array places = {&lamps_.key, &lamps_.fill, &lamps_.sky};
+        constexpr std::array towards = {"toward[0]", "toward[1]", "toward[2]"};
+        constexpr std::array lights = {"light[0]", "light[1]", "light[2]"};
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            const Vec3 toward = layer.pose.rotation.transpose() * places[i]->toward;
+            set(program, towards[i], Eigen::Vector3f(toward.cast<float>()));
+            set(program, lights[i], vector_of(places[i]->light));
+        }
+        set(program, "everywhere", vector_of(lamps_.everywhere));
+    }
+
+    void draw(const GlLayer& layer, const GlScene::Surface& surface) const
+    {
+        const GlProgram& program = painter_.surface_;
+        set(program, "own", vector_of(layer.color.value_or(surface.color)));
+        set(program, "opacity", layer.opacity * surface.opacity);
+        set(program, "lift", static_cast<float>(surface.lift));
+        glUniform1i(glGetUniformLocation(program.name(), "lit"),
+                    surface.lighting == Lighting::lit ? 1 : 0);
+        glBindVertexArray(surface.array.name());
+        glDrawArrays(GL_TRIANGLES, 0, surface.vertices);
+    }
+
+    void draw(const GlLayer& layer, const GlScene::Lines& lines) const
+    {
+        constexpr double lift = 2e-3;
+        draw(layer, lines, clip(layer), depth_of_nearness_, lift);
+    }
+
+    void draw(const GlLayer& layer, const GlScene::Lines& lines, const Eigen::Matrix4d& clip,
+              const Vec2& depth_of_nearness, double lift) const
+    {
+        const GlProgram& program = painter_.line_;
+        glUseProgram(program.name());
+        set(program, "clip", clip);
+        set(program, "size", Vec2(size.width, size.height));
+        set(program, "width", static_cast<float>(lines.width));
+        set(program, "lift", static_cast<float>(lift));
+        set(program, "depth_of_nearness", depth_of_nearness);
+        set(program, "own", vector_of(lines.color));
+        set(program, "opacity", layer.opacity * lines.opacity);
+        set_cut(program, layer);
+        glBindVertexArray(lines.array.name());
+        glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, lines.segments);
+    }
+
+    View view;
+    ViewSize size;
+
+private:
+    const GlPainter& painter_;
+    Lamps lamps_;
+    double near_ = 0;
+    double far_ = 0;
+    Vec2 depth_of_nearness_;
+    Eigen::Matrix4d world_clip_;
+};
+
 void GlPainter::draw(const GlScene& scene, const OrbitCamera& camera, ViewSize size) const
 {
-    const View view(camera, size);
-    // The depth range is that of the scene, so that near and far are as close as can be.
-    const double middle = view.depth(scene.origin_);
-    const double far = std::max(middle + 1.01 * scene.radius_, 1e-9);
-    const double near = std::max(middle - 1.01 * scene.radius_, 1e-3 * far);
-    Eigen::Matrix4d world_from_local = Eigen::Matrix4d::Identity();
-    world_from_local.topRightCorner<3, 1>() = scene.origin_;
-    const Eigen::Matrix4d clip = view.clip_from_world(near, far) * world_from_local;
+    const GlLayer layer = {.scene = &scene};
+    draw(std::span(&layer, 1), scene.backdrop_, camera, size);
+}
 
+void GlPainter::draw(std::span<const GlLayer> layers, const Backdrop& backdrop,
+                     const OrbitCamera& camera, ViewSize size) const
+{
+    const Frame frame(*this, layers, camera, size);
     glViewport(0, 0, size.width, size.height);
     glEnable(GL_FRAMEBUFFER_SRGB);
     glEnable(GL_MULTISAMPLE);
@@ -234,98 +347,80 @@ void GlPainter::draw(const GlScene& scene, const OrbitCamera& camera, ViewSize s
     glClear(GL_DEPTH_BUFFER_BIT);
     glEnable(GL_BLEND);
     glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
-    draw_background(scene);
+    draw_background(backdrop);
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_LESS);
 
-    const Lamps lamps(view.right(), view.up(), view.back());
-    glUseProgram(surface_.name());
-    set(surface_, "clip", clip);
-    const std::array places = {&lamps.key, &lamps.fill, &lamps.sky};
-    constexpr std::array towards = {"toward[0]", "toward[1]", "toward[2]"};
-    constexpr std::array lights = {"light[0]", "light[1]", "light[2]"};
-    for (std::size_t i = 0; i < places.size(); ++i) {
-        set(surface_, towards[i], Eigen::Vector3f(places[i]->toward.cast<float>()));
-        set(surface_, lights[i], vector_of(places[i]->light));
-    }
-    set(surface_, "everywhere", vector_of(lamps.everywhere));
-    std::vector<const GlScene::Surface*> glass;
-    for (const GlScene::Surface& surface : scene.surfaces_) {
-        if (surface.opacity < 1.0F) {
-            glass.push_back(&surface);
-        } else {
-            draw_surface(surface);
+    struct Glass {
+        const GlLayer* layer;
+        const GlScene::Surface* surface;
+        double depth;
+    };
+    std::vector<Glass> glass;
+    for (const GlLayer& layer : layers) {
+        frame.use_surfaces_of(layer);
+        for (const GlScene::Surface& surface : layer.scene->surfaces_) {
+            if (layer.opacity * surface.opacity < 1.0F) {
+                const double depth = frame.view.depth(layer.pose(surface.middle));
+                glass.push_back({&layer, &surface, depth});
+            } else {
+                frame.draw(layer, surface);
+            }
         }
     }
-    const Vec2 depth_of_nearness((far + near) / (far - near), -2.0 * far * near / (far - near));
-    constexpr double lift = 2e-3;
-    for (const GlScene::Lines& lines : scene.lines_)
-        draw_lines(lines, clip, size, depth_of_nearness, lift);
+    for (const GlLayer& layer : layers)
+        for (const GlScene::Lines& lines : layer.scene->lines_) frame.draw(layer, lines);
 
-    std::ranges::stable_sort(glass, [&](const auto* a, const auto* b) {
-        return view.depth(a->middle) > view.depth(b->middle);
-    });
+    std::ranges::stable_sort(glass, std::ranges::greater{}, &Glass::depth);
     glDepthMask(GL_FALSE);
     glEnable(GL_CULL_FACE);
-    glUseProgram(surface_.name());
-    for (const GlScene::Surface* const surface : glass) {
+    for (const Glass& pane : glass) {
+        frame.use_surfaces_of(*pane.layer);
         for (const GLenum hidden : {GL_FRONT, GL_BACK}) { // the far side of each first
             glCullFace(hidden);
-            draw_surface(*surface);
+            frame.draw(*pane.layer, *pane.surface);
         }
     }
     glDepthMask(GL_TRUE);
     glDisable(GL_CULL_FACE);
     glDisable(GL_DEPTH_TEST);
-    draw_labels(scene, view, size);
+    for (const GlLayer& layer : layers) draw_labels(layer, frame);
     glBindVertexArray(0);
 }
 
-void GlPainter::draw_background(const GlScene& scene) const
+void GlPainter::set_cut(const GlProgram& program, const GlLayer& layer)
+{
+    // In the layer's floats; without a cut nothing is beyond.
+    Eigen::Vector4f plane(0.0F, 0.0F, 0.0F, 1.0F);
+    if (layer.cut) {
+        const Vec3 normal = layer.pose.rotation.transpose() * layer.cut->normal;
+        const double offset =
+            layer.cut->offset - layer.cut->normal.dot(layer.pose(layer.scene->origin_));
+        plane << normal.cast<float>(), static_cast<float>(offset);
+    }
+    glUniform4fv(glGetUniformLocation(program.name(), "cut"), 1, plane.data());
+}
+
+void GlPainter::draw_background(const Backdrop& backdrop) const
 {
     glDisable(GL_DEPTH_TEST);
     glUseProgram(background_.name());
-    set(background_, "top", vector_of(scene.background_top_));
-    set(background_, "bottom", vector_of(scene.background_bottom_));
+    set(background_, "top", vector_of(backdrop.top));
+    set(background_, "bottom", vector_of(backdrop.bottom));
     glBindVertexArray(nothing_.name());
     glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-void GlPainter::draw_surface(const GlScene::Surface& surface) const
-{
-    set(surface_, "own", vector_of(surface.color));
-    set(surface_, "opacity", surface.opacity);
-    glUniform1i(glGetUniformLocation(surface_.name(), "lit"),
-                surface.lighting == Lighting::lit ? 1 : 0);
-    glBindVertexArray(surface.array.name());
-    glDrawArrays(GL_TRIANGLES, 0, surface.vertices);
-}
-
-void GlPainter::draw_lines(const GlScene::Lines& lines, const Eigen::Matrix4d& clip, ViewSize size,
-                           const Vec2& depth_of_nearness, double lift) const
-{
-    glUseProgram(line_.name());
-    set(line_, "clip", clip);
-    set(line_, "size", Vec2(size.width, size.height));
-    set(line_, "width", static_cast<float>(lines.width));
-    set(line_, "lift", static_cast<float>(lift));
-    set(line_, "depth_of_nearness", depth_of_nearness);
-    set(line_, "own", vector_of(lines.color));
-    set(line_, "opacity", lines.opacity);
-    glBindVertexArray(lines.array.name());
-    glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, lines.segments);
-}
-
-void GlPainter::draw_labels(const GlScene& scene, const View& view, ViewSize size) const
+void GlPainter::draw_labels(const GlLayer& layer, const Frame& frame) const
 {
     // Pixels from the upper left corner to clip coordinates.
     Eigen::Matrix4d clip = Eigen::Matrix4d::Identity();
-    clip(0, 0) = 2.0 / size.width;
-    clip(1, 1) = -2.0 / size.height;
+    clip(0, 0) = 2.0 / frame.size.width;
+    clip(1, 1) = -2.0 / frame.size.height;
     clip(0, 3) = -1.0;
     clip(1, 3) = 1.0;
-    for (const SceneLabel& label : scene.labels_) {
-        const ScreenPoint at = view.project(label.at);
+    for (const SceneLabel& label : layer.scene->labels_) {
+        const ScreenPoint at = frame.view.project(layer.pose(label.at));
         std::vector<float> values;
         for (const auto& [from, to] : text_strokes(label.text, at.x, at.y, label.style)) {
             append(values, {from.x(), from.y(), 0.0});
@@ -334,7 +429,8 @@ void GlPainter::draw_labels(const GlScene& scene, const View& view, ViewSize siz
         GlScene::Lines lines = GlScene::upload_segments(values);
         lines.color = srgb(label.style.color);
         lines.width = stroke_width(label.style);
-        draw_lines(lines, clip, size, Vec2::Zero(), 0.0);
+        const GlLayer upright = {.scene = layer.scene};
+        frame.draw(upright, lines, clip, Vec2::Zero(), 0.0);
     }
 }
 

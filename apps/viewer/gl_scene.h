@@ -7,6 +7,7 @@
 
 #include "viewer/camera.h"
 #include "viewer/gl_objects.h"
+#include "viewer/layers.h"
 #include "viewer/scene.h"
 
 #include <vector>
@@ -17,6 +18,9 @@ namespace proxima {
 class GlScene {
 public:
     explicit GlScene(const Scene& scene);
+
+    /// Of the buffers.
+    [[nodiscard]] std::size_t bytes() const noexcept { return bytes_; }
 
 private:
     friend class GlPainter;
@@ -29,6 +33,7 @@ private:
         Color color;
         float opacity = 1.0F;
         Lighting lighting = Lighting::lit;
+        double lift = 0.0;
     };
     struct Lines {
         GlVertexArray array;
@@ -43,11 +48,20 @@ private:
 
     Vec3 origin_ = Vec3::Zero();
     double radius_ = 1.0;
-    Color background_top_;
-    Color background_bottom_;
+    std::size_t bytes_ = 0;
+    Backdrop backdrop_;
     std::vector<Surface> surfaces_;
     std::vector<Lines> lines_;
     std::vector<SceneLabel> labels_;
+};
+
+/// An uploaded scene and how it stands: SceneLayer, but for the scene.
+struct GlLayer {
+    const GlScene* scene = nullptr;
+    RigidTransform pose = {};
+    std::optional<Color> color = {};
+    float opacity = 1.0F;
+    std::optional<HalfSpace> cut = {};
 };
 
 /// The shaders. Draws opaque surfaces and lines with depth, then glass from far to near.
@@ -59,12 +73,17 @@ public:
     /// Into the framebuffer that is bound: its colours in sRGB, with depth.
     void draw(const GlScene& scene, const OrbitCamera& camera, ViewSize size) const;
 
+    /// The same of several.
+    void draw(std::span<const GlLayer> layers, const Backdrop& backdrop, const OrbitCamera& camera,
+              ViewSize size) const;
+
 private:
-    void draw_background(const GlScene& scene) const;
-    void draw_lines(const GlScene::Lines& lines, const Eigen::Matrix4d& clip, ViewSize size,
-                    const Vec2& depth_of_nearness, double lift) const;
-    void draw_surface(const GlScene::Surface& surface) const;
-    void draw_labels(const GlScene& scene, const View& view, ViewSize size) const;
+    class Frame;
+
+    void draw_background(const Backdrop& backdrop) const;
+    void draw_labels(const GlLayer& layer, const Frame& frame) const;
+
+    static void set_cut(const GlProgram& program, const GlLayer& layer);
 
     GlProgram background_;
     GlProgram surface_;

@@ -30,6 +30,7 @@ struct SceneSurface {
     Color color = Color::Ones();
     float opacity = 1.0F;
     Lighting lighting = Lighting::lit;
+    double lift = 0.0; ///< how much nearer it counts, as part: over a surface that it lies on
 };
 
 /// Segments of one colour.

@@ -17,6 +17,7 @@ SceneSurface& new_surface(Scene& scene, const ShapeStyle& style)
     surface.color = style.color;
     surface.opacity = style.opacity;
     surface.lighting = style.lighting;
+    surface.lift = style.lift;
     return scene.surfaces.emplace_back(std::move(surface));
 }
 

@@ -17,6 +17,7 @@ struct ShapeStyle {
     float opacity = 1.0F;
     Lighting lighting = Lighting::lit;
     Smoothing smoothing = Smoothing::flat;
+    double lift = 0.0;
 };
 
 struct EdgeStyle {

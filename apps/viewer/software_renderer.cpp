@@ -92,7 +92,10 @@ private:
     {
         const Shading shading(surface, view, lamps);
         std::vector<ScreenPoint> seen;
-        for (const Vec3& position : surface.positions) seen.push_back(view.project(position));
+        for (const Vec3& position : surface.positions) {
+            seen.push_back(view.project(position));
+            seen.back().nearness *= 1.0 + surface.lift;
+        }
         for (const TriangleCorners& triangle : surface.triangles) {
             const ScreenPoint& a = seen[triangle[0]];
             const ScreenPoint& b = seen[triangle[1]];

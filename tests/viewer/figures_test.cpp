@@ -10,6 +10,7 @@
 #include "viewer/figures/octree_figures.h"
 #include "viewer/figures/query_figures.h"
 #include "viewer/figures/ray_figures.h"
+#include "viewer/query_shapes.h"
 #include "viewer/figures/voronoi_figures.h"
 
 #include <algorithm>

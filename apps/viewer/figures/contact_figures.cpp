@@ -1,12 +1,12 @@
 // Figures 5.2 and 5.4: what lies near a cursor, and where two meshes meet.
 #include "proxima/mesh/sample_meshes.h"
-#include "proxima/mesh/sub_mesh.h"
 #include "proxima/octree/build_octree.h"
 #include "proxima/proximity/neighbourhood.h"
 #include "proxima/proximity/thesis_closest.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/query_figures.h"
 #include "viewer/figures/scene_figure.h"
+#include "viewer/query_shapes.h"
 
 #include <algorithm>
 #include <array>
@@ -18,21 +18,6 @@ namespace proxima {
 namespace {
 
 const OrbitCamera contact_camera = {.azimuth = 0.5, .elevation = 0.32};
-
-/// The triangles of the mesh that are not named. \pre named is ascending
-std::vector<TriangleId> all_but(const TriangleMesh& mesh, std::span<const TriangleId> named)
-{
-    std::vector<TriangleId> rest;
-    for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i)
-        if (!std::ranges::binary_search(named, TriangleId{i})) rest.push_back(TriangleId{i});
-    return rest;
-}
-
-void add_part(Scene& scene, const TriangleMesh& mesh, std::span<const TriangleId> triangles,
-              const ShapeStyle& style)
-{
-    if (!triangles.empty()) add_mesh(scene, sub_mesh(mesh, triangles), style);
-}
 
 /// A little above the middle of the triangle that faces the camera most, somewhat to the right.
 Vec3 place_above_a_triangle(const TriangleMesh& mesh)
@@ -49,18 +34,6 @@ Vec3 place_above_a_triangle(const TriangleMesh& mesh)
         best = (triangle[0] + triangle[1] + triangle[2]) / 3.0 + height * normal;
     }
     return best;
-}
-
-std::vector<Box> boxes_of_leaves(const Octree& octree, const std::vector<LeafPair>& pairs,
-                                 Cell LeafPair::*side)
-{
-    std::vector<Cell> cells;
-    for (const LeafPair& pair : pairs) cells.push_back(pair.*side);
-    std::ranges::sort(cells, {}, &Cell::key);
-    cells.erase(std::ranges::unique(cells, {}, &Cell::key).begin(), cells.end());
-    std::vector<Box> boxes;
-    for (const Cell& cell : cells) boxes.push_back(octree.box(cell));
-    return boxes;
 }
 
 } // namespace

@@ -6,46 +6,15 @@
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/query_figures.h"
 #include "viewer/figures/scene_figure.h"
+#include "viewer/query_shapes.h"
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <fmt/core.h>
 #include <numbers>
 
 namespace proxima {
 namespace {
-
-/// The corners of a camera's volume, near ones first, each four in a circle.
-std::array<Vec3, 8> frustum_corners(const PerspectiveCamera& camera)
-{
-    const Vec3 forward = camera.forward.normalized();
-    const Vec3 right = forward.cross(camera.up).normalized();
-    const Vec3 up = right.cross(forward);
-    const double slope = std::tan(0.5 * camera.field_of_view);
-    std::array<Vec3, 8> corners;
-    for (std::size_t i = 0; i < 8; ++i) {
-        const double depth = i < 4 ? camera.near : camera.far;
-        const double x = (i + 1) % 4 < 2 ? -1.0 : 1.0; // -1, 1, 1, -1
-        const double y = i % 4 < 2 ? -1.0 : 1.0;       // -1, -1, 1, 1
-        corners[i] = camera.eye + depth * (forward + slope * (camera.aspect * x * right + y * up));
-    }
-    return corners;
-}
-
-void add_frustum(Scene& scene, const PerspectiveCamera& camera)
-{
-    const auto corners = frustum_corners(camera);
-    SceneLines lines{"frustum", {}, srgb(figure_colors::red), 2.5};
-    for (std::size_t i = 0; i < 4; ++i) {
-        const std::size_t next = (i + 1) % 4;
-        lines.segments.push_back({corners[i], corners[next]});
-        lines.segments.push_back({corners[4 + i], corners[4 + next]});
-        lines.segments.push_back({corners[i], corners[4 + i]});
-        lines.segments.push_back({camera.eye, corners[i]});
-    }
-    scene.lines.push_back(std::move(lines));
-}
 
 Scene culling_scene(const CulledShip& ship)
 {
@@ -63,7 +32,8 @@ Scene culling_scene(const CulledShip& ship)
     for (const Cell& cell : ship.cells) boxes.push_back(ship.octree.box(cell));
     add_box_edges(scene, boxes,
                   {.name = "cells", .color = srgb(figure_colors::green), .opacity = 0.75F});
-    add_frustum(scene, ship.camera);
+    add_frustum(scene, ship.camera,
+                {.name = "frustum", .color = srgb(figure_colors::red), .width = 2.5});
     return scene;
 }
 

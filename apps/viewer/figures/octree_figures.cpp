@@ -33,6 +33,12 @@ OctreeOptions options_for(int depth, const FigureContext& context)
     return {.max_depth = depth, .threads = context.threads, .progress = context.progress};
 }
 
+/// "1 cell", "9 cells".
+std::string counted(std::uint64_t count, const char* one, const char* more)
+{
+    return fmt::format("{} {}", count, count == 1 ? one : more);
+}
+
 /// A panel for each depth, and what the leaves are in words.
 Result<std::string> add_depths(FigureContent& content, const TriangleMesh& mesh,
                                std::span<const int> depths, const FigureContext& context)
@@ -43,16 +49,18 @@ Result<std::string> add_depths(FigureContent& content, const TriangleMesh& mesh,
         if (!octree) return tl::unexpected(octree.error());
         const OctreeStatistics statistics = octree_statistics(*octree);
         auto panel = picture_of(*octree, mesh, UpAxis::z,
-                                fmt::format("depth {}: {} cells, {} leaves hold triangles", depth,
-                                            statistics.total, statistics.boundary),
+                                fmt::format("depth {}: {}, {}", depth,
+                                            counted(statistics.total, "cell", "cells"),
+                                            counted(statistics.boundary, "leaf holds triangles",
+                                                    "leaves hold triangles")),
                                 context);
         if (!panel) return tl::unexpected(panel.error());
         content.panels.emplace_back(std::move(*panel));
-        counts +=
-            fmt::format("{}depth {}: {} cells, {} leaves, {:.1f} % of them occupied, {} "
-                        "references",
-                        counts.empty() ? "" : "; ", depth, statistics.total, statistics.leaves,
-                        statistics.occupied_percent, statistics.references);
+        counts += fmt::format("{}depth {}: {}, {}, {:.1f} % of them occupied, {} references",
+                              counts.empty() ? "" : "; ", depth,
+                              counted(statistics.total, "cell", "cells"),
+                              counted(statistics.leaves, "leaf", "leaves"),
+                              statistics.occupied_percent, statistics.references);
     }
     return counts;
 }

@@ -5,6 +5,7 @@
 #include "proxima/octree/build_octree.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/scene_figure.h"
+#include "viewer/query_shapes.h"
 
 #include <algorithm>
 #include <array>
@@ -22,12 +23,6 @@ Result<LitCells> lit_cells(TriangleMesh mesh, const Ray& ray, const OctreeOption
     if (!octree) return tl::unexpected(octree.error());
     auto cells = cells_along_ray(*octree, ray);
     return LitCells{std::move(mesh), std::move(*octree), ray, std::move(cells)};
-}
-
-double chord_weight(const Octree& octree, const CellOnRay& cell)
-{
-    // No chord is longer than the cell's diagonal.
-    return cell.chord / octree.box(cell.cell).extent().norm();
 }
 
 /// The part of the mesh behind the ray, seen by the camera: in front of it the cells are.
@@ -73,16 +68,6 @@ ScenePanel lit_panel(std::string title, const LitCells& lit, const Weight& weigh
 }
 
 } // namespace
-
-Color intensity_color(double weight)
-{
-    // Even steps of weight look like even steps: the scale is that of sRGB, not of light.
-    const double part = std::clamp(weight, 0.0, 1.0);
-    const auto channel = [&](unsigned full) {
-        return static_cast<unsigned>(std::lround(part * full));
-    };
-    return srgb(channel(0xFF) << 16U | channel(0xDC) << 8U | channel(0x2E));
-}
 
 Result<LitCells> fully_lit_cells(const FigureContext& context)
 {

@@ -23,9 +23,6 @@ struct LitCells {
 /// Figure 5.6: a slanted ray through an adaptive one.
 [[nodiscard]] Result<LitCells> variously_lit_cells(const FigureContext& context);
 
-/// From black at 0 to yellow at 1.
-[[nodiscard]] Color intensity_color(double weight);
-
 [[nodiscard]] Result<FigureContent> figure_5_5(const FigureContext& context);
 [[nodiscard]] Result<FigureContent> figure_5_6(const FigureContext& context);
 

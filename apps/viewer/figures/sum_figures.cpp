@@ -5,6 +5,7 @@
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/minkowski_figures.h"
 #include "viewer/figures/scene_figure.h"
+#include "viewer/query_shapes.h"
 
 #include <array>
 #include <fmt/core.h>
@@ -14,14 +15,6 @@ namespace {
 
 constexpr double octahedron_size = 0.55; // the cube's half edge is 1
 const OrbitCamera sum_camera = {.azimuth = 0.55, .elevation = 0.42};
-
-std::vector<std::uint32_t> facets_of(const MinkowskiSum& sum, FacetOrigin origin)
-{
-    std::vector<std::uint32_t> facets;
-    for (std::uint32_t f = 0; f < sum.facet_count(); ++f)
-        if (sum.facet(f).origin == origin) facets.push_back(f);
-    return facets;
-}
 
 /// A copy of B at each corner of A.
 Status add_copies(Scene& scene, const MinkowskiSum& sum, float opacity)

@@ -1,0 +1,47 @@
+// What panels ask of a person, whoever asks: a window draws widgets, the command line takes
+// --set NAME=VALUE, tests press what they like. A name means one thing wherever it is offered.
+//
+//     void CullingPanel::offer(Controls& controls) {
+//         controls.number("field of view", degrees_, 5.0, 120.0);
+//         choose(controls, "mode", mode_, {"conservative", "exact"});
+//     }
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <string_view>
+#include <type_traits>
+
+namespace proxima {
+
+class Controls {
+public:
+    Controls() = default;
+    Controls(const Controls&) = delete;
+    Controls& operator=(const Controls&) = delete;
+    virtual ~Controls() = default;
+
+    /// Each returns true where the person changed the value just now. Values stay in their range.
+    virtual bool toggle(std::string_view name, bool& value) = 0;
+    virtual bool number(std::string_view name, int& value, int least, int most) = 0;
+    virtual bool number(std::string_view name, double& value, double least, double most) = 0;
+    virtual bool choice(std::string_view name, std::size_t& value,
+                        std::span<const std::string_view> words) = 0;
+    /// True where it was pressed just now.
+    virtual bool button(std::string_view name) = 0;
+};
+
+/// A choice between the values 0, 1, ... of an enum.
+template <class Enum, std::size_t N>
+bool choose(Controls& controls, std::string_view name, Enum& value,
+            const std::array<std::string_view, N>& words)
+{
+    static_assert(std::is_enum_v<Enum>);
+    auto number = static_cast<std::size_t>(value);
+    if (!controls.choice(name, number, words)) return false;
+    value = static_cast<Enum>(number);
+    return true;
+}
+
+} // namespace proxima

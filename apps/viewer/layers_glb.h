@@ -1,0 +1,17 @@
+// What is shown as binary glTF, for other programs.
+#pragma once
+
+#include "proxima/base/progress.h"
+#include "proxima/base/result.h"
+#include "viewer/scene.h"
+
+#include <filesystem>
+
+namespace proxima {
+
+/// Surfaces and lines of the scene, a node each, by their names; labels are left out, and so is how
+/// clear a surface is. Errors as write_glb: limit_exceeded, file_not_writable, cancelled.
+[[nodiscard]] Status export_scene(const Scene& scene, const std::filesystem::path& path,
+                                  Progress* progress = nullptr);
+
+} // namespace proxima

@@ -1,0 +1,182 @@
+#include "viewer/named_settings.h"
+
+#include "proxima/base/text.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <optional>
+
+namespace proxima {
+namespace {
+
+std::string joined(std::span<const std::string_view> words)
+{
+    std::string text;
+    for (const std::string_view word : words) text += concat(text.empty() ? "" : ", ", word);
+    return text;
+}
+
+template <class T>
+std::optional<T> parse(std::string_view text)
+{
+    T value{};
+    const char* const end = text.data() + text.size();
+    const auto [stopped, error] = std::from_chars(text.data(), end, value);
+    if (error != std::errc{} || stopped != end) return std::nullopt;
+    return value;
+}
+
+/// Gives each setting to the control of its name, once.
+class SettingControls final : public Controls {
+public:
+    explicit SettingControls(std::map<std::string, std::string, std::less<>>& settings)
+        : settings_(settings)
+    {}
+
+    bool toggle(std::string_view name, bool& value) override
+    {
+        const auto text = take(name);
+        if (!text) return false;
+        if (*text != "on" && *text != "off") return refuse(name, *text, "on or off");
+        value = *text == "on";
+        return true;
+    }
+    bool number(std::string_view name, int& value, int least, int most) override
+    {
+        return take_number(name, value, least, most);
+    }
+    bool number(std::string_view name, double& value, double least, double most) override
+    {
+        return take_number(name, value, least, most);
+    }
+    bool choice(std::string_view name, std::size_t& value,
+                std::span<const std::string_view> words) override
+    {
+        const auto text = take(name);
+        if (!text) return false;
+        const auto found = std::ranges::find(words, *text);
+        if (found == words.end()) return refuse(name, *text, joined(words));
+        value = static_cast<std::size_t>(found - words.begin());
+        return true;
+    }
+    bool button(std::string_view name) override
+    {
+        const auto text = take(name);
+        if (!text) return false;
+        if (*text != "press") return refuse(name, *text, "press: it is a button");
+        return true;
+    }
+
+    [[nodiscard]] bool took_any() const noexcept { return took_any_; }
+    [[nodiscard]] const std::optional<Error>& error() const noexcept { return error_; }
+    [[nodiscard]] const std::string& names() const noexcept { return names_; }
+
+private:
+    std::optional<std::string> take(std::string_view name)
+    {
+        names_ += concat(names_.empty() ? "" : ", ", name);
+        const auto found = settings_.find(name);
+        if (found == settings_.end()) return std::nullopt;
+        std::string text = std::move(found->second);
+        settings_.erase(found);
+        took_any_ = true;
+        return text;
+    }
+
+    template <class T>
+    bool take_number(std::string_view name, T& value, T least, T most)
+    {
+        const auto text = take(name);
+        if (!text) return false;
+        const auto number = parse<T>(*text);
+        if (!number || !(*number >= least && *number <= most))
+            return refuse(name, *text, concat("a number from ", least, " to ", most));
+        value = *number;
+        return true;
+    }
+
+    bool refuse(std::string_view name, const std::string& text, const std::string& wanted)
+    {
+        if (!error_) {
+            error_ = Error{ErrorCode::invalid_argument,
+                           concat('"', text, "\" does not fit \"", name, "\": ", wanted),
+                           {}};
+        }
+        return false;
+    }
+
+    std::map<std::string, std::string, std::less<>>& settings_;
+    bool took_any_ = false;
+    std::optional<Error> error_;
+    std::string names_;
+};
+
+/// Writes down what is offered.
+class ListingControls final : public Controls {
+public:
+    bool toggle(std::string_view name, bool& value) override
+    {
+        return add(concat(name, " = ", value ? "on" : "off", " (on, off)"));
+    }
+    bool number(std::string_view name, int& value, int least, int most) override
+    {
+        return add(concat(name, " = ", value, " (", least, " to ", most, ")"));
+    }
+    bool number(std::string_view name, double& value, double least, double most) override
+    {
+        return add(concat(name, " = ", value, " (", least, " to ", most, ")"));
+    }
+    bool choice(std::string_view name, std::size_t& value,
+                std::span<const std::string_view> words) override
+    {
+        return add(concat(name, " = ", value < words.size() ? words[value] : "", " (",
+                          joined(words), ")"));
+    }
+    bool button(std::string_view name) override { return add(concat(name, " (press)")); }
+
+    std::vector<std::string> lines;
+
+private:
+    bool add(std::string line)
+    {
+        lines.push_back(std::move(line));
+        return false;
+    }
+};
+
+} // namespace
+
+Status apply_settings(const std::vector<std::string>& settings,
+                      const std::function<void(Controls&)>& offer)
+{
+    std::map<std::string, std::string, std::less<>> left;
+    for (const std::string& setting : settings) {
+        const std::size_t sign = setting.find('=');
+        if (sign == std::string::npos || sign == 0) {
+            return fail(ErrorCode::invalid_argument,
+                        concat('"', setting, "\" is no setting: write NAME=VALUE"));
+        }
+        left[setting.substr(0, sign)] = setting.substr(sign + 1);
+    }
+    while (!left.empty()) {
+        SettingControls controls(left);
+        offer(controls);
+        if (controls.error()) return tl::unexpected(*controls.error());
+        if (!controls.took_any()) {
+            return fail(ErrorCode::invalid_argument,
+                        concat('"', left.begin()->first, "\" is no setting here: they are ",
+                               controls.names()));
+        }
+    }
+    return {};
+}
+
+std::vector<std::string> describe_controls(const std::function<void(Controls&)>& offer)
+{
+    ListingControls controls;
+    offer(controls);
+    return controls.lines;
+}
+
+} // namespace proxima

@@ -1,0 +1,152 @@
+// The feature of a model closest to a cursor, its neighbours, and the leaf that knew: figure 5.2.
+#include "proxima/proximity/closest_feature.h"
+#include "proxima/proximity/neighbourhood.h"
+#include "viewer/figures/figure_colors.h"
+#include "viewer/panels/panels.h"
+#include "viewer/panels/placed_point.h"
+#include "viewer/query_shapes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/core.h>
+
+namespace proxima {
+namespace {
+
+struct Settings {
+    int model = 1;
+    int rings = 1;
+    bool leaf = true;
+    bool listed = false;
+    PlacedPoint cursor;
+};
+
+std::shared_ptr<const Scene> closest_scene(const ViewModel& model, const Settings& settings,
+                                           const ClosestFeature& closest,
+                                           std::span<const TriangleId> patch,
+                                           const std::optional<ProximityLeaf>& leaf)
+{
+    const double size = model.box.extent().norm();
+    auto scene = std::make_shared<Scene>();
+    if (settings.listed && leaf) {
+        add_part(*scene, model.mesh, leaf->listed,
+                 {.name = "listed", .color = srgb(0xF2D9A0), .lift = 2e-4});
+    }
+    add_part(*scene, model.mesh, patch,
+             {.name = "patch", .color = srgb(figure_colors::blue), .lift = 5e-4});
+    add_feature(*scene, model, closest.feature, 0.012 * size, srgb(figure_colors::red));
+    if (settings.leaf && leaf) {
+        add_box(*scene, leaf->box,
+                {.name = "leaf", .color = srgb(figure_colors::green), .opacity = 0.2F});
+        add_box_edges(*scene, std::array{leaf->box},
+                      {.name = "leaf", .color = srgb(figure_colors::green), .width = 2.0});
+    }
+    add_ball(*scene, settings.cursor.at, 0.01 * size,
+             {.name = "cursor", .color = srgb(figure_colors::ink)});
+    scene->lines.push_back(
+        {"distance", {{settings.cursor.at, closest.point}}, srgb(figure_colors::ink), 2.0});
+    return scene;
+}
+
+class ClosestPanel final : public Panel {
+public:
+    explicit ClosestPanel(std::shared_ptr<SharedProximity> proximity)
+        : proximity_(std::move(proximity))
+    {}
+
+    [[nodiscard]] std::string_view name() const override { return "closest"; }
+    [[nodiscard]] std::string_view purpose() const override
+    {
+        return "The feature closest to the cursor in red, the triangles round it in blue, the leaf "
+               "of the proximity octree in green. Drag the ring; a click puts the cursor above a "
+               "place.";
+    }
+
+    void models_changed(const ViewModels& models) override
+    {
+        models_ = models;
+        settings_.model = std::clamp(settings_.model, 1, static_cast<int>(models.size()));
+        const Box& box = model()->box;
+        settings_.cursor.place(box.center() +
+                               0.34 * box.extent().norm() * Vec3(0.66, -0.58, 0.45).normalized());
+    }
+
+    void offer(Controls& controls) override
+    {
+        if (models_.size() > 1)
+            controls.number("model", settings_.model, 1, static_cast<int>(models_.size()));
+        controls.number("rings", settings_.rings, 0, 8);
+        controls.toggle("leaf", settings_.leaf);
+        controls.toggle("listed", settings_.listed);
+        settings_.cursor.offer(controls, "cursor", models_);
+    }
+
+    [[nodiscard]] std::vector<Vec3> handles() const override { return {settings_.cursor.at}; }
+    void move_handle(std::size_t /*handle*/, const Vec3& to) override { settings_.cursor.set(to); }
+
+    bool picked(const PickedPlace& place) override
+    {
+        settings_.model = static_cast<int>(place.model) + 1;
+        const ViewModel& picked = *models_[place.model];
+        const Vec3 normal = scaled_normal(picked.mesh.triangle(place.triangle)).stableNormalized();
+        settings_.cursor.set(place.point + 0.06 * picked.box.extent().norm() * normal);
+        return true;
+    }
+
+    [[nodiscard]] PanelTask task(const ViewModels& models) const override
+    {
+        return [models, model = model(), settings = settings_,
+                proximity = proximity_](const WorkContext& context) -> Result<PanelPicture> {
+            const auto octree = proximity_of(*proximity, model, context);
+            if (!octree) return tl::unexpected(octree.error());
+            QuerySteps steps;
+            const ClosestFeature closest = closest_feature(**octree, settings.cursor.at, steps);
+            NeighbourhoodScratch scratch(model->mesh);
+            std::vector<TriangleId> patch(model->mesh.triangle_count());
+            const Neighbourhood near = collect_rings(model->mesh, model->topology, closest.feature,
+                                                     settings.rings, scratch, patch);
+            patch.resize(near.count);
+            if (closest.feature.kind == FeatureKind::face) std::erase(patch, closest.triangle);
+            std::ranges::sort(patch);
+            const auto leaf = leaf_at(**octree, settings.cursor.at);
+            PanelPicture picture;
+            picture.layers = model_layers(models, Smoothing::flat);
+            picture.layers.push_back({closest_scene(*model, settings, closest, patch, leaf)});
+            picture.facts = {
+                {"closest", words_for(closest.feature)},
+                {"distance", fmt::format("{:.6g}", std::sqrt(closest.squared_distance))},
+                {"point", fmt::format("{:.4g}, {:.4g}, {:.4g}", closest.point.x(),
+                                      closest.point.y(), closest.point.z())},
+                {"triangle", fmt::format("{}", index(closest.triangle))},
+                {"patch", fmt::format("{} triangles in {} rings", near.count, settings.rings)},
+                {"leaf", leaf ? fmt::format("depth {}, {} triangles listed", leaf->depth,
+                                            leaf->listed.size())
+                              : "outside of the root"},
+                {"steps of the query", fmt::format("{} words, {} blocks, {} rechecks", steps.steps,
+                                                   steps.blocks, steps.rechecks)},
+                {"worst case",
+                 fmt::format("{} words, {} blocks", (*octree)->statistics().worst_case_steps,
+                             (*octree)->statistics().worst_case_blocks)}};
+            return picture;
+        };
+    }
+
+private:
+    [[nodiscard]] const std::shared_ptr<const ViewModel>& model() const
+    {
+        return models_[static_cast<std::size_t>(settings_.model - 1)];
+    }
+
+    Settings settings_;
+    ViewModels models_;
+    std::shared_ptr<SharedProximity> proximity_;
+};
+
+} // namespace
+
+std::unique_ptr<Panel> make_closest_panel(std::shared_ptr<SharedProximity> proximity)
+{
+    return std::make_unique<ClosestPanel>(std::move(proximity));
+}
+
+} // namespace proxima

@@ -1,0 +1,147 @@
+// Two meshes, one of them moved: leaves that meet, their triangles, and the contour: figure 5.4.
+#include "proxima/query/intersect_meshes.h"
+#include "proxima/query/intersection_contour.h"
+#include "viewer/panels/panels.h"
+#include "viewer/panels/placed_point.h"
+#include "viewer/panels/shared_octree.h"
+#include "viewer/query_shapes.h"
+
+#include <fmt/core.h>
+#include <numbers>
+
+namespace proxima {
+namespace {
+
+struct Settings {
+    int depth = 5;
+    int threshold = 8;
+    double turn = 25.0; ///< degrees about the axis up
+    double tilt = 30.0; ///< degrees about an axis across
+    bool leaves = true;
+    bool contour = true;
+    PlacedPoint place; ///< of B's centre
+};
+
+RigidTransform pose_of(const Settings& settings, const ViewModel& b)
+{
+    constexpr double degree = std::numbers::pi / 180.0;
+    const Eigen::AngleAxisd turn(settings.turn * degree, b.up);
+    const Eigen::AngleAxisd tilt(settings.tilt * degree, b.up.unitOrthogonal());
+    RigidTransform pose;
+    pose.rotation = (turn * tilt).toRotationMatrix();
+    pose.translation = settings.place.at - pose.rotation * b.box.center();
+    return pose;
+}
+
+SceneLines contour_lines(const IntersectionContour& contour)
+{
+    SceneLines lines{"contour", {}, srgb(0x102A6B), 4.0};
+    for (const ContourLine& line : contour.lines) {
+        const auto along = contour.points_of(line);
+        for (std::size_t i = line.closed ? 0 : 1; i < along.size(); ++i) {
+            const Vec3& before = along[(i + along.size() - 1) % along.size()].position;
+            lines.segments.push_back({before, along[i].position});
+        }
+    }
+    return lines;
+}
+
+class IntersectionPanel final : public Panel {
+public:
+    [[nodiscard]] std::string_view name() const override { return "intersection"; }
+    [[nodiscard]] std::string_view purpose() const override
+    {
+        return "The first model and the second, or the first again, moved: leaves of their octrees "
+               "that meet, red and green, the triangles in them yellow, and the contour. Drag the "
+               "ring to move the second.";
+    }
+
+    void models_changed(const ViewModels& models) override
+    {
+        models_ = models;
+        kept_a_ = std::make_shared<KeptOctree>();
+        kept_b_ = std::make_shared<KeptOctree>();
+        const Box& box = models.front()->box;
+        settings_.place.place(box.center() + box.extent().cwiseProduct(Vec3(0.42, 0.25, 0.15)));
+    }
+
+    void offer(Controls& controls) override
+    {
+        controls.number("depth", settings_.depth, 0, 10);
+        controls.number("threshold", settings_.threshold, 1, 1000);
+        settings_.place.offer(controls, "place", models_);
+        controls.number("turn", settings_.turn, -180.0, 180.0);
+        controls.number("tilt", settings_.tilt, -180.0, 180.0);
+        controls.toggle("leaves", settings_.leaves);
+        controls.toggle("contour", settings_.contour);
+    }
+
+    [[nodiscard]] std::vector<Vec3> handles() const override { return {settings_.place.at}; }
+    void move_handle(std::size_t /*handle*/, const Vec3& to) override { settings_.place.set(to); }
+
+    [[nodiscard]] PanelTask task(const ViewModels& models) const override
+    {
+        return [a = models.front(), b = models.size() > 1 ? models[1] : models.front(),
+                settings = settings_, kept_a = kept_a_,
+                kept_b = kept_b_](const WorkContext& context) -> Result<PanelPicture> {
+            const OctreeChoice choice = {1, settings.depth, settings.threshold};
+            const auto octree_a = octree_of(*kept_a, choice, *a, context);
+            if (!octree_a) return tl::unexpected(octree_a.error());
+            const auto octree_b = octree_of(*kept_b, choice, *b, context);
+            if (!octree_b) return tl::unexpected(octree_b.error());
+            const RigidTransform pose = pose_of(settings, *b);
+            const auto leaves = intersecting_leaves(**octree_a, **octree_b, pose);
+            const auto candidates = candidate_triangles(**octree_a, **octree_b, leaves);
+            const auto pairs = intersecting_pairs(a->rays, b->rays, pose);
+            const auto contour = intersection_contour(a->mesh, b->mesh, pose, pairs);
+
+            PanelPicture picture;
+            picture.layers = {{.scene = a->flat, .color = srgb(0xEBD9D5)},
+                              {.scene = b->flat, .pose = pose, .color = srgb(0xD6E6D6)}};
+            auto of_a = std::make_shared<Scene>();
+            auto of_b = std::make_shared<Scene>();
+            const ShapeStyle yellow = {
+                .name = "triangles in leaves that meet", .color = srgb(0xF2C81E), .lift = 2e-4};
+            add_part(*of_a, a->mesh, candidates.a, yellow);
+            add_part(*of_b, b->mesh, candidates.b, yellow);
+            const auto boxes_a = boxes_of_leaves(**octree_a, leaves, &LeafPair::a);
+            const auto boxes_b = boxes_of_leaves(**octree_b, leaves, &LeafPair::b);
+            if (settings.leaves) {
+                add_box_edges(*of_a, boxes_a,
+                              {.name = "leaves of A", .color = srgb(0xC62828), .width = 1.3});
+                add_box_edges(*of_b, boxes_b,
+                              {.name = "leaves of B", .color = srgb(0x2E7D32), .width = 1.3});
+            }
+            if (settings.contour) of_a->lines.push_back(contour_lines(contour));
+            picture.layers.push_back({std::move(of_a)});
+            picture.layers.push_back({.scene = std::move(of_b), .pose = pose});
+            std::size_t closed = 0;
+            for (const ContourLine& line : contour.lines) closed += line.closed ? 1 : 0;
+            picture.facts = {
+                {"meet", pairs.empty() ? "no" : "yes"},
+                {"pairs of triangles", fmt::format("{}", pairs.size())},
+                {"pairs of leaves", fmt::format("{}", leaves.size())},
+                {"leaves", fmt::format("{} of A, {} of B", boxes_a.size(), boxes_b.size())},
+                {"triangles in them",
+                 fmt::format("{} of A, {} of B", candidates.a.size(), candidates.b.size())},
+                {"contour", fmt::format("{} lines, {} closed, {:.5g} long", contour.lines.size(),
+                                        closed, contour.length())}};
+            return picture;
+        };
+    }
+
+private:
+    Settings settings_;
+    ViewModels models_;
+    std::shared_ptr<KeptOctree> kept_a_ = std::make_shared<KeptOctree>();
+    std::shared_ptr<KeptOctree> kept_b_ = std::make_shared<KeptOctree>();
+};
+
+} // namespace
+
+std::unique_ptr<Panel> make_intersection_panel()
+{
+    return std::make_unique<IntersectionPanel>();
+}
+
+} // namespace proxima

@@ -1,0 +1,27 @@
+#include "viewer/panels/placed_point.h"
+
+#include "proxima/base/text.h"
+
+namespace proxima {
+
+void PlacedPoint::offer(Controls& controls, std::string_view name, const ViewModels& models)
+{
+    // Before there are models any number will do.
+    constexpr double anywhere = 1e12;
+    const Box box = bounding_box(models);
+    constexpr std::array axes = {" x", " y", " z"};
+    for (int axis = 0; axis < 3; ++axis) {
+        double least = -anywhere;
+        double most = anywhere;
+        if (!box.empty()) {
+            const double reach = 1.5 * box.extent().norm();
+            least = std::min(box.center()[axis] - reach, at[axis]);
+            most = std::max(box.center()[axis] + reach, at[axis]);
+        }
+        if (controls.number(concat(name, axes[static_cast<std::size_t>(axis)]), at[axis], least,
+                            most))
+            is_set = true;
+    }
+}
+
+} // namespace proxima

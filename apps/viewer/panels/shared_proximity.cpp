@@ -1,0 +1,84 @@
+#include "viewer/panels/shared_proximity.h"
+
+#include "proxima/base/text.h"
+#include "proxima/proximity/build_proximity_octree.h"
+#include "proxima/proximity/proximity_cells.h"
+#include "viewer/query_shapes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace proxima {
+
+Result<std::shared_ptr<const ProximityOctree>>
+proximity_of(SharedProximity& shared, const std::shared_ptr<const ViewModel>& model,
+             const WorkContext& context)
+{
+    return shared.get(model, [&] {
+        return build_proximity_octree(model->mesh, model->topology,
+                                      {.threads = context.threads, .progress = context.progress});
+    });
+}
+
+std::optional<ProximityLeaf> leaf_at(const ProximityOctree& octree, const Vec3& p)
+{
+    const RootFrame& frame = octree.frame();
+    const ProximityArrays& arrays = octree.arrays();
+    const auto root = root_word(arrays);
+    if (!root || !frame.contains(p)) return std::nullopt;
+    ProximityCell cell = {.word = *root};
+    Vec3 middle = frame.center;
+    double half = frame.half;
+    while (!proximity_word::is_leaf(cell.word)) {
+        half *= 0.5;
+        std::uint32_t octant = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+            const bool upper = p[axis] >= middle[axis];
+            if (upper) octant |= 1U << static_cast<unsigned>(axis);
+            middle[axis] += upper ? half : -half;
+        }
+        cell = child(arrays, cell, octant);
+    }
+    ProximityLeaf leaf;
+    leaf.box = {middle - Vec3::Constant(half), middle + Vec3::Constant(half)};
+    leaf.depth = cell.depth;
+    if (cell.word == proximity_word::search) return leaf;
+    std::vector<std::uint32_t> ranks;
+    read_list(arrays, cell.word, ranks);
+    for (const std::uint32_t rank : ranks) {
+        leaf.listed.push_back(TriangleId{arrays.float_rows.empty()
+                                             ? arrays.double_rows[rank].triangle_id()
+                                             : arrays.float_rows[rank].triangle_id()});
+    }
+    std::ranges::sort(leaf.listed);
+    return leaf;
+}
+
+std::string words_for(const Feature& feature)
+{
+    constexpr std::array kinds = {"vertex ", "edge ", "face "};
+    return concat(kinds[static_cast<std::size_t>(feature.kind)], feature.id);
+}
+
+void add_feature(Scene& scene, const ViewModel& model, const Feature& feature, double ball_radius,
+                 const Color& color)
+{
+    switch (feature.kind) {
+    case FeatureKind::vertex:
+        add_ball(scene, model.mesh.position(VertexId{feature.id}), ball_radius,
+                 {.name = "feature", .color = color, .lift = 2e-3});
+        return;
+    case FeatureKind::edge: {
+        const auto [a, b] = model.topology.vertices(EdgeId{feature.id});
+        scene.lines.push_back(
+            {"feature", {{model.mesh.position(a), model.mesh.position(b)}}, color, 6.0});
+        return;
+    }
+    case FeatureKind::face:
+        add_part(scene, model.mesh, std::array{TriangleId{feature.id}},
+                 {.name = "feature", .color = color, .lift = 1e-3});
+    }
+}
+
+} // namespace proxima

@@ -1,0 +1,38 @@
+// Proximity octrees of models, built once for all panels that ask them.
+#pragma once
+
+#include "proxima/geometry/shapes.h"
+#include "proxima/proximity/proximity_octree.h"
+#include "viewer/panel.h"
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace proxima {
+
+using SharedProximity = Kept<std::shared_ptr<const ViewModel>, ProximityOctree>;
+
+/// That of the model. Errors as build_proximity_octree.
+[[nodiscard]] Result<std::shared_ptr<const ProximityOctree>>
+proximity_of(SharedProximity& shared, const std::shared_ptr<const ViewModel>& model,
+             const WorkContext& context);
+
+/// A leaf of a proximity octree, and what it lists.
+struct ProximityLeaf {
+    Box box;
+    int depth = 0;
+    std::vector<TriangleId> listed; ///< ascending; none where queries search the tree
+};
+
+/// The leaf that holds the point; nothing outside of the root.
+[[nodiscard]] std::optional<ProximityLeaf> leaf_at(const ProximityOctree& octree, const Vec3& p);
+
+/// "face 17".
+[[nodiscard]] std::string words_for(const Feature& feature);
+
+/// The feature in a colour, over the mesh: a triangle, a line or a ball.
+void add_feature(Scene& scene, const ViewModel& model, const Feature& feature, double ball_radius,
+                 const Color& color);
+
+} // namespace proxima

@@ -1,0 +1,193 @@
+// Voronoi regions of a model's features, and the proximity octree that stores them: chapter 4.
+#include "proxima/proximity/feature_regions.h"
+#include "proxima/proximity/list_statistics.h"
+#include "viewer/figures/figure_colors.h"
+#include "viewer/panels/panels.h"
+#include "viewer/panels/placed_point.h"
+#include "viewer/query_shapes.h"
+
+#include <algorithm>
+#include <fmt/core.h>
+
+namespace proxima {
+namespace {
+
+struct Settings {
+    int model = 1;
+    FeatureKind kind = FeatureKind::vertex;
+    int number = 0;
+    double length = 0.5; ///< of the region's rays, per diagonal
+    bool region = true;
+    bool leaf = true;
+    PlacedPoint cursor;
+};
+
+std::size_t count_of(const ViewModel& model, FeatureKind kind)
+{
+    return kind == FeatureKind::vertex ? model.mesh.vertex_count()
+           : kind == FeatureKind::edge ? model.topology.edge_count()
+                                       : model.mesh.triangle_count();
+}
+
+Color color_of_kind(FeatureKind kind)
+{
+    return kind == FeatureKind::vertex ? srgb(0x4A7FD0)
+           : kind == FeatureKind::edge ? srgb(0x57B57A)
+                                       : srgb(0xEBC23B);
+}
+
+/// How many leaves list how many triangles.
+PanelPlot list_plot(const ProximityOctree& octree)
+{
+    const LeafLists lists = list_lengths(octree);
+    const ListStatistics statistics = list_statistics(lists.lengths);
+    PanelPlot plot = {"leaves by triangles listed", {}, true};
+    for (const double weight : statistics.weights)
+        plot.values.push_back(static_cast<float>(weight));
+    return plot;
+}
+
+void add_region(PanelPicture& picture, const ViewModel& model, const Settings& settings,
+                Feature feature)
+{
+    const double size = model.box.extent().norm();
+    auto scene = std::make_shared<Scene>();
+    add_feature(*scene, model, feature, 0.01 * size, srgb(figure_colors::red));
+    if (settings.region) {
+        const auto region =
+            voronoi_region_mesh(model.mesh, model.topology, feature, settings.length * size);
+        if (region) {
+            add_mesh(*scene, *region,
+                     {.name = "region", .color = color_of_kind(feature.kind), .opacity = 0.55F});
+            add_mesh_edges(*scene, *region,
+                           {.name = "region's edges", .color = srgb(0x333333), .width = 1.6});
+            picture.facts.push_back({"region", "drawn"});
+        } else {
+            picture.facts.push_back({"region", "none: " + region.error().message});
+        }
+    }
+    picture.layers.push_back({std::move(scene)});
+}
+
+void add_leaf(PanelPicture& picture, const ViewModel& model, const ProximityOctree& octree,
+              const Vec3& cursor)
+{
+    const auto leaf = leaf_at(octree, cursor);
+    auto scene = std::make_shared<Scene>();
+    add_ball(*scene, cursor, 0.01 * model.box.extent().norm(),
+             {.name = "cursor", .color = srgb(figure_colors::ink)});
+    if (leaf) {
+        add_part(*scene, model.mesh, leaf->listed,
+                 {.name = "listed", .color = srgb(0xF2A65A), .lift = 4e-4});
+        add_box(*scene, leaf->box,
+                {.name = "leaf", .color = srgb(figure_colors::green), .opacity = 0.2F});
+        add_box_edges(*scene, std::array{leaf->box},
+                      {.name = "leaf", .color = srgb(figure_colors::green), .width = 2.0});
+    }
+    picture.facts.push_back(
+        {"leaf under the cursor",
+         leaf ? fmt::format("depth {}, {} triangles", leaf->depth, leaf->listed.size())
+              : "outside of the root"});
+    picture.layers.push_back({std::move(scene)});
+}
+
+class VoronoiPanel final : public Panel {
+public:
+    explicit VoronoiPanel(std::shared_ptr<SharedProximity> proximity)
+        : proximity_(std::move(proximity))
+    {}
+
+    [[nodiscard]] std::string_view name() const override { return "voronoi"; }
+    [[nodiscard]] std::string_view purpose() const override
+    {
+        return "The Voronoi region of a feature: click near a corner, near a side or on a face. "
+               "The leaf of the proximity octree under the cursor, with the triangles that it "
+               "lists in orange; drag the ring.";
+    }
+
+    void models_changed(const ViewModels& models) override
+    {
+        models_ = models;
+        settings_.model = std::clamp(settings_.model, 1, static_cast<int>(models.size()));
+        settings_.number = std::min(settings_.number, most_number());
+        const Box& box = model()->box;
+        settings_.cursor.place(box.center() +
+                               0.36 * box.extent().norm() * Vec3(0.6, -0.5, 0.62).normalized());
+    }
+
+    void offer(Controls& controls) override
+    {
+        if (models_.size() > 1)
+            controls.number("model", settings_.model, 1, static_cast<int>(models_.size()));
+        if (choose(controls, "feature", settings_.kind,
+                   std::array<std::string_view, 3>{"vertex", "edge", "face"}))
+            settings_.number = std::min(settings_.number, most_number());
+        controls.number("number", settings_.number, 0, most_number());
+        controls.toggle("region", settings_.region);
+        controls.number("length", settings_.length, 0.05, 2.0);
+        controls.toggle("leaf", settings_.leaf);
+        settings_.cursor.offer(controls, "cursor", models_);
+    }
+
+    [[nodiscard]] std::vector<Vec3> handles() const override { return {settings_.cursor.at}; }
+    void move_handle(std::size_t /*handle*/, const Vec3& to) override { settings_.cursor.set(to); }
+
+    bool picked(const PickedPlace& place) override
+    {
+        settings_.model = static_cast<int>(place.model) + 1;
+        settings_.kind = place.nearest.kind;
+        settings_.number = static_cast<int>(place.nearest.id);
+        return true;
+    }
+
+    [[nodiscard]] PanelTask task(const ViewModels& models) const override
+    {
+        return [models, model = model(), settings = settings_,
+                proximity = proximity_](const WorkContext& context) -> Result<PanelPicture> {
+            const auto octree = proximity_of(*proximity, model, context);
+            if (!octree) return tl::unexpected(octree.error());
+            const Feature feature = {settings.kind, static_cast<std::uint32_t>(settings.number)};
+            PanelPicture picture;
+            picture.layers = model_layers(models, Smoothing::flat);
+            picture.facts.push_back({"feature", words_for(feature)});
+            add_region(picture, *model, settings, feature);
+            if (settings.leaf) add_leaf(picture, *model, **octree, settings.cursor.at);
+            const ProximityStatistics& s = (*octree)->statistics();
+            picture.facts.push_back({"leaves", fmt::format("{}", s.leaves)});
+            picture.facts.push_back({"deepest", fmt::format("{}", s.max_depth)});
+            picture.facts.push_back({"mean list", fmt::format("{:.2f}", s.mean_list)});
+            picture.facts.push_back({"longest list", fmt::format("{}", s.max_list)});
+            picture.facts.push_back(
+                {"memory",
+                 fmt::format("{:.2f} MB", 1e-6 * static_cast<double>((*octree)->bytes()))});
+            picture.plots.push_back(list_plot(**octree));
+            return picture;
+        };
+    }
+
+private:
+    [[nodiscard]] const std::shared_ptr<const ViewModel>& model() const
+    {
+        return models_[static_cast<std::size_t>(settings_.model - 1)];
+    }
+    /// Before there are models any number will do.
+    [[nodiscard]] int most_number() const
+    {
+        constexpr std::size_t most = 1U << 30U;
+        const std::size_t count = models_.empty() ? most : count_of(*model(), settings_.kind);
+        return static_cast<int>(std::min(count, most)) - 1;
+    }
+
+    Settings settings_;
+    ViewModels models_;
+    std::shared_ptr<SharedProximity> proximity_;
+};
+
+} // namespace
+
+std::unique_ptr<Panel> make_voronoi_panel(std::shared_ptr<SharedProximity> proximity)
+{
+    return std::make_unique<VoronoiPanel>(std::move(proximity));
+}
+
+} // namespace proxima

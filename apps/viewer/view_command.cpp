@@ -1,0 +1,189 @@
+// proxima view: models and what the library computes of them, in a window or as a picture.
+#include "cli/image.h"
+#include "cli/names.h"
+#include "proxima/base/text.h"
+#include "viewer/commands.h"
+#include "viewer/layers_glb.h"
+#include "viewer/named_settings.h"
+#include "viewer/renderer.h"
+#include "viewer/viewer.h"
+#include "viewer/window/view_window.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <fmt/core.h>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+namespace proxima {
+namespace {
+
+struct ViewOptions {
+    std::vector<std::string> models;
+    std::string panel = "model";
+    std::vector<std::string> settings;
+    std::string snapshot;
+    std::string glb;
+    ViewSize size = {.width = 1280, .height = 820};
+    bool opengl = false;
+    bool list_controls = false;
+    std::string state;
+    bool debug = false;
+
+    [[nodiscard]] bool needs_window() const { return snapshot.empty() && glb.empty(); }
+};
+
+std::optional<ViewSize> parse_size(const std::string& text)
+{
+    constexpr int most = 8192;
+    ViewSize size;
+    const char* const end = text.data() + text.size();
+    const auto [cross, error] = std::from_chars(text.data(), end, size.width);
+    if (error != std::errc{} || cross == end || *cross != 'x') return std::nullopt;
+    const auto [stop, wrong] = std::from_chars(cross + 1, end, size.height);
+    if (wrong != std::errc{} || stop != end) return std::nullopt;
+    if (std::min(size.width, size.height) < 1 || std::max(size.width, size.height) > most)
+        return std::nullopt;
+    return size;
+}
+
+Status prepare(Viewer& viewer, const ViewOptions& options)
+{
+    if (Status status = viewer.choose_panel(options.panel); !status) return status;
+    return apply_settings(options.settings, [&](Controls& controls) { viewer.offer(controls); });
+}
+
+/// What is wrong with panel and settings, found before anything is read.
+void check_usage(const ViewOptions& options)
+{
+    Viewer viewer;
+    if (const Status status = prepare(viewer, options); !status)
+        throw CLI::ValidationError("view", describe(status.error()));
+    if (!options.list_controls && options.models.empty()) throw CLI::RequiredError("MODEL");
+}
+
+nlohmann::ordered_json facts_of(const Viewer& viewer)
+{
+    nlohmann::ordered_json facts = nlohmann::ordered_json::object();
+    for (const PanelFact& fact : viewer.facts()) facts[fact.name] = fact.value;
+    return facts;
+}
+
+Status write_files(const Viewer& viewer, const ViewOptions& options, Session& session)
+{
+    Progress* const progress = &session.progress();
+    const Scene scene = flattened(viewer.layers(), viewer.backdrop());
+    if (!options.snapshot.empty()) {
+        auto renderer = [&]() -> Result<std::unique_ptr<Renderer>> {
+            if (options.opengl) return make_opengl_renderer();
+            return make_software_renderer(progress);
+        }();
+        if (!renderer) return tl::unexpected(renderer.error());
+        const auto image = (*renderer)->render(scene, viewer.camera(), options.size);
+        if (!image) return tl::unexpected(image.error());
+        if (Status status = write_png(*image, options.snapshot, progress); !status) return status;
+        session.print(fmt::format("wrote {}\n", options.snapshot));
+    }
+    if (!options.glb.empty()) {
+        if (Status status = export_scene(scene, options.glb, progress); !status) return status;
+        session.print(fmt::format("wrote {}\n", options.glb));
+    }
+    return {};
+}
+
+/// The picture without a window.
+Status run_headless(const ViewOptions& options, Session& session)
+{
+    Viewer viewer({.threads = session.threads()});
+    viewer.resize(options.size);
+    if (Status status = prepare(viewer, options); !status) return status;
+    viewer.open(options.models);
+    if (Status status = viewer.finish(&session.progress()); !status) return status;
+    for (const PanelFact& fact : viewer.facts())
+        session.print(fmt::format("{:<22} {}\n", fact.name, fact.value));
+    if (Status status = write_files(viewer, options, session); !status) return status;
+    return session.write_json({{"models", options.models},
+                               {"panel", viewer.panel().name()},
+                               {"facts", facts_of(viewer)}});
+}
+
+Status run_view(const ViewOptions& options, Session& session)
+{
+    if (options.list_controls) {
+        Viewer viewer;
+        if (Status status = prepare(viewer, options); !status) return status;
+        for (const std::string& line :
+             describe_controls([&](Controls& controls) { viewer.offer(controls); }))
+            session.print(line + '\n');
+        return {};
+    }
+    if (Status status = session.check_outputs({options.snapshot, options.glb}); !status)
+        return status;
+    if (!options.needs_window()) return run_headless(options, session);
+    Viewer viewer({.threads = session.threads(), .pictures = Pictures::live, .wake = wake_window});
+    if (Status status = prepare(viewer, options); !status) return status;
+    viewer.open(options.models);
+    if (Status status = run_window(viewer, {.size = options.size,
+                                            .state = options.state,
+                                            .debug = options.debug,
+                                            .stop = &session.progress()});
+        !status) {
+        return status;
+    }
+    return session.write_json({{"models", options.models},
+                               {"panel", viewer.panel().name()},
+                               {"facts", facts_of(viewer)}});
+}
+
+} // namespace
+
+Command add_view_command(CLI::App& app)
+{
+    CLI::App* const parser = app.add_subcommand(
+        "view", "Show models and what is computed of them, in a window or as a picture");
+    const auto options = std::make_shared<ViewOptions>();
+    parser->add_option("model", options->models, "Models: files or built-ins, see proxima octree")
+        ->type_name("MODEL");
+    parser->add_option("--panel", options->panel, "What to begin with: model, octree, ...")
+        ->capture_default_str()
+        ->type_name("NAME");
+    parser
+        ->add_option("--set", options->settings,
+                     "A setting of the panel or the view, as --controls lists them")
+        ->expected(1)
+        ->take_all()
+        ->type_name("NAME=VALUE");
+    parser->add_flag("--controls", options->list_controls,
+                     "List the settings of the panel and the view, and do nothing else");
+    parser->add_option("--snapshot", options->snapshot, "Write the picture, without a window")
+        ->type_name("FILE.png");
+    parser->add_option("--export", options->glb, "Write what is shown, without a window")
+        ->type_name("FILE.glb");
+    parser
+        ->add_option_function<std::string>(
+            "--size",
+            [options](const std::string& text) {
+                const auto size = parse_size(text);
+                if (!size) {
+                    throw CLI::ValidationError("--size",
+                                               concat(text, " is no size from 1x1 to 8192x8192"));
+                }
+                options->size = *size;
+            },
+            "Of the window or the picture (default 1280x820)")
+        ->type_name("WxH");
+    parser->add_flag("--opengl", options->opengl,
+                     "Draw the picture by OpenGL, without a display; by software otherwise");
+    parser
+        ->add_option("--state", options->state,
+                     "Keep FILE up to date with what the window shows and where its controls are, "
+                     "as JSON: for programs that drive it")
+        ->type_name("FILE");
+    parser->add_flag("--gl-debug", options->debug,
+                     "Let OpenGL check every call; its complaints are an error in the end");
+    parser->final_callback([options] { check_usage(*options); });
+    return {parser, [options](Session& session) { return run_view(*options, session); }};
+}
+
+} // namespace proxima

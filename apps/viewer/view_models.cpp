@@ -1,0 +1,130 @@
+#include "viewer/view_models.h"
+
+#include "cli/model_options.h"
+#include "proxima/base/memory_budget.h"
+#include "proxima/base/text.h"
+#include "proxima/mesh/mesh_io.h"
+#include "proxima/mesh/sample_meshes.h"
+#include "proxima/octree/build_octree.h"
+#include "proxima/query/build_ray_index.h"
+#include "proxima/query/cast_ray.h"
+#include "viewer/scene_shapes.h"
+
+#include <array>
+
+namespace proxima {
+namespace {
+
+/// Bytes that showing a triangle takes at most: mesh, topology, ray index with its octree, two
+/// scenes, and the larger of their buffers.
+constexpr std::uint64_t bytes_per_triangle = 1100;
+
+constexpr std::array model_colors = {0xE9E1D2U, 0xCFDDEBU, 0xD9E8D0U, 0xEBD5D5U, 0xE3D8EEU};
+
+std::shared_ptr<const Scene> surface_scene(const TriangleMesh& mesh, const Color& color,
+                                           Smoothing smoothing)
+{
+    auto scene = std::make_shared<Scene>();
+    add_mesh(*scene, mesh, {.name = "mesh", .color = color, .smoothing = smoothing});
+    return scene;
+}
+
+Result<TriangleMesh> read_model(const std::string& name, Progress* progress)
+{
+    if (is_sample_mesh_name(name)) return sample_mesh(name, {.progress = progress});
+    return read_mesh(name, {.progress = progress});
+}
+
+/// The corner or side of the triangle that a point of it is near, or its face.
+Feature nearest_part(const ViewModel& model, TriangleId id, const RayHit& hit)
+{
+    constexpr double near_corner = 0.8; // barycentric
+    constexpr double near_side = 0.1;
+    const std::array<double, 3> weights = {1.0 - hit.u - hit.v, hit.u, hit.v};
+    const TriangleCorners& corners = model.mesh.triangles()[index(id)];
+    for (std::size_t k = 0; k < 3; ++k)
+        if (weights[k] > near_corner) return {FeatureKind::vertex, corners[k]};
+    for (std::size_t k = 0; k < 3; ++k) {
+        const EdgeId edge = model.topology.edges(id)[(k + 1) % 3];
+        if (weights[k] < near_side && edge != no_edge)
+            return {FeatureKind::edge, static_cast<std::uint32_t>(edge)};
+    }
+    return {FeatureKind::face, index(id)};
+}
+
+} // namespace
+
+Result<std::shared_ptr<const ViewModel>> make_view_model(std::string name, TriangleMesh mesh,
+                                                         const Vec3& up, std::size_t number,
+                                                         const WorkContext& context)
+{
+    if (Status fits = check_budget({}, bytes_per_triangle * mesh.triangle_count(),
+                                   concat("showing ", mesh.triangle_count(), " triangles"),
+                                   "show a coarser mesh");
+        !fits) {
+        return at_model(fits.error(), name);
+    }
+    auto topology =
+        build_topology(mesh, {.threads = context.threads, .progress = context.progress});
+    if (!topology) return at_model(topology.error(), name);
+    const auto octree = build_octree(mesh, {.max_depth = 4,
+                                            .threshold = 64,
+                                            .classification = Classification::none,
+                                            .threads = context.threads,
+                                            .progress = context.progress});
+    if (!octree) return at_model(octree.error(), name);
+    auto rays =
+        build_ray_index(*octree, mesh, {.threads = context.threads, .progress = context.progress});
+    if (!rays) return at_model(rays.error(), name);
+    auto model = std::make_shared<ViewModel>();
+    for (const Vec3& position : mesh.positions()) model->box.extend(position);
+    model->up = up;
+    model->color = srgb(model_colors[number % model_colors.size()]);
+    model->flat = surface_scene(mesh, model->color, Smoothing::flat);
+    model->smooth = surface_scene(mesh, model->color, Smoothing::smooth);
+    model->name = std::move(name);
+    model->mesh = std::move(mesh);
+    model->topology = std::move(*topology);
+    model->rays = std::move(*rays);
+    return model;
+}
+
+Result<ViewModels> load_view_models(std::span<const std::string> names, const WorkContext& context)
+{
+    ViewModels models;
+    for (const std::string& name : names) {
+        auto mesh = read_model(name, context.progress);
+        if (!mesh) return tl::unexpected(mesh.error());
+        const Vec3 up = up_axis_of_model(name) == UpAxis::z ? Vec3::UnitZ() : Vec3::UnitY();
+        auto model = make_view_model(name, std::move(*mesh), up, models.size(), context);
+        if (!model) return tl::unexpected(model.error());
+        models.push_back(std::move(*model));
+    }
+    return models;
+}
+
+Box bounding_box(const ViewModels& models)
+{
+    Box box;
+    for (const auto& model : models) {
+        box.extend(model->box.lower);
+        box.extend(model->box.upper);
+    }
+    return box;
+}
+
+std::optional<PickedPlace> pick(const ViewModels& models, const Ray& ray)
+{
+    std::optional<PickedPlace> best;
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < models.size(); ++i) {
+        const auto hit = closest_hit(models[i]->rays, ray);
+        if (!hit || hit->t >= nearest) continue;
+        nearest = hit->t;
+        best = PickedPlace{i, hit->triangle, ray.at(hit->t),
+                           nearest_part(*models[i], hit->triangle, *hit)};
+    }
+    return best;
+}
+
+} // namespace proxima

@@ -1,0 +1,65 @@
+// The models that a window shows, with what every panel needs of them.
+#pragma once
+
+#include "proxima/base/parallel.h"
+#include "proxima/base/progress.h"
+#include "proxima/base/result.h"
+#include "proxima/geometry/ray.h"
+#include "proxima/mesh/feature.h"
+#include "proxima/mesh/topology.h"
+#include "proxima/query/ray_index.h"
+#include "viewer/layers.h"
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace proxima {
+
+/// Who works, and who watches.
+struct WorkContext {
+    Threads threads = {};
+    Progress* progress = nullptr;
+};
+
+/// Immutable.
+struct ViewModel {
+    std::string name;
+    TriangleMesh mesh;
+    Topology topology;
+    RayIndex rays; ///< for picking
+    Box box;
+    Vec3 up = Vec3::UnitZ();
+    Color color = Color::Ones();
+    std::shared_ptr<const Scene> flat;   ///< a normal per triangle
+    std::shared_ptr<const Scene> smooth; ///< normals blended where triangles are bent little
+};
+
+using ViewModels = std::vector<std::shared_ptr<const ViewModel>>;
+
+/// Files or built-ins, each in a colour of its own. Errors: those of reading; budget_exceeded where
+/// showing it would take more memory than there is; invalid_mesh (empty, NaN); cancelled. The
+/// error's place names the model.
+[[nodiscard]] Result<ViewModels> load_view_models(std::span<const std::string> names,
+                                                  const WorkContext& context);
+
+/// A mesh that is there already, as model number `number`. Errors as above.
+[[nodiscard]] Result<std::shared_ptr<const ViewModel>>
+make_view_model(std::string name, TriangleMesh mesh, const Vec3& up, std::size_t number,
+                const WorkContext& context);
+
+/// Of all.
+[[nodiscard]] Box bounding_box(const ViewModels& models);
+
+/// The first triangle of any model that a ray meets.
+struct PickedPlace {
+    std::size_t model = 0;
+    TriangleId triangle{};
+    Vec3 point = Vec3::Zero();
+    Feature nearest; ///< of the triangle, to the point: a vertex or an edge within a tenth of it
+};
+[[nodiscard]] std::optional<PickedPlace> pick(const ViewModels& models, const Ray& ray);
+
+} // namespace proxima

@@ -1,0 +1,344 @@
+#include "viewer/viewer.h"
+
+#include "proxima/base/text.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace proxima {
+namespace {
+
+constexpr double handle_reach = 14.0; // pixels
+constexpr double click_reach = 4.0;   // pixels that a click may move
+
+/// Notes whether anything was changed, while another one asks.
+class WatchedControls final : public Controls {
+public:
+    explicit WatchedControls(Controls& asked) : asked_(asked) {}
+
+    bool toggle(std::string_view name, bool& value) override
+    {
+        return note(asked_.toggle(name, value));
+    }
+    bool number(std::string_view name, int& value, int least, int most) override
+    {
+        return note(asked_.number(name, value, least, most));
+    }
+    bool number(std::string_view name, double& value, double least, double most) override
+    {
+        return note(asked_.number(name, value, least, most));
+    }
+    bool choice(std::string_view name, std::size_t& value,
+                std::span<const std::string_view> words) override
+    {
+        return note(asked_.choice(name, value, words));
+    }
+    bool button(std::string_view name) override { return note(asked_.button(name)); }
+
+    [[nodiscard]] bool changed() const noexcept { return changed_; }
+
+private:
+    bool note(bool changed)
+    {
+        changed_ = changed_ || changed;
+        return changed;
+    }
+
+    Controls& asked_;
+    bool changed_ = false;
+};
+
+} // namespace
+
+Viewer::Viewer(ViewerOptions options)
+    : options_(std::move(options)), panels_(make_panels(options_.pictures))
+{}
+
+void Viewer::open(std::vector<std::string> names)
+{
+    if (loading_.is_busy()) {
+        loading_.cancel();
+        (void)loading_.take();
+    }
+    loading_.start(
+        [names = std::move(names), threads = options_.threads](Progress& progress) {
+            return load_view_models(names, {threads, &progress});
+        },
+        options_.wake);
+}
+
+Status Viewer::take_models()
+{
+    auto models = loading_.take();
+    if (!models) return tl::unexpected(models.error());
+    if (working_.is_busy()) {
+        working_.cancel();
+        (void)working_.take();
+    }
+    models_ = std::move(*models);
+    picked_.reset();
+    for (const auto& panel : panels_) panel->models_changed(models_);
+    if (!camera_is_set_) frame_all();
+    picture_ = {.layers = model_layers(models_, Smoothing::smooth), .facts = {}, .plots = {}};
+    ++wanted_;
+    return {};
+}
+
+void Viewer::take_picture()
+{
+    auto picture = working_.take();
+    shown_ = started_;
+    if (picture) {
+        picture_ = std::move(*picture);
+        problem_.clear();
+    } else {
+        problem_ = picture.error().code == ErrorCode::cancelled
+                       ? "stopped on request: change a setting to begin again"
+                       : describe(picture.error());
+        // Work that nobody wants any more is no problem.
+        if (started_ != wanted_ && picture.error().code == ErrorCode::cancelled) problem_.clear();
+    }
+}
+
+void Viewer::start_task()
+{
+    started_ = wanted_;
+    start_time_ = std::chrono::steady_clock::now();
+    working_.start(
+        [task = panels_[panel_]->task(models_), threads = options_.threads](Progress& progress) {
+            return task({threads, &progress});
+        },
+        options_.wake);
+}
+
+Status Viewer::update(double seconds)
+{
+    if (loading_.is_finished())
+        if (Status status = take_models(); !status) return status;
+    if (working_.is_finished()) take_picture();
+    if (models_.empty()) return {};
+    if (panels_[panel_]->advance(seconds)) ++wanted_;
+    if (working_.is_busy()) {
+        // What a moment takes is finished even when it is outdated, so that the picture follows the
+        // mouse; longer work is not.
+        constexpr std::chrono::milliseconds patience(250);
+        if (started_ != wanted_ && std::chrono::steady_clock::now() - start_time_ > patience)
+            working_.cancel();
+    } else if (shown_ != wanted_) {
+        start_task();
+    }
+    show();
+    return {};
+}
+
+void Viewer::show()
+{
+    PanelPicture live;
+    panels_[panel_]->add_live(live);
+    layers_ = picture_.layers;
+    layers_.insert(layers_.end(), live.layers.begin(), live.layers.end());
+    facts_ = picture_.facts;
+    facts_.insert(facts_.end(), live.facts.begin(), live.facts.end());
+    plots_ = picture_.plots;
+    plots_.insert(plots_.end(), live.plots.begin(), live.plots.end());
+}
+
+Status Viewer::finish(const Progress* stop)
+{
+    do {
+        if (Status status = update(0.0); !status) return status;
+        if (is_cancelled(stop)) {
+            cancel();
+            return fail(ErrorCode::cancelled, "stopped on request; nothing was written");
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    } while (!is_settled());
+    if (Status status = update(0.0); !status) return status;
+    if (!problem_.empty()) return fail(ErrorCode::invalid_argument, problem_);
+    return {};
+}
+
+void Viewer::offer(Controls& controls)
+{
+    WatchedControls watched(controls);
+    const std::vector<std::string_view> names = panel_names();
+    std::size_t panel = panel_;
+    if (watched.choice("panel", panel, names)) {
+        panels_[panel_]->leave();
+        panel_ = panel;
+        problem_.clear();
+    }
+    panels_[panel_]->offer(watched);
+    if (watched.changed()) ++wanted_;
+
+    // What follows changes nothing that a task computes.
+    choose(controls, "theme", theme_, std::array<std::string_view, 2>{"light", "dark"});
+    constexpr double half_turn = 180.0;
+    double azimuth = camera_.azimuth * half_turn / std::numbers::pi;
+    double elevation = camera_.elevation * half_turn / std::numbers::pi;
+    azimuth = std::remainder(azimuth, 2.0 * half_turn);
+    if (controls.number("azimuth", azimuth, -half_turn, half_turn))
+        camera_.azimuth = azimuth * std::numbers::pi / half_turn;
+    if (controls.number("elevation", elevation, -0.5 * half_turn, 0.5 * half_turn))
+        camera_.elevation = elevation * std::numbers::pi / half_turn;
+    if (controls.button("show all")) frame_all();
+}
+
+Status Viewer::choose_panel(std::string_view name)
+{
+    const std::vector<std::string_view> names = panel_names();
+    const auto found = std::ranges::find(names, name);
+    if (found == names.end()) {
+        std::string all;
+        for (const std::string_view one : names) all += concat(all.empty() ? "" : ", ", one);
+        return fail(ErrorCode::invalid_argument,
+                    concat('"', name, "\" is no panel: they are ", all));
+    }
+    panels_[panel_]->leave();
+    panel_ = static_cast<std::size_t>(found - names.begin());
+    ++wanted_;
+    return {};
+}
+
+std::vector<std::string_view> Viewer::panel_names() const
+{
+    std::vector<std::string_view> names;
+    for (const auto& panel : panels_) names.push_back(panel->name());
+    return names;
+}
+
+const Progress* Viewer::progress() const noexcept
+{
+    if (loading_.is_busy()) return &loading_.progress();
+    if (working_.is_busy()) return &working_.progress();
+    return nullptr;
+}
+
+void Viewer::cancel() noexcept
+{
+    loading_.cancel();
+    working_.cancel();
+}
+
+void Viewer::stop()
+{
+    cancel();
+    if (loading_.is_busy()) (void)loading_.take();
+    if (working_.is_busy()) (void)working_.take();
+}
+
+Backdrop Viewer::backdrop() const noexcept
+{
+    if (theme_ == Theme::light) return {};
+    return {srgb(0x2B3038), srgb(0x15181D)};
+}
+
+std::vector<Vec3> Viewer::handles() const
+{
+    return models_.empty() ? std::vector<Vec3>{} : panels_[panel_]->handles();
+}
+
+void Viewer::resize(ViewSize size)
+{
+    const bool same_shape = size.width * size_.height == size.height * size_.width;
+    size_ = size;
+    if (!camera_is_set_ && !same_shape && !models_.empty()) frame_all();
+}
+
+void Viewer::frame_all()
+{
+    if (models_.empty()) return;
+    camera_.up = models_.front()->up;
+    camera_ = framed(camera_, bounding_box(models_), size_);
+    camera_is_set_ = false;
+}
+
+Ray Viewer::ray_at(const Vec2& at) const
+{
+    const View view(camera_, size_);
+    return {.origin = view.eye(), .direction = view.direction(at)};
+}
+
+std::optional<std::size_t> Viewer::handle_at(const Vec2& at) const
+{
+    const View view(camera_, size_);
+    const std::vector<Vec3> places = handles();
+    std::optional<std::size_t> best;
+    double nearest = handle_reach;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        if (view.depth(places[i]) <= 0.0) continue;
+        const ScreenPoint seen = view.project(places[i]);
+        const double distance = (Vec2(seen.x, seen.y) - at).norm();
+        if (distance > nearest) continue;
+        nearest = distance;
+        best = i;
+    }
+    return best;
+}
+
+void Viewer::press(MouseButton button, const Vec2& at, bool with_shift)
+{
+    pressed_at_ = mouse_ = at;
+    moved_ = false;
+    if (button != MouseButton::left || with_shift) {
+        drag_ = Drag::pan;
+    } else if (const auto handle = handle_at(at)) {
+        drag_ = Drag::handle;
+        handle_ = *handle;
+    } else {
+        drag_ = Drag::orbit;
+    }
+}
+
+void Viewer::move(const Vec2& at)
+{
+    if (drag_ == Drag::none) return;
+    const Vec2 step = at - mouse_;
+    mouse_ = at;
+    if ((at - pressed_at_).norm() > click_reach) moved_ = true;
+    if (!moved_) return;
+    if (drag_ == Drag::handle) {
+        // In the plane through it that the picture is parallel to.
+        const std::vector<Vec3> places = handles();
+        if (handle_ >= places.size()) return;
+        const View view(camera_, size_);
+        panels_[panel_]->move_handle(handle_,
+                                     view.eye() + view.depth(places[handle_]) * view.direction(at));
+        ++wanted_;
+        return;
+    }
+    camera_ = drag_ == Drag::orbit ? orbited(camera_, step, size_) : panned(camera_, step, size_);
+    camera_is_set_ = true;
+}
+
+void Viewer::release(const Vec2& at)
+{
+    if (drag_ == Drag::orbit && !moved_) click(at);
+    drag_ = Drag::none;
+}
+
+void Viewer::click(const Vec2& at)
+{
+    picked_ = pick(models_, ray_at(at));
+    if (picked_ && panels_[panel_]->picked(*picked_)) ++wanted_;
+}
+
+void Viewer::double_click(const Vec2& at)
+{
+    const auto place = pick(models_, ray_at(at));
+    if (!place) return;
+    const View view(camera_, size_);
+    // The eye moves with the target and stays as far from it as it is from the place now.
+    camera_.distance = view.depth(place->point);
+    camera_.target = place->point;
+    camera_is_set_ = true;
+}
+
+void Viewer::wheel(double steps)
+{
+    camera_ = zoomed(camera_, steps);
+    camera_is_set_ = true;
+}
+
+} // namespace proxima

@@ -1,0 +1,136 @@
+// The viewer without its window: models, panels, the camera and what the mouse does, and work in
+// the background. A window shows it, the command line makes one picture of it, tests do both.
+//
+//     Viewer viewer({.threads = threads});
+//     viewer.open({"bunny.obj"});                       // returns at once
+//     while (viewer.update(seconds)) draw(viewer.layers(), viewer.camera());
+#pragma once
+
+#include "proxima/base/result.h"
+#include "viewer/background_work.h"
+#include "viewer/camera.h"
+#include "viewer/controls.h"
+#include "viewer/panel.h"
+
+#include <chrono>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace proxima {
+
+enum class Theme : std::uint8_t { light, dark };
+
+enum class MouseButton : std::uint8_t { left, middle, right };
+
+struct ViewerOptions {
+    Threads threads = {};
+    Pictures pictures = Pictures::still;
+    std::function<void()> wake = {}; ///< called by the worker when there is something to take
+};
+
+class Viewer {
+public:
+    explicit Viewer(ViewerOptions options = {});
+    ~Viewer() = default;
+    Viewer(const Viewer&) = delete;
+    Viewer& operator=(const Viewer&) = delete;
+
+    /// Begins to load models in the place of those there are.
+    void open(std::vector<std::string> names);
+
+    /// Takes what is finished, starts what is wanted. `seconds` since the last time. Error: models
+    /// could not be opened; what a panel could not do is its problem().
+    [[nodiscard]] Status update(double seconds);
+
+    /// Updates until there is nothing left to do: for pictures without a window.
+    [[nodiscard]] Status finish(const Progress* stop = nullptr);
+
+    /// Settings of the view and of the panel at hand.
+    void offer(Controls& controls);
+
+    [[nodiscard]] Status choose_panel(std::string_view name);
+    [[nodiscard]] const Panel& panel() const noexcept { return *panels_[panel_]; }
+    [[nodiscard]] std::vector<std::string_view> panel_names() const;
+
+    // What the background does.
+    [[nodiscard]] bool is_loading() const noexcept { return loading_.is_busy(); }
+    [[nodiscard]] bool is_busy() const noexcept { return is_loading() || working_.is_busy(); }
+    [[nodiscard]] bool is_settled() const noexcept { return !is_busy() && shown_ == wanted_; }
+    [[nodiscard]] const Progress* progress() const noexcept;
+    void cancel() noexcept;
+    /// Cancels, and waits until nobody works any more. Finished work is thrown away.
+    void stop();
+    /// What went wrong with the panel's last task; empty if nothing.
+    [[nodiscard]] const std::string& problem() const noexcept { return problem_; }
+
+    // What is shown.
+    [[nodiscard]] const ViewModels& models() const noexcept { return models_; }
+    [[nodiscard]] const PanelPicture& picture() const noexcept { return picture_; }
+    [[nodiscard]] const std::vector<SceneLayer>& layers() const noexcept { return layers_; }
+    [[nodiscard]] const std::vector<PanelFact>& facts() const noexcept { return facts_; }
+    [[nodiscard]] const std::vector<PanelPlot>& plots() const noexcept { return plots_; }
+    [[nodiscard]] const OrbitCamera& camera() const noexcept { return camera_; }
+    [[nodiscard]] Theme theme() const noexcept { return theme_; }
+    [[nodiscard]] Backdrop backdrop() const noexcept;
+    [[nodiscard]] std::vector<Vec3> handles() const;
+    [[nodiscard]] const std::optional<PickedPlace>& picked() const noexcept { return picked_; }
+    /// Whether the next update has something to do without anybody's doing.
+    [[nodiscard]] bool is_moving() const { return panels_[panel_]->is_moving(); }
+
+    // The mouse, in pixels of the picture. Left turns, middle or right moves, the wheel goes
+    // nearer; a handle is dragged; a click picks, two clicks make the place the middle.
+    void resize(ViewSize size);
+    void press(MouseButton button, const Vec2& at, bool with_shift = false);
+    void move(const Vec2& at);
+    void release(const Vec2& at);
+    void double_click(const Vec2& at);
+    void wheel(double steps);
+    void frame_all();
+
+private:
+    enum class Drag : std::uint8_t { none, orbit, pan, handle };
+
+    [[nodiscard]] Status take_models();
+    void take_picture();
+    void start_task();
+    void show();
+    [[nodiscard]] Ray ray_at(const Vec2& at) const;
+    [[nodiscard]] std::optional<std::size_t> handle_at(const Vec2& at) const;
+    void click(const Vec2& at);
+
+    ViewerOptions options_;
+    std::vector<std::unique_ptr<Panel>> panels_;
+    std::size_t panel_ = 0;
+    ViewModels models_;
+    PanelPicture picture_;
+    std::vector<SceneLayer> layers_;
+    std::vector<PanelFact> facts_;
+    std::vector<PanelPlot> plots_;
+    std::string problem_;
+
+    std::uint64_t wanted_ = 0; ///< number of the settings as they are
+    std::uint64_t shown_ = 0;  ///< of those that the picture shows
+    std::uint64_t started_ = 0;
+    std::chrono::steady_clock::time_point start_time_;
+
+    OrbitCamera camera_ = {.azimuth = 0.6, .elevation = 0.35, .zoom = 2.2};
+    bool camera_is_set_ = false;
+    ViewSize size_ = {.width = 1024, .height = 768};
+    Theme theme_ = Theme::light;
+
+    Drag drag_ = Drag::none;
+    std::size_t handle_ = 0;
+    Vec2 pressed_at_ = Vec2::Zero();
+    Vec2 mouse_ = Vec2::Zero();
+    bool moved_ = false;
+    std::optional<PickedPlace> picked_;
+
+    // Destroyed first: their threads use what is above.
+    BackgroundWork<Result<ViewModels>> loading_;
+    BackgroundWork<Result<PanelPicture>> working_;
+};
+
+} // namespace proxima

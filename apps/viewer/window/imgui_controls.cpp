@@ -1,0 +1,84 @@
+#include "viewer/window/imgui_controls.h"
+
+#include "proxima/base/text.h"
+
+#include <algorithm>
+#include <imgui.h>
+
+namespace proxima {
+namespace {
+
+/// The name left of the widget, which takes the rest of the line.
+std::string label(std::string_view name)
+{
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextUnformatted(name.data(), name.data() + name.size());
+    ImGui::SameLine(0.42F * ImGui::GetWindowContentRegionMax().x);
+    ImGui::SetNextItemWidth(-1.0F);
+    return concat("##", name);
+}
+
+} // namespace
+
+bool ImguiControls::note(std::string_view name, std::string value, bool changed)
+{
+    const ImVec2 lower = ImGui::GetItemRectMin();
+    const ImVec2 upper = ImGui::GetItemRectMax();
+    places_.push_back({std::string(name), std::move(value), lower.x, lower.y, upper.x - lower.x,
+                       upper.y - lower.y});
+    changed_ = changed_ || changed;
+    return changed;
+}
+
+bool ImguiControls::toggle(std::string_view name, bool& value)
+{
+    const bool changed = ImGui::Checkbox(std::string(name).c_str(), &value);
+    return note(name, value ? "on" : "off", changed);
+}
+
+bool ImguiControls::number(std::string_view name, int& value, int least, int most)
+{
+    const std::string id = label(name);
+    const bool changed =
+        ImGui::SliderInt(id.c_str(), &value, least, most, "%d", ImGuiSliderFlags_AlwaysClamp);
+    return note(name, concat(value), changed);
+}
+
+bool ImguiControls::number(std::string_view name, double& value, double least, double most)
+{
+    const std::string id = label(name);
+    const bool changed = ImGui::SliderScalar(id.c_str(), ImGuiDataType_Double, &value, &least,
+                                             &most, "%.3g", ImGuiSliderFlags_AlwaysClamp);
+    return note(name, concat(value), changed);
+}
+
+bool ImguiControls::choice(std::string_view name, std::size_t& value,
+                           std::span<const std::string_view> words)
+{
+    const std::string id = label(name);
+    const std::string shown(value < words.size() ? words[value] : "");
+    bool changed = false;
+    const bool open = ImGui::BeginCombo(id.c_str(), shown.c_str());
+    note(name, shown, false);
+    if (open) {
+        for (std::size_t i = 0; i < words.size(); ++i) {
+            const std::string word(words[i]);
+            if (ImGui::Selectable(word.c_str(), i == value)) {
+                changed = i != value;
+                value = i;
+            }
+            note(concat(name, "=", word), "", false);
+        }
+        ImGui::EndCombo();
+    }
+    changed_ = changed_ || changed;
+    return changed;
+}
+
+bool ImguiControls::button(std::string_view name)
+{
+    const bool pressed = ImGui::Button(std::string(name).c_str());
+    return note(name, "", pressed);
+}
+
+} // namespace proxima

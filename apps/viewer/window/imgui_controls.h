@@ -1,0 +1,41 @@
+// Controls as widgets of Dear ImGui, and where each of them is in the window.
+#pragma once
+
+#include "viewer/controls.h"
+
+#include <string>
+#include <vector>
+
+namespace proxima {
+
+/// A widget of this frame, in the window's coordinates.
+struct WidgetPlace {
+    std::string name;
+    std::string value;
+    float x = 0;
+    float y = 0;
+    float width = 0;
+    float height = 0;
+};
+
+/// To be used within a window of ImGui, anew for each frame.
+class ImguiControls final : public Controls {
+public:
+    bool toggle(std::string_view name, bool& value) override;
+    bool number(std::string_view name, int& value, int least, int most) override;
+    bool number(std::string_view name, double& value, double least, double most) override;
+    bool choice(std::string_view name, std::size_t& value,
+                std::span<const std::string_view> words) override;
+    bool button(std::string_view name) override;
+
+    [[nodiscard]] const std::vector<WidgetPlace>& places() const noexcept { return places_; }
+    [[nodiscard]] bool changed() const noexcept { return changed_; }
+
+private:
+    bool note(std::string_view name, std::string value, bool changed);
+
+    std::vector<WidgetPlace> places_;
+    bool changed_ = false;
+};
+
+} // namespace proxima

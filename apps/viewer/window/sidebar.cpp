@@ -1,0 +1,112 @@
+#include "viewer/window/sidebar.h"
+
+#include "proxima/base/text.h"
+
+#include <imgui.h>
+
+namespace proxima {
+namespace {
+
+void add_place(const char* name, std::vector<WidgetPlace>& places)
+{
+    const ImVec2 lower = ImGui::GetItemRectMin();
+    const ImVec2 upper = ImGui::GetItemRectMax();
+    places.push_back({name, {}, lower.x, lower.y, upper.x - lower.x, upper.y - lower.y});
+}
+
+void wrapped(std::string_view text)
+{
+    ImGui::PushTextWrapPos(0.0F);
+    ImGui::TextUnformatted(text.data(), text.data() + text.size());
+    ImGui::PopTextWrapPos();
+}
+
+void draw_facts(const Viewer& viewer)
+{
+    if (viewer.facts().empty() || !ImGui::BeginTable("facts", 2)) return;
+    for (const PanelFact& fact : viewer.facts()) {
+        ImGui::TableNextRow();
+        ImGui::TableNextColumn();
+        ImGui::TextUnformatted(fact.name.c_str());
+        ImGui::TableNextColumn();
+        wrapped(fact.value);
+    }
+    ImGui::EndTable();
+}
+
+void draw_plots(const Viewer& viewer)
+{
+    const ImVec2 size(ImGui::GetContentRegionAvail().x, 5.0F * ImGui::GetTextLineHeight());
+    for (const PanelPlot& plot : viewer.plots()) {
+        ImGui::TextUnformatted(plot.name.c_str());
+        const std::string id = concat("##", plot.name);
+        const auto count = static_cast<int>(plot.values.size());
+        constexpr float automatic = std::numeric_limits<float>::max();
+        if (plot.bars) {
+            ImGui::PlotHistogram(id.c_str(), plot.values.data(), count, 0, nullptr, 0.0F, automatic,
+                                 size);
+        } else {
+            ImGui::PlotLines(id.c_str(), plot.values.data(), count, 0, nullptr, automatic,
+                             automatic, size);
+        }
+    }
+}
+
+/// A file's name and the button that writes it.
+bool draw_file(const char* button, std::array<char, 256>& name, std::vector<WidgetPlace>& places)
+{
+    const bool pressed = ImGui::Button(button);
+    add_place(button, places);
+    ImGui::SameLine(0.42F * ImGui::GetWindowContentRegionMax().x);
+    ImGui::SetNextItemWidth(-1.0F);
+    const std::string id = concat("##", button, " as");
+    ImGui::InputText(id.c_str(), name.data(), name.size());
+    return pressed && name[0] != '\0';
+}
+
+} // namespace
+
+SidebarWishes Sidebar::draw(Viewer& viewer, float width, float height, const std::string& news,
+                            std::vector<WidgetPlace>& places)
+{
+    SidebarWishes wishes;
+    ImGui::SetNextWindowPos(ImVec2(0.0F, 0.0F));
+    ImGui::SetNextWindowSize(ImVec2(width, height));
+    ImGui::Begin("proxima", nullptr,
+                 ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+                     ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus);
+    if (const Progress* const progress = viewer.progress(); progress != nullptr) {
+        if (ImGui::Button("cancel")) wishes.cancel = true;
+        add_place("cancel", places);
+        ImGui::SameLine();
+        ImGui::ProgressBar(static_cast<float>(progress->fraction()), ImVec2(-1.0F, 0.0F),
+                           progress->stage());
+    } else {
+        ImGui::AlignTextToFramePadding();
+        ImGui::TextUnformatted("ready");
+    }
+    if (!viewer.problem().empty()) {
+        ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(0.85F, 0.25F, 0.2F, 1.0F));
+        wrapped(viewer.problem());
+        ImGui::PopStyleColor();
+    }
+    ImGui::Separator();
+    ImguiControls controls;
+    viewer.offer(controls);
+    places.insert(places.end(), controls.places().begin(), controls.places().end());
+    ImGui::Separator();
+    ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+    wrapped(viewer.panel().purpose());
+    ImGui::PopStyleColor();
+    ImGui::Separator();
+    draw_facts(viewer);
+    draw_plots(viewer);
+    ImGui::Separator();
+    if (draw_file("save picture", picture_, places)) wishes.picture = picture_.data();
+    if (draw_file("export glb", glb_, places)) wishes.glb = glb_.data();
+    if (!news.empty()) wrapped(news);
+    ImGui::End();
+    return wishes;
+}
+
+} // namespace proxima

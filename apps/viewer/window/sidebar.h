@@ -1,0 +1,32 @@
+// The strip at the window's left: the panel's controls, facts and plots, the work in progress, and
+// files to write.
+#pragma once
+
+#include "viewer/viewer.h"
+#include "viewer/window/imgui_controls.h"
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace proxima {
+
+/// What a person asked for in this frame, beside changed settings.
+struct SidebarWishes {
+    bool cancel = false;
+    std::string picture; ///< a file to write
+    std::string glb;     ///< a file to write
+};
+
+class Sidebar {
+public:
+    /// Within a frame of ImGui; places of widgets are added. `news` is what was written or why not.
+    [[nodiscard]] SidebarWishes draw(Viewer& viewer, float width, float height,
+                                     const std::string& news, std::vector<WidgetPlace>& places);
+
+private:
+    std::array<char, 256> picture_ = {"view.png"};
+    std::array<char, 256> glb_ = {"view.glb"};
+};
+
+} // namespace proxima

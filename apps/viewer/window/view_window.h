@@ -1,0 +1,27 @@
+// The window of `proxima view`: GLFW, Dear ImGui and OpenGL 3.3.
+#pragma once
+
+#include "proxima/base/progress.h"
+#include "proxima/base/result.h"
+#include "viewer/viewer.h"
+
+#include <string>
+
+namespace proxima {
+
+struct WindowOptions {
+    ViewSize size = {.width = 1280, .height = 820}; ///< before the screen's scale
+    std::string state;  ///< a file that says what the window shows, kept up to date; empty: none
+    bool debug = false; ///< a debug context, whose messages count as problems
+    const Progress* stop = nullptr; ///< closes the window when cancelled
+};
+
+/// Shows the viewer until the window is closed. The viewer's `wake` must be wake_window. Errors:
+/// unsupported_format (no display, no OpenGL 3.3, a program without a window), those of
+/// Viewer::update, broken_invariant where OpenGL complains in debug.
+[[nodiscard]] Status run_window(Viewer& viewer, const WindowOptions& options);
+
+/// Makes a window that waits look again. From any thread; nothing without a window.
+void wake_window();
+
+} // namespace proxima

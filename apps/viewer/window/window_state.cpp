@@ -1,0 +1,79 @@
+#include "viewer/window/window_state.h"
+
+#include "proxima/base/output_file.h"
+
+#include <nlohmann/json.hpp>
+
+namespace proxima {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json of(const Vec3& v)
+{
+    return {v.x(), v.y(), v.z()};
+}
+
+Json of(const Viewer& viewer, const WindowState& state)
+{
+    // Handles as they are seen, in the window's coordinates.
+    const View view(viewer.camera(), {state.view_width, state.view_height});
+    Json handles = Json::array();
+    for (const Vec3& handle : viewer.handles()) {
+        const ScreenPoint at = view.project(handle);
+        handles.push_back({{"x", state.view_x + at.x}, {"y", at.y}, {"at", of(handle)}});
+    }
+    return handles;
+}
+
+} // namespace
+
+Status write_window_state(const std::string& path, const WindowState& state, const Viewer& viewer,
+                          const std::vector<WidgetPlace>& widgets)
+{
+    Json controls = Json::object();
+    for (const WidgetPlace& widget : widgets) {
+        controls[widget.name] = {{"value", widget.value},
+                                 {"x", widget.x},
+                                 {"y", widget.y},
+                                 {"width", widget.width},
+                                 {"height", widget.height}};
+    }
+    Json facts = Json::object();
+    for (const PanelFact& fact : viewer.facts()) facts[fact.name] = fact.value;
+    const Progress* const progress = viewer.progress();
+    const OrbitCamera& camera = viewer.camera();
+    const Json json = {{"frames", state.frames},
+                       {"frame_seconds", state.frame_seconds},
+                       {"window", {state.width, state.height}},
+                       {"view", {state.view_x, 0, state.view_width, state.view_height}},
+                       {"scale", state.scale},
+                       {"models", viewer.models().size()},
+                       {"panel", viewer.panel().name()},
+                       {"settled", viewer.is_settled()},
+                       {"stage", progress != nullptr ? progress->stage() : ""},
+                       {"fraction", progress != nullptr ? progress->fraction() : 0.0},
+                       {"problem", viewer.problem()},
+                       {"controls", controls},
+                       {"facts", facts},
+                       {"handles", of(viewer, state)},
+                       {"picked", viewer.picked()
+                                      ? Json(static_cast<std::uint32_t>(viewer.picked()->triangle))
+                                      : Json(nullptr)},
+                       {"camera",
+                        {{"target", of(camera.target)},
+                         {"distance", camera.distance},
+                         {"azimuth", camera.azimuth},
+                         {"elevation", camera.elevation}}},
+                       {"uploads", state.uploads},
+                       {"uploaded_bytes", state.uploaded_bytes},
+                       {"gl_messages", state.gl_messages},
+                       {"renderer", state.renderer}};
+    auto file = OutputFile::create(path);
+    if (!file) return tl::unexpected(file.error());
+    const std::string text = json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace);
+    if (Status status = file->write(text + '\n'); !status) return status;
+    return file->commit();
+}
+
+} // namespace proxima

@@ -1,0 +1,284 @@
+"""The window of `proxima view` as a person uses it: on a screen without a monitor, by mouse and keyboard."""
+import sys
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent.parent / "apps"))
+
+import xvfb_screen  # noqa: E402
+from proxima_program import ProgramTest, run  # noqa: E402
+from xvfb_screen import Screen, Window  # noqa: E402
+
+
+def is_red(r, g, b):
+    return r > 120 and r > g + 60 and r > b + 60
+
+
+def is_green(r, g, b):
+    return g > 60 and g > r + 25 and g > b + 10
+
+
+def is_blue(r, g, b):
+    return b > 90 and b > r + 40 and b > g + 15
+
+
+def is_yellow(r, g, b):
+    return r > 120 and g > 90 and b < 0.6 * g
+
+
+class WindowTest(ProgramTest):
+    """Gives each test a screen."""
+    dpi = 96
+
+    @classmethod
+    def setUpClass(cls):
+        if xvfb_screen.MISSING:
+            raise unittest.SkipTest(f"not installed: {' '.join(xvfb_screen.MISSING)} (group test of packages.txt)")
+        cls.screen = Screen(cls.dpi)
+        cls.addClassCleanup(cls.screen.close)
+
+    def open(self, *arguments):
+        window = Window(self.screen, self.folder, *arguments)
+        self.addCleanup(window.kill)
+        return window
+
+    def close(self, window):
+        status, said = window.quit()
+        self.assertEqual((status, said), (0, ""))
+
+    def share(self, window, is_wanted):
+        """Of the models' picture, once it rests."""
+        window.settled()
+        window.frames(3)
+        return self.screen.picture().share(window.view(), is_wanted)
+
+    def turn_over(self, window, control):
+        before = window.value(control)
+        window.click(control, 0.1)
+        window.wait(lambda state: state["controls"][control]["value"] != before, f"a change of {control}")
+
+    def slide(self, window, control, part):
+        before = window.value(control)
+        window.click(control, part)
+        window.wait(lambda state: state["controls"][control]["value"] != before, f"a change of {control}")
+        self.assertEqual(window.settled()["problem"], "")
+
+
+class Panels(WindowTest):
+    """Every panel's main controls, and what they change in the picture."""
+
+    def test_octree(self):
+        window = self.open("icosphere:3", "--panel", "octree")
+        few = int(window.settled()["facts"]["cells"])
+        self.slide(window, "depth", 0.6)
+        self.assertGreater(int(window.state()["facts"]["cells"]), few)
+        red = self.share(window, is_red)
+        self.assertGreater(red, 0.05, "the deepest cells are red")
+        self.turn_over(window, "boundary")
+        self.assertLess(self.share(window, is_red), 0.2 * red)
+        self.turn_over(window, "inner")
+        window.choose("colour by", "class")
+        self.turn_over(window, "mesh")
+        self.assertGreater(self.share(window, is_green), 0.01, "inner cells are green")
+        self.turn_over(window, "cut plane")
+        self.assertGreater(self.share(window, is_green), 0.05, "their slice is filled")
+        self.slide(window, "cut at", 0.7)
+        window.choose("subdivision", "uniform")
+        self.slide(window, "depth", 0.3)
+        state = window.settled()
+        self.assertEqual(int(state["facts"]["leaves"]), 8 ** int(window.value("depth")))
+        self.assertEqual(sum(int(state["facts"][name]) for name in ("boundary", "inner", "outer")),
+                         int(state["facts"]["leaves"]))
+        window.choose("method", "separating-axis")
+        self.turn_over(window, "two pass")
+        self.assertEqual(window.settled()["problem"], "")
+        self.close(window)
+
+    def test_minkowski(self):
+        window = self.open("cube", "--panel", "minkowski")
+        window.settled()
+        self.assertEqual(window.state()["facts"]["facets"], "26")
+        for color, name in ((is_red, "red"), (is_green, "green")):
+            self.assertGreater(self.share(window, color), 0.01, name)
+        self.turn_over(window, "copies of B")
+        self.turn_over(window, "normals")
+        self.slide(window, "pushed", 0.2)
+        window.choose("B", "ball")
+        self.assertNotEqual(window.settled()["facts"]["facets"], "26")
+        before = window.value("pushed")
+        self.turn_over(window, "play")
+        window.wait(lambda state: state["controls"]["pushed"]["value"] != before, "the animation")
+        self.turn_over(window, "play")
+        self.close(window)
+
+    def test_voronoi_and_closest(self):
+        window = self.open("icosphere:2", "--panel", "voronoi")
+        self.assertEqual(window.settled()["facts"]["region"], "drawn")
+        window.choose("feature", "face")
+        self.assertGreater(self.share(window, is_yellow), 0.01, "regions of faces are yellow")
+        self.assertGreater(self.share(window, is_green), 0.0005, "the leaf is green")
+        self.screen.act("mousemove", *window.middle(), "click", 1)
+        window.wait(lambda state: state["picked"] is not None, "a pick")
+        self.assertIn(window.settled()["facts"]["feature"].split()[0], ("vertex", "edge", "face"))
+
+        window.choose("panel", "closest")
+        state = window.settled()
+        distance = float(state["facts"]["distance"])
+        self.assertGreater(self.share(window, is_blue), 0.003, "the patch is blue")
+        handle = state["handles"][0]
+        start = round(handle["x"]), round(handle["y"])
+        window.drag(start, (start[0] + 60, start[1] - 40))
+        window.wait(lambda now: now["settled"] and now["handles"][0]["at"] != handle["at"], "the cursor's move")
+        self.assertGreater(float(window.settled()["facts"]["distance"]), distance)
+        self.slide(window, "rings", 0.6)
+        self.close(window)
+
+    def test_rays_and_culling(self):
+        window = self.open("icosphere:4", "--panel", "rays")
+        self.assertEqual(window.settled()["facts"]["triangles hit"], "2")
+        self.assertGreater(self.share(window, is_yellow), 0.003, "lit cells are yellow")
+        window.choose("weight", "chord")
+        self.turn_over(window, "occupied only")
+        self.assertGreater(int(window.settled()["facts"]["cells along the ray"]), int(window.state()["facts"]["shown"]))
+        window.choose("panel", "culling")
+        state = window.settled()
+        visible = int(state["facts"]["visible"].split()[0])
+        self.assertTrue(0 < visible < int(state["facts"]["triangles"]))
+        self.assertGreater(self.share(window, is_red), 0.002, "the volume is red")
+        self.assertGreater(self.share(window, is_green), 0.002, "visible leaves are green")
+        window.choose("mode", "exact")
+        self.assertLessEqual(int(window.settled()["facts"]["visible"].split()[0]), visible)
+        self.slide(window, "field of view", 0.4)
+        self.assertGreater(int(window.settled()["facts"]["visible"].split()[0]), visible)
+        self.close(window)
+
+    def test_intersection(self):
+        window = self.open("icosphere:3", "torus:32x16", "--panel", "intersection")
+        self.assertEqual(window.settled()["facts"]["meet"], "yes")
+        self.assertGreater(self.share(window, is_yellow), 0.002, "their triangles are yellow")
+        self.assertGreater(self.share(window, is_red), 0.001, "leaves of the first are red")
+        self.slide(window, "place x", 0.95)
+        self.assertEqual(window.settled()["facts"]["meet"], "no")
+        self.assertLess(self.share(window, is_yellow), 0.0005)
+        self.close(window)
+
+    def test_touch(self):
+        window = self.open("icosphere:3", "--panel", "touch")
+        window.wait(lambda state: "servo rate" in state["facts"], "the servo loop's rate")
+        self.assertEqual(window.state()["facts"]["contact"], "free")
+        handle = window.state()["handles"][0]
+        window.drag((round(handle["x"]), round(handle["y"])), window.middle())
+        state = window.wait(lambda now: now["facts"].get("contact", "free") != "free", "contact")
+        window.wait(lambda now: float(now["facts"]["force"].split()[0]) > 0.1, "a force")
+        self.assertGreater(self.share(window, is_red), 0.0002, "the force is red")
+        self.slide(window, "stiffness", 0.2)
+        self.assertGreater(state["facts"]["servo rate"], "")
+        self.close(window)
+
+
+class Mouse(WindowTest):
+    """Turning, moving, going nearer, picking, the window's size; what is uploaded."""
+
+    def test_camera_and_uploads(self):
+        window = self.open("icosphere:4", "torus:32x16")
+        state = window.settled()
+        self.assertEqual(state["models"], 2)
+        x, y = window.middle()
+        window.frames(20)  # the fine picture of a window at rest
+        before = window.state()
+        window.drag((x, y), (x + 90, y + 30))
+        turned = window.state()
+        self.assertNotEqual(turned["camera"]["azimuth"], before["camera"]["azimuth"])
+        self.assertNotEqual(turned["camera"]["elevation"], before["camera"]["elevation"])
+        self.assertEqual(turned["camera"]["target"], before["camera"]["target"])
+        window.drag((x, y), (x + 50, y), button=3)
+        moved = window.state()
+        self.assertNotEqual(moved["camera"]["target"], turned["camera"]["target"])
+        self.assertEqual(moved["camera"]["azimuth"], turned["camera"]["azimuth"])
+        self.screen.act("mousemove", x, y, "click", 4, "click", 4)
+        window.wait(lambda now: now["camera"]["distance"] < moved["camera"]["distance"], "going nearer")
+        window.choose("theme", "dark")
+        self.assertEqual(window.settled()["uploads"], before["uploads"], "moving uploads nothing")
+        r, g, b = self.screen.picture().pixel(window.view()[0] + 8, 8)
+        self.assertLess(max(r, g, b), 90, "the background is dark")
+        window.click("show all")
+        window.wait(lambda now: now["camera"]["target"] == before["camera"]["target"], "the whole")
+        self.turn_over(window, "smooth")
+        self.assertGreater(window.settled()["uploads"], before["uploads"], "other normals are uploaded")
+        self.close(window)
+
+    def test_pick_and_size(self):
+        window = self.open("icosphere:4")
+        window.settled()
+        x, y = window.middle()
+        self.screen.act("mousemove", x, y, "click", 1)
+        window.wait(lambda state: state["picked"] is not None, "a pick")
+        self.screen.act("mousemove", window.view()[0] + 5, 5, "click", 1)
+        window.wait(lambda state: state["picked"] is None, "a click beside the model")
+
+        def height():
+            """Of the silhouette."""
+            window.settled()
+            window.frames(3)
+            picture = self.screen.picture()
+            left, _, width, tall = window.view()
+            back = picture.pixel(left + 2, tall // 2)
+            column = [max(abs(a - b) for a, b in zip(picture.pixel(left + width // 2, row), picture.pixel(left + 2, row)))
+                      for row in range(0, tall, 2)]
+            del back
+            return 2 * sum(difference > 12 for difference in column)
+
+        tall = height()
+        self.screen.act("search", "--name", "Proxima", "windowsize", 900, 500)
+        window.wait(lambda state: state["window"] == [900, 500] and state["view"][3] == 500, "another size")
+        window.frames(3)
+        self.assertLess(abs(height() / tall - 500 / 820), 0.1, "the model is as much smaller as the window is")
+        self.close(window)
+
+
+class FineScreen(WindowTest):
+    dpi = 192
+
+    def test_widgets_are_twice_as_large(self):
+        window = self.open("cube", "--size", "600x450")
+        state = window.settled()
+        self.assertEqual(state["scale"], 2)
+        self.assertEqual(state["window"], [1200, 900])
+        self.assertGreater(state["controls"]["smooth"]["height"], 30)
+        self.close(window)
+
+
+class Trouble(WindowTest):
+    """Cancelling, closing in the middle of work, bad models, no OpenGL."""
+
+    def test_cancel_and_close_while_building(self):
+        window = self.open("icosphere:7", "--panel", "closest")
+        window.wait(lambda state: state["models"] == 1 and state["stage"] != "", "a build")
+        before = window.state()["frames"]
+        window.wait(lambda state: state["frames"] > before + 3, "frames in the middle of work")
+        window.click("cancel")
+        stopped = window.wait(lambda state: state["problem"] != "", "the end of the build")
+        self.assertIn("stopped on request", stopped["problem"])
+        window.click("rings", 0.8)
+        window.wait(lambda state: state["stage"] != "", "another build")
+        self.close(window)
+
+    def test_broken_model(self):
+        path = self.file("broken.obj", "v 0 0 0\nf 1 2 3\n")
+        result = run("view", path, env=self.screen.environment)
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("broken.obj", result.stderr)
+        self.assertEqual(result.stderr.count("\n"), 1)
+
+    def test_no_opengl_3_3(self):
+        self.refuse("view", "cube", says=["OpenGL 3.3", "--snapshot"],
+                    env={**self.screen.environment, "MESA_GL_VERSION_OVERRIDE": "2.1"})
+
+    def test_no_display(self):
+        environment = {key: value for key, value in self.screen.environment.items()
+                       if key not in ("DISPLAY", "WAYLAND_DISPLAY")}
+        self.refuse("view", "cube", says=["no display", "--snapshot"], env=environment)
+
+
+if __name__ == "__main__":
+    unittest.main()
