@@ -46,6 +46,13 @@ namespace detail {
 using ServoTick = Flow (*)(void* context, std::uint64_t tick) noexcept;
 [[nodiscard]] ServoStatistics run_servo_loop(const ServoOptions& options, ServoTick tick,
                                              void* context);
+
+/// Any callable as a plain function of its address.
+template <class Callable>
+Flow plain_tick(void* context, std::uint64_t number) noexcept
+{
+    return (*static_cast<Callable*>(context))(number);
+}
 } // namespace detail
 
 /// Calls tick(number) for every tick on this thread, until it says stop or all are done. Between
@@ -54,13 +61,8 @@ using ServoTick = Flow (*)(void* context, std::uint64_t tick) noexcept;
 template <class Tick>
 [[nodiscard]] ServoStatistics run_servo_loop(const ServoOptions& options, Tick&& tick)
 {
-    using Callable = std::remove_reference_t<Tick>;
-    return detail::run_servo_loop(
-        options,
-        [](void* context, std::uint64_t number) noexcept -> Flow {
-            return (*static_cast<Callable*>(context))(number);
-        },
-        const_cast<void*>(static_cast<const void*>(&tick)));
+    return detail::run_servo_loop(options, detail::plain_tick<std::remove_reference_t<Tick>>,
+                                  const_cast<void*>(static_cast<const void*>(&tick)));
 }
 
 } // namespace proxima
