@@ -51,8 +51,10 @@ enum class InputCondition : std::uint8_t {
     unsure,   ///< it said what no hand does (no number, a jump): until it is believed again
     frozen,   ///< it says the same, bit for bit, though it is pushed
     silent,   ///< nothing new came from it
-    gone      ///< it said that it is no longer there
+    gone,     ///< it said that it is no longer there
+    released  ///< the session ends
 };
+inline constexpr std::uint32_t input_conditions = 7;
 
 /// What a device says: its tip and how it is held.
 struct DeviceState {
@@ -64,7 +66,7 @@ struct DeviceState {
 
 /// What a device says in a tick, and how new it is.
 struct DeviceReading {
-    DeviceState state;        ///< of condition well or gone; any numbers, also none
+    DeviceState state;        ///< of condition well, unsure or gone; any numbers, also none
     std::uint64_t sample = 0; ///< of how many samples this is the last: the same as in the tick
                               ///< before where nothing new came
 };
@@ -79,9 +81,10 @@ struct HeldPlane {
 /// comes from.
 struct DeviceCommand {
     Vec3 force = Vec3::Zero(); ///< N: finite, within the limits, ramps included
-    double trust = 1;          ///< 0 to 1: the ramps, by which forces of `planes` are scaled
-    double stiffness = 0;      ///< N/m
-    double damping = 0;        ///< N s/m
+    InputCondition condition = InputCondition::well; ///< of what the device said
+    double trust = 1;     ///< 0 to 1: the ramps, by which forces of `planes` are scaled
+    double stiffness = 0; ///< N/m
+    double damping = 0;   ///< N s/m
     double static_friction = 0;
     double dynamic_friction = 0;
     Vec3 held = Vec3::Zero(); ///< what the spring pulls to, m; no meaning without planes
@@ -100,6 +103,7 @@ struct DeviceInfo {
     std::string driver;  ///< library and version, "" for none
     DeviceLimits limits; ///< of which `name` refers to static text
     int buttons = 0;
+    bool pushes = true;   ///< somebody feels its force: sessions end with a fading one
     bool rotates = false; ///< says how it is held, not only where
     Stillness stillness = Stillness::suspicious;
     /// How long nothing new may come before the device counts as silent, s.

@@ -47,6 +47,26 @@ using ServoTick = Flow (*)(void* context, std::uint64_t tick) noexcept;
 [[nodiscard]] ServoStatistics run_servo_loop(const ServoOptions& options, ServoTick tick,
                                              void* context);
 
+/// Ticks that somebody else's clock calls: counted and timed as those of our loop. One thread at a
+/// time; finish() once no tick runs any more.
+class TickAccount {
+public:
+    TickAccount(const ServoOptions& options, ServoTick called, void* context) noexcept;
+
+    /// The next tick; stop once it says so or all are done. noexcept, without allocation.
+    Flow tick() noexcept;
+
+    [[nodiscard]] ServoStatistics finish() const { return seen_; }
+
+private:
+    ServoOptions options_;
+    ServoTick tick_;
+    void* context_;
+    ServoStatistics seen_;
+    std::int64_t begin_ = 0; ///< ns
+    std::int64_t last_ = 0;  ///< the last tick's beginning
+};
+
 /// Any callable as a plain function of its address.
 template <class Callable>
 Flow plain_tick(void* context, std::uint64_t number) noexcept
