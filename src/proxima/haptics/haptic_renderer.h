@@ -40,6 +40,7 @@ struct RenderTick {
     Vec3 spring = Vec3::Zero();   ///< N, before the guards
     ProxyTick proxy;              ///< in the model's units
     InputFault fault = InputFault::none;
+    InputCondition condition = InputCondition::well; ///< as the state said
 };
 
 /// Refers to the surface. One thread. noexcept and without allocation but for the constructor.
@@ -55,7 +56,8 @@ public:
     [[nodiscard]] const ForceGuard& guard() const noexcept { return guard_; }
     [[nodiscard]] const PassivityGuard& passivity() const noexcept { return passivity_; }
 
-    /// The first tick places the proxy. \pre seconds > 0
+    /// The first tick with a finite position places the proxy. The force fades while the patch is
+    /// lost or the state is not well. \pre seconds > 0
     const RenderTick& tick(const DeviceState& state, double seconds,
                            Patch patch = Patch::at_hand) noexcept;
 
