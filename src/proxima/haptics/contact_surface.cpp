@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -78,6 +79,12 @@ std::size_t collect_rows(const TriangleTree& tree, std::span<const TriangleRow<S
 }
 
 } // namespace
+
+std::uint64_t new_edition() noexcept
+{
+    static std::atomic<std::uint64_t> last{0};
+    return last.fetch_add(1, std::memory_order_relaxed) + 1;
+}
 
 SurfaceScale scale_of(const TriangleMesh& mesh)
 {

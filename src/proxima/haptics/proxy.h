@@ -61,6 +61,9 @@ public:
     /// The centre's places in the last tick, straight moves between them.
     [[nodiscard]] std::span<const Vec3> path() const noexcept { return room_.path(); }
 
+    /// What all ticks asked the surface for.
+    [[nodiscard]] const ContactWork& work() const noexcept { return room_.work(); }
+
 private:
     [[nodiscard]] bool sticks(double aside, double depth) const noexcept;
     void free_from_surface() noexcept;

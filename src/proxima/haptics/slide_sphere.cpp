@@ -54,7 +54,9 @@ std::optional<Contact> contact_with(const ContactTriangle& triangle, const Vec3&
 /// or edge once.
 class Touches {
 public:
-    explicit Touches(double rounding) noexcept : rounding_(rounding) {}
+    /// \pre there is room
+    Touches(std::span<Contact> room, double rounding) noexcept : contacts_(room), rounding_(rounding)
+    {}
 
     /// False where there is no room.
     [[nodiscard]] bool add(const Contact& contact) noexcept
@@ -70,12 +72,13 @@ public:
     }
     void sort() noexcept
     {
-        std::sort(contacts_.begin(), contacts_.begin() + static_cast<std::ptrdiff_t>(count_),
+        const std::span<Contact> used = contacts_.first(count_);
+        std::sort(used.begin(), used.end(),
                   [](const Contact& a, const Contact& b) { return a.triangle < b.triangle; });
     }
     [[nodiscard]] std::span<const Contact> contacts() const noexcept
     {
-        return std::span(contacts_).first(count_);
+        return contacts_.first(count_);
     }
 
 private:
@@ -94,8 +97,8 @@ private:
         return a_inside != b_inside ? a_inside : a.triangle < b.triangle;
     }
 
+    std::span<Contact> contacts_;
     double rounding_;
-    std::array<Contact, max_contact_planes> contacts_;
     std::size_t count_ = 0;
 };
 
@@ -132,9 +135,10 @@ private:
     bool reach_freely() noexcept
     {
         const double way = (to_ - result_.center).norm();
-        const double clearance = surface_.clearance(result_.center);
+        const double wanted = way + radius_ + skin_;
+        const double clearance = room_.cache_.clearance(surface_, result_.center, wanted);
         touches_nothing_ = clearance > radius_ + skin_;
-        if (clearance <= way + radius_ + skin_) return false;
+        if (clearance <= wanted) return false;
         result_.held = to_;
         if (way > 0) go(to_);
         return true;
@@ -151,7 +155,7 @@ private:
     bool move() noexcept
     {
         const Vec3 p = result_.center;
-        Touches touches(0.25 * skin_);
+        Touches touches(room_.contacts_, 0.25 * skin_);
         if (!collect_touches(touches)) return end(SlideEnd::overloaded);
         const Vec3 goal = choose_goal(touches.contacts());
 
@@ -181,7 +185,7 @@ private:
         touched_count_ = 0;
         if (touches_nothing_) return true;
         const double limit = radius_ + skin_;
-        const std::size_t count = surface_.collect(result_.center, limit, room_.near_);
+        const std::size_t count = room_.cache_.collect(surface_, result_.center, limit, room_.near_);
         if (count > room_.near_.size()) return false;
         for (const ContactTriangle& triangle : std::span(room_.near_).first(count)) {
             const auto contact = contact_with(triangle, result_.center, limit, 0.25 * skin_);
@@ -199,7 +203,7 @@ private:
         for (int attempt = 0; attempt < 12; ++attempt) {
             const Vec3 middle = result_.center + 0.5 * reach * direction;
             const double distance = radius_ + 2 * skin_ + 0.5 * reach;
-            near_count_ = surface_.collect(middle, distance, room_.near_);
+            near_count_ = room_.cache_.collect(surface_, middle, distance, room_.near_);
             if (near_count_ <= room_.near_.size()) return true;
             reach /= 2;
         }
@@ -218,7 +222,7 @@ private:
     {
         result_.contact_count = 0;
         result_.held = to_;
-        std::array<ContactPlane, max_contact_planes> planes;
+        std::array<ContactPlane, max_contact_planes> planes; // NOLINT
         for (std::size_t i = 0; i < touched.size(); ++i) {
             const Contact& contact = touched[i];
             planes[i] = {contact.normal, contact.normal.dot(to_ - contact.point) - radius_};

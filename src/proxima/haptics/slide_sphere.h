@@ -16,6 +16,7 @@
 
 #include "proxima/geometry/closest_point.h"
 #include "proxima/geometry/vec.h"
+#include "proxima/haptics/contact_cache.h"
 #include "proxima/haptics/contact_planes.h"
 #include "proxima/haptics/contact_surface.h"
 
@@ -64,7 +65,7 @@ class SlideRoom {
 public:
     static constexpr std::size_t triangles = 4096; ///< near at a time
 
-    SlideRoom() : near_(triangles), touched_(triangles) {}
+    SlideRoom() : near_(triangles), touched_(triangles), contacts_(max_contact_planes) {}
 
     /// The centre's places in the last slide, from its start on, straight moves between.
     [[nodiscard]] std::span<const Vec3> path() const noexcept
@@ -75,12 +76,17 @@ public:
     /// Leaves only the first so many moves of the path.
     void cut_path(std::size_t moves) noexcept { path_size_ = std::min(path_size_, moves + 1); }
 
+    /// What all slides asked the surface for.
+    [[nodiscard]] const ContactWork& work() const noexcept { return cache_.work(); }
+
 private:
     friend class Slide;
     friend std::optional<Contact> nearest_contact(const ContactSurface& surface, const Vec3& p,
                                                   double distance, SlideRoom& room) noexcept;
+    ContactCache cache_;
     std::vector<ContactTriangle> near_;
     std::vector<TriangleId> touched_;
+    std::vector<Contact> contacts_;
     std::array<Vec3, max_slide_moves + 1> path_;
     std::size_t path_size_ = 0;
 };
