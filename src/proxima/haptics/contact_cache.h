@@ -28,6 +28,12 @@ struct ContactWork {
     std::uint64_t scans = 0;     ///< questions answered from what was kept
     std::uint64_t scanned = 0;   ///< triangles in lanes that these looked at
     std::uint64_t passed = 0;    ///< triangles that were given to be looked at in doubles
+
+    friend ContactWork operator+(const ContactWork& a, const ContactWork& b) noexcept
+    {
+        return {a.distances + b.distances, a.gathers + b.gathers, a.gathered + b.gathered,
+                a.scans + b.scans,         a.scanned + b.scanned, a.passed + b.passed};
+    }
 };
 
 /// Triangles as lanes of floats: corners from the ball's centre over its reach, axis by axis.
@@ -47,6 +53,11 @@ public:
     [[nodiscard]] std::size_t collect(const ContactSurface& surface, const Vec3& p, double distance,
                                       std::span<ContactTriangle> buffer) noexcept;
 
+    /// The same of all triangles that come within `distance` of the straight way from p.
+    [[nodiscard]] std::size_t collect_along(const ContactSurface& surface, const Vec3& p,
+                                            const Vec3& way, double distance,
+                                            std::span<ContactTriangle> buffer) noexcept;
+
     /// Where it is more than `wanted`: some number that is, and no more than what
     /// surface.clearance() says; otherwise what that says.
     [[nodiscard]] double clearance(const ContactSurface& surface, const Vec3& p,
@@ -56,9 +67,15 @@ public:
 
 private:
     [[nodiscard]] bool keeps(const ContactSurface& surface) noexcept;
+    [[nodiscard]] bool covers(const ContactSurface& surface, const Vec3& p,
+                              double distance) noexcept;
     [[nodiscard]] bool fill(const ContactSurface& surface, const Vec3& p, double distance) noexcept;
-    [[nodiscard]] std::size_t scan(const Vec3& p, double distance,
-                                   std::span<ContactTriangle> buffer) noexcept;
+    [[nodiscard]] bool keep(const ContactSurface& surface, const Vec3& center, double reach,
+                            std::size_t given) noexcept;
+    [[nodiscard]] std::size_t ask(const ContactSurface& surface, const Vec3& p, double distance,
+                                  std::span<ContactTriangle> buffer) noexcept;
+    [[nodiscard]] std::size_t give(std::size_t count, std::span<ContactTriangle> buffer) noexcept;
+    [[nodiscard]] std::array<float, 3> in_units(const Vec3& length) const noexcept;
 
     std::uint64_t edition_ = 0;
     Vec3 center_ = Vec3::Zero();
@@ -66,8 +83,10 @@ private:
     double margin_ = 0; ///< a new ball's reach beyond what is asked for
     double rounding_ = 0;
     std::size_t count_ = 0;
-    std::vector<ContactTriangle> triangles_;
-    std::vector<TriangleFloats> floats_; ///< one
+    std::vector<ContactTriangle> triangles_; ///< as the surface gave them
+    std::vector<TriangleFloats> floats_;     ///< one: of those that are within the ball
+    std::vector<std::uint16_t> places_;      ///< where these are in triangles_
+    std::vector<std::uint16_t> found_;   ///< places of the kept triangles
     Vec3 free_center_ = Vec3::Zero();
     double free_ = -1; ///< negative: not known
     ContactWork work_;

@@ -50,6 +50,13 @@ public:
     [[nodiscard]] virtual std::size_t collect(const Vec3& p, double distance,
                                               std::span<ContactTriangle> buffer) const noexcept = 0;
 
+    /// The same, as quickly as can be, with many that are farther: for callers that filter.
+    [[nodiscard]] virtual std::size_t gather(const Vec3& p, double distance,
+                                             std::span<ContactTriangle> buffer) const noexcept
+    {
+        return collect(p, distance, buffer);
+    }
+
     /// No part of the surface is nearer to p than this. 0 says nothing. \pre p is finite
     [[nodiscard]] virtual double clearance(const Vec3& p) const noexcept = 0;
 
@@ -71,6 +78,9 @@ public:
     /// About 1 us and 15 ns per triangle written.
     [[nodiscard]] std::size_t collect(const Vec3& p, double distance,
                                       std::span<ContactTriangle> buffer) const noexcept override;
+    /// Whole groups of eight neighbours. About 0.5 us and 5 ns per triangle.
+    [[nodiscard]] std::size_t gather(const Vec3& p, double distance,
+                                     std::span<ContactTriangle> buffer) const noexcept override;
     /// The distance of the closest feature, less its rounding.
     [[nodiscard]] double clearance(const Vec3& p) const noexcept override;
     [[nodiscard]] std::uint64_t edition() const noexcept override { return edition_; }
