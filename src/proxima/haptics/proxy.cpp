@@ -44,12 +44,32 @@ bool Proxy::sticks(double aside, double depth) const noexcept
     return aside <= most;
 }
 
+SlideResult Proxy::slide_easily(const Vec3& p) noexcept
+{
+    const Vec3& start = tick_.proxy;
+    const Vec3& easy = tick_.slide.center;
+    if (tick_.hold != Hold::free && easy != start) {
+        const SlideResult slide = slide_sphere(surface_, options_.radius, easy, p, easy_room_,
+                                               SlideStart::touching);
+        // Where it has come loose or far away from the proxy, the proxy may still be held back.
+        const double depth = (slide.held - p).norm();
+        const double apart = (slide.center - start).norm();
+        if (slide.contact_count > 0 && depth > 0 &&
+            apart <= 2 * options_.static_friction * depth) {
+            room_.begin_path(start);
+            return slide;
+        }
+    }
+    const SlideStart known =
+        tick_.hold == Hold::free ? SlideStart::anywhere : SlideStart::touching;
+    return slide_sphere(surface_, options_.radius, start, p, room_, known);
+}
+
 const ProxyTick& Proxy::follow(const Vec3& p) noexcept
 {
     const Hold before = tick_.hold;
     const Vec3 start = tick_.proxy;
-    const SlideStart known = before == Hold::free ? SlideStart::anywhere : SlideStart::touching;
-    const SlideResult slide = slide_sphere(surface_, options_.radius, start, p, room_, known);
+    const SlideResult slide = slide_easily(p);
     ProxyTick next;
     next.slide = slide;
     next.proxy = slide.center;

@@ -8,7 +8,9 @@
 // A point (god-object, [zilles-1995]) or a sphere ([ruspini-1997]) that slides over the surface as
 // near to the device as it can come (slide_sphere.h), with a friction cone ([melder-2004]): while
 // the way to the frictionless place is less than mu_s times the depth it stays where it is, else it
-// follows to mu_d times the depth. All in the surface's own unit.
+// follows to mu_d times the depth. The frictionless place goes on from where it was in the tick
+// before, not from the proxy, which lags behind by many triangles: a short way instead of a long one.
+// All in the surface's own unit.
 #pragma once
 
 #include "proxima/haptics/slide_sphere.h"
@@ -33,7 +35,7 @@ struct ProxyTick {
     Hold hold = Hold::free;
     Vec3 normal = Vec3::Zero(); ///< of all contacts together, of length 1; zero where free
     double depth = 0;           ///< of the device below the frictionless place
-    SlideResult slide;          ///< without friction, from the last proxy
+    SlideResult slide;          ///< without friction
     std::size_t moves = 0;      ///< of all slides of this tick
 };
 
@@ -61,14 +63,19 @@ public:
     /// The centre's places in the last tick, straight moves between them.
     [[nodiscard]] std::span<const Vec3> path() const noexcept { return room_.path(); }
 
+    /// What all ticks asked the surface for.
+    [[nodiscard]] ContactWork work() const noexcept { return room_.work() + easy_room_.work(); }
+
 private:
     [[nodiscard]] bool sticks(double aside, double depth) const noexcept;
+    [[nodiscard]] SlideResult slide_easily(const Vec3& p) noexcept;
     void free_from_surface() noexcept;
 
     const ContactSurface& surface_;
     ProxyOptions options_;
     double radius_;
     SlideRoom room_;
+    SlideRoom easy_room_; ///< of the frictionless place, where that is another
     ProxyTick tick_;
 };
 
