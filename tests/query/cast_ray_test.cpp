@@ -107,6 +107,10 @@ TEST(CastRay, HitsTheSameAtAnyScaleAndPlace)
     expect_truth(far, index_of(far), rays_for(far, 1000, 4));
     const TriangleMesh tiny = moved(torus, [](const Vec3& p) { return Vec3(1e-6 * p); });
     expect_truth(tiny, index_of(tiny), rays_for(tiny, 1000, 5));
+    const TriangleMesh coarse =
+        moved(torus, [](const Vec3& p) { return Vec3((4096 * p).array().round() / 4096); });
+    ASSERT_TRUE(index_of(coarse).has_exact_leaves());
+    expect_truth(coarse, index_of(coarse), rays_for(coarse, 3000, 7));
     const TriangleMesh huge = moved(torus, [](const Vec3& p) { return Vec3(1e6 * p); });
     expect_truth(huge, index_of(huge), rays_for(huge, 1000, 6));
 }
@@ -272,7 +276,14 @@ TEST(CastRay, PacketsAnswerAsBruteForceOnEveryInstructionSet)
             expect_truth_of_rows(mesh, seed);
     }
     expect_truth_of_rows(torus_mesh(1.0, 0.4, 24, 16), 1);
-    expect_truth_of_rows(sphere_mesh(Vec3(5, 6, 7), 1.0, 20, 30), 3);
+    const TriangleMesh sphere = sphere_mesh(Vec3(5, 6, 7), 1.0, 20, 30);
+    expect_truth_of_rows(sphere, 3);
+    // Coordinates that floats hold: hits are computed from leaves.
+    const TriangleMesh coarse =
+        moved(sphere, [](const Vec3& p) { return Vec3((4096 * p).array().round() / 4096); });
+    EXPECT_TRUE(index_of(coarse).has_exact_leaves());
+    EXPECT_FALSE(index_of(sphere).has_exact_leaves());
+    for (std::uint32_t seed = 4; seed < 7; ++seed) expect_truth_of_rows(coarse, seed);
     EXPECT_GT(hits, cast / 10);
 }
 

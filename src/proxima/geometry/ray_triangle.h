@@ -37,11 +37,15 @@ struct RayShear {
     RayShear() = default;
     explicit RayShear(const Vec3& direction) noexcept
     {
+        // Without branches: rays in turn go all ways. After z come x and y: 0, 1, 2, 0, 1.
         const Vec3 sizes = direction.cwiseAbs();
-        z = sizes[1] > sizes[0] ? 1 : 0;
-        z = sizes[2] > std::max(sizes[0], sizes[1]) ? 2 : z;
-        x = z == 2 ? 0 : z + 1;
-        y = z == 0 ? 2 : z - 1;
+        const std::uint32_t second = sizes[1] > sizes[0] ? 1 : 0;
+        const std::uint32_t third = sizes[2] > std::max(sizes[0], sizes[1]) ? 1 : 0;
+        z = (second & ~third) + 2 * third;
+        constexpr std::uint32_t after = 0 << 4U | 2 << 2U | 1;
+        constexpr std::uint32_t after_that = 1 << 4U | 0 << 2U | 2;
+        x = after >> 2 * z & 3U;
+        y = after_that >> 2 * z & 3U;
         const double* const d = direction.data();
         inverse_z = 1 / d[z];
         slope_x = d[x] * inverse_z;

@@ -43,7 +43,7 @@ struct AllSearch {
     {
         for (std::uint32_t left = candidates.lanes; left != 0; left &= left - 1) {
             const auto lane = static_cast<std::uint32_t>(std::countr_zero(left));
-            if (ask_triangle(index, {leaf, lane}, ray, ray.best))
+            if (ask_any_triangle(index, {leaf, lane}, ray, ray.best))
                 visit(context, ray.place, ray.best);
         }
         return true;

@@ -14,6 +14,7 @@
 #define PROXIMA_QUERY_WALK_RAY_INL_H
 #endif
 
+#include "proxima/query/ask_triangle-inl.h"
 #include "proxima/query/open_ray.h"
 
 #include <bit>
@@ -357,7 +358,7 @@ struct ClosestSearch {
     HWY_INLINE void settle(SearchedRay& ray) const
     {
         if (ray.best_noted.leaf == RayTriangle::no_leaf) return;
-        if (ask_triangle(index, ray.best_noted, ray, ray.best)) keep(ray);
+        if (ask_any_triangle(index, ray.best_noted, ray, ray.best)) keep(ray);
     }
     /// False to end the search.
     HWY_INLINE bool take(std::uint32_t leaf, const LeafCandidates& candidates,
@@ -378,7 +379,7 @@ struct ClosestSearch {
             }
             settle(ray);
             RayHit hit;
-            if (!ask_triangle(index, {leaf, lane}, ray, hit)) continue;
+            if (!ask_any_triangle(index, {leaf, lane}, ray, hit)) continue;
             if (ray.found && !hit.before(ray.best)) continue;
             ray.best = hit;
             keep(ray);
@@ -399,7 +400,7 @@ struct AnySearch {
         ray.found = candidates.sure != 0;
         for (std::uint32_t left = candidates.lanes; left != 0 && !ray.found; left &= left - 1) {
             const auto lane = static_cast<std::uint32_t>(std::countr_zero(left));
-            ray.found = ask_triangle(index, {leaf, lane}, ray, ray.best);
+            ray.found = ask_any_triangle(index, {leaf, lane}, ray, ray.best);
         }
         return !ray.found;
     }
