@@ -23,6 +23,14 @@ std::array<float, 3> rounded(const Vec3& p)
     return {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
 }
 
+template <std::size_t size>
+std::uint32_t count_within(const std::array<float, size>& squared, float limit)
+{
+    std::uint32_t count = 0;
+    for (std::size_t i = 0; i < size; ++i) count += squared[i] <= limit ? 1U : 0U;
+    return count;
+}
+
 } // namespace
 
 EveryTriangle::EveryTriangle(const TriangleMesh& mesh) : mesh_(mesh), scale_(scale_of(mesh))
@@ -70,9 +78,7 @@ std::size_t EveryTriangle::collect(const Vec3& p, double distance,
     std::size_t count = 0;
     for (std::size_t first = 0; first < padded_; first += group) {
         bound(first, at, squared);
-        float least = squared[0];
-        for (std::size_t i = 1; i < group; ++i) least = squared[i] < least ? squared[i] : least;
-        if (least > limit) continue;
+        if (count_within(squared, limit) == 0) continue;
         for (std::size_t i = 0; i < group; ++i) {
             if (squared[i] > limit || first + i >= mesh_.triangle_count()) continue;
             const TriangleId id{static_cast<std::uint32_t>(first + i)};
@@ -98,17 +104,18 @@ double EveryTriangle::clearance(const Vec3& p) const noexcept
     float least_bound = std::numeric_limits<float>::infinity();
     for (std::size_t first = 0; first < padded_; first += group) {
         bound(first, at, squared);
-        const float least = *std::min_element(squared.begin(), squared.end());
-        if (least >= least_bound) continue;
-        least_bound = least;
+        if (count_within(squared, least_bound) == 0) continue;
+        least_bound = *std::min_element(squared.begin(), squared.end());
         best_group = first;
     }
     double least = std::numeric_limits<double>::infinity();
     const auto ask_group = [&](std::size_t first) {
         bound(first, at, squared);
+        const double near = std::sqrt(least) + rounding;
+        const auto limit = static_cast<float>(near * near * (1 + 0x1p-18));
+        if (count_within(squared, limit) == 0) return;
         for (std::size_t i = 0; i < group && first + i < mesh_.triangle_count(); ++i) {
-            const double bound = std::sqrt(static_cast<double>(squared[i])) * (1 - 0x1p-18);
-            if (bound - rounding > std::sqrt(least)) continue;
+            if (squared[i] > limit) continue;
             const TriangleId id{static_cast<std::uint32_t>(first + i)};
             const TrianglePoint closest = closest_point(mesh_.triangle(id), p);
             least = std::min(least, (closest.point - p).squaredNorm());
