@@ -58,12 +58,11 @@ void HapticRenderer::advance_scene(double seconds) noexcept
     if (!placed_) return;
     const ProxyTick& last = proxy_.last();
     if (change.moved && last.has_room) {
-        const auto contacts = std::span(last.slide.contacts).first(last.slide.contact_count);
-        const Vec3 goal =
-            last.hold == Hold::free ? last.proxy : carried_place(*scene_, contacts, last.proxy);
-        const auto place = carry_sphere(*scene_, proxy_.radius(), last.proxy, goal, carry_room_);
+        const auto place = carried(last.proxy);
         if (place) {
-            proxy_.carry(*place);
+            const Vec3& smooth = proxy_.smooth_place();
+            const bool apart = options_.shading == ForceShading::on && smooth != last.proxy;
+            proxy_.carry(*place, apart ? carried(smooth).value_or(*place) : *place);
         } else {
             tick_.squeezed = true;
             begin_anew();
@@ -72,10 +71,21 @@ void HapticRenderer::advance_scene(double seconds) noexcept
     if (change.exchanged) begin_anew();
 }
 
-/// Where it is or nearby: outside of bodies that are closed and took the proxy's place.
+/// Where objects that moved leave a place of the proxy: with what it touches, if it does.
+std::optional<Vec3> HapticRenderer::carried(const Vec3& place) noexcept
+{
+    const ProxyTick& last = proxy_.last();
+    const auto contacts = std::span(last.slide.contacts).first(last.slide.contact_count);
+    const Vec3 goal = last.hold == Hold::free ? place : carried_place(*scene_, contacts, place);
+    return carry_sphere(*scene_, proxy_.radius(), place, goal, carry_room_);
+}
+
+/// Where it is or nearby, but outside of bodies that are closed: one may have taken its place.
 void HapticRenderer::begin_anew() noexcept
 {
     proxy_.place(scene_->way_out(proxy_.last().proxy));
+    const Vec3 place = proxy_.last().proxy;
+    if (scene_->way_out(place) != place) proxy_.wait(place);
     guard_.cross_over();
     passivity_.restart();
 }

@@ -26,6 +26,7 @@
 #include "proxima/haptics/workspace_map.h"
 
 #include <cstdint>
+#include <optional>
 
 namespace proxima {
 
@@ -82,6 +83,7 @@ public:
 private:
     [[nodiscard]] Vec3 accept(const DeviceState& state) noexcept;
     void advance_scene(double seconds) noexcept;
+    [[nodiscard]] std::optional<Vec3> carried(const Vec3& place) noexcept;
     void begin_anew() noexcept;
     [[nodiscard]] Vec3 surface_velocity() const noexcept;
     [[nodiscard]] Vec3 spring(const Vec3& device, const Vec3& velocity) const noexcept;

@@ -14,7 +14,7 @@ namespace proxima {
 
 /// The word on one object. Lengths in the scene's unit.
 struct ObjectMotion {
-    RigidTransform pose;          ///< where it will be
+    RigidTransform pose = {};     ///< where it will be
     double seconds = 0;           ///< until it is there; 0 = in the next tick
     Vec3 velocity = Vec3::Zero(); ///< from then on, of the object's origin, per second
     Vec3 spin = Vec3::Zero();     ///< from then on, radians per second about the scene's axes

@@ -14,20 +14,21 @@ Proxy::Proxy(const ContactSurface& surface, const ProxyOptions& options)
     PROXIMA_CHECK_GE(options.radius, 0);
     PROXIMA_CHECK_GE(options.dynamic_friction, 0);
     PROXIMA_CHECK_LE(options.dynamic_friction, options.static_friction);
+    if (options.shading == ForceShading::on) long_path_.reserve(3 * (max_slide_moves + 1));
 }
 
 void Proxy::place(const Vec3& p) noexcept
 {
     tick_ = {};
     const auto free = find_free_place(surface_, radius_, p, room_);
-    tick_.proxy = tick_.held = free.value_or(p);
+    smooth_place_ = tick_.proxy = tick_.held = free.value_or(p);
     tick_.has_room = free.has_value();
 }
 
 const ProxyTick& Proxy::wait(const Vec3& p) noexcept
 {
     tick_ = {};
-    tick_.proxy = tick_.held = p;
+    smooth_place_ = tick_.proxy = tick_.held = p;
     tick_.has_room = false;
     return tick_;
 }
@@ -75,16 +76,34 @@ Vec3 Proxy::shading_of(const SlideResult& slide, const Vec3& normal, double dept
     return depth * (smooth / rise - normal);
 }
 
+/// Slides from the smooth place aside. Returns how much of it a wall leaves.
+Vec3 Proxy::lean_towards(const Vec3& p, const Vec3& lean, ProxyTick& next) noexcept
+{
+    leans_ = true;
+    const auto way = room_.path();
+    long_path_.assign(way.begin(), way.end());
+    const Vec3 from = next.slide.center;
+    const SlideResult aside =
+        slide_sphere(surface_, options_.radius, from, p + lean, room_, SlideStart::touching);
+    long_path_.insert(long_path_.end(), room_.path().begin(), room_.path().end());
+    next.moves += aside.moves;
+    next.proxy = aside.center;
+    const double part = (aside.center - from).dot(lean) / lean.squaredNorm();
+    return std::clamp(part, 0.0, 1.0) * lean;
+}
+
 const ProxyTick& Proxy::follow(const Vec3& p) noexcept
 {
+    leans_ = false;
     if (!tick_.has_room && !find_room(p)) return tick_;
     const Hold before = tick_.hold;
-    const Vec3 start = tick_.proxy;
+    const bool shades = options_.shading == ForceShading::on && options_.feel != nullptr;
+    const Vec3 start = shades ? smooth_place_ : tick_.proxy;
     const SlideStart known = before == Hold::free ? SlideStart::anywhere : SlideStart::touching;
     const SlideResult slide = slide_sphere(surface_, options_.radius, start, p, room_, known);
     ProxyTick next;
     next.slide = slide;
-    next.proxy = slide.center;
+    smooth_place_ = next.proxy = slide.center;
     next.held = slide.held;
     next.moves = slide.moves;
     const Vec3 back = slide.held - p;
@@ -95,22 +114,17 @@ const ProxyTick& Proxy::follow(const Vec3& p) noexcept
     }
     next.normal = back / next.depth;
     next.hold = Hold::sliding;
-    std::size_t first_contact = slide.first_contact;
-    const Vec3 lean = shading_of(slide, next.normal, next.depth);
+    // Friction begins where the surface was met first.
+    const std::size_t met = before == Hold::free ? slide.first_contact : 0;
+    const Vec3 anchor = shades && before != Hold::free ? tick_.proxy : room_.path()[met];
+    Vec3 lean = shades ? shading_of(slide, next.normal, next.depth) : Vec3(Vec3::Zero());
     if (!lean.isZero(0)) {
-        const SlideResult shaded =
-            slide_sphere(surface_, options_.radius, start, p + lean, room_, known);
-        next.moves += shaded.moves;
-        next.proxy = shaded.center;
-        next.held = shaded.contact_count > 0 ? shaded.held : Vec3(slide.held + lean);
-        first_contact = shaded.contact_count > 0 ? shaded.first_contact : shaded.moves;
+        lean = lean_towards(p, lean, next);
+        next.held += lean;
     }
     const Friction friction = friction_of(slide);
     if (friction.fixed > 0) {
-        // Friction begins where the surface was met first.
-        const std::size_t met = before == Hold::free ? first_contact : 0;
-        const Vec3 anchor = room_.path()[met];
-        const Vec3 goal = next.proxy;
+        const Vec3 goal = slide.center + lean;
         Vec3 aside = anchor - goal;
         aside -= next.normal * next.normal.dot(aside);
         const double distance = aside.norm();
@@ -118,16 +132,23 @@ const ProxyTick& Proxy::follow(const Vec3& p) noexcept
         if (distance <= part * friction.fixed * next.depth) next.hold = Hold::sticking;
         const double trail = friction.sliding * next.depth;
         if (next.hold == Hold::sticking || distance <= trail) {
-            room_.cut_path(met);
+            if (!shades) room_.cut_path(met);
             next.proxy = anchor;
             next.held += anchor - goal;
         } else {
-            const Vec3 lag = lean + aside * (trail / distance);
-            const SlideResult dragged = slide_sphere(surface_, options_.radius, start, p + lag,
-                                                     room_, SlideStart::touching);
+            const Vec3 lag = aside * (trail / distance);
+            const SlideResult dragged =
+                slide_sphere(surface_, options_.radius, shades ? slide.center : start,
+                             p + lean + lag, room_, SlideStart::touching);
             next.moves += dragged.moves;
             next.proxy = dragged.center;
-            next.held = dragged.contact_count > 0 ? dragged.held : dragged.center;
+            if (leans_) {
+                next.held += lag;
+                long_path_.push_back(slide.center);
+                long_path_.insert(long_path_.end(), room_.path().begin(), room_.path().end());
+            } else {
+                next.held = dragged.contact_count > 0 ? dragged.held : dragged.center;
+            }
         }
     }
     tick_ = next;

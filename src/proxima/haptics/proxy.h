@@ -11,7 +11,9 @@
 // follows to mu_d times the depth. All in the surface's own unit.
 //
 // Force shading [ruspini-1997]: the goal is moved aside until the spring leans along the smooth
-// surface's normal, and the proxy slides there over the true one: it never enters. Depth stays.
+// surface's normal, and the proxy slides towards it over the true one: it never enters, and where
+// a wall keeps it the spring leans less. The part of the spring along the true normal stays. The
+// frictionless place is followed for itself, or the two would lead each other to and fro.
 #pragma once
 
 #include "proxima/haptics/slide_sphere.h"
@@ -62,9 +64,16 @@ public:
     /// touching anything, until the device comes where it has. \pre p is finite
     void place(const Vec3& p) noexcept;
 
-    /// Taken along by objects that moved: from there on. \pre placed, and nothing was passed on the
-    /// way (carry_sphere.h)
-    void carry(const Vec3& to) noexcept { tick_.proxy = to; }
+    /// Where it would be without friction and shading.
+    [[nodiscard]] const Vec3& smooth_place() const noexcept { return smooth_place_; }
+
+    /// Taken along by objects that moved: from there on, and the place without friction and
+    /// shading. \pre placed, and nothing was passed on both ways (carry_sphere.h)
+    void carry(const Vec3& to, const Vec3& smooth_place) noexcept
+    {
+        tick_.proxy = to;
+        smooth_place_ = smooth_place;
+    }
 
     /// Without room, in this tick too. \pre p is finite
     const ProxyTick& wait(const Vec3& p) noexcept;
@@ -77,7 +86,8 @@ public:
     /// The centre's places in the last tick, straight moves between them.
     [[nodiscard]] std::span<const Vec3> path() const noexcept
     {
-        return tick_.has_room ? room_.path() : std::span<const Vec3>();
+        if (!tick_.has_room) return {};
+        return leans_ ? std::span<const Vec3>(long_path_) : room_.path();
     }
 
 private:
@@ -90,12 +100,16 @@ private:
     [[nodiscard]] Vec3 shading_of(const SlideResult& slide, const Vec3& normal,
                                   double depth) const noexcept;
     [[nodiscard]] bool find_room(const Vec3& p) noexcept;
+    [[nodiscard]] Vec3 lean_towards(const Vec3& p, const Vec3& lean, ProxyTick& next) noexcept;
 
     const ContactSurface& surface_;
     ProxyOptions options_;
     double radius_;
     SlideRoom room_;
     ProxyTick tick_;
+    Vec3 smooth_place_ = Vec3::Zero();
+    std::vector<Vec3> long_path_; ///< of several slides, where shading takes them
+    bool leans_ = false;          ///< in this tick
 };
 
 } // namespace proxima
