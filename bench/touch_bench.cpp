@@ -1,39 +1,37 @@
 // What a tick of touching costs in direct mode: the servo loop asks the proximity octree itself.
-// Run by scripts/bench touch [--ticks N] [--radius R] [--mesh NAME]...
+// Run by scripts/bench touch.
 //
-//     slide walk stroke press poke    scripts of the simulated hand, thousands of ticks a second
-//     touching                        ticks with contact, which is what is timed in their column
-//     moves                           of the proxy per tick
+//     touch_bench [--ticks N] [--replays N] [--radius R] [--keep DIR] [--peers] [--mesh NAME]...
+//     touch_bench --curve FILE.{csv,svg,png} ...      tick time by the number of triangles
 //
-// Computed work alone: from what the device says to the force, without sleeping or the hand.
+//     script    of the simulated hand          state     what the tick was about (touch_track.h)
+//     p50 ...   us computed per tick           queries   questions of the octree per tick
+//     gathered  triangles that these gave      lanes     of kept triangles that scans looked at
+//     in full   triangles looked at in doubles
+//
+// Peers: the same proxy, which then asks the octree anew for each question of a tick, and a
+// god-object over a tree of boxes (god_object_peer.h).
 
-#include "proxima/haptics/hand_script.h"
-#include "proxima/haptics/haptic_renderer.h"
-#include "proxima/haptics/quality_report.h"
-#include "proxima/haptics/simulated_hand.h"
-#include "proxima/mesh/mesh_io.h"
-#include "proxima/mesh/sample_meshes.h"
-#include "proxima/proximity/build_proximity_octree.h"
+#include "touch_curve.h"
+#include "touch_table.h"
 
 #include <CLI/CLI.hpp>
 
-#include <array>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace proxima::bench {
 namespace {
 
-constexpr double tick_seconds = 1e-3;
-
 struct TouchBenchOptions {
-    std::uint64_t ticks = 20000;
-    double radius = 0; ///< m
+    TouchRaceOptions race;
+    bool peers = false;
     std::vector<std::string> meshes;
+    std::vector<std::string> curves;
 };
 
 std::vector<std::string> usual_meshes()
@@ -46,80 +44,52 @@ std::vector<std::string> usual_meshes()
     return names;
 }
 
-std::int64_t nanoseconds_now()
-{
-    return std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1);
-}
-
-/// Times of one script.
-struct ScriptTimes {
-    LatencyHistogram free;
-    LatencyHistogram touching;
-    QualityReport quality;
-};
-
-ScriptTimes time_script(const OctreeContactSurface& surface, const HandScript& script,
-                        const WorkspaceMap& map, const TouchBenchOptions& options)
-{
-    HapticRenderer renderer(surface, map, *find_device("omni"), {.proxy_radius = options.radius});
-    QualityMeter meter(surface, map);
-    SimulatedHand hand({}, script.target(0));
-    ScriptTimes times;
-    for (std::uint64_t tick = 0; tick < options.ticks; ++tick) {
-        const DeviceState state = hand.state();
-        const std::int64_t begin = nanoseconds_now();
-        const RenderTick& felt = renderer.tick(state, tick_seconds);
-        const std::int64_t end = nanoseconds_now();
-        (felt.proxy.hold == Hold::free ? times.free : times.touching).add(end - begin);
-        meter.add(felt, state.velocity, renderer.proxy().path());
-        hand.step(felt.force, script.target(static_cast<double>(tick) * tick_seconds));
-    }
-    times.quality = meter.report();
-    return times;
-}
-
-double microseconds(const LatencyHistogram& histogram, double part)
-{
-    return 1e-3 * static_cast<double>(histogram.quantile(part));
-}
-
 int run_mesh(const std::string& name, const TouchBenchOptions& options)
 {
-    const auto mesh = is_sample_mesh_name(name) ? sample_mesh(name) : read_mesh(name);
-    if (!mesh) {
-        std::printf("%s: %s\n", name.c_str(), describe(mesh.error()).c_str());
+    const auto model = load_touch_model(name, options.race.keep);
+    if (!model) {
+        std::printf("%s: %s\n", name.c_str(), describe(model.error()).c_str());
         return 1;
     }
-    const auto topology = build_topology(*mesh);
-    if (!topology) return 1;
-    const auto octree = build_proximity_octree(*mesh, *topology);
-    if (!octree) return 1;
-    const OctreeContactSurface surface(*octree);
-    const WorkspaceMap map = fit_workspace(bounding_box(*mesh), 0.1);
-    std::printf("%s, %zu triangles, proxy radius %g m\n", name.c_str(), mesh->triangle_count(),
-                options.radius);
-    std::printf("%-8s %8s %7s %7s  %8s %8s %8s %8s %8s  %9s %9s  %5s %5s\n", "script", "touching",
-                "moves", "free us", "p50 us", "p99", "p99.9", "p99.99", "max", "Hz at p50",
-                "at p99.99", "cut", "pass");
-    for (const char* const script_name : {"slide", "walk", "stroke", "press", "poke"}) {
-        const auto script = HandScript::make(script_name, *mesh, *topology, map, 1);
-        if (!script) return 1;
-        const ScriptTimes times = time_script(surface, *script, map, options);
-        const LatencyHistogram& at = times.touching;
-        std::printf(
-            "%-8s %7.1f%% %7.2f %7.2f  %8.2f %8.2f %8.2f %8.2f %8.2f  %9.0f %9.0f  %5llu %5llu\n",
-            script_name,
-            100.0 * static_cast<double>(times.quality.touching_ticks) /
-                static_cast<double>(times.quality.ticks),
-            static_cast<double>(times.quality.moves) / static_cast<double>(times.quality.ticks),
-            microseconds(times.free, 0.5), microseconds(at, 0.5), microseconds(at, 0.99),
-            microseconds(at, 0.999), microseconds(at, 0.9999), microseconds(at, 1),
-            1e6 / microseconds(at, 0.5), 1e6 / microseconds(at, 0.9999),
-            static_cast<unsigned long long>(times.quality.limited_ticks),
-            static_cast<unsigned long long>(times.quality.passes));
+    std::printf("%s, %zu triangles, proxy radius %g m; least of %d replays\n", name.c_str(),
+                (*model)->mesh.triangle_count(), options.race.radius, options.race.replays);
+    print_head();
+    TickSums sums;
+    TickSums asked_sums;
+    TickSums peer_sums;
+    std::uint64_t differences = 0;
+    const AskedSurface asked(*(*model)->surface);
+    std::optional<BoxTree> tree;
+    if (options.peers) tree.emplace((*model)->mesh);
+    for (const char* const script : touch_scripts) {
+        const TouchTrack track =
+            record_track(**model, script, options.race.ticks, options.race.radius);
+        const TrackTimes times = time_track(*(*model)->surface, (*model)->map, track,
+                                            options.race.radius, options.race.replays);
+        differences += times.differences;
+        TickSums own;
+        add_track(own, track, times);
+        print_rows(script, own, true);
+        add_track(sums, track, times);
+        if (!options.peers) continue;
+        const TrackTimes slow =
+            time_track(asked, (*model)->map, track, options.race.radius, options.race.replays);
+        differences += slow.differences;
+        add_track(asked_sums, track, slow);
+        add_track(peer_sums, track, time_track(*tree, **model, track, options.race.replays));
+    }
+    print_rows("all", sums, true);
+    if (options.peers) {
+        print_rows("asking", asked_sums, false);
+        print_rows("box tree", peer_sums, false);
+    }
+    if (differences != 0) {
+        std::printf("%llu replayed ticks gave ANOTHER FORCE\n",
+                    static_cast<unsigned long long>(differences));
     }
     std::printf("\n");
-    return 0;
+    (void)std::fflush(stdout);
+    return differences == 0 ? 0 : 1;
 }
 
 } // namespace
@@ -130,10 +100,20 @@ int main(int argc, char** argv)
     using namespace proxima::bench;
     TouchBenchOptions options;
     CLI::App app("Times ticks of touching.");
-    app.add_option("--ticks", options.ticks, "Of each script")->capture_default_str();
-    app.add_option("--radius", options.radius, "Of the proxy, m")->capture_default_str();
-    app.add_option("--mesh", options.meshes, "Files or built-ins");
+    app.add_option("--ticks", options.race.ticks, "Of each script")->capture_default_str();
+    app.add_option("--replays", options.race.replays, "Of which the least counts")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str();
+    app.add_option("--radius", options.race.radius, "Of the proxy, m")->capture_default_str();
+    app.add_option("--keep", options.race.keep, "Folder of octrees built before, and to come")
+        ->check(CLI::ExistingDirectory);
+    app.add_option("--mesh", options.meshes, "Files, .pxp among them, or built-ins");
+    app.add_flag("--peers", options.peers, "Time what it is held against, too");
+    app.add_option("--curve", options.curves,
+                   "Tick time by the number of triangles, of these meshes beside toruses, as a table "
+                   "(.csv) or a plot (.svg, .png)");
     CLI11_PARSE(app, argc, argv);
+    if (!options.curves.empty()) return run_curve(options.meshes, options.race, options.curves);
     if (options.meshes.empty()) options.meshes = usual_meshes();
     int status = 0;
     for (const std::string& mesh : options.meshes) status |= run_mesh(mesh, options);

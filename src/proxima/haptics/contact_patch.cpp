@@ -15,6 +15,7 @@ void fill_metric_patch(ContactPatch& patch, const ContactSurface& surface, const
     patch.complete = wanted <= ContactPatch::most;
     patch.center = device;
     patch.clearance = surface.clearance(device);
+    patch.edition = new_edition();
 }
 
 RingPatches::RingPatches(const ProximityOctree& octree, const TriangleMesh& mesh,
@@ -33,6 +34,7 @@ void RingPatches::fill(ContactPatch& patch, const Vec3& device, int depth) noexc
     patch.complete = found.complete;
     patch.center = device;
     patch.clearance = std::sqrt(closest.squared_distance) * (1 - 0x1p-40);
+    patch.edition = new_edition();
 }
 
 std::size_t PatchContactSurface::collect(const Vec3& p, double distance,

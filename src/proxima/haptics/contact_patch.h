@@ -41,6 +41,7 @@ public:
     Vec3 center = Vec3::Zero(); ///< the device's place that it was made for
     double clearance = 0;       ///< no part of the whole surface is nearer to the centre
     std::uint64_t made_at = 0;  ///< the servo tick whose state it was made for
+    std::uint64_t edition = 0;  ///< ContactSurface::edition() of what it holds; new when filled
 
 private:
     std::vector<ContactTriangle> triangles_;
@@ -92,6 +93,10 @@ public:
                                       std::span<ContactTriangle> buffer) const noexcept override;
     /// By the patch's clearance and the way from its centre.
     [[nodiscard]] double clearance(const Vec3& p) const noexcept override;
+    [[nodiscard]] std::uint64_t edition() const noexcept override
+    {
+        return patch_ == nullptr ? 0 : patch_->edition;
+    }
 
 private:
     SurfaceScale scale_;

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -77,7 +78,29 @@ std::size_t collect_rows(const TriangleTree& tree, std::span<const TriangleRow<S
     return count;
 }
 
+/// All of each group that may be near.
+template <class Scalar>
+std::size_t gather_rows(const TriangleTree& tree, std::span<const TriangleRow<Scalar>> rows,
+                        const Vec3& p, double distance, std::span<ContactTriangle> buffer) noexcept
+{
+    std::size_t count = 0;
+    visit_within(tree, {p, p}, distance * distance, [&](RankRange ranks) noexcept {
+        for (const TriangleRow<Scalar>& row : rows.subspan(ranks.first, ranks.count)) {
+            if (count < buffer.size())
+                buffer[count] = {triangle_of(row), TriangleId{row.triangle_id()}};
+            ++count;
+        }
+    });
+    return count;
+}
+
 } // namespace
+
+std::uint64_t new_edition() noexcept
+{
+    static std::atomic<std::uint64_t> last{0};
+    return last.fetch_add(1, std::memory_order_relaxed) + 1;
+}
 
 SurfaceScale scale_of(const TriangleMesh& mesh)
 {
@@ -106,6 +129,15 @@ std::size_t OctreeContactSurface::collect(const Vec3& p, double distance,
     const TriangleTree& tree = octree_->tree();
     return arrays.double_rows.empty() ? collect_rows(tree, arrays.float_rows, p, distance, buffer)
                                       : collect_rows(tree, arrays.double_rows, p, distance, buffer);
+}
+
+std::size_t OctreeContactSurface::gather(const Vec3& p, double distance,
+                                         std::span<ContactTriangle> buffer) const noexcept
+{
+    const ProximityArrays& arrays = octree_->arrays();
+    const TriangleTree& tree = octree_->tree();
+    return arrays.double_rows.empty() ? gather_rows(tree, arrays.float_rows, p, distance, buffer)
+                                      : gather_rows(tree, arrays.double_rows, p, distance, buffer);
 }
 
 double OctreeContactSurface::clearance(const Vec3& p) const noexcept

@@ -14,6 +14,7 @@
 #include "proxima/proximity/proximity_octree.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 namespace proxima {
@@ -49,9 +50,23 @@ public:
     [[nodiscard]] virtual std::size_t collect(const Vec3& p, double distance,
                                               std::span<ContactTriangle> buffer) const noexcept = 0;
 
+    /// The same, as quickly as can be, with many that are farther: for callers that filter.
+    [[nodiscard]] virtual std::size_t gather(const Vec3& p, double distance,
+                                             std::span<ContactTriangle> buffer) const noexcept
+    {
+        return collect(p, distance, buffer);
+    }
+
     /// No part of the surface is nearer to p than this. 0 says nothing. \pre p is finite
     [[nodiscard]] virtual double clearance(const Vec3& p) const noexcept = 0;
+
+    /// While this is the same, so are all answers: they may be kept (contact_cache.h). Of no other
+    /// surface. 0: keep nothing.
+    [[nodiscard]] virtual std::uint64_t edition() const noexcept { return 0; }
 };
+
+/// A number that no surface had before. Wait-free; any thread.
+[[nodiscard]] std::uint64_t new_edition() noexcept;
 
 /// The surface as a proximity octree knows it, which must outlive this.
 class OctreeContactSurface final : public ContactSurface {
@@ -63,12 +78,17 @@ public:
     /// About 1 us and 15 ns per triangle written.
     [[nodiscard]] std::size_t collect(const Vec3& p, double distance,
                                       std::span<ContactTriangle> buffer) const noexcept override;
+    /// Whole groups of eight neighbours. About 0.5 us and 5 ns per triangle.
+    [[nodiscard]] std::size_t gather(const Vec3& p, double distance,
+                                     std::span<ContactTriangle> buffer) const noexcept override;
     /// The distance of the closest feature, less its rounding.
     [[nodiscard]] double clearance(const Vec3& p) const noexcept override;
+    [[nodiscard]] std::uint64_t edition() const noexcept override { return edition_; }
 
 private:
     const ProximityOctree* octree_;
     SurfaceScale scale_;
+    std::uint64_t edition_ = new_edition();
 };
 
 /// All triangles of a mesh, which must outlive this, each looked at every time.

@@ -60,9 +60,10 @@ void HapticRenderer::advance_scene(double seconds) noexcept
     if (change.moved && last.has_room) {
         const auto place = carried(last.proxy);
         if (place) {
-            const Vec3& smooth = proxy_.smooth_place();
-            const bool apart = options_.shading == ForceShading::on && smooth != last.proxy;
-            proxy_.carry(*place, apart ? carried(smooth).value_or(*place) : *place);
+            // The place without friction is another one, and goes along for itself.
+            const Vec3 easy = last.slide.center;
+            const bool apart = last.hold != Hold::free && easy != last.proxy;
+            proxy_.carry(*place, apart ? carried(easy).value_or(*place) : *place);
         } else {
             tick_.squeezed = true;
             begin_anew();

@@ -14,21 +14,20 @@ Proxy::Proxy(const ContactSurface& surface, const ProxyOptions& options)
     PROXIMA_CHECK_GE(options.radius, 0);
     PROXIMA_CHECK_GE(options.dynamic_friction, 0);
     PROXIMA_CHECK_LE(options.dynamic_friction, options.static_friction);
-    if (options.shading == ForceShading::on) long_path_.reserve(3 * (max_slide_moves + 1));
 }
 
 void Proxy::place(const Vec3& p) noexcept
 {
     tick_ = {};
     const auto free = find_free_place(surface_, radius_, p, room_);
-    smooth_place_ = tick_.proxy = tick_.held = free.value_or(p);
+    tick_.proxy = tick_.held = free.value_or(p);
     tick_.has_room = free.has_value();
 }
 
 const ProxyTick& Proxy::wait(const Vec3& p) noexcept
 {
     tick_ = {};
-    smooth_place_ = tick_.proxy = tick_.held = p;
+    tick_.proxy = tick_.held = p;
     tick_.has_room = false;
     return tick_;
 }
@@ -76,34 +75,52 @@ Vec3 Proxy::shading_of(const SlideResult& slide, const Vec3& normal, double dept
     return depth * (smooth / rise - normal);
 }
 
-/// Slides from the smooth place aside. Returns how much of it a wall leaves.
-Vec3 Proxy::lean_towards(const Vec3& p, const Vec3& lean, ProxyTick& next) noexcept
+/// Slides aside, and says how far the spring leans: as far as no wall keeps the proxy. In the tick
+/// of the first touch it does not lean yet.
+Vec3 Proxy::lean_towards(const Vec3& p, ProxyTick& next) noexcept
 {
-    leans_ = true;
-    const auto way = room_.path();
-    long_path_.assign(way.begin(), way.end());
-    const Vec3 from = next.slide.center;
+    if (tick_.hold == Hold::free) return Vec3::Zero();
+    const SlideResult& slide = next.slide;
+    const Vec3 lean = shading_of(slide, next.normal, next.depth);
+    if (lean.isZero(0)) return lean;
     const SlideResult aside =
-        slide_sphere(surface_, options_.radius, from, p + lean, room_, SlideStart::touching);
-    long_path_.insert(long_path_.end(), room_.path().begin(), room_.path().end());
+        slide_sphere(surface_, options_.radius, tick_.proxy, p + lean, room_, SlideStart::touching);
     next.moves += aside.moves;
     next.proxy = aside.center;
-    const double part = (aside.center - from).dot(lean) / lean.squaredNorm();
+    const double part = (aside.center - slide.center).dot(lean) / lean.squaredNorm();
     return std::clamp(part, 0.0, 1.0) * lean;
+}
+
+SlideResult Proxy::slide_easily(const Vec3& p) noexcept
+{
+    const Vec3& start = tick_.proxy;
+    const Vec3& easy = tick_.slide.center;
+    if (tick_.hold != Hold::free && easy != start) {
+        const SlideResult slide =
+            slide_sphere(surface_, options_.radius, easy, p, easy_room_, SlideStart::touching);
+        // Where it has come loose or far away from the proxy, the proxy may still be held back.
+        const double depth = (slide.held - p).norm();
+        const double apart = (slide.center - start).norm();
+        const double leaning = options_.shading == ForceShading::on ? 2 : 0;
+        if (slide.contact_count > 0 && depth > 0 &&
+            apart <= (2 * options_.static_friction + leaning) * depth) {
+            room_.begin_path(start);
+            return slide;
+        }
+    }
+    const SlideStart known = tick_.hold == Hold::free ? SlideStart::anywhere : SlideStart::touching;
+    return slide_sphere(surface_, options_.radius, start, p, room_, known);
 }
 
 const ProxyTick& Proxy::follow(const Vec3& p) noexcept
 {
-    leans_ = false;
     if (!tick_.has_room && !find_room(p)) return tick_;
     const Hold before = tick_.hold;
-    const bool shades = options_.shading == ForceShading::on && options_.feel != nullptr;
-    const Vec3 start = shades ? smooth_place_ : tick_.proxy;
-    const SlideStart known = before == Hold::free ? SlideStart::anywhere : SlideStart::touching;
-    const SlideResult slide = slide_sphere(surface_, options_.radius, start, p, room_, known);
+    const Vec3 start = tick_.proxy;
+    const SlideResult slide = slide_easily(p);
     ProxyTick next;
     next.slide = slide;
-    smooth_place_ = next.proxy = slide.center;
+    next.proxy = slide.center;
     next.held = slide.held;
     next.moves = slide.moves;
     const Vec3 back = slide.held - p;
@@ -116,15 +133,12 @@ const ProxyTick& Proxy::follow(const Vec3& p) noexcept
     next.hold = Hold::sliding;
     // Friction begins where the surface was met first.
     const std::size_t met = before == Hold::free ? slide.first_contact : 0;
-    const Vec3 anchor = shades && before != Hold::free ? tick_.proxy : room_.path()[met];
-    Vec3 lean = shades ? shading_of(slide, next.normal, next.depth) : Vec3(Vec3::Zero());
-    if (!lean.isZero(0)) {
-        lean = lean_towards(p, lean, next);
-        next.held += lean;
-    }
+    const Vec3 anchor = room_.path()[met];
+    const Vec3 lean = lean_towards(p, next);
+    next.held += lean;
     const Friction friction = friction_of(slide);
+    const Vec3 goal = slide.center + lean;
     if (friction.fixed > 0) {
-        const Vec3 goal = slide.center + lean;
         Vec3 aside = anchor - goal;
         aside -= next.normal * next.normal.dot(aside);
         const double distance = aside.norm();
@@ -132,24 +146,27 @@ const ProxyTick& Proxy::follow(const Vec3& p) noexcept
         if (distance <= part * friction.fixed * next.depth) next.hold = Hold::sticking;
         const double trail = friction.sliding * next.depth;
         if (next.hold == Hold::sticking || distance <= trail) {
-            if (!shades) room_.cut_path(met);
+            room_.cut_path(met);
             next.proxy = anchor;
             next.held += anchor - goal;
         } else {
             const Vec3 lag = aside * (trail / distance);
-            const SlideResult dragged =
-                slide_sphere(surface_, options_.radius, shades ? slide.center : start,
-                             p + lean + lag, room_, SlideStart::touching);
+            const SlideResult dragged = slide_sphere(surface_, options_.radius, start,
+                                                     p + lean + lag, room_, SlideStart::touching);
             next.moves += dragged.moves;
             next.proxy = dragged.center;
-            if (leans_) {
+            if (!lean.isZero(0)) {
                 next.held += lag;
-                long_path_.push_back(slide.center);
-                long_path_.insert(long_path_.end(), room_.path().begin(), room_.path().end());
             } else {
                 next.held = dragged.contact_count > 0 ? dragged.held : dragged.center;
             }
         }
+    } else if (room_.path().back() != next.proxy) {
+        // It goes there by itself where nothing keeps it back any longer.
+        const SlideResult freed =
+            slide_sphere(surface_, options_.radius, start, p, room_, SlideStart::touching);
+        next.moves += freed.moves;
+        next.proxy = freed.center;
     }
     tick_ = next;
     return tick_;

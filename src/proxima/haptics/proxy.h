@@ -8,12 +8,13 @@
 // A point (god-object, [zilles-1995]) or a sphere ([ruspini-1997]) that slides over the surface as
 // near to the device as it can come (slide_sphere.h), with a friction cone ([melder-2004]): while
 // the way to the frictionless place is less than mu_s times the depth it stays where it is, else it
-// follows to mu_d times the depth. All in the surface's own unit.
+// follows to mu_d times the depth. The frictionless place goes on from where it was in the tick
+// before, not from the proxy, which lags behind by many triangles: a short way instead of a long
+// one. All in the surface's own unit.
 //
 // Force shading [ruspini-1997]: the goal is moved aside until the spring leans along the smooth
 // surface's normal, and the proxy slides towards it over the true one: it never enters, and where
-// a wall keeps it the spring leans less. The part of the spring along the true normal stays. The
-// frictionless place is followed for itself, or the two would lead each other to and fro.
+// a wall keeps it the spring leans less. The part of the spring along the true normal stays.
 #pragma once
 
 #include "proxima/haptics/slide_sphere.h"
@@ -43,7 +44,7 @@ struct ProxyTick {
     Vec3 normal = Vec3::Zero(); ///< of all contacts together, of length 1; zero where free
     double depth = 0;           ///< of the device below the frictionless place
     bool has_room = true;  ///< false: no free place is near, and nothing is felt until there is
-    SlideResult slide;     ///< without friction, from the last proxy
+    SlideResult slide;     ///< without friction
     std::size_t moves = 0; ///< of all slides of this tick
 };
 
@@ -64,15 +65,13 @@ public:
     /// touching anything, until the device comes where it has. \pre p is finite
     void place(const Vec3& p) noexcept;
 
-    /// Where it would be without friction and shading.
-    [[nodiscard]] const Vec3& smooth_place() const noexcept { return smooth_place_; }
-
-    /// Taken along by objects that moved: from there on, and the place without friction and
-    /// shading. \pre placed, and nothing was passed on both ways (carry_sphere.h)
-    void carry(const Vec3& to, const Vec3& smooth_place) noexcept
+    /// Taken along by objects that moved: from there on, and the place without friction
+    /// (last().slide.center) from there. \pre placed, and nothing was passed on both ways
+    /// (carry_sphere.h)
+    void carry(const Vec3& to, const Vec3& without_friction) noexcept
     {
         tick_.proxy = to;
-        smooth_place_ = smooth_place;
+        tick_.slide.center = without_friction;
     }
 
     /// Without room, in this tick too. \pre p is finite
@@ -86,9 +85,11 @@ public:
     /// The centre's places in the last tick, straight moves between them.
     [[nodiscard]] std::span<const Vec3> path() const noexcept
     {
-        if (!tick_.has_room) return {};
-        return leans_ ? std::span<const Vec3>(long_path_) : room_.path();
+        return tick_.has_room ? room_.path() : std::span<const Vec3>();
     }
+
+    /// What all ticks asked the surface for.
+    [[nodiscard]] ContactWork work() const noexcept { return room_.work() + easy_room_.work(); }
 
 private:
     struct Friction {
@@ -100,16 +101,15 @@ private:
     [[nodiscard]] Vec3 shading_of(const SlideResult& slide, const Vec3& normal,
                                   double depth) const noexcept;
     [[nodiscard]] bool find_room(const Vec3& p) noexcept;
-    [[nodiscard]] Vec3 lean_towards(const Vec3& p, const Vec3& lean, ProxyTick& next) noexcept;
+    [[nodiscard]] SlideResult slide_easily(const Vec3& p) noexcept;
+    [[nodiscard]] Vec3 lean_towards(const Vec3& p, ProxyTick& next) noexcept;
 
     const ContactSurface& surface_;
     ProxyOptions options_;
     double radius_;
     SlideRoom room_;
+    SlideRoom easy_room_; ///< of the frictionless place, where that is another
     ProxyTick tick_;
-    Vec3 smooth_place_ = Vec3::Zero();
-    std::vector<Vec3> long_path_; ///< of several slides, where shading takes them
-    bool leans_ = false;          ///< in this tick
 };
 
 } // namespace proxima

@@ -1,5 +1,6 @@
 #include "proxima/haptics/slide_sphere.h"
 
+#include "proxima/haptics/contact_planes.h"
 #include "proxima/haptics/swept_sphere.h"
 
 #include <algorithm>
@@ -20,85 +21,6 @@ double skin_of(const SurfaceScale& scale) noexcept
 /// A move is at most so long, in mean edges: a few dozen triangles are along it.
 constexpr double reach_in_edges = 2;
 
-/// The touching point as a plane, or nothing where the triangle is beyond `limit`.
-std::optional<Contact> contact_with(const ContactTriangle& triangle, const Vec3& p, double limit,
-                                    double rounding) noexcept
-{
-    const Vec3 face = unit_normal(triangle.corners);
-    const double height = face.dot(p - triangle.corners[0]);
-    if (std::abs(height) > limit) return std::nullopt;
-    const TrianglePoint closest = closest_point(triangle.corners, p);
-    const Vec3 away = p - closest.point;
-    const double distance = away.norm();
-    if (distance > limit) return std::nullopt;
-    Contact contact;
-    contact.point = closest.point;
-    contact.triangle = triangle.id;
-    contact.part = closest.part;
-    // Straight above, the face's normal is more exact than the difference of two near points.
-    const double aside = std::sqrt(std::max(0.0, distance * distance - height * height));
-    if (closest.part == TrianglePart::inside || aside <= rounding || !(distance > 0)) {
-        contact.part = TrianglePart::inside;
-        contact.normal = height >= 0 ? face : Vec3(-face);
-    } else {
-        contact.normal = away / distance;
-        if (closest.part >= TrianglePart::side_0) {
-            const int k = static_cast<int>(closest.part) - static_cast<int>(TrianglePart::side_0);
-            contact.side = (triangle.corners[(k + 1) % 3] - triangle.corners[k]).normalized();
-        }
-    }
-    return contact;
-}
-
-/// What is touched at one place, by triangle id; contacts of several triangles at the same vertex
-/// or edge once.
-class Touches {
-public:
-    explicit Touches(double rounding) noexcept : rounding_(rounding) {}
-
-    /// False where there is no room.
-    [[nodiscard]] bool add(const Contact& contact) noexcept
-    {
-        for (std::size_t i = 0; i < count_; ++i) {
-            if (!is_same(contacts_[i], contact)) continue;
-            if (replaces(contact, contacts_[i])) contacts_[i] = contact;
-            return true;
-        }
-        if (count_ == contacts_.size()) return false;
-        contacts_[count_++] = contact;
-        return true;
-    }
-    void sort() noexcept
-    {
-        std::sort(contacts_.begin(), contacts_.begin() + static_cast<std::ptrdiff_t>(count_),
-                  [](const Contact& a, const Contact& b) { return a.triangle < b.triangle; });
-    }
-    [[nodiscard]] std::span<const Contact> contacts() const noexcept
-    {
-        return std::span(contacts_).first(count_);
-    }
-
-private:
-    [[nodiscard]] bool is_same(const Contact& a, const Contact& b) const noexcept
-    {
-        if (a.part == TrianglePart::inside && b.part == TrianglePart::inside) {
-            return a.normal.cross(b.normal).squaredNorm() < 1e-29 && a.normal.dot(b.normal) > 0;
-        }
-        return (a.point - b.point).squaredNorm() <= rounding_ * rounding_;
-    }
-    /// Faces before sides and corners, then by id.
-    [[nodiscard]] static bool replaces(const Contact& a, const Contact& b) noexcept
-    {
-        const bool a_inside = a.part == TrianglePart::inside;
-        const bool b_inside = b.part == TrianglePart::inside;
-        return a_inside != b_inside ? a_inside : a.triangle < b.triangle;
-    }
-
-    double rounding_;
-    std::array<Contact, max_contact_planes> contacts_;
-    std::size_t count_ = 0;
-};
-
 } // namespace
 
 double safety_gap(const SurfaceScale& scale) noexcept
@@ -117,8 +39,7 @@ public:
     SlideResult run(const Vec3& from, SlideStart start) noexcept
     {
         result_.center = from;
-        room_.path_[0] = from;
-        room_.path_size_ = 1;
+        room_.begin_path(from);
         if (start == SlideStart::touching || !reach_freely()) {
             result_.end = SlideEnd::limited;
             while (result_.moves < max_slide_moves && move()) {
@@ -132,9 +53,10 @@ private:
     bool reach_freely() noexcept
     {
         const double way = (to_ - result_.center).norm();
-        const double clearance = surface_.clearance(result_.center);
+        const double wanted = way + radius_ + skin_;
+        const double clearance = room_.cache_.clearance(surface_, result_.center, wanted);
         touches_nothing_ = clearance > radius_ + skin_;
-        if (clearance <= way + radius_ + skin_) return false;
+        if (clearance <= wanted) return false;
         result_.held = to_;
         if (way > 0) go(to_);
         return true;
@@ -151,9 +73,9 @@ private:
     bool move() noexcept
     {
         const Vec3 p = result_.center;
-        Touches touches(0.25 * skin_);
-        if (!collect_touches(touches)) return end(SlideEnd::overloaded);
-        const Vec3 goal = choose_goal(touches.contacts());
+        if (!find_touches()) return end(SlideEnd::overloaded);
+        const std::span<const Contact> touched = room_.touched_.contacts();
+        const Vec3 goal = choose_goal(touched);
 
         Vec3 way = goal - p;
         const double length = way.norm();
@@ -162,7 +84,7 @@ private:
         if (!collect_way(way / length, reach)) return end(SlideEnd::overloaded);
         const bool whole = reach == length;
         if (!whole) way *= reach / length;
-        const double t = sweep(way, touches.contacts());
+        const double t = sweep(way, touched);
         if (!(t > 0)) return end(SlideEnd::limited); // planes that no double satisfies
         touches_nothing_ = false;
         if (t == 1 && whole) {
@@ -176,30 +98,22 @@ private:
     }
 
     /// What is touched where it is. False where there is no room.
-    bool collect_touches(Touches& touches) noexcept
+    bool find_touches() noexcept
     {
-        touched_count_ = 0;
-        if (touches_nothing_) return true;
-        const double limit = radius_ + skin_;
-        const std::size_t count = surface_.collect(result_.center, limit, room_.near_);
-        if (count > room_.near_.size()) return false;
-        for (const ContactTriangle& triangle : std::span(room_.near_).first(count)) {
-            const auto contact = contact_with(triangle, result_.center, limit, 0.25 * skin_);
-            if (!contact) continue;
-            room_.touched_[touched_count_++] = triangle.id;
-            if (!touches.add(*contact)) return false;
+        if (touches_nothing_) {
+            room_.touched_.clear();
+            return true;
         }
-        touches.sort();
-        return true;
+        return room_.touched_.find(room_.cache_, surface_, result_.center, radius_ + skin_,
+                                   0.25 * skin_, room_.near_);
     }
 
     /// Triangles along the first `reach` of a direction; a shorter reach where there are too many.
     bool collect_way(const Vec3& direction, double& reach) noexcept
     {
         for (int attempt = 0; attempt < 12; ++attempt) {
-            const Vec3 middle = result_.center + 0.5 * reach * direction;
-            const double distance = radius_ + 2 * skin_ + 0.5 * reach;
-            near_count_ = surface_.collect(middle, distance, room_.near_);
+            near_count_ = room_.cache_.collect_along(surface_, result_.center, reach * direction,
+                                                     radius_ + 2 * skin_, room_.near_);
             if (near_count_ <= room_.near_.size()) return true;
             reach /= 2;
         }
@@ -218,12 +132,11 @@ private:
     {
         result_.contact_count = 0;
         result_.held = to_;
-        std::array<ContactPlane, max_contact_planes> planes;
+        const auto used = std::span(room_.planes_).first(touched.size());
         for (std::size_t i = 0; i < touched.size(); ++i) {
             const Contact& contact = touched[i];
-            planes[i] = {contact.normal, contact.normal.dot(to_ - contact.point) - radius_};
+            used[i] = {contact.normal, contact.normal.dot(to_ - contact.point) - radius_};
         }
-        const auto used = std::span(planes).first(touched.size());
         const PlaneSolution solution = nearest_allowed(used, skin_);
         if (solution.count == 0) return to_;
         for (std::size_t i = 0; i < solution.count; ++i) {
@@ -273,15 +186,12 @@ private:
         for (const Contact& contact : touched) {
             if (contact.normal.dot(way) < -3 * skin_) return 0;
         }
-        const auto touched_ids = std::span(room_.touched_).first(touched_count_);
         double free = 1;
         for (const ContactTriangle& near : std::span(room_.near_).first(near_count_)) {
-            const auto t = touch_time(near.corners, radius_, result_.center, way);
-            if (!t || *t >= free) continue;
             // What is touched already is left or gone along.
-            if (std::find(touched_ids.begin(), touched_ids.end(), near.id) != touched_ids.end())
-                continue;
-            free = *t;
+            if (room_.touched_.has(near.id)) continue;
+            const auto t = touch_time(near.corners, radius_, result_.center, way);
+            if (t && *t < free) free = *t;
         }
         return free;
     }
@@ -293,7 +203,6 @@ private:
     Vec3 to_;
     SlideRoom& room_;
     std::size_t near_count_ = 0;
-    std::size_t touched_count_ = 0;
     bool touches_nothing_ = false;
     bool has_contact_ = false;
     SlideResult result_;

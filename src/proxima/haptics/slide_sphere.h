@@ -14,10 +14,11 @@
 // The result does not depend on which other triangles the surface offers or in what order.
 #pragma once
 
-#include "proxima/geometry/closest_point.h"
 #include "proxima/geometry/vec.h"
+#include "proxima/haptics/contact_cache.h"
 #include "proxima/haptics/contact_planes.h"
 #include "proxima/haptics/contact_surface.h"
+#include "proxima/haptics/touched_places.h"
 
 #include <algorithm>
 #include <array>
@@ -31,16 +32,6 @@ namespace proxima {
 
 /// No tick has more moves.
 inline constexpr std::size_t max_slide_moves = 48;
-
-/// A place at which the sphere touches.
-struct Contact {
-    Vec3 normal = Vec3::UnitZ(); ///< from the surface to the centre, of length 1
-    Vec3 point = Vec3::Zero();   ///< of the triangle
-    TriangleId triangle{};       ///< the lowest that is touched there
-    TrianglePart part = TrianglePart::inside;
-    Vec3 side = Vec3::Zero(); ///< the direction of the side that is touched, if one is
-    double pressure = 0;      ///< part of the spring's force along the normal, over its stiffness
-};
 
 enum class SlideEnd : std::uint8_t {
     settled,   ///< nothing nearer can be reached
@@ -64,7 +55,7 @@ class SlideRoom {
 public:
     static constexpr std::size_t triangles = 4096; ///< near at a time
 
-    SlideRoom() : near_(triangles), touched_(triangles) {}
+    SlideRoom() : near_(triangles), planes_(max_contact_planes) {}
 
     /// The centre's places in the last slide, from its start on, straight moves between.
     [[nodiscard]] std::span<const Vec3> path() const noexcept
@@ -72,15 +63,27 @@ public:
         return std::span(path_).first(path_size_);
     }
 
+    /// A path that stays at a place.
+    void begin_path(const Vec3& place) noexcept
+    {
+        path_[0] = place;
+        path_size_ = 1;
+    }
+
     /// Leaves only the first so many moves of the path.
     void cut_path(std::size_t moves) noexcept { path_size_ = std::min(path_size_, moves + 1); }
+
+    /// What all slides asked the surface for.
+    [[nodiscard]] const ContactWork& work() const noexcept { return cache_.work(); }
 
 private:
     friend class Slide;
     friend std::optional<Contact> nearest_contact(const ContactSurface& surface, const Vec3& p,
                                                   double distance, SlideRoom& room) noexcept;
+    ContactCache cache_;
     std::vector<ContactTriangle> near_;
-    std::vector<TriangleId> touched_;
+    TouchedPlaces touched_;
+    std::vector<ContactPlane> planes_;
     std::array<Vec3, max_slide_moves + 1> path_;
     std::size_t path_size_ = 0;
 };

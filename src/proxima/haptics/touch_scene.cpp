@@ -87,6 +87,7 @@ Result<ObjectId> TouchScene::add(std::unique_ptr<const TouchBody> body, const Ri
     slot->course = ObjectCourse(pose);
     objects_.push_back(std::move(slot));
     measure();
+    edition_ = new_edition();
     return ObjectId{static_cast<std::uint32_t>(objects_.size() - 1)};
 }
 
@@ -134,6 +135,7 @@ SceneTick TouchScene::advance(double seconds) noexcept
         tick.exchanged |= slot->bodies.update();
     }
     if (tick.exchanged) measure();
+    if (tick.moved || tick.exchanged) edition_ = new_edition();
     return tick;
 }
 

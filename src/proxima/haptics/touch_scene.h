@@ -108,6 +108,8 @@ public:
     [[nodiscard]] std::size_t collect(const Vec3& p, double distance,
                                       std::span<ContactTriangle> buffer) const noexcept override;
     [[nodiscard]] double clearance(const Vec3& p) const noexcept override;
+    /// Another one in each tick in which something moved or was exchanged.
+    [[nodiscard]] std::uint64_t edition() const noexcept override { return edition_; }
 
     // Feel.
     [[nodiscard]] std::optional<SurfaceMaterial>
@@ -134,6 +136,7 @@ private:
     SurfaceScale scale_;
     double rounding_ = 0; ///< of a place that is moved between frames
     double tick_seconds_ = 1e-3;
+    std::uint64_t edition_ = new_edition();
     std::vector<std::unique_ptr<Slot>> objects_;
 };
 

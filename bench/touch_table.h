@@ -1,0 +1,40 @@
+// Times of ticks by what they were about, and what they asked for.
+#pragma once
+
+#include "touch_track.h"
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace proxima::bench {
+
+/// Times of some ticks. Quantiles are exact: the least time that so large a part do not exceed.
+class TickTimes {
+public:
+    void add(std::int64_t nanoseconds) { times_.push_back(nanoseconds); }
+    [[nodiscard]] std::size_t count() const { return times_.size(); }
+    [[nodiscard]] double microseconds(double part) const;
+
+private:
+    std::vector<std::int64_t> times_;
+};
+
+/// Ticks of one kind, times and work.
+struct TickSum {
+    TickTimes times;
+    ContactWork work;
+    void add(std::int64_t nanoseconds, const ContactWork& tick);
+};
+
+/// By state, and all together as the last one.
+using TickSums = std::array<TickSum, tick_state_names.size() + 1>;
+
+void add_track(TickSums& sums, const TouchTrack& track, const TrackTimes& times);
+
+void print_head();
+/// A row for each state that there was. Without work for methods that do not count it.
+void print_rows(const std::string& name, const TickSums& sums, bool with_work);
+
+} // namespace proxima::bench

@@ -1,0 +1,101 @@
+#include "touch_track.h"
+
+#include "proxima/haptics/hand_script.h"
+#include "proxima/haptics/simulated_hand.h"
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+
+namespace proxima::bench {
+
+namespace {
+
+std::int64_t nanoseconds_now()
+{
+    return std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1);
+}
+
+TickState state_of(const ProxyTick& tick)
+{
+    if (tick.hold == Hold::free) return TickState::free;
+    if (tick.slide.contact_count > 1) return TickState::corner;
+    return tick.hold == Hold::sticking ? TickState::contact : TickState::slide;
+}
+
+HapticRenderer renderer_of(const ContactSurface& surface, const WorkspaceMap& map, double radius)
+{
+    return {surface, map, *find_device("omni"), {.proxy_radius = radius}};
+}
+
+ContactWork difference(const ContactWork& a, const ContactWork& b)
+{
+    return {a.distances - b.distances, a.gathers - b.gathers, a.gathered - b.gathered,
+            a.scans - b.scans,         a.scanned - b.scanned, a.passed - b.passed};
+}
+
+} // namespace
+
+TouchTrack record_track(const TouchModel& model, std::string_view script_name, std::uint64_t ticks,
+                        double radius)
+{
+    const auto script = HandScript::make(script_name, model.mesh, model.topology, model.map, 1);
+    TouchTrack track;
+    if (!script) return track;
+    HapticRenderer renderer = renderer_of(*model.surface, model.map, radius);
+    SimulatedHand hand({}, script->target(0));
+    ContactWork before;
+    for (std::uint64_t tick = 0; tick < ticks; ++tick) {
+        const DeviceState state = hand.state();
+        const RenderTick& felt = renderer.tick(state, tick_seconds);
+        const ContactWork& work = renderer.proxy().work();
+        track.states.push_back(state);
+        track.forces.push_back(felt.force);
+        track.kinds.push_back(state_of(felt.proxy));
+        track.work.push_back(difference(work, before));
+        track.max_speed = std::max(track.max_speed, state.velocity.norm());
+        before = work;
+        hand.step(felt.force, script->target(static_cast<double>(tick) * tick_seconds));
+    }
+    return track;
+}
+
+TrackTimes time_track(const ContactSurface& surface, const WorkspaceMap& map,
+                      const TouchTrack& track, double radius, int replays)
+{
+    TrackTimes times;
+    times.nanoseconds.assign(track.states.size(), std::numeric_limits<std::int64_t>::max());
+    for (int replay = 0; replay < replays; ++replay) {
+        HapticRenderer renderer = renderer_of(surface, map, radius);
+        for (std::size_t tick = 0; tick < track.states.size(); ++tick) {
+            const std::int64_t begin = nanoseconds_now();
+            const RenderTick& felt = renderer.tick(track.states[tick], tick_seconds);
+            const std::int64_t end = nanoseconds_now();
+            times.nanoseconds[tick] = std::min(times.nanoseconds[tick], end - begin);
+            times.differences += felt.force != track.forces[tick] ? 1U : 0U;
+        }
+    }
+    return times;
+}
+
+TrackTimes time_track(const BoxTree& tree, const TouchModel& model, const TouchTrack& track,
+                      int replays)
+{
+    constexpr double offset = 1e-6; // of the extent
+    TrackTimes times;
+    times.nanoseconds.assign(track.states.size(), std::numeric_limits<std::int64_t>::max());
+    for (int replay = 0; replay < replays; ++replay) {
+        GodObject proxy(tree, offset * model.surface->scale().extent);
+        if (!track.states.empty())
+            proxy.place(model.map.to_model(track.states.front().pose.translation));
+        for (std::size_t tick = 0; tick < track.states.size(); ++tick) {
+            const std::int64_t begin = nanoseconds_now();
+            (void)proxy.follow(model.map.to_model(track.states[tick].pose.translation));
+            const std::int64_t end = nanoseconds_now();
+            times.nanoseconds[tick] = std::min(times.nanoseconds[tick], end - begin);
+        }
+    }
+    return times;
+}
+
+} // namespace proxima::bench

@@ -1,0 +1,112 @@
+#include "proxima/haptics/touched_places.h"
+
+#include "proxima/haptics/contact_planes.h"
+#include "proxima/haptics/swept_sphere.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace proxima {
+
+namespace {
+
+bool is_same(const Contact& a, const Contact& b, double rounding) noexcept
+{
+    if (a.part == TrianglePart::inside && b.part == TrianglePart::inside)
+        return a.normal.cross(b.normal).squaredNorm() < 1e-29 && a.normal.dot(b.normal) > 0;
+    return (a.point - b.point).squaredNorm() <= rounding * rounding;
+}
+
+/// Faces before sides and corners, then by id.
+bool replaces(const Contact& a, const Contact& b) noexcept
+{
+    const bool a_inside = a.part == TrianglePart::inside;
+    const bool b_inside = b.part == TrianglePart::inside;
+    return a_inside != b_inside ? a_inside : a.triangle < b.triangle;
+}
+
+constexpr std::size_t touched_triangles = 4096;
+
+} // namespace
+
+std::optional<Contact> contact_with(const ContactTriangle& triangle, const Vec3& p, double limit,
+                                    double rounding) noexcept
+{
+    const Vec3 face = unit_normal(triangle.corners);
+    const double height = face.dot(p - triangle.corners[0]);
+    if (std::abs(height) > limit) return std::nullopt;
+    const TrianglePoint closest = closest_point(triangle.corners, p);
+    const Vec3 away = p - closest.point;
+    const double distance = away.norm();
+    if (distance > limit) return std::nullopt;
+    Contact contact;
+    contact.point = closest.point;
+    contact.triangle = triangle.id;
+    contact.part = closest.part;
+    // Straight above, the face's normal is more exact than the difference of two near points.
+    const double aside = std::sqrt(std::max(0.0, distance * distance - height * height));
+    if (closest.part == TrianglePart::inside || aside <= rounding || !(distance > 0)) {
+        contact.part = TrianglePart::inside;
+        contact.normal = height >= 0 ? face : Vec3(-face);
+    } else {
+        contact.normal = away / distance;
+        if (closest.part >= TrianglePart::side_0) {
+            const int k = static_cast<int>(closest.part) - static_cast<int>(TrianglePart::side_0);
+            contact.side = (triangle.corners[(k + 1) % 3] - triangle.corners[k]).normalized();
+        }
+    }
+    return contact;
+}
+
+TouchedPlaces::TouchedPlaces() : contacts_(max_contact_planes), triangles_(touched_triangles) {}
+
+void TouchedPlaces::clear() noexcept
+{
+    count_ = 0;
+    triangle_count_ = 0;
+    edition_ = 0;
+}
+
+bool TouchedPlaces::has(TriangleId id) const noexcept
+{
+    const auto touched = std::span(triangles_).first(triangle_count_);
+    return std::find(touched.begin(), touched.end(), id) != touched.end();
+}
+
+bool TouchedPlaces::add(const Contact& contact, double rounding) noexcept
+{
+    for (Contact& other : std::span(contacts_).first(count_)) {
+        if (!is_same(other, contact, rounding)) continue;
+        if (replaces(contact, other)) other = contact;
+        return true;
+    }
+    if (count_ == contacts_.size()) return false;
+    contacts_[count_++] = contact;
+    return true;
+}
+
+bool TouchedPlaces::find(ContactCache& cache, const ContactSurface& surface, const Vec3& p,
+                         double limit, double rounding, std::span<ContactTriangle> near) noexcept
+{
+    const std::uint64_t edition = surface.edition();
+    if (edition != 0 && edition == edition_ && p == at_ && limit == limit_) return true;
+    clear();
+    const std::size_t found = cache.collect(surface, p, limit, near);
+    if (found > near.size()) return false;
+    for (const ContactTriangle& triangle : near.first(found)) {
+        const auto contact = contact_with(triangle, p, limit, rounding);
+        if (!contact) continue;
+        if (triangle_count_ == triangles_.size()) return false;
+        triangles_[triangle_count_++] = triangle.id;
+        if (!add(*contact, rounding)) return false;
+    }
+    const auto used = std::span(contacts_).first(count_);
+    std::sort(used.begin(), used.end(),
+              [](const Contact& a, const Contact& b) { return a.triangle < b.triangle; });
+    at_ = p;
+    limit_ = limit;
+    edition_ = edition;
+    return true;
+}
+
+} // namespace proxima
