@@ -3,6 +3,7 @@
 #include "cli/commands.h"
 #include "cli/model_options.h"
 #include "cli/names.h"
+#include "cli/touch_input_report.h"
 #include "cli/touch_session.h"
 #include "proxima/base/text.h"
 
@@ -20,13 +21,17 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::string_view hand_prefix = "hand:";
 constexpr std::string_view replay_prefix = "replay:";
 
 struct TouchOptions {
     std::string model;
-    std::string device; ///< hand:SCRIPT or replay:FILE
-    std::string limits = "omni";
+    std::string device;
+    std::string library; ///< of hd and dhd
+    std::string limits;  ///< "" for the device's own
+    std::string axes;    ///< "" for the device's own
+    double scale = 1;
+    int clutch = 0; ///< button from 1; 0 for none
+    bool list = false;
     double seconds = 5;
     std::uint64_t seed = 1;
     double stiffness = ForceOptions{}.stiffness;
@@ -48,10 +53,15 @@ std::string names_of_devices()
 TouchSettings settings_of(const TouchOptions& options)
 {
     TouchSettings settings;
-    settings.script = options.device.substr(hand_prefix.size());
-    settings.seed = options.seed;
+    settings.device.device = options.device;
+    settings.device.library = options.library;
+    settings.device.limits = find_device(options.limits);
+    settings.device.scale = options.scale;
+    settings.device.seed = options.seed;
+    settings.input.clutch_buttons = options.clutch > 0 ? 1U << (options.clutch - 1) : 0U;
+    settings.input.tick_seconds = settings.device.hand.tick_seconds;
+    if (!options.axes.empty()) settings.input.rotation = *parse_axes(options.axes);
     settings.seconds = options.seconds;
-    settings.device = *find_device(options.limits);
     settings.render.force.stiffness = options.stiffness;
     settings.render.force.damping = options.damping;
     settings.render.proxy_radius = options.radius;
@@ -113,6 +123,7 @@ std::string text_of(const TouchOptions& options, const TouchModel& model, const 
         quality.faulty_ticks, quality.max_step_ratio, quality.max_turn_degrees,
         quality.taken_energy, result.clamped, result.slewed, result.damped, result.lowest_energy,
         microseconds(result.render));
+    if (result.device) text += device_text(*result.device);
     if (differences) {
         text += fmt::format("replayed: {} ticks differ from the recording\n", *differences);
     } else if (!options.free_running) {
@@ -167,6 +178,7 @@ Json json_of(const TouchOptions& options, const TouchModel& model, const TouchRe
                  {"tick", latency_json(result.render)},
                  {"servo", nullptr},
                  {"replay_differences", nullptr}};
+    add_device_json(json, result.device ? &*result.device : nullptr);
     if (differences) {
         json["replay_differences"] = *differences;
     } else if (!options.free_running) {
@@ -195,17 +207,19 @@ Status run_replay(const TouchOptions& options, Session& session)
     return session.write_json(json_of(options, **model, result->touch, result->differences));
 }
 
-Status run_hand(const TouchOptions& options, Session& session)
+Status run_device(const TouchOptions& options, Session& session)
 {
     if (!options.record.empty()) {
         if (Status status = session.check_outputs({options.record}); !status) return status;
     }
     const auto model = load_touch_model(options.model, session);
     if (!model) return tl::unexpected(model.error());
-    const auto result = touch_by_hand(**model, settings_of(options), session);
+    const auto result = touch_by_device(**model, settings_of(options), session);
     if (!result) return tl::unexpected(result.error());
     if (!options.record.empty()) {
-        Status status = save_recording(result->recording, options.record, &session.progress());
+        // An interrupted session is as good as any: its recording is written all the same.
+        Progress* const progress = result->device->interrupted ? nullptr : &session.progress();
+        Status status = save_recording(result->recording, options.record, progress);
         if (!status) return status;
     }
     session.print(text_of(options, **model, *result, std::nullopt));
@@ -213,20 +227,18 @@ Status run_hand(const TouchOptions& options, Session& session)
     return session.write_json(json_of(options, **model, *result, std::nullopt));
 }
 
-Status run_touch(const TouchOptions& options, Session& session)
+Status list_devices(const TouchOptions& options, Session& session)
 {
-    return options.device.starts_with(replay_prefix) ? run_replay(options, session)
-                                                     : run_hand(options, session);
+    const std::vector<FoundDevice> devices = look_for_devices(options.library);
+    session.print(device_list_text(devices));
+    return session.write_json(device_list_json(devices));
 }
 
-/// Empty where the device is one that there is.
-std::string device_problem(const std::string& device)
+Status run_touch(const TouchOptions& options, Session& session)
 {
-    if (device.starts_with(replay_prefix) && device.size() > replay_prefix.size()) return {};
-    if (device.starts_with(hand_prefix) && is_hand_script(device.substr(hand_prefix.size())))
-        return {};
-    return concat(device, " is no device: give hand:SCRIPT with a script of ", hand_script_names(),
-                  ", or replay:FILE");
+    if (options.list) return list_devices(options, session);
+    return options.device.starts_with(replay_prefix) ? run_replay(options, session)
+                                                     : run_device(options, session);
 }
 
 /// A finite number of a range: CLI::Range lets through what is no number.
@@ -244,7 +256,7 @@ CLI::Validator number_from(double least, double most)
 
 void add_settings(CLI::App& parser, TouchOptions& options)
 {
-    parser.add_option("--seconds", options.seconds, "How long the hand touches")
+    parser.add_option("--seconds", options.seconds, "How long the device touches")
         ->check(number_from(0.001, 86400.0))
         ->capture_default_str()
         ->type_name("S");
@@ -254,12 +266,12 @@ void add_settings(CLI::App& parser, TouchOptions& options)
         ->type_name("N");
     parser
         .add_option("--limits", options.limits,
-                    "Whose force, stiffness and damping are the most: " + names_of_devices())
+                    "Whose force, stiffness, damping and workspace are the most: " +
+                        names_of_devices() + "; the device's own without it, an omni's of a hand")
         ->check([](const std::string& name) {
             return find_device(name) ? std::string()
                                      : concat(name, " is no device: they are ", names_of_devices());
         })
-        ->capture_default_str()
         ->type_name("NAME");
     parser.add_option("--stiffness", options.stiffness, "Of the surface, N/m")
         ->check(number_from(0.0, 1e5))
@@ -281,6 +293,27 @@ void add_settings(CLI::App& parser, TouchOptions& options)
         ->type_name("MU");
     parser.add_flag("--free-running", options.free_running,
                     "Tick after tick without waiting: the same forces, sooner");
+    parser
+        .add_option("--scale", options.scale,
+                    "Motions in the model, over those that fit it into the workspace")
+        ->check(number_from(1e-3, 1e3))
+        ->capture_default_str()
+        ->type_name("F");
+    parser.add_option("--axes", options.axes, "What x, y and z are of the device's axes: x,-z,y")
+        ->check([](const std::string& text) {
+            const auto axes = parse_axes(text);
+            return axes ? std::string() : axes.error().message;
+        })
+        ->type_name("AXES");
+    parser
+        .add_option("--clutch", options.clutch,
+                    "The button (from 1) that lets the device move without what it holds")
+        ->check(CLI::Range(1, 32))
+        ->type_name("BUTTON");
+    parser
+        .add_option("--device-library", options.library,
+                    "The file of libHD.so or libdhd.so, for hd and dhd")
+        ->type_name("FILE");
     parser.add_option("--record", options.record, "Write the session, to be replayed (.pxt)")
         ->type_name("FILE");
 }
@@ -290,16 +323,23 @@ void add_settings(CLI::App& parser, TouchOptions& options)
 Command add_touch_command(CLI::App& app)
 {
     CLI::App* const parser = app.add_subcommand(
-        "touch", "Feel a model at 1,000 Hz with a simulated hand, and report how good it was");
+        "touch", "Feel a model at 1,000 Hz with a haptic device or a simulated hand");
     const auto options = std::make_shared<TouchOptions>();
     add_model_option(*parser, options->model, ModelKinds::meshes_and_proximity_octrees);
-    parser
-        ->add_option("--device", options->device,
-                     concat("hand:SCRIPT, a script of ", hand_script_names(), "; or replay:FILE"))
+    parser->add_option("--device", options->device, touch_device_names())
         ->required()
-        ->check(device_problem)
+        ->check(touch_device_problem)
         ->type_name("NAME:ARGS");
     add_settings(*parser, *options);
+    // Neither model nor device is needed then.
+    parser->add_flag_callback(
+        "--list-devices",
+        [parser, options] {
+            options->list = true;
+            for (const char* const name : {"MODEL", "--device"})
+                parser->get_option(name)->required(false);
+        },
+        "Print the devices that are there, and what is wrong with the others");
     return {parser, [options](Session& session) { return run_touch(*options, session); }};
 }
 

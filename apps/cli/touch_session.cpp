@@ -56,7 +56,30 @@ struct LiveTouch {
     std::uint64_t ticks = 0;
     double force = 0;
     Hold hold = Hold::free;
+    InputCondition condition = InputCondition::well;
 };
+
+std::string_view word_of(const LiveTouch& now)
+{
+    switch (now.condition) {
+    case InputCondition::well:
+        break;
+    case InputCondition::clutched:
+        return "clutched";
+    case InputCondition::unsure:
+        return "unsure";
+    case InputCondition::frozen:
+        return "frozen";
+    case InputCondition::silent:
+        return "silent";
+    case InputCondition::gone:
+        return "gone";
+    case InputCondition::released:
+        return "released";
+    }
+    if (now.hold == Hold::free) return "free";
+    return now.hold == Hold::sticking ? "sticking" : "sliding";
+}
 
 /// Renders and keeps account; all that the loop calls is without allocation.
 class TouchRun {
@@ -95,28 +118,40 @@ private:
     TouchResult result_;
 };
 
-/// Rate and force on a terminal, ten times a second, until `ended`.
-void show_live(Snapshot<LiveTouch>& live, const std::atomic<bool>& ended, bool shown)
+/// Rate and force on a terminal, ten times a second, until `ended`. Returns how many button events
+/// there were.
+std::uint64_t show_live(Snapshot<LiveTouch>& live, ButtonQueue& buttons,
+                        const std::atomic<bool>& ended, bool shown)
 {
+    std::uint64_t events = 0;
+    ButtonEvent event;
     constexpr auto pause = std::chrono::milliseconds(10);
     constexpr int pauses_per_line = 10;
     LiveTouch last;
     for (int pauses = 1; !ended.load(); ++pauses) {
         std::this_thread::sleep_for(pause);
+        while (buttons.pop(event)) ++events;
         if (!shown || pauses % pauses_per_line != 0 || !live.update()) continue;
         const LiveTouch& now = live.reading();
         const double span = now.seconds - last.seconds;
         const double rate = span > 0 ? static_cast<double>(now.ticks - last.ticks) / span : 0;
         const auto bar = static_cast<std::size_t>(std::min(now.force, 10.0) * 4);
-        const char* const hold = now.hold == Hold::free       ? "free"
-                                 : now.hold == Hold::sticking ? "sticking"
-                                                              : "sliding";
         fmt::print(stderr, "\r\x1b[K{:5.1f} s {:6.0f} Hz {:6.3f} N {:8} {}", now.seconds, rate,
-                   now.force, hold, std::string(bar, '#'));
+                   now.force, word_of(now), std::string(bar, '#'));
         std::fflush(stderr);
         last = now;
     }
     if (shown) fmt::print(stderr, "\r\x1b[K");
+    while (buttons.pop(event)) ++events;
+    return events;
+}
+
+/// Ticks after the session's end in which the force of a device fades that somebody holds.
+std::uint64_t ticks_to_release(const DeviceInfo& info, const TouchSettings& settings)
+{
+    if (!info.pushes) return 0;
+    const double fading = settings.render.force.loss_seconds / settings.input.tick_seconds;
+    return static_cast<std::uint64_t>(std::ceil(fading)) + 5;
 }
 
 } // namespace
@@ -133,54 +168,68 @@ Result<std::unique_ptr<TouchModel>> load_touch_model(const std::string& name, Se
     return model;
 }
 
-Result<TouchResult> touch_by_hand(const TouchModel& model, const TouchSettings& settings,
-                                  Session& session)
+Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings& settings,
+                                    Session& session)
 {
-    const TriangleMesh& mesh = model.surface.mesh;
-    const WorkspaceMap map = fit_workspace(bounding_box(mesh), settings.device.workspace_radius);
-    const auto script =
-        HandScript::make(settings.script, mesh, model.surface.topology, map, settings.seed);
-    if (!script) return tl::unexpected(script.error());
-
-    TouchRun run(model, map, settings.device, settings.render);
-    SimulatedHand hand(settings.hand, script->target(0));
-    const double tick_seconds = settings.hand.tick_seconds;
+    auto opened = open_touch_device(settings.device, model.surface.mesh, model.surface.topology);
+    if (!opened) return tl::unexpected(opened.error());
+    Device& device = *opened->device;
+    const DeviceLimits& limits = opened->limits;
+    TouchRun run(model, opened->map, limits, settings.render);
+    DeviceInput input(device.info(), settings.input);
+    const double tick_seconds = settings.input.tick_seconds;
     const auto ticks = static_cast<std::uint64_t>(std::llround(settings.seconds / tick_seconds));
-    std::vector<RecordedTick> recorded_ticks(settings.record ? ticks : 0);
+    const std::uint64_t release_ticks = ticks_to_release(device.info(), settings);
+    std::vector<RecordedTick> recorded_ticks(settings.record ? ticks + release_ticks : 0);
+    std::uint64_t last = ticks; // the session ends before this tick, and then lets go
+    std::uint64_t count = 0;
     Snapshot<LiveTouch> live;
     std::atomic<bool> ended{false};
     ServoStatistics servo;
     const std::int64_t begin = nanoseconds_now();
     std::thread servo_thread([&] {
-        servo = run_servo_loop(
-            {.rate = 1 / tick_seconds, .ticks = ticks, .pace = settings.pace},
+        servo = device.run(
+            {.rate = 1 / tick_seconds, .ticks = ticks + release_ticks, .pace = settings.pace},
             [&](std::uint64_t number) noexcept {
+                if (number < last && session.progress().cancelled()) last = number;
+                if (number >= last) input.release();
                 const double seconds = static_cast<double>(number) * tick_seconds;
-                const DeviceState state = hand.state();
+                const DeviceState& state = input.accept(device.read());
                 const RenderTick& felt = run.tick(state, tick_seconds);
                 if (settings.record) recorded_ticks[number] = recorded(seconds, state, felt);
-                hand.step(felt.force, script->target(seconds));
-                live.writing() = {1e-9 * static_cast<double>(nanoseconds_now() - begin), number + 1,
-                                  felt.force.norm(), felt.proxy.hold};
+                device.write(input.command(run.renderer()));
+                count = number + 1;
+                live.writing() = {1e-9 * static_cast<double>(nanoseconds_now() - begin), count,
+                                  felt.force.norm(), felt.proxy.hold, state.condition};
                 live.publish();
-                return session.progress().cancelled() ? Flow::stop : Flow::proceed;
+                return count >= last + release_ticks ? Flow::stop : Flow::proceed;
             });
         ended.store(true);
     });
-    show_live(live, ended, session.bar() == BarMode::automatic && isatty(STDERR_FILENO) != 0);
+    const bool shown = session.bar() == BarMode::automatic && isatty(STDERR_FILENO) != 0;
+    const std::uint64_t events = show_live(live, input.buttons(), ended, shown);
     servo_thread.join();
-    if (Status status = session.check_running(); !status) return tl::unexpected(status.error());
 
     TouchResult result = std::move(run).finish();
     result.servo = std::move(servo);
+    result.device = DeviceAccount{.info = device.info(),
+                                  .limits = limits,
+                                  .input = input.report(),
+                                  .network = {},
+                                  .button_events = events,
+                                  .interrupted = last < ticks,
+                                  .trouble = device.trouble()};
+    if (const auto* const udp = dynamic_cast<const UdpDevice*>(&device))
+        result.device->network = udp->report();
     if (settings.record) {
+        recorded_ticks.resize(count);
         result.recording.settings = {.mesh_fingerprint = model.octree.mesh_fingerprint(),
                                      .tick_seconds = tick_seconds,
-                                     .map = map,
+                                     .map = opened->map,
                                      .render = result.render_options,
-                                     .max_force = settings.device.max_force,
-                                     .max_stiffness = settings.device.max_stiffness,
-                                     .max_damping = settings.device.max_damping};
+                                     .max_force = limits.max_force,
+                                     .max_stiffness = limits.max_stiffness,
+                                     .max_damping = limits.max_damping};
         result.recording.ticks = std::move(recorded_ticks);
     }
     return result;

@@ -3,14 +3,16 @@
 
 #include "cli/proximity_file_model.h"
 #include "cli/session.h"
+#include "cli/touch_device.h"
 #include "proxima/base/result.h"
 #include "proxima/haptics/contact_surface.h"
+#include "proxima/haptics/device_input.h"
 #include "proxima/haptics/hand_script.h"
 #include "proxima/haptics/haptic_renderer.h"
 #include "proxima/haptics/quality_report.h"
 #include "proxima/haptics/recording.h"
 #include "proxima/haptics/servo_loop.h"
-#include "proxima/haptics/simulated_hand.h"
+#include "proxima/haptics/udp_device.h"
 
 #include <cstdint>
 #include <memory>
@@ -32,14 +34,23 @@ struct TouchModel {
                                                                    Session& session);
 
 struct TouchSettings {
-    std::string script; ///< of the simulated hand
-    std::uint64_t seed = 1;
-    HandModel hand;
+    TouchDeviceSettings device;
+    InputOptions input;
     double seconds = 5;
-    DeviceLimits device;
     RenderOptions render;
     Pace pace = Pace::real_time;
     bool record = false;
+};
+
+/// What became of a session's device.
+struct DeviceAccount {
+    DeviceInfo info;
+    DeviceLimits limits; ///< as used
+    InputReport input;
+    std::optional<UdpReport> network; ///< of a device over UDP
+    std::uint64_t button_events = 0;
+    bool interrupted = false; ///< by the user, before its time
+    std::string trouble;      ///< "" for none
 };
 
 struct TouchResult {
@@ -51,14 +62,16 @@ struct TouchResult {
     std::uint64_t damped = 0;
     double lowest_energy = 0; ///< J, of the passivity observer
     WorkspaceMap map;
-    RenderOptions render_options; ///< as limited by the device
-    Recording recording;          ///< empty unless asked for
+    RenderOptions render_options;        ///< as limited by the device
+    Recording recording;                 ///< empty unless asked for
+    std::optional<DeviceAccount> device; ///< none of a replay
 };
 
-/// A simulated hand touches the model in a thread of its own, while this one shows rate and force
-/// on a terminal. Errors: those of HandScript::make, cancelled.
-[[nodiscard]] Result<TouchResult> touch_by_hand(const TouchModel& model,
-                                                const TouchSettings& settings, Session& session);
+/// A device touches the model in a thread of its own, while this one shows rate and force on a
+/// terminal. Being cancelled ends it early, after the force has faded, with all that was felt.
+/// Errors: those of open_touch_device.
+[[nodiscard]] Result<TouchResult> touch_by_device(const TouchModel& model,
+                                                  const TouchSettings& settings, Session& session);
 
 /// What replaying a recording showed.
 struct ReplayResult {

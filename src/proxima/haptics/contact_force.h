@@ -66,6 +66,9 @@ public:
 
     [[nodiscard]] const Vec3& last() const noexcept { return last_; }
 
+    /// The ramps' factor of the last force: 1 but after a start or a loss.
+    [[nodiscard]] double trust() const noexcept { return start_ * patch_; }
+
     /// Ticks in which a guard changed the force.
     [[nodiscard]] std::uint64_t clamped() const noexcept { return clamped_; }
     [[nodiscard]] std::uint64_t slewed() const noexcept { return slewed_; }

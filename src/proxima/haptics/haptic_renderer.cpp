@@ -144,10 +144,11 @@ const RenderTick& HapticRenderer::tick(const DeviceState& state, double seconds,
                                        Patch patch) noexcept
 {
     tick_.position = accept(state);
+    tick_.condition = state.condition;
     const Vec3 device = map_.to_model(tick_.position);
     if (scene_ != nullptr) advance_scene(seconds);
     if (!placed_) {
-        if (!device.allFinite()) return tick_;
+        if (tick_.fault == InputFault::not_finite || !device.allFinite()) return tick_;
         proxy_.place(device);
         placed_ = true;
     }
@@ -169,7 +170,8 @@ const RenderTick& HapticRenderer::tick(const DeviceState& state, double seconds,
     } else if (options_.passivity == Passivity::guarded) {
         force = passivity_.pass(tick_.position - ground_, velocity, force, seconds);
     }
-    const bool trusted = patch == Patch::at_hand && tick_.fault != InputFault::not_finite;
+    const bool trusted = patch == Patch::at_hand && tick_.fault != InputFault::not_finite &&
+                         state.condition == InputCondition::well;
     tick_.force = guard_.pass(force, seconds, trusted ? Patch::at_hand : Patch::lost);
     passivity_.applied(tick_.force);
     return tick_;

@@ -53,6 +53,7 @@ struct RenderTick {
     InputFault fault = InputFault::none;
     Vec3 carrying = Vec3::Zero(); ///< m/s: the velocity of the surface that is touched
     bool squeezed = false;        ///< objects that moved left the proxy no room
+    InputCondition condition = InputCondition::well; ///< as the state said
 };
 
 /// Refers to surface, scene and feel. One thread. noexcept and without allocation but for the
@@ -74,7 +75,8 @@ public:
     [[nodiscard]] const ForceGuard& guard() const noexcept { return guard_; }
     [[nodiscard]] const PassivityGuard& passivity() const noexcept { return passivity_; }
 
-    /// The first tick places the proxy. \pre seconds > 0
+    /// The first tick with a finite position places the proxy. The force fades while the patch is
+    /// lost or the state is not well. \pre seconds > 0
     const RenderTick& tick(const DeviceState& state, double seconds,
                            Patch patch = Patch::at_hand) noexcept;
 

@@ -53,7 +53,10 @@ void QualityMeter::add(const RenderTick& tick, const Vec3& velocity,
     sum.sticking_ticks += proxy.hold == Hold::sticking ? 1U : 0U;
     sum.limited_ticks += proxy.slide.end == SlideEnd::limited ? 1U : 0U;
     sum.overloaded_ticks += proxy.slide.end == SlideEnd::overloaded ? 1U : 0U;
-    sum.faulty_ticks += tick.fault != InputFault::none ? 1U : 0U;
+    const bool unwell = tick.condition != InputCondition::well &&
+                        tick.condition != InputCondition::clutched &&
+                        tick.condition != InputCondition::released;
+    sum.faulty_ticks += tick.fault != InputFault::none || unwell ? 1U : 0U;
     sum.max_force = std::max(sum.max_force, tick.force.norm());
     sum.max_spring = std::max(sum.max_spring, tick.spring.norm());
     sum.max_depth = std::max(sum.max_depth, proxy.depth / map_.units_per_metre);
@@ -61,7 +64,8 @@ void QualityMeter::add(const RenderTick& tick, const Vec3& velocity,
     sum.max_moves = std::max<std::uint64_t>(sum.max_moves, proxy.moves);
     sum.moves += proxy.moves;
     count_passes(path);
-    if (!first && tick.fault == InputFault::none) {
+    const bool placed = last_.fault != InputFault::not_finite;
+    if (!first && placed && tick.fault == InputFault::none) {
         const Vec3 way = tick.position - last_.position;
         sum.taken_energy -= 0.5 * (tick.force + last_.force).dot(way);
         if (touching && last_.proxy.hold != Hold::free) {

@@ -16,7 +16,7 @@ struct QualityReport {
     std::uint64_t passes = 0;        ///< moves of the proxy through a triangle: pop-through
     std::uint64_t limited_ticks = 0; ///< slides that ended by their number of moves
     std::uint64_t overloaded_ticks = 0;
-    std::uint64_t faulty_ticks = 0; ///< input that was no number, or jumped
+    std::uint64_t faulty_ticks = 0; ///< input that was no number, jumped, or not well
     double max_force = 0;           ///< N
     double max_spring = 0;          ///< N, before clamp, slew and ramps
     double max_depth = 0;           ///< m

@@ -125,7 +125,8 @@ RecordedTick recorded(double seconds, const DeviceState& state, const RenderTick
     const SlideResult& slide = tick.proxy.slide;
     result.triangle = index(slide.contact_count > 0 ? slide.contacts[0].triangle : no_triangle);
     result.hold = static_cast<std::uint32_t>(tick.proxy.hold);
-    result.fault = static_cast<std::uint32_t>(tick.fault);
+    result.fault = static_cast<std::uint16_t>(tick.fault);
+    result.condition = static_cast<std::uint16_t>(state.condition);
     return result;
 }
 
@@ -135,6 +136,9 @@ DeviceState device_state(const RecordedTick& tick) noexcept
     state.pose.translation = vector(tick.position);
     state.velocity = vector(tick.velocity);
     state.buttons = tick.buttons;
+    state.condition = tick.condition < input_conditions
+                          ? static_cast<InputCondition>(tick.condition)
+                          : InputCondition::unsure;
     return state;
 }
 

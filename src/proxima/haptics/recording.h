@@ -24,9 +24,10 @@ struct RecordedTick {
     std::array<double, 3> force{};
     std::array<double, 3> proxy{}; ///< in the model's units
     std::uint32_t buttons = 0;
-    std::uint32_t triangle = 0; ///< of the first contact; 2^32 - 1 for none
-    std::uint32_t hold = 0;     ///< Hold
-    std::uint32_t fault = 0;    ///< InputFault
+    std::uint32_t triangle = 0;  ///< of the first contact; 2^32 - 1 for none
+    std::uint32_t hold = 0;      ///< Hold
+    std::uint16_t fault = 0;     ///< InputFault
+    std::uint16_t condition = 0; ///< InputCondition
 
     friend bool operator==(const RecordedTick&, const RecordedTick&) = default;
 };

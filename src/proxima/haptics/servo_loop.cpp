@@ -109,4 +109,37 @@ ServoStatistics detail::run_servo_loop(const ServoOptions& options, ServoTick ti
     return seen;
 }
 
+detail::TickAccount::TickAccount(const ServoOptions& options, ServoTick called,
+                                 void* context) noexcept
+    : options_(options), tick_(called), context_(context)
+{
+    PROXIMA_CHECK_GT(options.rate, 0);
+}
+
+Flow detail::TickAccount::tick() noexcept
+{
+    if (seen_.ticks >= options_.ticks) return Flow::stop;
+    const std::int64_t start = now();
+    const auto period = static_cast<double>(nanoseconds_per_second) / options_.rate;
+    if (seen_.ticks == 0) {
+        begin_ = start;
+    } else {
+        // Late against a period after the tick before: the clock is not ours.
+        const auto interval = static_cast<double>(start - last_);
+        seen_.late.add(std::llround(interval - period));
+        const double passed = std::floor(interval / period + 0.5) - 1;
+        if (passed >= 1) {
+            ++seen_.missed;
+            seen_.skipped += static_cast<std::uint64_t>(passed);
+        }
+    }
+    last_ = start;
+    const Flow flow = tick_(context_, seen_.ticks);
+    const std::int64_t end = now();
+    seen_.work.add(end - start);
+    ++seen_.ticks;
+    seen_.seconds = static_cast<double>(end - begin_) / static_cast<double>(nanoseconds_per_second);
+    return flow == Flow::stop || seen_.ticks >= options_.ticks ? Flow::stop : Flow::proceed;
+}
+
 } // namespace proxima

@@ -46,6 +46,33 @@ namespace detail {
 using ServoTick = Flow (*)(void* context, std::uint64_t tick) noexcept;
 [[nodiscard]] ServoStatistics run_servo_loop(const ServoOptions& options, ServoTick tick,
                                              void* context);
+
+/// Ticks that somebody else's clock calls: counted and timed as those of our loop. One thread at a
+/// time; finish() once no tick runs any more.
+class TickAccount {
+public:
+    TickAccount(const ServoOptions& options, ServoTick called, void* context) noexcept;
+
+    /// The next tick; stop once it says so or all are done. noexcept, without allocation.
+    Flow tick() noexcept;
+
+    [[nodiscard]] ServoStatistics finish() const { return seen_; }
+
+private:
+    ServoOptions options_;
+    ServoTick tick_;
+    void* context_;
+    ServoStatistics seen_;
+    std::int64_t begin_ = 0; ///< ns
+    std::int64_t last_ = 0;  ///< the last tick's beginning
+};
+
+/// Any callable as a plain function of its address.
+template <class Callable>
+Flow plain_tick(void* context, std::uint64_t number) noexcept
+{
+    return (*static_cast<Callable*>(context))(number);
+}
 } // namespace detail
 
 /// Calls tick(number) for every tick on this thread, until it says stop or all are done. Between
@@ -54,13 +81,8 @@ using ServoTick = Flow (*)(void* context, std::uint64_t tick) noexcept;
 template <class Tick>
 [[nodiscard]] ServoStatistics run_servo_loop(const ServoOptions& options, Tick&& tick)
 {
-    using Callable = std::remove_reference_t<Tick>;
-    return detail::run_servo_loop(
-        options,
-        [](void* context, std::uint64_t number) noexcept -> Flow {
-            return (*static_cast<Callable*>(context))(number);
-        },
-        const_cast<void*>(static_cast<const void*>(&tick)));
+    return detail::run_servo_loop(options, detail::plain_tick<std::remove_reference_t<Tick>>,
+                                  const_cast<void*>(static_cast<const void*>(&tick)));
 }
 
 } // namespace proxima

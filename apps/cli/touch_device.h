@@ -1,0 +1,61 @@
+// The devices that a model can be touched with, by the names of the command line.
+#pragma once
+
+#include "proxima/base/result.h"
+#include "proxima/haptics/device.h"
+#include "proxima/haptics/simulated_hand.h"
+#include "proxima/haptics/workspace_map.h"
+#include "proxima/mesh/topology.h"
+#include "proxima/mesh/triangle_mesh.h"
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace proxima {
+
+/// "hand:SCRIPT, ..." as help and errors say it.
+[[nodiscard]] std::string touch_device_names();
+
+/// What is wrong with a device's name; "" where it is one that can be tried.
+[[nodiscard]] std::string touch_device_problem(const std::string& device);
+
+/// Which device, and what it needs to know.
+struct TouchDeviceSettings {
+    std::string device;                 ///< hand:SCRIPT, udp:[ADDRESS:]PORT, hd[:NAME], dhd[:INDEX]
+    std::string library;                ///< of hd and dhd; "" to search
+    std::optional<DeviceLimits> limits; ///< instead of its own; a hand and UDP have an omni's
+    double scale = 1;                   ///< motions in the model, over those that fit it in
+    std::uint64_t seed = 1;             ///< of a hand's script
+    HandModel hand;
+};
+
+/// A device, ready, and how its workspace lies about the model.
+struct TouchDevice {
+    std::unique_ptr<Device> device;
+    DeviceLimits limits;
+    WorkspaceMap map;
+};
+
+/// Errors: those of HandScript::make, UdpDevice::open, open_hd_device and open_dhd_device.
+[[nodiscard]] Result<TouchDevice> open_touch_device(const TouchDeviceSettings& settings,
+                                                    const TriangleMesh& mesh,
+                                                    const Topology& topology);
+
+/// A device that was looked for.
+struct FoundDevice {
+    std::string name;
+    std::optional<DeviceInfo> info; ///< none: see the problem
+    std::string problem;
+};
+
+/// Looks for every kind: opens and closes what is there. Their forces stay zero.
+[[nodiscard]] std::vector<FoundDevice> look_for_devices(const std::string& library);
+
+/// "x,-z,y": what our x, y and z are of the device's axes. Error invalid_argument where that is no
+/// rotation.
+[[nodiscard]] Result<Mat3> parse_axes(const std::string& text);
+
+} // namespace proxima

@@ -1,0 +1,330 @@
+#include "proxima/haptics/device_input.h"
+
+#include "haptics/device_session.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <thread>
+
+namespace proxima {
+namespace {
+
+using testing::CubeScene;
+using testing::PressingDevice;
+using testing::run_session;
+using testing::SessionFelt;
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr std::uint64_t ticks = 2500;
+constexpr std::uint64_t fault_begin = 1000;
+constexpr std::uint64_t fault_end = 1500;
+/// After the patience of 20 ms and the fading of 50 ms nothing is left.
+constexpr std::uint64_t faded = fault_begin + 75;
+
+/// Touches with a fault from fault_begin up to fault_end, and looks at the force around it.
+SessionFelt with_fault(const PressingDevice::Change& fault, std::uint64_t fades_by = faded,
+                       const InputOptions& options = {})
+{
+    const CubeScene scene;
+    PressingDevice device(scene, [&](std::uint64_t tick, DeviceReading& reading) {
+        if (tick >= fault_begin && tick < fault_end) fault(tick, reading);
+    });
+    SessionFelt felt = run_session(scene, device, ticks, options);
+    EXPECT_GT(felt.forces[fault_begin - 1], 1.0);
+    for (std::uint64_t tick = fades_by; tick < fault_end; ++tick) {
+        EXPECT_EQ(felt.forces[tick], 0) << tick;
+        if (felt.forces[tick] != 0) break;
+    }
+    EXPECT_GT(felt.forces[ticks - 1], 1.0);
+    EXPECT_EQ(felt.input.recoveries, 1U);
+    EXPECT_LT(felt.input.longest_recovery, 0.06);
+    return felt;
+}
+
+TEST(DeviceInput, lets_a_good_hand_through)
+{
+    const CubeScene scene;
+    PressingDevice device(scene);
+    const SessionFelt felt = run_session(scene, device, ticks);
+    EXPECT_EQ(felt.input.samples, ticks);
+    EXPECT_EQ(felt.input.faulty_ticks, 0U);
+    EXPECT_EQ(felt.quality.faulty_ticks, 0U);
+    EXPECT_EQ(felt.quality.passes, 0U);
+    EXPECT_NEAR(felt.forces.back(), 150 * (0.015 - felt.forces.back() / 500), 0.01);
+}
+
+TEST(DeviceInput, no_numbers_fade_the_force)
+{
+    for (const double wrong : {nan, std::numeric_limits<double>::infinity(), 1e300, -11.0}) {
+        const SessionFelt felt = with_fault([&](std::uint64_t tick, DeviceReading& reading) {
+            reading.state.pose.translation[static_cast<int>(tick % 3)] = wrong;
+        });
+        EXPECT_EQ(felt.input.not_finite, fault_end - fault_begin);
+        EXPECT_EQ(felt.input.faulty_ticks, fault_end - fault_begin);
+        EXPECT_EQ(felt.quality.faulty_ticks, felt.input.faulty_ticks);
+        EXPECT_NEAR(felt.input.longest_fault, 0.5, 1e-9);
+    }
+}
+
+TEST(DeviceInput, velocities_that_are_none_count_as_rest)
+{
+    const CubeScene scene;
+    PressingDevice device(scene, [](std::uint64_t, DeviceReading& reading) {
+        reading.state.velocity = Vec3(nan, 0, nan);
+    });
+    const SessionFelt felt = run_session(scene, device, ticks);
+    EXPECT_EQ(felt.input.faulty_ticks, 0U);
+    EXPECT_GT(felt.forces.back(), 1.0);
+}
+
+TEST(DeviceInput, vanishing_fades_the_force)
+{
+    const SessionFelt felt = with_fault([](std::uint64_t, DeviceReading& reading) {
+        reading.state.condition = InputCondition::gone;
+        reading.state.pose.translation.setConstant(nan);
+    });
+    EXPECT_EQ(felt.input.losses, 1U);
+    EXPECT_EQ(felt.input.faulty_ticks, fault_end - fault_begin);
+}
+
+TEST(DeviceInput, silence_is_borne_for_its_patience)
+{
+    const SessionFelt felt =
+        with_fault([](std::uint64_t, DeviceReading& reading) { --reading.sample; });
+    EXPECT_EQ(felt.input.silences, 1U);
+    EXPECT_NEAR(static_cast<double>(felt.input.faulty_ticks), 480, 1.5);
+    // Less than the patience is no fault.
+    const CubeScene scene;
+    PressingDevice device(scene, [](std::uint64_t tick, DeviceReading& reading) {
+        if (tick % 19 != 0) --reading.sample;
+    });
+    EXPECT_EQ(run_session(scene, device, ticks).input.faulty_ticks, 0U);
+}
+
+TEST(DeviceInput, freezing_while_pushed_fades_the_force)
+{
+    DeviceState frozen;
+    const auto freeze = [&](std::uint64_t tick, DeviceReading& reading) {
+        if (tick == fault_begin) frozen = reading.state;
+        reading.state = frozen;
+    };
+    const SessionFelt felt = with_fault(freeze, faded + 100, {.frozen_seconds = 0.1});
+    EXPECT_EQ(felt.input.freezes, 1U);
+    EXPECT_NEAR(static_cast<double>(felt.input.faulty_ticks), 400, 2);
+    // A device that may rest is let rest, and so is one that is not pushed.
+    const CubeScene scene;
+    for (const bool may_rest : {true, false}) {
+        PressingDevice device(scene, [&](std::uint64_t, DeviceReading& reading) {
+            reading.state.pose.translation = Vec3(0, 0, scene.half + (may_rest ? -0.002 : 0.002));
+        });
+        device.info().stillness = may_rest ? Stillness::usual : Stillness::suspicious;
+        EXPECT_EQ(run_session(scene, device, ticks).input.freezes, 0U) << may_rest;
+    }
+}
+
+TEST(DeviceInput, a_jump_of_a_metre_is_not_believed_at_once)
+{
+    // For 30 ms somewhere else: never believed, and well when it is back.
+    const CubeScene scene;
+    PressingDevice device(scene, [](std::uint64_t tick, DeviceReading& reading) {
+        if (tick >= fault_begin && tick < fault_begin + 30) reading.state.pose.translation.x() += 1;
+    });
+    const SessionFelt felt = run_session(scene, device, ticks);
+    EXPECT_EQ(felt.input.jumps, 1U);
+    EXPECT_EQ(felt.input.faulty_ticks, 30U);
+    EXPECT_EQ(felt.input.recoveries, 1U);
+    for (const RecordedTick& tick : felt.recording.ticks) EXPECT_LT(tick.position[0], 0.5);
+}
+
+TEST(DeviceInput, a_jump_that_lasts_is_believed_with_the_force_at_nothing)
+{
+    const CubeScene scene;
+    PressingDevice device(scene, [](std::uint64_t tick, DeviceReading& reading) {
+        if (tick >= fault_begin) reading.state.pose.translation.x() += 1;
+    });
+    const SessionFelt felt = run_session(scene, device, ticks);
+    EXPECT_EQ(felt.input.jumps, 1U);
+    EXPECT_EQ(felt.input.faulty_ticks, 100U); // settle_seconds
+    EXPECT_GT(felt.recording.ticks[fault_begin + 101].position[0], 0.9);
+    EXPECT_EQ(felt.forces[fault_begin + 60], 0); // before it is believed
+    EXPECT_EQ(felt.forces[fault_begin + 100], 0);
+}
+
+TEST(DeviceInput, jumps_all_the_time_are_never_believed)
+{
+    const SessionFelt felt = with_fault([](std::uint64_t tick, DeviceReading& reading) {
+        reading.state.pose.translation.x() += tick % 2 == 0 ? 1.0 : -1.0;
+    });
+    EXPECT_EQ(felt.input.jumps, fault_end - fault_begin);
+}
+
+TEST(DeviceInput, nothing_is_touched_before_the_first_good_sample)
+{
+    const CubeScene scene;
+    PressingDevice device(scene, [](std::uint64_t tick, DeviceReading& reading) {
+        if (tick < 300) reading.sample = 0;
+        if (tick >= 300 && tick < 600) reading.state.pose.translation.setConstant(nan);
+    });
+    const SessionFelt felt = run_session(scene, device, ticks);
+    for (std::uint64_t tick = 0; tick < 600; ++tick) EXPECT_EQ(felt.forces[tick], 0) << tick;
+    EXPECT_EQ(felt.input.silences, 0U);
+    EXPECT_EQ(felt.input.faulty_ticks, 600U);
+}
+
+/// A device that is moved along a path and feels nothing.
+class LedDevice final : public Device {
+public:
+    explicit LedDevice(std::function<DeviceState(std::uint64_t)> path) : path_(std::move(path))
+    {
+        info_.limits = *find_device("omni");
+    }
+    [[nodiscard]] const DeviceInfo& info() const noexcept override { return info_; }
+    [[nodiscard]] DeviceReading read() noexcept override { return {path_(tick_), tick_ + 1}; }
+    void write(const DeviceCommand& command) noexcept override
+    {
+        last_ = command;
+        ++tick_;
+    }
+    [[nodiscard]] const DeviceCommand& last() const { return last_; }
+
+private:
+    std::function<DeviceState(std::uint64_t)> path_;
+    DeviceInfo info_;
+    DeviceCommand last_;
+    std::uint64_t tick_ = 0;
+};
+
+TEST(DeviceInput, the_clutch_moves_the_hand_without_what_it_holds)
+{
+    // Down onto the cube, clutch and up by 30 mm, clutch closed and down by 30 mm again: twice.
+    const CubeScene scene;
+    LedDevice device([&](std::uint64_t tick) {
+        DeviceState state;
+        const double part = static_cast<double>(tick % 600) / 600;
+        const bool open = part >= 0.5;
+        const double height = open ? part - 0.75 : 0.25 - part; // in [-0.25, 0.25]
+        state.pose.translation = Vec3(0.01, 0, scene.half + 0.06 + 0.12 * height);
+        state.buttons = open ? 2 : 0;
+        return state;
+    });
+    std::vector<double> heights;
+    const SessionFelt felt = run_session(scene, device, 1200, {.clutch_buttons = 2},
+                                         [&](std::uint64_t, DeviceInput& input) {
+                                             heights.push_back(input.state().pose.translation.z());
+                                         });
+    EXPECT_EQ(felt.input.clutched_ticks, 600U);
+    EXPECT_EQ(felt.input.faulty_ticks, 0U);
+    EXPECT_EQ(felt.quality.faulty_ticks, 0U);
+    for (std::size_t tick = 1; tick < heights.size(); ++tick)
+        EXPECT_LT(std::abs(heights[tick] - heights[tick - 1]), 0.0005) << tick;
+    for (std::size_t tick = 300; tick < 600; ++tick) EXPECT_EQ(heights[tick], heights[300]);
+    EXPECT_NEAR(heights[599], scene.half + 0.03, 0.0005);
+    EXPECT_NEAR(heights[1199], scene.half - 0.03, 0.001); // 60 mm down with 60 mm of hand
+}
+
+TEST(DeviceInput, axes_are_turned_both_ways)
+{
+    // Our z is the device's y: pressing along -y of the device touches the upper face.
+    Mat3 rotation;
+    rotation << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+    const CubeScene scene;
+    LedDevice device([&](std::uint64_t tick) {
+        DeviceState state;
+        const double height = std::max(0.01 - 1e-5 * static_cast<double>(tick), -0.003);
+        state.pose.translation = Vec3(0.004, scene.half + height, -0.002);
+        state.velocity = Vec3(0, height > -0.003 ? -0.01 : 0, 0);
+        return state;
+    });
+    const SessionFelt felt = run_session(scene, device, 3000, {.rotation = rotation});
+    const RecordedTick& last = felt.recording.ticks.back();
+    EXPECT_NEAR(last.position[0], 0.004, 1e-12);
+    EXPECT_NEAR(last.position[1], 0.002, 1e-12);
+    EXPECT_NEAR(last.position[2], scene.half - 0.003, 1e-12);
+    EXPECT_NEAR(last.force[2], 1.5, 1e-6);
+    const DeviceCommand& command = device.last();
+    EXPECT_NEAR(command.force.y(), 1.5, 1e-6);
+    EXPECT_LT(std::hypot(command.force.x(), command.force.z()), 1e-6);
+    ASSERT_EQ(command.plane_count, 1U);
+    EXPECT_NEAR(command.planes[0].normal.y(), 1, 1e-9);
+    EXPECT_NEAR(command.planes[0].offset, scene.half, 1e-6);
+    EXPECT_EQ(command.stiffness, 500);
+    EXPECT_EQ(command.trust, 1);
+}
+
+TEST(DeviceInput, release_fades_for_good)
+{
+    const CubeScene scene;
+    PressingDevice device(scene);
+    const SessionFelt felt =
+        run_session(scene, device, ticks, {}, [](std::uint64_t tick, DeviceInput& input) {
+            if (tick == fault_begin) input.release();
+        });
+    EXPECT_GT(felt.forces[fault_begin], 1.0);
+    for (std::uint64_t tick = fault_begin + 55; tick < ticks; ++tick)
+        EXPECT_EQ(felt.forces[tick], 0);
+    EXPECT_EQ(felt.input.faulty_ticks, 0U);
+}
+
+TEST(ButtonQueue, hands_events_over_in_order)
+{
+    const CubeScene scene;
+    LedDevice device([](std::uint64_t tick) {
+        DeviceState state;
+        state.pose.translation = Vec3(0, 0, 0.2);
+        state.buttons = tick >= 10 && tick < 20 ? 1U : 0U;
+        state.buttons |= tick >= 15 ? 0x80000000U : 0U;
+        return state;
+    });
+    std::vector<ButtonEvent> events;
+    run_session(scene, device, 30, {}, [&](std::uint64_t, DeviceInput& input) {
+        ButtonEvent event;
+        while (input.buttons().pop(event)) events.push_back(event);
+    });
+    const std::vector<ButtonEvent> wanted = {{10, 0, true}, {15, 31, true}, {20, 0, false}};
+    EXPECT_EQ(events, wanted);
+}
+
+TEST(ButtonQueue, drops_the_newest_where_nobody_reads)
+{
+    ButtonQueue queue;
+    for (std::uint64_t i = 0; i < ButtonQueue::capacity + 7; ++i)
+        EXPECT_EQ(queue.push({i, 0, true}), i < ButtonQueue::capacity);
+    EXPECT_EQ(queue.dropped(), 7U);
+    ButtonEvent event;
+    for (std::uint64_t i = 0; i < ButtonQueue::capacity; ++i) {
+        ASSERT_TRUE(queue.pop(event));
+        EXPECT_EQ(event.tick, i);
+    }
+    EXPECT_FALSE(queue.pop(event));
+}
+
+TEST(ButtonQueue, loses_nothing_between_threads)
+{
+    ButtonQueue queue;
+    constexpr std::uint64_t count = 100000;
+    std::thread pusher([&] {
+        for (std::uint64_t i = 0; i < count;) {
+            if (queue.push({i, static_cast<int>(i % 32), i % 2 == 0})) {
+                ++i;
+            } else {
+                std::this_thread::yield();
+            }
+        }
+    });
+    ButtonEvent event;
+    for (std::uint64_t i = 0; i < count;) {
+        if (!queue.pop(event)) {
+            std::this_thread::yield();
+            continue;
+        }
+        const ButtonEvent wanted{i, static_cast<int>(i % 32), i % 2 == 0};
+        ASSERT_EQ(event, wanted);
+        ++i;
+    }
+    pusher.join();
+}
+
+} // namespace
+} // namespace proxima

@@ -1,0 +1,230 @@
+// The makers' libraries, by stubs that behave like them (stubs/).
+#include "haptics/device_session.h"
+#include "proxima/base/shared_library.h"
+#include "proxima/haptics/dhd_device.h"
+#include "proxima/haptics/hd_device.h"
+#include "stubs/stub_hand.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+namespace proxima {
+namespace {
+
+using testing::CubeScene;
+using testing::run_session;
+using testing::SessionFelt;
+
+/// The stub's own account: the library is the one that the device has open.
+struct Stub {
+    explicit Stub(const char* path)
+        : library(*SharedLibrary::open({.what = "stub", .names = {}, .named = path, .advice = ""})),
+          state(*static_cast<stub::State*>(library.find("stub_state")))
+    {}
+    SharedLibrary library;
+    stub::State& state;
+};
+
+constexpr std::uint64_t ticks = 900;
+constexpr std::uint64_t contact = 480; ///< the hand presses through the whole middle third
+
+SessionFelt touch_hd(const Stub& stub, Device& device, std::uint64_t count = ticks)
+{
+    const CubeScene scene(device.info().limits.workspace_radius);
+    SessionFelt felt = run_session(scene, device, count);
+    EXPECT_EQ(stub.state.bad_forces, 0);
+    EXPECT_EQ(stub.state.forces_outside, 0);
+    return felt;
+}
+
+TEST(HdDevice, touches_in_the_driver_s_callback)
+{
+    Stub stub(STUB_HD);
+    auto device = open_hd_device({.library = STUB_HD});
+    ASSERT_TRUE(device) << describe(device.error());
+    const DeviceInfo& info = (*device)->info();
+    EXPECT_EQ(info.name, "hd");
+    EXPECT_EQ(info.model, "Proxima's tests Stub Omni");
+    EXPECT_EQ(info.serial, "S-0042");
+    EXPECT_NE(info.driver.find("stub_hd"), std::string::npos);
+    EXPECT_NE(info.driver.find("HD API 3.40, driver 1.2.3"), std::string::npos) << info.driver;
+    EXPECT_EQ(info.limits.max_force, 3.3);
+    EXPECT_NEAR(info.limits.max_stiffness, 700, 1e-9);
+    EXPECT_NEAR(info.limits.max_damping, 5, 1e-9);
+    EXPECT_NEAR(info.limits.workspace_radius, 0.1, 1e-12);
+    const SessionFelt felt = touch_hd(stub, **device);
+    EXPECT_EQ(felt.servo.ticks, ticks);
+    EXPECT_GE(felt.servo.seconds, 0.85); // its scheduler's 1,000 Hz
+    EXPECT_EQ(stub.state.forces, static_cast<long>(ticks));
+    EXPECT_GT(stub.state.largest_force, 1.0);
+    EXPECT_EQ(felt.input.faulty_ticks, 0U);
+    EXPECT_EQ((*device)->trouble(), "");
+    EXPECT_EQ(stub.state.forces_enabled, 1);
+    device->reset();
+    EXPECT_EQ(stub.state.last_force, 0);
+    EXPECT_EQ(stub.state.forces_enabled, 0);
+    EXPECT_EQ(stub.state.open_devices, 0);
+}
+
+TEST(HdDevice, is_unplugged_in_flight_and_plugged_in_again)
+{
+    Stub stub(STUB_HD);
+    auto device = open_hd_device({.library = STUB_HD});
+    ASSERT_TRUE(device);
+    stub.state.unplug = static_cast<long>(contact);
+    stub.state.replug = static_cast<long>(contact) + 150;
+    const SessionFelt felt = touch_hd(stub, **device);
+    EXPECT_EQ(felt.input.losses, 1U);
+    EXPECT_EQ(felt.input.recoveries, 1U);
+    EXPECT_GT(felt.forces[contact - 10], 1.0);
+    EXPECT_EQ(felt.forces[contact + 100], 0);
+    const std::string trouble = (*device)->trouble();
+    EXPECT_NE(trouble.find("Communication error (error 770, internal -42)"), std::string::npos)
+        << trouble;
+}
+
+TEST(HdDevice, rests_after_a_force_error)
+{
+    Stub stub(STUB_HD);
+    auto device = open_hd_device({.library = STUB_HD});
+    ASSERT_TRUE(device);
+    stub.state.force_error = static_cast<long>(contact);
+    const SessionFelt felt = touch_hd(stub, **device, 1600);
+    EXPECT_NEAR(static_cast<double>(felt.input.faulty_ticks), 500, 2);
+    EXPECT_EQ(felt.forces[contact + 100], 0);
+    EXPECT_GT(*std::max_element(felt.forces.begin() + 1300, felt.forces.end()), 1.0);
+    EXPECT_NE((*device)->trouble().find("stopped the force 1 times: Exceeded max force"),
+              std::string::npos);
+    EXPECT_EQ(stub.state.forces_enabled, 2); // once more, after the rest
+}
+
+TEST(HdDevice, a_driver_that_hangs_ends_the_session)
+{
+    Stub stub(STUB_HD);
+    auto device = open_hd_device({.library = STUB_HD});
+    ASSERT_TRUE(device);
+    stub.state.stall = 100;
+    const SessionFelt felt = touch_hd(stub, **device);
+    EXPECT_EQ(felt.recording.ticks.size(), 100U);
+    EXPECT_NE((*device)->trouble().find("scheduler called no more"), std::string::npos);
+}
+
+TEST(HdDevice, bad_samples_are_watched_for)
+{
+    for (const auto fault : {&stub::State::nan, &stub::State::jump}) {
+        Stub stub(STUB_HD);
+        auto device = open_hd_device({.library = STUB_HD});
+        ASSERT_TRUE(device);
+        stub.state.*fault = static_cast<long>(contact);
+        const SessionFelt felt = touch_hd(stub, **device);
+        EXPECT_GE(felt.input.faulty_ticks, 10U);
+        EXPECT_EQ(felt.input.not_finite > 0, fault == &stub::State::nan);
+        EXPECT_EQ(felt.input.jumps > 0, fault == &stub::State::jump);
+    }
+}
+
+TEST(HdDevice, says_what_is_missing)
+{
+    const auto none = open_hd_device({.library = "/nowhere/libHD.so"});
+    ASSERT_FALSE(none);
+    EXPECT_EQ(none.error().code, ErrorCode::file_not_found);
+    for (const char* const part : {"libHD.so was not found", "tried /nowhere/libHD.so",
+                                   "No such file", "install OpenHaptics", "--device-library"})
+        EXPECT_NE(none.error().message.find(part), std::string::npos) << none.error().message;
+    const auto old = open_hd_device({.library = STUB_HD_OLD});
+    ASSERT_FALSE(old);
+    EXPECT_EQ(old.error().code, ErrorCode::unsupported_format);
+    EXPECT_NE(old.error().message.find("lacks hdBeginFrame, hdEndFrame"), std::string::npos)
+        << old.error().message;
+    const auto unknown = open_hd_device({.device = "Right", .library = STUB_HD});
+    ASSERT_FALSE(unknown);
+    EXPECT_NE(unknown.error().message.find("cannot open Right: Bad handle"), std::string::npos)
+        << unknown.error().message;
+    EXPECT_TRUE(open_hd_device({.device = "Left", .library = STUB_HD}));
+    // Without a path, all the names and where they were looked for.
+    if (const auto searched = open_hd_device({}); !searched) {
+        for (const char* const part : {"libHD.so.3.4", "/usr/lib/libHD.so", "LD_LIBRARY_PATH"})
+            EXPECT_NE(searched.error().message.find(part), std::string::npos)
+                << searched.error().message;
+    }
+}
+
+TEST(DhdDevice, touches_by_polling)
+{
+    Stub stub(STUB_DHD);
+    auto device = open_dhd_device({.library = STUB_DHD});
+    ASSERT_TRUE(device) << describe(device.error());
+    const DeviceInfo& info = (*device)->info();
+    EXPECT_EQ(info.model, "Force Dimension omega.3 (stub)");
+    EXPECT_EQ(info.serial, "1234");
+    EXPECT_NE(info.driver.find("SDK 3.17.6.1"), std::string::npos);
+    EXPECT_EQ(info.limits.max_force, 12);
+    EXPECT_FALSE(info.rotates);
+    const CubeScene scene(info.limits.workspace_radius);
+    const SessionFelt felt = run_session(scene, **device, ticks);
+    EXPECT_GT(stub.state.largest_force, 1.0);
+    EXPECT_EQ(stub.state.bad_forces, 0);
+    EXPECT_EQ(felt.input.faulty_ticks, 0U);
+    EXPECT_EQ(stub.state.forces_enabled, 1);
+    device->reset();
+    EXPECT_EQ(stub.state.last_force, 0);
+    EXPECT_EQ(stub.state.forces_enabled, 0);
+    EXPECT_EQ(stub.state.open_devices, 0);
+    EXPECT_EQ(stub.state.forces_outside, 0);
+}
+
+TEST(DhdDevice, is_unplugged_in_flight)
+{
+    Stub stub(STUB_DHD);
+    auto device = open_dhd_device({.library = STUB_DHD});
+    ASSERT_TRUE(device);
+    stub.state.unplug = static_cast<long>(contact);
+    const CubeScene scene(0.075);
+    const SessionFelt felt = run_session(scene, **device, ticks);
+    EXPECT_EQ(felt.input.losses, 1U);
+    EXPECT_EQ(felt.forces.back(), 0);
+    EXPECT_NE((*device)->trouble().find("communication error (stub)"), std::string::npos);
+}
+
+TEST(DhdDevice, freezes_and_presses_buttons)
+{
+    Stub stub(STUB_DHD);
+    auto device = open_dhd_device({.library = STUB_DHD});
+    ASSERT_TRUE(device);
+    stub.state.freeze = static_cast<long>(contact);
+    stub.state.press = 100;
+    const CubeScene scene(0.075);
+    int events = 0;
+    const SessionFelt felt =
+        run_session(scene, **device, 1500, {}, [&](std::uint64_t, DeviceInput& input) {
+            ButtonEvent event;
+            while (input.buttons().pop(event)) ++events;
+        });
+    EXPECT_EQ(felt.input.freezes, 1U);
+    EXPECT_EQ(felt.forces.back(), 0);
+    EXPECT_EQ(events, 2);
+}
+
+TEST(DhdDevice, says_what_is_missing)
+{
+    const auto none = open_dhd_device({.library = "/nowhere/libdhd.so"});
+    ASSERT_FALSE(none);
+    EXPECT_NE(none.error().message.find("install the Force Dimension SDK"), std::string::npos);
+    const auto second = open_dhd_device({.index = 1, .library = STUB_DHD});
+    ASSERT_FALSE(second);
+    EXPECT_NE(second.error().message.find("no device dhd:1: there are 1"), std::string::npos);
+    const auto other = open_dhd_device({.library = STUB_HD});
+    ASSERT_FALSE(other);
+    EXPECT_NE(other.error().message.find("lacks dhdGetDeviceCount, dhdOpenID"), std::string::npos)
+        << other.error().message;
+    ::setenv("PROXIMA_STUB", "fail_open=1", 1);
+    const auto failing = open_dhd_device({.library = STUB_DHD});
+    ::unsetenv("PROXIMA_STUB");
+    ASSERT_FALSE(failing);
+    EXPECT_NE(failing.error().message.find("cannot open dhd:0: communication error"),
+              std::string::npos);
+}
+
+} // namespace
+} // namespace proxima

@@ -1,0 +1,447 @@
+#include "proxima/haptics/udp_device.h"
+
+#include "haptics/device_session.h"
+#include "proxima/haptics/remote_servo.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <chrono>
+#include <cstring>
+#include <limits>
+#include <random>
+#include <thread>
+
+namespace proxima {
+namespace {
+
+using testing::CubeScene;
+using testing::run_session;
+using testing::SessionFelt;
+
+constexpr UdpAddress device_side{0x7f000001, 4000};
+constexpr UdpAddress somebody{0x7f000001, 4001};
+constexpr std::int64_t millisecond = 1'000'000;
+
+std::unique_ptr<UdpDevice> listening()
+{
+    auto device = UdpDevice::open({});
+    EXPECT_TRUE(device) << describe(device.error());
+    return std::move(*device);
+}
+
+StatePacket state_packet(std::uint64_t sequence)
+{
+    StatePacket packet;
+    packet.session = 77;
+    packet.sequence = sequence;
+    packet.nanoseconds = sequence * millisecond;
+    packet.position = {0.001 * static_cast<double>(sequence), 0, 0};
+    return packet;
+}
+
+TEST(UdpPackets, are_laid_out_as_documented)
+{
+    StatePacket packet;
+    packet.session = 0x0102030405060708;
+    packet.sequence = 9;
+    packet.nanoseconds = 0x1122334455667788;
+    packet.buttons = 3;
+    packet.flags = StatePacket::rotates;
+    packet.position = {1, 2, 3};
+    packet.velocity = {4, 5, 6};
+    packet.quaternion = {0.5, -0.5, 0.5, -0.5};
+    const auto bytes = encode(packet);
+    static_assert(sizeof bytes == 120);
+    EXPECT_EQ(std::memcmp(bytes.data(), "PXUP", 4), 0);
+    const auto byte = [&](std::size_t i) { return std::to_integer<int>(bytes[i]); };
+    EXPECT_EQ(byte(4), 1);
+    EXPECT_EQ(byte(5), 0);
+    EXPECT_EQ(byte(6), 120);
+    EXPECT_EQ(byte(8), 8);
+    EXPECT_EQ(byte(15), 1);
+    EXPECT_EQ(byte(16), 9);
+    EXPECT_EQ(byte(24), 0x88);
+    EXPECT_EQ(byte(32), 3);
+    EXPECT_EQ(byte(36), 1);
+    double y = 0;
+    std::memcpy(&y, bytes.data() + 48, sizeof y); // this machine is little-endian, as the packet
+    EXPECT_EQ(y, 2);
+    std::memcpy(&y, bytes.data() + 112, sizeof y);
+    EXPECT_EQ(y, -0.5);
+    StatePacket back;
+    EXPECT_EQ(decode(bytes, back), PacketFault::none);
+    EXPECT_EQ(back, packet);
+    EXPECT_NEAR((device_state(back).pose.rotation - Mat3::Identity()).norm(), std::sqrt(6), 1e-12);
+}
+
+TEST(UdpPackets, replies_come_back_as_they_were)
+{
+    std::mt19937_64 random(5);
+    std::uniform_real_distribution<double> number(-10, 10);
+    ReplyPacket packet;
+    packet.session = random();
+    packet.sequence = random();
+    packet.nanoseconds = random();
+    DeviceCommand& command = packet.command;
+    command.condition = InputCondition::clutched;
+    command.plane_count = 3;
+    command.force = Vec3(number(random), number(random), number(random));
+    command.held = Vec3(number(random), number(random), number(random));
+    for (HeldPlane& plane : command.planes)
+        plane = {Vec3(number(random), number(random), number(random)), number(random)};
+    for (double* const x : {&command.trust, &command.stiffness, &command.damping,
+                            &command.static_friction, &command.dynamic_friction, &packet.max_force,
+                            &packet.hold_seconds, &packet.fade_seconds, &packet.recovery_seconds})
+        *x = number(random);
+    const auto bytes = encode(packet);
+    ReplyPacket back;
+    ASSERT_EQ(decode(bytes, back), PacketFault::none);
+    EXPECT_EQ(encode(back), bytes);
+    EXPECT_EQ(back.command.planes[2].offset, command.planes[2].offset);
+    EXPECT_EQ(back.recovery_seconds, packet.recovery_seconds);
+}
+
+TEST(UdpPackets, anything_else_is_refused)
+{
+    const auto bytes = encode(state_packet(1));
+    StatePacket packet;
+    for (std::size_t size = 0; size < bytes.size(); ++size)
+        EXPECT_EQ(decode(std::span(bytes).first(size), packet), PacketFault::wrong_size);
+    auto wrong = bytes;
+    wrong[0] = std::byte{'Q'};
+    EXPECT_EQ(decode(wrong, packet), PacketFault::wrong_magic);
+    wrong = bytes;
+    wrong[4] = std::byte{2};
+    EXPECT_EQ(decode(wrong, packet), PacketFault::wrong_version);
+    wrong = bytes;
+    wrong[7] = std::byte{1};
+    EXPECT_EQ(decode(wrong, packet), PacketFault::wrong_size);
+}
+
+TEST(UdpDevice, counts_what_the_line_does_to_packets)
+{
+    const auto device = listening();
+    const auto take = [&](const StatePacket& packet, std::int64_t ms,
+                          const UdpAddress& from = device_side) {
+        device->take(encode(packet), from, ms * millisecond);
+    };
+    take(state_packet(1), 1001);
+    take(state_packet(2), 1002);
+    take(state_packet(2), 1002);           // duplicated
+    take(state_packet(6), 1006);           // three lost
+    take(state_packet(5), 1006);           // reordered
+    take(state_packet(7), 1007, somebody); // foreign
+    StatePacket late = state_packet(8);
+    take(late, 1008 + 21); // 21 ms longer on the way than the others
+    late = state_packet(30);
+    take(late, 1030 + 19); // within the patience
+    EXPECT_EQ(device->read().sample, 4U);
+    EXPECT_EQ(device->read().state.pose.translation.x(), 0.03);
+    const UdpReport& report = device->report();
+    EXPECT_EQ(report.received, 8U);
+    EXPECT_EQ(report.accepted, 4U);
+    EXPECT_EQ(report.duplicated, 1U);
+    EXPECT_EQ(report.reordered, 1U);
+    EXPECT_EQ(report.foreign, 1U);
+    EXPECT_EQ(report.late, 1U);
+    EXPECT_EQ(report.lost, 3U + 23U);
+    EXPECT_EQ(report.sessions, 1U);
+    // Another device comes once this one was silent for a second; the same one, begun anew, sooner.
+    take(state_packet(31), 1049 + 999, somebody);
+    EXPECT_EQ(report.foreign, 2U);
+    StatePacket anew = state_packet(1);
+    anew.session = 78;
+    take(anew, 1049 + 1000);
+    EXPECT_EQ(report.sessions, 2U);
+    EXPECT_EQ(device->read().sample, 5U);
+    take(state_packet(1), 1049 + 2100, somebody);
+    EXPECT_EQ(report.sessions, 3U);
+    // It says goodbye.
+    StatePacket leaving = state_packet(2);
+    leaving.flags = StatePacket::leaving;
+    take(leaving, 1049 + 2101, somebody);
+    EXPECT_EQ(device->read().state.condition, InputCondition::gone);
+}
+
+TEST(UdpDevice, a_clock_that_is_put_back_is_believed_after_a_second)
+{
+    const auto device = listening();
+    StatePacket packet = state_packet(1);
+    packet.nanoseconds = 1'000'000'000'000;
+    device->take(encode(packet), device_side, 5000 * millisecond);
+    for (std::uint64_t i = 2; i < 1200; ++i) {
+        packet.sequence = i;
+        packet.nanoseconds = i * millisecond;
+        device->take(encode(packet), device_side,
+                     (5000 + static_cast<std::int64_t>(i)) * millisecond);
+    }
+    EXPECT_GT(device->report().accepted, 150U);
+    EXPECT_NEAR(static_cast<double>(device->report().late), 1000, 5);
+}
+
+TEST(UdpDevice, survives_any_bytes)
+{
+    // What is malformed is refused, what is well formed may hold any numbers: no force spikes.
+    const CubeScene scene;
+    std::mt19937_64 random(11);
+    const auto device = listening();
+    std::uint64_t sequence = 0;
+    const SessionFelt felt =
+        run_session(scene, *device, 20000, {}, [&](std::uint64_t tick, DeviceInput&) {
+            const auto now = static_cast<std::int64_t>((tick + 5000) * millisecond);
+            std::array<std::byte, state_packet_size + 8> junk{};
+            for (std::byte& byte : junk) byte = static_cast<std::byte>(random() & 255U);
+            const std::size_t size = random() % (junk.size() + 1);
+            device->take(std::span(junk).first(size), device_side, now);
+            auto bytes = encode(state_packet(sequence += random() % 3));
+            StatePacket packet = state_packet(sequence);
+            packet.position = {0, 0, scene.half - 0.003};
+            bytes = encode(packet);
+            for (std::uint64_t flips = random() % 4; flips > 0; --flips)
+                bytes[random() % bytes.size()] ^= static_cast<std::byte>(1U << random() % 8);
+            device->take(bytes, device_side, now);
+        });
+    EXPECT_GT(device->report().malformed, 10000U);
+    EXPECT_GT(device->report().accepted, 1000U);
+    EXPECT_GT(felt.input.faulty_ticks, 0U);
+}
+
+/// The device's side of a loopback session: a hand in a loop of its own, and a line that loses,
+/// doubles and delays.
+struct Line {
+    double lose = 0;
+    double twice = 0;
+    double swap = 0;   ///< sent after the next one
+    int cut_from = -1; ///< ms: nothing gets through
+    int cut_to = -1;
+};
+
+struct HandOverLine {
+    std::vector<double> forces;
+    double largest_step = 0;
+    std::uint64_t replies = 0;
+};
+
+HandOverLine hand_over_line(const UdpAddress& to, const CubeScene& scene, const Line& line, int ms,
+                            bool own_servo, std::atomic<bool>& ended)
+{
+    UdpSocket socket = *UdpSocket::listen({});
+    std::mt19937_64 random(3);
+    std::uniform_real_distribution<double> part(0, 1);
+    SimulatedHand hand({}, Vec3(0.003, 0.001, scene.half + 0.01));
+    const Vec3 target(0.003, 0.001, scene.half - 0.015);
+    RemoteServo servo(3.3);
+    HandOverLine result;
+    Vec3 force = Vec3::Zero();
+    std::optional<std::array<std::byte, state_packet_size>> held_back;
+    const auto begin = std::chrono::steady_clock::now();
+    for (int tick = 0; tick < ms; ++tick) {
+        std::this_thread::sleep_until(begin + std::chrono::milliseconds(tick));
+        const DeviceState state = hand.state();
+        StatePacket packet = state_packet(static_cast<std::uint64_t>(tick) + 1);
+        for (int i = 0; i < 3; ++i) {
+            packet.position[static_cast<std::size_t>(i)] = state.pose.translation[i];
+            packet.velocity[static_cast<std::size_t>(i)] = state.velocity[i];
+        }
+        const auto bytes = encode(packet);
+        const bool cut = tick >= line.cut_from && tick < line.cut_to;
+        if (!cut && part(random) >= line.lose) {
+            if (part(random) < line.swap && !held_back) {
+                held_back = bytes;
+            } else {
+                socket.send(bytes, to);
+                if (part(random) < line.twice) socket.send(bytes, to);
+                if (held_back) socket.send(*held_back, to);
+                held_back.reset();
+            }
+        }
+        const double now = 1e-3 * tick;
+        std::array<std::byte, reply_packet_size> buffer{};
+        while (const auto received = socket.receive(buffer)) {
+            ReplyPacket reply;
+            if (cut || decode(std::span(buffer).first(received->size), reply) != PacketFault::none)
+                continue;
+            ++result.replies;
+            servo.take(reply, now);
+            if (!own_servo) force = reply.command.force;
+        }
+        const Vec3 before = force;
+        const Vec3 mine = servo.force(state.pose.translation, state.velocity, now);
+        if (own_servo) force = mine;
+        result.largest_step = std::max(result.largest_step, (force - before).norm());
+        result.forces.push_back(force.norm());
+        hand.step(force, target);
+    }
+    ended.store(true);
+    return result;
+}
+
+struct LoopbackFelt {
+    HandOverLine hand;
+    SessionFelt session;
+    UdpReport report;
+};
+
+LoopbackFelt loopback(const Line& line, int ms, bool own_servo)
+{
+    const CubeScene scene;
+    const auto device = listening();
+    std::atomic<bool> ended{false};
+    LoopbackFelt felt;
+    std::thread hand(
+        [&] { felt.hand = hand_over_line(device->address(), scene, line, ms, own_servo, ended); });
+    felt.session =
+        run_session(scene, *device, static_cast<std::uint64_t>(ms), {}, {}, Pace::best_effort);
+    hand.join();
+    felt.report = device->report();
+    return felt;
+}
+
+TEST(UdpDevice, a_hand_feels_over_loopback)
+{
+    for (const bool own_servo : {false, true}) {
+        const LoopbackFelt felt = loopback({}, 800, own_servo);
+        EXPECT_GT(felt.report.accepted, 300U);
+        EXPECT_GT(felt.hand.replies, 300U);
+        EXPECT_EQ(felt.report.malformed + felt.report.foreign + felt.report.unsent, 0U);
+        EXPECT_NEAR(felt.hand.forces.back(), 150 * 0.015 / (1 + 150.0 / 500), 0.2) << own_servo;
+        EXPECT_EQ(felt.session.quality.passes, 0U);
+    }
+}
+
+TEST(UdpDevice, a_bad_line_gives_no_spikes)
+{
+    const LoopbackFelt felt = loopback({.lose = 0.2, .twice = 0.2, .swap = 0.2}, 1200, true);
+    EXPECT_GT(felt.report.duplicated, 20U);
+    EXPECT_GT(felt.report.reordered, 20U);
+    EXPECT_GT(felt.report.lost, 20U);
+    EXPECT_NEAR(felt.hand.forces.back(), 150 * 0.015 / (1 + 150.0 / 500), 0.2);
+    EXPECT_LT(felt.hand.largest_step, 0.5);
+}
+
+TEST(UdpDevice, a_cut_line_fades_the_force_on_both_sides_and_recovers)
+{
+    const LoopbackFelt felt = loopback({.cut_from = 500, .cut_to = 800}, 1300, true);
+    EXPECT_GT(felt.hand.forces[490], 1.0);
+    // The device's side: 20 ms of holding and 50 of fading, by its own clock.
+    for (std::size_t tick = 580; tick < 800; ++tick) EXPECT_EQ(felt.hand.forces[tick], 0) << tick;
+    EXPECT_GT(felt.hand.forces.back(), 1.0);
+    EXPECT_LT(felt.hand.largest_step, 0.5);
+    EXPECT_GE(felt.session.input.silences, 1U);
+    EXPECT_GE(felt.session.input.recoveries, 1U);
+    EXPECT_GE(felt.session.input.longest_fault, 0.2);
+    EXPECT_LT(felt.session.input.longest_recovery, 0.1);
+}
+
+TEST(RemoteServo, gives_what_the_renderer_gives)
+{
+    // A hand slides over the cube with a reply every tick: both sides' forces are the same, but for
+    // the way of a tick; with a reply every 10 ms it is still the wall's.
+    for (const int every : {1, 10}) {
+        const CubeScene scene;
+        HapticRenderer renderer(scene.surface, scene.map, *find_device("omni"));
+        DeviceInput input{DeviceInfo{}};
+        RemoteServo servo(3.3);
+        double largest = 0;
+        for (int tick = 0; tick < 2000; ++tick) {
+            const double t = 1e-3 * tick;
+            DeviceReading reading;
+            reading.sample = static_cast<std::uint64_t>(tick) + 1;
+            Vec3& place = reading.state.pose.translation;
+            place = Vec3(0.01 * std::sin(3 * t), 0.01 * std::cos(2 * t),
+                         scene.half + std::max(0.01 - 0.05 * t, -0.004));
+            const RenderTick& felt = renderer.tick(input.accept(reading), 1e-3);
+            ReplyPacket reply;
+            reply.sequence = reading.sample;
+            reply.command = input.command(renderer);
+            reply.max_force = 3.3;
+            reply.hold_seconds = 0.02;
+            reply.fade_seconds = 0.05;
+            reply.recovery_seconds = 0.01;
+            if (tick % every == 0) servo.take(reply, t);
+            const Vec3 force = servo.force(place, reading.state.velocity, t);
+            if (tick > 500) largest = std::max(largest, (force - felt.force).norm());
+        }
+        EXPECT_LT(largest, every == 1 ? 0.05 : 0.15);
+        EXPECT_EQ(servo.trust(), 1);
+        EXPECT_EQ(servo.refused(), 0U);
+    }
+}
+
+TEST(RemoteServo, goes_over_to_new_planes_without_a_jump)
+{
+    RemoteServo servo(3.3);
+    ReplyPacket reply;
+    reply.max_force = 3.3;
+    reply.hold_seconds = 10;
+    reply.recovery_seconds = 0.02;
+    reply.command.stiffness = 500;
+    reply.command.plane_count = 1;
+    reply.command.planes[0] = {Vec3::UnitZ(), 0};
+    servo.take(reply, 0);
+    const Vec3 place(0, 0, -0.001);
+    double t = 0;
+    for (; t < 0.1; t += 1e-3) (void)servo.force(place, Vec3::Zero(), t);
+    EXPECT_NEAR(servo.force(place, Vec3::Zero(), t).z(), 0.5, 1e-12);
+    reply.sequence = 1;
+    reply.command.planes[0].offset = 0.004; // all at once 4 mm deeper
+    servo.take(reply, t);
+    double last = 0.5;
+    for (int tick = 0; tick <= 25; ++tick) {
+        const double force = servo.force(place, Vec3::Zero(), t + 1e-3 * tick).z();
+        EXPECT_LE(force - last, 2.0 / 20 + 1e-9) << tick;
+        EXPECT_GE(force, last - 1e-12);
+        last = force;
+    }
+    EXPECT_NEAR(last, 2.5, 1e-12);
+}
+
+TEST(RemoteServo, leaves_hostile_replies_out)
+{
+    std::mt19937_64 random(9);
+    RemoteServo servo(3.3);
+    for (int round = 0; round < 100000; ++round) {
+        ReplyPacket reply;
+        reply.command.plane_count = random() % 4;
+        const auto any = [&] {
+            const double x = std::bit_cast<double>(random());
+            return random() % 3 == 0 ? x : static_cast<double>(random() % 1000) / 100;
+        };
+        reply.sequence = random() % 2 == 0 ? static_cast<std::uint64_t>(round) : random();
+        for (HeldPlane& plane : reply.command.planes) {
+            plane.normal = random() % 4 == 0 ? Vec3(any(), any(), any()) : Vec3(Vec3::UnitX());
+            plane.offset = any();
+        }
+        for (double* const x :
+             {&reply.command.trust, &reply.command.stiffness, &reply.command.damping,
+              &reply.command.static_friction, &reply.command.dynamic_friction, &reply.max_force,
+              &reply.hold_seconds, &reply.fade_seconds, &reply.recovery_seconds})
+            *x = random() % 2 == 0 ? any() : 1.0;
+        servo.take(reply, 1e-3 * round);
+        const Vec3 force = servo.force(Vec3(any(), any(), any()), Vec3(any(), 0, 0), 1e-3 * round);
+        ASSERT_TRUE(force.allFinite()) << round;
+        ASSERT_LE(force.norm(), 3.3) << round;
+    }
+    EXPECT_GT(servo.refused(), 1000U);
+}
+
+TEST(UdpSocket, reads_addresses_and_says_what_is_taken)
+{
+    EXPECT_EQ(*parse_udp_address("4711"), (UdpAddress{0x7f000001, 4711}));
+    EXPECT_EQ(*parse_udp_address("192.168.0.7:65535"), (UdpAddress{0xc0a80007, 65535}));
+    EXPECT_EQ(to_text(UdpAddress{0xc0a80007, 65535}), "192.168.0.7:65535");
+    for (const char* const text : {"", "x", "65536", "-1", "1.2.3:4", "1.2.3.4:", "1.2.3.4.5:6",
+                                   "256.0.0.1:5", "localhost:5", "5 ", "1.2.3.4", ":5"})
+        EXPECT_FALSE(parse_udp_address(text)) << text;
+    const UdpSocket taken = *UdpSocket::listen({});
+    EXPECT_NE(taken.address().port, 0);
+    const auto again = UdpSocket::listen(taken.address());
+    ASSERT_FALSE(again);
+    EXPECT_NE(describe(again.error()).find("127.0.0.1:"), std::string::npos);
+}
+
+} // namespace
+} // namespace proxima
