@@ -19,6 +19,9 @@ constexpr int most_rings = 64;
 /// A patch is lost when it is older than so many periods of the collision loop.
 constexpr std::uint64_t periods_to_loss = 5;
 
+/// Where friction begins depends on the roundings of the way there.
+constexpr double apart_metres = 1e-6;
+
 double percent_sent(const PatchAccount& account)
 {
     const double sent = static_cast<double>(account.triangles);
@@ -129,7 +132,8 @@ void PatchTouch::compare(const RenderTick& felt) noexcept
     for (std::size_t i = 0; i < should.slide.contact_count; ++i)
         missed |= !has(should.slide.contacts[i].triangle);
     account_.missed_ticks += missed ? 1U : 0U;
-    account_.apart_ticks += should.proxy != felt.proxy.proxy ? 1U : 0U;
+    const double apart = (should.proxy - felt.proxy.proxy).norm();
+    account_.apart_ticks += apart > apart_metres * map_.units_per_metre ? 1U : 0U;
 }
 
 void PatchTouch::end_tick(const RenderTick& felt) noexcept

@@ -42,11 +42,11 @@ struct PatchAccount {
     std::uint64_t triangles = 0;  ///< of all patches
     std::uint64_t largest = 0;
     std::uint64_t model_triangles = 0;
-    std::uint64_t touching_ticks = 0;  ///< of the proxy on the whole model
-    std::uint64_t missed_ticks = 0;    ///< in which it touched a triangle that the patch lacks
-    std::uint64_t apart_ticks = 0;     ///< in which the two proxies were not at the same place
-    std::uint64_t oldest_ticks = 0;    ///< the oldest patch that was touched
-    std::uint64_t lost_ticks = 0;      ///< without a patch young enough: the force faded
+    std::uint64_t touching_ticks = 0; ///< of the proxy on the whole model
+    std::uint64_t missed_ticks = 0;   ///< in which it touched a triangle that the patch lacks
+    std::uint64_t apart_ticks = 0;  ///< in which the two proxies were more than a micrometre apart
+    std::uint64_t oldest_ticks = 0; ///< the oldest patch that was touched
+    std::uint64_t lost_ticks = 0;   ///< without a patch young enough: the force faded
     std::uint64_t late_collisions = 0; ///< deadlines that the collision loop missed
 };
 
