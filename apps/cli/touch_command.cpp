@@ -239,6 +239,10 @@ Result<TouchResult> touch_with_patches(const TouchOptions& options, const TouchM
 
 Status run_device(const TouchOptions& options, Session& session)
 {
+    if (options.free_running && !options.device.starts_with("hand:")) {
+        return fail(ErrorCode::invalid_argument,
+                    "is for a simulated hand: other devices keep their own time", "--free-running");
+    }
     if (!options.record.empty()) {
         if (Status status = session.check_outputs({options.record}); !status) return status;
     }

@@ -217,8 +217,11 @@ class UdpHand(threading.Thread):
         self.replies = []
 
     def run(self):
-        line = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        line.setblocking(False)
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line:
+            line.setblocking(False)
+            self.move(line)
+
+    def move(self, line):
         begin = time.monotonic()
         number = 0
         while (passed := time.monotonic() - begin) < self.seconds:
@@ -340,6 +343,7 @@ class Refusing(ProgramTest):
                        "--friction=-0.1", "--limits=hammer", "--seed=-1", "--scale=0", "--axes=x,y", "--axes=x,x,z",
                        "--axes=y,x,z", "--clutch=0", "--clutch=33"):
             self.refuse(*good, option, status=2, says=option.split("=")[0])
+        self.refuse("touch", "cube", "--device", "udp:9", "--free-running", says=("--free-running", "simulated hand"))
 
     def test_models_and_outputs(self):
         self.refuse("touch", self.folder / "none.obj", "--device", "hand:press", says="none.obj")

@@ -26,8 +26,8 @@ MAY_INCLUDE_APP = {"viewer": {"cli"}}
 PROGRAM = "apps/cli/main.cpp"
 
 # Foreign headers (first part of the path) and the layers that may name them; None: all layers.
-FOREIGN = {"Eigen": None, "hwy": {"base"}, "tl": None, "xxhash.h": None, "sys": None, "sanitizer": {"base"},
-           "tbb": {"base"}, "oneapi": {"base"}, "assimp": {"mesh"}}
+FOREIGN = {"Eigen": None, "hwy": {"base"}, "tl": None, "xxhash.h": None, "sys": None, "netinet": {"base"},
+           "sanitizer": {"base"}, "tbb": {"base"}, "oneapi": {"base"}, "assimp": {"mesh"}}
 FOREIGN_TO_ALL_BUT_APPS = {"CLI", "fmt", "nlohmann", "png.h", "GLFW", "epoxy", "imgui.h", "pybind11", "gtest"}
 
 # Files outside base that are compiled once per instruction set.
