@@ -38,8 +38,12 @@ struct TouchOptions {
     double damping = ForceOptions{}.damping;
     double radius = 0; ///< m
     double friction = RenderOptions{}.static_friction;
+    bool shading = false;
     bool free_running = false;
     std::string record;
+    std::string patches; ///< kinds; "" for the direct mode
+    double collision_rate = PatchSettings{}.collision_rate;
+    double graphics_rate = TouchSettings{}.graphics_rate;
 };
 
 std::string names_of_devices()
@@ -67,8 +71,10 @@ TouchSettings settings_of(const TouchOptions& options)
     settings.render.proxy_radius = options.radius;
     settings.render.static_friction = options.friction;
     settings.render.dynamic_friction = 0.75 * options.friction;
+    settings.render.shading = options.shading ? ForceShading::on : ForceShading::off;
     settings.pace = options.free_running ? Pace::unpaced : Pace::real_time;
     settings.record = !options.record.empty();
+    settings.graphics_rate = options.graphics_rate;
     return settings;
 }
 
@@ -156,6 +162,7 @@ Json json_of(const TouchOptions& options, const TouchModel& model, const TouchRe
                  {"static_friction", render.static_friction},
                  {"dynamic_friction", render.dynamic_friction},
                  {"radius", render.proxy_radius},
+                 {"shading", render.shading == ForceShading::on},
                  {"ticks", quality.ticks},
                  {"touching_ticks", quality.touching_ticks},
                  {"sticking_ticks", quality.sticking_ticks},
@@ -177,7 +184,8 @@ Json json_of(const TouchOptions& options, const TouchModel& model, const TouchRe
                  {"lowest_energy", result.lowest_energy},
                  {"tick", latency_json(result.render)},
                  {"servo", nullptr},
-                 {"replay_differences", nullptr}};
+                 {"replay_differences", nullptr},
+                 {"patches", nullptr}};
     add_device_json(json, result.device ? &*result.device : nullptr);
     if (differences) {
         json["replay_differences"] = *differences;
@@ -207,14 +215,41 @@ Status run_replay(const TouchOptions& options, Session& session)
     return session.write_json(json_of(options, **model, result->touch, result->differences));
 }
 
+/// Feels the model once, or once with each kind of patch; the first is the one that is reported.
+Result<TouchResult> touch_with_patches(const TouchOptions& options, const TouchModel& model,
+                                       std::vector<PatchAccount>& patches, Session& session)
+{
+    TouchSettings settings = settings_of(options);
+    if (options.patches.empty()) return touch_by_device(model, settings, session);
+    const auto kinds = parse_patch_kinds(options.patches);
+    if (!kinds) return tl::unexpected(kinds.error());
+    std::optional<TouchResult> first;
+    for (PatchSettings kind : *kinds) {
+        kind.collision_rate = options.collision_rate;
+        settings.patches = kind;
+        auto result = touch_by_device(model, settings, session);
+        if (!result) return tl::unexpected(result.error());
+        patches.push_back(*result->patches);
+        const bool interrupted = result->device->interrupted;
+        if (!first) first = std::move(*result);
+        if (interrupted) break;
+    }
+    return std::move(*first);
+}
+
 Status run_device(const TouchOptions& options, Session& session)
 {
+    if (options.free_running && !options.device.starts_with("hand:")) {
+        return fail(ErrorCode::invalid_argument,
+                    "is for a simulated hand: other devices keep their own time", "--free-running");
+    }
     if (!options.record.empty()) {
         if (Status status = session.check_outputs({options.record}); !status) return status;
     }
     const auto model = load_touch_model(options.model, session);
     if (!model) return tl::unexpected(model.error());
-    const auto result = touch_by_device(**model, settings_of(options), session);
+    std::vector<PatchAccount> patches;
+    const auto result = touch_with_patches(options, **model, patches, session);
     if (!result) return tl::unexpected(result.error());
     if (!options.record.empty()) {
         // An interrupted session is as good as any: its recording is written all the same.
@@ -223,8 +258,11 @@ Status run_device(const TouchOptions& options, Session& session)
         if (!status) return status;
     }
     session.print(text_of(options, **model, *result, std::nullopt));
+    if (!patches.empty()) session.print(patch_table(patches));
     if (!options.record.empty()) session.print(fmt::format("wrote {}\n", options.record));
-    return session.write_json(json_of(options, **model, *result, std::nullopt));
+    Json json = json_of(options, **model, *result, std::nullopt);
+    if (!patches.empty()) json["patches"] = patch_json(patches);
+    return session.write_json(json);
 }
 
 Status list_devices(const TouchOptions& options, Session& session)
@@ -291,6 +329,8 @@ void add_settings(CLI::App& parser, TouchOptions& options)
         ->check(number_from(0.0, 10.0))
         ->capture_default_str()
         ->type_name("MU");
+    parser.add_flag("--shading", options.shading,
+                    "Let forces lean along smooth normals, over edges that are not sharp");
     parser.add_flag("--free-running", options.free_running,
                     "Tick after tick without waiting: the same forces, sooner");
     parser
@@ -314,6 +354,23 @@ void add_settings(CLI::App& parser, TouchOptions& options)
         .add_option("--device-library", options.library,
                     "The file of libHD.so or libdhd.so, for hd and dhd")
         ->type_name("FILE");
+    parser
+        .add_option("--patch", options.patches,
+                    "Touch patches of a collision loop: metric, or the thesis's adjacency depth; "
+                    "several to compare: metric,1,2,3")
+        ->check([](const std::string& text) {
+            const auto kinds = parse_patch_kinds(text);
+            return kinds ? std::string() : kinds.error().message;
+        })
+        ->type_name("KINDS");
+    parser.add_option("--collision-rate", options.collision_rate, "Patches per second")
+        ->check(number_from(1.0, 1000.0))
+        ->capture_default_str()
+        ->type_name("HZ");
+    parser.add_option("--graphics-rate", options.graphics_rate, "Of what a terminal shows")
+        ->check(number_from(1.0, 1000.0))
+        ->capture_default_str()
+        ->type_name("HZ");
     parser.add_option("--record", options.record, "Write the session, to be replayed (.pxt)")
         ->type_name("FILE");
 }

@@ -2,6 +2,7 @@
 
 #include "cli/model_options.h"
 #include "cli/stopwatch.h"
+#include "proxima/haptics/shading_normals.h"
 #include "proxima/haptics/snapshot.h"
 #include "proxima/proximity/build_proximity_octree.h"
 
@@ -84,16 +85,22 @@ std::string_view word_of(const LiveTouch& now)
 /// Renders and keeps account; all that the loop calls is without allocation.
 class TouchRun {
 public:
+    /// In patch mode with patches, which must outlive it.
     TouchRun(const TouchModel& model, const WorkspaceMap& map, const DeviceLimits& device,
-             const RenderOptions& options)
-        : renderer_(*model.contact, map, device, options), meter_(*model.contact, map)
+             const RenderOptions& options, PatchTouch* patches = nullptr)
+        : patches_(patches), normals_(normals_for(model, options)),
+          renderer_(patches == nullptr ? *model.contact : patches->surface(), map, device, options,
+                    normals_.get()),
+          meter_(*model.contact, map)
     {}
 
     const RenderTick& tick(const DeviceState& state, double seconds) noexcept
     {
         const std::int64_t begin = nanoseconds_now();
-        const RenderTick& felt = renderer_.tick(state, seconds);
+        const Patch patch = patches_ == nullptr ? Patch::at_hand : patches_->begin_tick();
+        const RenderTick& felt = renderer_.tick(state, seconds, patch);
         result_.render.add(nanoseconds_now() - begin);
+        if (patches_ != nullptr) patches_->end_tick(felt);
         meter_.add(felt, state.velocity, renderer_.proxy().path());
         return felt;
     }
@@ -113,20 +120,31 @@ public:
     }
 
 private:
+    static std::unique_ptr<ShadingNormals> normals_for(const TouchModel& model,
+                                                       const RenderOptions& options)
+    {
+        if (options.shading == ForceShading::off) return nullptr;
+        return std::make_unique<ShadingNormals>(model.surface.mesh, model.surface.topology);
+    }
+
+    PatchTouch* patches_;
+    std::unique_ptr<ShadingNormals> normals_;
     HapticRenderer renderer_;
     QualityMeter meter_;
     TouchResult result_;
 };
 
-/// Rate and force on a terminal, ten times a second, until `ended`. Returns how many button events
+/// The graphics loop: rate and force on a terminal, until `ended`. Returns how many button events
 /// there were.
 std::uint64_t show_live(Snapshot<LiveTouch>& live, ButtonQueue& buttons,
-                        const std::atomic<bool>& ended, bool shown)
+                        const std::atomic<bool>& ended, bool shown, double graphics_rate)
 {
     std::uint64_t events = 0;
     ButtonEvent event;
-    constexpr auto pause = std::chrono::milliseconds(10);
-    constexpr int pauses_per_line = 10;
+    const auto pause = std::chrono::duration_cast<std::chrono::nanoseconds>(
+        std::chrono::duration<double>(1 / graphics_rate));
+    // Ten lines a second are as many as can be read.
+    const int pauses_per_line = std::max(1, static_cast<int>(graphics_rate / 10));
     LiveTouch last;
     for (int pauses = 1; !ended.load(); ++pauses) {
         std::this_thread::sleep_for(pause);
@@ -175,7 +193,12 @@ Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings
     if (!opened) return tl::unexpected(opened.error());
     Device& device = *opened->device;
     const DeviceLimits& limits = opened->limits;
-    TouchRun run(model, opened->map, limits, settings.render);
+    std::optional<PatchTouch> patches;
+    if (settings.patches) {
+        patches.emplace(model, *settings.patches, opened->map, settings.render,
+                        settings.input.tick_seconds, settings.pace);
+    }
+    TouchRun run(model, opened->map, limits, settings.render, patches ? &*patches : nullptr);
     DeviceInput input(device.info(), settings.input);
     const double tick_seconds = settings.input.tick_seconds;
     const auto ticks = static_cast<std::uint64_t>(std::llround(settings.seconds / tick_seconds));
@@ -207,11 +230,13 @@ Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings
         ended.store(true);
     });
     const bool shown = session.bar() == BarMode::automatic && isatty(STDERR_FILENO) != 0;
-    const std::uint64_t events = show_live(live, input.buttons(), ended, shown);
+    const std::uint64_t events =
+        show_live(live, input.buttons(), ended, shown, settings.graphics_rate);
     servo_thread.join();
 
     TouchResult result = std::move(run).finish();
     result.servo = std::move(servo);
+    if (patches) result.patches = patches->finish();
     result.device = DeviceAccount{.info = device.info(),
                                   .limits = limits,
                                   .input = input.report(),

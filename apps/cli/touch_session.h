@@ -4,6 +4,7 @@
 #include "cli/proximity_file_model.h"
 #include "cli/session.h"
 #include "cli/touch_device.h"
+#include "cli/touch_patches.h"
 #include "proxima/base/result.h"
 #include "proxima/haptics/contact_surface.h"
 #include "proxima/haptics/device_input.h"
@@ -40,6 +41,8 @@ struct TouchSettings {
     RenderOptions render;
     Pace pace = Pace::real_time;
     bool record = false;
+    std::optional<PatchSettings> patches; ///< none: the servo loop asks the octree itself
+    double graphics_rate = 50;            ///< of what a terminal shows
 };
 
 /// What became of a session's device.
@@ -65,6 +68,7 @@ struct TouchResult {
     RenderOptions render_options;        ///< as limited by the device
     Recording recording;                 ///< empty unless asked for
     std::optional<DeviceAccount> device; ///< none of a replay
+    std::optional<PatchAccount> patches; ///< of patch mode
 };
 
 /// A device touches the model in a thread of its own, while this one shows rate and force on a

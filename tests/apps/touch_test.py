@@ -13,10 +13,10 @@ import unittest
 from proxima_program import PROXIMA, ProgramTest
 
 KEYS = ["model", "triangles", "device", "build_seconds", "units_per_metre", "center", "stiffness", "damping",
-        "static_friction", "dynamic_friction", "radius", "ticks", "touching_ticks", "sticking_ticks", "passes",
+        "static_friction", "dynamic_friction", "radius", "shading", "ticks", "touching_ticks", "sticking_ticks", "passes",
         "limited_ticks", "overloaded_ticks", "faulty_ticks", "max_force", "max_spring", "max_depth", "max_speed",
         "max_step_ratio", "max_turn_degrees", "taken_energy", "max_moves", "clamped_ticks", "slewed_ticks",
-        "damped_ticks", "lowest_energy", "tick", "servo", "replay_differences", "device_info", "input", "network",
+        "damped_ticks", "lowest_energy", "tick", "servo", "replay_differences", "patches", "device_info", "input", "network",
         "button_events", "interrupted", "trouble"]
 SCRIPTS = ("press", "slide", "stroke", "corner", "poke", "walk")
 MEASURED = ("build_seconds", "tick", "servo")
@@ -34,6 +34,37 @@ class Touching(ProgramTest):
             self.assertEqual((result["passes"], result["overloaded_ticks"], result["faulty_ticks"]), (0, 0, 0), script)
             self.assertLessEqual(result["max_force"], 3.3)
             self.assertGreater(result["max_force"], 0.1)
+
+    def test_patches_of_a_collision_loop(self):
+        arguments = ("touch", "sphere:100x100", "--device", "hand:slide", "--seconds", 3)
+        result = self.json_of(*arguments, "--free-running", "--patch", "metric,1,3")
+        metric, one, three = result["patches"]
+        self.assertEqual([row["patch"] for row in result["patches"]], ["metric", "rings 1", "rings 3"])
+        self.assertEqual((metric["missed_ticks"], metric["apart_ticks"], metric["lost_ticks"] < 20), (0, 0, True))
+        self.assertGreater(metric["touching_ticks"], 1000)
+        self.assertEqual(metric["patches"], 300)
+        self.assertGreater(one["missed_ticks"], three["missed_ticks"])
+        self.assertGreater(three["mean_triangles"], one["mean_triangles"])
+        for row in result["patches"]:
+            self.assertAlmostEqual(row["percent_sent"], 100 * row["mean_triangles"] / 19800, places=9)
+            self.assertLessEqual(row["oldest_ticks"], 20)
+        live = self.json_of("touch", "cube", "--device", "hand:slide", "--seconds", 1, "--patch", "metric",
+                            "--collision-rate", 200, "--graphics-rate", 25)
+        self.assertEqual(len(live["patches"]), 1)
+        self.assertGreater(live["patches"][0]["patches"], 20)
+        text = self.succeed(*arguments, "--free-running", "--patch", "2")
+        self.assertIn("rings 2", text)
+        self.assertIn("sent down", text)
+        for wrong in ("", "some", "-1", "1,,2", "65", "1.5"):
+            self.refuse("touch", "cube", "--device", "hand:slide", "--patch", wrong, status=2)
+
+    def test_shaded_forces_replay(self):
+        recording = self.folder / "shaded.pxt"
+        result = self.json_of("touch", "icosphere:2", "--device", "hand:stroke", "--seconds", 2, "--free-running",
+                              "--shading", "--record", recording)
+        self.assertEqual((result["shading"], result["passes"]), (True, 0))
+        again = self.json_of("touch", "icosphere:2", "--device", "replay:" + str(recording))
+        self.assertEqual((again["shading"], again["replay_differences"]), (True, 0))
 
     def test_a_session_at_its_rate(self):
         result = self.json_of("touch", "cube", "--device", "hand:press", "--seconds", 0.5)
@@ -186,8 +217,11 @@ class UdpHand(threading.Thread):
         self.replies = []
 
     def run(self):
-        line = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        line.setblocking(False)
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line:
+            line.setblocking(False)
+            self.move(line)
+
+    def move(self, line):
         begin = time.monotonic()
         number = 0
         while (passed := time.monotonic() - begin) < self.seconds:
@@ -309,6 +343,7 @@ class Refusing(ProgramTest):
                        "--friction=-0.1", "--limits=hammer", "--seed=-1", "--scale=0", "--axes=x,y", "--axes=x,x,z",
                        "--axes=y,x,z", "--clutch=0", "--clutch=33"):
             self.refuse(*good, option, status=2, says=option.split("=")[0])
+        self.refuse("touch", "cube", "--device", "udp:9", "--free-running", says=("--free-running", "simulated hand"))
 
     def test_models_and_outputs(self):
         self.refuse("touch", self.folder / "none.obj", "--device", "hand:press", says="none.obj")

@@ -179,6 +179,7 @@ public:
     explicit LedDevice(std::function<DeviceState(std::uint64_t)> path) : path_(std::move(path))
     {
         info_.limits = *find_device("omni");
+        info_.stillness = Stillness::usual;
     }
     [[nodiscard]] const DeviceInfo& info() const noexcept override { return info_; }
     [[nodiscard]] DeviceReading read() noexcept override { return {path_(tick_), tick_ + 1}; }

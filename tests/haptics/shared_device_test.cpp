@@ -91,7 +91,9 @@ TEST(HdDevice, rests_after_a_force_error)
     ASSERT_TRUE(device);
     stub.state.force_error = static_cast<long>(contact);
     const SessionFelt felt = touch_hd(stub, **device, 1600);
-    EXPECT_NEAR(static_cast<double>(felt.input.faulty_ticks), 500, 2);
+    // Half a second, and what it takes to believe that the hand is elsewhere by then.
+    EXPECT_GE(felt.input.faulty_ticks, 500U);
+    EXPECT_LE(felt.input.faulty_ticks, 610U);
     EXPECT_EQ(felt.forces[contact + 100], 0);
     EXPECT_GT(*std::max_element(felt.forces.begin() + 1300, felt.forces.end()), 1.0);
     EXPECT_NE((*device)->trouble().find("stopped the force 1 times: Exceeded max force"),

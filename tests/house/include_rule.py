@@ -26,8 +26,8 @@ MAY_INCLUDE_APP = {"viewer": {"cli"}}
 PROGRAM = "apps/cli/main.cpp"
 
 # Foreign headers (first part of the path) and the layers that may name them; None: all layers.
-FOREIGN = {"Eigen": None, "hwy": {"base"}, "tl": None, "xxhash.h": None, "sys": None, "sanitizer": {"base"},
-           "tbb": {"base"}, "oneapi": {"base"}, "assimp": {"mesh"}}
+FOREIGN = {"Eigen": None, "hwy": {"base"}, "tl": None, "xxhash.h": None, "sys": None, "netinet": {"base"},
+           "sanitizer": {"base"}, "tbb": {"base"}, "oneapi": {"base"}, "assimp": {"mesh"}}
 FOREIGN_TO_ALL_BUT_APPS = {"CLI", "fmt", "nlohmann", "png.h", "GLFW", "epoxy", "imgui.h", "pybind11", "gtest"}
 
 # Files outside base that are compiled once per instruction set.
@@ -39,7 +39,7 @@ KERNELS = {f"src/proxima/octree/{name}" for name in (
     f"src/proxima/query/{name}" for name in (
         "box_pairs-inl.h", "cast_ray.cpp", "cull_volume.cpp", "eight_points-inl.h", "intersect_meshes.cpp",
         "leaf_pairs-inl.h", "mesh_distance.cpp", "open_ray-inl.h", "pair_bounds-inl.h", "walk_pairs-inl.h",
-        "walk_ray-inl.h")}
+        "walk_ray-inl.h")} | {"src/proxima/haptics/contact_cache.cpp"}
 
 # Headers of one processor: immintrin.h, x86intrin.h, arm_neon.h, riscv_vector.h and their like.
 INTRINSICS = re.compile(r"^(\w*intrin|cpuid|(arm|riscv)_\w+|altivec|wasm_simd128|msa)\.h$")

@@ -19,6 +19,14 @@ std::string search_places()
                   "), the loader's cache, /lib and /usr/lib");
 }
 
+/// Why the last library was not opened; the system says its name first.
+std::string reason_without(const std::string& name)
+{
+    const char* const said = dlerror();
+    const std::string reason = said != nullptr ? said : "no reason given";
+    return reason.starts_with(name + ": ") ? reason.substr(name.size() + 2) : reason;
+}
+
 std::string path_of(void* handle, const std::string& name)
 {
     link_map* map = nullptr;
@@ -42,10 +50,9 @@ Result<SharedLibrary> SharedLibrary::open(const LibraryWanted& wanted)
             library.path_ = path_of(handle, name);
             return library;
         }
-        const char* const reason = dlerror();
+        const std::string reason = reason_without(name);
         searched = searched || name.find('/') == std::string::npos;
-        tried += concat(tried.empty() ? "" : "; ", name, " (",
-                        reason != nullptr ? reason : "no reason given", ")");
+        tried += concat(tried.empty() ? "" : "; ", name, " (", reason, ")");
     }
     return fail(ErrorCode::file_not_found,
                 concat(wanted.what, " was not found: tried ", tried,

@@ -62,7 +62,15 @@ void ForceGuard::restart() noexcept
 {
     start_ = options_.start_seconds > 0 ? 0.0 : 1.0;
     patch_ = 1;
+    fade_ = 0;
     last_ = Vec3::Zero();
+}
+
+void ForceGuard::cross_over() noexcept
+{
+    start_ = options_.start_seconds > 0 ? 0.0 : 1.0;
+    fading_ = last_;
+    fade_ = 1;
 }
 
 Vec3 ForceGuard::pass(const Vec3& wanted, double seconds, Patch patch) noexcept
@@ -76,6 +84,10 @@ Vec3 ForceGuard::pass(const Vec3& wanted, double seconds, Patch patch) noexcept
     start_ = ramped(start_, tick, options_.start_seconds, 1);
     patch_ = ramped(patch_, tick, options_.loss_seconds, patch == Patch::lost ? -1 : 1);
     force *= start_ * patch_;
+    if (fade_ > 0) {
+        fade_ = ramped(fade_, tick, options_.loss_seconds, -1);
+        force += fade_ * fading_;
+    }
     const Vec3 within = shortened(force, max_force_);
     clamped_ += within != force ? 1U : 0U;
     const Vec3 step = within - last_;

@@ -60,6 +60,10 @@ public:
     /// As new: the next force ramps up from nothing.
     void restart() noexcept;
 
+    /// What is touched is another thing now: the last force fades away in loss_seconds, while what
+    /// is wanted from now on rises as at the start.
+    void cross_over() noexcept;
+
     [[nodiscard]] const Vec3& last() const noexcept { return last_; }
 
     /// The ramps' factor of the last force: 1 but after a start or a loss.
@@ -75,6 +79,8 @@ private:
     double max_force_;
     double start_ = 0; ///< 0 to 1
     double patch_ = 1; ///< 0 to 1
+    double fade_ = 0;  ///< 1 to 0: the part of what faded away from
+    Vec3 fading_ = Vec3::Zero();
     Vec3 last_ = Vec3::Zero();
     std::uint64_t clamped_ = 0;
     std::uint64_t slewed_ = 0;

@@ -82,10 +82,10 @@ struct HeldPlane {
 struct DeviceCommand {
     Vec3 force = Vec3::Zero(); ///< N: finite, within the limits, ramps included
     InputCondition condition = InputCondition::well; ///< of what the device said
-    double trust = 1;     ///< 0 to 1: the ramps, by which forces of `planes` are scaled
-    double stiffness = 0; ///< N/m
-    double damping = 0;   ///< N s/m
-    double static_friction = 0;
+    double trust = 1;           ///< 0 to 1: the ramps, by which forces of `planes` are scaled
+    double stiffness = 0;       ///< N/m
+    double damping = 0;         ///< N s/m
+    double static_friction = 0; ///< of the moment: less while it slides
     double dynamic_friction = 0;
     Vec3 held = Vec3::Zero(); ///< what the spring pulls to, m; no meaning without planes
     std::array<HeldPlane, 3> planes = {};

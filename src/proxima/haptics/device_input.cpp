@@ -161,7 +161,10 @@ DeviceCommand DeviceInput::command(const HapticRenderer& renderer) noexcept
     command.trust = renderer.guard().trust();
     command.stiffness = options.force.stiffness;
     command.damping = options.force.damping;
-    command.static_friction = options.static_friction;
+    // What slides sticks again later than what sticks begins to slide.
+    const bool slides = tick.proxy.hold == Hold::sliding;
+    const double restick = renderer.proxy().options().restick;
+    command.static_friction = (slides ? restick : 1.0) * options.static_friction;
     command.dynamic_friction = options.dynamic_friction;
     command.held = to_device(tick.proxy.held);
     if (tick.proxy.hold != Hold::free) {

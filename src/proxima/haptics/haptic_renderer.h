@@ -5,18 +5,28 @@
 //     HapticRenderer renderer(surface, map, *find_device("omni"));
 //     renderer.tick(state, 1e-3).force                       // every millisecond
 //
+// A scene's objects move as part of the tick: the proxy is carried along by what it touches, held
+// back by what comes its way (carry_sphere.h), and damping, friction and the passivity observer go
+// by the motion relative to the surface. Where a body was exchanged, or objects left the proxy no
+// room, it begins anew, outside of closed bodies, and the last force fades while the new one rises
+// as at a start.
+//
 // Bad input never reaches the force: a position that is no number keeps the last one and lets the
 // force fade; a jump that no hand makes begins anew from there, with the ramp of a start.
 #pragma once
 
+#include "proxima/haptics/carry_sphere.h"
 #include "proxima/haptics/contact_force.h"
 #include "proxima/haptics/contact_surface.h"
 #include "proxima/haptics/device.h"
 #include "proxima/haptics/passivity.h"
 #include "proxima/haptics/proxy.h"
+#include "proxima/haptics/surface_feel.h"
+#include "proxima/haptics/touch_scene.h"
 #include "proxima/haptics/workspace_map.h"
 
 #include <cstdint>
+#include <optional>
 
 namespace proxima {
 
@@ -28,7 +38,8 @@ struct RenderOptions {
     double static_friction = 0.4;
     double dynamic_friction = 0.3;
     Passivity passivity = Passivity::guarded;
-    double max_jump = 0.05; ///< m in a tick: 50 m/s at 1 kHz
+    double max_jump = 0.05;                   ///< m in a tick: 50 m/s at 1 kHz
+    ForceShading shading = ForceShading::off; ///< on: by the normals of the surface's feel
 };
 
 /// What was wrong with a tick's input.
@@ -40,15 +51,23 @@ struct RenderTick {
     Vec3 spring = Vec3::Zero();   ///< N, before the guards
     ProxyTick proxy;              ///< in the model's units
     InputFault fault = InputFault::none;
+    Vec3 carrying = Vec3::Zero(); ///< m/s: the velocity of the surface that is touched
+    bool squeezed = false;        ///< objects that moved left the proxy no room
     InputCondition condition = InputCondition::well; ///< as the state said
 };
 
-/// Refers to the surface. One thread. noexcept and without allocation but for the constructor.
+/// Refers to surface, scene and feel. One thread. noexcept and without allocation but for the
+/// constructor.
 class HapticRenderer {
 public:
     /// The options are limited to what the device can take.
     HapticRenderer(const ContactSurface& surface, const WorkspaceMap& map,
-                   const DeviceLimits& device, const RenderOptions& options = {});
+                   const DeviceLimits& device, const RenderOptions& options = {},
+                   const SurfaceFeel* feel = nullptr);
+
+    /// Of a scene, which each tick advances, and whose objects have their own feel.
+    HapticRenderer(TouchScene& scene, const WorkspaceMap& map, const DeviceLimits& device,
+                   const RenderOptions& options = {});
 
     [[nodiscard]] const RenderOptions& options() const noexcept { return options_; }
     [[nodiscard]] const WorkspaceMap& map() const noexcept { return map_; }
@@ -65,13 +84,23 @@ public:
 
 private:
     [[nodiscard]] Vec3 accept(const DeviceState& state) noexcept;
+    void advance_scene(double seconds) noexcept;
+    [[nodiscard]] std::optional<Vec3> carried(const Vec3& place) noexcept;
+    void begin_anew() noexcept;
+    [[nodiscard]] Vec3 surface_velocity() const noexcept;
+    [[nodiscard]] Vec3 spring(const Vec3& device, const Vec3& velocity) const noexcept;
 
+    TouchScene* scene_ = nullptr;
+    const SurfaceFeel* feel_ = nullptr;
+    DeviceLimits device_;
     WorkspaceMap map_;
     RenderOptions options_;
     Proxy proxy_;
     ForceGuard guard_;
     PassivityGuard passivity_;
     RenderTick tick_;
+    CarryRoom carry_room_;
+    Vec3 ground_ = Vec3::Zero(); ///< m: how far the surface has carried what touches it
     bool placed_ = false;
 };
 

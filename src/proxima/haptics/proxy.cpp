@@ -1,8 +1,9 @@
 #include "proxima/haptics/proxy.h"
 
 #include "proxima/base/check.h"
+#include "proxima/haptics/free_place.h"
+
 #include <algorithm>
-#include <cmath>
 
 namespace proxima {
 
@@ -18,30 +19,76 @@ Proxy::Proxy(const ContactSurface& surface, const ProxyOptions& options)
 void Proxy::place(const Vec3& p) noexcept
 {
     tick_ = {};
+    const auto free = find_free_place(surface_, radius_, p, room_);
+    tick_.proxy = tick_.held = free.value_or(p);
+    tick_.has_room = free.has_value();
+}
+
+const ProxyTick& Proxy::wait(const Vec3& p) noexcept
+{
+    tick_ = {};
     tick_.proxy = tick_.held = p;
-    free_from_surface();
+    tick_.has_room = false;
+    return tick_;
 }
 
-void Proxy::free_from_surface() noexcept
+/// Whether there is room now, after there was none: where the device itself is.
+bool Proxy::find_room(const Vec3& p) noexcept
 {
-    // Away from the nearest triangle until nothing is near; in a narrow place the next nearest
-    // pushes back, and the last place will do: sweeps treat what is too near as touched.
-    constexpr int attempts = 16;
-    for (int attempt = 0; attempt < attempts; ++attempt) {
-        const Vec3& p = tick_.proxy;
-        if (surface_.clearance(p) > radius_) return;
-        const auto near = nearest_contact(surface_, p, radius_, room_);
-        if (!near) return;
-        tick_.proxy = near->point + near->normal * (radius_ * (1 + 0x1p-20));
+    wait(p);
+    tick_.has_room = surface_.clearance(p) > radius_;
+    return tick_.has_room;
+}
+
+Proxy::Friction Proxy::friction_of(const SlideResult& slide) const noexcept
+{
+    const Friction own = {options_.static_friction, options_.dynamic_friction};
+    if (options_.feel == nullptr) return own;
+    Friction sum;
+    double pressures = 0;
+    for (const Contact& contact : std::span(slide.contacts).first(slide.contact_count)) {
+        Friction friction = own;
+        if (const auto material = options_.feel->material(contact.triangle))
+            friction = {material->static_friction, material->dynamic_friction};
+        sum.fixed += contact.pressure * friction.fixed;
+        sum.sliding += contact.pressure * friction.sliding;
+        pressures += contact.pressure;
     }
+    if (!(pressures > 0)) return own;
+    return {sum.fixed / pressures, sum.sliding / pressures};
 }
 
-bool Proxy::sticks(double aside, double depth) const noexcept
+/// How far aside the goal is moved, for the spring to lean along the smooth normal.
+Vec3 Proxy::shading_of(const SlideResult& slide, const Vec3& normal, double depth) const noexcept
 {
-    const bool slid = tick_.hold == Hold::sliding;
-    const double most = slid ? options_.restick * options_.static_friction * depth
-                             : options_.static_friction * depth;
-    return aside <= most;
+    if (options_.shading == ForceShading::off || options_.feel == nullptr) return Vec3::Zero();
+    Vec3 smooth = Vec3::Zero();
+    for (const Contact& contact : std::span(slide.contacts).first(slide.contact_count)) {
+        const Vec3 shaded = options_.feel->shaded_normal(contact.triangle, contact.point);
+        if (shaded.isZero(0)) return Vec3::Zero();
+        // Surfaces have two sides.
+        smooth += contact.pressure * (shaded.dot(contact.normal) < 0 ? Vec3(-shaded) : shaded);
+    }
+    const double rise = smooth.dot(normal);
+    constexpr double least = 0.5; // beyond 60 degrees it says nothing of this surface
+    if (!(rise > least * smooth.norm())) return Vec3::Zero();
+    return depth * (smooth / rise - normal);
+}
+
+/// Slides aside, and says how far the spring leans: as far as no wall keeps the proxy. In the tick
+/// of the first touch it does not lean yet.
+Vec3 Proxy::lean_towards(const Vec3& p, ProxyTick& next) noexcept
+{
+    if (tick_.hold == Hold::free) return Vec3::Zero();
+    const SlideResult& slide = next.slide;
+    const Vec3 lean = shading_of(slide, next.normal, next.depth);
+    if (lean.isZero(0)) return lean;
+    const SlideResult aside =
+        slide_sphere(surface_, options_.radius, tick_.proxy, p + lean, room_, SlideStart::touching);
+    next.moves += aside.moves;
+    next.proxy = aside.center;
+    const double part = (aside.center - slide.center).dot(lean) / lean.squaredNorm();
+    return std::clamp(part, 0.0, 1.0) * lean;
 }
 
 SlideResult Proxy::slide_easily(const Vec3& p) noexcept
@@ -49,24 +96,25 @@ SlideResult Proxy::slide_easily(const Vec3& p) noexcept
     const Vec3& start = tick_.proxy;
     const Vec3& easy = tick_.slide.center;
     if (tick_.hold != Hold::free && easy != start) {
-        const SlideResult slide = slide_sphere(surface_, options_.radius, easy, p, easy_room_,
-                                               SlideStart::touching);
+        const SlideResult slide =
+            slide_sphere(surface_, options_.radius, easy, p, easy_room_, SlideStart::touching);
         // Where it has come loose or far away from the proxy, the proxy may still be held back.
         const double depth = (slide.held - p).norm();
         const double apart = (slide.center - start).norm();
+        const double leaning = options_.shading == ForceShading::on ? 2 : 0;
         if (slide.contact_count > 0 && depth > 0 &&
-            apart <= 2 * options_.static_friction * depth) {
+            apart <= (2 * options_.static_friction + leaning) * depth) {
             room_.begin_path(start);
             return slide;
         }
     }
-    const SlideStart known =
-        tick_.hold == Hold::free ? SlideStart::anywhere : SlideStart::touching;
+    const SlideStart known = tick_.hold == Hold::free ? SlideStart::anywhere : SlideStart::touching;
     return slide_sphere(surface_, options_.radius, start, p, room_, known);
 }
 
 const ProxyTick& Proxy::follow(const Vec3& p) noexcept
 {
+    if (!tick_.has_room && !find_room(p)) return tick_;
     const Hold before = tick_.hold;
     const Vec3 start = tick_.proxy;
     const SlideResult slide = slide_easily(p);
@@ -83,27 +131,42 @@ const ProxyTick& Proxy::follow(const Vec3& p) noexcept
     }
     next.normal = back / next.depth;
     next.hold = Hold::sliding;
-    if (options_.static_friction > 0) {
-        // Friction begins where the surface was met first.
-        const std::size_t met = before == Hold::free ? slide.first_contact : 0;
-        const Vec3 anchor = room_.path()[met];
-        Vec3 aside = anchor - slide.center;
+    // Friction begins where the surface was met first.
+    const std::size_t met = before == Hold::free ? slide.first_contact : 0;
+    const Vec3 anchor = room_.path()[met];
+    const Vec3 lean = lean_towards(p, next);
+    next.held += lean;
+    const Friction friction = friction_of(slide);
+    const Vec3 goal = slide.center + lean;
+    if (friction.fixed > 0) {
+        Vec3 aside = anchor - goal;
         aside -= next.normal * next.normal.dot(aside);
         const double distance = aside.norm();
-        if (sticks(distance, next.depth)) next.hold = Hold::sticking;
-        const double trail = options_.dynamic_friction * next.depth;
+        const double part = before == Hold::sliding ? options_.restick : 1;
+        if (distance <= part * friction.fixed * next.depth) next.hold = Hold::sticking;
+        const double trail = friction.sliding * next.depth;
         if (next.hold == Hold::sticking || distance <= trail) {
             room_.cut_path(met);
             next.proxy = anchor;
-            next.held = slide.held + (anchor - slide.center);
+            next.held += anchor - goal;
         } else {
             const Vec3 lag = aside * (trail / distance);
-            const SlideResult dragged = slide_sphere(surface_, options_.radius, start, p + lag,
-                                                     room_, SlideStart::touching);
+            const SlideResult dragged = slide_sphere(surface_, options_.radius, start,
+                                                     p + lean + lag, room_, SlideStart::touching);
             next.moves += dragged.moves;
             next.proxy = dragged.center;
-            next.held = dragged.contact_count > 0 ? dragged.held : dragged.center;
+            if (!lean.isZero(0)) {
+                next.held += lag;
+            } else {
+                next.held = dragged.contact_count > 0 ? dragged.held : dragged.center;
+            }
         }
+    } else if (room_.path().back() != next.proxy) {
+        // It goes there by itself where nothing keeps it back any longer.
+        const SlideResult freed =
+            slide_sphere(surface_, options_.radius, start, p, room_, SlideStart::touching);
+        next.moves += freed.moves;
+        next.proxy = freed.center;
     }
     tick_ = next;
     return tick_;

@@ -9,11 +9,16 @@
 // near to the device as it can come (slide_sphere.h), with a friction cone ([melder-2004]): while
 // the way to the frictionless place is less than mu_s times the depth it stays where it is, else it
 // follows to mu_d times the depth. The frictionless place goes on from where it was in the tick
-// before, not from the proxy, which lags behind by many triangles: a short way instead of a long one.
-// All in the surface's own unit.
+// before, not from the proxy, which lags behind by many triangles: a short way instead of a long
+// one. All in the surface's own unit.
+//
+// Force shading [ruspini-1997]: the goal is moved aside until the spring leans along the smooth
+// surface's normal, and the proxy slides towards it over the true one: it never enters, and where
+// a wall keeps it the spring leans less. The part of the spring along the true normal stays.
 #pragma once
 
 #include "proxima/haptics/slide_sphere.h"
+#include "proxima/haptics/surface_feel.h"
 
 #include <cstdint>
 
@@ -24,6 +29,9 @@ struct ProxyOptions {
     double static_friction = 0;  ///< mu_s
     double dynamic_friction = 0; ///< mu_d, at most mu_s
     double restick = 0.6;        ///< sliding ends below this part of mu_s
+    ForceShading shading = ForceShading::off;
+    const SurfaceFeel* feel =
+        nullptr; ///< frictions and normals by triangle; must outlive the proxy
 };
 
 /// How the proxy is held.
@@ -35,8 +43,9 @@ struct ProxyTick {
     Hold hold = Hold::free;
     Vec3 normal = Vec3::Zero(); ///< of all contacts together, of length 1; zero where free
     double depth = 0;           ///< of the device below the frictionless place
-    SlideResult slide;          ///< without friction
-    std::size_t moves = 0;      ///< of all slides of this tick
+    bool has_room = true;  ///< false: no free place is near, and nothing is felt until there is
+    SlideResult slide;     ///< without friction
+    std::size_t moves = 0; ///< of all slides of this tick
 };
 
 /// Refers to the surface, which must outlive it. One thread at a time. All but the constructor are
@@ -51,9 +60,22 @@ public:
     /// The sphere's radius: never less than the safety gap.
     [[nodiscard]] double radius() const noexcept { return radius_; }
 
-    /// Begins at the device, or where it is nearer to the surface than the radius, beside it: at
-    /// the first place along the way from the nearest triangle that is free. \pre p is finite
+    /// Begins at the device, or at the free place nearest to it (free_place.h), in up to 0.2 ms.
+    /// Where there is none within four radii it has no room: it is wherever the device is, without
+    /// touching anything, until the device comes where it has. \pre p is finite
     void place(const Vec3& p) noexcept;
+
+    /// Taken along by objects that moved: from there on, and the place without friction
+    /// (last().slide.center) from there. \pre placed, and nothing was passed on both ways
+    /// (carry_sphere.h)
+    void carry(const Vec3& to, const Vec3& without_friction) noexcept
+    {
+        tick_.proxy = to;
+        tick_.slide.center = without_friction;
+    }
+
+    /// Without room, in this tick too. \pre p is finite
+    const ProxyTick& wait(const Vec3& p) noexcept;
 
     /// Follows the device by one tick. \pre placed; p is finite
     const ProxyTick& follow(const Vec3& p) noexcept;
@@ -61,15 +83,26 @@ public:
     [[nodiscard]] const ProxyTick& last() const noexcept { return tick_; }
 
     /// The centre's places in the last tick, straight moves between them.
-    [[nodiscard]] std::span<const Vec3> path() const noexcept { return room_.path(); }
+    [[nodiscard]] std::span<const Vec3> path() const noexcept
+    {
+        return tick_.has_room ? room_.path() : std::span<const Vec3>();
+    }
 
     /// What all ticks asked the surface for.
     [[nodiscard]] ContactWork work() const noexcept { return room_.work() + easy_room_.work(); }
 
 private:
-    [[nodiscard]] bool sticks(double aside, double depth) const noexcept;
+    struct Friction {
+        double fixed = 0;
+        double sliding = 0;
+    };
+
+    [[nodiscard]] Friction friction_of(const SlideResult& slide) const noexcept;
+    [[nodiscard]] Vec3 shading_of(const SlideResult& slide, const Vec3& normal,
+                                  double depth) const noexcept;
+    [[nodiscard]] bool find_room(const Vec3& p) noexcept;
     [[nodiscard]] SlideResult slide_easily(const Vec3& p) noexcept;
-    void free_from_surface() noexcept;
+    [[nodiscard]] Vec3 lean_towards(const Vec3& p, ProxyTick& next) noexcept;
 
     const ContactSurface& surface_;
     ProxyOptions options_;

@@ -11,7 +11,7 @@ namespace proxima {
 
 namespace {
 
-constexpr FileFormat format = {{'P', 'X', 'T', 'O', 'U', 'C', 'H', '\n'}, 1, "recording"};
+constexpr FileFormat format = {{'P', 'X', 'T', 'O', 'U', 'C', 'H', '\n'}, 2, "recording"};
 
 enum Section : std::uint32_t { fingerprint_section = 1, settings_section = 2, ticks_section = 3 };
 
@@ -33,8 +33,9 @@ struct SettingNumbers {
     double max_force;
     double max_stiffness;
     double max_damping;
+    double shading;
 };
-static_assert(sizeof(SettingNumbers) == 18 * sizeof(double));
+static_assert(sizeof(SettingNumbers) == 19 * sizeof(double));
 static_assert(sizeof(RecordedTick) == 13 * sizeof(double) + 4 * sizeof(std::uint32_t));
 
 std::array<double, 3> numbers(const Vec3& v) noexcept
@@ -65,7 +66,8 @@ SettingNumbers numbers(const RecordingSettings& settings)
             render.max_jump,
             settings.max_force,
             settings.max_stiffness,
-            settings.max_damping};
+            settings.max_damping,
+            render.shading == ForceShading::on ? 1.0 : 0.0};
 }
 
 RecordingSettings settings_of(const SettingNumbers& numbers, std::uint64_t fingerprint)
@@ -85,7 +87,8 @@ RecordingSettings settings_of(const SettingNumbers& numbers, std::uint64_t finge
                        .dynamic_friction = numbers.dynamic_friction,
                        .passivity =
                            numbers.passivity != 0 ? Passivity::guarded : Passivity::unguarded,
-                       .max_jump = numbers.max_jump};
+                       .max_jump = numbers.max_jump,
+                       .shading = numbers.shading != 0 ? ForceShading::on : ForceShading::off};
     settings.max_force = numbers.max_force;
     settings.max_stiffness = numbers.max_stiffness;
     settings.max_damping = numbers.max_damping;
@@ -95,7 +98,7 @@ RecordingSettings settings_of(const SettingNumbers& numbers, std::uint64_t finge
 /// Whether a renderer can be made with them.
 bool in_range(const SettingNumbers& n)
 {
-    const auto bytes = std::bit_cast<std::array<double, 18>>(n);
+    const auto bytes = std::bit_cast<std::array<double, 19>>(n);
     const bool finite = std::ranges::all_of(bytes, [](double x) { return std::isfinite(x); });
     return finite && n.tick_seconds > 0 && n.units_per_metre > 0 && n.stiffness >= 0 &&
            n.damping >= 0 && n.max_slew >= 0 && n.proxy_radius >= 0 && n.dynamic_friction >= 0 &&

@@ -2,14 +2,18 @@
 //
 //     touch_soak [--ticks N] [--compare N] [--seed N] [--mesh NAME]...
 //
-//     passes    moves of the proxy through a triangle, decided exactly
+//     compared  ticks in which a second proxy, that looks at every triangle of the mesh in every
+//               question, felt the same hand: all on meshes of up to 5,000 triangles, the first
+//               1,000 of each row on larger ones, or as many as --compare says
+//     wrong     of these, in which proxy or force differ in any bit
+//     passes    moves of the proxy through a triangle, decided exactly: through walls and through
+//               seams; of all ticks
 //     cut       slides that ended by their number of moves, and went on in the next tick
 //     over      ticks with more triangles near than there is room for
-//     wrong     ticks in which the proxy differs from one that looks at every triangle, of
-//               `compare` ticks of each row
 //
 // Exit status 1 if anything passed, was over or wrong.
 
+#include "haptics/soak/every_triangle.h"
 #include "haptics/touch_meshes.h"
 #include "proxima/haptics/hand_script.h"
 #include "proxima/haptics/haptic_renderer.h"
@@ -20,9 +24,11 @@
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,11 +37,43 @@ namespace {
 
 constexpr double tick_seconds = 1e-3;
 
+/// Of larger meshes, all triangles are asked in the first ticks of a row alone.
+constexpr std::size_t small_mesh = 5000;
+constexpr std::uint64_t compared_ticks_of_large = 1000;
+
 struct SoakOptions {
-    std::uint64_t ticks = 1'000'000; ///< of every mesh
-    std::uint64_t compare = 500;     ///< of every row
+    std::uint64_t ticks = 1'000'000;      ///< of every mesh
+    std::optional<std::uint64_t> compare; ///< of every row
     std::uint64_t seed = 1;
-    std::vector<std::string> meshes;
+    std::vector<std::string> meshes; ///< by name, or files
+};
+
+/// What all rows amount to.
+struct SoakTotals {
+    std::uint64_t ticks = 0;
+    std::uint64_t touching = 0;
+    std::uint64_t compared = 0;
+    std::uint64_t wrong = 0;
+    std::uint64_t passes = 0;
+    std::uint64_t cut = 0;
+    std::uint64_t over = 0;
+
+    void add(const SoakTotals& row)
+    {
+        ticks += row.ticks;
+        touching += row.touching;
+        compared += row.compared;
+        wrong += row.wrong;
+        passes += row.passes;
+        cut += row.cut;
+        over += row.over;
+    }
+    [[nodiscard]] bool right() const { return wrong + passes + over == 0; }
+    void print() const
+    {
+        for (const std::uint64_t number : {ticks, touching, compared, wrong, passes, cut, over})
+            std::printf(" %9llu", static_cast<unsigned long long>(number));
+    }
 };
 
 /// Those of the unit tests, larger ones, and a scan where there is one.
@@ -62,56 +100,60 @@ public:
           all_(named.mesh), map_(fit_workspace(bounding_box(named.mesh), 0.1))
     {}
 
-    bool run()
+    SoakTotals run()
     {
         constexpr std::array scripts = {"press", "slide", "stroke", "corner", "poke", "walk"};
         constexpr std::array radii = {0.0, 0.002};
-        bool right = true;
+        SoakTotals totals;
         for (const char* const script : scripts) {
             for (const double radius : radii) {
-                right &=
-                    run_row(script, radius, options_.ticks / (scripts.size() * radii.size()) + 1);
+                totals.add(
+                    run_row(script, radius, options_.ticks / (scripts.size() * radii.size()) + 1));
             }
         }
-        return right;
+        return totals;
     }
 
 private:
-    bool run_row(const char* script_name, double radius, std::uint64_t ticks)
+    SoakTotals run_row(const char* script_name, double radius, std::uint64_t ticks)
     {
         const auto script =
             HandScript::make(script_name, named_.mesh, topology_, map_, options_.seed);
-        if (!script) return false;
+        if (!script) return {.wrong = 1};
         const RenderOptions render = {.proxy_radius = radius};
         const DeviceLimits device = *find_device("omni");
         HapticRenderer renderer(surface_, map_, device, render);
         HapticRenderer slow(all_, map_, device, render);
-        QualityMeter meter(surface_, map_);
+        const bool is_small = named_.mesh.triangle_count() <= small_mesh;
+        QualityMeter meter(is_small ? static_cast<const ContactSurface&>(all_) : surface_, map_);
+        const std::uint64_t compared =
+            options_.compare.value_or(is_small ? ticks : compared_ticks_of_large);
         SimulatedHand hand({}, script->target(0));
-        std::uint64_t wrong = 0;
+        SoakTotals row;
         for (std::uint64_t tick = 0; tick < ticks; ++tick) {
             const DeviceState state = hand.state();
             const RenderTick& felt = renderer.tick(state, tick_seconds);
             meter.add(felt, state.velocity, renderer.proxy().path());
-            if (tick < options_.compare) {
+            if (tick < compared) {
                 const RenderTick& expected = slow.tick(state, tick_seconds);
-                wrong += felt.force == expected.force && felt.proxy.proxy == expected.proxy.proxy
-                             ? 0U
-                             : 1U;
+                ++row.compared;
+                const bool same =
+                    felt.force == expected.force && felt.proxy.proxy == expected.proxy.proxy;
+                row.wrong += same ? 0U : 1U;
             }
             hand.step(felt.force, script->target(static_cast<double>(tick) * tick_seconds));
         }
         const QualityReport& quality = meter.report();
-        std::printf("%-15s %-7s %6g %9llu %9llu %7llu %6llu %6llu %6llu %8.3f\n",
-                    named_.name.c_str(), script_name, radius,
-                    static_cast<unsigned long long>(quality.ticks),
-                    static_cast<unsigned long long>(quality.touching_ticks),
-                    static_cast<unsigned long long>(quality.passes),
-                    static_cast<unsigned long long>(quality.limited_ticks),
-                    static_cast<unsigned long long>(quality.overloaded_ticks),
-                    static_cast<unsigned long long>(wrong), quality.max_step_ratio);
+        row.ticks = quality.ticks;
+        row.touching = quality.touching_ticks;
+        row.passes = quality.passes;
+        row.cut = quality.limited_ticks;
+        row.over = quality.overloaded_ticks;
+        std::printf("%-15s %-7s %6g", named_.name.c_str(), script_name, radius);
+        row.print();
+        std::printf(" %8.3f\n", quality.max_step_ratio);
         (void)std::fflush(stdout);
-        return quality.passes + quality.overloaded_ticks + wrong == 0;
+        return row;
     }
 
     const testing::TouchMesh& named_;
@@ -119,30 +161,53 @@ private:
     Topology topology_;
     ProximityOctree octree_;
     OctreeContactSurface surface_;
-    MeshContactSurface all_;
+    EveryTriangle all_;
     WorkspaceMap map_;
 };
 
+/// The usual meshes, those of them that are named, or files.
+std::vector<testing::TouchMesh> chosen_meshes(const SoakOptions& options)
+{
+    std::vector<testing::TouchMesh> usual = soak_meshes();
+    if (options.meshes.empty()) return usual;
+    std::vector<testing::TouchMesh> chosen;
+    for (const std::string& name : options.meshes) {
+        const auto known = std::ranges::find(usual, name, &testing::TouchMesh::name);
+        if (known != usual.end()) {
+            chosen.push_back(*known);
+        } else if (auto mesh = read_mesh(name)) {
+            chosen.push_back({std::filesystem::path(name).stem().string(), std::move(*mesh)});
+        } else {
+            std::fprintf(stderr, "touch_soak: %s is no mesh of the soak, and %s\n", name.c_str(),
+                         describe(mesh.error()).c_str());
+            return {};
+        }
+    }
+    return chosen;
+}
+
 int run(const SoakOptions& options)
 {
-    std::printf("seed %llu\n%-15s %-7s %6s %9s %9s %7s %6s %6s %6s %8s\n",
+    const std::vector<testing::TouchMesh> meshes = chosen_meshes(options);
+    if (meshes.empty()) return 2;
+    std::printf("seed %llu\n%-15s %-7s %6s %9s %9s %9s %9s %9s %9s %9s %8s\n",
                 static_cast<unsigned long long>(options.seed), "mesh", "script", "radius", "ticks",
-                "touching", "passes", "cut", "over", "wrong", "step");
-    bool right = true;
-    std::size_t done = 0;
-    for (const testing::TouchMesh& named : soak_meshes()) {
-        if (!options.meshes.empty() && std::find(options.meshes.begin(), options.meshes.end(),
-                                                 named.name) == options.meshes.end())
-            continue;
-        right &= MeshSoak(named, options).run();
-        ++done;
+                "touching", "compared", "wrong", "passes", "cut", "over", "step");
+    SoakTotals totals;
+    for (const testing::TouchMesh& named : meshes) {
+        const SoakTotals mesh = MeshSoak(named, options).run();
+        std::printf("%-30s",
+                    (named.name + ", " + std::to_string(named.mesh.triangle_count()) + " triangles")
+                        .c_str());
+        mesh.print();
+        std::printf("\n");
+        (void)std::fflush(stdout);
+        totals.add(mesh);
     }
-    if (done == 0) {
-        std::fprintf(stderr, "touch_soak: no mesh has such a name\n");
-        return 2;
-    }
-    std::printf(right ? "nothing passed, nothing wrong\n" : "SOMETHING WAS WRONG\n");
-    return right ? 0 : 1;
+    std::printf("%-30s", ("all " + std::to_string(meshes.size()) + " meshes").c_str());
+    totals.print();
+    std::printf("\n%s\n", totals.right() ? "nothing passed, nothing wrong" : "SOMETHING WAS WRONG");
+    return totals.right() ? 0 : 1;
 }
 
 } // namespace
@@ -153,10 +218,9 @@ int main(int argc, char** argv)
     proxima::soak::SoakOptions options;
     CLI::App app("Touches meshes for millions of ticks.");
     app.add_option("--ticks", options.ticks, "Of every mesh")->capture_default_str();
-    app.add_option("--compare", options.compare, "Ticks of every row held against all triangles")
-        ->capture_default_str();
+    app.add_option("--compare", options.compare, "Ticks of every row held against all triangles");
     app.add_option("--seed", options.seed)->capture_default_str();
-    app.add_option("--mesh", options.meshes, "These alone");
+    app.add_option("--mesh", options.meshes, "These alone, by name, or files");
     CLI11_PARSE(app, argc, argv);
     return proxima::soak::run(options);
 }

@@ -1,0 +1,223 @@
+#include "cli/touch_patches.h"
+
+#include "cli/touch_session.h"
+#include "proxima/base/text.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fmt/core.h>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+namespace proxima {
+
+namespace {
+
+constexpr int most_rings = 64;
+
+/// A patch is lost when it is older than so many periods of the collision loop.
+constexpr std::uint64_t periods_to_loss = 5;
+
+/// Where friction begins depends on the roundings of the way there.
+constexpr double apart_metres = 1e-6;
+
+double percent_sent(const PatchAccount& account)
+{
+    const double sent = static_cast<double>(account.triangles);
+    const double all =
+        static_cast<double>(account.patches) * static_cast<double>(account.model_triangles);
+    return all > 0 ? 100 * sent / all : 0;
+}
+
+double mean_triangles(const PatchAccount& account)
+{
+    return account.patches == 0
+               ? 0
+               : static_cast<double>(account.triangles) / static_cast<double>(account.patches);
+}
+
+} // namespace
+
+PatchTouch::PatchTouch(const TouchModel& model, const PatchSettings& settings,
+                       const WorkspaceMap& map, const RenderOptions& render, double tick_seconds,
+                       Pace pace)
+    : whole_(*model.contact),
+      map_(map), options_{.rate = settings.collision_rate,
+                          .latency_seconds = 1 / settings.collision_rate,
+                          .speed = settings.hand_speed * map.units_per_metre,
+                          .proxy_radius = render.proxy_radius * map.units_per_metre},
+      rings_(model.octree, model.surface.mesh, model.surface.topology), patch_(whole_.scale()),
+      expected_(whole_, {.radius = options_.proxy_radius,
+                         .static_friction = render.static_friction,
+                         .dynamic_friction = render.dynamic_friction}),
+      due_(2)
+{
+    account_.settings = settings;
+    account_.model_triangles = model.surface.mesh.triangle_count();
+    ticks_per_patch_ = static_cast<std::uint64_t>(
+        std::max(1LL, std::llround(1 / (settings.collision_rate * tick_seconds))));
+    if (pace == Pace::unpaced) return;
+    collision_thread_ = std::thread([this] {
+        collision_ = run_servo_loop(
+            {.rate = options_.rate, .ticks = std::numeric_limits<std::uint64_t>::max()},
+            [this](std::uint64_t) noexcept {
+                if (ending_.load()) return Flow::stop;
+                ServoPlace place;
+                if (exchange_.hear(place)) {
+                    make(exchange_.writing(), place);
+                    exchange_.give();
+                }
+                return Flow::proceed;
+            });
+    });
+}
+
+PatchTouch::~PatchTouch()
+{
+    (void)finish();
+}
+
+/// By the thread that makes patches.
+void PatchTouch::make(ContactPatch& patch, const ServoPlace& place) noexcept
+{
+    if (account_.settings.rings < 0) {
+        make_patch(patch, whole_, place, options_);
+    } else {
+        rings_.fill(patch, place.device, account_.settings.rings);
+        patch.made_at = place.tick;
+    }
+    ++account_.patches;
+    account_.incomplete += patch.complete ? 0U : 1U;
+    account_.triangles += patch.count;
+    account_.largest = std::max<std::uint64_t>(account_.largest, patch.count);
+}
+
+Patch PatchTouch::begin_tick() noexcept
+{
+    if (collision_thread_.joinable()) {
+        used_ = exchange_.take();
+    } else if (tick_ > 0 && (tick_ - 1) % ticks_per_patch_ == 0) {
+        // The patch that was begun a period ago has come; the next one is begun.
+        used_ = tick_ > 1 ? &due_[making_] : nullptr;
+        making_ = 1 - making_;
+        make(due_[making_], place_);
+    }
+    patch_.use(used_);
+    const bool lost =
+        used_ == nullptr || tick_ - used_->made_at > periods_to_loss * ticks_per_patch_;
+    account_.lost_ticks += lost ? 1U : 0U;
+    return lost ? Patch::lost : Patch::at_hand;
+}
+
+bool PatchTouch::has(TriangleId triangle) const noexcept
+{
+    if (used_ == nullptr) return false;
+    return std::ranges::any_of(used_->triangles(),
+                               [&](const ContactTriangle& each) { return each.id == triangle; });
+}
+
+void PatchTouch::compare(const RenderTick& felt) noexcept
+{
+    const Vec3 device = map_.to_model(felt.position);
+    if (!device.allFinite()) return;
+    if (!placed_ || felt.fault == InputFault::jumped) expected_.place(device);
+    placed_ = true;
+    const ProxyTick& should = expected_.follow(device);
+    if (used_ == nullptr) return; // before the first
+    account_.oldest_ticks = std::max(account_.oldest_ticks, tick_ - used_->made_at);
+    if (should.hold == Hold::free) return;
+    ++account_.touching_ticks;
+    bool missed = false;
+    for (std::size_t i = 0; i < should.slide.contact_count; ++i)
+        missed |= !has(should.slide.contacts[i].triangle);
+    account_.missed_ticks += missed ? 1U : 0U;
+    const double apart = (should.proxy - felt.proxy.proxy).norm();
+    account_.apart_ticks += apart > apart_metres * map_.units_per_metre ? 1U : 0U;
+}
+
+void PatchTouch::end_tick(const RenderTick& felt) noexcept
+{
+    compare(felt);
+    place_ = {map_.to_model(felt.position), felt.proxy.proxy, tick_};
+    if (collision_thread_.joinable() && place_.device.allFinite()) exchange_.say(place_);
+    ++tick_;
+}
+
+PatchAccount PatchTouch::finish()
+{
+    ending_.store(true);
+    if (collision_thread_.joinable()) collision_thread_.join();
+    account_.late_collisions = collision_.missed;
+    return account_;
+}
+
+std::string name_of(const PatchSettings& settings)
+{
+    return settings.rings < 0 ? "metric" : concat("rings ", settings.rings);
+}
+
+Result<std::vector<PatchSettings>> parse_patch_kinds(const std::string& text)
+{
+    std::vector<PatchSettings> kinds;
+    for (std::size_t begin = 0; begin <= text.size();) {
+        const std::size_t end = std::min(text.find(',', begin), text.size());
+        const std::string word = text.substr(begin, end - begin);
+        begin = end + 1;
+        if (word == "metric") {
+            kinds.emplace_back();
+            continue;
+        }
+        int rings = -1;
+        const auto [rest, error] = std::from_chars(word.data(), word.data() + word.size(), rings);
+        if (error != std::errc() || rest != word.data() + word.size() || rings < 0 ||
+            rings > most_rings) {
+            return fail(ErrorCode::invalid_argument,
+                        concat("'", word,
+                               "' is no patch: give metric, or a number of rings from 0 "
+                               "to ",
+                               most_rings));
+        }
+        kinds.push_back({.rings = rings});
+    }
+    return kinds;
+}
+
+std::string patch_table(const std::vector<PatchAccount>& accounts)
+{
+    std::string text = fmt::format("{:<9} {:>8} {:>10} {:>8} {:>9} {:>9} {:>7} {:>7} {:>7} {:>5}\n",
+                                   "patch", "patches", "triangles", "largest", "sent down",
+                                   "touching", "missed", "apart", "oldest", "lost");
+    for (const PatchAccount& account : accounts) {
+        text += fmt::format("{:<9} {:>8} {:>10.1f} {:>8} {:>8.3f}% {:>9} {:>7} {:>7} {:>7} {:>5}\n",
+                            name_of(account.settings), account.patches, mean_triangles(account),
+                            account.largest, percent_sent(account), account.touching_ticks,
+                            account.missed_ticks, account.apart_ticks, account.oldest_ticks,
+                            account.lost_ticks);
+    }
+    return text;
+}
+
+nlohmann::ordered_json patch_json(const std::vector<PatchAccount>& accounts)
+{
+    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+    for (const PatchAccount& account : accounts) {
+        rows.push_back({{"patch", name_of(account.settings)},
+                        {"collision_rate", account.settings.collision_rate},
+                        {"hand_speed", account.settings.hand_speed},
+                        {"patches", account.patches},
+                        {"mean_triangles", mean_triangles(account)},
+                        {"largest", account.largest},
+                        {"percent_sent", percent_sent(account)},
+                        {"touching_ticks", account.touching_ticks},
+                        {"missed_ticks", account.missed_ticks},
+                        {"apart_ticks", account.apart_ticks},
+                        {"oldest_ticks", account.oldest_ticks},
+                        {"lost_ticks", account.lost_ticks},
+                        {"incomplete", account.incomplete},
+                        {"late_collisions", account.late_collisions}});
+    }
+    return rows;
+}
+
+} // namespace proxima

@@ -1,0 +1,156 @@
+#include "proxima/haptics/carry_sphere.h"
+
+#include "proxima/geometry/closest_point.h"
+#include "proxima/haptics/swept_sphere.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace proxima {
+
+namespace {
+
+/// As in slides.
+constexpr double skin_part = 0x1p-42;
+
+/// A triangle's side that the sphere is on, in the object's frame.
+struct Side {
+    Vec3 normal = Vec3::UnitZ();
+    Vec3 point = Vec3::Zero();
+    double distance = 0;
+};
+
+Side side_of(const Triangle& triangle, const Vec3& p) noexcept
+{
+    const TrianglePoint closest = closest_point(triangle, p);
+    const Vec3 away = p - closest.point;
+    Side side;
+    side.point = closest.point;
+    side.distance = away.norm();
+    if (closest.part == TrianglePart::inside || !(side.distance > 0)) {
+        side.normal = unit_normal(triangle);
+        if (side.normal.dot(away) < 0) side.normal = -side.normal;
+    } else {
+        side.normal = away / side.distance;
+    }
+    return side;
+}
+
+double squared_distance(const Box& box, const Box& other) noexcept
+{
+    return (box.lower - other.upper).cwiseMax(other.lower - box.upper).cwiseMax(0.0).squaredNorm();
+}
+
+} // namespace
+
+/// One carry: see carry_sphere.h.
+class Carry {
+public:
+    Carry(const TouchScene& scene, double radius, const Vec3& from, const Vec3& goal,
+          CarryRoom& room) noexcept
+        : scene_(scene), radius_(radius), skin_(skin_part * scene.scale().reach), from_(from),
+          goal_(goal), room_(room)
+    {}
+
+    std::optional<Vec3> run() noexcept
+    {
+        for (std::size_t round = 0; round < max_contact_planes; ++round) {
+            const auto planes = std::span(room_.planes_).first(count_);
+            const PlaneSolution solution = nearest_allowed(planes, skin_ / 8);
+            if (!solution.feasible) return std::nullopt;
+            const Vec3 place = goal_ + solution.shift;
+            bool blocked = false;
+            for (std::uint32_t i = 0; i < scene_.object_count(); ++i) {
+                if (!look_along(ObjectId{i}, place, blocked)) return std::nullopt;
+            }
+            if (!blocked) return place;
+        }
+        return std::nullopt;
+    }
+
+private:
+    /// Adds what an object holds against the way to `place`. False where there is no room.
+    bool look_along(ObjectId id, const Vec3& place, bool& blocked) noexcept
+    {
+        const SceneObject object = scene_.object(id);
+        const Vec3 begin = seen_from(object.before, from_);
+        const Vec3 way = seen_from(object.now, place) - begin;
+        const double length = way.norm();
+        const double reach = radius_ + 2 * skin_;
+        Box swept;
+        swept.extend(begin);
+        swept.extend(begin + way);
+        if (squared_distance(swept, object.body->bounds()) > reach * reach) return true;
+
+        const ContactSurface& surface = object.body->surface();
+        const Vec3 middle = begin + 0.5 * way;
+        const std::size_t count = surface.collect(middle, 0.5 * length + reach, room_.near_);
+        if (count > room_.near_.size()) return false;
+        double first = 2;
+        const ContactTriangle* wall = nullptr;
+        for (const ContactTriangle& near : std::span(room_.near_).first(count)) {
+            if (is_wall(scene_triangle(id, near.id))) continue;
+            const Side side = side_of(near.corners, begin);
+            if (side.distance <= radius_ + skin_) {
+                // Touched before anything moved: it is gone along or left.
+                if (!add_wall(id, near.id, object.now, side)) return false;
+                blocked = true;
+                continue;
+            }
+            const auto t = touch_time(near.corners, radius_, begin, way);
+            if (!t || *t >= first) continue;
+            first = *t;
+            wall = &near;
+        }
+        if (wall == nullptr) return true;
+        blocked = true;
+        return add_wall(id, wall->id, object.now, side_of(wall->corners, begin + first * way));
+    }
+
+    [[nodiscard]] bool is_wall(TriangleId triangle) const noexcept
+    {
+        const auto walls = std::span(room_.walls_).first(count_);
+        return std::find(walls.begin(), walls.end(), triangle) != walls.end();
+    }
+
+    bool add_wall(ObjectId id, TriangleId triangle, const RigidTransform& pose,
+                  const Side& side) noexcept
+    {
+        if (count_ == max_contact_planes) return false;
+        const Vec3 normal = pose.rotation * side.normal;
+        room_.walls_[count_] = scene_triangle(id, triangle);
+        room_.planes_[count_++] = {normal, normal.dot(goal_ - pose(side.point)) - radius_};
+        return true;
+    }
+
+    const TouchScene& scene_;
+    double radius_;
+    double skin_;
+    Vec3 from_;
+    Vec3 goal_;
+    CarryRoom& room_;
+    std::size_t count_ = 0;
+};
+
+std::optional<Vec3> carry_sphere(const TouchScene& scene, double radius, const Vec3& from,
+                                 const Vec3& goal, CarryRoom& room) noexcept
+{
+    return Carry(scene, radius, from, goal, room).run();
+}
+
+Vec3 carried_place(const TouchScene& scene, std::span<const Contact> contacts,
+                   const Vec3& p) noexcept
+{
+    Vec3 sum = Vec3::Zero();
+    double pressures = 0;
+    for (const Contact& contact : contacts) {
+        const SceneObject object = scene.object(object_of(contact.triangle));
+        if (object.moved) {
+            sum += contact.pressure * (object.now(seen_from(object.before, p)) - p);
+        }
+        pressures += contact.pressure;
+    }
+    return pressures > 0 ? Vec3(p + sum / pressures) : p;
+}
+
+} // namespace proxima

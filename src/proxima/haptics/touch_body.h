@@ -1,0 +1,71 @@
+// A mesh with all that touching it takes: made once, by any thread, and never changed.
+//
+//     auto body = build_touch_body(std::move(mesh), {.material = {.stiffness = 300}});
+#pragma once
+
+#include "proxima/base/parallel.h"
+#include "proxima/base/progress.h"
+#include "proxima/base/result.h"
+#include "proxima/haptics/contact_surface.h"
+#include "proxima/haptics/shading_normals.h"
+#include "proxima/haptics/surface_feel.h"
+#include "proxima/mesh/topology.h"
+#include "proxima/mesh/triangle_mesh.h"
+#include "proxima/proximity/proximity_octree.h"
+#include "proxima/proximity/signed_distance.h"
+
+#include <memory>
+#include <optional>
+
+namespace proxima {
+
+struct TouchBodyOptions {
+    std::optional<SurfaceMaterial> material;  ///< none: the renderer's own settings
+    ForceShading shading = ForceShading::off; ///< on: with normals for it
+    Threads threads = {};
+    Progress* progress = nullptr;
+};
+
+/// Immutable. Questions are noexcept and without allocation.
+class TouchBody {
+public:
+    TouchBody(const TouchBody&) = delete;
+    TouchBody& operator=(const TouchBody&) = delete;
+
+    [[nodiscard]] const TriangleMesh& mesh() const noexcept { return mesh_; }
+    [[nodiscard]] const ProximityOctree& octree() const noexcept { return octree_; }
+    [[nodiscard]] const ContactSurface& surface() const noexcept { return *surface_; }
+    [[nodiscard]] const Box& bounds() const noexcept { return bounds_; }
+    [[nodiscard]] const std::optional<SurfaceMaterial>& material() const noexcept
+    {
+        return material_;
+    }
+    /// Null where none were asked for.
+    [[nodiscard]] const ShadingNormals* normals() const noexcept { return normals_.get(); }
+
+    /// The place of the surface nearest to p where p is inside of a closed mesh; nothing outside,
+    /// and where the mesh does not separate its inside everywhere. \pre p is finite
+    [[nodiscard]] std::optional<Vec3> way_out(const Vec3& p) const noexcept;
+
+private:
+    friend Result<std::unique_ptr<const TouchBody>>
+    build_touch_body(TriangleMesh mesh, const TouchBodyOptions& options);
+    TouchBody() = default;
+
+    TriangleMesh mesh_;
+    Topology topology_;
+    ProximityOctree octree_;
+    Box bounds_;
+    std::unique_ptr<OctreeContactSurface> surface_;
+    std::unique_ptr<ShadingNormals> normals_;
+    std::optional<SurfaceSign> sign_; ///< of meshes that are closed
+    std::optional<SurfaceMaterial> material_;
+};
+
+/// Errors: those of build_topology, build_proximity_octree and build_surface_sign;
+/// invalid_argument for materials that are not finite, negative, or of more dynamic than static
+/// friction.
+[[nodiscard]] Result<std::unique_ptr<const TouchBody>>
+build_touch_body(TriangleMesh mesh, const TouchBodyOptions& options = {});
+
+} // namespace proxima

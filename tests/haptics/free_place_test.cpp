@@ -1,0 +1,159 @@
+#include "proxima/haptics/free_place.h"
+
+#include "haptics/scenes_to_touch.h"
+#include "proxima/haptics/hand_script.h"
+#include "proxima/haptics/haptic_renderer.h"
+#include "proxima/haptics/simulated_hand.h"
+#include "proxima/proximity/build_proximity_octree.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace proxima {
+namespace {
+
+using namespace testing;
+
+double distance_to(const TriangleMesh& mesh, const Vec3& p)
+{
+    double least = INFINITY;
+    for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id)
+        least = std::min(least, (closest_point(mesh.triangle(TriangleId{id}), p).point - p).norm());
+    return least;
+}
+
+TEST(FreePlace, is_free_wherever_one_is_found)
+{
+    SlideRoom room;
+    for (const TouchMesh& named : touch_meshes()) {
+        const auto octree = *build_proximity_octree(named.mesh);
+        const OctreeContactSurface surface(octree);
+        const double size = surface.scale().extent;
+        const double skin = 0x1p-40 * surface.scale().reach;
+        int found = 0;
+        int asked = 0;
+        for (const double radius : {1e-6, 0.01, 0.05}) {
+            for (std::uint32_t v = 0; v < named.mesh.vertex_count(); v += 11) {
+                const Vec3 p = named.mesh.positions()[v];
+                const auto free = find_free_place(surface, radius * size, p, room);
+                ++asked;
+                if (!free) continue;
+                ++found;
+                EXPECT_GE(distance_to(named.mesh, *free), radius * size * (1 - 1e-6) - skin)
+                    << named.name << ' ' << radius << ' ' << v;
+                EXPECT_LE((*free - p).norm(), free_place_radii * radius * size * (1 + 1e-5));
+            }
+        }
+        // A soup may be too narrow here and there.
+        EXPECT_GE(found, named.name == "soup" ? asked / 2 : asked) << named.name;
+    }
+}
+
+TEST(FreePlace, near_a_wall_it_is_the_nearest_on_the_same_side)
+{
+    const TriangleMesh mesh = thin_plate(); // 1 mm, in 2 m
+    const auto octree = *build_proximity_octree(mesh);
+    const OctreeContactSurface surface(octree);
+    SlideRoom room;
+    for (const double side : {1.0, -1.0}) {
+        const auto free = find_free_place(surface, 0.02, Vec3(0.31, 0.12, side * 0.003), room);
+        ASSERT_TRUE(free);
+        EXPECT_LT((*free - Vec3(0.31, 0.12, side * 0.0205)).norm(), 1e-6);
+    }
+    // Within the plate there is no room: beside it.
+    const auto free = find_free_place(surface, 0.02, Vec3(0.31, 0.12, 0.0001), room);
+    ASSERT_TRUE(free);
+    EXPECT_NEAR(std::abs(free->z()), 0.0205, 1e-6);
+}
+
+TEST(FreePlace, in_a_crevice_it_is_at_the_mouth)
+{
+    // Two slanted walls that meet below: 30 degrees.
+    const double s = std::sin(0.2618);
+    const double c = std::cos(0.2618);
+    const TriangleMesh mesh =
+        mesh_of({Vec3(0, -5, 0), Vec3(0, 5, 0), Vec3(3 * s, 0, 3 * c), Vec3(-3 * s, 0, 3 * c)},
+                {{0, 1, 2}, {1, 0, 3}});
+    const auto octree = *build_proximity_octree(mesh);
+    const OctreeContactSurface surface(octree);
+    SlideRoom room;
+    const double radius = 0.05;
+    const double lowest = radius / s; // where a sphere rests on both
+    const auto free = find_free_place(surface, radius, Vec3(0, 0, 0.12), room);
+    ASSERT_TRUE(free);
+    EXPECT_LT((*free - Vec3(0, 0, lowest)).norm(), 1e-6);
+    // Deeper than four radii there is none within reach.
+    EXPECT_FALSE(find_free_place(surface, 0.5, Vec3(0, 0, 0.001), room) &&
+                 !find_free_place(surface, 0.5, Vec3(0, 0, 0.12), room));
+}
+
+/// Many plates, a little apart: nowhere is there room for a sphere of the size of the gaps.
+TriangleMesh stack()
+{
+    std::vector<Vec3> positions;
+    std::vector<TriangleCorners> triangles;
+    for (int i = -20; i <= 20; ++i) {
+        const auto first = static_cast<std::uint32_t>(positions.size());
+        for (const double x : {-1.0, 1.0})
+            for (const double y : {-1.0, 1.0}) positions.emplace_back(x, y, 0.01 * i);
+        triangles.push_back({first, first + 1, first + 2});
+        triangles.push_back({first + 1, first + 3, first + 2});
+    }
+    return mesh_of(std::move(positions), std::move(triangles));
+}
+
+TEST(Proxy, feels_nothing_where_it_has_no_room)
+{
+    const TriangleMesh mesh = stack();
+    const auto octree = *build_proximity_octree(mesh);
+    const OctreeContactSurface surface(octree);
+    Proxy proxy(surface, {.radius = 0.02});
+    proxy.place(Vec3(0, 0, 0.003));
+    EXPECT_FALSE(proxy.last().has_room);
+    for (int tick = 0; tick < 300; ++tick) {
+        const Vec3 device(0, 0, 0.003 + 1e-3 * tick);
+        const ProxyTick& at = proxy.follow(device);
+        EXPECT_EQ(at.hold, Hold::free);
+        EXPECT_EQ(at.held, device);
+        EXPECT_EQ(at.has_room, device.z() > 0.22) << device.z();
+        if (!at.has_room) {
+            EXPECT_TRUE(proxy.path().empty());
+        }
+    }
+    // Out of it, it is held again.
+    const ProxyTick& at = proxy.follow(Vec3(0, 0, 0.21));
+    EXPECT_NEAR(at.held.z(), 0.22, 1e-9);
+}
+
+TEST(Proxy, a_sphere_that_begins_in_a_corner_of_the_ship_is_not_stuck)
+{
+    const TriangleMesh mesh = *sample_mesh("spaceship:1300");
+    const Topology topology = *build_topology(mesh);
+    const auto octree = *build_proximity_octree(mesh, topology);
+    const OctreeContactSurface surface(octree);
+    const WorkspaceMap map = fit_workspace(bounding_box(mesh), 0.1);
+    for (const std::uint64_t seed : {1U, 2U, 3U}) {
+        const auto script = HandScript::make("corner", mesh, topology, map, seed);
+        HapticRenderer renderer(surface, map, *find_device("omni"), {.proxy_radius = 0.002});
+        SimulatedHand hand({}, script->target(0));
+        int moved = 0;
+        int touching = 0;
+        Vec3 last = Vec3::Zero();
+        for (int tick = 0; tick < 1500; ++tick) {
+            const RenderTick& felt = renderer.tick(hand.state(), 1e-3);
+            ASSERT_TRUE(felt.proxy.has_room) << seed << ' ' << tick;
+            ASSERT_GE(distance_to(mesh, felt.proxy.proxy), renderer.proxy().radius() * (1 - 1e-6));
+            moved += felt.proxy.proxy != last ? 1 : 0;
+            touching += felt.proxy.hold != Hold::free ? 1 : 0;
+            last = felt.proxy.proxy;
+            hand.step(felt.force, script->target(1e-3 * tick));
+        }
+        EXPECT_GT(moved, 750) << seed;
+        EXPECT_GT(touching, 50) << seed;
+    }
+}
+
+} // namespace
+} // namespace proxima

@@ -1,0 +1,410 @@
+// Objects that move and change while they are touched.
+#include "counted_allocations.h"
+#include "haptics/scenes_to_touch.h"
+#include "proxima/haptics/haptic_renderer.h"
+#include "proxima/haptics/servo_loop.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <random>
+#include <string>
+#include <thread>
+
+namespace proxima {
+namespace {
+
+using namespace testing;
+
+constexpr double tick_seconds = 1e-3;
+
+/// Scene and device have the same unit here: a metre.
+const WorkspaceMap same_unit{};
+
+DeviceLimits strong_device()
+{
+    return {.name = "strong",
+            .max_force = 1e4,
+            .max_stiffness = 1e5,
+            .max_damping = 100,
+            .workspace_radius = 20};
+}
+
+RenderOptions plain(double friction = 0)
+{
+    RenderOptions options;
+    options.force = {.stiffness = 500, .damping = 0, .max_slew = 1e9, .start_seconds = 0};
+    options.static_friction = friction;
+    options.dynamic_friction = 0.75 * friction;
+    options.passivity = Passivity::unguarded;
+    options.max_jump = 100;
+    return options;
+}
+
+DeviceState at(const Vec3& p, const Vec3& velocity = Vec3::Zero())
+{
+    DeviceState state;
+    state.pose.translation = p;
+    state.velocity = velocity;
+    return state;
+}
+
+/// Whether the last tick's motion of the proxy passed anything, by every triangle: carried along
+/// with the objects' motion first, then among objects that stand.
+bool passed(const TouchScene& scene, const HapticRenderer& renderer, const Vec3& before)
+{
+    const auto path = renderer.proxy().path();
+    if (passes_while_moving(scene, before, path.front())) return true;
+    for (std::size_t i = 1; i < path.size(); ++i) {
+        if (passes_standing(scene, path[i - 1], path[i])) return true;
+    }
+    return false;
+}
+
+TEST(SceneRenderer, a_thin_plate_that_flies_at_the_hand_does_not_pass)
+{
+    for (const double speed : {0.5, 5.0, 50.0}) {
+        for (const double radius : {0.0, 0.005}) {
+            TouchScene scene(wide_room);
+            const auto plate = scene.add(body_of(thin_plate()), at_place(Vec3(0, 0, 1)));
+            RenderOptions options = plain();
+            options.proxy_radius = radius;
+            HapticRenderer renderer(scene, same_unit, strong_device(), options);
+            const double seconds = 2 / speed;
+            ASSERT_TRUE(scene.move(*plate, {.pose = at_place(Vec3(0, 0, -1)), .seconds = seconds}));
+            const Vec3 hand(0.11, 0.07, 0);
+            Vec3 before = hand;
+            const int ticks = static_cast<int>(seconds / tick_seconds) + 20;
+            for (int tick = 0; tick < ticks; ++tick) {
+                const RenderTick& felt = renderer.tick(at(hand), tick_seconds);
+                ASSERT_FALSE(tick > 0 && passed(scene, renderer, before)) << speed << ' ' << tick;
+                before = felt.proxy.proxy;
+                ASSERT_FALSE(felt.squeezed);
+                const double below = scene.object(*plate).now.translation.z() - 0.0005 - radius;
+                const double expected = std::min(below, 0.0);
+                ASSERT_NEAR(felt.spring.z(), 500 * expected, 1e-6) << speed << ' ' << tick;
+                ASSERT_LT(felt.spring.head<2>().norm(), 1e-6);
+            }
+            EXPECT_LT(renderer.last().spring.z(), -400);
+        }
+    }
+}
+
+TEST(SceneRenderer, a_blade_that_turns_takes_the_proxy_along)
+{
+    for (const double radius : {0.0, 0.01}) {
+        TouchScene scene(wide_room);
+        const auto blade =
+            scene.add(body_of(box_mesh(Vec3(1, 0.0005, 0.3))), at_place(Vec3::Zero()));
+        RenderOptions options = plain();
+        options.proxy_radius = radius;
+        HapticRenderer renderer(scene, same_unit, strong_device(), options);
+        // 40 radians a second: 20 mm in a tick where the hand is.
+        ASSERT_TRUE(scene.move(*blade, {.spin = Vec3(0, 0, 40), .coast_seconds = 10}));
+        const Vec3 hand(0.35, 0.35, 0.02);
+        Vec3 before = hand;
+        int touching = 0;
+        for (int tick = 0; tick < 1000; ++tick) {
+            const RenderTick& felt = renderer.tick(at(hand), tick_seconds);
+            ASSERT_FALSE(tick > 0 && passed(scene, renderer, before)) << radius << ' ' << tick;
+            ASSERT_FALSE(felt.squeezed) << tick;
+            ASSERT_TRUE(felt.force.allFinite());
+            ASSERT_GE(distance_of(scene, felt.proxy.proxy), renderer.proxy().radius() - 1e-10)
+                << tick;
+            before = felt.proxy.proxy;
+            touching += felt.proxy.hold != Hold::free ? 1 : 0;
+        }
+        EXPECT_GT(touching, 30) << radius; // until it slips off the blade's end
+    }
+}
+
+TEST(SceneRenderer, nothing_is_passed_whatever_moves)
+{
+    for (const std::uint32_t seed : {1U, 2U, 3U, 4U}) {
+        for (const double radius : {0.0, 0.03}) {
+            std::mt19937 random(seed);
+            std::uniform_real_distribution<double> number(-1, 1);
+            TouchScene scene(wide_room);
+            std::vector<ObjectId> objects;
+            for (const char* const name : {"torus:12x8", "cube", "plate"}) {
+                TriangleMesh mesh =
+                    std::string(name) == "plate" ? thin_plate() : *sample_mesh(name);
+                const Vec3 place(4.0 * static_cast<double>(objects.size()) - 4, 0, 0);
+                objects.push_back(*scene.add(body_of(std::move(mesh)), at_place(place)));
+            }
+            RenderOptions options = plain(seed % 2 == 0 ? 0.4 : 0);
+            options.proxy_radius = radius;
+            HapticRenderer renderer(scene, same_unit, strong_device(), options);
+            const TriangleMesh about = *sample_mesh("torus:12x8");
+            HandPath path(about, seed);
+            Vec3 before = Vec3::Zero();
+            int touching = 0;
+            int squeezed = 0;
+            for (int tick = 0; tick < 1500; ++tick) {
+                const std::string where = "seed " + std::to_string(seed) + ", radius " +
+                                          std::to_string(radius) + ", tick " + std::to_string(tick);
+                for (const ObjectId object : objects) {
+                    if (random() % 20 != 0) continue;
+                    const Vec3 axis(number(random), number(random), number(random));
+                    const Vec3 to(number(random), number(random), number(random));
+                    ASSERT_TRUE(scene.move(object, {.pose = posed(3 * number(random), axis, to),
+                                                    .seconds = 0.03 * std::abs(number(random))}));
+                }
+                const bool had_room = tick > 0 && renderer.proxy().last().has_room;
+                const RenderTick& felt = renderer.tick(at(path.next()), tick_seconds);
+                ASSERT_TRUE(felt.force.allFinite()) << where;
+                squeezed += felt.squeezed ? 1 : 0;
+                const bool has_room = felt.proxy.has_room;
+                if (had_room && has_room && !felt.squeezed) {
+                    ASSERT_FALSE(passed(scene, renderer, before)) << where;
+                }
+                if (has_room) {
+                    ASSERT_GE(distance_of(scene, felt.proxy.proxy),
+                              renderer.proxy().radius() - 2e-10)
+                        << where;
+                }
+                before = felt.proxy.proxy;
+                touching += felt.proxy.hold != Hold::free ? 1 : 0;
+            }
+            EXPECT_GT(touching, 300) << seed;
+            EXPECT_LT(squeezed, 300) << seed;
+        }
+    }
+}
+
+// Hand and object that move together feel what they feel at rest.
+TEST(SceneRenderer, touch_is_the_same_in_a_moving_train)
+{
+    const RigidTransform begin = posed(0.4, Vec3(1, 2, 3), Vec3(0.5, -0.2, 0.1));
+    const Vec3 velocity(3, -2, 1);
+    for (const double spin : {0.0, 2.0}) {
+        TouchScene still(wide_room);
+        TouchScene moving(wide_room);
+        (void)*still.add(body_of(*sample_mesh("torus:24x12")), begin);
+        const auto torus = moving.add(body_of(*sample_mesh("torus:24x12")), begin);
+        RenderOptions options = plain();
+        options.proxy_radius = 0.02;
+        HapticRenderer expected(still, same_unit, strong_device(), options);
+        HapticRenderer renderer(moving, same_unit, strong_device(), options);
+        ASSERT_TRUE(moving.move(
+            *torus,
+            {.pose = begin, .velocity = velocity, .spin = Vec3(0, 0, spin), .coast_seconds = 1}));
+        const TriangleMesh about = *sample_mesh("torus:24x12");
+        HandPath path(about, 9);
+        int touching = 0;
+        for (int tick = 0; tick < 900; ++tick) {
+            const Vec3 hand = path.next();
+            const RenderTick& should = expected.tick(at(begin(hand)), tick_seconds);
+            RigidTransform pose = begin;
+            pose.translation += velocity * (tick * tick_seconds);
+            pose.rotation =
+                Eigen::AngleAxisd(spin * tick * tick_seconds, Vec3::UnitZ()).toRotationMatrix() *
+                begin.rotation;
+            const RenderTick& is = renderer.tick(at(pose(hand)), tick_seconds);
+            touching += should.proxy.hold != Hold::free ? 1 : 0;
+            const Vec3 back = begin.rotation * (pose.rotation.transpose() * is.spring);
+            if (is.proxy.hold != should.proxy.hold) {
+                ADD_FAILURE() << spin << ' ' << tick;
+                break;
+            }
+            ASSERT_LT((back - should.spring).norm(), 1e-4 + 1e-3 * should.spring.norm())
+                << spin << ' ' << tick;
+        }
+        EXPECT_GT(touching, 300);
+    }
+}
+
+TEST(SceneRenderer, friction_takes_the_proxy_along_with_the_surface)
+{
+    TouchScene scene(wide_room);
+    const auto belt = scene.add(body_of(box_mesh(Vec3(4, 1, 0.1))), at_place(Vec3::Zero()));
+    HapticRenderer renderer(scene, same_unit, strong_device(), plain(0.5));
+    const double speed = 0.2;
+    ASSERT_TRUE(scene.move(*belt, {.velocity = Vec3(speed, 0, 0), .coast_seconds = 5}));
+    renderer.tick(at(Vec3(0, 0, 0.2)), tick_seconds);
+    const Vec3 hand(0, 0, 0.09); // 10 mm deep
+    double last_x = 0;
+    int sticking = 0;
+    for (int tick = 0; tick < 200; ++tick) {
+        const RenderTick& felt = renderer.tick(at(hand), tick_seconds);
+        const double lag = felt.proxy.proxy.x() - hand.x();
+        if (felt.proxy.hold == Hold::sticking && tick > 0) {
+            EXPECT_NEAR(lag - last_x, speed * tick_seconds, 1e-12);
+            ++sticking;
+        }
+        EXPECT_LT(lag, 0.5 * 0.01 + 1e-9);
+        EXPECT_NEAR(felt.carrying.x(), speed, 1e-9);
+        EXPECT_NEAR(felt.spring.z(), 500 * 0.01, 1e-5);
+        last_x = lag;
+    }
+    EXPECT_NEAR(last_x, 0.375 * 0.01, 1e-6); // it slides at last, with the dynamic friction
+    EXPECT_GT(sticking, 20);
+}
+
+TEST(SceneRenderer, damping_goes_by_the_motion_relative_to_the_surface)
+{
+    TouchScene scene(wide_room);
+    const auto wall = scene.add(body_of(box_mesh(Vec3(1, 1, 0.1))), at_place(Vec3::Zero()));
+    RenderOptions options = plain();
+    options.force.damping = 10;
+    HapticRenderer renderer(scene, same_unit, strong_device(), options);
+    ASSERT_TRUE(scene.move(*wall, {.velocity = Vec3(0, 0, 0.2), .coast_seconds = 5}));
+    renderer.tick(at(Vec3(0, 0, 0.2)), tick_seconds);
+    for (int tick = 1; tick < 100; ++tick) {
+        const double top = 0.1 + 0.2 * tick * tick_seconds;
+        // With the wall: no damping. At rest: it comes nearer at 0.2 m/s.
+        const bool with_it = tick % 2 == 0;
+        const Vec3 velocity(0, 0, with_it ? 0.2 : 0.0);
+        const RenderTick& felt = renderer.tick(at(Vec3(0, 0, top - 0.01), velocity), tick_seconds);
+        EXPECT_NEAR(felt.spring.z(), 500 * 0.01 + (with_it ? 0.0 : 2.0), 1e-5) << tick;
+    }
+}
+
+TEST(SceneRenderer, every_object_pushes_by_its_own_stiffness)
+{
+    TouchScene scene(wide_room);
+    const SurfaceMaterial hard = {
+        .stiffness = 2000, .damping = 0, .static_friction = 0, .dynamic_friction = 0};
+    const SurfaceMaterial soft = {
+        .stiffness = 100, .damping = 0, .static_friction = 0, .dynamic_friction = 0};
+    ASSERT_TRUE(scene.add(body_of(box_mesh(Vec3(2, 2, 0.1)), {.material = hard}),
+                          at_place(Vec3(0, 0, -0.1))));
+    ASSERT_TRUE(scene.add(body_of(box_mesh(Vec3(0.1, 2, 2)), {.material = soft}),
+                          at_place(Vec3(-0.1, 0, 0))));
+    HapticRenderer renderer(scene, same_unit, strong_device(), plain(0.4));
+    renderer.tick(at(Vec3(0.5, 0, 0.5)), tick_seconds);
+    const RenderTick floor = renderer.tick(at(Vec3(0.5, 0, -0.02)), tick_seconds);
+    EXPECT_LT((floor.spring - Vec3(0, 0, 40)).norm(), 1e-4);
+    const RenderTick corner = renderer.tick(at(Vec3(-0.03, 0, -0.02)), tick_seconds);
+    EXPECT_LT((corner.spring - Vec3(3, 0, 40)).norm(), 1e-4);
+    const RenderTick wall = renderer.tick(at(Vec3(-0.03, 0, 0.5)), tick_seconds);
+    EXPECT_LT((wall.spring - Vec3(3, 0, 0)).norm(), 1e-4);
+    // Frictionless, though the renderer's own settings are not.
+    const RenderTick beside = renderer.tick(at(Vec3(-0.03, 0.001, 0.5)), tick_seconds);
+    EXPECT_LT((beside.spring - Vec3(3, 0, 0)).norm(), 1e-4);
+}
+
+TEST(SceneRenderer, bodies_are_exchanged_without_a_spike)
+{
+    const DeviceLimits omni = *find_device("omni");
+    // To a finer sphere, a larger one that swallows the proxy, a smaller one and a cube.
+    const auto sphere = [](double size, const char* name) {
+        return body_of(moved(*sample_mesh(name), [&](const Vec3& p) { return Vec3(size * p); }));
+    };
+    TouchScene scene(Box{Vec3(-0.2, -0.2, -0.2), Vec3(0.2, 0.2, 0.2)});
+    const auto object = scene.add(sphere(0.05, "sphere:12x12"), at_place(Vec3::Zero()));
+    RenderOptions options;
+    options.static_friction = options.dynamic_friction = 0; // its slips are steps, too
+    HapticRenderer renderer(scene, same_unit, omni, options);
+    std::vector<std::unique_ptr<const TouchBody>> bodies;
+    bodies.push_back(sphere(0.05, "sphere:30x30"));
+    bodies.push_back(sphere(0.06, "sphere:30x30"));
+    bodies.push_back(sphere(0.045, "icosphere:2"));
+    bodies.push_back(sphere(0.04, "cube"));
+    std::size_t next = 0;
+    Vec3 last = Vec3::Zero();
+    double largest_step = 0;
+    for (int tick = 0; tick < 2600; ++tick) {
+        const double depth = tick < 100 ? -0.01 + 1e-4 * tick : 0.004;
+        const double turn = 2e-3 * tick;
+        const Vec3 hand = (0.048 - depth) * Vec3(std::sin(turn), 0.1, std::cos(turn)).normalized();
+        if (tick > 400 && tick % 500 == 0 && next < bodies.size()) {
+            ASSERT_TRUE(scene.exchange(*object, std::move(bodies[next++])));
+        }
+        const std::size_t allocations = allocation_count();
+        const RenderTick& felt = renderer.tick(at(hand), tick_seconds);
+        ASSERT_EQ(allocation_count(), allocations);
+        ASSERT_TRUE(felt.force.allFinite());
+        ASSERT_LE(felt.force.norm(), omni.max_force);
+        ASSERT_TRUE(felt.proxy.has_room) << tick;
+        // Outside of every body, also of those that swallowed it.
+        ASSERT_LT((scene.way_out(felt.proxy.proxy) - felt.proxy.proxy).norm(), 1e-12) << tick;
+        largest_step = std::max(largest_step, (felt.force - last).norm());
+        last = felt.force;
+    }
+    EXPECT_EQ(next, bodies.size());
+    std::printf("largest change of the force in a tick: %.3f N\n", largest_step);
+    // The fading one loses a fiftieth of itself a tick, the rising one a 250th of at most 8 N, and
+    // the hand's own motion moves it a little.
+    EXPECT_LT(largest_step, omni.max_force / 50 + 8.0 / 250 + 0.05);
+    EXPECT_GT(last.norm(), 0.1);
+}
+
+TEST(SceneRenderer, a_press_leaves_nothing_to_feel_until_it_opens)
+{
+    TouchScene scene(wide_room);
+    const auto low = scene.add(body_of(box_mesh(Vec3(1, 1, 0.5))), at_place(Vec3(0, 0, -0.6)));
+    const auto high = scene.add(body_of(box_mesh(Vec3(1, 1, 0.5))), at_place(Vec3(0, 0, 0.6)));
+    RenderOptions options;
+    options.proxy_radius = 0.02;
+    options.max_jump = 10;
+    const DeviceLimits omni = *find_device("omni");
+    HapticRenderer renderer(scene, same_unit, omni, options);
+    const auto close_to = [&](double z) {
+        EXPECT_TRUE(scene.move(*low, {.pose = at_place(Vec3(0, 0, -0.5 - z)), .seconds = 0.1}));
+        EXPECT_TRUE(scene.move(*high, {.pose = at_place(Vec3(0, 0, 0.5 + z)), .seconds = 0.1}));
+    };
+    Vec3 last = Vec3::Zero();
+    const auto run = [&](const Vec3& hand, int ticks) {
+        for (int tick = 0; tick < ticks; ++tick) {
+            const RenderTick& felt = renderer.tick(at(hand), tick_seconds);
+            EXPECT_TRUE(felt.force.allFinite());
+            EXPECT_LE((felt.force - last).norm(), 0.2) << tick;
+            last = felt.force;
+        }
+    };
+    run(Vec3::Zero(), 10);
+    EXPECT_TRUE(renderer.last().proxy.has_room);
+    close_to(-0.1); // into each other
+    run(Vec3::Zero(), 300);
+    EXPECT_FALSE(renderer.last().proxy.has_room);
+    EXPECT_LT(last.norm(), 1e-9);
+    close_to(0.1);
+    run(Vec3::Zero(), 300);
+    EXPECT_TRUE(renderer.last().proxy.has_room);
+    run(Vec3(0, 0, -0.085), 300);
+    EXPECT_EQ(renderer.last().proxy.hold, Hold::sticking);
+    EXPECT_NEAR(last.z(), 500 * 0.005, 1e-6);
+}
+
+TEST(SceneRenderer, another_thread_moves_and_exchanges)
+{
+    TouchScene scene(wide_room);
+    const auto cube = scene.add(body_of(*sample_mesh("cube")), at_place(Vec3::Zero()));
+    HapticRenderer renderer(scene, same_unit, strong_device(), plain(0.3));
+    std::atomic<bool> ended{false};
+    std::atomic<int> exchanges{0};
+    std::thread application([&] {
+        std::mt19937 random(5);
+        std::uniform_real_distribution<double> number(-1, 1);
+        for (int word = 0; !ended.load(); ++word) {
+            const Vec3 to(0.2 * number(random), 0.2 * number(random), 0.2 * number(random));
+            EXPECT_TRUE(scene.move(
+                *cube, {.pose = posed(number(random), Vec3(1, 1, 0), to), .seconds = 0.005}));
+            if (word % 10 == 0) {
+                const char* const name = word % 20 == 0 ? "sphere:12x12" : "cube";
+                EXPECT_TRUE(scene.exchange(*cube, body_of(*sample_mesh(name))));
+                ++exchanges;
+            }
+            std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        }
+    });
+    const TriangleMesh about = *sample_mesh("cube");
+    HandPath path(about, 8);
+    int touching = 0;
+    const ServoStatistics seen = run_servo_loop({.ticks = 400}, [&](std::uint64_t) noexcept {
+        const RenderTick& felt = renderer.tick(at(path.next()), tick_seconds);
+        touching += felt.proxy.hold != Hold::free ? 1 : 0;
+        return felt.force.allFinite() ? Flow::proceed : Flow::stop;
+    });
+    ended.store(true);
+    application.join();
+    EXPECT_EQ(seen.ticks, 400U);
+    EXPECT_GT(touching, 20);
+    EXPECT_GT(exchanges.load(), 1);
+}
+
+} // namespace
+} // namespace proxima

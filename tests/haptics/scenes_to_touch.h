@@ -1,0 +1,95 @@
+// Scenes that tests touch, their triangles as one mesh, and motions checked against every triangle.
+#pragma once
+
+#include "haptics/touch_meshes.h"
+#include "proxima/geometry/closest_point.h"
+#include "proxima/geometry/exact_predicates.h"
+#include "proxima/geometry/triangle_contact.h"
+#include "proxima/haptics/touch_scene.h"
+
+#include <Eigen/Geometry>
+
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <random>
+#include <utility>
+
+namespace proxima::testing {
+
+inline const Box wide_room{Vec3(-20, -20, -20), Vec3(20, 20, 20)};
+
+inline RigidTransform posed(double angle, const Vec3& axis, const Vec3& to)
+{
+    return {Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix(), to};
+}
+
+inline RigidTransform at_place(const Vec3& to)
+{
+    return {Mat3::Identity(), to};
+}
+
+inline std::unique_ptr<const TouchBody> body_of(TriangleMesh mesh,
+                                                const TouchBodyOptions& options = {})
+{
+    return std::move(*build_touch_body(std::move(mesh), options));
+}
+
+/// A box between -half and half.
+inline TriangleMesh box_mesh(const Vec3& half)
+{
+    return moved(*sample_mesh("cube"), [&](const Vec3& p) { return Vec3(p.cwiseProduct(half)); });
+}
+
+/// Whether a point that goes straight, as the object sees it, meets any of its triangles.
+inline bool passes_object(const SceneObject& object, const Vec3& from, const Vec3& to)
+{
+    if (from == to) return false;
+    const TriangleMesh& mesh = object.body->mesh();
+    for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
+        const Triangle triangle = mesh.triangle(TriangleId{id});
+        if (!is_degenerate(triangle) && segment_meets_triangle(from, to, triangle)) return true;
+    }
+    return false;
+}
+
+/// Whether a point that goes from one place to another, while the objects go from where they stood
+/// to where they are, passes any of them, straight as each of them sees it.
+inline bool passes_while_moving(const TouchScene& scene, const Vec3& from, const Vec3& to)
+{
+    for (std::uint32_t i = 0; i < scene.object_count(); ++i) {
+        const SceneObject object = scene.object(ObjectId{i});
+        if (passes_object(object, seen_from(object.before, from), seen_from(object.now, to)))
+            return true;
+    }
+    return false;
+}
+
+/// The same while they stand where they are.
+inline bool passes_standing(const TouchScene& scene, const Vec3& from, const Vec3& to)
+{
+    for (std::uint32_t i = 0; i < scene.object_count(); ++i) {
+        const SceneObject object = scene.object(ObjectId{i});
+        if (passes_object(object, seen_from(object.now, from), seen_from(object.now, to)))
+            return true;
+    }
+    return false;
+}
+
+/// Of all triangles, as they stand.
+inline double distance_of(const TouchScene& scene, const Vec3& p)
+{
+    double least = std::numeric_limits<double>::infinity();
+    for (std::uint32_t i = 0; i < scene.object_count(); ++i) {
+        const SceneObject object = scene.object(ObjectId{i});
+        const TriangleMesh& mesh = object.body->mesh();
+        const Vec3 local = seen_from(object.now, p);
+        for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
+            const TrianglePoint closest = closest_point(mesh.triangle(TriangleId{id}), local);
+            least = std::min(least, (closest.point - local).norm());
+        }
+    }
+    return least;
+}
+
+} // namespace proxima::testing

@@ -1,0 +1,146 @@
+#include "proxima/haptics/touch_scene.h"
+
+#include "haptics/scenes_to_touch.h"
+#include "proxima/haptics/proxy.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace proxima {
+namespace {
+
+using namespace testing;
+
+/// A scene's triangles where they stand, each looked at every time: the oracle.
+class EveryTriangleOf final : public ContactSurface {
+public:
+    explicit EveryTriangleOf(const TouchScene& scene) : scale_(scene.scale())
+    {
+        for (std::uint32_t i = 0; i < scene.object_count(); ++i) {
+            const SceneObject object = scene.object(ObjectId{i});
+            const TriangleMesh& mesh = object.body->mesh();
+            for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
+                triangles_.push_back({object.now(mesh.triangle(TriangleId{id})),
+                                      scene_triangle(ObjectId{i}, TriangleId{id})});
+            }
+        }
+    }
+    [[nodiscard]] const SurfaceScale& scale() const noexcept override { return scale_; }
+    [[nodiscard]] std::size_t collect(const Vec3& /*p*/, double /*distance*/,
+                                      std::span<ContactTriangle> buffer) const noexcept override
+    {
+        std::copy_n(triangles_.begin(), std::min(triangles_.size(), buffer.size()), buffer.begin());
+        return triangles_.size();
+    }
+    [[nodiscard]] double clearance(const Vec3& p) const noexcept override
+    {
+        double least = std::numeric_limits<double>::infinity();
+        for (const ContactTriangle& each : triangles_)
+            least = std::min(least, (closest_point(each.corners, p).point - p).norm());
+        return least - 0x1p-44 * scale_.reach;
+    }
+
+private:
+    SurfaceScale scale_;
+    std::vector<ContactTriangle> triangles_;
+};
+
+TEST(TouchScene, is_the_surface_of_all_its_objects)
+{
+    TouchScene scene(wide_room);
+    ASSERT_TRUE(scene.add(body_of(*sample_mesh("torus:24x12")),
+                          posed(0.7, Vec3(1, 2, 0), Vec3(0.2, 0.1, 0))));
+    ASSERT_TRUE(
+        scene.add(body_of(*sample_mesh("cube")), posed(2.1, Vec3(0, 1, 1), Vec3(1.1, 0.3, 0.4))));
+    ASSERT_TRUE(scene.add(body_of(thin_plate()), posed(-0.4, Vec3(3, 1, 1), Vec3(-0.5, 0.2, 0.1))));
+    const EveryTriangleOf all(scene);
+    // The path goes over the cube and what stands about it.
+    const TriangleMesh about = moved(*sample_mesh("sphere:12x12"), [](const Vec3& p) {
+        return Vec3(1.2 * p + Vec3(0.4, 0.2, 0.1));
+    });
+    for (const double radius : {0.0, 0.03}) {
+        for (const double friction : {0.0, 0.4}) {
+            const ProxyOptions options = {
+                .radius = radius, .static_friction = friction, .dynamic_friction = 0.75 * friction};
+            Proxy proxy(scene, options);
+            Proxy expected(all, options);
+            HandPath path(about, 17);
+            const Vec3 begin(0, 0, 5);
+            proxy.place(begin);
+            expected.place(begin);
+            int touching = 0;
+            int of_several = 0;
+            for (int tick = 0; tick < 600; ++tick) {
+                const Vec3 device = path.next();
+                const ProxyTick& is = proxy.follow(device);
+                const ProxyTick& should = expected.follow(device);
+                ASSERT_EQ(is.proxy, should.proxy) << radius << ' ' << friction << ' ' << tick;
+                ASSERT_EQ(is.held, should.held) << radius << ' ' << friction << ' ' << tick;
+                for (std::size_t i = 1; i < proxy.path().size(); ++i)
+                    ASSERT_FALSE(passes_standing(scene, proxy.path()[i - 1], proxy.path()[i]));
+                touching += is.hold != Hold::free ? 1 : 0;
+                const auto contacts = std::span(is.slide.contacts).first(is.slide.contact_count);
+                for (const Contact& contact : contacts) {
+                    if (object_of(contact.triangle) != object_of(contacts[0].triangle)) {
+                        ++of_several;
+                        break;
+                    }
+                }
+            }
+            EXPECT_GT(touching, 100);
+            EXPECT_GT(of_several, 3) << radius;
+        }
+    }
+}
+
+TEST(TouchScene, corners_of_several_objects_hold_in_one_tick)
+{
+    TouchScene scene(wide_room);
+    for (int axis = 0; axis < 3; ++axis) {
+        Vec3 half(2, 2, 2);
+        half[axis] = 0.25;
+        Vec3 to = Vec3::Zero();
+        to[axis] = -0.25;
+        ASSERT_TRUE(scene.add(body_of(box_mesh(half)), at_place(to)));
+    }
+    for (const double radius : {0.0, 0.1}) {
+        Proxy proxy(scene, {.radius = radius});
+        proxy.place(Vec3(1.0, 0.8, 0.9));
+        const ProxyTick& tick = proxy.follow(Vec3(-0.1, -0.15, -0.2));
+        EXPECT_EQ(tick.slide.contact_count, 3U);
+        EXPECT_LT((tick.held - Vec3(radius, radius, radius)).norm(), 1e-10);
+        std::array<bool, 3> held{};
+        for (const Contact& contact : tick.slide.contacts)
+            held[index(object_of(contact.triangle))] = true;
+        EXPECT_TRUE(held[0] && held[1] && held[2]);
+    }
+}
+
+TEST(TouchScene, refuses_what_no_object_can_do)
+{
+    TouchScene scene(wide_room);
+    const auto cube = scene.add(body_of(*sample_mesh("cube")), at_place(Vec3::Zero()));
+    ASSERT_TRUE(cube);
+    EXPECT_FALSE(scene.add(body_of(*sample_mesh("cube")), at_place(Vec3(19.5, 0, 0))));
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_FALSE(scene.move(*cube, {.pose = at_place(Vec3(nan, 0, 0))}));
+    EXPECT_FALSE(scene.move(*cube, {.pose = {Mat3(2 * Mat3::Identity()), Vec3::Zero()}}));
+    EXPECT_FALSE(scene.move(*cube, {.pose = {Mat3(-Mat3::Identity()), Vec3::Zero()}}));
+    EXPECT_FALSE(scene.move(*cube, {.seconds = -1}));
+    EXPECT_FALSE(scene.move(*cube, {.spin = Vec3(0, nan, 0)}));
+    EXPECT_FALSE(scene.move(*cube, {.velocity = Vec3(30, 0, 0), .coast_seconds = 1}));
+    EXPECT_FALSE(scene.move(*cube, {.coast_seconds = std::numeric_limits<double>::infinity()}));
+    EXPECT_FALSE(scene.exchange(*cube, body_of(box_mesh(Vec3(30, 1, 1)))));
+    EXPECT_TRUE(scene.move(*cube, {.pose = at_place(Vec3(3, 0, 0)), .seconds = 0.1}));
+    EXPECT_FALSE(
+        build_touch_body(*sample_mesh("cube"), {.material = SurfaceMaterial{.stiffness = nan}}));
+    EXPECT_FALSE(build_touch_body(
+        *sample_mesh("cube"),
+        {.material = SurfaceMaterial{.static_friction = 0.1, .dynamic_friction = 0.2}}));
+}
+
+} // namespace
+} // namespace proxima
