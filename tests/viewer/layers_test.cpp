@@ -99,7 +99,8 @@ protected:
     }
     void TearDown() override
     {
-        if (context_) EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
+        if (!context_) return;
+        EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
     }
 
 private:

@@ -77,7 +77,6 @@ class Window:
     def __init__(self, screen, folder, *arguments):
         self.screen = screen
         self._file = Path(folder) / "state.json"
-        self._file.unlink(missing_ok=True)
         self._program = subprocess.Popen(
             [PROXIMA, "view", *map(str, arguments), "--state", str(self._file), "--gl-debug"],
             env=screen.environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)

@@ -66,9 +66,7 @@ public:
     {
         models_ = models;
         settings_.model = std::clamp(settings_.model, 1, static_cast<int>(models.size()));
-        const Box& box = model()->box;
-        settings_.cursor.place(box.center() +
-                               0.34 * box.extent().norm() * Vec3(0.66, -0.58, 0.45).normalized());
+        settings_.cursor.place(place_by(*model(), 0.23, 0.2, 0.16));
     }
 
     void offer(Controls& controls) override

@@ -61,8 +61,7 @@ public:
         models_ = models;
         kept_a_ = std::make_shared<KeptOctree>();
         kept_b_ = std::make_shared<KeptOctree>();
-        const Box& box = models.front()->box;
-        settings_.place.place(box.center() + box.extent().cwiseProduct(Vec3(0.42, 0.25, 0.15)));
+        settings_.place.place(place_by(*models.front(), 0.243, -0.144, 0.087));
     }
 
     void offer(Controls& controls) override

@@ -70,10 +70,8 @@ public:
         kept_ = std::make_shared<KeptOctree>();
         settings_.octree.model =
             std::clamp(settings_.octree.model, 1, static_cast<int>(models.size()));
-        const Box& box = model()->box;
-        const double size = box.extent().norm();
-        settings_.from.place(box.center() + size * Vec3(-0.62, -0.3, 0.14));
-        settings_.towards.place(box.center() + size * Vec3(0.02, 0.01, 0.03));
+        settings_.from.place(place_by(*model(), -0.62, 0.3, 0.14));
+        settings_.towards.place(place_by(*model(), 0.02, -0.01, 0.03));
     }
 
     void offer(Controls& controls) override

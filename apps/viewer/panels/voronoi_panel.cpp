@@ -110,9 +110,7 @@ public:
         models_ = models;
         settings_.model = std::clamp(settings_.model, 1, static_cast<int>(models.size()));
         settings_.number = std::min(settings_.number, most_number());
-        const Box& box = model()->box;
-        settings_.cursor.place(box.center() +
-                               0.36 * box.extent().norm() * Vec3(0.6, -0.5, 0.62).normalized());
+        settings_.cursor.place(place_by(*model(), 0.23, 0.19, 0.23));
     }
 
     void offer(Controls& controls) override
