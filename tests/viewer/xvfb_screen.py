@@ -30,7 +30,7 @@ class Picture:
         at = y * self._line + 4 * x
         return self._pixels[at + 2], self._pixels[at + 1], self._pixels[at]
 
-    def share(self, box, is_wanted, step=3):
+    def share(self, box, is_wanted, step=4):
         """The part of a box (x, y, width, height) whose pixels are wanted, of every step-th."""
         x, y, width, height = box
         wanted = seen = 0
@@ -125,6 +125,7 @@ class Window:
     def choose(self, control, word):
         """Opens a menu and clicks a word of it."""
         self.click(control)
+        self.frames(3)  # until the menu has its place
         self.click(f"{control}={word}")
         self.wait(lambda state: state["controls"][control]["value"] == word, f"{control} {word}")
 

@@ -123,7 +123,7 @@ public:
 
     bool advance(double seconds) override
     {
-        if (!settings_.playing) return false;
+        if (!settings_.playing || seconds <= 0.0) return false;
         constexpr double duration = 4.0;
         settings_.pushed += std::min(seconds, 0.1) / duration;
         if (settings_.pushed > 1.0) settings_.pushed = 0.0;

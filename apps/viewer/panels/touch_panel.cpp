@@ -40,9 +40,9 @@ void add_moment(PanelPicture& picture, const TouchMoment& moment, double size)
 {
     auto scene = std::make_shared<Scene>();
     constexpr double most_force = 3.3; // N, as long as a third of the model
-    add_ball(*scene, moment.device, 0.009 * size,
-             {.name = "device", .color = srgb(figure_colors::blue), .lift = 5e-2});
-    add_ball(*scene, moment.proxy, 0.012 * size,
+    add_ball(*scene, moment.device, 0.007 * size,
+             {.name = "device", .color = srgb(figure_colors::blue), .lift = 2e-2});
+    add_ball(*scene, moment.proxy, 0.015 * size,
              {.name = "proxy",
               .color = moment.hold == Hold::free ? srgb(0x9AA3AF) : srgb(figure_colors::yellow)});
     const double force = moment.force.norm();
@@ -88,7 +88,7 @@ public:
         models_ = models;
         slot_ = std::make_shared<TouchSlot>();
         settings_.model = std::clamp(settings_.model, 1, static_cast<int>(models.size()));
-        settings_.hand.place(place_by(*model(), 0.13, 0.157, 0.144));
+        settings_.hand.place(place_by(*model(), 0.2, 0.07, 0.14));
     }
 
     void offer(Controls& controls) override

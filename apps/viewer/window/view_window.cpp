@@ -147,7 +147,8 @@ private:
         return *static_cast<ViewWindow*>(glfwGetWindowUserPointer(window));
     }
 
-    void redraw() noexcept { frames_wanted_ = 3; }
+    /// Menus need some frames to find their place.
+    void redraw() noexcept { frames_wanted_ = 6; }
 
     [[nodiscard]] Vec2 in_view(const Vec2& at) const { return {at.x() - sidebar_width(), at.y()}; }
 
