@@ -14,7 +14,7 @@
 namespace proxima {
 namespace {
 
-struct Settings {
+struct CullingSettings {
     OctreeChoice octree = {.model = 1, .depth = 5, .threshold = 40};
     CullMode mode = CullMode::conservative;
     double degrees = 24.0;
@@ -131,7 +131,7 @@ private:
         return models_[static_cast<std::size_t>(settings_.octree.model - 1)];
     }
 
-    Settings settings_;
+    CullingSettings settings_;
     ViewModels models_;
     std::shared_ptr<KeptOctree> kept_ = std::make_shared<KeptOctree>();
 };

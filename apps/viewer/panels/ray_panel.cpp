@@ -15,7 +15,7 @@ namespace {
 
 enum class RayWeight : std::uint8_t { penetration, chord };
 
-struct Settings {
+struct RaySettings {
     OctreeChoice octree;
     RayWeight weight = RayWeight::penetration;
     bool occupied_only = false;
@@ -24,7 +24,7 @@ struct Settings {
     PlacedPoint towards;
 };
 
-std::shared_ptr<const Scene> ray_scene(const Settings& settings, const Octree& octree,
+std::shared_ptr<const Scene> ray_scene(const RaySettings& settings, const Octree& octree,
                                        const Ray& ray, std::span<const CellOnRay> cells,
                                        std::span<const RayHit> hits, double size)
 {
@@ -156,7 +156,7 @@ private:
         return models_[static_cast<std::size_t>(settings_.octree.model - 1)];
     }
 
-    Settings settings_;
+    RaySettings settings_;
     ViewModels models_;
     std::shared_ptr<KeptOctree> kept_ = std::make_shared<KeptOctree>();
 };

@@ -11,7 +11,7 @@
 namespace proxima {
 namespace {
 
-struct Settings {
+struct TouchPanelSettings {
     int model = 1;
     TouchOptions touch;
     PlacedPoint hand; ///< where the mouse pulls the device to
@@ -30,7 +30,7 @@ struct TouchSlot {
 };
 
 /// Where the device begins: farther from the model's middle than where the hand wants it.
-Vec3 start_of(const Settings& settings, const ViewModel& model)
+Vec3 start_of(const TouchPanelSettings& settings, const ViewModel& model)
 {
     const Vec3 outward = settings.hand.at - model.box.center();
     return settings.hand.at + 0.3 * model.box.extent().norm() * outward.stableNormalized();
@@ -186,7 +186,7 @@ private:
         return models_[static_cast<std::size_t>(settings_.model - 1)];
     }
 
-    Settings settings_;
+    TouchPanelSettings settings_;
     ViewModels models_;
     std::shared_ptr<SharedProximity> proximity_;
     Pictures pictures_;

@@ -12,7 +12,7 @@
 namespace proxima {
 namespace {
 
-struct Settings {
+struct VoronoiSettings {
     int model = 1;
     FeatureKind kind = FeatureKind::vertex;
     int number = 0;
@@ -47,7 +47,7 @@ PanelPlot list_plot(const ProximityOctree& octree)
     return plot;
 }
 
-void add_region(PanelPicture& picture, const ViewModel& model, const Settings& settings,
+void add_region(PanelPicture& picture, const ViewModel& model, const VoronoiSettings& settings,
                 Feature feature)
 {
     const double size = model.box.extent().norm();
@@ -176,7 +176,7 @@ private:
         return static_cast<int>(std::min(count, most)) - 1;
     }
 
-    Settings settings_;
+    VoronoiSettings settings_;
     ViewModels models_;
     std::shared_ptr<SharedProximity> proximity_;
 };
