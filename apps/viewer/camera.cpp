@@ -97,13 +97,21 @@ OrbitCamera fitted(const OrbitCamera& camera, std::span<const Vec3> points, View
 OrbitCamera framed(const OrbitCamera& camera, const Box& box, ViewSize size)
 {
     if (box.empty()) return camera;
-    constexpr double room = 1.05;
-    const double radius = std::max(0.5 * box.extent().norm(), 1e-12);
-    // The slope from the axis to the nearer side of the picture.
-    const double slope = std::min(1.0, static_cast<double>(size.width) / size.height) / camera.zoom;
+    constexpr double part = 0.94; // of the picture, from its middle to its side
+    const Vec3 slopes(part * size.width / size.height / camera.zoom, part / camera.zoom, 1.0);
     OrbitCamera result = camera;
     result.target = box.center();
-    result.distance = room * radius * std::sqrt(1.0 + 1.0 / (slope * slope));
+    const View view(result, size);
+    result.distance = 1e-12;
+    for (int bits = 0; bits < 8; ++bits) {
+        const Vec3 corner((bits & 1) != 0 ? box.upper.x() : box.lower.x(),
+                          (bits & 2) != 0 ? box.upper.y() : box.lower.y(),
+                          (bits & 4) != 0 ? box.upper.z() : box.lower.z());
+        const Vec3 offset = corner - result.target;
+        const double needed = std::max(std::abs(view.right().dot(offset)) / slopes.x(),
+                                       std::abs(view.up().dot(offset)) / slopes.y());
+        result.distance = std::max(result.distance, view.back().dot(offset) + needed);
+    }
     result.shift = Vec2::Zero();
     return result;
 }

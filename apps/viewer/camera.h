@@ -63,7 +63,7 @@ private:
 [[nodiscard]] OrbitCamera fitted(const OrbitCamera& camera, std::span<const Vec3> points,
                                  ViewSize size, double margin = 0.06);
 
-/// Far enough from the box that all of it is in the picture, from whatever side it is looked at.
+/// Moved, not turned, so that all of the box is in the picture but for a margin.
 [[nodiscard]] OrbitCamera framed(const OrbitCamera& camera, const Box& box, ViewSize size);
 
 /// As a hand at the mouse moves it; `drag` in pixels, right and down. Never over the pole.

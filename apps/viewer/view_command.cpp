@@ -123,8 +123,8 @@ Status run_view(const ViewOptions& options, Session& session)
     if (!options.needs_window()) return run_headless(options, session);
     Viewer viewer({.threads = session.threads(), .pictures = Pictures::live, .wake = wake_window});
     if (Status status = prepare(viewer, options); !status) return status;
-    viewer.open(options.models);
-    if (Status status = run_window(viewer, {.size = options.size,
+    if (Status status = run_window(viewer, {.models = options.models,
+                                            .size = options.size,
                                             .state = options.state,
                                             .debug = options.debug,
                                             .stop = &session.progress()});

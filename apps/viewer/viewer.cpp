@@ -71,7 +71,12 @@ void Viewer::open(std::vector<std::string> names)
 Status Viewer::take_models()
 {
     auto models = loading_.take();
-    if (!models) return tl::unexpected(models.error());
+    if (!models) {
+        // Where there are models already, they stay.
+        if (models_.empty()) return tl::unexpected(models.error());
+        problem_ = describe(models.error());
+        return {};
+    }
     if (working_.is_busy()) {
         working_.cancel();
         (void)working_.take();
@@ -337,6 +342,18 @@ void Viewer::double_click(const Vec2& at)
 
 void Viewer::wheel(double steps)
 {
+    if (drag_ == Drag::handle) {
+        // Away from the eye, or towards it.
+        const std::vector<Vec3> places = handles();
+        if (handle_ >= places.size()) return;
+        constexpr double part_of_depth = 0.02;
+        const View view(camera_, size_);
+        const Vec3 away = places[handle_] - view.eye();
+        panels_[panel_]->move_handle(handle_, places[handle_] + part_of_depth * steps * away);
+        moved_ = true;
+        ++wanted_;
+        return;
+    }
     camera_ = zoomed(camera_, steps);
     camera_is_set_ = true;
 }

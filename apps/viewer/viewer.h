@@ -81,7 +81,8 @@ public:
     [[nodiscard]] bool is_moving() const { return panels_[panel_]->is_moving(); }
 
     // The mouse, in pixels of the picture. Left turns, middle or right moves, the wheel goes
-    // nearer; a handle is dragged; a click picks, two clicks make the place the middle.
+    // nearer; a handle is dragged, with the wheel to and fro; a click picks, two clicks make the
+    // place the middle.
     void resize(ViewSize size);
     void press(MouseButton button, const Vec2& at, bool with_shift = false);
     void move(const Vec2& at);

@@ -1,4 +1,4 @@
-"""A screen without a monitor (Xvfb), the mouse and the keyboard of a person (xdotool), and the window of
+"""A screen without a monitor (Xvfb, x11-utils), the mouse and the keyboard of a person (xdotool), and the window of
 `proxima view`, which says in a file where its controls are and what it does."""
 import json
 import os
@@ -11,7 +11,7 @@ from pathlib import Path
 
 from proxima_program import PROXIMA
 
-MISSING = [name for name in ("Xvfb", "xdotool") if shutil.which(name) is None]
+MISSING = [name for name in ("Xvfb", "xdotool", "xprop") if shutil.which(name) is None]
 PATIENCE = 120  # seconds: for slow machines; every wait ends with what it waits for
 
 
@@ -30,7 +30,7 @@ class Picture:
         at = y * self._line + 4 * x
         return self._pixels[at + 2], self._pixels[at + 1], self._pixels[at]
 
-    def share(self, box, is_wanted, step=3):
+    def share(self, box, is_wanted, step=6):
         """The part of a box (x, y, width, height) whose pixels are wanted, of every step-th."""
         x, y, width, height = box
         wanted = seen = 0
@@ -45,17 +45,20 @@ class Screen:
     """An X server of its own. \\pre not MISSING"""
 
     def __init__(self, dpi=96):
+        """Dots per inch as desktops say them, by a property of the root window."""
         self._folder = tempfile.TemporaryDirectory()
         read, write = os.pipe()
         self._server = subprocess.Popen(
-            ["Xvfb", "-displayfd", str(write), "-screen", "0", "1400x1000x24", "-dpi", str(dpi), "-nolisten", "tcp",
-             "-fbdir", self._folder.name],
+            ["Xvfb", "-displayfd", str(write), "-screen", "0", "1400x1000x24", "-nolisten", "tcp", "-noreset", "-fbdir",
+             self._folder.name],
             pass_fds=[write], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         os.close(write)
         with os.fdopen(read) as pipe:
             number = pipe.readline().strip()
         assert number, "Xvfb did not start"
         self.environment = {**os.environ, "DISPLAY": f":{number}", "LIBGL_ALWAYS_SOFTWARE": "1"}
+        subprocess.run(["xprop", "-root", "-f", "RESOURCE_MANAGER", "8s", "-set", "RESOURCE_MANAGER", f"Xft.dpi:\t{dpi}\n"],
+                       env=self.environment, check=True, timeout=PATIENCE)
 
     def close(self):
         self._server.terminate()
@@ -77,7 +80,6 @@ class Window:
     def __init__(self, screen, folder, *arguments):
         self.screen = screen
         self._file = Path(folder) / "state.json"
-        self._file.unlink(missing_ok=True)
         self._program = subprocess.Popen(
             [PROXIMA, "view", *map(str, arguments), "--state", str(self._file), "--gl-debug"],
             env=screen.environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
@@ -126,6 +128,7 @@ class Window:
     def choose(self, control, word):
         """Opens a menu and clicks a word of it."""
         self.click(control)
+        self.frames(3)  # until the menu has its place
         self.click(f"{control}={word}")
         self.wait(lambda state: state["controls"][control]["value"] == word, f"{control} {word}")
 

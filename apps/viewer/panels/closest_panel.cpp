@@ -13,7 +13,7 @@
 namespace proxima {
 namespace {
 
-struct Settings {
+struct ClosestSettings {
     int model = 1;
     int rings = 1;
     bool leaf = true;
@@ -21,7 +21,7 @@ struct Settings {
     PlacedPoint cursor;
 };
 
-std::shared_ptr<const Scene> closest_scene(const ViewModel& model, const Settings& settings,
+std::shared_ptr<const Scene> closest_scene(const ViewModel& model, const ClosestSettings& settings,
                                            const ClosestFeature& closest,
                                            std::span<const TriangleId> patch,
                                            const std::optional<ProximityLeaf>& leaf)
@@ -66,9 +66,7 @@ public:
     {
         models_ = models;
         settings_.model = std::clamp(settings_.model, 1, static_cast<int>(models.size()));
-        const Box& box = model()->box;
-        settings_.cursor.place(box.center() +
-                               0.34 * box.extent().norm() * Vec3(0.66, -0.58, 0.45).normalized());
+        settings_.cursor.place(place_by(*model(), 0.23, 0.2, 0.16));
     }
 
     void offer(Controls& controls) override
@@ -137,7 +135,7 @@ private:
         return models_[static_cast<std::size_t>(settings_.model - 1)];
     }
 
-    Settings settings_;
+    ClosestSettings settings_;
     ViewModels models_;
     std::shared_ptr<SharedProximity> proximity_;
 };

@@ -14,7 +14,7 @@
 namespace proxima {
 namespace {
 
-struct Settings {
+struct CullingSettings {
     OctreeChoice octree = {.model = 1, .depth = 5, .threshold = 40};
     CullMode mode = CullMode::conservative;
     double degrees = 24.0;
@@ -42,10 +42,8 @@ public:
         kept_ = std::make_shared<KeptOctree>();
         settings_.octree.model =
             std::clamp(settings_.octree.model, 1, static_cast<int>(models.size()));
-        const Box& box = model()->box;
-        const double size = box.extent().norm();
-        settings_.eye.place(box.center() + size * Vec3(-0.45, -0.6, 0.28));
-        settings_.target.place(box.center() + size * Vec3(0.05, 0.06, -0.03));
+        settings_.eye.place(place_by(*model(), -0.45, 0.6, 0.28));
+        settings_.target.place(place_by(*model(), 0.05, -0.06, -0.03));
     }
 
     void offer(Controls& controls) override
@@ -133,7 +131,7 @@ private:
         return models_[static_cast<std::size_t>(settings_.octree.model - 1)];
     }
 
-    Settings settings_;
+    CullingSettings settings_;
     ViewModels models_;
     std::shared_ptr<KeptOctree> kept_ = std::make_shared<KeptOctree>();
 };

@@ -12,7 +12,7 @@
 namespace proxima {
 namespace {
 
-struct Settings {
+struct IntersectionSettings {
     int depth = 5;
     int threshold = 8;
     double turn = 25.0; ///< degrees about the axis up
@@ -22,7 +22,7 @@ struct Settings {
     PlacedPoint place; ///< of B's centre
 };
 
-RigidTransform pose_of(const Settings& settings, const ViewModel& b)
+RigidTransform pose_of(const IntersectionSettings& settings, const ViewModel& b)
 {
     constexpr double degree = std::numbers::pi / 180.0;
     const Eigen::AngleAxisd turn(settings.turn * degree, b.up);
@@ -61,8 +61,7 @@ public:
         models_ = models;
         kept_a_ = std::make_shared<KeptOctree>();
         kept_b_ = std::make_shared<KeptOctree>();
-        const Box& box = models.front()->box;
-        settings_.place.place(box.center() + box.extent().cwiseProduct(Vec3(0.42, 0.25, 0.15)));
+        settings_.place.place(place_by(*models.front(), 0.243, -0.144, 0.087));
     }
 
     void offer(Controls& controls) override
@@ -131,7 +130,7 @@ public:
     }
 
 private:
-    Settings settings_;
+    IntersectionSettings settings_;
     ViewModels models_;
     std::shared_ptr<KeptOctree> kept_a_ = std::make_shared<KeptOctree>();
     std::shared_ptr<KeptOctree> kept_b_ = std::make_shared<KeptOctree>();

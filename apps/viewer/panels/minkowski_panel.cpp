@@ -23,7 +23,7 @@ struct SumChoice {
     friend auto operator<=>(const SumChoice&, const SumChoice&) = default;
 };
 
-struct Settings {
+struct SumSettings {
     SumChoice bodies;
     double size = 0.55;  ///< of B
     double pushed = 1.0; ///< how much of B's size
@@ -75,7 +75,8 @@ Result<MinkowskiSum> make_sum(const SumChoice& bodies, const ViewModel& model,
 
 const EdgeStyle sum_edges = {.name = "edges", .color = srgb(0x333333), .width = 1.6};
 
-Result<std::shared_ptr<const Scene>> facets_scene(const MinkowskiSum& sum, const Settings& settings)
+Result<std::shared_ptr<const Scene>> facets_scene(const MinkowskiSum& sum,
+                                                  const SumSettings& settings)
 {
     const auto surface = draw(sum);
     if (!surface) return tl::unexpected(surface.error());
@@ -123,7 +124,7 @@ public:
 
     bool advance(double seconds) override
     {
-        if (!settings_.playing) return false;
+        if (!settings_.playing || seconds <= 0.0) return false;
         constexpr double duration = 4.0;
         settings_.pushed += std::min(seconds, 0.1) / duration;
         if (settings_.pushed > 1.0) settings_.pushed = 0.0;
@@ -200,7 +201,7 @@ private:
         return std::shared_ptr<const Scene>(std::move(scene));
     }
 
-    Settings settings_;
+    SumSettings settings_;
     std::shared_ptr<Kept<SumChoice, MinkowskiSum>> kept_ =
         std::make_shared<Kept<SumChoice, MinkowskiSum>>();
 };

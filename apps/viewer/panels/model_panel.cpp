@@ -6,7 +6,7 @@
 namespace proxima {
 namespace {
 
-struct Settings {
+struct ModelSettings {
     bool smooth = true;
     bool edges = false;
 };
@@ -84,7 +84,7 @@ public:
     }
 
 private:
-    Settings settings_;
+    ModelSettings settings_;
     std::shared_ptr<Kept<int, Reports>> reports_ = std::make_shared<Kept<int, Reports>>();
 };
 

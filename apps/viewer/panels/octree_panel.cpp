@@ -30,7 +30,7 @@ struct BuildSettings {
     friend auto operator<=>(const BuildSettings&, const BuildSettings&) = default;
 };
 
-struct Settings {
+struct OctreePanelSettings {
     BuildSettings build;
     ColorBy color = ColorBy::depth;
     bool boundary = true;
@@ -71,7 +71,7 @@ Result<BuiltOctree> build(const ViewModel& model, const BuildSettings& settings,
     return BuiltOctree{std::move(*octree), statistics, std::move(*leaves), spent.count()};
 }
 
-bool is_shown(const Settings& settings, const LeafBox& leaf)
+bool is_shown(const OctreePanelSettings& settings, const LeafBox& leaf)
 {
     return leaf.type == CellClass::boundary ? settings.boundary
            : leaf.type == CellClass::inner  ? settings.inner
@@ -79,7 +79,7 @@ bool is_shown(const Settings& settings, const LeafBox& leaf)
 }
 
 /// The group of one colour that a leaf belongs to, and that colour's place from 0 to 1.
-int group_of(const Settings& settings, const LeafBox& leaf)
+int group_of(const OctreePanelSettings& settings, const LeafBox& leaf)
 {
     switch (settings.color) {
     case ColorBy::depth:
@@ -92,7 +92,8 @@ int group_of(const Settings& settings, const LeafBox& leaf)
     return std::bit_width(leaf.triangles); // 0, 1, 2-3, 4-7, ...
 }
 
-Color color_of_group(const Settings& settings, int group, const OctreeStatistics& statistics)
+Color color_of_group(const OctreePanelSettings& settings, int group,
+                     const OctreeStatistics& statistics)
 {
     if (settings.color == ColorBy::type) return class_color(static_cast<CellClass>(group));
     const int most = settings.color == ColorBy::depth
@@ -104,7 +105,8 @@ Color color_of_group(const Settings& settings, int group, const OctreeStatistics
 using Groups = std::map<int, std::vector<LeafBox>>;
 
 /// Leaves that are shown, by colour, as many as can be drawn: larger ones first. And their number.
-std::pair<Groups, std::size_t> shown_groups(const Settings& settings, const BuiltOctree& built)
+std::pair<Groups, std::size_t> shown_groups(const OctreePanelSettings& settings,
+                                            const BuiltOctree& built)
 {
     std::vector<LeafBox> shown;
     for (const LeafBox& leaf : built.leaves)
@@ -119,8 +121,8 @@ std::pair<Groups, std::size_t> shown_groups(const Settings& settings, const Buil
     return {std::move(groups), all};
 }
 
-std::shared_ptr<const Scene> cells_scene(const Settings& settings, const BuiltOctree& built,
-                                         const Groups& groups)
+std::shared_ptr<const Scene> cells_scene(const OctreePanelSettings& settings,
+                                         const BuiltOctree& built, const Groups& groups)
 {
     auto scene = std::make_shared<Scene>();
     for (const auto& [group, leaves] : groups) {
@@ -134,8 +136,8 @@ std::shared_ptr<const Scene> cells_scene(const Settings& settings, const BuiltOc
 }
 
 /// What the cut plane goes through, filled.
-std::shared_ptr<const Scene> slice_scene(const Settings& settings, const BuiltOctree& built,
-                                         const AxisPlane& plane)
+std::shared_ptr<const Scene> slice_scene(const OctreePanelSettings& settings,
+                                         const BuiltOctree& built, const AxisPlane& plane)
 {
     auto scene = std::make_shared<Scene>();
     std::map<int, std::vector<Box>> slices;
@@ -257,7 +259,7 @@ public:
     }
 
 private:
-    Settings settings_;
+    OctreePanelSettings settings_;
     int models_ = 1;
     std::shared_ptr<Kept<BuildSettings, BuiltOctree>> kept_ =
         std::make_shared<Kept<BuildSettings, BuiltOctree>>();

@@ -1,8 +1,19 @@
 #include "viewer/panels/placed_point.h"
 
 #include "proxima/base/text.h"
+#include "viewer/camera.h"
+
+#include <algorithm>
+#include <array>
 
 namespace proxima {
+
+Vec3 place_by(const ViewModel& model, double right, double front, double up)
+{
+    const View view({.azimuth = 0.0, .elevation = 0.0, .up = model.up}, {});
+    return model.box.center() + model.box.extent().norm() *
+                                    (right * view.right() + front * view.back() + up * view.up());
+}
 
 void PlacedPoint::offer(Controls& controls, std::string_view name, const ViewModels& models)
 {

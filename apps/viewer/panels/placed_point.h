@@ -7,6 +7,10 @@
 
 namespace proxima {
 
+/// From the middle of a model so far to the right, to the front and up, as it is seen at first, per
+/// diagonal of its box.
+[[nodiscard]] Vec3 place_by(const ViewModel& model, double right, double front, double up);
+
 struct PlacedPoint {
     Vec3 at = Vec3::Zero();
     bool is_set = false; ///< by a person

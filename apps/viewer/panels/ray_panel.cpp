@@ -15,7 +15,7 @@ namespace {
 
 enum class RayWeight : std::uint8_t { penetration, chord };
 
-struct Settings {
+struct RaySettings {
     OctreeChoice octree;
     RayWeight weight = RayWeight::penetration;
     bool occupied_only = false;
@@ -24,7 +24,7 @@ struct Settings {
     PlacedPoint towards;
 };
 
-std::shared_ptr<const Scene> ray_scene(const Settings& settings, const Octree& octree,
+std::shared_ptr<const Scene> ray_scene(const RaySettings& settings, const Octree& octree,
                                        const Ray& ray, std::span<const CellOnRay> cells,
                                        std::span<const RayHit> hits, double size)
 {
@@ -70,10 +70,8 @@ public:
         kept_ = std::make_shared<KeptOctree>();
         settings_.octree.model =
             std::clamp(settings_.octree.model, 1, static_cast<int>(models.size()));
-        const Box& box = model()->box;
-        const double size = box.extent().norm();
-        settings_.from.place(box.center() + size * Vec3(-0.62, -0.3, 0.14));
-        settings_.towards.place(box.center() + size * Vec3(0.02, 0.01, 0.03));
+        settings_.from.place(place_by(*model(), -0.62, 0.3, 0.14));
+        settings_.towards.place(place_by(*model(), 0.02, -0.01, 0.03));
     }
 
     void offer(Controls& controls) override
@@ -158,7 +156,7 @@ private:
         return models_[static_cast<std::size_t>(settings_.octree.model - 1)];
     }
 
-    Settings settings_;
+    RaySettings settings_;
     ViewModels models_;
     std::shared_ptr<KeptOctree> kept_ = std::make_shared<KeptOctree>();
 };

@@ -11,7 +11,7 @@
 namespace proxima {
 namespace {
 
-struct Settings {
+struct TouchPanelSettings {
     int model = 1;
     TouchOptions touch;
     PlacedPoint hand; ///< where the mouse pulls the device to
@@ -29,13 +29,20 @@ struct TouchSlot {
     std::shared_ptr<const Touchable> latest;
 };
 
+/// Where the device begins: farther from the model's middle than where the hand wants it.
+Vec3 start_of(const TouchPanelSettings& settings, const ViewModel& model)
+{
+    const Vec3 outward = settings.hand.at - model.box.center();
+    return settings.hand.at + 0.3 * model.box.extent().norm() * outward.stableNormalized();
+}
+
 void add_moment(PanelPicture& picture, const TouchMoment& moment, double size)
 {
     auto scene = std::make_shared<Scene>();
     constexpr double most_force = 3.3; // N, as long as a third of the model
-    add_ball(*scene, moment.device, 0.009 * size,
-             {.name = "device", .color = srgb(figure_colors::blue), .lift = 5e-2});
-    add_ball(*scene, moment.proxy, 0.012 * size,
+    add_ball(*scene, moment.device, 0.007 * size,
+             {.name = "device", .color = srgb(figure_colors::blue), .lift = 2e-2});
+    add_ball(*scene, moment.proxy, 0.015 * size,
              {.name = "proxy",
               .color = moment.hold == Hold::free ? srgb(0x9AA3AF) : srgb(figure_colors::yellow)});
     const double force = moment.force.norm();
@@ -71,7 +78,8 @@ public:
     {
         return "Touch the model: drag the ring, which pulls a device (blue) through a simulated "
                "hand. The proxy (yellow) stays on the surface, the force (red) pulls the device "
-               "back to it. A click puts the ring on a place.";
+               "back to it. A click presses a place; the wheel moves the ring to and fro while it "
+               "is held.";
     }
 
     void models_changed(const ViewModels& models) override
@@ -80,8 +88,7 @@ public:
         models_ = models;
         slot_ = std::make_shared<TouchSlot>();
         settings_.model = std::clamp(settings_.model, 1, static_cast<int>(models.size()));
-        settings_.hand.place(model()->box.center() + 0.45 * model()->box.extent().norm() *
-                                                         Vec3(0.5, -0.6, 0.55).normalized());
+        settings_.hand.place(place_by(*model(), 0.2, 0.07, 0.14));
     }
 
     void offer(Controls& controls) override
@@ -102,7 +109,10 @@ public:
     bool picked(const PickedPlace& place) override
     {
         settings_.model = static_cast<int>(place.model) + 1;
-        settings_.hand.set(place.point);
+        // A little below the surface, so that it is felt.
+        const ViewModel& touched = *models_[place.model];
+        const Vec3 normal = scaled_normal(touched.mesh.triangle(place.triangle)).stableNormalized();
+        settings_.hand.set(place.point - 0.04 * touched.box.extent().norm() * normal);
         return true;
     }
 
@@ -121,9 +131,8 @@ public:
             if (pictures == Pictures::still) {
                 constexpr int ticks = 1000;
                 const double size = model->box.extent().norm();
-                const Vec3 outward = (settings.hand.at - model->box.center()).stableNormalized();
                 TouchSimulation simulation(*touchable->surface, model->box, settings.touch,
-                                           settings.hand.at + 0.3 * size * outward);
+                                           start_of(settings, *model));
                 for (int i = 0; i < ticks; ++i) simulation.tick(settings.hand.at);
                 add_moment(picture, simulation.moment(), size);
             }
@@ -144,7 +153,8 @@ public:
         if (!touched_) return;
         if (!engine_) {
             engine_ = std::make_unique<TouchEngine>(*touched_->surface, touched_->model->box,
-                                                    settings_.touch, settings_.hand.at);
+                                                    settings_.touch,
+                                                    start_of(settings_, *touched_->model));
         }
         engine_->pull_to(settings_.hand.at);
         add_moment(picture, engine_->moment(), touched_->model->box.extent().norm());
@@ -176,7 +186,7 @@ private:
         return models_[static_cast<std::size_t>(settings_.model - 1)];
     }
 
-    Settings settings_;
+    TouchPanelSettings settings_;
     ViewModels models_;
     std::shared_ptr<SharedProximity> proximity_;
     Pictures pictures_;

@@ -12,7 +12,7 @@
 namespace proxima {
 namespace {
 
-struct Settings {
+struct VoronoiSettings {
     int model = 1;
     FeatureKind kind = FeatureKind::vertex;
     int number = 0;
@@ -47,7 +47,7 @@ PanelPlot list_plot(const ProximityOctree& octree)
     return plot;
 }
 
-void add_region(PanelPicture& picture, const ViewModel& model, const Settings& settings,
+void add_region(PanelPicture& picture, const ViewModel& model, const VoronoiSettings& settings,
                 Feature feature)
 {
     const double size = model.box.extent().norm();
@@ -110,9 +110,7 @@ public:
         models_ = models;
         settings_.model = std::clamp(settings_.model, 1, static_cast<int>(models.size()));
         settings_.number = std::min(settings_.number, most_number());
-        const Box& box = model()->box;
-        settings_.cursor.place(box.center() +
-                               0.36 * box.extent().norm() * Vec3(0.6, -0.5, 0.62).normalized());
+        settings_.cursor.place(place_by(*model(), 0.23, 0.19, 0.23));
     }
 
     void offer(Controls& controls) override
@@ -178,7 +176,7 @@ private:
         return static_cast<int>(std::min(count, most)) - 1;
     }
 
-    Settings settings_;
+    VoronoiSettings settings_;
     ViewModels models_;
     std::shared_ptr<SharedProximity> proximity_;
 };

@@ -101,6 +101,7 @@ public:
 
     [[nodiscard]] Status run()
     {
+        viewer_.open(options_.models);
         auto last = Clock::now();
         while (glfwWindowShouldClose(window_.get()) == GLFW_FALSE) {
             wait();
@@ -146,7 +147,8 @@ private:
         return *static_cast<ViewWindow*>(glfwGetWindowUserPointer(window));
     }
 
-    void redraw() noexcept { frames_wanted_ = 3; }
+    /// Menus need some frames to find their place.
+    void redraw() noexcept { frames_wanted_ = 6; }
 
     [[nodiscard]] Vec2 in_view(const Vec2& at) const { return {at.x() - sidebar_width(), at.y()}; }
 
@@ -220,11 +222,11 @@ private:
         constexpr double frame = 1.0 / 60.0;
         constexpr double watching = 0.1;
         constexpr double idle = 0.5;
-        if (frames_wanted_ > 0 || needs_refining_) {
+        if (frames_wanted_ > 0) {
             --frames_wanted_;
             glfwPollEvents();
         } else {
-            glfwWaitEventsTimeout(viewer_.is_moving()                          ? frame
+            glfwWaitEventsTimeout(viewer_.is_moving() || needs_refining_       ? frame
                                   : !viewer_.is_settled() || saving_.is_busy() ? watching
                                                                                : idle);
         }

@@ -6,10 +6,12 @@
 #include "viewer/viewer.h"
 
 #include <string>
+#include <vector>
 
 namespace proxima {
 
 struct WindowOptions {
+    std::vector<std::string> models;                ///< opened once there is a window
     ViewSize size = {.width = 1280, .height = 820}; ///< before the screen's scale
     std::string state;  ///< a file that says what the window shows, kept up to date; empty: none
     bool debug = false; ///< a debug context, whose messages count as problems

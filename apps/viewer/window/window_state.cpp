@@ -1,8 +1,9 @@
 #include "viewer/window/window_state.h"
 
-#include "proxima/base/output_file.h"
-
+#include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <system_error>
 
 namespace proxima {
 namespace {
@@ -69,11 +70,17 @@ Status write_window_state(const std::string& path, const WindowState& state, con
                        {"uploaded_bytes", state.uploaded_bytes},
                        {"gl_messages", state.gl_messages},
                        {"renderer", state.renderer}};
-    auto file = OutputFile::create(path);
-    if (!file) return tl::unexpected(file.error());
-    const std::string text = json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace);
-    if (Status status = file->write(text + '\n'); !status) return status;
-    return file->commit();
+    // Renamed into place, so that nobody reads a part of it; not forced to the disk, which would
+    // take longer than a frame.
+    const std::string fresh = path + ".new";
+    std::ofstream file(fresh, std::ios::trunc);
+    file << json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
+    file.close();
+    std::error_code error;
+    if (file) std::filesystem::rename(fresh, path, error);
+    if (!file || error)
+        return fail(ErrorCode::file_not_writable, "the window's state cannot be written", path);
+    return {};
 }
 
 } // namespace proxima
