@@ -1,6 +1,7 @@
 // A device in a program of its own: sends where its hand is to `proxima touch MODEL --device
 // udp:PORT`, a thousand times a second, and makes the force from the contact planes that come back.
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <iostream>
 #include <proxima/base/udp_socket.h>
@@ -42,7 +43,9 @@ int main(int argc, char** argv)
         }
         const proxima::Vec3 force = servo.force(now.pose.translation, now.velocity, 1e-3 * tick);
         largest = std::max(largest, force.norm());
-        hand.step(force, proxima::Vec3(0, 0, 0.06 - 0.04 * std::min(1e-3 * tick, 1.0)));
+        // Down by 40 mm in a second, with the tremor that hands have.
+        const double tremor = 2e-5 * std::sin(0.07 * tick);
+        hand.step(force, proxima::Vec3(tremor, 0, 0.06 - 0.04 * std::min(1e-3 * tick, 1.0)));
     }
     state.flags = proxima::StatePacket::leaving;
     ++state.sequence;

@@ -1,6 +1,6 @@
-// Feeds any datagrams to a UDP device and to the servo of the other side: whatever they hold, forces
-// are finite and within the limit. The bytes are a datagram of each kind after the other, each after
-// its length in a byte; seeds are a state and a reply of a contact.
+// Feeds any datagrams to a UDP device and to the servo of the other side: whatever they hold,
+// forces are finite and within the limit. The bytes are a datagram of each kind after the other,
+// each after its length in a byte; seeds are a state and a reply of a contact.
 #include "exact_copy.h"
 #include "proxima/base/check.h"
 #include "proxima/haptics/device_input.h"
