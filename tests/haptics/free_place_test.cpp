@@ -34,8 +34,8 @@ TEST(FreePlace, is_free_wherever_one_is_found)
         const double skin = 0x1p-40 * surface.scale().reach;
         int found = 0;
         int asked = 0;
-        for (const double radius : {1e-6, 0.01, 0.05}) {
-            for (std::uint32_t v = 0; v < named.mesh.vertex_count(); v += 11) {
+        for (const double radius : {1e-6, 0.02}) {
+            for (std::uint32_t v = 0; v < named.mesh.vertex_count(); v += 41) {
                 const Vec3 p = named.mesh.positions()[v];
                 const auto free = find_free_place(surface, radius * size, p, room);
                 ++asked;
@@ -141,7 +141,7 @@ TEST(Proxy, a_sphere_that_begins_in_a_corner_of_the_ship_is_not_stuck)
         int moved = 0;
         int touching = 0;
         Vec3 last = Vec3::Zero();
-        for (int tick = 0; tick < 1500; ++tick) {
+        for (int tick = 0; tick < 700; ++tick) {
             const RenderTick& felt = renderer.tick(hand.state(), 1e-3);
             ASSERT_TRUE(felt.proxy.has_room) << seed << ' ' << tick;
             ASSERT_GE(distance_to(mesh, felt.proxy.proxy), renderer.proxy().radius() * (1 - 1e-6));
@@ -150,8 +150,8 @@ TEST(Proxy, a_sphere_that_begins_in_a_corner_of_the_ship_is_not_stuck)
             last = felt.proxy.proxy;
             hand.step(felt.force, script->target(1e-3 * tick));
         }
-        EXPECT_GT(moved, 750) << seed;
-        EXPECT_GT(touching, 50) << seed;
+        EXPECT_GT(moved, 350) << seed;
+        EXPECT_GT(touching, 20) << seed;
     }
 }
 
