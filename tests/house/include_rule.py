@@ -37,9 +37,9 @@ KERNELS = {f"src/proxima/octree/{name}" for name in (
         "block_scan-inl.h", "closest_feature.cpp", "closest_features.cpp", "domination.cpp", "eight_corners-inl.h",
         "local_region.cpp", "row_distance-inl.h", "search_octree-inl.h", "triangle_lanes.cpp", "triangle_tree_search.cpp")} | {
     f"src/proxima/query/{name}" for name in (
-        "box_pairs-inl.h", "cast_ray.cpp", "cull_volume.cpp", "eight_points-inl.h", "intersect_meshes.cpp",
-        "leaf_pairs-inl.h", "mesh_distance.cpp", "open_ray-inl.h", "pair_bounds-inl.h", "walk_pairs-inl.h",
-        "walk_ray-inl.h")} | {"src/proxima/haptics/contact_cache.cpp"}
+        "ask_triangle-inl.h", "box_pairs-inl.h", "cast_ray.cpp", "cull_volume.cpp", "eight_points-inl.h",
+        "intersect_meshes.cpp", "leaf_pairs-inl.h", "mesh_distance.cpp", "open_ray-inl.h", "pair_bounds-inl.h",
+        "walk_pairs-inl.h", "walk_ray-inl.h")} | {"src/proxima/haptics/contact_cache.cpp"}
 
 # Headers of one processor: immintrin.h, x86intrin.h, arm_neon.h, riscv_vector.h and their like.
 INTRINSICS = re.compile(r"^(\w*intrin|cpuid|(arm|riscv)_\w+|altivec|wasm_simd128|msa)\.h$")

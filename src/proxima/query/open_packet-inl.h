@@ -87,6 +87,7 @@ public:
     /// False where they are no packet. \pre packet_size valid rays
     HWY_INLINE bool open(const RayIndex& index, std::span<const Ray> rays)
     {
+        if (!may_look_alike(rays)) return false;
         const RayShear shear(rays.front().direction);
         axes = {shear.x, shear.y, shear.z};
         octant = 0;
@@ -114,6 +115,17 @@ public:
 private:
     using FloatTag = hn::Rebind<float, DoubleTag>;
     using BitTag = hn::RebindToUnsigned<DoubleTag>;
+
+    /// By some of the rays, so that those that go anywhere are soon turned down.
+    static HWY_INLINE bool may_look_alike(std::span<const Ray> rays)
+    {
+        const Vec3& first = rays.front().direction;
+        const double reach = 0.5 * first.cwiseAbs().maxCoeff();
+        const auto is_near = [&](const Ray& ray) {
+            return (ray.direction - first).cwiseAbs().maxCoeff() <= reach;
+        };
+        return is_near(rays[packet_size / 2]) && is_near(rays.back());
+    }
 
     HWY_INLINE bool look_the_same_way(std::size_t first) const
     {

@@ -5,8 +5,8 @@
 //     leaves   a triangle at a time; lanes are rays
 //
 // An interval's ends are those of rays. (p - o) r is least at one of its corners, and at the two
-// that are asked; rounding is that of a single ray with the largest r, which boxes have margins for
-// as long as no other is below 4/5 of it (build_ray_index.cpp: 15 of 20 u, half of step / 64).
+// that are asked. Rounding is that of a single ray with the largest r, up to r (0.008 step + 16 u)
+// (build_ray_index.cpp); a packet adds the second part itself, and boxes have twice the first.
 
 #if defined(PROXIMA_QUERY_WALK_PACKET_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef PROXIMA_QUERY_WALK_PACKET_INL_H
@@ -103,14 +103,17 @@ private:
             const float small = std::abs(rises ? inverse.least : inverse.most);
             const float large = std::abs(rises ? inverse.most : inverse.least);
             constexpr float most_apart = 0.25F; // of origins: a guess
-            if (!(large <= 1.25F * small && origin.most - origin.least <= most_apart)) return false;
+            constexpr float most_unlike = 1.9F; // of 2: margin of boxes
+            if (!(large <= most_unlike * small && origin.most - origin.least <= most_apart))
+                return false;
             const float enters = rises ? origin.most : origin.least;
             const float leaves = rises ? origin.least : origin.most;
+            const float rounding = 20 * float_roundoff * large;
             for (std::size_t i = 0; i < 2; ++i) {
                 const float r = i == 0 ? inverse.least : inverse.most;
                 ends_[axis][i].inverse.fill(r);
-                ends_[axis][i].enter.fill(-enters * r);
-                ends_[axis][i].leave.fill(-leaves * r);
+                ends_[axis][i].enter.fill(-enters * r - rounding);
+                ends_[axis][i].leave.fill(-leaves * r + rounding);
             }
         }
         // Weights are positive where direction . normal has the sign of the direction's z.
@@ -191,7 +194,11 @@ private:
         bool changes = false;
         for (std::size_t part = 0; part < packet_parts; ++part) {
             Corners corners;
-            auto reach = hn::Zero(d);
+            const auto infinite = hn::Set(d, infinity);
+            auto left = infinite;
+            auto low = infinite;
+            auto right = hn::Neg(infinite);
+            auto high = hn::Neg(infinite);
             for (std::size_t i = 0; i < 8; ++i) {
                 const auto about = [&](std::size_t k) {
                     return hn::Sub(hn::Set(d, leaf.coordinates[rays_.axes[k]][i]),
@@ -200,11 +207,20 @@ private:
                 const auto along = about(2);
                 const auto x = hn::NegMulAdd(along, rays_.slope_x.part(part), about(0));
                 const auto y = hn::NegMulAdd(along, rays_.slope_y.part(part), about(1));
-                reach = hn::Max(reach, hn::Max(hn::Abs(x), hn::Abs(y)));
+                left = hn::Min(left, x);
+                right = hn::Max(right, x);
+                low = hn::Min(low, y);
+                high = hn::Max(high, y);
                 hn::Store(x, d, corners.x[i]);
                 hn::Store(y, d, corners.y[i]);
                 hn::Store(along, d, corners.z[i]);
             }
+            // Rays that have all corners on one side, by more than x and y are off
+            // (walk_ray-inl.h).
+            const auto aside = hn::Max(hn::Max(left, low), hn::Max(hn::Neg(right), hn::Neg(high)));
+            const auto near = hn::Le(aside, hn::Set(d, 18 * float_roundoff * rays_.error));
+            if (hn::AllFalse(d, near)) continue;
+            const auto reach = hn::Max(hn::Max(right, high), hn::Max(hn::Neg(left), hn::Neg(low)));
             const auto error = hn::Mul(hn::Add(reach, hn::Set(d, 32 * float_roundoff)),
                                        hn::Set(d, 86 * float_roundoff * rays_.error));
             hn::Store(error, d, corners.error);
