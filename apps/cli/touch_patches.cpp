@@ -22,6 +22,13 @@ constexpr std::uint64_t periods_to_loss = 5;
 /// Where friction begins depends on the roundings of the way there.
 constexpr double apart_metres = 1e-6;
 
+/// A hand of 1 m/s can reach a third of a model before the next patch comes.
+std::size_t room_for(const TouchModel& model)
+{
+    constexpr std::size_t most = std::size_t{1} << 18U;
+    return std::min(std::max(model.surface.mesh.triangle_count(), ContactPatch::most), most);
+}
+
 double percent_sent(const PatchAccount& account)
 {
     const double sent = static_cast<double>(account.triangles);
@@ -51,7 +58,7 @@ PatchTouch::PatchTouch(const TouchModel& model, const PatchSettings& settings,
       expected_(whole_, {.radius = options_.proxy_radius,
                          .static_friction = render.static_friction,
                          .dynamic_friction = render.dynamic_friction}),
-      due_(2)
+      exchange_(room_for(model)), due_(2, ContactPatch(room_for(model)))
 {
     account_.settings = settings;
     account_.model_triangles = model.surface.mesh.triangle_count();

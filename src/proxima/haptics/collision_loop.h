@@ -36,6 +36,10 @@ struct CollisionOptions {
 /// give(): each wait-free, without allocation.
 class PatchExchange {
 public:
+    PatchExchange() = default;
+    /// Patches have room for so many triangles.
+    explicit PatchExchange(std::size_t triangles) : patches_(ContactPatch(triangles)) {}
+
     void say(const ServoPlace& place) noexcept
     {
         places_.writing() = place;

@@ -11,8 +11,8 @@ void fill_metric_patch(ContactPatch& patch, const ContactSurface& surface, const
                        double radius) noexcept
 {
     const std::size_t wanted = surface.collect(device, radius, patch.room());
-    patch.count = std::min(wanted, ContactPatch::most);
-    patch.complete = wanted <= ContactPatch::most;
+    patch.count = std::min(wanted, patch.room().size());
+    patch.complete = wanted <= patch.room().size();
     patch.center = device;
     patch.clearance = surface.clearance(device);
     patch.edition = new_edition();
@@ -28,10 +28,10 @@ void RingPatches::fill(ContactPatch& patch, const Vec3& device, int depth) noexc
     const ClosestFeature closest = closest_feature(octree_, device);
     const Neighbourhood found =
         collect_rings(mesh_, topology_, closest.feature, depth, scratch_, ids_);
-    for (std::size_t i = 0; i < found.count; ++i)
-        patch.room()[i] = {mesh_.triangle(ids_[i]), ids_[i]};
-    patch.count = found.count;
-    patch.complete = found.complete;
+    const std::size_t count = std::min(found.count, patch.room().size());
+    for (std::size_t i = 0; i < count; ++i) patch.room()[i] = {mesh_.triangle(ids_[i]), ids_[i]};
+    patch.count = count;
+    patch.complete = found.complete && count == found.count;
     patch.center = device;
     patch.clearance = std::sqrt(closest.squared_distance) * (1 - 0x1p-40);
     patch.edition = new_edition();

@@ -26,9 +26,11 @@ namespace proxima {
 /// Triangles round a place. Its room is allocated once: it can be filled in a loop.
 class ContactPatch {
 public:
-    static constexpr std::size_t most = 8192; ///< triangles
+    static constexpr std::size_t most = 8192; ///< triangles, where nothing else is said
 
-    ContactPatch() : triangles_(most) {}
+    ContactPatch() : ContactPatch(most) {}
+    /// With room for so many triangles.
+    explicit ContactPatch(std::size_t triangles) : triangles_(triangles) {}
 
     [[nodiscard]] std::span<const ContactTriangle> triangles() const noexcept
     {

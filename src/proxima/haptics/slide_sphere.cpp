@@ -188,9 +188,10 @@ private:
         }
         double free = 1;
         for (const ContactTriangle& near : std::span(room_.near_).first(near_count_)) {
-            // What is touched already is left or gone along.
-            if (room_.touched_.has(near.id)) continue;
-            const auto t = touch_time(near.corners, radius_, result_.center, way);
+            // What is touched already is left or gone along. Of contacts at one place one alone is
+            // kept, and where two faces are all but flat the other may still be gone into.
+            const double least = room_.touched_.has(near.id) ? radius_ - 4 * skin_ : radius_;
+            const auto t = touch_time(near.corners, least, result_.center, way);
             if (t && *t < free) free = *t;
         }
         return free;
