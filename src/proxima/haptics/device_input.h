@@ -86,6 +86,7 @@ private:
     void count(InputCondition condition) noexcept;
     void watch_recovery(double trust) noexcept;
 
+    ButtonQueue events_;
     InputOptions options_;
     bool may_rest_;
     double patience_;
@@ -107,7 +108,6 @@ private:
     DeviceState last_said_;
     double fault_ = 0;       ///< s: of the fault in progress
     double recovering_ = -1; ///< s: since it is well again; negative where it never was unwell
-    ButtonQueue events_;
     InputReport report_;
 };
 

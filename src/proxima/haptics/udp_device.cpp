@@ -64,7 +64,7 @@ bool UdpDevice::is_in_time(const StatePacket& packet, std::int64_t nanoseconds) 
     // In doubles: stamps are any numbers.
     const double difference =
         static_cast<double>(nanoseconds) - static_cast<double>(packet.nanoseconds);
-    const double passed = static_cast<double>(nanoseconds - quickest_at_);
+    const auto passed = static_cast<double>(nanoseconds - quickest_at_);
     // Where all are late, their clock was put back.
     const bool anew =
         first_ || 1e-9 * static_cast<double>(nanoseconds - last_heard_) > options_.forget_seconds;
@@ -136,13 +136,13 @@ void UdpDevice::write(const DeviceCommand& command) noexcept
 
 std::string UdpDevice::trouble() const
 {
-    if (report_.received == 0)
-        return concat("no packet came to ", to_text(socket_.address()),
-                      ": start the program that has the device, and let it send there");
-    if (report_.accepted == 0)
+    if (report_.accepted > 0) return {};
+    if (report_.received > 0) {
         return concat("none of ", report_.received, " packets was a state of version ", udp_version,
                       ": docs/devices.md has the format");
-    return {};
+    }
+    return concat("no packet came to ", to_text(socket_.address()),
+                  ": start the program that has the device, and let it send there");
 }
 
 } // namespace proxima
