@@ -19,7 +19,8 @@ HapticRenderer::HapticRenderer(const ContactSurface& surface, const WorkspaceMap
     : map_(map), options_(limited_options(options, device)),
       proxy_(surface, {.radius = options.proxy_radius * map.units_per_metre,
                        .static_friction = options.static_friction,
-                       .dynamic_friction = options.dynamic_friction}),
+                       .dynamic_friction = options.dynamic_friction,
+                       .max_moves = options.max_moves}),
       guard_(options_.force, device.max_force), passivity_(device.max_damping)
 {}
 

@@ -13,6 +13,8 @@ Proxy::Proxy(const ContactSurface& surface, const ProxyOptions& options)
     PROXIMA_CHECK_GE(options.radius, 0);
     PROXIMA_CHECK_GE(options.dynamic_friction, 0);
     PROXIMA_CHECK_LE(options.dynamic_friction, options.static_friction);
+    PROXIMA_CHECK_GE(options.max_moves, 4U);
+    PROXIMA_CHECK_LE(options.max_moves, max_slide_moves);
 }
 
 void Proxy::place(const Vec3& p) noexcept
@@ -44,25 +46,31 @@ bool Proxy::sticks(double aside, double depth) const noexcept
     return aside <= most;
 }
 
+std::size_t Proxy::moves_left(std::size_t made) const noexcept
+{
+    return std::max(options_.max_moves - std::min(made, options_.max_moves),
+                    options_.max_moves / 4);
+}
+
 SlideResult Proxy::slide_easily(const Vec3& p) noexcept
 {
     const Vec3& start = tick_.proxy;
     const Vec3& easy = tick_.slide.center;
+    std::size_t moves = options_.max_moves;
     if (tick_.hold != Hold::free && easy != start) {
         const SlideResult slide = slide_sphere(surface_, options_.radius, easy, p, easy_room_,
-                                               SlideStart::touching);
+                                               SlideStart::touching, moves);
         // Where it has come loose or far away from the proxy, the proxy may still be held back.
         const double depth = (slide.held - p).norm();
         const double apart = (slide.center - start).norm();
-        if (slide.contact_count > 0 && depth > 0 &&
-            apart <= 2 * options_.static_friction * depth) {
+        if (slide.contact_count > 0 && depth > 0 && apart <= 2 * options_.static_friction * depth) {
             room_.begin_path(start);
             return slide;
         }
+        moves = moves_left(slide.moves);
     }
-    const SlideStart known =
-        tick_.hold == Hold::free ? SlideStart::anywhere : SlideStart::touching;
-    return slide_sphere(surface_, options_.radius, start, p, room_, known);
+    const SlideStart known = tick_.hold == Hold::free ? SlideStart::anywhere : SlideStart::touching;
+    return slide_sphere(surface_, options_.radius, start, p, room_, known, moves);
 }
 
 const ProxyTick& Proxy::follow(const Vec3& p) noexcept
@@ -98,8 +106,9 @@ const ProxyTick& Proxy::follow(const Vec3& p) noexcept
             next.held = slide.held + (anchor - slide.center);
         } else {
             const Vec3 lag = aside * (trail / distance);
+            const std::size_t moves = moves_left(slide.moves);
             const SlideResult dragged = slide_sphere(surface_, options_.radius, start, p + lag,
-                                                     room_, SlideStart::touching);
+                                                     room_, SlideStart::touching, moves);
             next.moves += dragged.moves;
             next.proxy = dragged.center;
             next.held = dragged.contact_count > 0 ? dragged.held : dragged.center;

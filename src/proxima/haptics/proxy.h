@@ -9,8 +9,8 @@
 // near to the device as it can come (slide_sphere.h), with a friction cone ([melder-2004]): while
 // the way to the frictionless place is less than mu_s times the depth it stays where it is, else it
 // follows to mu_d times the depth. The frictionless place goes on from where it was in the tick
-// before, not from the proxy, which lags behind by many triangles: a short way instead of a long one.
-// All in the surface's own unit.
+// before, not from the proxy, which lags behind by many triangles: a short way instead of a long
+// one. All in the surface's own unit.
 #pragma once
 
 #include "proxima/haptics/slide_sphere.h"
@@ -24,6 +24,9 @@ struct ProxyOptions {
     double static_friction = 0;  ///< mu_s
     double dynamic_friction = 0; ///< mu_d, at most mu_s
     double restick = 0.6;        ///< sliding ends below this part of mu_s
+    /// Of a tick's first slide, and at least a quarter of it for another one: what is left of a
+    /// way goes on in the next tick.
+    std::size_t max_moves = max_slide_moves;
 };
 
 /// How the proxy is held.
@@ -43,7 +46,8 @@ struct ProxyTick {
 /// noexcept, without allocation, and take a few questions of the surface.
 class Proxy {
 public:
-    /// \pre radius >= 0, 0 <= dynamic_friction <= static_friction, all finite
+    /// \pre radius >= 0, 0 <= dynamic_friction <= static_friction, all finite, 4 <= max_moves <=
+    /// max_slide_moves
     Proxy(const ContactSurface& surface, const ProxyOptions& options);
 
     [[nodiscard]] const ProxyOptions& options() const noexcept { return options_; }
@@ -68,6 +72,7 @@ public:
 
 private:
     [[nodiscard]] bool sticks(double aside, double depth) const noexcept;
+    [[nodiscard]] std::size_t moves_left(std::size_t made) const noexcept;
     [[nodiscard]] SlideResult slide_easily(const Vec3& p) noexcept;
     void free_from_surface() noexcept;
 
