@@ -29,8 +29,8 @@ struct RenderOptions {
     double static_friction = 0.4;
     double dynamic_friction = 0.3;
     Passivity passivity = Passivity::guarded;
-    double max_jump = 0.05;    ///< m in a tick: 50 m/s at 1 kHz
-    std::size_t max_moves = 8; ///< of the proxy in a tick: bounds a tick's work (proxy.h)
+    double max_jump = 0.05;     ///< m in a tick: 50 m/s at 1 kHz
+    std::size_t max_moves = 12; ///< of the proxy in a tick: bounds a tick's work (proxy.h)
 };
 
 /// What was wrong with a tick's input.

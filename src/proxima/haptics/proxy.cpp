@@ -56,7 +56,7 @@ SlideResult Proxy::slide_easily(const Vec3& p) noexcept
 {
     const Vec3& start = tick_.proxy;
     const Vec3& easy = tick_.slide.center;
-    std::size_t moves = options_.max_moves;
+    const std::size_t moves = options_.max_moves;
     if (tick_.hold != Hold::free && easy != start) {
         const SlideResult slide = slide_sphere(surface_, options_.radius, easy, p, easy_room_,
                                                SlideStart::touching, moves);
@@ -67,7 +67,6 @@ SlideResult Proxy::slide_easily(const Vec3& p) noexcept
             room_.begin_path(start);
             return slide;
         }
-        moves = moves_left(slide.moves);
     }
     const SlideStart known = tick_.hold == Hold::free ? SlideStart::anywhere : SlideStart::touching;
     return slide_sphere(surface_, options_.radius, start, p, room_, known, moves);
