@@ -225,17 +225,30 @@ Result<std::optional<SelfIntersections>> intersections_of(const TriangleMesh& me
     return std::move(*found);
 }
 
+/// Signs heed it: surface_sides.h.
+void look_again(MeshReport& report, const SelfIntersections& intersections)
+{
+    if (intersections.pairs.empty()) return;
+    for (QueryOutlook& query : report.outlook) {
+        if (query.query != QueryKind::sign || query.outlook != Outlook::works) continue;
+        query.outlook = Outlook::with_care;
+        query.reason = "winding numbers decide beside triangles that pass through each other; "
+                       "where sheets overlap, inside is where the number is at least 1/2";
+    }
+}
+
 Status check_mesh(const std::string& model, Session& session)
 {
     const auto mesh = session.load_model(model);
     if (!mesh) return tl::unexpected(mesh.error());
-    const auto report = [&] {
+    auto report = [&] {
         const ProgressBar shown(session.progress(), session.bar());
         return report_mesh(*mesh, {.threads = session.threads(), .progress = &session.progress()});
     }();
     if (!report) return at_model(report.error(), model);
     const auto intersections = intersections_of(*mesh, session);
     if (!intersections) return at_model(intersections.error(), model);
+    if (*intersections) look_again(*report, **intersections);
     session.print(report_text(*report, *intersections, model));
     return session.write_json(json_of(*report, *intersections, model));
 }

@@ -245,6 +245,25 @@ class Check(ProgramTest):
         self.assertEqual(found, {"pairs": 1, "complete": True, "first_pairs": [[0, 1]]})
         self.assertIn("1 pair of triangles intersect", self.succeed("check", path))
 
+    def test_signs_want_care_where_a_closed_surface_passes_through_itself(self):
+        corners = ["0 0 0", "4 0 0", "0 4 0", "0 0 4"]
+        faces = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
+
+        def tetrahedra(name, offset):
+            moved = [" ".join(str(float(c) + offset) for c in corner.split()) for corner in corners]
+            lines = ["3 %d %d %d" % face for face in faces] + ["3 %d %d %d" % tuple(i + 4 for i in face) for face in faces]
+            path = self.file(name, "\n".join(["OFF", "8 8 0", *corners, *moved, *lines, ""]))
+            result = self.json_of("check", path)
+            self.assertTrue(result["closed"])
+            sign, = [query for query in result["outlook"] if query["query"] == "sign"]
+            return result["self_intersections"]["pairs"], sign["outlook"], sign["reason"]
+
+        pairs, outlook, reason = tetrahedra("overlap.off", 0.5)
+        self.assertGreater(pairs, 0)
+        self.assertEqual(outlook, "with_care")
+        self.assertIn("winding numbers decide", reason)
+        self.assertEqual(tetrahedra("apart.off", 9)[:2], (0, "works"))
+
     def test_a_hole_is_found_and_said(self):
         path = self.file("open.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
         result = self.json_of("check", path)

@@ -206,7 +206,7 @@ TEST(TriangleCubeSeparation, IsTheDistanceOfTheClosestFeatures)
     for (unsigned seed = 0; seed < 8000; ++seed) {
         SCOPED_TRACE(seed);
         const Pair pair = make_pair(seed);
-        const Separation found = separation(pair.triangle, pair.box);
+        const TriangleBoxSeparation found = separation(pair.triangle, pair.box);
         const double size = size_of(pair);
         EXPECT_TRUE(pair.box.contains(found.on_box));
         EXPECT_LE(root(oracle::squared_distance(found.on_triangle, pair.triangle)),
@@ -240,7 +240,7 @@ TEST(TriangleCubeProximity, SizesAndPlacesDoNotMatter)
         SCOPED_TRACE(seed);
         const Pair pair = make_pair(seed);
         const auto plain = penetration(pair.triangle, pair.box);
-        const Separation plain_gap = separation(pair.triangle, pair.box);
+        const TriangleBoxSeparation plain_gap = separation(pair.triangle, pair.box);
         for (const int exponent : {-960, -600, 200, 1000}) {
             const double factor = std::ldexp(1.0, exponent);
             Pair scaled = pair;
@@ -252,7 +252,7 @@ TEST(TriangleCubeProximity, SizesAndPlacesDoNotMatter)
                 EXPECT_EQ(found->depth, factor * plain->depth);
                 EXPECT_EQ(found->direction, plain->direction);
             }
-            const Separation gap = separation(scaled.triangle, scaled.box);
+            const TriangleBoxSeparation gap = separation(scaled.triangle, scaled.box);
             EXPECT_EQ(gap.distance, factor * plain_gap.distance);
             EXPECT_EQ(gap.on_triangle, factor * plain_gap.on_triangle);
         }
@@ -280,7 +280,7 @@ TEST(TriangleCubeProximity, KnowsSimpleCases)
     EXPECT_EQ(penetration(point(0, 1, 3), box)->depth, 0);
     EXPECT_FALSE(penetration(point(-1, 1, 3), box).has_value());
     EXPECT_FALSE(penetration_along(point(-1, 1, 3), box, {1, 0, 0}).has_value());
-    const Separation gap = separation(point(-3, 6, 3), box);
+    const TriangleBoxSeparation gap = separation(point(-3, 6, 3), box);
     EXPECT_EQ(gap.distance, 5);
     EXPECT_EQ(gap.on_box, Vec3(0, 2, 3));
     EXPECT_EQ(gap.on_triangle, Vec3(-3, 6, 3));

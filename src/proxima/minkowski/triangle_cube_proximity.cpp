@@ -205,7 +205,7 @@ public:
                 around.upper.cwiseMax(pair.box.lower).cwiseMin(pair.box.upper)};
     }
 
-    [[nodiscard]] Separation find() noexcept
+    [[nodiscard]] TriangleBoxSeparation find() noexcept
     {
         for (const Vec3& vertex : triangle_.vertices)
             offer(vertex, vertex.cwiseMax(box_.lower).cwiseMin(box_.upper));
@@ -259,7 +259,8 @@ private:
 
     const Triangle& triangle_;
     Box box_;
-    Separation best_ = {std::numeric_limits<double>::infinity(), Vec3::Zero(), Vec3::Zero()};
+    TriangleBoxSeparation best_ = {std::numeric_limits<double>::infinity(), Vec3::Zero(),
+                                   Vec3::Zero()};
 };
 
 } // namespace
@@ -294,11 +295,11 @@ std::optional<double> penetration_along(const Triangle& triangle, const Box& box
     return scale.multiplied(least);
 }
 
-Separation separation(const Triangle& triangle, const Box& box) noexcept
+TriangleBoxSeparation separation(const Triangle& triangle, const Box& box) noexcept
 {
     const Scale scale(triangle, box);
     const ScaledPair pair(triangle, box, scale);
-    Separation result;
+    TriangleBoxSeparation result;
     if (triangle_overlaps_box(triangle, box)) {
         result.on_triangle = CommonPoint(pair).find();
         result.on_box = result.on_triangle;

@@ -47,7 +47,7 @@ struct Penetration {
                                                       const Vec3& direction) noexcept;
 
 /// The closest points of a triangle and a box; one common point if they overlap.
-struct Separation {
+struct TriangleBoxSeparation {
     double distance = 0; ///< exactly 0 if they overlap
     Vec3 on_triangle = Vec3::Zero();
     Vec3 on_box = Vec3::Zero();
@@ -56,6 +56,6 @@ struct Separation {
 /// The distance is right to 1e-14 of the size S, and so is where the points are: on triangle and
 /// box, a distance apart. Some of many where there are many. 0.2 to 3 us.
 /// \pre all finite, box.lower <= box.upper
-[[nodiscard]] Separation separation(const Triangle& triangle, const Box& box) noexcept;
+[[nodiscard]] TriangleBoxSeparation separation(const Triangle& triangle, const Box& box) noexcept;
 
 } // namespace proxima

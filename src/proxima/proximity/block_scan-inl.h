@@ -23,15 +23,15 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 /// A block's candidates for the closest triangle.
 struct BlockCandidates {
-    std::uint32_t lanes = 0;                         ///< bit i: triangle places[i] of the block
     alignas(64) std::int32_t places[list_triangles]; ///< of the triangles asked for
     const std::byte* ranks = nullptr;
+    std::uint32_t lanes = 0; ///< bit i: triangle places[i] of the block
     std::uint32_t base = 0;
     bool wide = false;
 
     HWY_INLINE std::uint32_t rank(int lane) const
     {
-        const int i = places[lane];
+        const std::ptrdiff_t i = places[lane];
         if (wide) {
             std::uint32_t value = 0;
             std::memcpy(&value, ranks + 4 * i, 4);

@@ -27,9 +27,10 @@ struct FrameCell {
 {
     FrameCell result;
     result.half = 0.5F * cell.half;
-    for (int axis = 0; axis < 3; ++axis)
+    for (int axis = 0; axis < 3; ++axis) {
         result.center[axis] =
             cell.center[axis] + ((octant >> axis & 1) != 0 ? result.half : -result.half);
+    }
     return result;
 }
 

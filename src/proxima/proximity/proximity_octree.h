@@ -143,7 +143,7 @@ public:
     [[nodiscard]] bool locate(const Vec3& frame_point,
                               std::array<std::uint32_t, 3>& at) const noexcept
     {
-        constexpr double end = static_cast<double>(1U << location_bits);
+        constexpr auto end = static_cast<double>(1U << location_bits);
         const double x = frame_point[0] * grid_scale_ + end / 2;
         const double y = frame_point[1] * grid_scale_ + end / 2;
         const double z = frame_point[2] * grid_scale_ + end / 2;

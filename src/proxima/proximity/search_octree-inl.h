@@ -49,7 +49,7 @@ HWY_INLINE FoundLeaf find_leaf(const ProximityOctree& octree,
 /// All of a usual one.
 HWY_INLINE void prefetch_block(const std::byte* block)
 {
-    for (int line = 0; line < 6; ++line) hwy::Prefetch(block + 64 * line);
+    for (std::ptrdiff_t line = 0; line < 6; ++line) hwy::Prefetch(block + 64 * line);
 }
 
 template <class Scalar>

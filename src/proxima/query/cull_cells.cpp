@@ -11,7 +11,7 @@ namespace proxima {
 namespace {
 
 /// A cell, and the planes that may cut it by bits; the last bit stands for all from the 64th on.
-struct PendingCell {
+struct CellInView {
     Cell cell;
     std::uint64_t mask;
 };
@@ -42,10 +42,10 @@ void detail::visible_cells(const Octree& octree, const ViewVolume& volume, CullM
     const std::span<const ViewPlane> planes = volume.planes();
     const std::uint64_t all =
         planes.size() > last_bit ? ~std::uint64_t{0} : (std::uint64_t{1} << planes.size()) - 1;
-    FixedStack<PendingCell, 7 * max_octree_depth + 1> pending;
+    FixedStack<CellInView, 7 * max_octree_depth + 1> pending;
     pending.push({octree.root(), all});
     while (!pending.empty()) {
-        PendingCell at = pending.pop();
+        CellInView at = pending.pop();
         if (at.mask != 0 && !passes(planes, octree.box(at.cell), at.mask)) continue;
         if (!octree.is_leaf(at.cell)) {
             for (int octant = 7; octant >= 0; --octant)

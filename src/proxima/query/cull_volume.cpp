@@ -202,7 +202,7 @@ HWY_INLINE std::uint64_t transposed(std::uint64_t x)
 }
 
 /// A block of which something may be visible, its rows, and the planes that may cut its box.
-struct PendingBlock {
+struct PendingRows {
     std::uint32_t reference;
     std::uint32_t first;
     std::uint32_t end;
@@ -214,11 +214,11 @@ inline constexpr std::size_t opened_together = 4;
 
 /// Of every level there are at most as many as the blocks above that are opened at once have
 /// children: blocks are opened from the top, where the deepest lie.
-using PendingBlocks = FixedStack<PendingBlock, 8 * opened_together * RayIndex::max_levels + 1>;
+using PendingRowsStack = FixedStack<PendingRows, 8 * opened_together * RayIndex::max_levels + 1>;
 
 /// What is visible below a node, in the order of rows.
 struct OpenedNode {
-    PendingBlock children[8];
+    PendingRows children[8];
     std::uint32_t count = 0;
 };
 
@@ -234,7 +234,7 @@ HWY_INLINE void prefetch_both(const RayBlock& block)
     hwy::Prefetch(reinterpret_cast<const std::byte*>(&block) + 64);
 }
 
-HWY_INLINE void open_node(const Culling& culling, const PendingBlock& at, OpenedNode& opened)
+HWY_INLINE void open_node(const Culling& culling, const PendingRows& at, OpenedNode& opened)
 {
     const RayBlock* const blocks = culling.index.blocks().data();
     const RayNode& node = blocks[at.reference].node;
@@ -309,7 +309,7 @@ HWY_INLINE std::uint32_t nonzero_bytes(std::uint64_t bytes)
     return static_cast<std::uint32_t>((tops >> 7U) * 0x0102040810204080U >> 56U);
 }
 
-HWY_INLINE void cull_leaf(const Culling& culling, const PendingBlock& at)
+HWY_INLINE void cull_leaf(const Culling& culling, const PendingRows& at)
 {
     const RayLeaf& leaf = culling.index.blocks()[at.reference & ~ray_leaf_bit].leaf;
     constexpr std::uint64_t each = 0x0101010101010101U;
@@ -343,16 +343,16 @@ HWY_INLINE void cull_leaf(const Culling& culling, const PendingBlock& at)
 
 void cull(const Culling& culling)
 {
-    PendingBlocks pending;
+    PendingRowsStack pending;
     const std::uint32_t planes = culling.open.count;
     const PlaneMask all = planes > last_plane_bit ? ~PlaneMask{0} : (PlaneMask{1} << planes) - 1;
     pending.push({culling.index.root(), 0, culling.index.triangle_count(), all});
-    const auto is_node = [](const PendingBlock& at) {
+    const auto is_node = [](const PendingRows& at) {
         return at.mask != 0 && (at.reference & ray_leaf_bit) == 0;
     };
     while (!pending.empty()) {
         if (!is_node(pending.top())) {
-            const PendingBlock at = pending.pop();
+            const PendingRows at = pending.pop();
             if (at.mask == 0) {
                 culling.ranges.add(at.first, at.end);
             } else {
@@ -363,7 +363,7 @@ void cull(const Culling& culling)
         OpenedNode opened[opened_together];
         std::size_t count = 0;
         for (; count < opened_together && !pending.empty(); ++count) {
-            const PendingBlock at = pending.pop();
+            const PendingRows at = pending.pop();
             if (is_node(at)) {
                 open_node(culling, at, opened[count]);
             } else {

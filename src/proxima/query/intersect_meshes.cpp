@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 
 #ifndef PROXIMA_QUERY_INTERSECT_MESHES_ONCE
 #define PROXIMA_QUERY_INTERSECT_MESHES_ONCE
@@ -163,8 +164,9 @@ void sort_pairs(std::vector<TrianglePair>& pairs)
     std::vector<TrianglePair> sorted(pairs.size());
     for (const TrianglePair& pair : pairs) sorted[end[group(pair)]++] = pair;
     pairs.swap(sorted);
+    const std::span<TrianglePair> all(pairs);
     for (std::size_t i = 0, first = 0; i + 1 < end.size(); first = end[i++]) {
-        if (end[i] - first > 1) std::sort(pairs.begin() + first, pairs.begin() + end[i]);
+        if (end[i] - first > 1) std::ranges::sort(all.subspan(first, end[i] - first));
     }
 }
 

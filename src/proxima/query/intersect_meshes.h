@@ -33,6 +33,7 @@ struct TrianglePair {
     TriangleId a{};
     TriangleId b{};
 
+    // NOLINTNEXTLINE(modernize-use-nullptr): of the defaulted comparison's own text
     friend auto operator<=>(const TrianglePair&, const TrianglePair&) = default;
 };
 

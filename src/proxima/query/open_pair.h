@@ -61,12 +61,12 @@ struct PairSide {
 };
 
 struct OpenPair {
+    std::array<PairFrame, 2> frames; ///< [0]: from 1 to 0
+    std::array<PairSide, 2> sides;
+    const RigidTransform* pose = nullptr;
     /// In units of the frames, how far coordinates may be off beside floats: by rounding of moved
     /// points and of the offset, and of coordinates that were put into the indexes' units.
     float pose_error = 0;
-    std::array<PairSide, 2> sides;
-    std::array<PairFrame, 2> frames; ///< [0]: from 1 to 0
-    const RigidTransform* pose = nullptr;
 
     /// Every descent takes a block's place by that of a child, in one of the meshes: of at most
     /// that many levels, each leaving seven others to be looked at.
