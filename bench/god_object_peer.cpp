@@ -77,10 +77,10 @@ void BoxTree::build(std::vector<std::uint32_t>& order, std::size_t begin, std::s
     middles.extent().maxCoeff(&axis);
     const std::size_t half = begin + (end - begin) / 2;
     using Offset = std::vector<std::uint32_t>::difference_type;
-    std::nth_element(order.begin() + static_cast<Offset>(begin),
-                     order.begin() + static_cast<Offset>(half),
-                     order.begin() + static_cast<Offset>(end),
-                     [&](std::uint32_t a, std::uint32_t b) { return middle(a)[axis] < middle(b)[axis]; });
+    std::nth_element(
+        order.begin() + static_cast<Offset>(begin), order.begin() + static_cast<Offset>(half),
+        order.begin() + static_cast<Offset>(end),
+        [&](std::uint32_t a, std::uint32_t b) { return middle(a)[axis] < middle(b)[axis]; });
     build(order, begin, half, all);
     nodes_[place].first = static_cast<std::uint32_t>(nodes_.size());
     build(order, half, end, all);
@@ -90,7 +90,7 @@ std::optional<BoxTree::Hit> BoxTree::first_hit(const Vec3& from, const Vec3& to)
 {
     const Vec3 way = to - from;
     const Vec3 per_way = way.cwiseInverse(); // infinite along axes it does not move on
-    std::array<std::uint32_t, 64> pending; // NOLINT: a median tree is no deeper than 33
+    std::array<std::uint32_t, 64> pending;   // NOLINT: a median tree is no deeper than 33
     std::size_t count = 0;
     pending[count++] = 0;
     std::optional<Hit> best;

@@ -3,6 +3,8 @@
 //
 //     touch_bench [--ticks N] [--replays N] [--radius R] [--keep DIR] [--peers] [--mesh NAME]...
 //     touch_bench --curve FILE.{csv,svg,png} ...      tick time by the number of triangles
+//     touch_bench --loops SECONDS [--script NAME]     by the clock, with collision and graphics
+//     loops
 //
 //     script    of the simulated hand          state     what the tick was about (touch_track.h)
 //     p50 ...   us computed per tick           queries   questions of the octree per tick
@@ -13,6 +15,7 @@
 // god-object over a tree of boxes (god_object_peer.h).
 
 #include "touch_curve.h"
+#include "touch_loops.h"
 #include "touch_table.h"
 
 #include <CLI/CLI.hpp>
@@ -32,6 +35,7 @@ struct TouchBenchOptions {
     bool peers = false;
     std::vector<std::string> meshes;
     std::vector<std::string> curves;
+    TouchLoopOptions loops;
 };
 
 std::vector<std::string> usual_meshes()
@@ -109,13 +113,21 @@ int main(int argc, char** argv)
         ->check(CLI::ExistingDirectory);
     app.add_option("--mesh", options.meshes, "Files, .pxp among them, or built-ins");
     app.add_flag("--peers", options.peers, "Time what it is held against, too");
-    app.add_option("--curve", options.curves,
-                   "Tick time by the number of triangles, of these meshes beside toruses, as a table "
-                   "(.csv) or a plot (.svg, .png)");
+    app.add_option(
+        "--curve", options.curves,
+        "Tick time by the number of triangles, of these meshes beside toruses, as a table "
+        "(.csv) or a plot (.svg, .png)");
+    const auto* const loops =
+        app.add_option("--loops", options.loops.seconds,
+                       "Servo, collision and graphics loop together for so many seconds");
+    app.add_option("--script", options.loops.script, "Of the hand in --loops")
+        ->capture_default_str();
     CLI11_PARSE(app, argc, argv);
     if (!options.curves.empty()) return run_curve(options.meshes, options.race, options.curves);
     if (options.meshes.empty()) options.meshes = usual_meshes();
+    options.loops.keep = options.race.keep;
     int status = 0;
-    for (const std::string& mesh : options.meshes) status |= run_mesh(mesh, options);
+    for (const std::string& mesh : options.meshes)
+        status |= loops->count() > 0 ? run_loops(mesh, options.loops) : run_mesh(mesh, options);
     return status;
 }

@@ -34,9 +34,9 @@ Result<CurvePoint> time_mesh(const std::string& name, const TouchRaceOptions& op
     TickSums peer;
     for (const char* const script : touch_scripts) {
         const TouchTrack track = record_track(**model, script, options.ticks, options.radius);
-        add_track(ours, track,
-                  time_track(*(*model)->surface, (*model)->map, track, options.radius,
-                             options.replays));
+        add_track(
+            ours, track,
+            time_track(*(*model)->surface, (*model)->map, track, options.radius, options.replays));
         add_track(peer, track, time_track(tree, **model, track, options.replays));
     }
     CurvePoint point;
@@ -74,18 +74,17 @@ Figure figure_of(const std::vector<CurvePoint>& points, const TouchRaceOptions& 
         }
         if (!one.points.empty()) series.push_back(std::move(one));
     };
-    add("scans, p99.99", false, &CurvePoint::p99_99);
-    add("scans, p50", false, &CurvePoint::p50);
-    add("scans, box tree p50", false, &CurvePoint::peer_p50);
-    add("torus, p99.99", true, &CurvePoint::p99_99);
-    add("torus, p50", true, &CurvePoint::p50);
-    add("torus, box tree p50", true, &CurvePoint::peer_p50);
-    const std::string note = "a point with friction, direct mode, computed work of all ticks of six "
-                             "scripts, " +
-                             std::to_string(options.ticks) + " each, the least of " +
+    add("scans p99.99", false, &CurvePoint::p99_99);
+    add("scans p50", false, &CurvePoint::p50);
+    add("boxes p50", false, &CurvePoint::peer_p50);
+    add("torus p99.99", true, &CurvePoint::p99_99);
+    add("torus p50", true, &CurvePoint::p50);
+    const std::string note = std::to_string(options.ticks) +
+                             " of each of six scripts, the least of " +
                              std::to_string(options.replays) + " replays";
     return log_plot(series, {"A servo tick by the size of the model",
-                             {note, "box tree: a god-object without friction over a binary tree of boxes"},
+                             {"computed work in direct mode, a point with friction", note,
+                              "boxes: a god-object without friction over a tree of boxes"},
                              "triangles",
                              "microseconds per tick"});
 }

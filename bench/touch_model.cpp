@@ -61,8 +61,8 @@ Result<std::unique_ptr<TouchModel>> load_touch_model(const std::string& name,
 {
     auto model = std::make_unique<TouchModel>();
     model->name = name;
-    const Status status = name.ends_with(".pxp") ? open_octree(*model, name)
-                                                 : make_octree(*model, kept);
+    const Status status =
+        name.ends_with(".pxp") ? open_octree(*model, name) : make_octree(*model, kept);
     if (!status) return tl::unexpected(status.error());
     auto topology = build_topology(model->mesh);
     if (!topology) return tl::unexpected(topology.error());

@@ -39,8 +39,8 @@ void add_track(TickSums& sums, const TouchTrack& track, const TrackTimes& times)
 
 void print_head()
 {
-    std::printf("%-10s %-8s %8s  %8s %8s %8s %8s  %8s %8s %8s %8s %8s\n", "script", "state", "ticks",
-                "p50 us", "p99", "p99.99", "max", "queries", "gathered", "scans", "lanes",
+    std::printf("%-10s %-8s %8s  %8s %8s %8s %8s  %8s %8s %8s %8s %8s\n", "script", "state",
+                "ticks", "p50 us", "p99", "p99.99", "max", "queries", "gathered", "scans", "lanes",
                 "in full");
 }
 

@@ -39,7 +39,7 @@ struct TouchTrack {
     std::vector<Vec3> forces;
     std::vector<TickState> kinds;
     std::vector<ContactWork> work; ///< of each tick
-    double max_speed = 0; ///< m/s
+    double max_speed = 0;          ///< m/s
 };
 
 /// \pre there is such a script, and something to touch

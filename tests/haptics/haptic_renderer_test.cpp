@@ -88,8 +88,11 @@ TEST(HapticRenderer, every_script_touches_and_nothing_pops_through)
         for (const std::string_view script :
              {"press", "slide", "stroke", "corner", "poke", "walk"}) {
             for (const double radius : {0.0, 0.002}) {
+                // As far as it goes: how often it must be cut short says how well slides end.
                 const QualityReport quality =
-                    run(scene, script, 1, 4000, {.proxy_radius = radius}).quality;
+                    run(scene, script, 1, 4000,
+                        {.proxy_radius = radius, .max_moves = max_slide_moves})
+                        .quality;
                 const std::string where =
                     std::string(model) + ' ' + std::string(script) + ' ' + std::to_string(radius);
                 EXPECT_GT(quality.touching_ticks, 100U) << where;

@@ -55,6 +55,12 @@ Triangle triangle_of(const TriangleRow<Scalar>& row) noexcept
     return {{row.corner(0), row.corner(1), row.corner(2)}};
 }
 
+template <class Scalar>
+ContactTriangle contact_triangle(const TriangleRow<Scalar>& row) noexcept
+{
+    return {triangle_of(row), TriangleId{row.triangle_id()}};
+}
+
 /// Of one kind of rows, by the tree over them.
 template <class Scalar>
 std::size_t collect_rows(const TriangleTree& tree, std::span<const TriangleRow<Scalar>> rows,
@@ -69,29 +75,42 @@ std::size_t collect_rows(const TriangleTree& tree, std::span<const TriangleRow<S
         triangle_distances(group, p, tree.scale(), squared);
         for (std::size_t i = 0; i < group.size(); ++i) {
             if (squared[i] > limit) continue;
-            if (count < buffer.size()) {
-                buffer[count] = {triangle_of(group[i]), TriangleId{group[i].triangle_id()}};
-            }
+            if (count < buffer.size()) buffer[count] = contact_triangle(group[i]);
             ++count;
         }
     });
     return count;
 }
 
-/// All of each group that may be near.
+/// Eights of rows.
 template <class Scalar>
-std::size_t gather_rows(const TriangleTree& tree, std::span<const TriangleRow<Scalar>> rows,
-                        const Vec3& p, double distance, std::span<ContactTriangle> buffer) noexcept
+void make_groups(std::span<const TriangleRow<Scalar>> rows, double scale,
+                 std::vector<TriangleGroup>& groups)
 {
-    std::size_t count = 0;
-    visit_within(tree, {p, p}, distance * distance, [&](RankRange ranks) noexcept {
-        for (const TriangleRow<Scalar>& row : rows.subspan(ranks.first, ranks.count)) {
-            if (count < buffer.size())
-                buffer[count] = {triangle_of(row), TriangleId{row.triangle_id()}};
-            ++count;
-        }
-    });
-    return count;
+    std::array<Triangle, TriangleGroup::width> triangles;
+    for (std::size_t first = 0; first < rows.size(); first += TriangleGroup::width) {
+        const std::size_t count = std::min(TriangleGroup::width, rows.size() - first);
+        for (std::size_t i = 0; i < count; ++i) triangles[i] = triangle_of(rows[first + i]);
+        groups.push_back(make_group(std::span(triangles).first(count), scale));
+    }
+}
+
+/// Whether the octree lists the triangles that can be nearest to a point.
+bool has_list(const ProximityOctree& octree, const Vec3& p) noexcept
+{
+    std::array<std::uint32_t, 3> at{};
+    if (!octree.locate(octree.frame().to_frame(p), at)) return false;
+    const int depth = octree.table_depth();
+    int shift = static_cast<int>(ProximityOctree::location_bits) - depth;
+    std::uint64_t word =
+        octree.arrays().table[(std::size_t{at[2] >> shift} << depth | at[1] >> shift) << depth |
+                              at[0] >> shift];
+    while (!proximity_word::is_leaf(word)) {
+        --shift;
+        word = octree.arrays().nodes[word + ((at[0] >> shift & 1U) | (at[1] >> shift & 1U) << 1U |
+                                             (at[2] >> shift & 1U) << 2U)];
+    }
+    return word != proximity_word::search;
 }
 
 } // namespace
@@ -120,6 +139,9 @@ OctreeContactSurface::OctreeContactSurface(const ProximityOctree& octree) : octr
     ScaleSum sum;
     for (const Triangle& triangle : triangles) sum.add(triangle);
     scale_ = sum.scale();
+    groups_.reserve(search_groups(octree.triangle_count()));
+    make_groups(arrays.float_rows, octree.tree().scale(), groups_);
+    make_groups(arrays.double_rows, octree.tree().scale(), groups_);
 }
 
 std::size_t OctreeContactSurface::collect(const Vec3& p, double distance,
@@ -131,13 +153,47 @@ std::size_t OctreeContactSurface::collect(const Vec3& p, double distance,
                                       : collect_rows(tree, arrays.double_rows, p, distance, buffer);
 }
 
-std::size_t OctreeContactSurface::gather(const Vec3& p, double distance,
-                                         std::span<ContactTriangle> buffer) const noexcept
+GroupQuery OctreeContactSurface::group_query(const Vec3& p) const noexcept
+{
+    return {.origin = octree_->tree().origin(), .scale = octree_->tree().scale(), .place = p};
+}
+
+void OctreeContactSurface::find_groups(const Vec3& p, double distance,
+                                       GroupBoxes& boxes) const noexcept
+{
+    const TriangleTree& tree = octree_->tree();
+    const std::span<const TriangleTreeBlock> blocks =
+        tree.blocks().subspan(tree.levels().front().first_block);
+    boxes.count = 0;
+    visit_within(tree, {p, p}, distance * distance, [&](RankRange ranks) noexcept {
+        const std::size_t place = boxes.count++;
+        if (place >= GroupBoxes::room) return Flow::stop;
+        const std::uint32_t id = ranks.first / TriangleTree::width;
+        const TriangleTreeBlock& block = blocks[id / TriangleTree::width];
+        boxes.ids[place] = id;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            boxes.lower[axis][place] = block.lower[axis][id % TriangleTree::width];
+            boxes.upper[axis][place] = block.upper[axis][id % TriangleTree::width];
+        }
+        return Flow::proceed;
+    });
+}
+
+void OctreeContactSurface::read_triangles(std::span<const std::uint32_t> ranks,
+                                          std::span<ContactTriangle> triangles) const noexcept
 {
     const ProximityArrays& arrays = octree_->arrays();
-    const TriangleTree& tree = octree_->tree();
-    return arrays.double_rows.empty() ? gather_rows(tree, arrays.float_rows, p, distance, buffer)
-                                      : gather_rows(tree, arrays.double_rows, p, distance, buffer);
+    for (const std::uint32_t rank : ranks) {
+        const auto* const row = arrays.double_rows.empty()
+                                    ? static_cast<const void*>(&arrays.float_rows[rank])
+                                    : static_cast<const void*>(&arrays.double_rows[rank]);
+        __builtin_prefetch(row);
+        __builtin_prefetch(static_cast<const std::byte*>(row) + 64);
+    }
+    for (std::size_t i = 0; i < ranks.size(); ++i) {
+        triangles[i] = arrays.double_rows.empty() ? contact_triangle(arrays.float_rows[ranks[i]])
+                                                  : contact_triangle(arrays.double_rows[ranks[i]]);
+    }
 }
 
 double OctreeContactSurface::clearance(const Vec3& p) const noexcept
@@ -158,6 +214,33 @@ std::size_t MeshContactSurface::collect(const Vec3& p, double distance,
         ++count;
     }
     return count;
+}
+
+double OctreeContactSurface::least_clearance(const Vec3& p) const noexcept
+{
+    if (has_list(*octree_, p)) return clearance(p);
+    // Of boxes no nearer than two thirds of the nearest one found, none is looked into.
+    const TriangleTree& tree = octree_->tree();
+    const std::span<const TriangleTreeBlock> blocks =
+        tree.blocks().subspan(tree.levels().front().first_block);
+    const Vec3 at = (p - tree.origin()) * tree.scale();
+    double least = std::numeric_limits<double>::infinity();
+    visit_nearest(tree, p, least, [&](RankRange ranks) noexcept {
+        const std::uint32_t id = ranks.first / TriangleTree::width;
+        const TriangleTreeBlock& block = blocks[id / TriangleTree::width];
+        double squared = 0;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const double place = at[static_cast<Eigen::Index>(axis)];
+            const auto lower = static_cast<double>(block.lower[axis][id % TriangleTree::width]);
+            const auto upper = static_cast<double>(block.upper[axis][id % TriangleTree::width]);
+            const double gap = std::max({lower - place, place - upper, 0.0});
+            squared += gap * gap;
+        }
+        constexpr double part = 4.0 / 9;
+        least = std::min(least, part * squared / (tree.scale() * tree.scale()));
+        return least;
+    });
+    return less_rounding(std::sqrt(least), scale_, p);
 }
 
 double MeshContactSurface::clearance(const Vec3& p) const noexcept

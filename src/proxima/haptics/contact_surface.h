@@ -9,6 +9,7 @@
 
 #include "proxima/geometry/shapes.h"
 #include "proxima/geometry/vec.h"
+#include "proxima/haptics/triangle_groups.h"
 #include "proxima/mesh/topology.h"
 #include "proxima/mesh/triangle_mesh.h"
 #include "proxima/proximity/proximity_octree.h"
@@ -16,6 +17,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 namespace proxima {
 
@@ -50,19 +52,36 @@ public:
     [[nodiscard]] virtual std::size_t collect(const Vec3& p, double distance,
                                               std::span<ContactTriangle> buffer) const noexcept = 0;
 
-    /// The same, as quickly as can be, with many that are farther: for callers that filter.
-    [[nodiscard]] virtual std::size_t gather(const Vec3& p, double distance,
-                                             std::span<ContactTriangle> buffer) const noexcept
-    {
-        return collect(p, distance, buffer);
-    }
-
     /// No part of the surface is nearer to p than this. 0 says nothing. \pre p is finite
     [[nodiscard]] virtual double clearance(const Vec3& p) const noexcept = 0;
+
+    /// The same, in a bounded time: perhaps less than clearance() says. \pre p is finite
+    [[nodiscard]] virtual double least_clearance(const Vec3& p) const noexcept
+    {
+        return clearance(p);
+    }
 
     /// While this is the same, so are all answers: they may be kept (contact_cache.h). Of no other
     /// surface. 0: keep nothing.
     [[nodiscard]] virtual std::uint64_t edition() const noexcept { return 0; }
+
+    /// Its groups, where it has any: then the three below answer as well.
+    [[nodiscard]] virtual std::span<const TriangleGroup> groups() const noexcept { return {}; }
+    /// The units of their boxes, as a query of p.
+    [[nodiscard]] virtual GroupQuery group_query(const Vec3& p) const noexcept
+    {
+        return {.place = p};
+    }
+    /// The boxes of all groups that have a triangle within the distance of p, and of some more.
+    virtual void find_groups(const Vec3& /*p*/, double /*distance*/,
+                             GroupBoxes& boxes) const noexcept
+    {
+        boxes.count = 0;
+    }
+    /// The triangles of these ranks. \pre there is room
+    virtual void read_triangles(std::span<const std::uint32_t> /*ranks*/,
+                                std::span<ContactTriangle> /*triangles*/) const noexcept
+    {}
 };
 
 /// A number that no surface had before. Wait-free; any thread.
@@ -78,17 +97,26 @@ public:
     /// About 1 us and 15 ns per triangle written.
     [[nodiscard]] std::size_t collect(const Vec3& p, double distance,
                                       std::span<ContactTriangle> buffer) const noexcept override;
-    /// Whole groups of eight neighbours. About 0.5 us and 5 ns per triangle.
-    [[nodiscard]] std::size_t gather(const Vec3& p, double distance,
-                                     std::span<ContactTriangle> buffer) const noexcept override;
     /// The distance of the closest feature, less its rounding.
     [[nodiscard]] double clearance(const Vec3& p) const noexcept override;
+    /// The same where the octree lists what is near, else two thirds of it or more by boxes alone.
+    [[nodiscard]] double least_clearance(const Vec3& p) const noexcept override;
     [[nodiscard]] std::uint64_t edition() const noexcept override { return edition_; }
+    [[nodiscard]] std::span<const TriangleGroup> groups() const noexcept override
+    {
+        return groups_;
+    }
+    [[nodiscard]] GroupQuery group_query(const Vec3& p) const noexcept override;
+    /// About 0.5 us.
+    void find_groups(const Vec3& p, double distance, GroupBoxes& boxes) const noexcept override;
+    void read_triangles(std::span<const std::uint32_t> ranks,
+                        std::span<ContactTriangle> triangles) const noexcept override;
 
 private:
     const ProximityOctree* octree_;
     SurfaceScale scale_;
     std::uint64_t edition_ = new_edition();
+    std::vector<TriangleGroup> groups_; ///< 40 bytes per triangle
 };
 
 /// All triangles of a mesh, which must outlive this, each looked at every time.

@@ -21,6 +21,7 @@ HapticRenderer::HapticRenderer(const ContactSurface& surface, const WorkspaceMap
       proxy_(surface, {.radius = options.proxy_radius * map.units_per_metre,
                        .static_friction = options.static_friction,
                        .dynamic_friction = options.dynamic_friction,
+                       .max_moves = options.max_moves,
                        .shading = options.shading,
                        .feel = feel}),
       guard_(options_.force, device.max_force), passivity_(device.max_damping)

@@ -25,6 +25,7 @@
 #include "proxima/haptics/touch_scene.h"
 #include "proxima/haptics/workspace_map.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 
@@ -38,7 +39,8 @@ struct RenderOptions {
     double static_friction = 0.4;
     double dynamic_friction = 0.3;
     Passivity passivity = Passivity::guarded;
-    double max_jump = 0.05;                   ///< m in a tick: 50 m/s at 1 kHz
+    double max_jump = 0.05;     ///< m in a tick: 50 m/s at 1 kHz
+    std::size_t max_moves = 12; ///< of the proxy in a tick: bounds a tick's work (proxy.h)
     ForceShading shading = ForceShading::off; ///< on: by the normals of the surface's feel
 };
 

@@ -23,6 +23,14 @@ public:
     [[nodiscard]] std::uint64_t count() const noexcept { return count_; }
     [[nodiscard]] std::uint64_t max() const noexcept { return max_; } ///< exact
 
+    /// How many are below a power of two, exactly.
+    [[nodiscard]] std::uint64_t count_below(std::uint64_t power_of_two) const noexcept
+    {
+        std::uint64_t sum = 0;
+        for (std::size_t bin = 0; bin < bin_of(power_of_two); ++bin) sum += bins_[bin];
+        return sum;
+    }
+
     /// The value that at least so large a part of all do not exceed, rounded up to its bin's end;
     /// 0 where there are none. \pre 0 <= part <= 1
     [[nodiscard]] std::uint64_t quantile(double part) const noexcept

@@ -14,6 +14,8 @@ Proxy::Proxy(const ContactSurface& surface, const ProxyOptions& options)
     PROXIMA_CHECK_GE(options.radius, 0);
     PROXIMA_CHECK_GE(options.dynamic_friction, 0);
     PROXIMA_CHECK_LE(options.dynamic_friction, options.static_friction);
+    PROXIMA_CHECK_GE(options.max_moves, 4U);
+    PROXIMA_CHECK_LE(options.max_moves, max_slide_moves);
 }
 
 void Proxy::place(const Vec3& p) noexcept
@@ -83,21 +85,28 @@ Vec3 Proxy::lean_towards(const Vec3& p, ProxyTick& next) noexcept
     const SlideResult& slide = next.slide;
     const Vec3 lean = shading_of(slide, next.normal, next.depth);
     if (lean.isZero(0)) return lean;
-    const SlideResult aside =
-        slide_sphere(surface_, options_.radius, tick_.proxy, p + lean, room_, SlideStart::touching);
+    const SlideResult aside = slide_sphere(surface_, options_.radius, tick_.proxy, p + lean, room_,
+                                           SlideStart::touching, moves_left(next.moves));
     next.moves += aside.moves;
     next.proxy = aside.center;
     const double part = (aside.center - slide.center).dot(lean) / lean.squaredNorm();
     return std::clamp(part, 0.0, 1.0) * lean;
 }
 
+std::size_t Proxy::moves_left(std::size_t made) const noexcept
+{
+    return std::max(options_.max_moves - std::min(made, options_.max_moves),
+                    options_.max_moves / 4);
+}
+
 SlideResult Proxy::slide_easily(const Vec3& p) noexcept
 {
     const Vec3& start = tick_.proxy;
     const Vec3& easy = tick_.slide.center;
+    const std::size_t moves = options_.max_moves;
     if (tick_.hold != Hold::free && easy != start) {
-        const SlideResult slide =
-            slide_sphere(surface_, options_.radius, easy, p, easy_room_, SlideStart::touching);
+        const SlideResult slide = slide_sphere(surface_, options_.radius, easy, p, easy_room_,
+                                               SlideStart::touching, moves);
         // Where it has come loose or far away from the proxy, the proxy may still be held back.
         const double depth = (slide.held - p).norm();
         const double apart = (slide.center - start).norm();
@@ -109,7 +118,7 @@ SlideResult Proxy::slide_easily(const Vec3& p) noexcept
         }
     }
     const SlideStart known = tick_.hold == Hold::free ? SlideStart::anywhere : SlideStart::touching;
-    return slide_sphere(surface_, options_.radius, start, p, room_, known);
+    return slide_sphere(surface_, options_.radius, start, p, room_, known, moves);
 }
 
 const ProxyTick& Proxy::follow(const Vec3& p) noexcept
@@ -151,8 +160,10 @@ const ProxyTick& Proxy::follow(const Vec3& p) noexcept
             next.held += anchor - goal;
         } else {
             const Vec3 lag = aside * (trail / distance);
-            const SlideResult dragged = slide_sphere(surface_, options_.radius, start,
-                                                     p + lean + lag, room_, SlideStart::touching);
+            const std::size_t moves = moves_left(next.moves);
+            const SlideResult dragged =
+                slide_sphere(surface_, options_.radius, start, p + lean + lag, room_,
+                             SlideStart::touching, moves);
             next.moves += dragged.moves;
             next.proxy = dragged.center;
             if (!lean.isZero(0)) {
@@ -163,8 +174,8 @@ const ProxyTick& Proxy::follow(const Vec3& p) noexcept
         }
     } else if (room_.path().back() != next.proxy) {
         // It goes there by itself where nothing keeps it back any longer.
-        const SlideResult freed =
-            slide_sphere(surface_, options_.radius, start, p, room_, SlideStart::touching);
+        const SlideResult freed = slide_sphere(surface_, options_.radius, start, p, room_,
+                                               SlideStart::touching, moves_left(next.moves));
         next.moves += freed.moves;
         next.proxy = freed.center;
     }

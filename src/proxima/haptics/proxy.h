@@ -29,6 +29,9 @@ struct ProxyOptions {
     double static_friction = 0;  ///< mu_s
     double dynamic_friction = 0; ///< mu_d, at most mu_s
     double restick = 0.6;        ///< sliding ends below this part of mu_s
+    /// Of a tick's first slide, and at least a quarter of it for another one: what is left of a
+    /// way goes on in the next tick.
+    std::size_t max_moves = max_slide_moves;
     ForceShading shading = ForceShading::off;
     const SurfaceFeel* feel =
         nullptr; ///< frictions and normals by triangle; must outlive the proxy
@@ -52,7 +55,8 @@ struct ProxyTick {
 /// noexcept, without allocation, and take a few questions of the surface.
 class Proxy {
 public:
-    /// \pre radius >= 0, 0 <= dynamic_friction <= static_friction, all finite
+    /// \pre radius >= 0, 0 <= dynamic_friction <= static_friction, all finite, 4 <= max_moves <=
+    /// max_slide_moves
     Proxy(const ContactSurface& surface, const ProxyOptions& options);
 
     [[nodiscard]] const ProxyOptions& options() const noexcept { return options_; }
@@ -101,6 +105,7 @@ private:
     [[nodiscard]] Vec3 shading_of(const SlideResult& slide, const Vec3& normal,
                                   double depth) const noexcept;
     [[nodiscard]] bool find_room(const Vec3& p) noexcept;
+    [[nodiscard]] std::size_t moves_left(std::size_t made) const noexcept;
     [[nodiscard]] SlideResult slide_easily(const Vec3& p) noexcept;
     [[nodiscard]] Vec3 lean_towards(const Vec3& p, ProxyTick& next) noexcept;
 

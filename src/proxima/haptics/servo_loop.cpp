@@ -11,6 +11,7 @@
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 
 namespace proxima {
 
@@ -31,6 +32,18 @@ void sleep_until(std::int64_t nanoseconds) noexcept
                            nanoseconds % nanoseconds_per_second};
     while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &time, nullptr) == EINTR) {
     }
+}
+
+std::uint64_t page_faults_so_far() noexcept
+{
+#ifdef RUSAGE_THREAD
+    rusage usage{};
+    getrusage(RUSAGE_THREAD, &usage);
+    return static_cast<std::uint64_t>(usage.ru_minflt) +
+           static_cast<std::uint64_t>(usage.ru_majflt);
+#else
+    return 0;
+#endif
 }
 
 /// Real-time priority and locked memory while it lives, as far as they are granted.
@@ -79,6 +92,7 @@ ServoStatistics detail::run_servo_loop(const ServoOptions& options, ServoTick ti
     const RealTimeGrant grant(options.pace, seen);
     const double period = static_cast<double>(nanoseconds_per_second) / options.rate;
     const bool paced = options.pace != Pace::unpaced;
+    const std::uint64_t faults_before = page_faults_so_far();
     const std::int64_t begin = now();
     double planned = 0; // ticks since the beginning
     std::int64_t end = begin;
@@ -102,9 +116,11 @@ ServoStatistics detail::run_servo_loop(const ServoOptions& options, ServoTick ti
         const double passed = std::floor(static_cast<double>(end - begin) / period);
         if (passed < planned) continue;
         ++seen.missed;
+        if (static_cast<double>(start - begin) >= planned * period) ++seen.overslept;
         seen.skipped += static_cast<std::uint64_t>(passed - planned);
         planned = std::max(planned, passed);
     }
+    seen.page_faults = page_faults_so_far() - faults_before;
     seen.seconds = static_cast<double>(end - begin) / static_cast<double>(nanoseconds_per_second);
     return seen;
 }

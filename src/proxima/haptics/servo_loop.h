@@ -32,11 +32,13 @@ struct ServoOptions {
 
 struct ServoStatistics {
     std::uint64_t ticks = 0;
-    std::uint64_t missed = 0;  ///< deadlines
-    std::uint64_t skipped = 0; ///< planned times that were left out
-    double seconds = 0;        ///< from the first tick to the last
-    LatencyHistogram late;     ///< waking up after the planned time, ns
-    LatencyHistogram work;     ///< inside of ticks, ns
+    std::uint64_t missed = 0;      ///< deadlines
+    std::uint64_t overslept = 0;   ///< of these: woken up after the deadline, before any work
+    std::uint64_t skipped = 0;     ///< planned times that were left out
+    double seconds = 0;            ///< from the first tick to the last
+    LatencyHistogram late;         ///< waking up after the planned time, ns
+    LatencyHistogram work;         ///< inside of ticks, ns
+    std::uint64_t page_faults = 0; ///< of this thread, from the first tick to the last
     bool real_time_priority = false;
     bool locked_memory = false;
     std::string note; ///< what was asked for and not granted, and what would help; empty if nothing

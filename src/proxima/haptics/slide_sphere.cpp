@@ -36,13 +36,13 @@ public:
           skin_(skin_of(surface.scale())), to_(to), room_(room)
     {}
 
-    SlideResult run(const Vec3& from, SlideStart start) noexcept
+    SlideResult run(const Vec3& from, SlideStart start, std::size_t max_moves) noexcept
     {
         result_.center = from;
         room_.begin_path(from);
         if (start == SlideStart::touching || !reach_freely()) {
             result_.end = SlideEnd::limited;
-            while (result_.moves < max_slide_moves && move()) {
+            while (result_.moves < max_moves && move()) {
             }
         }
         return result_;
@@ -227,9 +227,10 @@ std::optional<Contact> nearest_contact(const ContactSurface& surface, const Vec3
 }
 
 SlideResult slide_sphere(const ContactSurface& surface, double radius, const Vec3& from,
-                         const Vec3& to, SlideRoom& room, SlideStart start) noexcept
+                         const Vec3& to, SlideRoom& room, SlideStart start,
+                         std::size_t max_moves) noexcept
 {
-    return Slide(surface, radius, to, room).run(from, start);
+    return Slide(surface, radius, to, room).run(from, start, max_moves);
 }
 
 } // namespace proxima

@@ -30,7 +30,7 @@
 
 namespace proxima {
 
-/// No tick has more moves.
+/// No slide has more moves.
 inline constexpr std::size_t max_slide_moves = 48;
 
 enum class SlideEnd : std::uint8_t {
@@ -105,9 +105,11 @@ enum class SlideStart : std::uint8_t {
 
 /// Slides a sphere of max(radius, safety gap) from `from` towards `to`. noexcept, no allocation, no
 /// lock: at most max_slide_moves questions of the surface, usually one to three of about 1 us.
-/// \pre at `from` nothing is nearer than the sphere's radius; all finite; radius >= 0
+/// \pre at `from` nothing is nearer than the sphere's radius; all finite; radius >= 0; max_moves is
+/// 1 to max_slide_moves
 [[nodiscard]] SlideResult slide_sphere(const ContactSurface& surface, double radius,
                                        const Vec3& from, const Vec3& to, SlideRoom& room,
-                                       SlideStart start = SlideStart::anywhere) noexcept;
+                                       SlideStart start = SlideStart::anywhere,
+                                       std::size_t max_moves = max_slide_moves) noexcept;
 
 } // namespace proxima

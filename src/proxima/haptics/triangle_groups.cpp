@@ -1,0 +1,299 @@
+#include "proxima/haptics/triangle_groups.h"
+
+#include "proxima/base/check.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#ifndef PROXIMA_HAPTICS_TRIANGLE_GROUPS_ONCE
+#define PROXIMA_HAPTICS_TRIANGLE_GROUPS_ONCE
+
+namespace proxima {
+
+/// What is asked for, in units.
+struct LaneQuery {
+    float place[3]; ///< from the boxes' origin
+    float way[3];
+    float distance;
+    float box_margin;
+};
+
+} // namespace proxima
+
+#endif
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "proxima/haptics/triangle_groups.cpp"
+#include <hwy/cache_control.h>
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace proxima::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using NearTag = hn::CappedTag<float, TriangleGroup::width>;
+using NearFloats = hn::Vec<NearTag>;
+
+struct NearVectors {
+    NearFloats x, y, z;
+};
+
+HWY_INLINE NearFloats dot(const NearVectors& a, const NearVectors& b)
+{
+    return hn::MulAdd(a.z, b.z, hn::MulAdd(a.y, b.y, hn::Mul(a.x, b.x)));
+}
+HWY_INLINE NearVectors difference(const NearVectors& a, const NearVectors& b)
+{
+    return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
+}
+HWY_INLINE NearVectors cross(const NearVectors& a, const NearVectors& b)
+{
+    return {hn::MulSub(a.y, b.z, hn::Mul(a.z, b.y)), hn::MulSub(a.z, b.x, hn::Mul(a.x, b.z)),
+            hn::MulSub(a.x, b.y, hn::Mul(a.y, b.x))};
+}
+
+/// Squared distance from the origin to the segment from a, along u. A point where u is zero.
+HWY_INLINE NearFloats side_distance(const NearVectors& a, const NearVectors& u)
+{
+    const NearTag d;
+    const auto length = hn::Max(dot(u, u), hn::Set(d, 1e-30F));
+    const auto part = hn::Div(hn::Neg(dot(a, u)), length);
+    const auto t = hn::Min(hn::Max(part, hn::Zero(d)), hn::Set(d, 1.0F));
+    const NearVectors at = {hn::MulAdd(t, u.x, a.x), hn::MulAdd(t, u.y, a.y),
+                            hn::MulAdd(t, u.z, a.z)};
+    return dot(at, at);
+}
+
+/// Squared distances from the origin; 0 where a corner is so sharp that the normal says little.
+HWY_INLINE NearFloats triangle_distance(const NearVectors& a, const NearVectors& b,
+                                        const NearVectors& c)
+{
+    const NearTag d;
+    const auto zero = hn::Zero(d);
+    const NearVectors u = difference(b, a);
+    const NearVectors w = difference(c, a);
+    const NearVectors v = difference(c, b);
+    const auto sides =
+        hn::Min(side_distance(a, u), hn::Min(side_distance(a, w), side_distance(b, v)));
+    const NearVectors n = cross(u, w);
+    const auto nn = dot(n, n);
+    // The foot is a + (at_b u + at_c w) / nn.
+    const auto at_b = dot(cross(w, a), n);
+    const auto at_c = dot(cross(a, u), n);
+    const auto inside =
+        hn::And(hn::And(hn::Ge(at_b, zero), hn::Ge(at_c, zero)), hn::Le(hn::Add(at_b, at_c), nn));
+    const auto height = dot(n, a);
+    const auto plane = hn::Div(hn::Mul(height, height), hn::Max(nn, hn::Set(d, 1e-30F)));
+    const auto sharp = hn::Le(nn, hn::Mul(hn::Mul(dot(u, u), dot(w, w)), hn::Set(d, 0x1p-10F)));
+    return hn::IfThenElse(sharp, zero, hn::IfThenElse(inside, plane, sides));
+}
+
+HWY_INLINE NearVectors set_vector(const float* v)
+{
+    const NearTag d;
+    return {hn::Set(d, v[0]), hn::Set(d, v[1]), hn::Set(d, v[2])};
+}
+
+/// Whether two numbers, along an axis of this squared length, are beyond a limit on the same side.
+HWY_INLINE auto are_beyond(NearFloats a, NearFloats b, NearFloats squared_length, NearFloats limit)
+{
+    const auto least = hn::Min(hn::Mul(a, a), hn::Mul(b, b));
+    return hn::And(hn::Gt(hn::Mul(a, b), hn::Zero(NearTag())),
+                   hn::Gt(least, hn::Mul(hn::Mul(limit, limit), squared_length)));
+}
+
+/// Bits of those boxes, from `first` on, that may be within the distance.
+HWY_INLINE std::uint32_t near_boxes(const GroupBoxes& boxes, std::size_t first,
+                                    const LaneQuery& query)
+{
+    const hn::CappedTag<float, 16> d;
+    static_assert(GroupBoxes::room % 16 == 0);
+    const auto limit = hn::Set(d, query.distance + query.box_margin);
+    std::uint32_t bits = 0;
+    for (std::size_t lane = 0; lane < 16; lane += hn::Lanes(d)) {
+        auto near = hn::FirstN(d, boxes.count - HWY_MIN(boxes.count, first + lane));
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const float end = query.place[axis] + query.way[axis];
+            const auto low = hn::Set(d, HWY_MIN(query.place[axis], end));
+            const auto high = hn::Set(d, HWY_MAX(query.place[axis], end));
+            const auto lower = hn::LoadU(d, boxes.lower[axis].data() + first + lane);
+            const auto upper = hn::LoadU(d, boxes.upper[axis].data() + first + lane);
+            const auto apart = hn::Max(hn::Sub(lower, high), hn::Sub(low, upper));
+            near = hn::And(near, hn::Le(apart, limit));
+        }
+        std::uint8_t bytes[8] = {};
+        (void)hn::StoreMaskBits(d, near, bytes);
+        bits |= (bytes[0] | static_cast<std::uint32_t>(bytes[1]) << 8U) << lane;
+    }
+    return bits;
+}
+
+/// Corners of a group's triangles from `lane` on, as a place sees them.
+struct LaneTriangles {
+    NearVectors a, b, c;
+};
+
+HWY_INLINE LaneTriangles load_triangles(const TriangleGroup& group, std::size_t lane,
+                                        const NearVectors& place)
+{
+    const NearTag d;
+    const auto corner = [&](std::size_t k) {
+        const auto& at = group.corners[k];
+        return NearVectors{hn::Sub(hn::LoadU(d, at[0].data() + lane), place.x),
+                           hn::Sub(hn::LoadU(d, at[1].data() + lane), place.y),
+                           hn::Sub(hn::LoadU(d, at[2].data() + lane), place.z)};
+    };
+    return {corner(0), corner(1), corner(2)};
+}
+
+HWY_INLINE auto near_ball(const LaneTriangles& t, NearFloats limit)
+{
+    return hn::Le(triangle_distance(t.a, t.b, t.c), hn::Mul(limit, limit));
+}
+
+/// Neither the triangle's normal nor the products of its sides with the way separate them.
+HWY_INLINE auto near_way(const LaneTriangles& t, const NearVectors& way, NearFloats limit)
+{
+    const NearTag d;
+    const auto blunt = hn::Set(d, 0x1p-10F); // angles whose products say enough
+    const NearVectors u = difference(t.b, t.a);
+    const NearVectors w = difference(t.c, t.a);
+    const NearVectors n = cross(u, w);
+    const auto nn = dot(n, n);
+    const auto start = dot(n, t.a);
+    auto apart = hn::And(are_beyond(start, hn::Sub(start, dot(n, way)), nn, limit),
+                         hn::Gt(nn, hn::Mul(hn::Mul(dot(u, u), dot(w, w)), blunt)));
+    const auto way_squared = dot(way, way);
+    const auto separate = [&](const NearVectors& side, const NearVectors& on,
+                              const NearVectors& opposite) {
+        const NearVectors axis = cross(way, side);
+        const auto squared = dot(axis, axis);
+        const auto enough = hn::Mul(hn::Mul(way_squared, dot(side, side)), blunt);
+        apart =
+            hn::Or(apart, hn::And(are_beyond(dot(axis, on), dot(axis, opposite), squared, limit),
+                                  hn::Gt(squared, enough)));
+    };
+    separate(u, t.a, t.c);
+    separate(w, t.a, t.b);
+    separate(difference(t.c, t.b), t.b, t.a);
+    return hn::Not(apart);
+}
+
+/// Bits of a group's triangles.
+template <class Near>
+HWY_INLINE std::uint32_t near_triangles(const TriangleGroup& group, const float* place,
+                                        const Near& near)
+{
+    const NearTag d;
+    const NearVectors p = set_vector(place);
+    std::uint32_t bits = 0;
+    for (std::size_t lane = 0; lane < TriangleGroup::width; lane += hn::Lanes(d)) {
+        std::uint8_t bytes[8] = {};
+        (void)hn::StoreMaskBits(d, near(load_triangles(group, lane, p)), bytes);
+        bits |= static_cast<std::uint32_t>(bytes[0]) << lane;
+    }
+    return bits & ((1U << group.count) - 1);
+}
+
+std::size_t scan_groups(const TriangleGroup* groups, const GroupBoxes& boxes,
+                        const GroupQuery& asked, const LaneQuery& query, std::uint32_t* ranks)
+{
+    const NearTag d;
+    const NearVectors way = set_vector(query.way);
+    const float way_size = std::abs(query.way[0]) + std::abs(query.way[1]) + std::abs(query.way[2]);
+    const auto rounding = static_cast<float>(asked.rounding * asked.scale);
+    std::uint32_t near_ids[GroupBoxes::room];
+    std::size_t near_count = 0;
+    for (std::size_t first = 0; first < boxes.count; first += 16) {
+        for (std::uint32_t left = near_boxes(boxes, first, query); left != 0; left &= left - 1) {
+            const std::uint32_t id =
+                boxes.ids[first + static_cast<std::size_t>(std::countr_zero(left))];
+            near_ids[near_count++] = id;
+            const auto* const line = reinterpret_cast<const std::byte*>(&groups[id]);
+            for (std::size_t at = 0; at < sizeof(TriangleGroup); at += 64) hwy::Prefetch(line + at);
+        }
+    }
+    std::size_t written = 0;
+    for (std::size_t i = 0; i < near_count; ++i) {
+        const std::uint32_t id = near_ids[i];
+        const TriangleGroup& group = groups[id];
+        float place[3];
+        for (int axis = 0; axis < 3; ++axis) {
+            place[axis] = static_cast<float>(
+                (asked.place[axis] - group.center[static_cast<std::size_t>(axis)]) * asked.scale);
+        }
+        // Sides are off by less than 16 roundings of the sizes, heights of corners that are not
+        // sharp by less than 2^8.
+        const float size = group.size + query.distance + way_size;
+        const auto limit = hn::Set(d, query.distance + 0x1p-14F * size + rounding);
+        std::uint32_t near =
+            way_size > 0
+                ? near_triangles(group, place,
+                                 [&](const LaneTriangles& t) { return near_way(t, way, limit); })
+                : near_triangles(group, place,
+                                 [&](const LaneTriangles& t) { return near_ball(t, limit); });
+        for (; near != 0; near &= near - 1) {
+            ranks[written++] = static_cast<std::uint32_t>(TriangleGroup::width) * id +
+                               static_cast<std::uint32_t>(std::countr_zero(near));
+        }
+    }
+    return written;
+}
+
+} // namespace proxima::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+namespace proxima {
+
+HWY_EXPORT(scan_groups);
+
+TriangleGroup make_group(std::span<const Triangle> triangles, double scale) noexcept
+{
+    Box box;
+    for (const Triangle& triangle : triangles)
+        for (const Vec3& corner : triangle.vertices) box.extend(corner);
+    const Vec3 center = box.center();
+    TriangleGroup group;
+    group.center = {center[0], center[1], center[2]};
+    group.size = static_cast<float>(box.extent().maxCoeff() * scale);
+    group.count = static_cast<std::uint32_t>(triangles.size());
+    for (std::size_t lane = 0; lane < TriangleGroup::width; ++lane) {
+        const Triangle& triangle = triangles[std::min(lane, triangles.size() - 1)];
+        for (int k = 0; k < 3; ++k) {
+            const Vec3 corner = (triangle[k] - center) * scale;
+            for (int axis = 0; axis < 3; ++axis) {
+                group.corners[k][static_cast<std::size_t>(axis)][lane] =
+                    static_cast<float>(corner[axis]);
+            }
+        }
+    }
+    return group;
+}
+
+std::size_t scan_groups(std::span<const TriangleGroup> groups, const GroupBoxes& boxes,
+                        const GroupQuery& query, std::span<std::uint32_t> ranks) noexcept
+{
+    PROXIMA_CHECK_LE(boxes.count * TriangleGroup::width, ranks.size());
+    const Vec3 place = (query.place - query.origin) * query.scale;
+    const Vec3 way = query.way * query.scale;
+    LaneQuery lanes{};
+    for (int axis = 0; axis < 3; ++axis) {
+        lanes.place[axis] = static_cast<float>(place[axis]);
+        lanes.way[axis] = static_cast<float>(way[axis]);
+    }
+    lanes.distance = static_cast<float>(query.distance * query.scale);
+    // Of the place, the way's end and the distance as floats.
+    const double size =
+        place.cwiseAbs().maxCoeff() + way.cwiseAbs().maxCoeff() + query.distance * query.scale;
+    lanes.box_margin = static_cast<float>(0x1p-21 * size + query.rounding * query.scale);
+    return HWY_DYNAMIC_DISPATCH(scan_groups)(groups.data(), boxes, query, lanes, ranks.data());
+}
+
+} // namespace proxima
+
+#endif

@@ -1,0 +1,278 @@
+#include "proxima/haptics/contact_cache.h"
+
+#include "counted_allocations.h"
+#include "haptics/touch_meshes.h"
+#include "proxima/base/simd.h"
+#include "proxima/geometry/closest_point.h"
+#include "proxima/haptics/proxy.h"
+#include "proxima/proximity/build_proximity_octree.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace proxima {
+namespace {
+
+using testing::HandPath;
+using testing::TouchMesh;
+
+std::vector<TouchMesh> cache_meshes()
+{
+    std::vector<TouchMesh> meshes = testing::touch_meshes();
+    // Needles and slivers beside triangles of all sizes, and all of it far from the origin.
+    std::mt19937 random(11);
+    std::uniform_real_distribution<double> place(-1, 1);
+    std::vector<Vec3> positions;
+    std::vector<TriangleCorners> triangles;
+    for (std::uint32_t i = 0; i < 400; ++i) {
+        const Vec3 at(place(random), place(random), place(random));
+        const double size = std::pow(10.0, 2.5 * place(random) - 2.5);
+        const double width = std::pow(10.0, 3 * place(random) - 3);
+        const Vec3 along(place(random), place(random), place(random));
+        const Vec3 aside(place(random), place(random), place(random));
+        positions.emplace_back(at);
+        positions.emplace_back(at + size * along);
+        positions.emplace_back(at + size * (0.3 * along + width * aside));
+        triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    }
+    const TriangleMesh slivers = testing::mesh_of(std::move(positions), std::move(triangles));
+    meshes.push_back({"slivers", slivers});
+    meshes.push_back({"far slivers", testing::moved(slivers, [](const Vec3& p) {
+                          return Vec3(p.array() + 3e5);
+                      })});
+    return meshes;
+}
+
+/// The least distance of a triangle from a way, as near as many steps tell: never too small by more
+/// than the steps' length.
+double distance_from_way(const Triangle& triangle, const Vec3& p, const Vec3& way)
+{
+    constexpr int steps = 64;
+    double least = INFINITY;
+    for (int i = 0; i <= steps; ++i) {
+        const Vec3 at = p + way * (static_cast<double>(i) / steps);
+        least = std::min(least, (closest_point(triangle, at).point - at).norm());
+        if (way.isZero()) break;
+    }
+    return least;
+}
+
+struct CacheCheck {
+    std::uint64_t answers = 0;
+    std::uint64_t given = 0;
+    std::uint64_t needed = 0;
+};
+
+/// What a walk asks for, near and far, slow and fast: nothing is missing, and little is too much.
+CacheCheck check_answers(const TouchMesh& named, std::uint32_t seed, int questions)
+{
+    const TriangleMesh& mesh = named.mesh;
+    const auto octree = build_proximity_octree(mesh);
+    const OctreeContactSurface surface(*octree);
+    const double size = surface.scale().extent;
+    const double edge = surface.scale().mean_edge;
+    ContactCache cache;
+    std::vector<ContactTriangle> buffer(4096);
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> unit(0, 1);
+    HandPath path(mesh, seed);
+    CacheCheck check;
+    for (int question = 0; question < questions; ++question) {
+        const Vec3 p = path.next();
+        // Radii of a billionth, of a part of an edge, of a few edges; ways none, short and long.
+        const double distance = std::array{1e-9 * size, 0.3 * edge * unit(random),
+                                           3 * edge * unit(random)}[random() % 3];
+        const double length = std::array{0.0, 1e-4 * edge, 2 * edge}[random() % 3];
+        const Vec3 way =
+            length * Vec3(unit(random) - 0.5, unit(random) - 0.5, random() % 4 == 0 ? 0.0 : 0.5);
+        const std::size_t count = way.isZero()
+                                      ? cache.collect(surface, p, distance, buffer)
+                                      : cache.collect_along(surface, p, way, distance, buffer);
+        EXPECT_LE(count, buffer.size());
+        if (count > buffer.size()) break;
+        std::set<TriangleId> given;
+        for (const ContactTriangle& triangle : std::span(buffer).first(count)) {
+            given.insert(triangle.id);
+            for (int k = 0; k < 3; ++k)
+                EXPECT_EQ(triangle.corners[k], mesh.triangle(triangle.id)[k]) << named.name;
+        }
+        EXPECT_EQ(given.size(), count) << named.name;
+        ++check.answers;
+        check.given += count;
+        for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
+            if (!(distance_from_way(mesh.triangle(TriangleId{id}), p, way) <= distance)) continue;
+            ++check.needed;
+            EXPECT_TRUE(given.contains(TriangleId{id}))
+                << named.name << ", seed " << seed << ", question " << question << ", triangle "
+                << id;
+        }
+    }
+    return check;
+}
+
+TEST(ContactCache, nothing_near_is_missing)
+{
+    std::uint32_t seed = 40;
+    CacheCheck sum;
+    for (const TouchMesh& named : cache_meshes()) {
+        const int questions = named.mesh.triangle_count() > 1000 ? 60 : 250;
+        const CacheCheck check = check_answers(named, ++seed, questions);
+        sum.answers += check.answers;
+        sum.given += check.given;
+        sum.needed += check.needed;
+    }
+    EXPECT_GT(sum.needed, sum.answers);   // it was worth asking
+    EXPECT_LT(sum.given, 2 * sum.needed); // and it sorts out
+}
+
+TEST(ContactCache, knows_how_far_the_surface_is_without_asking)
+{
+    for (const TouchMesh& named : cache_meshes()) {
+        const auto octree = build_proximity_octree(named.mesh);
+        const OctreeContactSurface surface(*octree);
+        const double edge = surface.scale().mean_edge;
+        ContactCache cache;
+        std::mt19937 random(7);
+        std::uniform_real_distribution<double> unit(0, 1);
+        HandPath path(named.mesh, 7);
+        constexpr int questions = 400;
+        for (int question = 0; question < questions; ++question) {
+            const Vec3 p = path.next();
+            const double wanted = edge * unit(random);
+            const double exact = surface.clearance(p);
+            const double said = cache.clearance(surface, p, wanted);
+            EXPECT_LE(said, exact) << named.name;
+            EXPECT_EQ(said > wanted, exact > wanted) << named.name;
+            if (said <= wanted) {
+                EXPECT_EQ(said, exact) << named.name;
+            }
+        }
+        EXPECT_LT(cache.work().distances, static_cast<std::uint64_t>(questions)) << named.name;
+    }
+}
+
+TEST(ContactCache, asks_rarely)
+{
+    const TriangleMesh mesh = *sample_mesh("torus:200x100");
+    const auto octree = build_proximity_octree(mesh);
+    const OctreeContactSurface surface(*octree);
+    const double edge = surface.scale().mean_edge;
+    ContactCache cache;
+    std::vector<ContactTriangle> buffer(4096);
+    Vec3 p = mesh.positions()[0];
+    constexpr int questions = 1000;
+    for (int question = 0; question < questions; ++question) {
+        p += Vec3(0, 0.05 * edge, 0);
+        (void)cache.collect(surface, p, 0.1 * edge, buffer);
+    }
+    EXPECT_LT(cache.work().gathers, 50U);
+    EXPECT_EQ(cache.work().scans, static_cast<std::uint64_t>(questions));
+}
+
+TEST(ContactCache, another_surface_is_asked_anew)
+{
+    const TriangleMesh cube = *sample_mesh("cube");
+    const TriangleMesh sphere = *sample_mesh("sphere:30x30");
+    const auto cube_octree = build_proximity_octree(cube);
+    const auto sphere_octree = build_proximity_octree(sphere);
+    const OctreeContactSurface first(*cube_octree);
+    const OctreeContactSurface second(*sphere_octree);
+    const MeshContactSurface keeps_nothing(cube);
+    EXPECT_NE(first.edition(), second.edition());
+    EXPECT_EQ(keeps_nothing.edition(), 0U);
+    ContactCache cache;
+    std::vector<ContactTriangle> buffer(4096);
+    const Vec3 p(0, 0, 1);
+    for (int round = 0; round < 3; ++round) {
+        for (const ContactSurface* surface : {static_cast<const ContactSurface*>(&first),
+                                              static_cast<const ContactSurface*>(&second),
+                                              static_cast<const ContactSurface*>(&keeps_nothing)}) {
+            const std::size_t count = cache.collect(*surface, p, 0.01, buffer);
+            const std::size_t asked = surface->collect(p, 0.01, buffer);
+            EXPECT_GE(count, asked);
+            EXPECT_LE(count, asked + 8);
+        }
+    }
+}
+
+// More triangles within what is asked for than are ever kept: the surface itself answers.
+TEST(ContactCache, crowds_are_answered_too)
+{
+    const TriangleMesh mesh = testing::triangle_soup(5, 4000);
+    const auto octree = build_proximity_octree(mesh);
+    const OctreeContactSurface surface(*octree);
+    ContactCache cache;
+    std::vector<ContactTriangle> buffer(4096);
+    const std::size_t count = cache.collect(surface, Vec3::Zero(), 1.0, buffer);
+    EXPECT_GT(count, GroupBoxes::room * TriangleGroup::width);
+    std::set<TriangleId> given;
+    for (const ContactTriangle& triangle : std::span(buffer).first(count))
+        given.insert(triangle.id);
+    for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
+        if (distance_from_way(mesh.triangle(TriangleId{id}), Vec3::Zero(), Vec3::Zero()) > 1.0)
+            continue;
+        EXPECT_TRUE(given.contains(TriangleId{id}));
+    }
+    (void)cache.collect(surface, Vec3::Zero(), 0.01, buffer);
+    EXPECT_GT(cache.work().scans, 0U);
+}
+
+TEST(ContactCache, does_not_allocate)
+{
+    const TriangleMesh mesh = *sample_mesh("torus:24x12");
+    const auto octree = build_proximity_octree(mesh);
+    const OctreeContactSurface surface(*octree);
+    ContactCache cache;
+    std::vector<ContactTriangle> buffer(4096);
+    HandPath path(mesh, 3);
+    std::vector<Vec3> places;
+    for (int i = 0; i < 300; ++i) places.push_back(path.next());
+    const std::size_t before = testing::allocation_count();
+    for (const Vec3& p : places) {
+        (void)cache.collect(surface, p, 0.02, buffer);
+        (void)cache.collect_along(surface, p, Vec3(0.01, 0.02, 0), 0.001, buffer);
+        (void)cache.clearance(surface, p, 0.1);
+    }
+    EXPECT_EQ(testing::allocation_count(), before);
+}
+
+// A hand as fast as a dash of half the model a tick, to and fro through thin walls: kept balls are
+// left, met again and left out in every way, and the proxy is that of all triangles.
+TEST(ContactCache, fast_hands_feel_what_all_triangles_say_on_every_instruction_set)
+{
+    for (const SimdTarget& target : simd_targets()) {
+        force_simd_target(target);
+        for (const TouchMesh& named : cache_meshes()) {
+            if (named.mesh.triangle_count() > 500) continue;
+            const auto octree = build_proximity_octree(named.mesh);
+            const OctreeContactSurface near(*octree);
+            const MeshContactSurface all(named.mesh);
+            const double size = near.scale().extent;
+            const ProxyOptions options = {
+                .radius = 0.01 * size, .static_friction = 0.4, .dynamic_friction = 0.3};
+            Proxy proxy(near, options);
+            Proxy slow(all, options);
+            HandPath path(named.mesh, 17);
+            const Vec3 begin = path.next() + Vec3(0, 0, 2.5 * size);
+            proxy.place(begin);
+            slow.place(begin);
+            for (int tick = 0; tick < 60; ++tick) {
+                Vec3 device = path.next();
+                for (int skip = 0; skip < tick % 3 * 20; ++skip) device = path.next();
+                const ProxyTick& result = proxy.follow(device);
+                const ProxyTick& expected = slow.follow(device);
+                ASSERT_EQ(result.proxy, expected.proxy)
+                    << named.name << ", " << target.name << ", tick " << tick;
+                ASSERT_EQ(result.held, expected.held) << named.name << ", tick " << tick;
+                ASSERT_EQ(result.moves, expected.moves) << named.name << ", tick " << tick;
+            }
+        }
+    }
+    restore_simd_targets();
+}
+
+} // namespace
+} // namespace proxima
