@@ -166,7 +166,9 @@ class Panels(WindowTest):
         self.close(window)
 
     def test_touch(self):
-        window = self.open("icosphere:3", "--panel", "touch")
+        window = self.open("icosphere:3")
+        window.settled()
+        window.choose("panel", "touch")  # the last word of the longest menu
         window.wait(lambda state: "servo rate" in state["facts"], "the servo loop's rate")
         window.wait(lambda now: float(now["facts"]["force"].split()[0]) > 0.1, "a force")
         self.assertGreater(float(window.state()["facts"]["servo rate"].split()[0]), 0)

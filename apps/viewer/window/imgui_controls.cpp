@@ -58,7 +58,7 @@ bool ImguiControls::choice(std::string_view name, std::size_t& value,
     const std::string id = label(name);
     const std::string shown(value < words.size() ? words[value] : "");
     bool changed = false;
-    const bool open = ImGui::BeginCombo(id.c_str(), shown.c_str());
+    const bool open = ImGui::BeginCombo(id.c_str(), shown.c_str(), ImGuiComboFlags_HeightLargest);
     note(name, shown, false);
     if (open) {
         for (std::size_t i = 0; i < words.size(); ++i) {
