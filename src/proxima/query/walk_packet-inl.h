@@ -136,10 +136,14 @@ private:
         for (std::size_t part = 0; part < 8 / ray_lanes; ++part) {
             auto near = hn::Set(d, packet_least_);
             auto far = hn::Set(d, packet_most_);
+            auto used = hn::Le(near, near);
             for (std::size_t axis = 0; axis < 3; ++axis) {
                 const std::size_t own = 4 * ray_lanes * part;
                 const auto front = plane_numbers(node.planes[axis], shuffles[axis][0] + own);
                 const auto back = plane_numbers(node.planes[axis], shuffles[axis][1] + own);
+                // No ray meets the box of a place without a child, but intervals of rays do.
+                if (axis == 0)
+                    used = (octant & 1U) == 0 ? hn::Le(front, back) : hn::Le(back, front);
                 RayFloats in[2];
                 RayFloats out[2];
                 for (std::size_t i = 0; i < 2; ++i) {
@@ -156,7 +160,7 @@ private:
                 far = hn::Min(far, hn::Max(out[0], out[1]));
             }
             met.entered[part] = near;
-            met.bits |= mask_bits(hn::Le(near, far)) << (ray_lanes * part);
+            met.bits |= mask_bits(hn::And(used, hn::Le(near, far))) << (ray_lanes * part);
         }
         return met;
     }
