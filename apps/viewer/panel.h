@@ -89,6 +89,12 @@ public:
     /// What shows the settings as they are now. \pre there are models
     [[nodiscard]] virtual PanelTask task(const ViewModels& models) const = 0;
 
+    /// What a picture should hold: the models, unless the panel shows something else.
+    [[nodiscard]] virtual Box extent(const ViewModels& models) const
+    {
+        return bounding_box(models);
+    }
+
     /// Places to drag; none by default.
     [[nodiscard]] virtual std::vector<Vec3> handles() const { return {}; }
     virtual void move_handle(std::size_t /*handle*/, const Vec3& /*to*/) {}

@@ -170,9 +170,12 @@ void Viewer::offer(Controls& controls)
     const std::vector<std::string_view> names = panel_names();
     std::size_t panel = panel_;
     if (watched.choice("panel", panel, names)) {
+        const Box before = panels_[panel_]->extent(models_);
         panels_[panel_]->leave();
         panel_ = panel;
         problem_.clear();
+        const Box after = panels_[panel_]->extent(models_);
+        if (before.lower != after.lower || before.upper != after.upper) frame_all();
     }
     panels_[panel_]->offer(watched);
     if (watched.changed()) ++wanted_;
@@ -255,7 +258,7 @@ void Viewer::frame_all()
 {
     if (models_.empty()) return;
     camera_.up = models_.front()->up;
-    camera_ = framed(camera_, bounding_box(models_), size_);
+    camera_ = framed(camera_, panels_[panel_]->extent(models_), size_);
     camera_is_set_ = false;
 }
 

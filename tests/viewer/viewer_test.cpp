@@ -231,6 +231,16 @@ TEST(Viewer, MinkowskiPanelPushesPlanesOutward)
     EXPECT_GT(bounding_box(shown.viewer.layers()).upper.x(), 1.25);
 }
 
+TEST(Viewer, FramesWhatAPanelShows)
+{
+    Shown shown({"icosphere:2"}, "model");
+    const double distance = shown.viewer.camera().distance;
+    shown.set({"panel=minkowski", "size of B=2"});
+    EXPECT_GT(shown.viewer.camera().distance, 1.2 * distance);
+    shown.set({"panel=octree"});
+    EXPECT_EQ(shown.viewer.camera().distance, distance);
+}
+
 TEST(Viewer, TouchPanelFeelsTheSurface)
 {
     Shown shown({"icosphere:3"}, "touch", {"hand x=0", "hand y=0", "hand z=0.7"});

@@ -122,6 +122,13 @@ public:
         controls.toggle("A itself", settings_.body);
     }
 
+    [[nodiscard]] Box extent(const ViewModels& /*models*/) const override
+    {
+        // Bodies are about as large as the cube from -1 to 1, and B is as large as it is set.
+        const double half = 1.0 + settings_.size;
+        return {Vec3::Constant(-half), Vec3::Constant(half)};
+    }
+
     bool advance(double seconds) override
     {
         if (!settings_.playing || seconds <= 0.0) return false;
