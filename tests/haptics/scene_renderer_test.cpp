@@ -186,6 +186,7 @@ TEST(SceneRenderer, touch_is_the_same_in_a_moving_train)
         const auto torus = moving.add(body_of(*sample_mesh("torus:24x12")), begin);
         RenderOptions options = plain();
         options.proxy_radius = 0.02;
+        options.max_moves = max_slide_moves; // cut short, ways would differ by more than rounding
         HapticRenderer expected(still, same_unit, strong_device(), options);
         HapticRenderer renderer(moving, same_unit, strong_device(), options);
         ASSERT_TRUE(moving.move(

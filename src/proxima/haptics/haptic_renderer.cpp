@@ -6,6 +6,13 @@ namespace proxima {
 
 namespace {
 
+/// Shading slides twice.
+std::size_t moves_of(const RenderOptions& options)
+{
+    const std::size_t slides = options.shading == ForceShading::on ? 2 : 1;
+    return std::min(slides * options.max_moves, max_slide_moves);
+}
+
 RenderOptions limited_options(RenderOptions options, const DeviceLimits& device)
 {
     options.force = limited(options.force, device);
@@ -21,7 +28,7 @@ HapticRenderer::HapticRenderer(const ContactSurface& surface, const WorkspaceMap
       proxy_(surface, {.radius = options.proxy_radius * map.units_per_metre,
                        .static_friction = options.static_friction,
                        .dynamic_friction = options.dynamic_friction,
-                       .max_moves = options.max_moves,
+                       .max_moves = moves_of(options),
                        .shading = options.shading,
                        .feel = feel}),
       guard_(options_.force, device.max_force), passivity_(device.max_damping)

@@ -39,8 +39,9 @@ struct RenderOptions {
     double static_friction = 0.4;
     double dynamic_friction = 0.3;
     Passivity passivity = Passivity::guarded;
-    double max_jump = 0.05;     ///< m in a tick: 50 m/s at 1 kHz
-    std::size_t max_moves = 12; ///< of the proxy in a tick: bounds a tick's work (proxy.h)
+    double max_jump = 0.05; ///< m in a tick: 50 m/s at 1 kHz
+    /// Of the proxy in a tick, twice as many with shading: bounds a tick's work (proxy.h).
+    std::size_t max_moves = 12;
     ForceShading shading = ForceShading::off; ///< on: by the normals of the surface's feel
 };
 
