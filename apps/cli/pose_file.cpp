@@ -12,7 +12,7 @@ namespace proxima {
 
 namespace {
 
-constexpr std::string_view columns = "r00,r01,r02,tx,r10,r11,r12,ty,r20,r21,r22,tz";
+constexpr std::string_view pose_columns = "r00,r01,r02,tx,r10,r11,r12,ty,r20,r21,r22,tz";
 
 /// Whether the first line names columns. \pre read_number_table took the file
 bool has_header(const std::string& path)
@@ -28,7 +28,7 @@ bool has_header(const std::string& path)
 
 Result<std::vector<RigidTransform>> read_poses(const std::string& path, Progress* progress)
 {
-    const auto table = read_number_table(path, columns, {.progress = progress});
+    const auto table = read_number_table(path, pose_columns, {.progress = progress});
     if (!table) return tl::unexpected(table.error());
     const bool binary = lower_case_extension(path) == ".npy";
     const std::size_t first_line = binary ? 0 : has_header(path) ? 2 : 1;
