@@ -8,8 +8,7 @@ target_compile_options(proxima_developer_options INTERFACE
   $<$<BOOL:${PROXIMA_WARNINGS_AS_ERRORS}>:-Werror>)
 if(PROXIMA_SANITIZE)
   target_compile_options(proxima_developer_options INTERFACE
-    -fsanitize=${PROXIMA_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all
-    -Wno-maybe-uninitialized) # g++ 12 finds it in its own AVX-512 header, only when it sanitizes
+    -fsanitize=${PROXIMA_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   target_link_options(proxima_developer_options INTERFACE -fsanitize=${PROXIMA_SANITIZE})
   if(CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
     # Kernels for AVX2 and AVX-512 only: watched, the emulated lanes of older processors take hours to compile.

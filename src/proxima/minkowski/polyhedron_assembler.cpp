@@ -71,14 +71,15 @@ PolyhedronAssembler::base_of_pyramid(const HullVertices& vertices,
 {
     PolyhedronAssembler assembler(vertices);
     assembler.merge_triangles(triangles);
+    std::vector<std::uint32_t> loop;
     for (std::size_t f = 0; f + 1 < assembler.loop_first_.size(); ++f) {
         const auto begin = assembler.loop_vertices_.begin();
-        std::vector<std::uint32_t> loop(begin + assembler.loop_first_[f],
-                                        begin + assembler.loop_first_[f + 1]);
-        if (std::ranges::find(loop, apex) == loop.end()) return loop;
+        loop.assign(begin + assembler.loop_first_[f], begin + assembler.loop_first_[f + 1]);
+        if (std::ranges::find(loop, apex) == loop.end()) break;
     }
-    PROXIMA_CHECK(!"a pyramid has a base");
-    return {};
+    const bool a_pyramid_has_a_base = !loop.empty() && std::ranges::find(loop, apex) == loop.end();
+    PROXIMA_CHECK(a_pyramid_has_a_base);
+    return loop;
 }
 
 void PolyhedronAssembler::append_loop(std::span<const std::uint32_t> loop)
