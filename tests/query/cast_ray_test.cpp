@@ -6,9 +6,7 @@
 #include "octree/nasty_meshes.h"
 #include "octree/small_meshes.h"
 #include "proxima/base/simd.h"
-#include "proxima/octree/build_octree.h"
 #include "proxima/query/brute_force.h"
-#include "proxima/query/build_ray_index.h"
 #include "proximity/test_meshes.h"
 #include "query/test_rays.h"
 
