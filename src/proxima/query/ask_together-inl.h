@@ -156,6 +156,7 @@ private:
         const auto least = lesser(lesser(places[0], places[1]), places[2]);
         const auto most = greater(greater(places[0], places[1]), places[2]);
         t = hn::IfThenElse(hn::Lt(t, least), least, hn::IfThenElse(hn::Lt(most, t), most, t));
+        sure = hn::And(sure, hn::Le(hn::Abs(t), hn::Set(d, farthest_hit)));
         sure = hn::And(sure, hn::And(hn::Le(t_min_.from(first), t), hn::Le(t, t_max_.from(first))));
         t_.set(first, t);
         u_.set(first, shares[1]);
