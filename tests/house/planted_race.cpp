@@ -8,7 +8,7 @@
 int main()
 {
     int counter = 0;
-    proxima::parallel_for(100000, {2}, [&](std::size_t) { ++counter; });
+    proxima::parallel_for(5000000, {2}, [&](std::size_t) { ++counter; });
     std::cout << counter << '\n';
     return 0;
 }
