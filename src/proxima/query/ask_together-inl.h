@@ -65,8 +65,8 @@ public:
         if (count_ == packet_size) answer();
     }
 
-    /// Answers all that wait.
-    HWY_INLINE void answer()
+    /// Answers all that wait. Not copied: it is long, and asked for sixteen hits at once.
+    HWY_NOINLINE void answer()
     {
         for (std::size_t first = 0; first < count_; first += double_lanes) {
             const std::uint32_t sure = intersect_from(first);
