@@ -6,6 +6,9 @@ add_library(proxima_developer_options INTERFACE)
 target_compile_options(proxima_developer_options INTERFACE
   -ffp-contract=off -Wall -Wextra -Wconversion -Wshadow -Wno-sign-conversion
   $<$<BOOL:${PROXIMA_WARNINGS_AS_ERRORS}>:-Werror>)
+# Kernels are compiled for no lanes, SSE4, AVX2 and AVX-512. Processors with SSSE3 and without SSE4, of 2006 to
+# 2008, do without lanes.
+target_compile_definitions(proxima_developer_options INTERFACE HWY_DISABLED_TARGETS=HWY_SSSE3)
 if(PROXIMA_SANITIZE)
   target_compile_options(proxima_developer_options INTERFACE
     -fsanitize=${PROXIMA_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
@@ -22,6 +25,22 @@ function(proxima_precompile target)
   if(PROXIMA_PRECOMPILE_HEADERS)
     target_precompile_headers(${target} PRIVATE ${ARGN})
   endif()
+endfunction()
+
+# The same for all position-independent targets that see Eigen: the geometry layer compiles these headers for
+# itself and for those after it.
+function(proxima_share_headers target)
+  if(target STREQUAL "proxima_geometry")
+    proxima_precompile(${target} <Eigen/Core> <algorithm> <string> <vector>)
+  elseif(PROXIMA_PRECOMPILE_HEADERS)
+    target_precompile_headers(${target} REUSE_FROM proxima_geometry)
+  endif()
+  set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+endfunction()
+
+# Optimised little: for code that runs once, much of it other libraries' templates.
+function(proxima_build_quickly target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()
 
 # Sources that Highway compiles once for every instruction set: each is a unit of its own in whole builds
@@ -45,7 +64,7 @@ function(proxima_add_layer name)
     PRIVATE ${ARG_PRIVATE_LINK} $<BUILD_INTERFACE:proxima_developer_options>)
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
   if(NOT name STREQUAL "base")
-    proxima_precompile(${target} <Eigen/Core> <algorithm> <string> <vector>)
+    proxima_share_headers(${target})
   endif()
   set_property(GLOBAL APPEND PROPERTY PROXIMA_LAYERS ${target})
 endfunction()
