@@ -6,9 +6,6 @@ add_library(proxima_developer_options INTERFACE)
 target_compile_options(proxima_developer_options INTERFACE
   -ffp-contract=off -Wall -Wextra -Wconversion -Wshadow -Wno-sign-conversion
   $<$<BOOL:${PROXIMA_WARNINGS_AS_ERRORS}>:-Werror>)
-# Kernels are compiled for no lanes, SSE4, AVX2 and AVX-512. Processors with SSSE3 and without SSE4, of 2006 to
-# 2008, do without lanes.
-target_compile_definitions(proxima_developer_options INTERFACE HWY_DISABLED_TARGETS=HWY_SSSE3)
 if(PROXIMA_SANITIZE)
   target_compile_options(proxima_developer_options INTERFACE
     -fsanitize=${PROXIMA_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
@@ -44,9 +41,11 @@ function(proxima_build_quickly target)
 endfunction()
 
 # Sources that Highway compiles once for every instruction set: each is a unit of its own in whole builds
-# that join sources (CMAKE_UNITY_BUILD).
+# that join sources (CMAKE_UNITY_BUILD). On x86 these are AVX-512, AVX2, SSE4 and no lanes, which is what the few
+# processors with SSSE3 and without SSE4 get, too.
 function(proxima_own_units)
-  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON
+    COMPILE_DEFINITIONS HWY_DISABLED_TARGETS=HWY_SSSE3)
 endfunction()
 
 # proxima_add_layer(NAME HEADERS ... SOURCES ... LINK ... PRIVATE_LINK ...)
