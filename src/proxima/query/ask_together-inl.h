@@ -11,6 +11,7 @@
 #define PROXIMA_QUERY_ASK_TOGETHER_INL_H
 #endif
 
+#include "proxima/base/inline_steps-inl.h"
 #include "proxima/geometry/ray_triangle-inl.h"
 #include "proxima/query/open_packet-inl.h"
 
@@ -65,8 +66,8 @@ public:
         if (count_ == packet_size) answer();
     }
 
-    /// Answers all that wait. Not copied: it is long, and asked for sixteen hits at once.
-    HWY_NOINLINE void answer()
+    /// Answers all that wait.
+    PROXIMA_STEP void answer()
     {
         for (std::size_t first = 0; first < count_; first += double_lanes) {
             const std::uint32_t sure = intersect_from(first);

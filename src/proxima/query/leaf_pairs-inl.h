@@ -277,9 +277,9 @@ HWY_INLINE std::uint64_t first_bits(std::uint32_t n)
     return (std::uint64_t{1} << n) - 1;
 }
 
-/// Pairs that no plane parts. One copy for all that walk: it is long.
-HWY_NOINLINE inline std::uint64_t unparted(const LeafShape& own, LeafShape& other,
-                                           const LeafBounds& bounds)
+/// Pairs that no plane parts.
+PROXIMA_STEP std::uint64_t unparted(const LeafShape& own, LeafShape& other,
+                                    const LeafBounds& bounds)
 {
     const std::uint32_t own_count = own.leaf->count;
     const std::uint32_t other_count = other.leaf->count;
@@ -341,9 +341,9 @@ HWY_INLINE Eight largest(const Eight3& a, const Eight3& b)
         maximum(size_of(b.y), size_of(b.z)));
 }
 
-HWY_NOINLINE inline PairVerdict look_at_pairs(const LeafShape& own, const EightPlaces& own_places,
-                                              const LeafShape& other,
-                                              const EightPlaces& other_places, float off)
+PROXIMA_STEP PairVerdict look_at_pairs(const LeafShape& own, const EightPlaces& own_places,
+                                       const LeafShape& other, const EightPlaces& other_places,
+                                       float off)
 {
     const Eight3 origin = look_up(own.corners[0], own_places);
     const Eight3 p1 = look_up(own.corners[1], own_places) - origin;
