@@ -24,10 +24,28 @@ function(proxima_precompile target)
   endif()
 endfunction()
 
+# The same for all position-independent targets that see Eigen: the geometry layer compiles these headers for
+# itself and for those after it.
+function(proxima_share_headers target)
+  if(target STREQUAL "proxima_geometry")
+    proxima_precompile(${target} <Eigen/Core> <algorithm> <string> <vector>)
+  elseif(PROXIMA_PRECOMPILE_HEADERS)
+    target_precompile_headers(${target} REUSE_FROM proxima_geometry)
+  endif()
+  set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+endfunction()
+
+# Optimised little: for code that runs once, much of it other libraries' templates.
+function(proxima_build_quickly target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+endfunction()
+
 # Sources that Highway compiles once for every instruction set: each is a unit of its own in whole builds
-# that join sources (CMAKE_UNITY_BUILD).
+# that join sources (CMAKE_UNITY_BUILD). On x86 these are AVX-512, AVX2, SSE4 and no lanes, which is what the few
+# processors with SSSE3 and without SSE4 get, too.
 function(proxima_own_units)
-  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON
+    COMPILE_DEFINITIONS HWY_DISABLED_TARGETS=HWY_SSSE3)
 endfunction()
 
 # proxima_add_layer(NAME HEADERS ... SOURCES ... LINK ... PRIVATE_LINK ...)
@@ -45,7 +63,7 @@ function(proxima_add_layer name)
     PRIVATE ${ARG_PRIVATE_LINK} $<BUILD_INTERFACE:proxima_developer_options>)
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
   if(NOT name STREQUAL "base")
-    proxima_precompile(${target} <Eigen/Core> <algorithm> <string> <vector>)
+    proxima_share_headers(${target})
   endif()
   set_property(GLOBAL APPEND PROPERTY PROXIMA_LAYERS ${target})
 endfunction()

@@ -11,6 +11,7 @@
 #include "proxima/query/build_ray_index.h"
 #include "proxima/query/self_intersection.h"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <fmt/core.h>
 #include <memory>

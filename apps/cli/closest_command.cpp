@@ -31,8 +31,6 @@ struct ClosestOptions {
     std::uint64_t budget_mb = 0;
 };
 
-constexpr const char* to_stdout = "-";
-
 /// Points of a task, and of a round: what is held at once beside the points.
 constexpr std::size_t task_points = 1024;
 constexpr std::size_t round_points = 128 * task_points;

@@ -4,8 +4,11 @@
 #include "cli/session.h"
 #include "proxima/base/result.h"
 
-#include <CLI/App.hpp>
 #include <functional>
+
+namespace CLI {
+class App;
+} // namespace CLI
 
 namespace proxima {
 

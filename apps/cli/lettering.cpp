@@ -112,12 +112,12 @@ constexpr std::array<std::string_view, 95> glyphs = {
     "0q1q2o2l3j2h2d1b0b",               // }
     "0i1k3k5i7i8k",                     // ~
 };
-constexpr std::string_view box = "0e0q6q6e0e";
+constexpr std::string_view unknown_glyph = "0e0q6q6e0e";
 
 std::string_view glyph_of(char letter) noexcept
 {
     const int place = letter - first_printable;
-    if (place < 0 || place >= static_cast<int>(glyphs.size())) return box;
+    if (place < 0 || place >= static_cast<int>(glyphs.size())) return unknown_glyph;
     return glyphs[static_cast<std::size_t>(place)];
 }
 

@@ -5,8 +5,11 @@
 #include "proxima/base/result.h"
 #include "proxima/octree/octree.h"
 
-#include <CLI/App.hpp>
 #include <string>
+
+namespace CLI {
+class App;
+} // namespace CLI
 
 namespace proxima {
 

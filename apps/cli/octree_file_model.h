@@ -5,10 +5,13 @@
 #include "proxima/base/result.h"
 #include "proxima/octree/octree.h"
 
-#include <CLI/App.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
+
+namespace CLI {
+class App;
+} // namespace CLI
 
 namespace proxima {
 

@@ -17,7 +17,7 @@ namespace proxima {
 namespace {
 
 /// Few enough leaves to be drawn in some milliseconds.
-constexpr std::uint64_t block = 256;
+constexpr std::uint64_t cells_per_step = 256;
 
 /// Triangles that the options' volume sees, and those that it does not.
 SurfaceColor surface_color(const TriangleMesh& mesh, const PictureOptions& options)
@@ -130,7 +130,7 @@ std::vector<Leaf> occupied_leaves(const Octree& octree, const PictureOptions& op
 void draw_leaves(Canvas& canvas, const Camera& camera, std::span<const Leaf> leaves,
                  Progress* progress)
 {
-    StageSteps steps(progress, "drawing the cells", 2 * leaves.size(), block);
+    StageSteps steps(progress, "drawing the cells", 2 * leaves.size(), cells_per_step);
     if (leaves.empty()) return;
     const int coarsest = depth(leaves.back().key);
     const int finest = std::max(depth(leaves.front().key), coarsest + 1);

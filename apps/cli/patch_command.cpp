@@ -44,7 +44,7 @@ struct PatchModel {
     double seconds = 0;                  ///< making all this, without reading a mesh
 };
 
-struct Patch {
+struct CollectedPatch {
     ClosestFeature closest;
     std::vector<TriangleId> triangles;  ///< ascending
     std::vector<std::size_t> ring_ends; ///< empty with a radius; last rings without triangles apart
@@ -90,10 +90,10 @@ Result<std::unique_ptr<PatchModel>> load_model(const std::string& name, Session&
     return model;
 }
 
-Result<Patch> collect_patch(const PatchModel& model, const PatchOptions& options)
+Result<CollectedPatch> collect_patch(const PatchModel& model, const PatchOptions& options)
 {
     const TriangleMesh& mesh = model.surface.mesh;
-    Patch patch;
+    CollectedPatch patch;
     patch.triangles.resize(mesh.triangle_count());
     NeighbourhoodScratch scratch(mesh);
     // Every ring but the last ones has a triangle.
@@ -131,7 +131,7 @@ double area_of(const TriangleMesh& mesh, std::span<const TriangleId> triangles)
 }
 
 /// Triangles ring by ring.
-std::vector<std::size_t> ring_counts(const Patch& patch)
+std::vector<std::size_t> ring_counts(const CollectedPatch& patch)
 {
     std::vector<std::size_t> counts;
     std::size_t begin = 0;
@@ -142,8 +142,8 @@ std::vector<std::size_t> ring_counts(const Patch& patch)
     return counts;
 }
 
-std::string text_of(const PatchOptions& options, const PatchModel& model, const Patch& patch,
-                    double area)
+std::string text_of(const PatchOptions& options, const PatchModel& model,
+                    const CollectedPatch& patch, double area)
 {
     const ClosestFeature& closest = patch.closest;
     const auto place = [](const Vec3& p) {
@@ -172,7 +172,8 @@ std::string text_of(const PatchOptions& options, const PatchModel& model, const 
     return text;
 }
 
-Json json_of(const PatchOptions& options, const PatchModel& model, const Patch& patch, double area)
+Json json_of(const PatchOptions& options, const PatchModel& model, const CollectedPatch& patch,
+             double area)
 {
     const ClosestFeature& closest = patch.closest;
     const auto coordinates = [](const Vec3& p) { return Json{p.x(), p.y(), p.z()}; };

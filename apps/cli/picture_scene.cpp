@@ -19,7 +19,7 @@ constexpr double eye_distance = 4.0;
 constexpr double margin = 0.05; // of the picture, kept free on each side
 
 /// Few enough triangles to be drawn in some milliseconds.
-constexpr std::uint64_t block = 256;
+constexpr std::uint64_t triangles_per_step = 256;
 
 /// Area-weighted vertex normals, not of unit length.
 std::vector<Vec3> vertex_normals(const TriangleMesh& mesh, StageSteps& steps)
@@ -42,7 +42,7 @@ void draw_mesh(Canvas& canvas, const Camera& camera, const TriangleMesh& mesh,
     const Color clay = srgb(0xE9E1D2);
     const Lamps lamps(camera.from_screen(Vec3::UnitX()), camera.from_screen(Vec3::UnitY()),
                       camera.from_screen(Vec3::UnitZ()));
-    StageSteps steps(progress, "drawing the mesh", 2 * mesh.triangle_count(), block);
+    StageSteps steps(progress, "drawing the mesh", 2 * mesh.triangle_count(), triangles_per_step);
     const std::vector<Vec3> normals = vertex_normals(mesh, steps);
     for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
         const Triangle triangle = mesh.triangle(TriangleId{i});

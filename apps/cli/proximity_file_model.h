@@ -7,9 +7,12 @@
 #include "proxima/mesh/triangle_mesh.h"
 #include "proxima/proximity/proximity_octree.h"
 
-#include <CLI/App.hpp>
 #include <string>
 #include <vector>
+
+namespace CLI {
+class App;
+} // namespace CLI
 
 namespace proxima {
 

@@ -33,7 +33,6 @@ struct RaycastOptions {
     std::uint32_t threshold = 1;
 };
 
-constexpr const char* to_stdout = "-";
 constexpr std::size_t task_rays = 1024;
 
 bool is_picture(const RaycastOptions& options)

@@ -17,8 +17,6 @@ namespace proxima {
 
 namespace {
 
-constexpr const char* to_stdout = "-";
-
 /// One text for all names of a file, whether it exists or not.
 std::string true_path(const std::string& path)
 {

@@ -15,6 +15,9 @@
 
 namespace proxima {
 
+/// As the name of an output: stdout.
+inline constexpr const char* to_stdout = "-";
+
 /// Options of every subcommand.
 struct CommonOptions {
     std::string json;           ///< file for the JSON result, "-" for stdout, empty for none

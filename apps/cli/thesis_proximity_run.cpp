@@ -54,8 +54,8 @@ ThesisRow count(const ThesisProximityOctree& octree, const MeshSphere& sphere)
     return row;
 }
 
-Result<std::vector<ThesisRow>> build_rows(const ProximityCommandOptions& options,
-                                          const TriangleMesh& mesh, Session& session)
+Result<std::vector<ThesisRow>> build_thesis_rows(const ProximityCommandOptions& options,
+                                                 const TriangleMesh& mesh, Session& session)
 {
     const ProgressBar shown(session.progress(), session.bar());
     Progress* const progress = &session.progress();
@@ -153,7 +153,7 @@ Status run_thesis_proximity(const ProximityCommandOptions& options, Session& ses
 {
     const auto mesh = session.load_model(options.model);
     if (!mesh) return tl::unexpected(mesh.error());
-    const auto rows = build_rows(options, *mesh, session);
+    const auto rows = build_thesis_rows(options, *mesh, session);
     if (!rows) return at_model(rows.error(), options.model);
 
     const KindThresholds& thresholds = options.thresholds;

@@ -8,6 +8,8 @@
 #define PROXIMA_BASE_EIGHT_LANES_INL_H
 #endif
 
+#include "proxima/base/inline_steps-inl.h"
+
 #include <cstddef>
 #include <hwy/highway.h>
 
@@ -33,37 +35,37 @@ HWY_INLINE Eight make_eight(const Make& make)
     return result;
 }
 
-HWY_INLINE Eight eight(float value)
+PROXIMA_LANE_OP Eight eight(float value)
 {
     return make_eight([&](std::size_t) { return hn::Set(EightTag(), value); });
 }
-HWY_INLINE Eight load_eight(const float* from)
+PROXIMA_LANE_OP Eight load_eight(const float* from)
 {
     return make_eight([&](std::size_t i) { return hn::LoadU(EightTag(), from + eight_lanes * i); });
 }
-HWY_INLINE void store_eight(const Eight& value, float* to)
+PROXIMA_LANE_OP void store_eight(const Eight& value, float* to)
 {
     for (std::size_t i = 0; i < eight_parts; ++i)
         hn::StoreU(value.part[i], EightTag(), to + eight_lanes * i);
 }
 
-HWY_INLINE Eight operator+(const Eight& a, const Eight& b)
+PROXIMA_LANE_OP Eight operator+(const Eight& a, const Eight& b)
 {
     return make_eight([&](std::size_t i) { return hn::Add(a.part[i], b.part[i]); });
 }
-HWY_INLINE Eight operator-(const Eight& a, const Eight& b)
+PROXIMA_LANE_OP Eight operator-(const Eight& a, const Eight& b)
 {
     return make_eight([&](std::size_t i) { return hn::Sub(a.part[i], b.part[i]); });
 }
-HWY_INLINE Eight operator*(const Eight& a, const Eight& b)
+PROXIMA_LANE_OP Eight operator*(const Eight& a, const Eight& b)
 {
     return make_eight([&](std::size_t i) { return hn::Mul(a.part[i], b.part[i]); });
 }
-HWY_INLINE Eight minimum(const Eight& a, const Eight& b)
+PROXIMA_LANE_OP Eight minimum(const Eight& a, const Eight& b)
 {
     return make_eight([&](std::size_t i) { return hn::Min(a.part[i], b.part[i]); });
 }
-HWY_INLINE Eight maximum(const Eight& a, const Eight& b)
+PROXIMA_LANE_OP Eight maximum(const Eight& a, const Eight& b)
 {
     return make_eight([&](std::size_t i) { return hn::Max(a.part[i], b.part[i]); });
 }

@@ -11,7 +11,7 @@ namespace proxima {
 
 namespace {
 
-constexpr const char* advice =
+constexpr const char* dhd_advice =
     "install the Force Dimension SDK 3 and its udev rules, or name the library by "
     "--device-library";
 
@@ -36,7 +36,7 @@ struct DhdApi {
     bool (*has_wrist)(char) = nullptr;
 };
 
-Result<DhdApi> load_api(const SharedLibrary& library)
+Result<DhdApi> load_dhd_api(const SharedLibrary& library)
 {
     DhdApi api;
     SymbolTable table(library);
@@ -55,11 +55,11 @@ Result<DhdApi> load_api(const SharedLibrary& library)
     table.want(api.get_serial_number, "dhdGetSerialNumber");
     table.want(api.get_version, "dhdGetSDKVersion");
     table.want(api.has_wrist, "dhdHasWrist");
-    if (Status status = table.finish(advice); !status) return tl::unexpected(status.error());
+    if (Status status = table.finish(dhd_advice); !status) return tl::unexpected(status.error());
     return api;
 }
 
-std::string text_of(const char* text)
+std::string dhd_text(const char* text)
 {
     return text != nullptr ? text : "";
 }
@@ -80,7 +80,7 @@ public:
         : library_(std::move(library)), api_(api), id_(id)
     {
         info_.name = index == 0 ? "dhd" : concat("dhd:", index);
-        info_.model = concat("Force Dimension ", text_of(api_.get_system_name(id)));
+        info_.model = concat("Force Dimension ", dhd_text(api_.get_system_name(id)));
         unsigned short serial = 0;
         if (api_.get_serial_number != nullptr && api_.get_serial_number(&serial, id) >= 0)
             info_.serial = to_text(serial);
@@ -144,7 +144,7 @@ public:
     {
         if (failed_reads_ + failed_writes_ == 0) return {};
         return concat("the driver failed to read ", failed_reads_, " times and to set the force ",
-                      failed_writes_, " times; it says: ", text_of(api_.get_last_error()));
+                      failed_writes_, " times; it says: ", dhd_text(api_.get_last_error()));
     }
 
 private:
@@ -166,9 +166,9 @@ Result<std::unique_ptr<Device>> open_dhd_device(const DhdOptions& options)
                              .names = {"libdhd.so", "libdhd.so.3", "/usr/local/lib/libdhd.so",
                                        "/usr/local/lib/libdhd.so.3"},
                              .named = options.library,
-                             .advice = advice});
+                             .advice = dhd_advice});
     if (!library) return tl::unexpected(library.error());
-    const auto api = load_api(*library);
+    const auto api = load_dhd_api(*library);
     if (!api) return tl::unexpected(api.error());
     const int count = api->get_device_count();
     if (options.index < 0 || options.index >= count) {
@@ -180,9 +180,10 @@ Result<std::unique_ptr<Device>> open_dhd_device(const DhdOptions& options)
     }
     const int id = api->open_id(static_cast<char>(options.index));
     if (id < 0 || api->enable_force(1, static_cast<char>(id)) < 0) {
-        return fail(ErrorCode::invalid_argument,
-                    concat("cannot open dhd:", options.index, ": ", text_of(api->get_last_error())),
-                    library->path());
+        return fail(
+            ErrorCode::invalid_argument,
+            concat("cannot open dhd:", options.index, ": ", dhd_text(api->get_last_error())),
+            library->path());
     }
     return std::make_unique<DhdDevice>(std::move(*library), *api, static_cast<char>(id),
                                        options.index);

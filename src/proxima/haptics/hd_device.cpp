@@ -52,7 +52,7 @@ constexpr unsigned int first_force_error = 0x0200;
 constexpr unsigned int last_force_error = 0x0204;
 
 constexpr double millimetre = 1e-3;
-constexpr const char* advice =
+constexpr const char* hd_advice =
     "install OpenHaptics 3.4 and the device's driver of 3D Systems, or name the library by "
     "--device-library";
 
@@ -80,7 +80,7 @@ struct HdApi {
     void (*update_calibration)(HdEnum) = nullptr; ///< may be missing
 };
 
-Result<HdApi> load_api(const SharedLibrary& library)
+Result<HdApi> load_hd_api(const SharedLibrary& library)
 {
     HdApi api;
     SymbolTable table(library);
@@ -104,11 +104,11 @@ Result<HdApi> load_api(const SharedLibrary& library)
     table.need(api.unschedule, "hdUnschedule");
     table.want(api.check_calibration, "hdCheckCalibration");
     table.want(api.update_calibration, "hdUpdateCalibration");
-    if (Status status = table.finish(advice); !status) return tl::unexpected(status.error());
+    if (Status status = table.finish(hd_advice); !status) return tl::unexpected(status.error());
     return api;
 }
 
-std::string text_of(const char* text)
+std::string hd_text(const char* text)
 {
     return text != nullptr ? text : "";
 }
@@ -190,10 +190,10 @@ void HdDevice::describe_device(const HdOptions& options)
     };
     info_.name = options.device.empty() ? "hd" : concat("hd:", options.device);
     info_.model =
-        concat(text_of(api_.get_string(vendor)), " ", text_of(api_.get_string(model_type)));
-    info_.serial = text_of(api_.get_string(serial_number));
-    info_.driver = concat(library_.path(), ", HD API ", text_of(api_.get_string(version)),
-                          ", driver ", text_of(api_.get_string(driver_version)));
+        concat(hd_text(api_.get_string(vendor)), " ", hd_text(api_.get_string(model_type)));
+    info_.serial = hd_text(api_.get_string(serial_number));
+    info_.driver = concat(library_.path(), ", HD API ", hd_text(api_.get_string(version)),
+                          ", driver ", hd_text(api_.get_string(driver_version)));
     const DeviceLimits touch = *find_device("touch");
     info_.limits.name = "hd";
     info_.limits.max_force = number(nominal_max_force, touch.max_force);
@@ -276,7 +276,7 @@ std::string HdDevice::trouble() const
     if (stalled_)
         return "the driver's scheduler called no more: see whether the device is plugged in";
     if (first_error_.code == 0) return {};
-    const std::string said = text_of(api_.get_error_string(first_error_.code));
+    const std::string said = hd_text(api_.get_error_string(first_error_.code));
     if (force_errors_ > 0)
         return concat("the driver stopped the force ", force_errors_, " times: ", said);
     return concat("the driver lost the device: ", said, " (error ", first_error_.code,
@@ -340,15 +340,15 @@ Result<std::unique_ptr<Device>> open_hd_device(const HdOptions& options)
                                         .names = {"libHD.so", "libHD.so.3.4", "/usr/lib/libHD.so",
                                                   "/usr/lib64/libHD.so", "/usr/local/lib/libHD.so"},
                                         .named = options.library,
-                                        .advice = advice});
+                                        .advice = hd_advice});
     if (!library) return tl::unexpected(library.error());
-    const auto api = load_api(*library);
+    const auto api = load_hd_api(*library);
     if (!api) return tl::unexpected(api.error());
     const HdHandle handle =
         api->init_device(options.device.empty() ? nullptr : options.device.c_str());
     const HdError error = api->get_error();
     if (handle == invalid_handle || error.code != 0) {
-        const std::string said = text_of(api->get_error_string(error.code));
+        const std::string said = hd_text(api->get_error_string(error.code));
         return fail(ErrorCode::invalid_argument,
                     concat("cannot open ",
                            options.device.empty() ? "the default device" : options.device, ": ",

@@ -35,7 +35,7 @@ bool is_sound(const ReplyPacket& reply) noexcept
     return sound;
 }
 
-Vec3 shortened(const Vec3& v, double most) noexcept
+Vec3 limited(const Vec3& v, double most) noexcept
 {
     const double length = v.stableNorm();
     return length <= most ? v : Vec3(v * (most / length * (1 - 0x1p-40)));
@@ -109,7 +109,7 @@ Vec3 RemoteServo::force(const Vec3& position, const Vec3& velocity, double now) 
         used_ = reply_.command;
         switched_ = false;
     }
-    return shortened(reply_.command.trust * trust_ * (wanted + left() * difference_), most);
+    return limited(reply_.command.trust * trust_ * (wanted + left() * difference_), most);
 }
 
 } // namespace proxima

@@ -15,7 +15,7 @@ constexpr int datagrams_per_tick = 64;
 /// Clocks may drift apart by so much of the time: a tenth of a per mille.
 constexpr double clock_drift = 1e-4;
 
-std::int64_t now() noexcept
+std::int64_t clock_now() noexcept
 {
     timespec time{};
     clock_gettime(CLOCK_MONOTONIC, &time);
@@ -111,7 +111,7 @@ DeviceReading UdpDevice::read() noexcept
         const auto received = socket_.receive(buffer);
         if (!received) break;
         const std::size_t size = std::min(received->size, buffer.size());
-        take(std::span(buffer).first(size), received->from, now());
+        take(std::span(buffer).first(size), received->from, clock_now());
     }
     return reading_;
 }

@@ -13,8 +13,8 @@ using Side = std::uint32_t;
 constexpr Side no_side = std::numeric_limits<Side>::max();
 
 constexpr std::size_t vertices_per_task = 4096;
-constexpr std::size_t triangles_per_task = 16384;
-constexpr std::uint64_t stage_count = 5;
+constexpr std::size_t topology_task = 16384;
+constexpr std::uint64_t topology_stages = 5;
 
 std::size_t task_count(std::size_t items, std::size_t per_task) noexcept
 {
@@ -169,7 +169,7 @@ public:
     // Edges get their numbers where their first side stands.
     Status number_edges()
     {
-        const std::size_t tasks = task_count(first_sides_.size(), 3 * triangles_per_task);
+        const std::size_t tasks = task_count(first_sides_.size(), 3 * topology_task);
         std::vector<std::uint32_t> first_edge(tasks + 1, 0);
         parallel_for(tasks, options_.threads, [&](std::size_t task) {
             std::uint32_t count = 0;
@@ -254,8 +254,8 @@ private:
     template <class Visit>
     void for_sides(std::size_t task, const Visit& visit) const
     {
-        const std::size_t begin = task * 3 * triangles_per_task;
-        const std::size_t end = std::min(begin + 3 * triangles_per_task, first_sides_.size());
+        const std::size_t begin = task * 3 * topology_task;
+        const std::size_t end = std::min(begin + 3 * topology_task, first_sides_.size());
         for (std::size_t side = begin; side < end; ++side) visit(static_cast<Side>(side));
     }
 
@@ -304,7 +304,7 @@ Result<Topology> build_topology(const TriangleMesh& mesh, const TopologyOptions&
     };
     TopologyBuilder builder(mesh, options);
     if (const Status fits = builder.check_limits(); !fits) return tl::unexpected(fits.error());
-    if (options.progress != nullptr) options.progress->begin_stage("topology", stage_count);
+    if (options.progress != nullptr) options.progress->begin_stage("topology", topology_stages);
     builder.list_stars();
     if (is_cancelled(options.progress)) return cancelled();
     builder.match_sides();

@@ -9,9 +9,9 @@ namespace proxima::detail {
 namespace {
 
 /// Turns in the plane of the faces, counter-clockwise about the normal, seen along an axis.
-class Plane {
+class FacePlane {
 public:
-    explicit Plane(const ConvexPolyhedron::NormalFactors& normal)
+    explicit FacePlane(const ConvexPolyhedron::NormalFactors& normal)
     {
         int sign = 0;
         for (axis_ = 0; axis_ < 3; ++axis_) {
@@ -48,7 +48,8 @@ private:
 /// Compares directions by their angle from a first one, in [0, 360) degrees.
 class AngleOrder {
 public:
-    AngleOrder(const Plane& plane, Displacement first) : plane_(plane), first_(std::move(first)) {}
+    AngleOrder(const FacePlane& plane, Displacement first) : plane_(plane), first_(std::move(first))
+    {}
 
     /// -1, 0, +1 as u comes before, with, or after v.
     [[nodiscard]] int compare(const Displacement& u, const Displacement& v) const noexcept
@@ -66,7 +67,7 @@ private:
         return point_same_way(first_, u) ? 0 : 1;
     }
 
-    const Plane& plane_;
+    const FacePlane& plane_;
     Displacement first_;
 };
 
@@ -103,7 +104,7 @@ public:
     }
 
     /// Goes to the point where the turn starts that begins with a direction.
-    void start_at(const Plane& plane, const Displacement& first) noexcept
+    void start_at(const FacePlane& plane, const Displacement& first) noexcept
     {
         at_ = 0;
         for (std::size_t i = 1; i < point_count_; ++i) {
@@ -115,7 +116,7 @@ public:
     }
 
     /// The same for a turn all around that starts to the right.
-    void start_lowest(const Plane& plane) noexcept
+    void start_lowest(const FacePlane& plane) noexcept
     {
         at_ = 0;
         for (std::size_t i = 1; i < point_count_; ++i) {
@@ -174,7 +175,7 @@ struct Opening {
     Displacement coming_direction;
 };
 
-std::optional<Opening> find_opening(const Plane& plane, const Chain& a, const Chain& b)
+std::optional<Opening> find_opening(const FacePlane& plane, const Chain& a, const Chain& b)
 {
     using Kind = SumCorner::Kind;
     if (a.is_bounded() && b.is_bounded()) return std::nullopt;
@@ -207,7 +208,7 @@ std::optional<Opening> find_opening(const Plane& plane, const Chain& a, const Ch
 bool append_face_sum(const FaceView& face_a, const FaceView& face_b,
                      const ConvexPolyhedron::NormalFactors& normal, std::vector<SumCorner>& corners)
 {
-    const Plane plane(normal);
+    const FacePlane plane(normal);
     Chain a(face_a);
     Chain b(face_b);
     const std::optional<Opening> opening = find_opening(plane, a, b);

@@ -10,7 +10,7 @@
 namespace proxima {
 namespace {
 
-constexpr std::size_t max_points = std::size_t{1} << 22U;
+constexpr std::size_t max_sum_points = std::size_t{1} << 22U;
 
 Displacement reversed(const Displacement& d)
 {
@@ -266,10 +266,10 @@ Result<PlanarSum> planar_sum(const ConvexPolygon& a, const ConvexPolygon& b,
             "cut_length");
     }
     PlanarSummation summation(a, b, options.cut_length);
-    if (summation.point_count() > max_points) {
+    if (summation.point_count() > max_sum_points) {
         return fail(ErrorCode::limit_exceeded,
                     concat("The sum would have ", summation.point_count(), " points, more than ",
-                           max_points, "."));
+                           max_sum_points, "."));
     }
     return summation.run();
 }

@@ -12,7 +12,7 @@ using detail::HullVertices;
 
 namespace {
 
-constexpr std::uint32_t none = no_facet;
+constexpr std::uint32_t no_group = no_facet;
 
 /// Follows the border of a group of triangles: the border edge after edge `side` of `triangle`.
 struct BorderEdge {
@@ -90,23 +90,23 @@ void PolyhedronAssembler::append_loop(std::span<const std::uint32_t> loop)
 
 bool PolyhedronAssembler::is_extreme(std::uint32_t vertex) const
 {
-    return groups_of_vertex_[vertex][2] != none;
+    return groups_of_vertex_[vertex][2] != no_group;
 }
 
 void PolyhedronAssembler::find_groups(std::span<const HullTriangle> triangles)
 {
-    group_.assign(triangles.size(), none);
+    group_.assign(triangles.size(), no_group);
     std::vector<std::uint32_t> front;
     std::uint32_t groups = 0;
     for (std::uint32_t first = 0; first < triangles.size(); ++first) {
-        if (group_[first] != none) continue;
+        if (group_[first] != no_group) continue;
         group_[first] = groups;
         front = {first};
         while (!front.empty()) {
             const HullTriangle& triangle = triangles[front.back()];
             front.pop_back();
             for (const std::uint32_t neighbour : triangle.neighbours) {
-                if (group_[neighbour] != none) continue;
+                if (group_[neighbour] != no_group) continue;
                 const auto& corners = triangles[neighbour].vertices;
                 const bool coplanar = std::ranges::all_of(corners, [&](std::uint32_t corner) {
                     return std::ranges::find(triangle.vertices, corner) !=
@@ -120,11 +120,11 @@ void PolyhedronAssembler::find_groups(std::span<const HullTriangle> triangles)
         }
         ++groups;
     }
-    groups_of_vertex_.assign(input_.coordinates.size(), {none, none, none});
+    groups_of_vertex_.assign(input_.coordinates.size(), {no_group, no_group, no_group});
     for (std::size_t t = 0; t < triangles.size(); ++t) {
         for (const std::uint32_t vertex : triangles[t].vertices) {
             for (std::uint32_t& group : groups_of_vertex_[vertex]) {
-                if (group == none) group = group_[t];
+                if (group == no_group) group = group_[t];
                 if (group == group_[t]) break;
             }
         }
@@ -179,7 +179,7 @@ void PolyhedronAssembler::keep_vertices(std::vector<std::uint32_t> extreme)
         result_.vertices_.push_back(input_.coordinates[vertex]);
         if (!input_.is_ray(vertex)) ++result_.point_count_;
     }
-    std::vector<std::uint32_t> number(input_.coordinates.size(), none);
+    std::vector<std::uint32_t> number(input_.coordinates.size(), no_group);
     for (std::uint32_t i = 0; i < extreme.size(); ++i) number[extreme[i]] = i;
     for (std::uint32_t& vertex : loop_vertices_) vertex = number[vertex];
 }

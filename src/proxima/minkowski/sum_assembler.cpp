@@ -12,13 +12,13 @@ using detail::SumCorner;
 
 namespace {
 
-constexpr std::uint32_t none = no_facet;
+constexpr std::uint32_t no_number = no_facet;
 
 /// Numbers pairs by first appearance.
 class PairNumbers {
 public:
     explicit PairNumbers(std::size_t most)
-        : slots_(std::bit_ceil(std::max<std::size_t>(2 * most, 16)), Slot{0, none}),
+        : slots_(std::bit_ceil(std::max<std::size_t>(2 * most, 16)), Slot{0, no_number}),
           shift_(64 - std::countr_zero(slots_.size()))
     {}
 
@@ -28,7 +28,7 @@ public:
         const std::uint64_t key = std::uint64_t{a} << 32U | b;
         // Fibonacci hashing [knuth-1998].
         std::size_t place = (key * 0x9E3779B97F4A7C15U) >> static_cast<unsigned>(shift_);
-        while (slots_[place].number != none) {
+        while (slots_[place].number != no_number) {
             if (slots_[place].key == key) return {slots_[place].number, false};
             place = (place + 1) & (slots_.size() - 1);
         }
@@ -116,7 +116,8 @@ void SumAssembler::number_corners()
         const auto known = std::ranges::find_if(rays, [&](const SumCorner& ray) {
             return ray.kind == corner.kind && ray.a == corner.a && ray.b == corner.b;
         });
-        loops[i] = none - static_cast<std::uint32_t>(known - rays.begin()); // its number from above
+        loops[i] =
+            no_number - static_cast<std::uint32_t>(known - rays.begin()); // its number from above
         if (known == rays.end()) rays.push_back(corner);
     }
     parts_->point_count = parts_->corners.size();
@@ -124,7 +125,7 @@ void SumAssembler::number_corners()
     const auto first_ray = static_cast<std::uint32_t>(parts_->point_count);
     if (rays.empty()) return;
     for (std::uint32_t& vertex : loops) {
-        if (none - vertex < rays.size()) vertex = first_ray + (none - vertex);
+        if (no_number - vertex < rays.size()) vertex = first_ray + (no_number - vertex);
     }
 }
 

@@ -7,6 +7,7 @@
 #define PROXIMA_PROXIMITY_BLOCK_SCAN_INL_H
 #endif
 
+#include "proxima/base/inline_steps-inl.h"
 #include "proxima/base/lookup_lanes-inl.h"
 #include "proxima/proximity/block.h"
 
@@ -146,8 +147,8 @@ alignas(64) inline constexpr std::uint16_t block_places[block_triangles] = {
 /// Of the block's triangles that `mask` names, at most 16, those that no other one of them is
 /// surely closer than. With `bound`, a distance in units, only those that may be closer than it.
 template <bool HasBound>
-HWY_INLINE void scan_block(const std::byte* block, std::uint32_t mask, const Vec3& p, double bound,
-                           BlockCandidates& candidates)
+PROXIMA_STEP void scan_block(const std::byte* block, std::uint32_t mask, const Vec3& p,
+                             double bound, BlockCandidates& candidates)
 {
     BlockHeader header;
     std::memcpy(&header, block, sizeof(header));

@@ -14,15 +14,15 @@ namespace {
 /// Cells that are split there are tasks: up to 4096.
 constexpr int task_depth = 4;
 
-tl::unexpected<Error> bad(std::string message, std::string where)
+tl::unexpected<Error> bad_cells(std::string message, std::string where)
 {
     return fail(ErrorCode::broken_invariant, std::move(message), std::move(where));
 }
 
 tl::unexpected<Error> bad_cell(const char* fault, const ProximityCell& cell)
 {
-    return bad(fault, concat("cell at ", cell.at[0], " ", cell.at[1], " ", cell.at[2], " of depth ",
-                             cell.depth));
+    return bad_cells(fault, concat("cell at ", cell.at[0], " ", cell.at[1], " ", cell.at[2],
+                                   " of depth ", cell.depth));
 }
 
 /// What checks of a cell return where they find no fault.
@@ -64,9 +64,10 @@ Status CellChecker::run(const CheckWork& work)
     if (!status) return status;
     for (const Part& part : parts) part_.add(part);
     // Each group has one parent at most, so what was not met goes round in circles.
-    if (part_.counts.nodes != arrays_.nodes.size() + 1) return bad("cells out of reach", "nodes");
-    if (part_.run_entries != arrays_.runs.size()) return bad("runs of no leaf", "runs");
-    if (!arena_.all_used()) return bad("blocks of no leaf", "blocks");
+    if (part_.counts.nodes != arrays_.nodes.size() + 1)
+        return bad_cells("cells out of reach", "nodes");
+    if (part_.run_entries != arrays_.runs.size()) return bad_cells("runs of no leaf", "runs");
+    if (!arena_.all_used()) return bad_cells("blocks of no leaf", "blocks");
     return {};
 }
 

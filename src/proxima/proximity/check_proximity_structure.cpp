@@ -19,7 +19,7 @@ namespace {
 /// Squared distances within it are numbers.
 constexpr double max_half = 1e153;
 
-tl::unexpected<Error> bad(std::string message, std::string where)
+tl::unexpected<Error> bad_structure(std::string message, std::string where)
 {
     return fail(ErrorCode::broken_invariant, std::move(message), std::move(where));
 }
@@ -125,10 +125,11 @@ Status check_rows(std::span<const TriangleRow<Scalar>> rows, const ProximityOctr
         for (std::size_t rank = begin; rank < end; ++rank) {
             const TriangleRow<Scalar>& row = rows[rank];
             if (const char* const fault = fault_of(row, octree); *fault != '\0')
-                return bad(fault, concat("row ", rank));
-            if (seen.set(row.triangle_id())) return bad("a triangle twice", concat("row ", rank));
+                return bad_structure(fault, concat("row ", rank));
+            if (seen.set(row.triangle_id()))
+                return bad_structure("a triangle twice", concat("row ", rank));
             if (const char* const fault = places.fault_of(row, met); *fault != '\0')
-                return bad(fault, concat("row ", rank));
+                return bad_structure(fault, concat("row ", rank));
         }
         places.add(met);
         StageSteps steps = work.steps();
@@ -137,7 +138,8 @@ Status check_rows(std::span<const TriangleRow<Scalar>> rows, const ProximityOctr
     };
     if (Status status = work.run((rows.size() + task_rows - 1) / task_rows, check_task); !status)
         return status;
-    if (!rows.empty() && !places.all_met()) return bad("places of no row", "vertices and edges");
+    if (!rows.empty() && !places.all_met())
+        return bad_structure("places of no row", "vertices and edges");
     return {};
 }
 
@@ -148,20 +150,21 @@ Status check_header(const ProximityOctree& octree)
     const bool is_cube = frame.center.allFinite() && frame.half > 0 && frame.half <= max_half;
     if (!is_cube || !is_power_of_two(frame.scale) ||
         !(frame.frame_half() >= 0.5 && frame.frame_half() <= 1)) {
-        return bad("the root is not a finite cube", "frame");
+        return bad_structure("the root is not a finite cube", "frame");
     }
     if (octree.table_depth() < 0 || octree.table_depth() > max_table_depth ||
         arrays.table.size() != std::size_t{1} << 3 * octree.table_depth()) {
-        return bad("the table is not a level of cells", "table");
+        return bad_structure("the table is not a level of cells", "table");
     }
     if (arrays.float_rows.empty() == arrays.double_rows.empty() ||
         octree.triangle_count() > max_proximity_triangles) {
-        return bad(concat("impossible number of triangles ", octree.triangle_count()), "rows");
+        return bad_structure(concat("impossible number of triangles ", octree.triangle_count()),
+                             "rows");
     }
     const TriangleTree& tree = octree.tree();
     if (tree.triangle_count() != octree.triangle_count() || !tree.origin().allFinite() ||
         !is_power_of_two(tree.scale()) || !(tree.reach() >= 0 && std::isfinite(tree.reach()))) {
-        return bad("boxes of other triangles", "triangle tree");
+        return bad_structure("boxes of other triangles", "triangle tree");
     }
     return {};
 }
@@ -174,7 +177,7 @@ Status check_statistics(const ProximityOctree& octree, ProximityStatistics count
     counts.expected_list = octree.statistics().expected_list;
     if (!(counts.expected_list >= 0 && std::isfinite(counts.expected_list)) ||
         counts != octree.statistics()) {
-        return bad("they are not those of the octree", "statistics");
+        return bad_structure("they are not those of the octree", "statistics");
     }
     return {};
 }

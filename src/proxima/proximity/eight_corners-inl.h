@@ -21,12 +21,12 @@ namespace proxima::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-HWY_INLINE Eight square_root(const Eight& a)
+PROXIMA_LANE_OP Eight square_root(const Eight& a)
 {
     return make_eight([&](std::size_t i) { return hn::Sqrt(a.part[i]); });
 }
 /// Bit i: a[i] <= b[i].
-HWY_INLINE std::uint32_t at_most(const Eight& a, const Eight& b)
+PROXIMA_LANE_OP std::uint32_t at_most(const Eight& a, const Eight& b)
 {
     std::uint32_t bits = 0;
     for (std::size_t i = 0; i < eight_parts; ++i) {
@@ -37,7 +37,7 @@ HWY_INLINE std::uint32_t at_most(const Eight& a, const Eight& b)
     return bits;
 }
 /// a where `if_a` <= `if_b`, otherwise b.
-HWY_INLINE Eight choose(const Eight& if_a, const Eight& if_b, const Eight& a, const Eight& b)
+PROXIMA_LANE_OP Eight choose(const Eight& if_a, const Eight& if_b, const Eight& a, const Eight& b)
 {
     return make_eight([&](std::size_t i) {
         return hn::IfThenElse(hn::Le(if_a.part[i], if_b.part[i]), a.part[i], b.part[i]);
@@ -49,7 +49,7 @@ alignas(32) inline constexpr float corner_signs[3][8] = {
     {-1, 1, -1, 1, -1, 1, -1, 1}, {-1, -1, 1, 1, -1, -1, 1, 1}, {-1, -1, -1, -1, 1, 1, 1, 1}};
 
 /// n . corner for the eight corners (+-1, +-1, +-1).
-HWY_INLINE Eight dot_corners(const float* n)
+PROXIMA_LANE_OP Eight dot_corners(const float* n)
 {
     return eight(n[0]) * load_eight(corner_signs[0]) + eight(n[1]) * load_eight(corner_signs[1]) +
            eight(n[2]) * load_eight(corner_signs[2]);

@@ -11,6 +11,7 @@
 #define PROXIMA_PROXIMITY_ROW_DISTANCE_INL_H
 #endif
 
+#include "proxima/base/inline_steps-inl.h"
 #include "proxima/geometry/closest_point.h"
 #include "proxima/proximity/triangle_row.h"
 
@@ -256,8 +257,8 @@ HWY_NOINLINE void measure_thin_inside(const TriangleRow<Scalar>& row, const Vec3
 /// The closest feature of one triangle: within a few roundings of the largest difference of
 /// coordinates, for triangles of any shape.
 template <class Scalar>
-HWY_INLINE RowDistance closest_of_row(const TriangleRow<Scalar>& row, std::uint32_t rank,
-                                      const Vec3& p, const RowScale& scale)
+PROXIMA_STEP RowDistance closest_of_row(const TriangleRow<Scalar>& row, std::uint32_t rank,
+                                        const Vec3& p, const RowScale& scale)
 {
     RowDistance found;
     found.rank = rank;

@@ -11,6 +11,7 @@
 #define PROXIMA_QUERY_ASK_TOGETHER_INL_H
 #endif
 
+#include "proxima/base/inline_steps-inl.h"
 #include "proxima/geometry/ray_triangle-inl.h"
 #include "proxima/query/open_packet-inl.h"
 
@@ -66,7 +67,7 @@ public:
     }
 
     /// Answers all that wait.
-    HWY_INLINE void answer()
+    PROXIMA_STEP void answer()
     {
         for (std::size_t first = 0; first < count_; first += double_lanes) {
             const std::uint32_t sure = intersect_from(first);

@@ -87,8 +87,8 @@ struct OtherBox {
 
 /// Bit i: the box of child i is not surely apart from `other`, a box of the other mesh. Writes
 /// `boxes` where there is such a child.
-HWY_INLINE std::uint32_t meet_boxes(const RayNode& node, float unit, const PairFrame& frame,
-                                    const PairBox& box, MetBoxes& boxes)
+PROXIMA_STEP std::uint32_t meet_boxes(const RayNode& node, float unit, const PairFrame& frame,
+                                      const PairBox& box, MetBoxes& boxes)
 {
     const OtherBox other(frame, box);
     Eight center[3];

@@ -51,7 +51,7 @@ HWY_INLINE EightMask make_mask(const Make& make)
     return result;
 }
 
-HWY_INLINE Eight eight_of_bytes(const std::uint8_t* bytes)
+PROXIMA_LANE_OP Eight eight_of_bytes(const std::uint8_t* bytes)
 {
     const hn::RebindToSigned<EightTag> whole;
     return make_eight([&](std::size_t i) {
@@ -60,47 +60,47 @@ HWY_INLINE Eight eight_of_bytes(const std::uint8_t* bytes)
     });
 }
 
-HWY_INLINE Eight operator-(const Eight& a)
+PROXIMA_LANE_OP Eight operator-(const Eight& a)
 {
     return make_eight([&](std::size_t i) { return hn::Neg(a.part[i]); });
 }
 /// a b + c, a b - c, c - a b.
-HWY_INLINE Eight multiply_add(const Eight& a, const Eight& b, const Eight& c)
+PROXIMA_LANE_OP Eight multiply_add(const Eight& a, const Eight& b, const Eight& c)
 {
     return make_eight([&](std::size_t i) { return hn::MulAdd(a.part[i], b.part[i], c.part[i]); });
 }
-HWY_INLINE Eight multiply_subtract(const Eight& a, const Eight& b, const Eight& c)
+PROXIMA_LANE_OP Eight multiply_subtract(const Eight& a, const Eight& b, const Eight& c)
 {
     return make_eight([&](std::size_t i) { return hn::MulSub(a.part[i], b.part[i], c.part[i]); });
 }
-HWY_INLINE Eight subtract_product(const Eight& a, const Eight& b, const Eight& c)
+PROXIMA_LANE_OP Eight subtract_product(const Eight& a, const Eight& b, const Eight& c)
 {
     return make_eight(
         [&](std::size_t i) { return hn::NegMulAdd(a.part[i], b.part[i], c.part[i]); });
 }
-HWY_INLINE Eight size_of(const Eight& a)
+PROXIMA_LANE_OP Eight size_of(const Eight& a)
 {
     return make_eight([&](std::size_t i) { return hn::Abs(a.part[i]); });
 }
-HWY_INLINE EightMask operator>(const Eight& a, const Eight& b)
+PROXIMA_LANE_OP EightMask operator>(const Eight& a, const Eight& b)
 {
     return make_mask([&](std::size_t i) { return hn::Gt(a.part[i], b.part[i]); });
 }
-HWY_INLINE EightMask operator<(const Eight& a, const Eight& b)
+PROXIMA_LANE_OP EightMask operator<(const Eight& a, const Eight& b)
 {
     return make_mask([&](std::size_t i) { return hn::Lt(a.part[i], b.part[i]); });
 }
-HWY_INLINE EightMask operator&(const EightMask& a, const EightMask& b)
+PROXIMA_LANE_OP EightMask operator&(const EightMask& a, const EightMask& b)
 {
     return make_mask([&](std::size_t i) { return hn::And(a.part[i], b.part[i]); });
 }
-HWY_INLINE EightMask operator|(const EightMask& a, const EightMask& b)
+PROXIMA_LANE_OP EightMask operator|(const EightMask& a, const EightMask& b)
 {
     return make_mask([&](std::size_t i) { return hn::Or(a.part[i], b.part[i]); });
 }
 
 /// Eight bytes, below 8.
-HWY_INLINE EightPlaces places_of_bytes(const std::uint8_t* bytes)
+PROXIMA_LANE_OP EightPlaces places_of_bytes(const std::uint8_t* bytes)
 {
     EightPlaces result;
     for (std::size_t i = 0; i < eight_parts; ++i) {
@@ -110,7 +110,7 @@ HWY_INLINE EightPlaces places_of_bytes(const std::uint8_t* bytes)
     return result;
 }
 /// By lane the value at its place.
-HWY_INLINE Eight look_up(const Eight& values, const EightPlaces& places)
+PROXIMA_LANE_OP Eight look_up(const Eight& values, const EightPlaces& places)
 {
     const EightTag d;
     if constexpr (eight_parts == 1) {
@@ -134,20 +134,20 @@ struct Eight3 {
     Eight z;
 };
 
-HWY_INLINE Eight3 operator-(const Eight3& a, const Eight3& b)
+PROXIMA_LANE_OP Eight3 operator-(const Eight3& a, const Eight3& b)
 {
     return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
-HWY_INLINE Eight3 cross(const Eight3& a, const Eight3& b)
+PROXIMA_LANE_OP Eight3 cross(const Eight3& a, const Eight3& b)
 {
     return {subtract_product(a.z, b.y, a.y * b.z), subtract_product(a.x, b.z, a.z * b.x),
             subtract_product(a.y, b.x, a.x * b.y)};
 }
-HWY_INLINE Eight dot(const Eight3& a, const Eight3& b)
+PROXIMA_LANE_OP Eight dot(const Eight3& a, const Eight3& b)
 {
     return multiply_add(a.x, b.x, multiply_add(a.y, b.y, a.z * b.z));
 }
-HWY_INLINE Eight3 look_up(const Eight3& values, const EightPlaces& places)
+PROXIMA_LANE_OP Eight3 look_up(const Eight3& values, const EightPlaces& places)
 {
     return {look_up(values.x, places), look_up(values.y, places), look_up(values.z, places)};
 }

@@ -67,8 +67,8 @@ HWY_INLINE T lane_limit(double limit)
 /// Of the pairs 8 i + k (of A's triangle i and B's k), those whose gap along the unit vector n is
 /// at most the limit.
 template <class T>
-HWY_INLINE std::uint64_t pairs_within(const LeafPoints<T>& a, const LeafPoints<T>& b,
-                                      const Vec3& direction, double limit)
+PROXIMA_STEP std::uint64_t pairs_within(const LeafPoints<T>& a, const LeafPoints<T>& b,
+                                        const Vec3& direction, double limit)
 {
     const PairTag<T> d;
     const T n[3] = {static_cast<T>(direction[0]), static_cast<T>(direction[1]),
@@ -93,7 +93,7 @@ HWY_INLINE std::uint64_t pairs_within(const LeafPoints<T>& a, const LeafPoints<T
 
 /// The least or the greatest of n . p for a leaf's vertices.
 template <class T, class Choose>
-HWY_INLINE T extreme_of(const RayLeaf& leaf, const Vec3& direction, const Choose& choose)
+PROXIMA_STEP T extreme_of(const RayLeaf& leaf, const Vec3& direction, const Choose& choose)
 {
     const PairTag<T> d;
     T on[8];

@@ -119,7 +119,7 @@ HWY_INLINE void take_leaf(const RayLeaf& leaf, float unit, LeafShape& shape)
     shape.vertices = {load(0), load(1), load(2)};
 }
 
-HWY_INLINE void find_planes(LeafShape& shape)
+PROXIMA_STEP void find_planes(LeafShape& shape)
 {
     for (std::size_t k = 0; k < 3; ++k) {
         shape.places[k] = places_of_bytes(shape.leaf->corners[k].data());
@@ -153,8 +153,9 @@ HWY_INLINE Eight3 moved(const PairFrame& frame, const Eight3& p, const float* by
 }
 
 /// The second leaf, of the other mesh, put where it is seen from the first.
-HWY_INLINE LeafBounds take_other_leaf(const OpenPair& open, std::size_t own, const LeafShape& first,
-                                      const RayLeaf& leaf, LeafShape& shape)
+PROXIMA_STEP LeafBounds take_other_leaf(const OpenPair& open, std::size_t own,
+                                        const LeafShape& first, const RayLeaf& leaf,
+                                        LeafShape& shape)
 {
     const PairFrame& frame = open.frames[own];
     const PairSide& own_side = open.sides[own];
@@ -277,7 +278,8 @@ HWY_INLINE std::uint64_t first_bits(std::uint32_t n)
 }
 
 /// Pairs that no plane parts.
-HWY_INLINE std::uint64_t unparted(const LeafShape& own, LeafShape& other, const LeafBounds& bounds)
+PROXIMA_STEP std::uint64_t unparted(const LeafShape& own, LeafShape& other,
+                                    const LeafBounds& bounds)
 {
     const std::uint32_t own_count = own.leaf->count;
     const std::uint32_t other_count = other.leaf->count;
@@ -339,9 +341,9 @@ HWY_INLINE Eight largest(const Eight3& a, const Eight3& b)
         maximum(size_of(b.y), size_of(b.z)));
 }
 
-HWY_INLINE PairVerdict look_at_pairs(const LeafShape& own, const EightPlaces& own_places,
-                                     const LeafShape& other, const EightPlaces& other_places,
-                                     float off)
+PROXIMA_STEP PairVerdict look_at_pairs(const LeafShape& own, const EightPlaces& own_places,
+                                       const LeafShape& other, const EightPlaces& other_places,
+                                       float off)
 {
     const Eight3 origin = look_up(own.corners[0], own_places);
     const Eight3 p1 = look_up(own.corners[1], own_places) - origin;

@@ -7,6 +7,7 @@
 #define PROXIMA_QUERY_OPEN_RAY_INL_H
 #endif
 
+#include "proxima/base/inline_steps-inl.h"
 #include "proxima/query/open_ray.h"
 
 #include <array>
@@ -99,7 +100,8 @@ HWY_INLINE bool open_near_ray(const RayIndex& index, const Ray& ray, Faces faces
 
 #endif
 
-HWY_INLINE RayStart open_any_ray(const RayIndex& index, const Ray& ray, Faces faces, OpenRay& open)
+PROXIMA_STEP RayStart open_any_ray(const RayIndex& index, const Ray& ray, Faces faces,
+                                   OpenRay& open)
 {
 #if HWY_MAX_BYTES >= 32
     bool misses = false;

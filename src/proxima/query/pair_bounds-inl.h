@@ -13,6 +13,7 @@
 #define PROXIMA_QUERY_PAIR_BOUNDS_INL_H
 #endif
 
+#include "proxima/base/inline_steps-inl.h"
 #include "proxima/query/pair_search.h"
 
 #include <cmath>
@@ -227,8 +228,8 @@ struct OneBox {
 /// boxes in the same axes. v = l n + r, n the slab's normal: the slab bounds l n . p, the box r .
 /// p.
 template <class T, class Boxes>
-HWY_INLINE hn::Vec<PairTag<T>> reach_along(const hn::Vec<PairTag<T>> (&v)[3], const Boxes& boxes,
-                                           std::size_t first)
+PROXIMA_STEP hn::Vec<PairTag<T>> reach_along(const hn::Vec<PairTag<T>> (&v)[3], const Boxes& boxes,
+                                             std::size_t first)
 {
     auto on_normal = hn::Mul(v[0], boxes.normal(0, first));
     auto reach = hn::Mul(hn::Abs(boxes.normal(0, first)), boxes.half(0, first));
@@ -251,8 +252,8 @@ HWY_INLINE hn::Vec<PairTag<T>> reach_along(const hn::Vec<PairTag<T>> (&v)[3], co
 /// Squared bounds on the distances of eight pairs of boxes. Returns bits for those within the
 /// limit.
 template <class T, class BoxesA, class BoxesB>
-HWY_INLINE std::uint32_t bound_pairs(const PoseLanes<T>& pose, const BoxesA& a, const BoxesB& b,
-                                     T limit, T (&squared)[8])
+PROXIMA_STEP std::uint32_t bound_pairs(const PoseLanes<T>& pose, const BoxesA& a, const BoxesB& b,
+                                       T limit, T (&squared)[8])
 {
     std::uint32_t within = 0;
     const PairTag<T> d;

@@ -92,8 +92,8 @@ struct SideLanes {
 /// The difference, from the first to the second, of the closest points of two sides from p along u
 /// and from q along w, r = q - p.
 template <class T>
-HWY_INLINE VectorLanes<T> between_sides(const VectorLanes<T>& r, const SideLanes<T>& first,
-                                        std::size_t i, const SideLanes<T>& second, std::size_t k)
+PROXIMA_STEP VectorLanes<T> between_sides(const VectorLanes<T>& r, const SideLanes<T>& first,
+                                          std::size_t i, const SideLanes<T>& second, std::size_t k)
 {
     const VectorLanes<T>& u = first.side[i];
     const VectorLanes<T>& w = second.side[k];
@@ -112,7 +112,7 @@ HWY_INLINE VectorLanes<T> between_sides(const VectorLanes<T>& r, const SideLanes
 /// The difference from a point of the triangle, the foot of p or a point of its sides, to p; r = p
 /// - corner 0.
 template <class T>
-HWY_INLINE VectorLanes<T> from_inside(const VectorLanes<T>& r, const SideLanes<T>& sides)
+PROXIMA_STEP VectorLanes<T> from_inside(const VectorLanes<T>& r, const SideLanes<T>& sides)
 {
     const PairTag<T> d;
     // r = s (v1 - v0) + t (v2 - v0) + n: by cross products with the normal.
@@ -129,8 +129,8 @@ HWY_INLINE VectorLanes<T> from_inside(const VectorLanes<T>& r, const SideLanes<T
 /// The gap along n, from all of A's corners to all of B's as seen from A's first one. None if n is
 /// next to nothing.
 template <class T>
-HWY_INLINE hn::Vec<PairTag<T>> gap_along(const VectorLanes<T>& n, const TriangleLanes<T>& a,
-                                         const TriangleLanes<T>& b)
+PROXIMA_STEP hn::Vec<PairTag<T>> gap_along(const VectorLanes<T>& n, const TriangleLanes<T>& a,
+                                           const TriangleLanes<T>& b)
 {
     const PairTag<T> d;
     const auto on_a1 = dot(n, a.corner[1] - a.corner[0]);
@@ -194,8 +194,8 @@ struct EightDistances {
 };
 
 template <class T>
-HWY_INLINE void bound_eight(const LeafPoints<T>& a, const LeafPoints<T>& b, const PairPlace* places,
-                            EightDistances<T>& result)
+PROXIMA_STEP void bound_eight(const LeafPoints<T>& a, const LeafPoints<T>& b,
+                              const PairPlace* places, EightDistances<T>& result)
 {
     const PairTag<T> d;
     for (std::size_t at = 0; at < 8; at += pair_lanes<T>) {

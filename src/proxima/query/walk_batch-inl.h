@@ -94,7 +94,7 @@ public:
     }
 
 private:
-    HWY_INLINE bool open_next(OpenRay& ray)
+    PROXIMA_STEP bool open_next(OpenRay& ray)
     {
         while (next_ < source_.rays.size()) {
             if (next_ % packet_size == 0 && answered_.test(next_ / packet_size)) {

@@ -95,7 +95,7 @@ private:
     };
 
     /// Intervals. False where rays are too different.
-    HWY_INLINE bool bound()
+    PROXIMA_STEP bool bound()
     {
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const Interval inverse(rays_.inverse[axis]);
@@ -129,7 +129,7 @@ private:
     HWY_INLINE void find_most() { packet_most_ = Interval(rays_.most).most; }
 
     /// Children that some ray may meet.
-    HWY_INLINE MetChildren meet(const RayNode& node, std::uint32_t octant) const
+    PROXIMA_STEP MetChildren meet(const RayNode& node, std::uint32_t octant) const
     {
         const RayTag d;
         const std::uint8_t(&shuffles)[3][2][32] = plane_shuffles.bytes[octant];
@@ -244,7 +244,8 @@ private:
     };
 
     /// Whether it is a candidate of any ray. As look_at_leaf, whose bounds hold here.
-    HWY_INLINE bool look_at_triangle(RayTriangle triangle, std::size_t part, const Corners& corners)
+    PROXIMA_STEP bool look_at_triangle(RayTriangle triangle, std::size_t part,
+                                       const Corners& corners)
     {
         const RayTag d;
         const RayLeaf& leaf = blocks_[triangle.leaf].leaf;
@@ -324,7 +325,7 @@ private:
     }
 
     /// One ray on its own.
-    HWY_INLINE void ask(RayTriangle triangle, std::size_t i, float first, float last, bool sure)
+    PROXIMA_STEP void ask(RayTriangle triangle, std::size_t i, float first, float last, bool sure)
     {
         LeafCandidates candidates;
         candidates.lanes = 1U << triangle.lane;

@@ -14,6 +14,7 @@
 #define PROXIMA_QUERY_WALK_RAY_INL_H
 #endif
 
+#include "proxima/base/inline_steps-inl.h"
 #include "proxima/query/ask_triangle-inl.h"
 #include "proxima/query/open_ray.h"
 
@@ -141,8 +142,8 @@ struct MetChildren {
     RayFloats entered[8 / ray_lanes];
 };
 
-HWY_INLINE MetChildren meet_children(const RayNode& node, const NodeLanes& lanes,
-                                     const OpenRay& ray)
+PROXIMA_STEP MetChildren meet_children(const RayNode& node, const NodeLanes& lanes,
+                                       const OpenRay& ray)
 {
     const RayTag d;
     const std::uint8_t(&shuffles)[3][2][32] = plane_shuffles.bytes[ray.octant];
@@ -168,8 +169,8 @@ HWY_INLINE MetChildren meet_children(const RayNode& node, const NodeLanes& lanes
 
 /// Goes on to the nearest child met and puts the others aside. Where none was met, only `at.next`
 /// is changed, to any child.
-HWY_INLINE void enter_nearest(const RayNode& node, const MetChildren& met, OpenRay& ray,
-                              RayPlace& at)
+PROXIMA_STEP void enter_nearest(const RayNode& node, const MetChildren& met, OpenRay& ray,
+                                RayPlace& at)
 {
     const RayTag d;
     const auto nearest = static_cast<std::uint32_t>(std::countr_zero(met.bits));
@@ -260,7 +261,7 @@ HWY_INLINE float leaf_error(float extent, float factor)
 }
 
 template <LeafWork Work>
-HWY_INLINE void look_at_leaf(const RayLeaf& leaf, const OpenRay& ray, LeafCandidates& candidates)
+PROXIMA_STEP void look_at_leaf(const RayLeaf& leaf, const OpenRay& ray, LeafCandidates& candidates)
 {
     const RayTag d;
     const float extent = leaf_extent(leaf);

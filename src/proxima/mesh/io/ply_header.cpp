@@ -9,7 +9,7 @@ namespace proxima::detail {
 
 namespace {
 
-using Cursor = TextCursor<TextDialect{}>;
+using PlyCursor = TextCursor<TextDialect{}>;
 
 std::optional<PlyType> type_of(std::string_view word) noexcept
 {
@@ -167,7 +167,7 @@ private:
     }
 
     const MeshSource& source_;
-    Cursor cursor_;
+    PlyCursor cursor_;
     const char* line_ = cursor_.place();
     PlyHeader header_;
     bool has_format_ = false;

@@ -16,7 +16,7 @@ namespace proxima::detail {
 
 namespace {
 
-using Cursor = TextCursor<TextDialect{.line_ends_are_blanks = true}>;
+using StlCursor = TextCursor<TextDialect{.line_ends_are_blanks = true}>;
 using LineCursor = TextCursor<TextDialect{}>;
 
 //     80 bytes of anything | triangle count, uint32 | per triangle: normal and three corners,
@@ -103,7 +103,7 @@ Result<TriangleMesh> read_binary(const MeshSource& source, const ReadOptions& op
 }
 
 // solid NAME / facet normal x y z / outer loop / vertex x y z ... / endloop / endfacet / endsolid
-class TextReader : TextMeshReader<Cursor> {
+class TextReader : TextMeshReader<StlCursor> {
 public:
     TextReader(const MeshSource& source, const ReadOptions& options, Vertices vertices)
         : TextMeshReader(source, options), vertices_(vertices)
@@ -143,7 +143,7 @@ private:
     {
         LineCursor line({cursor_.place(), cursor_.remaining()});
         line.skip_line();
-        cursor_ = Cursor({line.place(), line.remaining()});
+        cursor_ = StlCursor({line.place(), line.remaining()});
     }
 
     bool read_facet()
@@ -264,7 +264,7 @@ Result<TriangleMesh> read_stl(const MeshSource& source, const ReadOptions& optio
                               Vertices vertices)
 {
     if (fits_binary(source.text)) return read_binary(source, options, vertices);
-    Cursor start(source.text);
+    StlCursor start(source.text);
     // Text has no zero bytes, the numbers of a binary file nearly always do.
     const bool is_text =
         equals_any_case(start.word(), "solid") && source.text.find('\0') == std::string_view::npos;

@@ -1,0 +1,115 @@
+#include "cli/command_line.h"
+
+#include "cli/interrupt.h"
+#include "cli/names.h"
+#include "cli/session.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <exception>
+#include <fmt/core.h>
+#include <new>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace proxima {
+
+namespace {
+
+constexpr int bad_input = 1;
+constexpr int wrong_usage = 2;
+constexpr int first_signal_status = 128;
+
+/// Prints "proxima: message" as one line. Messages may quote what a damaged file holds: what is no
+/// printable text of a terminal is shown as \xNN.
+void report(std::string_view message)
+{
+    std::string line = "proxima: ";
+    for (std::size_t place = 0; place < message.size();) {
+        const std::size_t length = utf8_length(message.substr(place));
+        if (length > 0) {
+            line += message.substr(place, length);
+            place += length;
+        } else {
+            line += message[place] == '\n'
+                        ? " "
+                        : fmt::format("\\x{:02X}", static_cast<unsigned char>(message[place]));
+            ++place;
+        }
+    }
+    fmt::print(stderr, "{}\n", line);
+}
+
+void add_common_options(CLI::App& parser, CommonOptions& options)
+{
+    parser.add_option("--json", options.json, "Write the result as JSON to FILE, or to stdout: -")
+        ->type_name("FILE");
+    parser.add_option("--threads", options.threads, "Threads to use; 0 for all")
+        ->check(CLI::Range(0, 1024))
+        ->type_name("N");
+    parser.add_flag("--quiet", options.quiet, "Print nothing for people");
+}
+
+int run(const Command& command, const CommonOptions& options)
+{
+    Session session(options);
+    const InterruptGuard guard(session.progress());
+    Status status = session.check_outputs({});
+    if (status) status = command.run(session);
+    if (status) status = session.finish();
+    if (status) return 0;
+    report(describe(status.error()));
+    const int signal = InterruptGuard::signal_number();
+    return status.error().code == ErrorCode::cancelled && signal != 0 ? first_signal_status + signal
+                                                                      : bad_input;
+}
+
+int parse_and_run(int argc, char** argv, const char* version, std::span<const AddCommand> adders)
+{
+    CLI::App app("One octree for every spatial question about a triangle mesh.", "proxima");
+    app.set_version_flag("--version", version);
+    app.require_subcommand(1);
+    app.get_formatter()->column_width(32);
+    CommonOptions options;
+    std::vector<Command> commands;
+    for (const AddCommand add : adders) commands.push_back(add(app));
+    for (const Command& command : commands) add_common_options(*command.parser, options);
+    const auto asked_for = [](const Command& command) { return command.parser->parsed(); };
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        if (error.get_exit_code() == 0) return app.exit(error); // help or version
+        const auto found = std::ranges::find_if(commands, asked_for);
+        if (found == commands.end() && argc > 1 && argv[1][0] != '-') {
+            report(fmt::format(
+                "{} is no command: they are octree, compare, minkowski, proximity, closest, "
+                "patch, raycast, cull, intersect, touch, tables, check, figures and view; see "
+                "proxima "
+                "--help",
+                argv[1]));
+            return wrong_usage;
+        }
+        report(fmt::format("{}; see proxima {}--help", error.what(),
+                           found == commands.end() ? "" : found->parser->get_name() + ' '));
+        return wrong_usage;
+    }
+    return run(*std::ranges::find_if(commands, asked_for), options);
+}
+
+} // namespace
+
+int run_command_line(int argc, char** argv, const char* version,
+                     std::span<const AddCommand> commands)
+{
+    try {
+        return parse_and_run(argc, argv, version, commands);
+    } catch (const std::bad_alloc&) {
+        report("out of memory: give a --budget-mb that this machine has, or a smaller task");
+    } catch (const std::exception& error) {
+        report(error.what());
+    }
+    return bad_input;
+}
+
+} // namespace proxima
