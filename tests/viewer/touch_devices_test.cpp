@@ -8,6 +8,7 @@
 #include <atomic>
 #include <chrono>
 #include <gtest/gtest.h>
+#include <optional>
 #include <thread>
 
 namespace proxima {
@@ -76,13 +77,12 @@ public:
     explicit OtherSide(std::uint16_t port) : thread_([this, port] { run({.port = port}); }) {}
     OtherSide(const OtherSide&) = delete;
     OtherSide& operator=(const OtherSide&) = delete;
-    ~OtherSide() { stop(); }
-
-    void stop()
+    ~OtherSide()
     {
         stops_ = true;
-        if (thread_.joinable()) thread_.join();
+        thread_.join();
     }
+
     [[nodiscard]] double largest_force() const { return largest_force_; }
 
 private:
@@ -127,16 +127,19 @@ TEST(TouchDevices, AnotherProgramTouchesOverUdp)
     EXPECT_TRUE(touching.viewer.handles().empty()) << "the mouse drags nothing";
     ASSERT_TRUE(touching.comes([&] { return touching.fact("state") == "silent"; }));
     EXPECT_EQ(touching.force(), 0.0);
-    OtherSide device(port);
+    std::optional<OtherSide> device(port);
     ASSERT_TRUE(touching.comes([&] { return touching.force() > 1.0; }));
     EXPECT_EQ(touching.fact("state"), "well");
     EXPECT_NE(touching.fact("contact"), "free");
     EXPECT_LT((touching.proxy() - Vec3::UnitZ()).norm(), 0.05) << "on the sphere's top";
-    ASSERT_TRUE(touching.comes([&] { return device.largest_force() > 1.0; }));
-    // Another setting begins a new session, with the same other side.
+    ASSERT_TRUE(touching.comes([&] { return device->largest_force() > 1.0; }));
+    // Another setting begins a new session; the other side comes from outside once more.
+    device.reset();
     touching.set({"stiffness=200"});
+    ASSERT_TRUE(touching.comes([&] { return touching.fact("state") == "silent"; }));
+    device.emplace(port);
     ASSERT_TRUE(touching.comes([&] { return touching.force() > 0.5; }));
-    device.stop();
+    device.reset();
     ASSERT_TRUE(touching.comes([&] { return touching.fact("state") == "silent"; }));
     ASSERT_TRUE(touching.comes([&] { return touching.force() == 0.0; })) << "the force fades";
     EXPECT_EQ(touching.viewer.problem(), "");

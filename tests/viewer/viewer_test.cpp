@@ -167,7 +167,7 @@ TEST(Viewer, PanelsOfSmallThingsBeginNearThem)
     const double distance = shown.viewer.camera().distance;
     for (const char* const panel : {"panel=closest", "panel=voronoi", "panel=touch"}) {
         shown.set({panel});
-        EXPECT_LT(shown.viewer.camera().distance, 0.6 * distance) << panel;
+        EXPECT_LT(shown.viewer.camera().distance, 0.8 * distance) << panel;
         // What it is about is in the picture.
         const View view(shown.viewer.camera(), size);
         const ScreenPoint at = view.project(shown.viewer.handles().front());

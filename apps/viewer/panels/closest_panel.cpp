@@ -13,7 +13,7 @@
 namespace proxima {
 namespace {
 
-constexpr double cursor_height = 0.06; // above the surface, per diagonal
+constexpr double cursor_height = 0.04; // above the surface, per diagonal
 
 struct ClosestSettings {
     int model = 1;
@@ -89,7 +89,7 @@ public:
 
     [[nodiscard]] Box focus(const ViewModels& models) const override
     {
-        return models.empty() ? Box{} : close_up(*model(), settings_.cursor.at, 0.12);
+        return models.empty() ? Box{} : close_up(*model(), settings_.cursor.at, 0.045);
     }
 
     [[nodiscard]] PanelTask task(const ViewModels& models) const override

@@ -33,7 +33,7 @@ SurfacePlace seen_place(const ViewModel& model)
 
 Box close_up(const ViewModel& model, const Vec3& place, double least)
 {
-    constexpr double edges = 14.0;
+    constexpr double edges = 8.0;
     constexpr double most = 0.4; // of the box: more is all of it
     const double half = std::max(least * model.box.extent().norm(), edges * model.edge);
     Box all = model.box;

@@ -15,7 +15,7 @@
 namespace proxima {
 namespace {
 
-constexpr double pressed_depth = 0.04; // below the surface, per diagonal
+constexpr double pressed_depth = 0.08; // below the surface, per diagonal
 
 struct TouchPanelSettings {
     int model = 1;
@@ -79,16 +79,16 @@ const char* word_of(Hold hold)
 void add_moment(PanelPicture& picture, const TouchMoment& moment, double size)
 {
     auto scene = std::make_shared<Scene>();
-    constexpr double most_force = 3.3; // N, as long as a third of the model
-    add_ball(*scene, moment.device, 0.007 * size,
-             {.name = "device", .color = srgb(figure_colors::blue), .lift = 2e-2});
-    add_ball(*scene, moment.proxy, 0.015 * size,
+    constexpr double most_force = 3.3; // N, as long as half of the model
+    add_ball(*scene, moment.device, 0.006 * size,
+             {.name = "device", .color = srgb(figure_colors::blue), .lift = 0.2});
+    add_ball(*scene, moment.proxy, 0.011 * size,
              {.name = "proxy",
               .color = moment.hold == Hold::free ? srgb(0x9AA3AF) : srgb(figure_colors::yellow)});
     const double force = moment.force.norm();
     if (force > 1e-3) {
-        const Vec3 arrow = 0.33 * size / most_force * moment.force;
-        add_arrow(*scene, moment.proxy, moment.proxy + arrow, 0.006 * size,
+        const Vec3 arrow = 0.5 * size / most_force * moment.force;
+        add_arrow(*scene, moment.proxy, moment.proxy + arrow, 0.004 * size,
                   {.name = "force", .color = srgb(figure_colors::red)});
     }
     scene->lines.push_back({"spring", {{moment.device, moment.proxy}}, srgb(0x222222), 1.5});
@@ -163,7 +163,7 @@ public:
     [[nodiscard]] Box focus(const ViewModels& models) const override
     {
         if (models.empty() || !settings_.by_mouse()) return extent(models);
-        return close_up(*model(), settings_.target.at, 0.2);
+        return close_up(*model(), settings_.target.at, 0.12);
     }
 
     [[nodiscard]] bool is_moving() const override { return engine_ != nullptr; }

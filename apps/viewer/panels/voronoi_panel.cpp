@@ -142,7 +142,7 @@ public:
     {
         models_ = models;
         settings_.model = std::clamp(settings_.model, 1, static_cast<int>(models.size()));
-        settings_.cursor.place(seen_place(*model()).above(0.06 * model()->box.extent().norm()));
+        settings_.cursor.place(seen_place(*model()).above(0.04 * model()->box.extent().norm()));
         settings_.number = settings_.is_set ? std::min(settings_.number, most_number()) : likely();
     }
 
@@ -176,7 +176,7 @@ public:
 
     [[nodiscard]] Box focus(const ViewModels& models) const override
     {
-        return models.empty() ? Box{} : close_up(*model(), settings_.cursor.at, 0.14);
+        return models.empty() ? Box{} : close_up(*model(), settings_.cursor.at, 0.05);
     }
 
     [[nodiscard]] PanelTask task(const ViewModels& models) const override
