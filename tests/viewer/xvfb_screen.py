@@ -144,13 +144,20 @@ class Window:
     def type(self, control, text):
         """Puts a text in the place of the one in a field, and presses Enter."""
         self.click(control, 0.3)
-        self.screen.act("key", "ctrl+a")
-        self.frames(2)
+        self.screen.act("keydown", "ctrl")
+        self.press("a")
+        self.screen.act("keyup", "ctrl")
         for part in range(0, len(text), 8):  # ImGui takes as many characters as come in a frame
             self.screen.act("type", "--delay", 30, text[part:part + 8])
             self.frames(2)
         self.wait(lambda state: state["controls"].get(control, {}).get("value") == text, f"{control} {text}")
-        self.screen.act("key", "Return")
+        self.press("Return")
+
+    def press(self, key):
+        """For as long as ImGui takes to see it."""
+        self.screen.act("keydown", key)
+        self.frames(2)
+        self.screen.act("keyup", key)
         self.frames(2)
 
     def drag(self, start, end, button=1):

@@ -10,6 +10,7 @@
 #include <fmt/core.h>
 #include <imgui.h>
 #include <system_error>
+#include <utility>
 
 namespace proxima {
 namespace {
@@ -77,7 +78,10 @@ std::optional<std::string> FilePanel::draw(float x, float y, float width, float 
                                            const std::string& problem,
                                            std::vector<WidgetPlace>& places)
 {
-    if (!is_open_) return std::nullopt;
+    if (!is_open_) {
+        is_typing_ = false;
+        return std::nullopt;
+    }
     follow_list();
     ImGui::SetNextWindowPos(ImVec2(x, y));
     ImGui::SetNextWindowSize(ImVec2(width, height));
@@ -90,8 +94,10 @@ std::optional<std::string> FilePanel::draw(float x, float y, float width, float 
     const float button = 5.0F * ImGui::GetFontSize();
     ImGui::SetNextItemWidth(-button);
     if (std::exchange(wants_keys_, false)) ImGui::SetKeyboardFocusHere();
-    const bool entered = input_text(
+    bool entered = input_text(
         "##path", path_, ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll);
+    entered = std::exchange(is_entered_, false) || entered;
+    is_typing_ = ImGui::IsItemActive();
     add_place("path", path_, places);
     ImGui::SameLine();
     const bool pressed = ImGui::Button("open", ImVec2(-1.0F, 0.0F));

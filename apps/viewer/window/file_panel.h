@@ -30,6 +30,9 @@ public:
     /// Where a model that was opened lies, or a folder that was dropped: the list's from now on.
     void go_to(const std::filesystem::path& folder);
 
+    /// The key was pressed: ImGui misses it where it is let go of within a frame.
+    void enter() noexcept { is_entered_ = is_typing_; }
+
     [[nodiscard]] Placing placing() const noexcept
     {
         return beside_ ? Placing::beside : Placing::instead;
@@ -58,6 +61,8 @@ private:
     bool is_open_ = false;
     bool beside_ = false;
     bool wants_keys_ = false; ///< the path's field gets the keyboard
+    bool is_typing_ = false;  ///< it has it
+    bool is_entered_ = false;
     std::string path_;
     FolderList list_;
     std::string problem_; ///< of the folder

@@ -237,6 +237,7 @@ private:
         const bool with_control = glfwGetKey(window_.get(), GLFW_KEY_LEFT_CONTROL) == GLFW_PRESS ||
                                   glfwGetKey(window_.get(), GLFW_KEY_RIGHT_CONTROL) == GLFW_PRESS;
         if (key == GLFW_KEY_O && with_control) files_.open();
+        if (key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER) files_.enter();
         if (key == GLFW_KEY_ESCAPE) {
             if (viewer_.is_busy()) {
                 viewer_.cancel();
