@@ -192,6 +192,7 @@ class Panels(WindowTest):
         window.choose("device", "hd")
         window.type("library", "/nowhere/libHD.so")
         window.wait(lambda now: "/nowhere/libHD.so" in now["problem"], "the device's message")
+        window.frames(2)  # until the controls have made room for it
         window.choose("device", "mouse")
         window.wait(lambda now: now["problem"] == "" and "servo rate" in now["facts"], "the mouse's servo loop")
         self.close(window)
@@ -239,6 +240,7 @@ class Opening(WindowTest):
         self.assertEqual(window.settled()["facts"]["cells"], cells)
         window.click("hide this")
         window.wait(lambda state: state["problem"] == "", "no message")
+        window.frames(2)  # until all has moved to where the message was
         self.slide(window, "depth", 0.8)
         window.click("beside those there are", 0.1)
         window.type("path", "cube")
