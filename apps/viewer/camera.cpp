@@ -94,20 +94,19 @@ OrbitCamera fitted(const OrbitCamera& camera, std::span<const Vec3> points, View
     return result;
 }
 
-OrbitCamera framed(const OrbitCamera& camera, const Box& box, ViewSize size)
+OrbitCamera framed(const OrbitCamera& camera, std::span<const Vec3> points, ViewSize size)
 {
+    Box box;
+    for (const Vec3& point : points) box.extend(point);
     if (box.empty()) return camera;
-    constexpr double part = 0.94; // of the picture, from its middle to its side
+    constexpr double part = 0.88; // of the picture, from its middle to its side
     const Vec3 slopes(part * size.width / size.height / camera.zoom, part / camera.zoom, 1.0);
     OrbitCamera result = camera;
     result.target = box.center();
     const View view(result, size);
     result.distance = 1e-12;
-    for (int bits = 0; bits < 8; ++bits) {
-        const Vec3 corner((bits & 1) != 0 ? box.upper.x() : box.lower.x(),
-                          (bits & 2) != 0 ? box.upper.y() : box.lower.y(),
-                          (bits & 4) != 0 ? box.upper.z() : box.lower.z());
-        const Vec3 offset = corner - result.target;
+    for (const Vec3& point : points) {
+        const Vec3 offset = point - result.target;
         const double needed = std::max(std::abs(view.right().dot(offset)) / slopes.x(),
                                        std::abs(view.up().dot(offset)) / slopes.y());
         result.distance = std::max(result.distance, view.back().dot(offset) + needed);

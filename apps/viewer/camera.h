@@ -63,8 +63,10 @@ private:
 [[nodiscard]] OrbitCamera fitted(const OrbitCamera& camera, std::span<const Vec3> points,
                                  ViewSize size, double margin = 0.06);
 
-/// Moved, not turned, so that all of the box is in the picture but for a margin.
-[[nodiscard]] OrbitCamera framed(const OrbitCamera& camera, const Box& box, ViewSize size);
+/// Moved, not turned, so that the middle of the points is the target and all are in the picture but
+/// for a margin. A camera without points stays.
+[[nodiscard]] OrbitCamera framed(const OrbitCamera& camera, std::span<const Vec3> points,
+                                 ViewSize size);
 
 /// As a hand at the mouse moves it; `drag` in pixels, right and down. Never over the pole.
 [[nodiscard]] OrbitCamera orbited(const OrbitCamera& camera, const Vec2& drag, ViewSize size);

@@ -10,6 +10,7 @@
 #include <array>
 #include <cstddef>
 #include <span>
+#include <string>
 #include <string_view>
 #include <type_traits>
 
@@ -28,6 +29,8 @@ public:
     virtual bool number(std::string_view name, double& value, double least, double most) = 0;
     virtual bool choice(std::string_view name, std::size_t& value,
                         std::span<const std::string_view> words) = 0;
+    /// One line. Changed once the person is done with it, not by every key.
+    virtual bool text(std::string_view name, std::string& value) = 0;
     /// True where it was pressed just now.
     virtual bool button(std::string_view name) = 0;
 };

@@ -60,6 +60,13 @@ public:
         value = static_cast<std::size_t>(found - words.begin());
         return true;
     }
+    bool text(std::string_view name, std::string& value) override
+    {
+        auto text = take(name);
+        if (!text) return false;
+        value = std::move(*text);
+        return true;
+    }
     bool button(std::string_view name) override
     {
         const auto text = take(name);
@@ -132,6 +139,10 @@ public:
     {
         return add(concat(name, " = ", value < words.size() ? words[value] : "", " (",
                           joined(words), ")"));
+    }
+    bool text(std::string_view name, std::string& value) override
+    {
+        return add(concat(name, " = ", value, " (any words)"));
     }
     bool button(std::string_view name) override { return add(concat(name, " (press)")); }
 

@@ -41,6 +41,7 @@ struct PanelPicture {
     std::vector<SceneLayer> layers;
     std::vector<PanelFact> facts;
     std::vector<PanelPlot> plots;
+    std::string problem = {}; ///< what could not be done, though there is a picture; empty: nothing
 };
 
 using PanelTask = std::function<Result<PanelPicture>(const WorkContext&)>;
@@ -94,6 +95,9 @@ public:
     {
         return bounding_box(models);
     }
+
+    /// What a picture holds at first: all, unless what the panel is about is small beside it.
+    [[nodiscard]] virtual Box focus(const ViewModels& models) const { return extent(models); }
 
     /// Places to drag; none by default.
     [[nodiscard]] virtual std::vector<Vec3> handles() const { return {}; }

@@ -49,27 +49,32 @@ void add_smooth(SceneSurface& surface, const TriangleMesh& mesh)
     }
 }
 
-constexpr std::array<std::array<int, 2>, 12> box_edges = {{{0, 1},
-                                                           {2, 3},
-                                                           {4, 5},
-                                                           {6, 7},
-                                                           {0, 2},
-                                                           {1, 3},
-                                                           {4, 6},
-                                                           {5, 7},
-                                                           {0, 4},
-                                                           {1, 5},
-                                                           {2, 6},
-                                                           {3, 7}}};
-
-Vec3 box_corner(const Box& box, int bits)
-{
-    return {(bits & 1) != 0 ? box.upper.x() : box.lower.x(),
-            (bits & 2) != 0 ? box.upper.y() : box.lower.y(),
-            (bits & 4) != 0 ? box.upper.z() : box.lower.z()};
-}
+constexpr std::array<std::array<std::size_t, 2>, 12> box_edges = {{{0, 1},
+                                                                   {2, 3},
+                                                                   {4, 5},
+                                                                   {6, 7},
+                                                                   {0, 2},
+                                                                   {1, 3},
+                                                                   {4, 6},
+                                                                   {5, 7},
+                                                                   {0, 4},
+                                                                   {1, 5},
+                                                                   {2, 6},
+                                                                   {3, 7}}};
 
 } // namespace
+
+std::array<Vec3, 8> corners(const Box& box)
+{
+    std::array<Vec3, 8> all;
+    for (unsigned bits = 0; bits < 8; ++bits) {
+        for (int axis = 0; axis < 3; ++axis) {
+            const bool upper = (bits >> static_cast<unsigned>(axis) & 1U) != 0;
+            all[bits][axis] = (upper ? box.upper : box.lower)[axis];
+        }
+    }
+    return all;
+}
 
 void add_mesh(Scene& scene, const TriangleMesh& mesh, const ShapeStyle& style)
 {
@@ -128,7 +133,7 @@ void add_polygon_edges(Scene& scene, const DrawnSurface& drawn,
 void add_box(Scene& scene, const Box& box, const ShapeStyle& style)
 {
     SceneSurface& surface = new_surface(scene, style);
-    for (int bits = 0; bits < 8; ++bits) surface.positions.push_back(box_corner(box, bits));
+    for (const Vec3& corner : corners(box)) surface.positions.push_back(corner);
     for (unsigned axis = 0; axis < 3; ++axis) {
         const std::uint32_t b = 1U << ((axis + 1) % 3);
         const std::uint32_t c = 1U << ((axis + 2) % 3);
@@ -143,9 +148,10 @@ void add_box(Scene& scene, const Box& box, const ShapeStyle& style)
 void add_box_edges(Scene& scene, std::span<const Box> boxes, const EdgeStyle& style)
 {
     SceneLines& lines = new_lines(scene, style);
-    for (const Box& box : boxes)
-        for (const auto& [from, to] : box_edges)
-            lines.segments.push_back({box_corner(box, from), box_corner(box, to)});
+    for (const Box& box : boxes) {
+        const std::array<Vec3, 8> ends = corners(box);
+        for (const auto& [from, to] : box_edges) lines.segments.push_back({ends[from], ends[to]});
+    }
 }
 
 void add_arrow(Scene& scene, const Vec3& from, const Vec3& to, double radius,

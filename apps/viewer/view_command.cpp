@@ -19,6 +19,8 @@
 namespace proxima {
 namespace {
 
+constexpr std::uint64_t bytes_per_megabyte = 1'000'000;
+
 struct ViewOptions {
     std::vector<std::string> models;
     std::string panel = "model";
@@ -30,6 +32,7 @@ struct ViewOptions {
     bool list_controls = false;
     std::string state;
     bool debug = false;
+    std::uint64_t budget_mb = 0; ///< 0: the machine's
 
     [[nodiscard]] bool needs_window() const { return snapshot.empty() && glb.empty(); }
 };
@@ -60,7 +63,8 @@ void check_usage(const ViewOptions& options)
     Viewer viewer;
     if (const Status status = prepare(viewer, options); !status)
         throw CLI::ValidationError("view", describe(status.error()));
-    if (!options.list_controls && options.models.empty()) throw CLI::RequiredError("MODEL");
+    if (!options.list_controls && !options.needs_window() && options.models.empty())
+        throw CLI::RequiredError("MODEL");
 }
 
 nlohmann::ordered_json facts_of(const Viewer& viewer)
@@ -95,7 +99,8 @@ Status write_files(const Viewer& viewer, const ViewOptions& options, Session& se
 /// The picture without a window.
 Status run_headless(const ViewOptions& options, Session& session)
 {
-    Viewer viewer({.threads = session.threads()});
+    Viewer viewer(
+        {.threads = session.threads(), .budget = {options.budget_mb * bytes_per_megabyte}});
     viewer.resize(options.size);
     if (Status status = prepare(viewer, options); !status) return status;
     viewer.open(options.models);
@@ -121,7 +126,10 @@ Status run_view(const ViewOptions& options, Session& session)
     if (Status status = session.check_outputs({options.snapshot, options.glb}); !status)
         return status;
     if (!options.needs_window()) return run_headless(options, session);
-    Viewer viewer({.threads = session.threads(), .pictures = Pictures::live, .wake = wake_window});
+    Viewer viewer({.threads = session.threads(),
+                   .budget = {options.budget_mb * bytes_per_megabyte},
+                   .pictures = Pictures::live,
+                   .wake = wake_window});
     if (Status status = prepare(viewer, options); !status) return status;
     if (Status status = run_window(viewer, {.models = options.models,
                                             .size = options.size,
@@ -143,7 +151,10 @@ Command add_view_command(CLI::App& app)
     CLI::App* const parser = app.add_subcommand(
         "view", "Show models and what is computed of them, in a window or as a picture");
     const auto options = std::make_shared<ViewOptions>();
-    parser->add_option("model", options->models, "Models: files or built-ins, see proxima octree")
+    parser
+        ->add_option(
+            "model", options->models,
+            "Models: files or built-ins, see proxima octree; the window asks for one without it")
         ->type_name("MODEL");
     parser->add_option("--panel", options->panel, "What to begin with: model, octree, ...")
         ->capture_default_str()
@@ -173,6 +184,12 @@ Command add_view_command(CLI::App& app)
             },
             "Of the window or the picture (default 1280x820)")
         ->type_name("WxH");
+    parser
+        ->add_option("--budget-mb", options->budget_mb,
+                     "Memory for a model and for what is built of it, in 10^6 bytes (default: 3/4 "
+                     "of the machine's)")
+        ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40U))
+        ->type_name("N");
     parser->add_flag("--opengl", options->opengl,
                      "Draw the picture by OpenGL, without a display; by software otherwise");
     parser

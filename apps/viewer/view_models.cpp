@@ -10,7 +10,10 @@
 #include "proxima/query/cast_ray.h"
 #include "viewer/scene_shapes.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <numbers>
 
 namespace proxima {
 namespace {
@@ -29,10 +32,20 @@ std::shared_ptr<const Scene> surface_scene(const TriangleMesh& mesh, const Color
     return scene;
 }
 
-Result<TriangleMesh> read_model(const std::string& name, Progress* progress)
+Result<TriangleMesh> read_model(const std::string& name, const WorkContext& context)
 {
-    if (is_sample_mesh_name(name)) return sample_mesh(name, {.progress = progress});
-    return read_mesh(name, {.progress = progress});
+    if (is_sample_mesh_name(name)) return sample_mesh(name, {.progress = context.progress});
+    return read_mesh(name, {.progress = context.progress, .budget = context.budget});
+}
+
+/// The edge of an equilateral triangle as large as they are on average.
+double edge_of_usual_triangle(const TriangleMesh& mesh)
+{
+    double doubled = 0.0;
+    for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t)
+        doubled += scaled_normal(mesh.triangle(TriangleId{t})).norm();
+    const auto count = static_cast<double>(std::max<std::size_t>(mesh.triangle_count(), 1));
+    return std::sqrt(2.0 / std::numbers::sqrt3 * doubled / count);
 }
 
 /// The corner or side of the triangle that a point of it is near, or its face.
@@ -58,7 +71,7 @@ Result<std::shared_ptr<const ViewModel>> make_view_model(std::string name, Trian
                                                          const Vec3& up, std::size_t number,
                                                          const WorkContext& context)
 {
-    if (Status fits = check_budget({}, bytes_per_triangle * mesh.triangle_count(),
+    if (Status fits = check_budget(context.budget, bytes_per_triangle * mesh.triangle_count(),
                                    concat("showing ", mesh.triangle_count(), " triangles"),
                                    "show a coarser mesh");
         !fits) {
@@ -78,6 +91,7 @@ Result<std::shared_ptr<const ViewModel>> make_view_model(std::string name, Trian
     if (!rays) return at_model(rays.error(), name);
     auto model = std::make_shared<ViewModel>();
     for (const Vec3& position : mesh.positions()) model->box.extend(position);
+    model->edge = edge_of_usual_triangle(mesh);
     model->up = up;
     model->color = srgb(model_colors[number % model_colors.size()]);
     model->flat = surface_scene(mesh, model->color, Smoothing::flat);
@@ -89,11 +103,12 @@ Result<std::shared_ptr<const ViewModel>> make_view_model(std::string name, Trian
     return model;
 }
 
-Result<ViewModels> load_view_models(std::span<const std::string> names, const WorkContext& context)
+Result<ViewModels> load_view_models(std::span<const std::string> names, const WorkContext& context,
+                                    ViewModels before)
 {
-    ViewModels models;
+    ViewModels models = std::move(before);
     for (const std::string& name : names) {
-        auto mesh = read_model(name, context.progress);
+        auto mesh = read_model(name, context);
         if (!mesh) return tl::unexpected(mesh.error());
         const Vec3 up = up_axis_of_model(name) == UpAxis::z ? Vec3::UnitZ() : Vec3::UnitY();
         auto model = make_view_model(name, std::move(*mesh), up, models.size(), context);

@@ -1,6 +1,7 @@
 // The models that a window shows, with what every panel needs of them.
 #pragma once
 
+#include "proxima/base/memory_budget.h"
 #include "proxima/base/parallel.h"
 #include "proxima/base/progress.h"
 #include "proxima/base/result.h"
@@ -22,6 +23,7 @@ namespace proxima {
 struct WorkContext {
     Threads threads = {};
     Progress* progress = nullptr;
+    MemoryBudget budget = {}; ///< of a model and of each thing that is built of it
 };
 
 /// Immutable.
@@ -31,6 +33,7 @@ struct ViewModel {
     Topology topology;
     RayIndex rays; ///< for picking
     Box box;
+    double edge = 0.0; ///< about as long as its edges are
     Vec3 up = Vec3::UnitZ();
     Color color = Color::Ones();
     std::shared_ptr<const Scene> flat;   ///< a normal per triangle
@@ -39,11 +42,12 @@ struct ViewModel {
 
 using ViewModels = std::vector<std::shared_ptr<const ViewModel>>;
 
-/// Files or built-ins, each in a colour of its own. Errors: those of reading; budget_exceeded where
-/// showing it would take more memory than there is; invalid_mesh (empty, NaN); cancelled. The
-/// error's place names the model.
+/// Files or built-ins, each in a colour of its own, after those there are. Errors: those of
+/// reading; budget_exceeded where showing it would take more memory than the budget; invalid_mesh
+/// (empty, NaN); cancelled. The error's place names the model.
 [[nodiscard]] Result<ViewModels> load_view_models(std::span<const std::string> names,
-                                                  const WorkContext& context);
+                                                  const WorkContext& context,
+                                                  ViewModels before = {});
 
 /// A mesh that is there already, as model number `number`. Errors as above.
 [[nodiscard]] Result<std::shared_ptr<const ViewModel>>

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 #include <numbers>
+#include <type_traits>
 
 namespace proxima {
 namespace {
@@ -34,6 +36,10 @@ public:
     {
         return note(asked_.choice(name, value, words));
     }
+    bool text(std::string_view name, std::string& value) override
+    {
+        return note(asked_.text(name, value));
+    }
     bool button(std::string_view name) override { return note(asked_.button(name)); }
 
     [[nodiscard]] bool changed() const noexcept { return changed_; }
@@ -49,33 +55,69 @@ private:
     bool changed_ = false;
 };
 
+bool same(const Box& a, const Box& b)
+{
+    return a.lower == b.lower && a.upper == b.upper;
+}
+
+/// Vertices of all models: so many that what is left out is seen to fit as well.
+std::vector<Vec3> some_places(const ViewModels& models)
+{
+    constexpr std::size_t enough = 5000; // of a model
+    std::vector<Vec3> places;
+    for (const auto& model : models) {
+        const std::span<const Vec3> positions = model->mesh.positions();
+        const std::size_t step = positions.size() / enough + 1;
+        for (std::size_t i = 0; i < positions.size(); i += step) places.push_back(positions[i]);
+    }
+    return places;
+}
+
+/// What the work says, or that there was no memory for it: a thread has no other place to say so.
+template <class Work>
+std::invoke_result_t<Work> within_memory(const Work& work)
+{
+    try {
+        return work();
+    } catch (const std::bad_alloc&) {
+        return fail(ErrorCode::budget_exceeded,
+                    "there is not enough memory for this: show less, or a coarser mesh");
+    }
+}
+
 } // namespace
 
 Viewer::Viewer(ViewerOptions options)
     : options_(std::move(options)), panels_(make_panels(options_.pictures))
 {}
 
-void Viewer::open(std::vector<std::string> names)
+void Viewer::open(std::vector<std::string> names, Placing placing)
 {
     if (loading_.is_busy()) {
         loading_.cancel();
         (void)loading_.take();
     }
+    loading_error_.reset();
+    ViewModels kept = placing == Placing::beside ? models_ : ViewModels{};
     loading_.start(
-        [names = std::move(names), threads = options_.threads](Progress& progress) {
-            return load_view_models(names, {threads, &progress});
+        [names = std::move(names), kept = std::move(kept), threads = options_.threads,
+         budget = options_.budget](Progress& progress) {
+            return within_memory([&] {
+                return load_view_models(names, {threads, &progress, budget}, kept);
+            });
         },
         options_.wake);
 }
 
-Status Viewer::take_models()
+void Viewer::take_models()
 {
     auto models = loading_.take();
     if (!models) {
-        // Where there are models already, they stay.
-        if (models_.empty()) return tl::unexpected(models.error());
-        problem_ = describe(models.error());
-        return {};
+        // Whatever is shown stays.
+        loading_error_ = std::move(models.error());
+        if (loading_error_->code == ErrorCode::cancelled)
+            loading_error_->message = "loading was stopped on request";
+        return;
     }
     if (working_.is_busy()) {
         working_.cancel();
@@ -84,10 +126,9 @@ Status Viewer::take_models()
     models_ = std::move(*models);
     picked_.reset();
     for (const auto& panel : panels_) panel->models_changed(models_);
-    if (!camera_is_set_) frame_all();
+    if (!camera_is_set_) frame();
     picture_ = {.layers = model_layers(models_, Smoothing::smooth), .facts = {}, .plots = {}};
     ++wanted_;
-    return {};
 }
 
 void Viewer::take_picture()
@@ -111,18 +152,18 @@ void Viewer::start_task()
     started_ = wanted_;
     start_time_ = std::chrono::steady_clock::now();
     working_.start(
-        [task = panels_[panel_]->task(models_), threads = options_.threads](Progress& progress) {
-            return task({threads, &progress});
+        [task = panels_[panel_]->task(models_), threads = options_.threads,
+         budget = options_.budget](Progress& progress) {
+            return within_memory([&] { return task({threads, &progress, budget}); });
         },
         options_.wake);
 }
 
-Status Viewer::update(double seconds)
+void Viewer::update(double seconds)
 {
-    if (loading_.is_finished())
-        if (Status status = take_models(); !status) return status;
+    if (loading_.is_finished()) take_models();
     if (working_.is_finished()) take_picture();
-    if (models_.empty()) return {};
+    if (models_.empty()) return;
     if (panels_[panel_]->advance(seconds)) ++wanted_;
     if (working_.is_busy()) {
         // What a moment takes is finished even when it is outdated, so that the picture follows the
@@ -134,13 +175,13 @@ Status Viewer::update(double seconds)
         start_task();
     }
     show();
-    return {};
 }
 
 void Viewer::show()
 {
     PanelPicture live;
     panels_[panel_]->add_live(live);
+    live_problem_ = std::move(live.problem);
     layers_ = picture_.layers;
     layers_.insert(layers_.end(), live.layers.begin(), live.layers.end());
     facts_ = picture_.facts;
@@ -152,16 +193,29 @@ void Viewer::show()
 Status Viewer::finish(const Progress* stop)
 {
     do {
-        if (Status status = update(0.0); !status) return status;
+        update(0.0);
         if (is_cancelled(stop)) {
             cancel();
             return fail(ErrorCode::cancelled, "stopped on request; nothing was written");
         }
+        if (loading_error_) return tl::unexpected(*loading_error_);
         std::this_thread::sleep_for(std::chrono::milliseconds(2));
     } while (!is_settled());
-    if (Status status = update(0.0); !status) return status;
+    update(0.0);
     if (!problem_.empty()) return fail(ErrorCode::invalid_argument, problem_);
     return {};
+}
+
+std::string Viewer::problem() const
+{
+    if (loading_error_) return describe(*loading_error_);
+    return problem_.empty() ? live_problem_ : problem_;
+}
+
+void Viewer::forget_problem()
+{
+    loading_error_.reset();
+    problem_.clear();
 }
 
 void Viewer::offer(Controls& controls)
@@ -170,12 +224,11 @@ void Viewer::offer(Controls& controls)
     const std::vector<std::string_view> names = panel_names();
     std::size_t panel = panel_;
     if (watched.choice("panel", panel, names)) {
-        const Box before = panels_[panel_]->extent(models_);
+        const Box before = panels_[panel_]->focus(models_);
         panels_[panel_]->leave();
         panel_ = panel;
         problem_.clear();
-        const Box after = panels_[panel_]->extent(models_);
-        if (before.lower != after.lower || before.upper != after.upper) frame_all();
+        if (!same(before, panels_[panel_]->focus(models_))) frame();
     }
     panels_[panel_]->offer(watched);
     if (watched.changed()) ++wanted_;
@@ -251,14 +304,25 @@ void Viewer::resize(ViewSize size)
 {
     const bool same_shape = size.width * size_.height == size.height * size_.width;
     size_ = size;
-    if (!camera_is_set_ && !same_shape && !models_.empty()) frame_all();
+    if (!camera_is_set_ && !same_shape) frame();
 }
 
 void Viewer::frame_all()
 {
-    if (models_.empty()) return;
+    if (!models_.empty()) frame(panels_[panel_]->extent(models_));
+}
+
+void Viewer::frame()
+{
+    if (!models_.empty()) frame(panels_[panel_]->focus(models_));
+}
+
+void Viewer::frame(const Box& box)
+{
     camera_.up = models_.front()->up;
-    camera_ = framed(camera_, panels_[panel_]->extent(models_), size_);
+    // Around a box models are smaller than the picture: they are shown as large as they are.
+    camera_ = same(box, bounding_box(models_)) ? framed(camera_, some_places(models_), size_)
+                                               : framed(camera_, corners(box), size_);
     camera_is_set_ = false;
 }
 

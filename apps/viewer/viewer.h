@@ -3,7 +3,10 @@
 //
 //     Viewer viewer({.threads = threads});
 //     viewer.open({"bunny.obj"});                       // returns at once
-//     while (viewer.update(seconds)) draw(viewer.layers(), viewer.camera());
+//     for (;;) {
+//         viewer.update(seconds);
+//         draw(viewer.layers(), viewer.camera());
+//     }
 #pragma once
 
 #include "proxima/base/result.h"
@@ -25,8 +28,15 @@ enum class Theme : std::uint8_t { light, dark };
 
 enum class MouseButton : std::uint8_t { left, middle, right };
 
+/// Where models go that are opened.
+enum class Placing : std::uint8_t {
+    instead, ///< of those there are
+    beside   ///< them
+};
+
 struct ViewerOptions {
     Threads threads = {};
+    MemoryBudget budget = {}; ///< of a model and of what is built of it
     Pictures pictures = Pictures::still;
     std::function<void()> wake = {}; ///< called by the worker when there is something to take
 };
@@ -38,14 +48,15 @@ public:
     Viewer(const Viewer&) = delete;
     Viewer& operator=(const Viewer&) = delete;
 
-    /// Begins to load models in the place of those there are.
-    void open(std::vector<std::string> names);
+    /// Begins to load models; what was being loaded is given up. What is shown stays until all are
+    /// there, and where one cannot be opened.
+    void open(std::vector<std::string> names, Placing placing = Placing::instead);
 
-    /// Takes what is finished, starts what is wanted. `seconds` since the last time. Error: models
-    /// could not be opened; what a panel could not do is its problem().
-    [[nodiscard]] Status update(double seconds);
+    /// Takes what is finished, starts what is wanted. `seconds` since the last time.
+    void update(double seconds);
 
-    /// Updates until there is nothing left to do: for pictures without a window.
+    /// Updates until there is nothing left to do: for pictures without a window. Errors: a model
+    /// could not be opened, the panel could not do its task, cancelled.
     [[nodiscard]] Status finish(const Progress* stop = nullptr);
 
     /// Settings of the view and of the panel at hand.
@@ -63,8 +74,16 @@ public:
     void cancel() noexcept;
     /// Cancels, and waits until nobody works any more. Finished work is thrown away.
     void stop();
-    /// What went wrong with the panel's last task; empty if nothing.
-    [[nodiscard]] const std::string& problem() const noexcept { return problem_; }
+    /// Why the models that were opened last are not there; none while they are loaded.
+    [[nodiscard]] const std::optional<Error>& loading_error() const noexcept
+    {
+        return loading_error_;
+    }
+    /// What went wrong with loading, else with the panel's last task, else with what the panel does
+    /// from moment to moment, in words; empty if nothing.
+    [[nodiscard]] std::string problem() const;
+    /// It was read.
+    void forget_problem();
 
     // What is shown.
     [[nodiscard]] const ViewModels& models() const noexcept { return models_; }
@@ -89,13 +108,16 @@ public:
     void release(const Vec2& at);
     void double_click(const Vec2& at);
     void wheel(double steps);
+    /// All that the panel shows fills the picture.
     void frame_all();
 
 private:
     enum class Drag : std::uint8_t { none, orbit, pan, handle };
 
-    [[nodiscard]] Status take_models();
+    void take_models();
     void take_picture();
+    void frame();
+    void frame(const Box& box);
     void start_task();
     void show();
     [[nodiscard]] Ray ray_at(const Vec2& at) const;
@@ -110,7 +132,9 @@ private:
     std::vector<SceneLayer> layers_;
     std::vector<PanelFact> facts_;
     std::vector<PanelPlot> plots_;
-    std::string problem_;
+    std::optional<Error> loading_error_;
+    std::string problem_;      ///< of the last task
+    std::string live_problem_; ///< of this moment
 
     std::uint64_t wanted_ = 0; ///< number of the settings as they are
     std::uint64_t shown_ = 0;  ///< of those that the picture shows

@@ -140,8 +140,8 @@ TEST_F(GlLayersTest, DrawsAsTheFlatSceneLooks)
     const std::vector<SceneLayer> layers = {{.scene = ball_scene()}, moved};
     const Backdrop backdrop = {srgb(0x445566), srgb(0x112233)};
     constexpr ViewSize size = {.width = 320, .height = 240};
-    const OrbitCamera camera =
-        framed({.azimuth = 0.5, .elevation = 0.3, .zoom = 2.2}, bounding_box(layers), size);
+    const OrbitCamera camera = framed({.azimuth = 0.5, .elevation = 0.3, .zoom = 2.2},
+                                      corners(bounding_box(layers)), size);
 
     GlLayers uploaded;
     ASSERT_TRUE(uploaded.show(layers));

@@ -90,6 +90,112 @@ TEST(Viewer, OpensNothingFromABrokenFile)
     EXPECT_EQ(status.error().code, ErrorCode::file_not_found);
 }
 
+TEST(Viewer, OpensModelsInsteadOfOthersOrBesideThem)
+{
+    Shown shown({"icosphere:2"}, "model");
+    shown.viewer.open({"cube", "octahedron"}, Placing::beside);
+    ASSERT_TRUE(shown.viewer.finish());
+    ASSERT_EQ(shown.viewer.models().size(), 3U);
+    EXPECT_EQ(shown.viewer.models()[0]->name, "icosphere:2");
+    EXPECT_EQ(shown.viewer.models()[2]->name, "octahedron");
+    const auto color = [&](std::size_t model) { return shown.viewer.models()[model]->color[0]; };
+    EXPECT_NE(color(1), color(0));
+    EXPECT_NE(color(2), color(0));
+    shown.viewer.open({"cube"});
+    ASSERT_TRUE(shown.viewer.finish());
+    EXPECT_EQ(shown.viewer.models().size(), 1U);
+    EXPECT_EQ(shown.triangles("mesh"), 12U);
+}
+
+TEST(Viewer, GoesOnWhereAModelCannotBeOpened)
+{
+    Shown shown({"icosphere:2"}, "model");
+    Viewer& viewer = shown.viewer;
+    viewer.open({"cube", "/no/such/file.ply"}, Placing::beside);
+    EXPECT_EQ(viewer.models().size(), 1U) << "all or none";
+    while (viewer.is_loading()) viewer.update(0.0);
+    ASSERT_TRUE(viewer.loading_error());
+    EXPECT_NE(viewer.problem().find("/no/such/file.ply"), std::string::npos);
+    EXPECT_EQ(viewer.models().size(), 1U);
+    // The message stays while panels do their work.
+    ASSERT_TRUE(apply_settings({"edges=on"}, [&](Controls& controls) { viewer.offer(controls); }));
+    while (!viewer.is_settled()) viewer.update(0.0);
+    EXPECT_EQ(shown.segments("edges"), 480U);
+    EXPECT_FALSE(viewer.problem().empty());
+    viewer.forget_problem();
+    EXPECT_EQ(viewer.problem(), "");
+    viewer.open({"cube"});
+    ASSERT_TRUE(viewer.finish());
+    EXPECT_EQ(viewer.models()[0]->name, "cube");
+}
+
+TEST(Viewer, LoadingIsWatchedAndStopped)
+{
+    Shown shown({"cube"}, "model");
+    Viewer& viewer = shown.viewer;
+    viewer.open({"icosphere:8"});
+    EXPECT_NE(viewer.progress(), nullptr);
+    viewer.cancel();
+    while (viewer.is_loading()) viewer.update(0.0);
+    EXPECT_EQ(viewer.problem(), "loading was stopped on request");
+    EXPECT_EQ(viewer.models()[0]->name, "cube");
+    viewer.open({"icosphere:8"});
+    viewer.open({"octahedron"}); // somebody has thought better of it
+    ASSERT_TRUE(viewer.finish());
+    EXPECT_EQ(viewer.problem(), "");
+    EXPECT_EQ(viewer.models()[0]->name, "octahedron");
+}
+
+TEST(Viewer, RefusesWhatIsBeyondItsMemory)
+{
+    Viewer viewer({.budget = {20'000'000}});
+    viewer.open({"icosphere:4"}); // 5,120 triangles
+    const Status small = viewer.finish();
+    ASSERT_TRUE(small) << describe(small.error());
+    viewer.open({"icosphere:6"}); // 81,920 triangles
+    const Status large = viewer.finish();
+    ASSERT_FALSE(large);
+    EXPECT_EQ(large.error().code, ErrorCode::budget_exceeded);
+    EXPECT_NE(describe(large.error()).find("icosphere:6"), std::string::npos);
+    EXPECT_NE(large.error().message.find("the budget is 20 MB"), std::string::npos);
+    EXPECT_EQ(viewer.models()[0]->mesh.triangle_count(), 5120U);
+}
+
+TEST(Viewer, PanelsOfSmallThingsBeginNearThem)
+{
+    Shown shown({"icosphere:5"}, "model");
+    const double distance = shown.viewer.camera().distance;
+    for (const char* const panel : {"panel=closest", "panel=voronoi", "panel=touch"}) {
+        shown.set({panel});
+        EXPECT_LT(shown.viewer.camera().distance, 0.8 * distance) << panel;
+        // What it is about is in the picture.
+        const View view(shown.viewer.camera(), size);
+        const ScreenPoint at = view.project(shown.viewer.handles().front());
+        EXPECT_GT(at.x, 0.2 * size.width) << panel;
+        EXPECT_LT(at.x, 0.8 * size.width) << panel;
+        EXPECT_GT(at.y, 0.2 * size.height) << panel;
+        EXPECT_LT(at.y, 0.8 * size.height) << panel;
+    }
+    EXPECT_GT(shown.number("force"), 0.1) << "it is touched at once";
+    shown.viewer.frame_all();
+    EXPECT_EQ(shown.viewer.camera().distance, distance);
+}
+
+TEST(Viewer, CullingPanelHasItsVolumeInThePicture)
+{
+    const Shown shown({"icosphere:4"}, "culling");
+    const View view(shown.viewer.camera(), size);
+    for (const SceneLines& lines : shown.scene().lines) {
+        if (lines.name != "volume") continue;
+        for (const auto& segment : lines.segments) {
+            for (const Vec3& end : segment) {
+                const ScreenPoint at = view.project(end);
+                EXPECT_TRUE(at.x > 0 && at.x < size.width && at.y > 0 && at.y < size.height);
+            }
+        }
+    }
+}
+
 TEST(Viewer, OctreePanelShowsTheOctreesCells)
 {
     Shown shown({"icosphere:3"}, "octree", {"depth=4", "threshold=2"});
@@ -165,6 +271,17 @@ TEST(Viewer, VoronoiPanelShowsThePickedFeature)
     EXPECT_GT(shown.triangles("listed"), 0U);
 }
 
+TEST(Viewer, VoronoiPanelBeginsWithARegionNearTheCursor)
+{
+    for (const char* const model : {"cube", "torus:24x12", "spaceship:2000"}) {
+        Shown shown({model}, "voronoi");
+        for (const char* const kind : {"feature=vertex", "feature=edge", "feature=face"}) {
+            shown.set({kind});
+            EXPECT_EQ(shown.fact("region"), "drawn") << model << ' ' << kind;
+        }
+    }
+}
+
 TEST(Viewer, VoronoiPanelSaysWhereThereIsNoConvexRegion)
 {
     Shown shown({"torus:24x12"}, "voronoi", {"feature=edge"});
@@ -226,7 +343,7 @@ TEST(Viewer, MinkowskiPanelPushesPlanesOutward)
     EXPECT_NEAR(bounding_box(shown.viewer.layers()).upper.x(), 1.25, 1e-12);
     shown.set({"play=on"});
     EXPECT_TRUE(shown.viewer.is_moving());
-    ASSERT_TRUE(shown.viewer.update(0.1));
+    shown.viewer.update(0.1);
     ASSERT_TRUE(shown.viewer.finish());
     EXPECT_GT(bounding_box(shown.viewer.layers()).upper.x(), 1.25);
 }
@@ -269,7 +386,7 @@ TEST(Viewer, TouchIsLiveWhereThePicturesAre)
         return std::ranges::find(viewer.facts(), std::string("servo rate"), &PanelFact::name) !=
                viewer.facts().end();
     };
-    while (!has_rate()) ASSERT_TRUE(viewer.update(0.01));
+    while (!has_rate()) viewer.update(0.01);
     ASSERT_TRUE(viewer.choose_panel("model"));
     EXPECT_FALSE(viewer.is_moving()) << "another panel ends the loop";
 }
@@ -344,11 +461,11 @@ TEST(Viewer, CancelsWorkAndBeginsAgain)
     Shown shown({"icosphere:6"}, "model");
     Viewer& viewer = shown.viewer;
     ASSERT_TRUE(viewer.choose_panel("closest"));
-    ASSERT_TRUE(viewer.update(0.0));
+    viewer.update(0.0);
     ASSERT_TRUE(viewer.is_busy());
     ASSERT_NE(viewer.progress(), nullptr);
     viewer.cancel();
-    while (viewer.is_busy()) ASSERT_TRUE(viewer.update(0.0));
+    while (viewer.is_busy()) viewer.update(0.0);
     EXPECT_NE(viewer.problem().find("stopped on request"), std::string::npos);
     EXPECT_TRUE(viewer.is_settled()) << "it does not begin again by itself";
     EXPECT_FALSE(viewer.layers().empty()) << "what was shown is shown still";
@@ -362,7 +479,7 @@ TEST(Viewer, MayBeDestroyedInTheMiddleOfWork)
     Viewer viewer;
     ASSERT_TRUE(viewer.choose_panel("closest"));
     viewer.open({"icosphere:6"});
-    ASSERT_TRUE(viewer.update(0.0));
+    viewer.update(0.0);
 }
 
 TEST(NamedSettings, SayWhatDoesNotFit)

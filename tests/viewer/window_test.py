@@ -1,4 +1,7 @@
 """The window of `proxima view` as a person uses it: on a screen without a monitor, by mouse and keyboard."""
+import os
+import resource
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -7,6 +10,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent.parent / "apps"))
 
 import xvfb_screen  # noqa: E402
+from dragged_files import DraggedFiles  # noqa: E402
 from proxima_program import ProgramTest, run  # noqa: E402
 from xvfb_screen import Screen, Window  # noqa: E402
 
@@ -34,7 +38,9 @@ class WindowTest(ProgramTest):
     @classmethod
     def setUpClass(cls):
         if xvfb_screen.MISSING:
-            raise unittest.SkipTest(f"not installed: {' '.join(xvfb_screen.MISSING)} (group test of packages.txt)")
+            why = f"not installed: {' '.join(xvfb_screen.MISSING)} (group test of packages.txt)"
+            print("skipped:", why, flush=True)  # ctest reads it
+            raise unittest.SkipTest(why)
         cls.screen = Screen(cls.dpi)
         cls.addClassCleanup(cls.screen.close)
 
@@ -182,6 +188,94 @@ class Panels(WindowTest):
         window.wait(lambda now: now["facts"]["contact"] != "free", "contact at the place that was clicked")
         self.slide(window, "stiffness", 0.2)
         window.wait(lambda now: "servo rate" in now["facts"], "another servo loop")
+        # A device that is not there: the panel says so, and the mouse has it again.
+        window.choose("device", "hd")
+        window.type("library", "/nowhere/libHD.so")
+        window.wait(lambda now: "/nowhere/libHD.so" in now["problem"], "the device's message")
+        window.frames(2)  # until the controls have made room for it
+        window.choose("device", "mouse")
+        window.wait(lambda now: now["problem"] == "" and "servo rate" in now["facts"], "the mouse's servo loop")
+        self.close(window)
+
+
+class Opening(WindowTest):
+    """Models that are opened from within the window: by their path, from the list, dropped on it."""
+
+    def model(self, name, corners=3):
+        """A fan of corners - 2 triangles."""
+        vertices = "".join(f"v {number} {number * number} 0\n" for number in range(corners))
+        return self.file(name, vertices + "".join(f"f 1 {k + 1} {k + 2}\n" for k in range(1, corners - 1)))
+
+    def test_a_window_without_a_model_asks_for_one(self):
+        folder = self.folder / "models"
+        folder.mkdir()
+        self.model("models/fan.obj", 7)
+        self.file("models/notes.txt", "")
+        window = self.open()
+        window.wait(lambda state: state["files"] and state["models"] == 0, "the panel that opens models")
+        window.type("path", str(folder))
+        window.wait(lambda state: "fan.obj" in state["controls"], "the folder's list")
+        self.assertNotIn("notes.txt", window.state()["controls"])
+        window.click("../", 0.1)
+        window.wait(lambda state: "models/" in state["controls"], "the folder above")
+        window.click("models/", 0.1)
+        window.wait(lambda state: "fan.obj" in state["controls"], "the folder again")
+        window.click("fan.obj", 0.1)
+        window.click("open")
+        state = window.settled()
+        self.assertEqual((state["models"], state["facts"]["triangles"], state["files"]), (1, "5", False))
+        self.close(window)
+
+    def test_what_cannot_be_opened_is_said_and_all_goes_on(self):
+        broken = self.file("broken.obj", "v 0 0 0\nf 1 2 3\n")
+        window = self.open("icosphere:2", "--panel", "octree", "--budget-mb", 50)
+        cells = window.settled()["facts"]["cells"]
+        window.click("open...")
+        window.wait(lambda state: state["files"], "the panel that opens models")
+        for path, says in ((str(broken), "broken.obj:2"), (str(self.folder / "none.ply"), "none.ply"),
+                           ("icosphere:8", "the budget is 50 MB")):
+            window.type("path", path)
+            said = window.wait(lambda state: says in state["problem"], f"the message about {path}")
+            self.assertEqual((said["models"], said["files"]), (1, True))
+        self.assertEqual(window.settled()["facts"]["cells"], cells)
+        window.click("hide this")
+        window.wait(lambda state: state["problem"] == "", "no message")
+        window.frames(2)  # until all has moved to where the message was
+        self.slide(window, "depth", 0.8)
+        window.click("beside those there are", 0.1)
+        window.type("path", "cube")
+        window.wait(lambda state: state["models"] == 2 and not state["files"], "a second model")
+        self.close(window)
+
+    def test_files_are_dropped(self):
+        window = self.open("cube")
+        window.settled()
+        files = DraggedFiles(self.screen.environment["DISPLAY"])
+        self.addCleanup(files.close)
+        number = self.screen.window()
+        files.drop(number, window.middle(), [self.model("one.obj", 5), self.model("two.obj")])
+        window.wait(lambda state: state["models"] == 2, "the files")
+        self.assertEqual(window.settled()["facts"]["triangles"], "1", "of the second one")
+        files.drop(number, window.middle(), [self.file("broken.stl", "solid\n facet normal 0 0 one\n")])
+        window.wait(lambda state: "broken.stl" in state["problem"], "the message")
+        self.assertEqual(window.state()["models"], 2)
+        files.drop(number, window.middle(), [self.folder])
+        window.wait(lambda state: "one.obj" in state["controls"], "the folder's list")
+        self.screen.act("key", "Escape")
+        window.wait(lambda state: not state["files"], "the panel's end")
+        self.close(window)
+
+    def test_loading_is_stopped(self):
+        window = self.open("cube")
+        window.settled()
+        window.click("open...")
+        window.type("path", "spaceship:3000000")
+        window.wait(lambda state: state["stage"] != "", "loading")
+        before = window.state()["frames"]
+        window.wait(lambda state: state["frames"] > before + 2, "frames meanwhile")
+        window.click("cancel")
+        window.wait(lambda state: "stopped on request" in state["problem"], "the end")
+        self.assertEqual(window.settled()["models"], 1)
         self.close(window)
 
 
@@ -277,14 +371,48 @@ class Trouble(WindowTest):
         self.assertIn("broken.obj", result.stderr)
         self.assertEqual(result.stderr.count("\n"), 1)
 
+    def test_a_model_beyond_memory(self):
+        self.refuse("view", "icosphere:7", "--budget-mb", 100, says=["icosphere:7", "the budget is 100 MB", "coarser"],
+                    env=self.screen.environment)
+
     def test_no_opengl_3_3(self):
         self.refuse("view", "cube", says=["OpenGL 3.3", "--snapshot"],
                     env={**self.screen.environment, "MESA_GL_VERSION_OVERRIDE": "2.1"})
 
+
+class WithoutScreen(ProgramTest):
+    """What needs no screen: a window that cannot be, and pictures."""
+    environment = {key: value for key, value in os.environ.items() if key not in ("DISPLAY", "WAYLAND_DISPLAY")}
+
     def test_no_display(self):
-        environment = {key: value for key, value in self.screen.environment.items()
-                       if key not in ("DISPLAY", "WAYLAND_DISPLAY")}
-        self.refuse("view", "cube", says=["no display", "--snapshot"], env=environment)
+        self.refuse("view", "cube", says=["no display", "--snapshot"], env=self.environment)
+        self.refuse("view", says=["no display", "--snapshot"], env=self.environment)
+
+    def test_pictures_need_a_model_and_no_display(self):
+        self.refuse("view", "--snapshot", self.folder / "a.png", status=2, says="MODEL", env=self.environment)
+        self.succeed("view", "cube", "--size", "40x30", "--snapshot", self.folder / "a.png", env=self.environment)
+
+    def test_a_model_beyond_memory(self):
+        self.refuse("view", "icosphere:7", "--budget-mb", 100, "--snapshot", self.folder / "a.png",
+                    says=["icosphere:7", "the budget is 100 MB", "coarser"], env=self.environment)
+
+    def test_a_limit_of_the_process_is_heeded(self):
+        if os.environ.get("PROXIMA_SANITIZE"):
+            self.skipTest("sanitizers reserve more than any limit")
+        limit = 1_200_000_000
+        self.refuse("view", "icosphere:8", "--snapshot", self.folder / "a.png", says=["icosphere:8", "the budget is 900 MB"],
+                    env=self.environment, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)))
+
+    def test_devices_make_no_pictures(self):
+        self.refuse("view", "cube", "--panel", "touch", "--set", "device=udp", "--snapshot", self.folder / "a.png",
+                    says=["udp:4711", "needs the window"], env=self.environment)
+
+    def test_machines_without_xvfb_skip_and_say_so(self):
+        result = subprocess.run([sys.executable, "-B", __file__, "Mouse"], env={**self.environment, "PATH": "/nowhere"},
+                                text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=100)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("skipped: not installed: Xvfb xdotool xprop", result.stdout)
+        self.assertIn("OK (skipped=1)", result.stderr)
 
 
 if __name__ == "__main__":

@@ -68,6 +68,12 @@ class Screen:
     def picture(self):
         return Picture(Path(self._folder.name) / "Xvfb_screen0")
 
+    def window(self, name="Proxima"):
+        """The number of the window of that name."""
+        found = subprocess.run(["xdotool", "search", "--name", name], env=self.environment, check=True, timeout=PATIENCE,
+                               stdout=subprocess.PIPE, text=True)
+        return int(found.stdout.split()[0])
+
     def act(self, *words):
         """Mouse and keyboard, as xdotool has them."""
         subprocess.run(["xdotool", *map(str, words)], env=self.environment, check=True, timeout=PATIENCE,
@@ -134,6 +140,25 @@ class Window:
 
     def value(self, control):
         return self.state()["controls"][control]["value"]
+
+    def type(self, control, text):
+        """Puts a text in the place of the one in a field, and presses Enter."""
+        self.click(control, 0.3)
+        self.screen.act("keydown", "ctrl")
+        self.press("a")
+        self.screen.act("keyup", "ctrl")
+        for part in range(0, len(text), 8):  # ImGui takes as many characters as come in a frame
+            self.screen.act("type", "--delay", 30, text[part:part + 8])
+            self.frames(2)
+        self.wait(lambda state: state["controls"].get(control, {}).get("value") == text, f"{control} {text}")
+        self.press("Return")
+
+    def press(self, key):
+        """For as long as ImGui takes to see it."""
+        self.screen.act("keydown", key)
+        self.frames(2)
+        self.screen.act("keyup", key)
+        self.frames(2)
 
     def drag(self, start, end, button=1):
         self.screen.act("mousemove", *start)

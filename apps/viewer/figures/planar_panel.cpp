@@ -2,6 +2,7 @@
 
 #include "viewer/figures/figure_colors.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace proxima {
@@ -56,8 +57,24 @@ void PlanarPanel::dashes(const Vec2& from, const Vec2& to, unsigned color, doubl
     for (int i = 0; i <= count; ++i) {
         const double start = std::min(1.0, 2.0 * dash * i / length);
         const double end = std::min(1.0, (2.0 * i + 1.0) * dash / length);
-        line(from + start * (to - from), from + end * (to - from), color, width);
+        const Vec2 first = from + start * (to - from);
+        const Vec2 last = from + end * (to - from);
+        const Vec2 middle = 0.5 * (first + last);
+        if (has_words_at(pixel(first)) || has_words_at(pixel(middle)) || has_words_at(pixel(last)))
+            continue;
+        line(first, last, color, width);
     }
+}
+
+bool PlanarPanel::has_words_at(const Vec2& pixel) const
+{
+    constexpr double room = 2.0; // pixels
+    return std::ranges::any_of(figure_.texts, [&](const FigureText& text) {
+        const double size = text.style.size;
+        const Vec2 middle = text.at - Vec2(0.0, 0.5 * size); // words stand in the middle
+        const Vec2 half(0.5 * text_length(text.text, size) + room, 0.5 * size + room);
+        return ((pixel - middle).array().abs() < half.array()).all();
+    });
 }
 
 void PlanarPanel::arrow(const Vec2& from, const Vec2& to, unsigned color, double width)

@@ -24,6 +24,7 @@ public:
     void square(const Vec2& center, double half, unsigned color, double width);
     void outline(std::span<const Vec2> corners, unsigned color, double width);
     void line(const Vec2& from, const Vec2& to, unsigned color, double width);
+    /// A broken line, which leaves room for the words that are there.
     void dashes(const Vec2& from, const Vec2& to, unsigned color, double width);
     /// A line with a head at its end.
     void arrow(const Vec2& from, const Vec2& to, unsigned color, double width);
@@ -35,6 +36,8 @@ public:
     void title(const std::string& text, double size = 17.0);
 
 private:
+    [[nodiscard]] bool has_words_at(const Vec2& pixel) const;
+
     Figure& figure_;
     PlanarBox pixels_;
     Vec2 middle_;

@@ -59,15 +59,19 @@ void draw_copies(PlanarPanel& panel, const PlanarSum& sum)
     for (const Vec2& corner : triangle) panel.dot(corner, 7, red);
 }
 
-void draw_points(PlanarPanel& panel, const PlanarSum& sum)
+void name_points(PlanarPanel& panel, const PlanarSum& sum)
 {
     for (std::size_t k = 0; k < sum.points().size(); ++k) {
-        const Vec2& point = sum.points()[k];
         const Vec2 from_copy = sum.a().corners[k % sum.a().corners.size()];
-        panel.dot(point, 8, ink);
-        panel.words(point, point_name(static_cast<int>(k)),
+        panel.words(sum.points()[k], point_name(static_cast<int>(k)),
                     {from_copy.x() > 0 ? 20.0 : -20.0, from_copy.y() > 0 ? 14.0 : -14.0}, 13, ink);
     }
+}
+
+void draw_points(PlanarPanel& panel, const PlanarSum& sum)
+{
+    for (const Vec2& point : sum.points()) panel.dot(point, 8, ink);
+    name_points(panel, sum);
 }
 
 Result<FigureContent> pushing_figure(std::size_t number)
@@ -79,6 +83,10 @@ Result<FigureContent> pushing_figure(std::size_t number)
     Figure figure;
     PlanarPanel panel = whole_panel(figure);
     draw_copies(panel, *sum);
+    panel.words(Vec2::Zero(), "0", {-14, -14}, 14, ink);
+    panel.words(0.55 * line.offset * line.normal, fmt::format("n{}", number + 1), {26, 4}, 16,
+                green);
+    name_points(panel, *sum);
     const Vec2 along(-line.normal.y(), line.normal.x());
     // From the origin outward in four steps, the last where it comes to rest.
     constexpr int steps = 4;
@@ -91,10 +99,7 @@ Result<FigureContent> pushing_figure(std::size_t number)
                sum->points()[static_cast<std::size_t>(ends[1])], line_color(line.origin), 6.0);
     panel.arrow(Vec2::Zero(), line.offset * line.normal, green, 2.5);
     panel.dot(Vec2::Zero(), 9, ink);
-    panel.words(Vec2::Zero(), "0", {-14, -14}, 14, ink);
-    panel.words(0.55 * line.offset * line.normal, fmt::format("n{}", number + 1), {26, 4}, 16,
-                green);
-    draw_points(panel, *sum);
+    for (const Vec2& point : sum->points()) panel.dot(point, 8, ink);
     FigureContent content;
     content.caption = fmt::format(
         "A line with the normal n{} of the {} is pushed from the origin along it until it rests on "
@@ -280,8 +285,10 @@ Result<FigureContent> figure_3_14(const FigureContext& /*context*/)
             const Vec2 point = sum->point(k, scales);
             const Vec2& inner = sum->a().corners[static_cast<std::size_t>(sum->pair(k).a)];
             panel.dot(point, 8, k == followed->support ? purple : ink);
+            // At the left, beside the point: the violet edge runs below.
+            const double below = inner.x() > 0 ? -14.0 : -4.0;
             panel.words(point, fmt::format("{}", k),
-                        {inner.x() > 0 ? 16.0 : -16.0, inner.y() > 0 ? 14.0 : -14.0}, 13, ink);
+                        {inner.x() > 0 ? 16.0 : -18.0, inner.y() > 0 ? 14.0 : below}, 13, ink);
         }
     }
     FigureContent content;

@@ -13,6 +13,8 @@
 namespace proxima {
 namespace {
 
+constexpr double cursor_height = 0.04; // above the surface, per diagonal
+
 struct ClosestSettings {
     int model = 1;
     int rings = 1;
@@ -26,7 +28,6 @@ std::shared_ptr<const Scene> closest_scene(const ViewModel& model, const Closest
                                            std::span<const TriangleId> patch,
                                            const std::optional<ProximityLeaf>& leaf)
 {
-    const double size = model.box.extent().norm();
     auto scene = std::make_shared<Scene>();
     if (settings.listed && leaf) {
         add_part(*scene, model.mesh, leaf->listed,
@@ -34,15 +35,9 @@ std::shared_ptr<const Scene> closest_scene(const ViewModel& model, const Closest
     }
     add_part(*scene, model.mesh, patch,
              {.name = "patch", .color = srgb(figure_colors::blue), .lift = 5e-4});
-    add_feature(*scene, model, closest.feature, 0.012 * size, srgb(figure_colors::red));
-    if (settings.leaf && leaf) {
-        add_box(*scene, leaf->box,
-                {.name = "leaf", .color = srgb(figure_colors::green), .opacity = 0.2F});
-        add_box_edges(*scene, std::array{leaf->box},
-                      {.name = "leaf", .color = srgb(figure_colors::green), .width = 2.0});
-    }
-    add_ball(*scene, settings.cursor.at, 0.01 * size,
-             {.name = "cursor", .color = srgb(figure_colors::ink)});
+    add_feature(*scene, model, closest.feature, mark_radius(model), srgb(figure_colors::red));
+    if (settings.leaf && leaf) add_leaf(*scene, *leaf);
+    add_cursor(*scene, model, settings.cursor.at);
     scene->lines.push_back(
         {"distance", {{settings.cursor.at, closest.point}}, srgb(figure_colors::ink), 2.0});
     return scene;
@@ -66,7 +61,8 @@ public:
     {
         models_ = models;
         settings_.model = std::clamp(settings_.model, 1, static_cast<int>(models.size()));
-        settings_.cursor.place(place_by(*model(), 0.23, 0.2, 0.16));
+        settings_.cursor.place(
+            seen_place(*model()).above(cursor_height * model()->box.extent().norm()));
     }
 
     void offer(Controls& controls) override
@@ -87,8 +83,13 @@ public:
         settings_.model = static_cast<int>(place.model) + 1;
         const ViewModel& picked = *models_[place.model];
         const Vec3 normal = scaled_normal(picked.mesh.triangle(place.triangle)).stableNormalized();
-        settings_.cursor.set(place.point + 0.06 * picked.box.extent().norm() * normal);
+        settings_.cursor.set(place.point + cursor_height * picked.box.extent().norm() * normal);
         return true;
+    }
+
+    [[nodiscard]] Box focus(const ViewModels& models) const override
+    {
+        return models.empty() ? Box{} : close_up(*model(), settings_.cursor.at, 0.045);
     }
 
     [[nodiscard]] PanelTask task(const ViewModels& models) const override

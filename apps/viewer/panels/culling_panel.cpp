@@ -26,6 +26,18 @@ struct CullingSettings {
     PlacedPoint target;
 };
 
+PerspectiveCamera second_camera(const CullingSettings& settings, const ViewModel& model)
+{
+    const double size = model.box.extent().norm();
+    return {.eye = settings.eye.at,
+            .forward = settings.target.at - settings.eye.at,
+            .up = model.up,
+            .field_of_view = settings.degrees * std::numbers::pi / 180.0,
+            .aspect = settings.aspect,
+            .near = settings.near * size,
+            .far = settings.far * size};
+}
+
 class CullingPanel final : public Panel {
 public:
     [[nodiscard]] std::string_view name() const override { return "culling"; }
@@ -71,21 +83,24 @@ public:
         (handle == 0 ? settings_.eye : settings_.target).set(to);
     }
 
+    /// The volume too.
+    [[nodiscard]] Box extent(const ViewModels& models) const override
+    {
+        Box box = bounding_box(models);
+        if (models.empty()) return box;
+        box.extend(settings_.eye.at);
+        for (const Vec3& corner : frustum_corners(second_camera(settings_, *model())))
+            box.extend(corner);
+        return box;
+    }
+
     [[nodiscard]] PanelTask task(const ViewModels& models) const override
     {
         return [models, model = model(), settings = settings_,
                 kept = kept_](const WorkContext& context) -> Result<PanelPicture> {
             const auto octree = octree_of(*kept, settings.octree, *model, context);
             if (!octree) return tl::unexpected(octree.error());
-            const double size = model->box.extent().norm();
-            const PerspectiveCamera camera = {.eye = settings.eye.at,
-                                              .forward = settings.target.at - settings.eye.at,
-                                              .up = model->up,
-                                              .field_of_view =
-                                                  settings.degrees * std::numbers::pi / 180.0,
-                                              .aspect = settings.aspect,
-                                              .near = settings.near * size,
-                                              .far = settings.far * size};
+            const PerspectiveCamera camera = second_camera(settings, *model);
             const auto volume = make_perspective_volume(camera);
             if (!volume) return tl::unexpected(volume.error());
             std::vector<Box> boxes;

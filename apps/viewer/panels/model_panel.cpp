@@ -36,8 +36,9 @@ Result<Reports> report(const ViewModels& models, const WorkContext& context)
         facts.push_back({"triangles", concat(model->mesh.triangle_count())});
         facts.push_back({"vertices", concat(model->mesh.vertex_count())});
         facts.push_back({"edges", concat(model->topology.edge_count())});
-        const auto found =
-            report_mesh(model->mesh, {.threads = context.threads, .progress = context.progress});
+        const auto found = report_mesh(
+            model->mesh,
+            {.threads = context.threads, .budget = context.budget, .progress = context.progress});
         if (!found) return tl::unexpected(found.error());
         for (const MeshFinding& finding : found->findings)
             facts.push_back({std::string(name_of(finding.kind)), concat(finding.count)});

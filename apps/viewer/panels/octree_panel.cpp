@@ -58,6 +58,7 @@ Result<BuiltOctree> build(const ViewModel& model, const BuildSettings& settings,
                                    .method = all_methods[settings.method],
                                    .subdivision = settings.subdivision,
                                    .root_shape = settings.root,
+                                   .budget = context.budget,
                                    .threads = context.threads,
                                    .progress = context.progress};
     const auto begin = std::chrono::steady_clock::now();

@@ -11,6 +11,21 @@ namespace proxima {
 /// diagonal of its box.
 [[nodiscard]] Vec3 place_by(const ViewModel& model, double right, double front, double up);
 
+/// A place on the model that is seen at first, on its right, and the direction out of the surface
+/// there.
+struct SurfacePlace {
+    Vec3 point = Vec3::Zero();
+    Vec3 normal = Vec3::UnitZ();
+
+    /// So far above it, in the model's units; below where negative.
+    [[nodiscard]] Vec3 above(double height) const { return point + height * normal; }
+};
+[[nodiscard]] SurfacePlace seen_place(const ViewModel& model);
+
+/// A part of the model about a place: of at least so much of its diagonal to each side, and large
+/// enough to tell its triangles apart. All of the model where that is not much more.
+[[nodiscard]] Box close_up(const ViewModel& model, const Vec3& place, double least);
+
 struct PlacedPoint {
     Vec3 at = Vec3::Zero();
     bool is_set = false; ///< by a person

@@ -33,6 +33,7 @@ using KeptOctree = Kept<OctreeChoice, Octree>;
     return kept.get(choice, [&] {
         return build_octree(model.mesh, {.max_depth = choice.depth,
                                          .threshold = static_cast<std::uint32_t>(choice.threshold),
+                                         .budget = context.budget,
                                          .threads = context.threads,
                                          .progress = context.progress});
     });

@@ -3,6 +3,7 @@
 #include "proxima/base/text.h"
 #include "proxima/proximity/build_proximity_octree.h"
 #include "proxima/proximity/proximity_cells.h"
+#include "viewer/figures/figure_colors.h"
 #include "viewer/query_shapes.h"
 
 #include <algorithm>
@@ -53,6 +54,23 @@ std::optional<ProximityLeaf> leaf_at(const ProximityOctree& octree, const Vec3& 
     }
     std::ranges::sort(leaf.listed);
     return leaf;
+}
+
+void add_leaf(Scene& scene, const ProximityLeaf& leaf)
+{
+    const Color green = srgb(figure_colors::green);
+    add_box(scene, leaf.box, {.name = "leaf", .color = green, .opacity = 0.2F});
+    add_box_edges(scene, std::array{leaf.box}, {.name = "leaf", .color = green, .width = 2.0});
+}
+
+double mark_radius(const ViewModel& model)
+{
+    return std::min(0.012 * model.box.extent().norm(), 0.5 * model.edge);
+}
+
+void add_cursor(Scene& scene, const ViewModel& model, const Vec3& at)
+{
+    add_ball(scene, at, mark_radius(model), {.name = "cursor", .color = srgb(figure_colors::ink)});
 }
 
 std::string words_for(const Feature& feature)

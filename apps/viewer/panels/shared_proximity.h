@@ -28,6 +28,15 @@ struct ProximityLeaf {
 /// The leaf that holds the point; nothing outside of the root.
 [[nodiscard]] std::optional<ProximityLeaf> leaf_at(const ProximityOctree& octree, const Vec3& p);
 
+/// The leaf as green glass.
+void add_leaf(Scene& scene, const ProximityLeaf& leaf);
+
+/// Of balls that mark places of a model: they hide no triangles.
+[[nodiscard]] double mark_radius(const ViewModel& model);
+
+/// The place that is asked about, as a ball.
+void add_cursor(Scene& scene, const ViewModel& model, const Vec3& at);
+
 /// "face 17".
 [[nodiscard]] std::string words_for(const Feature& feature);
 

@@ -1,18 +1,15 @@
 #include "viewer/panels/touch_engine.h"
 
-#include "proxima/haptics/servo_loop.h"
+#include "proxima/base/text.h"
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <limits>
+#include <utility>
 
 namespace proxima {
 namespace {
-
-DeviceLimits limits()
-{
-    return find_device("touch").value_or(DeviceLimits{});
-}
 
 RenderOptions render_options(const TouchOptions& options)
 {
@@ -24,22 +21,63 @@ RenderOptions render_options(const TouchOptions& options)
     return render;
 }
 
-} // namespace
+/// How often the loop runs and how late it is at worst.
+class TickClock {
+public:
+    /// A tick begins.
+    void tick(TouchMoment& moment) noexcept
+    {
+        constexpr std::uint64_t ticks_per_measure = 500;
+        const auto now = Clock::now();
+        worst_ = std::max(worst_, seconds(now - before_));
+        before_ = now;
+        if (++ticks_ % ticks_per_measure != 0) return;
+        const double span = seconds(now - measured_);
+        moment.rate = span > 0.0 ? static_cast<double>(ticks_per_measure) / span : 0.0;
+        moment.worst_interval = worst_;
+        measured_ = now;
+        worst_ = 0.0;
+    }
 
-TouchSimulation::TouchSimulation(const ContactSurface& surface, const Box& bounds,
-                                 const TouchOptions& options, const Vec3& start)
-    : map_(fit_workspace(bounds, limits().workspace_radius)),
-      renderer_(surface, map_, limits(), render_options(options)),
-      hand_({.tick_seconds = tick_seconds}, map_.to_device(start))
+private:
+    using Clock = std::chrono::steady_clock;
+
+    static double seconds(Clock::duration span) noexcept
+    {
+        return std::chrono::duration<double>(span).count();
+    }
+
+    Clock::time_point before_ = Clock::now();
+    Clock::time_point measured_ = before_;
+    double worst_ = 0.0;
+    std::uint64_t ticks_ = 0;
+};
+
+std::string words_of(const DeviceInfo& info)
 {
-    moment_.device = moment_.proxy = start;
+    return concat(info.model.empty() ? info.name : info.model, info.serial.empty() ? "" : ", ",
+                  info.serial);
 }
 
-void TouchSimulation::tick(const Vec3& target) noexcept
+} // namespace
+
+TouchSession::TouchSession(const ContactSurface& surface, TouchDevice device,
+                           const TouchOptions& options)
+    : device_(std::move(device)),
+      input_(device_.device->info(), {.tick_seconds = tick_seconds, .rotation = options.axes}),
+      renderer_(surface, device_.map, device_.limits, render_options(options))
+{}
+
+void TouchSession::tick() noexcept
 {
     constexpr std::uint64_t ticks_per_value = 5;
-    const RenderTick& felt = renderer_.tick(hand_.state(), tick_seconds);
-    moment_.device = map_.to_model(felt.position);
+    const DeviceState& said = input_.accept(device_.device->read());
+    const RenderTick& felt = renderer_.tick(said, tick_seconds);
+    device_.device->write(input_.command(renderer_));
+    moment_.condition = said.condition;
+    moment_.buttons = said.buttons;
+    moment_.placed = moment_.placed || said.pose.translation.allFinite();
+    moment_.device = device_.map.to_model(felt.position);
     moment_.proxy = felt.proxy.hold == Hold::free ? moment_.device : felt.proxy.proxy;
     moment_.force = felt.force;
     moment_.hold = felt.proxy.hold;
@@ -48,12 +86,11 @@ void TouchSimulation::tick(const Vec3& target) noexcept
         moment_.forces.back() = static_cast<float>(felt.force.norm());
     }
     ++moment_.ticks;
-    hand_.step(felt.force, map_.to_device(target));
 }
 
-TouchEngine::TouchEngine(const ContactSurface& surface, const Box& bounds,
-                         const TouchOptions& options, const Vec3& start)
-    : simulation_(surface, bounds, options, start), target_(start), thread_([this] { run(); })
+TouchEngine::TouchEngine(const ContactSurface& surface, OpenTouchDevice open,
+                         const TouchOptions& options)
+    : thread_([this, &surface, open = std::move(open), options] { run(surface, open, options); })
 {}
 
 TouchEngine::~TouchEngine()
@@ -62,50 +99,58 @@ TouchEngine::~TouchEngine()
     thread_.join();
 }
 
-void TouchEngine::pull_to(const Vec3& target)
-{
-    target_.writing() = target;
-    target_.publish();
-}
-
 const TouchMoment& TouchEngine::moment()
 {
     moments_.update();
     return moments_.reading();
 }
 
-void TouchEngine::run() noexcept
+TouchDeviceState TouchEngine::device() const
 {
-    using Clock = std::chrono::steady_clock;
+    const std::scoped_lock lock(mutex_);
+    return state_;
+}
+
+void TouchEngine::say(TouchDeviceState state)
+{
+    const std::scoped_lock lock(mutex_);
+    state_ = std::move(state);
+}
+
+void TouchEngine::run(const ContactSurface& surface, const OpenTouchDevice& open,
+                      const TouchOptions& options)
+{
     constexpr std::uint64_t ticks_per_moment = 8;
-    constexpr std::uint64_t ticks_per_measure = 500;
-    auto before = Clock::now();
-    auto measured = before;
-    double worst = 0.0;
-    (void)run_servo_loop(
-        {.rate = 1.0 / TouchSimulation::tick_seconds,
-         .ticks = std::numeric_limits<std::uint64_t>::max(),
-         .pace = Pace::best_effort},
-        [&](std::uint64_t /*number*/) noexcept {
-            const auto now = Clock::now();
-            worst = std::max(worst, std::chrono::duration<double>(now - before).count());
-            before = now;
-            target_.update();
-            simulation_.tick(target_.reading());
-            TouchMoment& moment = simulation_.moment();
-            if (moment.ticks % ticks_per_measure == 0) {
-                const double span = std::chrono::duration<double>(now - measured).count();
-                moment.rate = span > 0.0 ? static_cast<double>(ticks_per_measure) / span : 0.0;
-                moment.worst_interval = worst;
-                measured = now;
-                worst = 0.0;
-            }
-            if (moment.ticks % ticks_per_moment == 0) {
-                moments_.writing() = moment;
-                moments_.publish();
-            }
-            return stops_.load(std::memory_order_relaxed) ? Flow::stop : Flow::proceed;
-        });
+    auto opened = open();
+    if (!opened) {
+        say({{}, describe(opened.error())});
+        return;
+    }
+    TouchSession session(surface, std::move(*opened), options);
+    const DeviceInfo& info = session.device().info();
+    say({words_of(info), {}});
+    // Nobody's hand is let go of suddenly.
+    const double fading = info.pushes ? RenderOptions{}.force.loss_seconds : 0.0;
+    auto left = static_cast<std::uint64_t>(std::ceil(fading / TouchSession::tick_seconds)) + 1;
+    TickClock clock;
+    (void)session.device().run({.rate = 1.0 / TouchSession::tick_seconds,
+                                .ticks = std::numeric_limits<std::uint64_t>::max(),
+                                .pace = Pace::best_effort},
+                               [&](std::uint64_t /*number*/) noexcept {
+                                   const bool stops = stops_.load(std::memory_order_relaxed);
+                                   if (stops) session.release();
+                                   clock.tick(session.moment());
+                                   session.tick();
+                                   if (session.moment().ticks % ticks_per_moment == 0) {
+                                       moments_.writing() = session.moment();
+                                       moments_.publish();
+                                   }
+                                   return stops && --left == 0 ? Flow::stop : Flow::proceed;
+                               });
+    if (stops_.load()) return;
+    // The driver ended it.
+    const std::string trouble = session.device().trouble();
+    say({{}, trouble.empty() ? "the device's driver ended the session" : trouble});
 }
 
 } // namespace proxima

@@ -1,18 +1,23 @@
-// A model that is touched: a simulated hand pulls a device to where the mouse wants it, in a servo
-// loop of its own thread; whoever draws reads the latest moment.
+// A model that is touched by a device, real or simulated, in a servo loop of its own thread;
+// whoever draws reads the latest moment.
 //
-//     mouse ──target──> Snapshot ──> hand ──> device ──> HapticRenderer ──> force
-//     picture <── moment ── Snapshot <──────────────────────────┘
+//     device ──▶ DeviceInput ──▶ HapticRenderer ──▶ force ──▶ device
+//                                      │
+//     picture ◀── Snapshot<TouchMoment>┘
 #pragma once
 
+#include "cli/touch_device.h"
 #include "proxima/haptics/contact_surface.h"
+#include "proxima/haptics/device_input.h"
 #include "proxima/haptics/haptic_renderer.h"
-#include "proxima/haptics/simulated_hand.h"
 #include "proxima/haptics/snapshot.h"
 
 #include <array>
 #include <atomic>
+#include <functional>
 #include <memory>
+#include <mutex>
+#include <string>
 #include <thread>
 
 namespace proxima {
@@ -25,6 +30,9 @@ struct TouchMoment {
     Vec3 proxy = Vec3::Zero();
     Vec3 force = Vec3::Zero();
     Hold hold = Hold::free;
+    InputCondition condition = InputCondition::silent;
+    bool placed = false; ///< the device said where it is at least once
+    std::uint32_t buttons = 0;
     double rate = 0;           ///< ticks per second, of the last half second
     double worst_interval = 0; ///< s between two ticks, of the last half second
     std::uint64_t ticks = 0;
@@ -36,53 +44,64 @@ struct TouchOptions {
     double damping = 1;
     double static_friction = 0.4;
     double dynamic_friction = 0.3;
+    Mat3 axes = Mat3::Identity(); ///< from the device's to the model's
 };
 
-/// The hand and the renderer, tick by tick. noexcept and without allocation but for the
-/// constructor.
-class TouchSimulation {
+/// Device and renderer, tick by tick. The surface must outlive it.
+class TouchSession {
 public:
-    /// The hand begins at `start`, in the model's units.
-    TouchSimulation(const ContactSurface& surface, const Box& bounds, const TouchOptions& options,
-                    const Vec3& start);
+    TouchSession(const ContactSurface& surface, TouchDevice device, const TouchOptions& options);
 
-    /// One millisecond on.
-    void tick(const Vec3& target) noexcept;
+    /// One millisecond on: reads, renders, writes. noexcept, without allocation.
+    void tick() noexcept;
 
+    /// From the next tick on the force fades.
+    void release() noexcept { input_.release(); }
+
+    [[nodiscard]] Device& device() noexcept { return *device_.device; }
     [[nodiscard]] const TouchMoment& moment() const noexcept { return moment_; }
     [[nodiscard]] TouchMoment& moment() noexcept { return moment_; }
-    [[nodiscard]] const WorkspaceMap& map() const noexcept { return map_; }
 
     static constexpr double tick_seconds = 1e-3;
 
 private:
-    WorkspaceMap map_;
+    TouchDevice device_;
+    DeviceInput input_;
     HapticRenderer renderer_;
-    SimulatedHand hand_;
     TouchMoment moment_;
 };
 
-/// The simulation in real time, until destroyed. The surface must outlive it.
+/// Opens a device: may take a second.
+using OpenTouchDevice = std::function<Result<TouchDevice>()>;
+
+/// What became of the device.
+struct TouchDeviceState {
+    std::string words;   ///< whose it is; "" while it is being opened, and where it is not there
+    std::string problem; ///< why it is not there, or what ended it; "" for nothing
+};
+
+/// A session in real time, in a thread that opens the device and closes it, until destroyed. The
+/// surface must outlive it.
 class TouchEngine {
 public:
-    TouchEngine(const ContactSurface& surface, const Box& bounds, const TouchOptions& options,
-                const Vec3& start);
+    TouchEngine(const ContactSurface& surface, OpenTouchDevice open, const TouchOptions& options);
     TouchEngine(const TouchEngine&) = delete;
     TouchEngine& operator=(const TouchEngine&) = delete;
+    /// Lets the force fade, closes the device, waits for both.
     ~TouchEngine();
-
-    /// Where the mouse wants the device.
-    void pull_to(const Vec3& target);
 
     /// The latest moment.
     [[nodiscard]] const TouchMoment& moment();
+    [[nodiscard]] TouchDeviceState device() const;
 
 private:
-    void run() noexcept;
+    void run(const ContactSurface& surface, const OpenTouchDevice& open,
+             const TouchOptions& options);
+    void say(TouchDeviceState state);
 
-    TouchSimulation simulation_;
-    Snapshot<Vec3> target_;
     Snapshot<TouchMoment> moments_;
+    mutable std::mutex mutex_;
+    TouchDeviceState state_;
     std::atomic<bool> stops_{false};
     std::thread thread_; // last: uses what is above
 };

@@ -1,7 +1,11 @@
-// Touching a model with the mouse: device, proxy and force, as section 5.1 has them.
+// Touching a model with the mouse or a haptic device: device, proxy and force, as section 5.1 has
+// them.
+#include "proxima/base/text.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/panels/panels.h"
 #include "viewer/panels/placed_point.h"
+#include "viewer/panels/pulled_hand.h"
+#include "viewer/panels/touch_device_choice.h"
 #include "viewer/panels/touch_engine.h"
 #include "viewer/scene_shapes.h"
 
@@ -11,11 +15,22 @@
 namespace proxima {
 namespace {
 
+constexpr double pressed_depth = 0.08; // below the surface, per diagonal
+
 struct TouchPanelSettings {
     int model = 1;
     TouchOptions touch;
-    PlacedPoint hand; ///< where the mouse pulls the device to
+    TouchDeviceChoice device;
+    PlacedPoint target; ///< where the mouse pulls the device to
+
+    [[nodiscard]] bool by_mouse() const { return device.hand == Hand::mouse; }
 };
+
+const DeviceLimits& limits_of_mouse()
+{
+    static const DeviceLimits limits = find_device("touch").value_or(DeviceLimits{});
+    return limits;
+}
 
 /// What there is to touch; shared with tasks, which make it.
 struct Touchable {
@@ -29,34 +44,56 @@ struct TouchSlot {
     std::shared_ptr<const Touchable> latest;
 };
 
-/// Where the device begins: farther from the model's middle than where the hand wants it.
+/// Where the mouse's device begins: farther from the model's middle than where the hand wants it.
 Vec3 start_of(const TouchPanelSettings& settings, const ViewModel& model)
 {
-    const Vec3 outward = settings.hand.at - model.box.center();
-    return settings.hand.at + 0.3 * model.box.extent().norm() * outward.stableNormalized();
+    const Vec3 outward = settings.target.at - model.box.center();
+    return settings.target.at + 0.3 * model.box.extent().norm() * outward.stableNormalized();
+}
+
+/// The mouse's hand, which wants to go to the target.
+TouchDevice pulled_hand(const std::shared_ptr<HandTarget>& target,
+                        const TouchPanelSettings& settings, const ViewModel& model)
+{
+    TouchDevice made;
+    made.limits = limits_of_mouse();
+    made.map = fit_workspace(model.box, made.limits.workspace_radius);
+    made.device = std::make_unique<PulledHand>(
+        target, made.limits, HandModel{.tick_seconds = TouchSession::tick_seconds},
+        made.map.to_device(start_of(settings, model)));
+    return made;
+}
+
+/// Where the mouse wants the device, in the device's metres.
+Vec3 wanted_place(const TouchPanelSettings& settings, const ViewModel& model)
+{
+    return fit_workspace(model.box, limits_of_mouse().workspace_radius)
+        .to_device(settings.target.at);
+}
+
+const char* word_of(Hold hold)
+{
+    return hold == Hold::free ? "free" : hold == Hold::sticking ? "sticking" : "sliding";
 }
 
 void add_moment(PanelPicture& picture, const TouchMoment& moment, double size)
 {
     auto scene = std::make_shared<Scene>();
-    constexpr double most_force = 3.3; // N, as long as a third of the model
-    add_ball(*scene, moment.device, 0.007 * size,
-             {.name = "device", .color = srgb(figure_colors::blue), .lift = 2e-2});
-    add_ball(*scene, moment.proxy, 0.015 * size,
+    constexpr double most_force = 3.3; // N, as long as half of the model
+    add_ball(*scene, moment.device, 0.006 * size,
+             {.name = "device", .color = srgb(figure_colors::blue), .lift = 0.2});
+    add_ball(*scene, moment.proxy, 0.011 * size,
              {.name = "proxy",
               .color = moment.hold == Hold::free ? srgb(0x9AA3AF) : srgb(figure_colors::yellow)});
     const double force = moment.force.norm();
     if (force > 1e-3) {
-        const Vec3 arrow = 0.33 * size / most_force * moment.force;
-        add_arrow(*scene, moment.proxy, moment.proxy + arrow, 0.006 * size,
+        const Vec3 arrow = 0.5 * size / most_force * moment.force;
+        add_arrow(*scene, moment.proxy, moment.proxy + arrow, 0.004 * size,
                   {.name = "force", .color = srgb(figure_colors::red)});
     }
     scene->lines.push_back({"spring", {{moment.device, moment.proxy}}, srgb(0x222222), 1.5});
     picture.layers.push_back({std::move(scene)});
-    const char* const hold = moment.hold == Hold::free       ? "free"
-                             : moment.hold == Hold::sticking ? "sticking"
-                                                             : "sliding";
-    picture.facts.push_back({"contact", hold});
+    picture.facts.push_back({"contact", word_of(moment.hold)});
     picture.facts.push_back({"force", fmt::format("{:.3f} N", force)});
     if (moment.rate > 0.0) {
         picture.facts.push_back({"servo rate", fmt::format("{:.0f} Hz", moment.rate)});
@@ -77,9 +114,9 @@ public:
     [[nodiscard]] std::string_view purpose() const override
     {
         return "Touch the model: drag the ring, which pulls a device (blue) through a simulated "
-               "hand. The proxy (yellow) stays on the surface, the force (red) pulls the device "
-               "back to it. A click presses a place; the wheel moves the ring to and fro while it "
-               "is held.";
+               "hand, or choose a haptic device. The proxy (yellow) stays on the surface, the "
+               "force (red) pulls the device back to it. A click presses a place; the wheel moves "
+               "the ring to and fro while it is held.";
     }
 
     void models_changed(const ViewModels& models) override
@@ -88,7 +125,8 @@ public:
         models_ = models;
         slot_ = std::make_shared<TouchSlot>();
         settings_.model = std::clamp(settings_.model, 1, static_cast<int>(models.size()));
-        settings_.hand.place(place_by(*model(), 0.2, 0.07, 0.14));
+        const double size = model()->box.extent().norm();
+        settings_.target.place(seen_place(*model()).above(-pressed_depth * size));
     }
 
     void offer(Controls& controls) override
@@ -96,24 +134,36 @@ public:
         if (models_.size() > 1)
             controls.number("model", settings_.model, 1, static_cast<int>(models_.size()));
         TouchOptions& touch = settings_.touch;
-        bool changed = controls.number("stiffness", touch.stiffness, 10.0, 1000.0);
+        bool changed = settings_.device.offer(controls);
+        changed = controls.number("stiffness", touch.stiffness, 10.0, 1000.0) || changed;
         changed = controls.number("damping", touch.damping, 0.0, 4.0) || changed;
         changed = controls.number("static friction", touch.static_friction, 0.0, 1.5) || changed;
         changed = controls.number("dynamic friction", touch.dynamic_friction, 0.0, 1.5) || changed;
         if (changed) engine_.reset(); // begins anew with these
-        settings_.hand.offer(controls, "hand", models_);
+        if (settings_.by_mouse()) settings_.target.offer(controls, "hand", models_);
     }
 
-    [[nodiscard]] std::vector<Vec3> handles() const override { return {settings_.hand.at}; }
-    void move_handle(std::size_t /*handle*/, const Vec3& to) override { settings_.hand.set(to); }
+    [[nodiscard]] std::vector<Vec3> handles() const override
+    {
+        if (!settings_.by_mouse()) return {};
+        return {settings_.target.at};
+    }
+    void move_handle(std::size_t /*handle*/, const Vec3& to) override { settings_.target.set(to); }
     bool picked(const PickedPlace& place) override
     {
         settings_.model = static_cast<int>(place.model) + 1;
         // A little below the surface, so that it is felt.
         const ViewModel& touched = *models_[place.model];
         const Vec3 normal = scaled_normal(touched.mesh.triangle(place.triangle)).stableNormalized();
-        settings_.hand.set(place.point - 0.04 * touched.box.extent().norm() * normal);
+        settings_.target.set(place.point - pressed_depth * touched.box.extent().norm() * normal);
         return true;
+    }
+
+    /// The place that the mouse presses; a device may go anywhere.
+    [[nodiscard]] Box focus(const ViewModels& models) const override
+    {
+        if (models.empty() || !settings_.by_mouse()) return extent(models);
+        return close_up(*model(), settings_.target.at, 0.12);
     }
 
     [[nodiscard]] bool is_moving() const override { return engine_ != nullptr; }
@@ -123,6 +173,12 @@ public:
     {
         return [models, model = model(), settings = settings_, proximity = proximity_, slot = slot_,
                 pictures = pictures_](const WorkContext& context) -> Result<PanelPicture> {
+            if (pictures == Pictures::still && !settings.by_mouse()) {
+                return fail(ErrorCode::invalid_argument,
+                            concat(settings.device.device(),
+                                   " needs the window: a picture is touched by the mouse's hand"),
+                            "device");
+            }
             const auto octree = proximity_of(*proximity, model, context);
             if (!octree) return tl::unexpected(octree.error());
             const auto touchable = touchable_of(*slot, model, *octree);
@@ -130,11 +186,11 @@ public:
             picture.layers = model_layers(models, Smoothing::smooth);
             if (pictures == Pictures::still) {
                 constexpr int ticks = 1000;
-                const double size = model->box.extent().norm();
-                TouchSimulation simulation(*touchable->surface, model->box, settings.touch,
-                                           start_of(settings, *model));
-                for (int i = 0; i < ticks; ++i) simulation.tick(settings.hand.at);
-                add_moment(picture, simulation.moment(), size);
+                const auto target = std::make_shared<HandTarget>(wanted_place(settings, *model));
+                TouchSession session(*touchable->surface, pulled_hand(target, settings, *model),
+                                     settings.touch);
+                for (int i = 0; i < ticks; ++i) session.tick();
+                add_moment(picture, session.moment(), model->box.extent().norm());
             }
             return picture;
         };
@@ -151,13 +207,24 @@ public:
             }
         }
         if (!touched_) return;
+        const ViewModel& touched = *touched_->model;
+        if (!engine_) start(touched);
         if (!engine_) {
-            engine_ = std::make_unique<TouchEngine>(*touched_->surface, touched_->model->box,
-                                                    settings_.touch,
-                                                    start_of(settings_, *touched_->model));
+            picture.problem = problem_;
+            return;
         }
-        engine_->pull_to(settings_.hand.at);
-        add_moment(picture, engine_->moment(), touched_->model->box.extent().norm());
+        if (settings_.by_mouse()) {
+            target_->writing() = wanted_place(settings_, touched);
+            target_->publish();
+        } else {
+            const TouchDeviceState device = engine_->device();
+            picture.problem = device.problem;
+            if (!device.problem.empty()) return;
+            picture.facts.push_back({"device", device.words.empty() ? "is opened" : device.words});
+            picture.facts.push_back({"state", std::string(word_of(engine_->moment().condition))});
+        }
+        const TouchMoment& moment = engine_->moment();
+        if (moment.placed) add_moment(picture, moment, touched.box.extent().norm());
     }
 
     void leave() override
@@ -186,12 +253,41 @@ private:
         return models_[static_cast<std::size_t>(settings_.model - 1)];
     }
 
+    /// Without a device where the axes are none.
+    void start(const ViewModel& touched)
+    {
+        problem_.clear();
+        TouchOptions options = settings_.touch;
+        if (settings_.by_mouse()) {
+            target_ = std::make_shared<HandTarget>(wanted_place(settings_, touched));
+            engine_ = std::make_unique<TouchEngine>(
+                *touched_->surface,
+                [target = target_, settings = settings_, model = touched_->model] {
+                    return Result<TouchDevice>(pulled_hand(target, settings, *model));
+                },
+                options);
+            return;
+        }
+        const auto axes = settings_.device.rotation(touched.up);
+        if (!axes) {
+            problem_ = describe(axes.error());
+            return;
+        }
+        options.axes = *axes;
+        engine_ = std::make_unique<TouchEngine>(
+            *touched_->surface,
+            [choice = settings_.device, model = touched_->model] { return choice.open(*model); },
+            options);
+    }
+
     TouchPanelSettings settings_;
     ViewModels models_;
     std::shared_ptr<SharedProximity> proximity_;
     Pictures pictures_;
     std::shared_ptr<TouchSlot> slot_ = std::make_shared<TouchSlot>();
     std::shared_ptr<const Touchable> touched_;
+    std::shared_ptr<HandTarget> target_;
+    std::string problem_;                 ///< of the device's settings
     std::unique_ptr<TouchEngine> engine_; // uses what is touched
 };
 

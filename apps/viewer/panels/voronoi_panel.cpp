@@ -16,6 +16,7 @@ struct VoronoiSettings {
     int model = 1;
     FeatureKind kind = FeatureKind::vertex;
     int number = 0;
+    bool is_set = false; ///< by a person
     double length = 0.5; ///< of the region's rays, per diagonal
     bool region = true;
     bool leaf = true;
@@ -52,7 +53,7 @@ void add_region(PanelPicture& picture, const ViewModel& model, const VoronoiSett
 {
     const double size = model.box.extent().norm();
     auto scene = std::make_shared<Scene>();
-    add_feature(*scene, model, feature, 0.01 * size, srgb(figure_colors::red));
+    add_feature(*scene, model, feature, mark_radius(model), srgb(figure_colors::red));
     if (settings.region) {
         const auto region =
             voronoi_region_mesh(model.mesh, model.topology, feature, settings.length * size);
@@ -69,26 +70,58 @@ void add_region(PanelPicture& picture, const ViewModel& model, const VoronoiSett
     picture.layers.push_back({std::move(scene)});
 }
 
-void add_leaf(PanelPicture& picture, const ViewModel& model, const ProximityOctree& octree,
-              const Vec3& cursor)
+void show_leaf(PanelPicture& picture, const ViewModel& model, const ProximityOctree& octree,
+               const Vec3& cursor)
 {
     const auto leaf = leaf_at(octree, cursor);
     auto scene = std::make_shared<Scene>();
-    add_ball(*scene, cursor, 0.01 * model.box.extent().norm(),
-             {.name = "cursor", .color = srgb(figure_colors::ink)});
+    add_cursor(*scene, model, cursor);
     if (leaf) {
         add_part(*scene, model.mesh, leaf->listed,
                  {.name = "listed", .color = srgb(0xF2A65A), .lift = 4e-4});
-        add_box(*scene, leaf->box,
-                {.name = "leaf", .color = srgb(figure_colors::green), .opacity = 0.2F});
-        add_box_edges(*scene, std::array{leaf->box},
-                      {.name = "leaf", .color = srgb(figure_colors::green), .width = 2.0});
+        add_leaf(*scene, *leaf);
     }
     picture.facts.push_back(
         {"leaf under the cursor",
          leaf ? fmt::format("depth {}, {} triangles", leaf->depth, leaf->listed.size())
               : "outside of the root"});
     picture.layers.push_back({std::move(scene)});
+}
+
+Vec3 middle_of(const ViewModel& model, const Feature& feature)
+{
+    switch (feature.kind) {
+    case FeatureKind::vertex:
+        return model.mesh.position(VertexId{feature.id});
+    case FeatureKind::edge: {
+        const auto [a, b] = model.topology.vertices(EdgeId{feature.id});
+        return 0.5 * (model.mesh.position(a) + model.mesh.position(b));
+    }
+    case FeatureKind::face:
+        break;
+    }
+    const Triangle triangle = model.mesh.triangle(TriangleId{feature.id});
+    return (triangle[0] + triangle[1] + triangle[2]) / 3.0;
+}
+
+/// The feature of a kind nearest to a place among those that have a Voronoi region, of so many that
+/// are near; the nearest of all where none has one.
+int convex_feature(const ViewModel& model, FeatureKind kind, const Vec3& place)
+{
+    constexpr std::size_t tried = 200;
+    std::vector<std::pair<double, std::uint32_t>> near;
+    near.reserve(count_of(model, kind));
+    for (std::uint32_t id = 0; id < count_of(model, kind); ++id)
+        near.emplace_back((middle_of(model, {kind, id}) - place).squaredNorm(), id);
+    const auto some = static_cast<std::ptrdiff_t>(std::min(near.size(), tried));
+    std::ranges::partial_sort(near, near.begin() + some);
+    const double length = 0.5 * model.box.extent().norm();
+    for (std::ptrdiff_t i = 0; i < some; ++i) {
+        const std::uint32_t id = near[static_cast<std::size_t>(i)].second;
+        if (voronoi_region_mesh(model.mesh, model.topology, {kind, id}, length))
+            return static_cast<int>(id);
+    }
+    return near.empty() ? 0 : static_cast<int>(near.front().second);
 }
 
 class VoronoiPanel final : public Panel {
@@ -109,8 +142,8 @@ public:
     {
         models_ = models;
         settings_.model = std::clamp(settings_.model, 1, static_cast<int>(models.size()));
-        settings_.number = std::min(settings_.number, most_number());
-        settings_.cursor.place(place_by(*model(), 0.23, 0.19, 0.23));
+        settings_.cursor.place(seen_place(*model()).above(0.04 * model()->box.extent().norm()));
+        settings_.number = settings_.is_set ? std::min(settings_.number, most_number()) : likely();
     }
 
     void offer(Controls& controls) override
@@ -118,9 +151,11 @@ public:
         if (models_.size() > 1)
             controls.number("model", settings_.model, 1, static_cast<int>(models_.size()));
         if (choose(controls, "feature", settings_.kind,
-                   std::array<std::string_view, 3>{"vertex", "edge", "face"}))
-            settings_.number = std::min(settings_.number, most_number());
-        controls.number("number", settings_.number, 0, most_number());
+                   std::array<std::string_view, 3>{"vertex", "edge", "face"})) {
+            settings_.is_set = false;
+            settings_.number = likely();
+        }
+        if (controls.number("number", settings_.number, 0, most_number())) settings_.is_set = true;
         controls.toggle("region", settings_.region);
         controls.number("length", settings_.length, 0.05, 2.0);
         controls.toggle("leaf", settings_.leaf);
@@ -135,7 +170,13 @@ public:
         settings_.model = static_cast<int>(place.model) + 1;
         settings_.kind = place.nearest.kind;
         settings_.number = static_cast<int>(place.nearest.id);
+        settings_.is_set = true;
         return true;
+    }
+
+    [[nodiscard]] Box focus(const ViewModels& models) const override
+    {
+        return models.empty() ? Box{} : close_up(*model(), settings_.cursor.at, 0.05);
     }
 
     [[nodiscard]] PanelTask task(const ViewModels& models) const override
@@ -149,7 +190,7 @@ public:
             picture.layers = model_layers(models, Smoothing::flat);
             picture.facts.push_back({"feature", words_for(feature)});
             add_region(picture, *model, settings, feature);
-            if (settings.leaf) add_leaf(picture, *model, **octree, settings.cursor.at);
+            if (settings.leaf) show_leaf(picture, *model, **octree, settings.cursor.at);
             const ProximityStatistics& s = (*octree)->statistics();
             picture.facts.push_back({"leaves", fmt::format("{}", s.leaves)});
             picture.facts.push_back({"deepest", fmt::format("{}", s.max_depth)});
@@ -167,6 +208,11 @@ private:
     [[nodiscard]] const std::shared_ptr<const ViewModel>& model() const
     {
         return models_[static_cast<std::size_t>(settings_.model - 1)];
+    }
+    /// The feature that a person has not chosen.
+    [[nodiscard]] int likely() const
+    {
+        return models_.empty() ? 0 : convex_feature(*model(), settings_.kind, settings_.cursor.at);
     }
     /// Before there are models any number will do.
     [[nodiscard]] int most_number() const

@@ -1,6 +1,7 @@
 #include "viewer/window/imgui_controls.h"
 
 #include "proxima/base/text.h"
+#include "viewer/window/input_text.h"
 
 #include <algorithm>
 #include <imgui.h>
@@ -20,12 +21,31 @@ std::string label(std::string_view name)
 
 } // namespace
 
-bool ImguiControls::note(std::string_view name, std::string value, bool changed)
+void add_place(const std::string& name, std::string value, std::vector<WidgetPlace>& places)
 {
     const ImVec2 lower = ImGui::GetItemRectMin();
     const ImVec2 upper = ImGui::GetItemRectMax();
-    places_.push_back({std::string(name), std::move(value), lower.x, lower.y, upper.x - lower.x,
-                       upper.y - lower.y});
+    places.push_back(
+        {name, std::move(value), lower.x, lower.y, upper.x - lower.x, upper.y - lower.y});
+}
+
+void wrapped(std::string_view text)
+{
+    ImGui::PushTextWrapPos(0.0F);
+    ImGui::TextUnformatted(text.data(), text.data() + text.size());
+    ImGui::PopTextWrapPos();
+}
+
+void wrapped_problem(std::string_view text)
+{
+    ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(0.85F, 0.25F, 0.2F, 1.0F));
+    wrapped(text);
+    ImGui::PopStyleColor();
+}
+
+bool ImguiControls::note(std::string_view name, std::string value, bool changed)
+{
+    add_place(std::string(name), std::move(value), places_);
     changed_ = changed_ || changed;
     return changed;
 }
@@ -73,6 +93,12 @@ bool ImguiControls::choice(std::string_view name, std::size_t& value,
     }
     changed_ = changed_ || changed;
     return changed;
+}
+
+bool ImguiControls::text(std::string_view name, std::string& value)
+{
+    (void)input_text(label(name), value);
+    return note(name, value, ImGui::IsItemDeactivatedAfterEdit());
 }
 
 bool ImguiControls::button(std::string_view name)

@@ -18,6 +18,14 @@ struct WidgetPlace {
     float height = 0;
 };
 
+/// Notes where the last widget is.
+void add_place(const std::string& name, std::string value, std::vector<WidgetPlace>& places);
+
+/// Text that begins a new line at the window's end.
+void wrapped(std::string_view text);
+/// The same in red.
+void wrapped_problem(std::string_view text);
+
 /// To be used within a window of ImGui, anew for each frame.
 class ImguiControls final : public Controls {
 public:
@@ -26,6 +34,7 @@ public:
     bool number(std::string_view name, double& value, double least, double most) override;
     bool choice(std::string_view name, std::size_t& value,
                 std::span<const std::string_view> words) override;
+    bool text(std::string_view name, std::string& value) override;
     bool button(std::string_view name) override;
 
     [[nodiscard]] const std::vector<WidgetPlace>& places() const noexcept { return places_; }

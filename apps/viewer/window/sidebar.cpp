@@ -1,25 +1,12 @@
 #include "viewer/window/sidebar.h"
 
 #include "proxima/base/text.h"
+#include "viewer/window/input_text.h"
 
 #include <imgui.h>
 
 namespace proxima {
 namespace {
-
-void add_place(const char* name, std::vector<WidgetPlace>& places)
-{
-    const ImVec2 lower = ImGui::GetItemRectMin();
-    const ImVec2 upper = ImGui::GetItemRectMax();
-    places.push_back({name, {}, lower.x, lower.y, upper.x - lower.x, upper.y - lower.y});
-}
-
-void wrapped(std::string_view text)
-{
-    ImGui::PushTextWrapPos(0.0F);
-    ImGui::TextUnformatted(text.data(), text.data() + text.size());
-    ImGui::PopTextWrapPos();
-}
 
 void draw_facts(const Viewer& viewer)
 {
@@ -53,15 +40,38 @@ void draw_plots(const Viewer& viewer)
 }
 
 /// A file's name and the button that writes it.
-bool draw_file(const char* button, std::array<char, 256>& name, std::vector<WidgetPlace>& places)
+bool draw_file(const char* button, std::string& name, std::vector<WidgetPlace>& places)
 {
     const bool pressed = ImGui::Button(button);
-    add_place(button, places);
+    add_place(button, {}, places);
     ImGui::SameLine(0.42F * ImGui::GetWindowContentRegionMax().x);
     ImGui::SetNextItemWidth(-1.0F);
-    const std::string id = concat("##", button, " as");
-    ImGui::InputText(id.c_str(), name.data(), name.size());
-    return pressed && name[0] != '\0';
+    (void)input_text(concat("##", button, " as"), name);
+    add_place(concat(button, " as"), name, places);
+    return pressed && !name.empty();
+}
+
+/// What goes on, and what went wrong.
+void draw_work(const Viewer& viewer, SidebarWishes& wishes, std::vector<WidgetPlace>& places)
+{
+    if (ImGui::Button("open...")) wishes.open = true;
+    add_place("open...", {}, places);
+    ImGui::SameLine();
+    if (const Progress* const progress = viewer.progress(); progress != nullptr) {
+        if (ImGui::Button("cancel")) wishes.cancel = true;
+        add_place("cancel", {}, places);
+        ImGui::SameLine();
+        ImGui::ProgressBar(static_cast<float>(progress->fraction()), ImVec2(-1.0F, 0.0F),
+                           progress->stage());
+    } else {
+        ImGui::AlignTextToFramePadding();
+        ImGui::TextUnformatted(viewer.models().empty() ? "no model yet" : "ready");
+    }
+    const std::string problem = viewer.problem();
+    if (problem.empty()) return;
+    wrapped_problem(problem);
+    if (ImGui::SmallButton("hide this")) wishes.forget_problem = true;
+    add_place("hide this", {}, places);
 }
 
 } // namespace
@@ -75,21 +85,7 @@ SidebarWishes Sidebar::draw(Viewer& viewer, float width, float height, const std
     ImGui::Begin("proxima", nullptr,
                  ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                      ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus);
-    if (const Progress* const progress = viewer.progress(); progress != nullptr) {
-        if (ImGui::Button("cancel")) wishes.cancel = true;
-        add_place("cancel", places);
-        ImGui::SameLine();
-        ImGui::ProgressBar(static_cast<float>(progress->fraction()), ImVec2(-1.0F, 0.0F),
-                           progress->stage());
-    } else {
-        ImGui::AlignTextToFramePadding();
-        ImGui::TextUnformatted("ready");
-    }
-    if (!viewer.problem().empty()) {
-        ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(0.85F, 0.25F, 0.2F, 1.0F));
-        wrapped(viewer.problem());
-        ImGui::PopStyleColor();
-    }
+    draw_work(viewer, wishes, places);
     ImGui::Separator();
     ImguiControls controls;
     viewer.offer(controls);
@@ -102,8 +98,8 @@ SidebarWishes Sidebar::draw(Viewer& viewer, float width, float height, const std
     draw_facts(viewer);
     draw_plots(viewer);
     ImGui::Separator();
-    if (draw_file("save picture", picture_, places)) wishes.picture = picture_.data();
-    if (draw_file("export glb", glb_, places)) wishes.glb = glb_.data();
+    if (draw_file("save picture", picture_, places)) wishes.picture = picture_;
+    if (draw_file("export glb", glb_, places)) wishes.glb = glb_;
     if (!news.empty()) wrapped(news);
     ImGui::End();
     return wishes;

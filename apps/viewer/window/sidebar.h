@@ -5,7 +5,6 @@
 #include "viewer/viewer.h"
 #include "viewer/window/imgui_controls.h"
 
-#include <array>
 #include <string>
 #include <vector>
 
@@ -13,7 +12,9 @@ namespace proxima {
 
 /// What a person asked for in this frame, beside changed settings.
 struct SidebarWishes {
+    bool open = false; ///< the panel that opens models
     bool cancel = false;
+    bool forget_problem = false;
     std::string picture; ///< a file to write
     std::string glb;     ///< a file to write
 };
@@ -25,8 +26,8 @@ public:
                                      const std::string& news, std::vector<WidgetPlace>& places);
 
 private:
-    std::array<char, 256> picture_ = {"view.png"};
-    std::array<char, 256> glb_ = {"view.glb"};
+    std::string picture_ = "view.png";
+    std::string glb_ = "view.glb";
 };
 
 } // namespace proxima

@@ -6,6 +6,7 @@
 #include "viewer/gl_target.h"
 #include "viewer/layers_glb.h"
 #include "viewer/renderer.h"
+#include "viewer/window/file_panel.h"
 #include "viewer/window/glfw_window.h"
 #include "viewer/window/sidebar.h"
 #include "viewer/window/window_state.h"
@@ -16,8 +17,11 @@
 #include <chrono>
 #include <cmath>
 #include <epoxy/gl.h>
+#include <filesystem>
 #include <imgui.h>
 #include <string_view>
+#include <system_error>
+#include <utility>
 
 namespace proxima {
 namespace {
@@ -101,7 +105,12 @@ public:
 
     [[nodiscard]] Status run()
     {
-        viewer_.open(options_.models);
+        if (options_.models.empty()) {
+            files_.open();
+        } else {
+            viewer_.open(options_.models);
+            is_asked_for_ = awaits_models_ = true;
+        }
         auto last = Clock::now();
         while (glfwWindowShouldClose(window_.get()) == GLFW_FALSE) {
             wait();
@@ -109,7 +118,8 @@ public:
                 return fail(ErrorCode::cancelled, "the window was closed on request");
             const double passed = seconds_since(last);
             last = Clock::now();
-            if (Status status = viewer_.update(passed); !status) return status;
+            viewer_.update(passed);
+            if (Status status = follow_loading(); !status) return status;
             if (Status status = draw_frame(); !status) return status;
         }
         if (state_.gl_messages > 0) {
@@ -120,6 +130,30 @@ public:
     }
 
 private:
+    /// Error: the command's own models could not be opened. Others are opened by somebody who
+    /// looks, and goes on.
+    [[nodiscard]] Status follow_loading()
+    {
+        if (!awaits_models_ || viewer_.is_loading()) return {};
+        awaits_models_ = false;
+        const auto& error = viewer_.loading_error();
+        if (!error) {
+            files_.close();
+        } else if (is_asked_for_ && error->code != ErrorCode::cancelled) {
+            return tl::unexpected(*error);
+        }
+        redraw();
+        return {};
+    }
+
+    void open(std::vector<std::string> paths)
+    {
+        is_asked_for_ = false;
+        awaits_models_ = true;
+        viewer_.open(std::move(paths), files_.placing());
+        redraw();
+    }
+
     // Callbacks find the window by GLFW's pointer; ImGui's, set later, call these too.
     void set_callbacks()
     {
@@ -155,7 +189,7 @@ private:
     /// Whether the mouse is over the picture and no menu hangs over it.
     [[nodiscard]] bool is_over_view() const
     {
-        return mouse_.x() >= sidebar_width() &&
+        return mouse_.x() >= sidebar_width() && !files_.covers(mouse_) &&
                !ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel);
     }
 
@@ -200,16 +234,32 @@ private:
     void on_key(int key)
     {
         redraw();
+        const bool with_control = glfwGetKey(window_.get(), GLFW_KEY_LEFT_CONTROL) == GLFW_PRESS ||
+                                  glfwGetKey(window_.get(), GLFW_KEY_RIGHT_CONTROL) == GLFW_PRESS;
+        if (key == GLFW_KEY_O && with_control) files_.open();
+        if (key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER) files_.enter();
+        if (key == GLFW_KEY_ESCAPE) {
+            if (viewer_.is_busy()) {
+                viewer_.cancel();
+            } else {
+                files_.close();
+            }
+        }
         if (ImGui::GetIO().WantTextInput) return;
-        if (key == GLFW_KEY_ESCAPE) viewer_.cancel();
         if (key == GLFW_KEY_F || key == GLFW_KEY_HOME) viewer_.frame_all();
         if (key == GLFW_KEY_Q) glfwSetWindowShouldClose(window_.get(), GLFW_TRUE);
     }
 
     void on_drop(std::vector<std::string> paths)
     {
-        redraw();
-        viewer_.open(std::move(paths));
+        std::error_code unknown;
+        if (paths.size() == 1 && std::filesystem::is_directory(paths.front(), unknown)) {
+            files_.open();
+            files_.go_to(paths.front());
+            redraw();
+        } else if (!paths.empty()) {
+            open(std::move(paths));
+        }
     }
 
     [[nodiscard]] double sidebar_width() const
@@ -253,6 +303,17 @@ private:
         const SidebarWishes wishes =
             sidebar_.draw(viewer_, static_cast<float>(state_.view_x),
                           static_cast<float>(state_.height), news_, widgets);
+        const std::string problem =
+            viewer_.loading_error() ? describe(*viewer_.loading_error()) : std::string();
+        const double margin = 12.0 * window_.scale();
+        auto chosen =
+            files_.draw(static_cast<float>(state_.view_x + margin), static_cast<float>(margin),
+                        static_cast<float>(std::clamp(state_.view_width - 2.0 * margin, 1.0,
+                                                      520.0 * window_.scale())),
+                        static_cast<float>(
+                            std::clamp(state_.height - 2.0 * margin, 1.0, 560.0 * window_.scale())),
+                        problem, widgets);
+        if (chosen) open({std::move(*chosen)});
         draw_handles();
         ImGui::Render();
         follow(wishes);
@@ -324,7 +385,9 @@ private:
 
     void follow(const SidebarWishes& wishes)
     {
+        if (wishes.open) files_.open();
         if (wishes.cancel) viewer_.cancel();
+        if (wishes.forget_problem) viewer_.forget_problem();
         if (saving_.is_finished()) {
             const Status written = saving_.take();
             news_ = written ? concat("wrote ", saving_as_) : describe(written.error());
@@ -349,6 +412,7 @@ private:
     [[nodiscard]] Status write_state(const std::vector<WidgetPlace>& widgets)
     {
         if (options_.state.empty()) return {};
+        state_.files_open = files_.is_open();
         state_.uploads = gl_layers_.uploads();
         state_.uploaded_bytes = gl_layers_.uploaded_bytes();
         return write_window_state(options_.state, state_, viewer_, widgets);
@@ -362,6 +426,9 @@ private:
     Viewer& viewer_;
     const WindowOptions& options_;
     Sidebar sidebar_;
+    FilePanel files_{wake_window};
+    bool awaits_models_ = false; ///< some are being loaded
+    bool is_asked_for_ = false;  ///< by the command line
     WindowState state_;
     DrawnPicture drawn_;
     bool draws_slowly_ = false;

@@ -49,6 +49,7 @@ Status write_window_state(const std::string& path, const WindowState& state, con
                        {"window", {state.width, state.height}},
                        {"view", {state.view_x, 0, state.view_width, state.view_height}},
                        {"scale", state.scale},
+                       {"files", state.files_open},
                        {"models", viewer.models().size()},
                        {"panel", viewer.panel().name()},
                        {"settled", viewer.is_settled()},

@@ -19,7 +19,8 @@ struct WindowState {
     int view_x = 0; ///< where the picture begins, in the window's coordinates
     int view_width = 0;
     int view_height = 0;
-    double scale = 1.0; ///< of the screen
+    double scale = 1.0;      ///< of the screen
+    bool files_open = false; ///< the panel that opens models
     std::size_t uploads = 0;
     std::size_t uploaded_bytes = 0;
     std::uint64_t gl_messages = 0;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <fstream>
 #include <limits>
+#include <sys/resource.h>
 #include <unistd.h>
 
 namespace proxima {
@@ -19,6 +20,15 @@ std::uint64_t container_limit()
     return file >> limit ? limit : std::numeric_limits<std::uint64_t>::max();
 }
 
+/// The limit that `ulimit -v` sets; the largest number where there is none.
+std::uint64_t address_space_limit()
+{
+    rlimit limit{};
+    if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY)
+        return std::numeric_limits<std::uint64_t>::max();
+    return limit.rlim_cur;
+}
+
 } // namespace
 
 std::uint64_t budget_bytes(MemoryBudget budget)
@@ -28,7 +38,7 @@ std::uint64_t budget_bytes(MemoryBudget budget)
     const auto page_size = sysconf(_SC_PAGE_SIZE);
     if (pages <= 0 || page_size <= 0) return std::uint64_t{1} << 31U;
     const auto memory = static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page_size);
-    return std::min(memory, container_limit()) / 4 * 3;
+    return std::min({memory, container_limit(), address_space_limit()}) / 4 * 3;
 }
 
 Status check_budget(MemoryBudget budget, std::uint64_t needed, std::string_view what,

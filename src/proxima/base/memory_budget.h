@@ -9,7 +9,7 @@
 namespace proxima {
 
 /// How much memory an operation may use for its result and its scratch, in bytes.
-/// 0 = three quarters of the machine's physical memory, or of the container's limit.
+/// 0 = three quarters of the machine's memory, or of the container's limit, or of `ulimit -v`.
 struct MemoryBudget {
     std::uint64_t bytes = 0;
 };
