@@ -13,6 +13,9 @@ namespace {
 /// The room is so much larger than what objects reach: more than rounding.
 constexpr double room_margin = 1e-6;
 
+/// Squares and products of distances are still finite.
+constexpr double farthest_reach = 1e100;
+
 Box room_of(const Box& reach)
 {
     const double margin = room_margin * std::max({reach.lower.cwiseAbs().maxCoeff(),
@@ -46,8 +49,12 @@ ScriptedScene::make(std::vector<std::unique_ptr<const TouchBody>> bodies,
         reach.extend(box.lower);
         reach.extend(box.upper);
     }
-    if (!reach.lower.allFinite() || !reach.upper.allFinite()) {
-        return fail(ErrorCode::invalid_argument, "objects stand or go too far away for doubles");
+    const double farthest =
+        std::max(reach.lower.cwiseAbs().maxCoeff(), reach.upper.cwiseAbs().maxCoeff());
+    if (!(farthest <= farthest_reach)) {
+        return fail(
+            ErrorCode::invalid_argument,
+            "an object stands or goes too far away for doubles to say how far: at most 1e100");
     }
     std::unique_ptr<ScriptedScene> scripted(new ScriptedScene(reach, objects));
     for (std::size_t i = 0; i < bodies.size(); ++i) {

@@ -52,6 +52,8 @@ public:
         if (!topology) return tl::unexpected(topology.error());
         body.topology_ = std::move(*topology);
         if (octree != nullptr) {
+            if (Status status = check_edges(*octree, body.topology_); !status)
+                return tl::unexpected(status.error());
             body.octree_ = std::move(*octree);
         } else if (Status status = build_octree(); !status) {
             return tl::unexpected(status.error());

@@ -75,7 +75,7 @@ private:
 build_touch_body(TriangleMesh mesh, const TouchBodyOptions& options = {});
 
 /// The same of an octree that is built or was saved, with the mesh that it has. Errors also those
-/// of mesh_of.
+/// of mesh_of and check_edges.
 [[nodiscard]] Result<std::unique_ptr<const TouchBody>>
 build_touch_body(ProximityOctree octree, const TouchBodyOptions& options = {});
 
