@@ -215,8 +215,8 @@ Result<std::unique_ptr<TouchModel>> load_touch_model(const std::string& name, Se
 Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings& settings,
                                     Session& session)
 {
-    auto opened =
-        open_touch_device(settings.device, model.reach, model.surface.mesh, model.surface.topology);
+    auto opened = open_touch_device(settings.device, model.reach, model.surface.mesh,
+                                    model.surface.topology, model.parts);
     if (!opened) return tl::unexpected(opened.error());
     Device& device = *opened->device;
     const DeviceLimits& limits = opened->limits;

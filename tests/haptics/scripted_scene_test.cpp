@@ -29,6 +29,12 @@ std::vector<ObjectScript> some_scripts()
             {.kind = ObjectMotionKind::swing, .along = Vec3(2, -1, 0.5), .seconds = 0.31}};
 }
 
+ScriptedObject object_at(const RigidTransform& pose, const ObjectScript& script = {},
+                         std::optional<SurfaceMaterial> material = std::nullopt)
+{
+    return {.mesh_fingerprint = 0, .pose = pose, .script = script, .material = material};
+}
+
 TEST(ObjectScript, goes_where_it_says)
 {
     const RigidTransform begin = posed(0.3, Vec3(1, 1, 0), Vec3(5, 0, 1));
@@ -87,7 +93,7 @@ TEST(ScriptedScene, no_object_leaves_its_reach)
     for (const ObjectScript& script : some_scripts()) {
         std::vector<std::unique_ptr<const TouchBody>> bodies;
         bodies.push_back(body_of(mesh));
-        const std::vector<ScriptedObject> objects = {{.pose = begin, .script = script}};
+        const std::vector<ScriptedObject> objects = {object_at(begin, script)};
         const auto scripted = ScriptedScene::make(std::move(bodies), objects);
         ASSERT_TRUE(scripted);
         TouchScene& scene = (*scripted)->scene();
@@ -123,11 +129,11 @@ std::unique_ptr<ScriptedScene> moving_scene(BodySearch search = BodySearch::octr
     const std::vector<ObjectScript> scripts = some_scripts();
     const TouchBodyOptions soft = {.material = SurfaceMaterial{.stiffness = 250}, .search = search};
     bodies.push_back(body_of(*sample_mesh("torus:24x12"), soft));
-    bodies.push_back(body_of(*sample_mesh("cube"), {.search = search}));
-    bodies.push_back(body_of(thin_plate(), {.search = search}));
-    objects.push_back({.pose = {}, .script = scripts[3], .material = soft.material});
-    objects.push_back({.pose = at_place(Vec3(2.2, 0, 0)), .script = scripts[1]});
-    objects.push_back({.pose = at_place(Vec3(0, 0, 1)), .script = scripts[4]});
+    bodies.push_back(body_of(*sample_mesh("cube"), {.material = {}, .search = search}));
+    bodies.push_back(body_of(thin_plate(), {.material = {}, .search = search}));
+    objects.push_back(object_at({}, scripts[3], soft.material));
+    objects.push_back(object_at(at_place(Vec3(2.2, 0, 0)), scripts[1]));
+    objects.push_back(object_at(at_place(Vec3(0, 0, 1)), scripts[4]));
     return std::move(*ScriptedScene::make(std::move(bodies), objects));
 }
 
@@ -182,9 +188,9 @@ TEST(QualityMeter, counts_what_is_passed_while_objects_move)
     // A renderer that knows nothing of the scene's motion: the plate comes down through its proxy.
     std::vector<std::unique_ptr<const TouchBody>> bodies;
     bodies.push_back(body_of(thin_plate()));
-    const std::vector<ScriptedObject> objects = {
-        {.pose = at_place(Vec3(0, 0, 0.1)),
-         .script = {.kind = ObjectMotionKind::swing, .along = Vec3(0, 0, -0.2), .seconds = 0.4}}};
+    const ObjectScript down = {
+        .kind = ObjectMotionKind::swing, .along = Vec3(0, 0, -0.2), .seconds = 0.4};
+    const std::vector<ScriptedObject> objects = {object_at(at_place(Vec3(0, 0, 0.1)), down)};
     const auto scripted = std::move(*ScriptedScene::make(std::move(bodies), objects));
     QualityMeter meter(scripted->scene(), WorkspaceMap{});
     RenderTick still;
@@ -205,11 +211,10 @@ TEST(Recording, keeps_a_scene)
         (std::filesystem::temp_directory_path() / "proxima_scripted_scene_test.pxt").string();
     Recording recording;
     recording.settings.objects = {
-        {.mesh_fingerprint = 7,
-         .pose = posed(0.4, Vec3(1, 2, 3), Vec3(4, 5, 6)),
-         .script = some_scripts()[3],
-         .material = SurfaceMaterial{.stiffness = 12, .static_friction = 0.5}},
-        {.mesh_fingerprint = 9}};
+        object_at(posed(0.4, Vec3(1, 2, 3), Vec3(4, 5, 6)), some_scripts()[3],
+                  SurfaceMaterial{.stiffness = 12, .static_friction = 0.5}),
+        object_at({})};
+    recording.settings.objects[0].mesh_fingerprint = 7;
     recording.ticks.resize(3);
     ASSERT_TRUE(save_recording(recording, path));
     const auto again = load_recording(path);
