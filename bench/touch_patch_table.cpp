@@ -18,7 +18,8 @@ namespace proxima::bench {
 namespace {
 
 constexpr std::array speeds = {0.1, 0.25, 0.5, 1.0}; // m/s
-constexpr std::array kinds = {-1, 1, 2, 3};          // metric, then rings
+constexpr std::uint64_t ticks_at_rest = 30;
+constexpr std::array kinds = {-1, 1, 2, 3}; // metric, then rings
 
 /// Straight from place to place of a script, always at one speed.
 class SteadyPath {
@@ -79,10 +80,11 @@ PatchAccount touch_patches(const proxima::TouchModel& model, const WorkspaceMap&
     PatchTouch patches(model, {.rings = rings}, map, render, tick_seconds, Pace::unpaced);
     HapticRenderer renderer(patches.surface(), map, *find_device("omni"), render);
     SteadyPath path(script, speed);
-    Vec3 last = path.next();
+    Vec3 last = script.target(0);
     for (std::uint64_t tick = 0; tick < options.ticks; ++tick) {
         DeviceState state;
-        state.pose.translation = path.next();
+        // Until the first patch comes there is nothing to touch.
+        state.pose.translation = tick < ticks_at_rest ? last : path.next();
         state.velocity = (state.pose.translation - last) / tick_seconds;
         last = state.pose.translation;
         const Patch patch = patches.begin_tick();

@@ -188,13 +188,13 @@ class Scenes(ProgramTest):
                 self.assertAlmostEqual(is_, should)
 
     def test_what_comes_at_a_hand_pushes_it(self):
-        """A hand that waits outside is met by what swings and shares its work with no friction of its own."""
+        """What swings carries the hand along; what rests does not. At its ends, from word to word, it stands still."""
         still = self.json_of("touch", "cube", "--object", "cube", "--pose", "1=0,0,4", "--device", "hand:press",
                              "--seconds", 3, "--free-running", "--shading")
         self.assertEqual((still["moving_ticks"], still["passes"], still["shading"]), (0, 0, True))
         swung = self.json_of("touch", "cube", "--object", "cube", "--pose", "1=0,0,4", "--motion", "1=swing:0,0,-1.5,0.5",
                              "--device", "hand:press", "--seconds", 3, "--free-running")
-        self.assertEqual((swung["moving_ticks"] > 2900, swung["passes"]), (True, 0))
+        self.assertEqual((2500 < swung["moving_ticks"] <= 3000, swung["passes"]), (True, 0))
         self.assertGreater(swung["objects"][1]["max_carrying"], 0.01)
         self.assertEqual(swung["objects"][0]["max_carrying"], 0)
 
