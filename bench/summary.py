@@ -20,7 +20,7 @@ def main(path):
     for run in report["benchmarks"]:
         if run.get("run_type") != "iteration" or run.get("error_occurred"):
             continue
-        group, _, method = run["run_name"].removesuffix("/real_time").partition("/")
+        group, _, method = run["run_name"].removesuffix("/real_time").removesuffix("/manual_time").partition("/")
         groups.setdefault(group, {}).setdefault(method, []).append(run)
     for group, methods in groups.items():
         print(f"\n{group}")

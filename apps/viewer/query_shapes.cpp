@@ -27,7 +27,8 @@ std::vector<Box> boxes_of_leaves(const Octree& octree, const std::vector<LeafPai
     std::vector<Cell> cells;
     for (const LeafPair& pair : pairs) cells.push_back(pair.*side);
     std::ranges::sort(cells, {}, &Cell::key);
-    cells.erase(std::ranges::unique(cells, {}, &Cell::key).begin(), cells.end());
+    const auto same = [](const Cell& a, const Cell& b) { return a.key == b.key; };
+    cells.erase(std::unique(cells.begin(), cells.end(), same), cells.end());
     std::vector<Box> boxes;
     for (const Cell& cell : cells) boxes.push_back(octree.box(cell));
     return boxes;

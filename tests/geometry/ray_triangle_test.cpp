@@ -234,5 +234,25 @@ TEST(RayTriangle, KeepsToItsRange)
     EXPECT_TRUE(hit(-HUGE_VAL, HUGE_VAL));
 }
 
+TEST(RayTriangle, AnswersInNumbersWhereTinyDirectionsOverflow)
+{
+    constexpr double inf = HUGE_VAL;
+    const Triangle flat{{Vec3(-1, -1, 0), Vec3(3, -1, 0), Vec3(-1, 3, 0)}};
+    const Triangle upright{{Vec3(2, -1, -1), Vec3(2, 3, -1), Vec3(2, -1, 3)}};
+    for (const double tiny : {0x1p-1074, 0x1p-1060, 0x1p-1023, 1e-300}) {
+        for (const Triangle& triangle : {flat, upright}) {
+            for (const double slope : {0.0, 0x1p-1074}) {
+                const Ray line{Vec3(0.25, 0, 0), Vec3(tiny, slope, 0), -inf, inf};
+                const auto hit = intersect(line, triangle);
+                ASSERT_TRUE(hit) << tiny;
+                EXPECT_LE(std::abs(hit->t), farthest_hit);
+                EXPECT_GE(hit->u, 0);
+                EXPECT_GE(hit->v, 0);
+                EXPECT_LE(hit->u + hit->v, 1);
+            }
+        }
+    }
+}
+
 } // namespace
 } // namespace proxima

@@ -172,7 +172,8 @@ TEST(TriangleIntersection, DoesNotDependOnTheOrderOfCorners)
         if (is_degenerate(a) || is_degenerate(b)) continue;
         const auto places = [](const Triangle& s, const Triangle& t) {
             std::vector<std::array<double, 3>> list;
-            for (const MeetingParts& parts : intersect(s, t).ends()) {
+            const TriangleIntersection meeting = intersect(s, t);
+            for (const MeetingParts& parts : meeting.ends()) {
                 const Vec3 place = meeting_point(s, t, parts);
                 list.push_back({place.x(), place.y(), place.z()});
             }

@@ -48,7 +48,8 @@ TEST_F(Cancellation, OfReading)
     }
     write_off(large_mesh(), path("mesh.off"));
     const auto before = files_in(path("."));
-    for (const auto& [name, content] : before) {
+    for (const auto& file : before) {
+        const std::string& name = file.first;
         for (const Weld weld : {Weld::never, Weld::exact_positions}) {
             SCOPED_TRACE(name + (weld == Weld::never ? "" : ", welded"));
             cancel_at_every_stage(

@@ -289,7 +289,8 @@ std::map<Whole, Described> described(const MinkowskiSum& sum)
             facet.corners.emplace_back(sum.corner(v).a, sum.corner(v).b);
         }
         // Loops are the same up to where they start.
-        std::ranges::rotate(facet.corners, std::ranges::min_element(facet.corners));
+        std::rotate(facet.corners.begin(), std::ranges::min_element(facet.corners),
+                    facet.corners.end());
         facet.offset = dot(whole(sum.position(sum.facet_loop(f)[0])), n);
         facet.origin = sum.facet(f).origin;
         EXPECT_TRUE(result.emplace(n, facet).second);

@@ -147,6 +147,7 @@ TEST(ConvexLists, HoldLittleElse)
 {
     std::mt19937 random(31);
     std::size_t same = 0;
+    std::size_t behind = 0;
     std::size_t more = 0;
     for (const auto& [name, mesh] : test::convex_meshes()) {
         if (name == "plate" || name == "needle") continue; // their regions meet within rounding
@@ -170,13 +171,24 @@ TEST(ConvexLists, HoldLittleElse)
                     ++same;
                     continue;
                 }
-                const auto planes = oracle::region_planes(mesh, topology, feature);
+                auto planes = oracle::region_planes(mesh, topology, feature);
                 if (oracle::meets_box(planes, box, slack)) continue; // within the margins
+                // The region of a face goes both ways; what lies behind it is dropped by other
+                // means.
+                if (feature.kind == FeatureKind::face) {
+                    oracle::QuadPlane& side = planes.front();
+                    side = {oracle::Quad(-1) * side.normal, oracle::Quad(-1) * side.offset};
+                    if (oracle::meets_box(planes, box, slack)) {
+                        ++behind;
+                        continue;
+                    }
+                }
                 ++more;
             }
         }
     }
     EXPECT_GT(same, 5000U);
+    EXPECT_LT(behind, same / 1000);
     EXPECT_EQ(more, 0U);
 }
 

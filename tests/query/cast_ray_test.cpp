@@ -6,9 +6,7 @@
 #include "octree/nasty_meshes.h"
 #include "octree/small_meshes.h"
 #include "proxima/base/simd.h"
-#include "proxima/octree/build_octree.h"
 #include "proxima/query/brute_force.h"
-#include "proxima/query/build_ray_index.h"
 #include "proximity/test_meshes.h"
 #include "query/test_rays.h"
 
@@ -18,15 +16,6 @@ namespace proxima {
 namespace {
 
 using namespace testing;
-
-constexpr std::array all_faces = {Faces::both, Faces::front, Faces::back};
-
-RayIndex index_of(const TriangleMesh& mesh)
-{
-    const auto octree =
-        build_octree(mesh, {.max_depth = 3, .classification = Classification::none});
-    return build_ray_index(*octree, mesh).value();
-}
 
 std::vector<Ray> rays_for(const TriangleMesh& mesh, int count, std::uint64_t seed)
 {
@@ -63,7 +52,8 @@ TEST(CastRay, AnswersAsBruteForceOnNamedMeshes)
     std::uint64_t seed = 1;
     for (const NamedMesh& named : proximity_meshes()) {
         SCOPED_TRACE(::testing::Message() << named.name << ", seed " << seed);
-        hits += expect_truth(named.mesh, index_of(named.mesh), rays_for(named.mesh, 2000, seed++));
+        hits +=
+            expect_truth(named.mesh, ray_index_of(named.mesh), rays_for(named.mesh, 2000, seed++));
     }
     EXPECT_GT(hits, 10'000U);
 }
@@ -78,7 +68,7 @@ TEST(CastRay, AnswersAsBruteForceOnManyRandomMeshes)
             if (!checked_bounding_box(mesh)) continue;
             const std::vector<Ray> some = rays_for(mesh, 100, seed);
             rays += some.size();
-            hits += expect_truth(mesh, index_of(mesh), some);
+            hits += expect_truth(mesh, ray_index_of(mesh), some);
         }
     }
     RecordProperty("rays", static_cast<int>(rays));
@@ -89,13 +79,13 @@ TEST(CastRay, AnswersAsBruteForceOnManyRandomMeshes)
 TEST(CastRay, HitsTheSameAtAnyScaleAndPlace)
 {
     const TriangleMesh torus = torus_mesh(1.0, 0.4, 24, 16);
-    const RayIndex index = index_of(torus);
+    const RayIndex index = ray_index_of(torus);
     const std::vector<Ray> rays = rays_for(torus, 3000, 3);
     for (const int exponent : {-20, 20, -200, 200}) {
         SCOPED_TRACE(exponent);
         const double scale = std::ldexp(1.0, exponent);
         const TriangleMesh scaled = moved(torus, [&](const Vec3& p) { return Vec3(scale * p); });
-        const RayIndex other = index_of(scaled);
+        const RayIndex other = ray_index_of(scaled);
         for (const Ray& ray : rays) {
             const Ray same{scale * ray.origin, scale * ray.direction, ray.t_min, ray.t_max};
             ASSERT_EQ(closest_hit(other, same), closest_hit(index, ray));
@@ -104,15 +94,15 @@ TEST(CastRay, HitsTheSameAtAnyScaleAndPlace)
     // Far away coordinates are coarse: another mesh, but a closed one, and the same by brute force.
     const TriangleMesh far =
         moved(torus, [](const Vec3& p) { return Vec3(p + Vec3(3e7, -5e8, 2e9)); });
-    expect_truth(far, index_of(far), rays_for(far, 1000, 4));
+    expect_truth(far, ray_index_of(far), rays_for(far, 1000, 4));
     const TriangleMesh tiny = moved(torus, [](const Vec3& p) { return Vec3(1e-6 * p); });
-    expect_truth(tiny, index_of(tiny), rays_for(tiny, 1000, 5));
+    expect_truth(tiny, ray_index_of(tiny), rays_for(tiny, 1000, 5));
     const TriangleMesh coarse =
         moved(torus, [](const Vec3& p) { return Vec3((4096 * p).array().round() / 4096); });
-    ASSERT_TRUE(index_of(coarse).has_exact_leaves());
-    expect_truth(coarse, index_of(coarse), rays_for(coarse, 3000, 7));
+    ASSERT_TRUE(ray_index_of(coarse).has_exact_leaves());
+    expect_truth(coarse, ray_index_of(coarse), rays_for(coarse, 3000, 7));
     const TriangleMesh huge = moved(torus, [](const Vec3& p) { return Vec3(1e6 * p); });
-    expect_truth(huge, index_of(huge), rays_for(huge, 1000, 6));
+    expect_truth(huge, ray_index_of(huge), rays_for(huge, 1000, 6));
 }
 
 TEST(CastRay, LosesNoRayAimedAtEdgesAndVerticesOfClosedMeshes)
@@ -123,7 +113,7 @@ TEST(CastRay, LosesNoRayAimedAtEdgesAndVerticesOfClosedMeshes)
          {sphere_mesh(Vec3(0.1, 0.2, 0.3), 1.0, 30, 40), cube_mesh(Vec3(5, 5, 5), 2.0),
           moved(torus_mesh(1.0, 0.4, 40, 30),
                 [](const Vec3& p) { return Vec3(1e3 * p + Vec3(1e6, 2e6, -3e6)); })}) {
-        const RayIndex index = index_of(mesh);
+        const RayIndex index = ray_index_of(mesh);
         const double size = bounding_box(mesh).extent().norm();
         std::vector<Ray> rays;
         for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
@@ -161,7 +151,7 @@ TEST(CastRay, NeverLeavesAConvexMeshThroughAGap)
 {
     // From the centre every direction must hit, exactly at shared vertices and edges as well.
     const TriangleMesh sphere = sphere_mesh(Vec3::Zero(), 1.0, 40, 60);
-    const RayIndex index = index_of(sphere);
+    const RayIndex index = ray_index_of(sphere);
     std::vector<Ray> rays;
     for (std::uint32_t id = 0; id < sphere.triangle_count(); ++id) {
         const Triangle triangle = sphere.triangle(TriangleId{id});
@@ -184,7 +174,7 @@ TEST(CastRay, NeverLeavesAConvexMeshThroughAGap)
 TEST(CastRay, BatchesAnswerAsSingleRaysForAnyNumberOfThreads)
 {
     const TriangleMesh torus = torus_mesh(1.0, 0.4, 24, 16);
-    const RayIndex index = index_of(torus);
+    const RayIndex index = ray_index_of(torus);
     const std::vector<Ray> rays = rays_for(torus, 5000, 11);
     for (const int threads : {1, 3}) {
         for (const Faces faces : all_faces) {
@@ -208,89 +198,10 @@ TEST(CastRay, BatchesAnswerAsSingleRaysForAnyNumberOfThreads)
     }
 }
 
-/// Rows of rays that go much the same way: from a point or all in one direction, from near or far,
-/// with ranges that begin or end in the mesh, some of them odd ones out.
-std::vector<Ray> rows_of_rays(const TriangleMesh& mesh, std::uint32_t seed)
-{
-    std::mt19937 random(seed);
-    std::normal_distribution<double> normal;
-    std::uniform_real_distribution<double> unit(0, 1);
-    const Box box = bounding_box(mesh);
-    const double size = std::max(box.extent().maxCoeff(), 1e-3);
-    constexpr double ways[] = {0.1, 1, 3, 1000, 0x1p30};
-    std::vector<Ray> rays;
-    for (int row = 0; row < 24; ++row) {
-        Vec3 way = Vec3(normal(random), normal(random), normal(random)).normalized();
-        if (row % 4 == 0) way = Vec3::Unit(row / 4 % 3); // axes, whose other components are zero
-        const double far = size * ways[static_cast<std::size_t>(row) % 5];
-        const Vec3 eye = box.center() - far * way;
-        const Vec3 across = way.unitOrthogonal();
-        const bool from_point = row % 2 == 0;
-        const double width = size * (row % 3 == 0 ? 1.2 : 0.1);
-        const Vec3& aim = mesh.positions()[random() % mesh.vertex_count()];
-        for (int i = 0; i < 50; ++i) {
-            const Vec3 off = width * (i / 50.0 - 0.5) * across;
-            Ray ray{from_point ? eye : Vec3(aim - far * way + off),
-                    from_point ? Vec3(aim - eye + off) : way};
-            if (row % 5 == 1) ray.t_max = 0.8 * far + 0.4 * size * unit(random);
-            if (row % 5 == 2) ray.t_min = 0.8 * far + 0.4 * size * unit(random);
-            if (i == 45 && row % 7 == 0) ray.direction = -ray.direction;
-            if (is_valid(ray)) rays.push_back(ray);
-        }
-    }
-    return rays;
-}
-
-TEST(CastRay, PacketsAnswerAsBruteForceOnEveryInstructionSet)
-{
-    std::size_t hits = 0;
-    std::size_t cast = 0;
-    const auto expect_truth_of_rows = [&](const TriangleMesh& mesh, std::uint32_t seed) {
-        if (!checked_bounding_box(mesh)) return;
-        const RayIndex index = index_of(mesh);
-        const std::vector<Ray> rays = rows_of_rays(mesh, seed);
-        const Faces faces = all_faces[seed % 3];
-        std::vector<std::optional<RayHit>> truth;
-        truth.reserve(rays.size());
-        for (const Ray& ray : rays) {
-            truth.push_back(closest_hit_by_brute_force(mesh, ray, faces));
-            hits += truth.back() ? 1 : 0;
-        }
-        cast += rays.size();
-        for (const SimdTarget& target : simd_targets()) {
-            SCOPED_TRACE(::testing::Message() << target.name << ", seed " << seed);
-            force_simd_target(target);
-            std::vector<std::optional<RayHit>> closest(rays.size());
-            const auto any = std::make_unique<bool[]>(rays.size());
-            EXPECT_TRUE(closest_hits(index, rays, closest, {.faces = faces}));
-            EXPECT_TRUE(any_hits(index, rays, {any.get(), rays.size()}, {.faces = faces}));
-            restore_simd_targets();
-            for (std::size_t i = 0; i < rays.size(); ++i) {
-                ASSERT_EQ(closest[i], truth[i]) << "ray " << i;
-                ASSERT_EQ(any[i], truth[i].has_value()) << "ray " << i;
-            }
-        }
-    };
-    for (std::uint32_t seed = 0; seed < 9 && !HasFailure(); ++seed) {
-        for (const TriangleMesh& mesh : {nasty_mesh(seed), grid_mesh(seed), random_soup(seed)})
-            expect_truth_of_rows(mesh, seed);
-    }
-    expect_truth_of_rows(torus_mesh(1.0, 0.4, 24, 16), 1);
-    const TriangleMesh sphere = sphere_mesh(Vec3(5, 6, 7), 1.0, 20, 30);
-    expect_truth_of_rows(sphere, 3);
-    // Coordinates that floats hold: hits are computed from leaves.
-    const TriangleMesh coarse =
-        moved(sphere, [](const Vec3& p) { return Vec3((4096 * p).array().round() / 4096); });
-    EXPECT_TRUE(index_of(coarse).has_exact_leaves());
-    EXPECT_FALSE(index_of(sphere).has_exact_leaves());
-    for (std::uint32_t seed = 4; seed < 7; ++seed) expect_truth_of_rows(coarse, seed);
-    EXPECT_GT(hits, cast / 10);
-}
-
 TEST(CastRay, AnswersTheSameOnEveryInstructionSetWithoutAllocating)
 {
     const TriangleMesh torus = torus_mesh(1.0, 0.4, 24, 16);
-    const RayIndex index = index_of(torus);
+    const RayIndex index = ray_index_of(torus);
     const std::vector<Ray> rays = rays_for(torus, 4000, 13);
     std::vector<std::optional<RayHit>> truth;
     truth.reserve(rays.size());
@@ -328,7 +239,7 @@ TEST(CastRay, KeepsTheFirstOfManyHits)
         triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
     }
     const TriangleMesh mesh = mesh_of(positions, triangles);
-    const RayIndex index = index_of(mesh);
+    const RayIndex index = ray_index_of(mesh);
     const Ray ray{Vec3(0.25, 0.25, -1), Vec3::UnitZ()};
     const std::vector<RayHit> truth = all_hits_by_brute_force(mesh, ray);
     ASSERT_EQ(truth.size(), 50U);
@@ -343,7 +254,7 @@ TEST(CastRay, KeepsTheFirstOfManyHits)
 TEST(CastRay, SaysWhichRayOfABatchIsNone)
 {
     const TriangleMesh cube = cube_mesh(Vec3::Zero(), 1.0);
-    const RayIndex index = index_of(cube);
+    const RayIndex index = ray_index_of(cube);
     std::vector<Ray> rays(10, Ray{Vec3(-5, 0, 0), Vec3::UnitX()});
     std::vector<std::optional<RayHit>> hits(10);
     ASSERT_TRUE(closest_hits(index, rays, hits));

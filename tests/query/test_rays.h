@@ -4,12 +4,24 @@
 
 #include "proxima/geometry/ray.h"
 #include "proxima/mesh/triangle_mesh.h"
+#include "proxima/octree/build_octree.h"
+#include "proxima/query/build_ray_index.h"
 
+#include <array>
 #include <cmath>
 #include <random>
 #include <vector>
 
 namespace proxima::testing {
+
+inline constexpr std::array all_faces = {Faces::both, Faces::front, Faces::back};
+
+inline RayIndex ray_index_of(const TriangleMesh& mesh)
+{
+    const auto octree =
+        build_octree(mesh, {.max_depth = 3, .classification = Classification::none});
+    return build_ray_index(*octree, mesh).value();
+}
 
 class RayGenerator {
 public:

@@ -76,7 +76,8 @@ Result<CulledShip> culled_ship(const FigureContext& context)
         ship.triangles.insert(ship.triangles.end(), held.begin(), held.end());
     }
     std::ranges::sort(ship.triangles);
-    ship.triangles.erase(std::ranges::unique(ship.triangles).begin(), ship.triangles.end());
+    ship.triangles.erase(std::unique(ship.triangles.begin(), ship.triangles.end()),
+                         ship.triangles.end());
     return ship;
 }
 

@@ -20,7 +20,7 @@ constexpr std::array<std::string_view, 5> body_names = {"cube", "octahedron", "t
 struct SumChoice {
     Body a = Body::cube;
     Body b = Body::octahedron;
-    friend auto operator<=>(const SumChoice&, const SumChoice&) = default;
+    friend bool operator==(const SumChoice&, const SumChoice&) = default;
 };
 
 struct SumSettings {

@@ -27,7 +27,7 @@ struct BuildSettings {
     std::size_t method = 0; ///< of all_methods
     bool two_pass = false;
     RootShape root = RootShape::cube;
-    friend auto operator<=>(const BuildSettings&, const BuildSettings&) = default;
+    friend bool operator==(const BuildSettings&, const BuildSettings&) = default;
 };
 
 struct OctreePanelSettings {

@@ -101,7 +101,8 @@ intersect(const Ray& ray, const RayShear& shear, const Triangle& triangle, Faces
         const double sum = weights[0] + weights[1] + weights[2];
         if ((least > error || most < -error) && std::abs(sum) > detail::sure_sum * error) {
             if (!detail::is_wanted(shear.inverse_z > 0 ? sum : -sum, faces)) return std::nullopt;
-            return detail::within_range(ray, detail::inner_point(weights, places));
+            const detail::Meeting at = detail::inner_point(weights, places);
+            if (std::abs(at.t) <= farthest_hit) return detail::within_range(ray, at);
         }
     }
     return detail::intersect_exactly(ray, triangle, faces);

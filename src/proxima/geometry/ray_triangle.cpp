@@ -18,14 +18,16 @@ using detail::Meeting;
 using detail::Three;
 using detail::within_range;
 
-/// Where corners are along the ray, measured on the direction's largest component.
+/// Where corners are along the ray, measured on the direction's largest component. What tiny
+/// directions put out of reach of doubles stays within them: differences of places are finite.
 Three corner_places(const Ray& ray, const Triangle& triangle) noexcept
 {
     int axis = 0;
     ray.direction.cwiseAbs().maxCoeff(&axis);
     Three places;
     for (std::size_t i = 0; i < 3; ++i) {
-        places[i] = (triangle.vertices[i][axis] - ray.origin[axis]) / ray.direction[axis];
+        const double place = (triangle.vertices[i][axis] - ray.origin[axis]) / ray.direction[axis];
+        places[i] = std::clamp(place, -farthest_hit, farthest_hit);
     }
     return places;
 }

@@ -47,10 +47,11 @@ struct MeetingParts {
 /// in the order around it, either way round).
 class TriangleIntersection {
 public:
-    [[nodiscard]] std::span<const MeetingParts> ends() const noexcept
+    [[nodiscard]] std::span<const MeetingParts> ends() const& noexcept
     {
         return std::span(ends_).first(count_);
     }
+    std::span<const MeetingParts> ends() const&& = delete; ///< of a temporary they would dangle
     [[nodiscard]] bool empty() const noexcept { return count_ == 0; }
     [[nodiscard]] std::size_t size() const noexcept { return count_; }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace proxima {
 
@@ -46,10 +47,9 @@ double squared_distance(const Box& box, const Box& other) noexcept
 /// One carry: see carry_sphere.h.
 class Carry {
 public:
-    Carry(const TouchScene& scene, double radius, const Vec3& from, const Vec3& goal,
-          CarryRoom& room) noexcept
-        : scene_(scene), radius_(radius), skin_(skin_part * scene.scale().reach), from_(from),
-          goal_(goal), room_(room)
+    Carry(const TouchScene& scene, double radius, Vec3 from, Vec3 goal, CarryRoom& room) noexcept
+        : scene_(scene), radius_(radius), skin_(skin_part * scene.scale().reach),
+          from_(std::move(from)), goal_(std::move(goal)), room_(room)
     {}
 
     std::optional<Vec3> run() noexcept

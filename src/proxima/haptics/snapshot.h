@@ -51,8 +51,8 @@ private:
     static constexpr std::uint8_t news = 4;
     static_assert(std::atomic<std::uint8_t>::is_always_lock_free);
 
-    std::array<T, 3> slots_{};
     alignas(64) std::atomic<std::uint8_t> middle_{1};
+    alignas(64) std::array<T, 3> slots_{};
     alignas(64) std::uint8_t write_ = 0; ///< the writer's alone
     alignas(64) std::uint8_t read_ = 2;  ///< the reader's alone
 };

@@ -16,6 +16,7 @@ struct Feature {
 
     friend constexpr bool operator==(const Feature&, const Feature&) = default;
     /// By kind (vertex < edge < face), then id: the order that settles ties.
+    // NOLINTNEXTLINE(modernize-use-nullptr): clang-tidy 14 sees a null where comparisons are made
     friend constexpr std::strong_ordering operator<=>(const Feature&, const Feature&) = default;
 };
 

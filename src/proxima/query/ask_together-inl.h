@@ -27,8 +27,7 @@ namespace proxima::HWY_NAMESPACE {
 class HitLanes {
 public:
     HWY_INLINE HitLanes(const RayIndex& index, const RaySource& source)
-        : index_(index), source_(source), corners_{}, origin_{}, slope_x_{}, slope_y_{},
-          inverse_z_{}, t_min_{}, t_max_{}
+        : index_(index), source_(source)
     {}
 
     /// To be answered now or later. The shear is of the ray's direction.
@@ -52,9 +51,10 @@ public:
             }
         } else {
             const Triangle own = index_.triangle(rows_[lane]);
-            for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t i = 0; i < 3; ++i) {
                 for (std::size_t k = 0; k < 3; ++k)
                     corners_[i][k].values[lane] = own.vertices[i].data()[axes[k]];
+            }
         }
         for (std::size_t k = 0; k < 3; ++k) origin_[k].values[lane] = ray.origin.data()[axes[k]];
         slope_x_.values[lane] = shear.slope_x;
@@ -156,6 +156,7 @@ private:
         const auto least = lesser(lesser(places[0], places[1]), places[2]);
         const auto most = greater(greater(places[0], places[1]), places[2]);
         t = hn::IfThenElse(hn::Lt(t, least), least, hn::IfThenElse(hn::Lt(most, t), most, t));
+        sure = hn::And(sure, hn::Le(hn::Abs(t), hn::Set(d, farthest_hit)));
         sure = hn::And(sure, hn::And(hn::Le(t_min_.from(first), t), hn::Le(t, t_max_.from(first))));
         t_.set(first, t);
         u_.set(first, shares[1]);
@@ -168,13 +169,13 @@ private:
     std::size_t count_ = 0;
     std::array<std::uint32_t, packet_size> places_{};
     std::array<std::uint32_t, packet_size> rows_{};
-    std::array<std::array<PacketDoubles, 3>, 3> corners_; ///< by corner, then by the shear's axes
-    std::array<PacketDoubles, 3> origin_;
-    PacketDoubles slope_x_;
-    PacketDoubles slope_y_;
-    PacketDoubles inverse_z_;
-    PacketDoubles t_min_;
-    PacketDoubles t_max_;
+    std::array<std::array<PacketDoubles, 3>, 3> corners_{}; ///< by corner, then by the shear's axes
+    std::array<PacketDoubles, 3> origin_{};
+    PacketDoubles slope_x_{};
+    PacketDoubles slope_y_{};
+    PacketDoubles inverse_z_{};
+    PacketDoubles t_min_{};
+    PacketDoubles t_max_{};
     PacketDoubles t_;
     PacketDoubles u_;
     PacketDoubles v_;

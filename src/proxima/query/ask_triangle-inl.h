@@ -102,6 +102,7 @@ HWY_INLINE QuickAnswer ask_leaf(const RayIndex& index, const RayLeaf& leaf, std:
     const double third = hn::GetLane(of_last(places));
     const double own = std::clamp(t, std::min(std::min(first, second), third),
                                   std::max(std::max(first, second), third));
+    if (!(std::abs(own) <= farthest_hit)) return QuickAnswer::unsure;
     if (!(searched.ray->t_min <= own && own <= searched.ray->t_max)) return QuickAnswer::missed;
     hit.t = own;
     hit.triangle = index.ids()[leaf.first_row + lane];

@@ -50,9 +50,10 @@ public:
         if (rays_.ready != 0) {
             if (!bound()) return false;
             searched_now_ = 0;
-            for (std::size_t part = 0; part < packet_parts; ++part)
+            for (std::size_t part = 0; part < packet_parts; ++part) {
                 hn::Store(hn::Set(RayTag(), infinity), RayTag(),
                           best_least_.values + ray_lanes * part);
+            }
             noted_.fill({RayTriangle::no_leaf, 0});
             walk();
         }
@@ -305,9 +306,10 @@ private:
             hn::Store(hn::IfThenElse(better, last, most), d, rays_.most.values + ray_lanes * part);
             hn::Store(hn::IfThenElse(better, first, best_least), d,
                       best_least_.values + ray_lanes * part);
-            for (std::uint32_t left = noted; left != 0; left &= left - 1)
-                noted_[ray_lanes * part + static_cast<std::size_t>(std::countr_zero(left))] =
-                    triangle;
+            for (std::uint32_t left = noted; left != 0; left &= left - 1) {
+                const auto lane = static_cast<std::size_t>(std::countr_zero(left));
+                noted_[ray_lanes * part + lane] = triangle;
+            }
         }
         LeafCandidates candidates;
         hn::Store(first, d, candidates.least);

@@ -47,8 +47,8 @@ struct PlaneShuffles {
         for (std::uint32_t octant = 0; octant < 8; ++octant) {
             for (std::uint32_t axis = 0; axis < 3; ++axis) {
                 for (std::uint32_t far = 0; far < 2; ++far) {
-                    for (std::uint32_t lane = 0; lane < 8; ++lane) {
-                        const std::uint32_t upper = (octant >> axis & 1U) ^ far;
+                    for (std::size_t lane = 0; lane < 8; ++lane) {
+                        const std::size_t upper = (octant >> axis & 1U) ^ far;
                         std::uint8_t* const own = bytes[octant][axis][far] + 4 * lane;
                         own[0] = own[2] = own[3] = 0x80;
                         own[1] = static_cast<std::uint8_t>(8 * upper + (lane ^ octant));
@@ -66,9 +66,10 @@ struct ReversedBits {
 
     constexpr ReversedBits()
     {
-        for (std::uint32_t i = 0; i < 256; ++i)
+        for (std::uint32_t i = 0; i < 256; ++i) {
             for (std::uint32_t k = 0; k < 8; ++k)
                 bits[i] = static_cast<std::uint8_t>(bits[i] | (i >> k & 1U) << (7 - k));
+        }
     }
 };
 inline constexpr ReversedBits reversed_bits;
@@ -258,7 +259,7 @@ HWY_INLINE float leaf_error(float extent, float factor)
     return (2 * extent + 32 * float_roundoff) * (86 * float_roundoff * factor);
 }
 
-template <LeafWork work>
+template <LeafWork Work>
 HWY_INLINE void look_at_leaf(const RayLeaf& leaf, const OpenRay& ray, LeafCandidates& candidates)
 {
     const RayTag d;
@@ -313,7 +314,7 @@ HWY_INLINE void look_at_leaf(const RayLeaf& leaf, const OpenRay& ray, LeafCandid
         lanes &= room;
         if (leaf.count < first + ray_lanes)
             lanes &= leaf.count > first ? (1U << (leaf.count - first)) - 1 : 0U;
-        if constexpr (work == LeafWork::until_missed) {
+        if constexpr (Work == LeafWork::until_missed) {
             if (lanes == 0) continue;
         }
         const auto sum = hn::Add(hn::Add(weights[0], weights[1]), weights[2]);
