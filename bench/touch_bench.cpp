@@ -3,6 +3,8 @@
 //
 //     touch_bench [--ticks N] [--replays N] [--radius R] [--keep DIR] [--peers] [--mesh NAME]...
 //     touch_bench --curve FILE.{csv,svg,png} ...      tick time by the number of triangles
+//     touch_bench --scenes                             several objects, at rest and moving
+//     touch_bench --patches [--mesh NAME]...           what patches miss, by the hand's speed
 //     touch_bench --loops SECONDS [--script NAME]     by the clock, with collision and graphics
 //     loops
 //
@@ -16,6 +18,8 @@
 
 #include "touch_curve.h"
 #include "touch_loops.h"
+#include "touch_patch_table.h"
+#include "touch_scenes.h"
 #include "touch_table.h"
 
 #include <CLI/CLI.hpp>
@@ -48,6 +52,30 @@ std::vector<std::string> usual_meshes()
     return names;
 }
 
+/// The bunny, and the dragon of 47,794 triangles where a folder of meshes lies beside the checkout.
+std::vector<std::string> meshes_for_patches()
+{
+    std::vector<std::string> names;
+    for (const char* const name :
+         {"/usr/share/glmark2/models/bunny.obj", "../shared/meshes/dragon_vrip_res3.ply"}) {
+        if (std::filesystem::exists(name)) {
+            names.emplace_back(name);
+        } else {
+            std::printf("without %s: it is not there\n", name);
+        }
+    }
+    if (names.empty()) names.emplace_back("torus:200x100");
+    return names;
+}
+
+int run_patches(const std::vector<std::string>& meshes, const TouchRaceOptions& race)
+{
+    int status = 0;
+    for (const std::string& mesh : meshes)
+        status |= run_patch_table(mesh, {.radius = race.radius, .keep = race.keep});
+    return status;
+}
+
 int run_mesh(const std::string& name, const TouchBenchOptions& options)
 {
     const auto model = load_touch_model(name, options.race.keep);
@@ -57,7 +85,7 @@ int run_mesh(const std::string& name, const TouchBenchOptions& options)
     }
     std::printf("%s, %zu triangles, proxy radius %g m; least of %d replays\n", name.c_str(),
                 (*model)->mesh.triangle_count(), options.race.radius, options.race.replays);
-    print_head();
+    print_head("script");
     TickSums sums;
     TickSums asked_sums;
     TickSums peer_sums;
@@ -122,12 +150,21 @@ int main(int argc, char** argv)
                        "Servo, collision and graphics loop together for so many seconds");
     app.add_option("--script", options.loops.script, "Of the hand in --loops")
         ->capture_default_str();
+    bool scenes = false;
+    bool patches = false;
+    app.add_flag("--scenes", scenes, "Only scenes of several objects, at rest and moving");
+    app.add_flag("--patches", patches, "Only what patches miss, by the hand's speed");
     CLI11_PARSE(app, argc, argv);
     if (!options.curves.empty()) return run_curve(options.meshes, options.race, options.curves);
+    if (scenes) return run_scenes(options.race);
+    const bool all = options.meshes.empty() && loops->count() == 0;
+    if (patches) return run_patches(all ? meshes_for_patches() : options.meshes, options.race);
     if (options.meshes.empty()) options.meshes = usual_meshes();
     options.loops.keep = options.race.keep;
     int status = 0;
     for (const std::string& mesh : options.meshes)
         status |= loops->count() > 0 ? run_loops(mesh, options.loops) : run_mesh(mesh, options);
-    return status;
+    if (!all) return status;
+    status |= run_scenes(options.race);
+    return status | run_patches(meshes_for_patches(), options.race);
 }

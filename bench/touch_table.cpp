@@ -37,10 +37,10 @@ void add_track(TickSums& sums, const TouchTrack& track, const TrackTimes& times)
     }
 }
 
-void print_head()
+void print_head(const char* what)
 {
-    std::printf("%-10s %-8s %8s  %8s %8s %8s %8s  %8s %8s %8s %8s %8s\n", "script", "state",
-                "ticks", "p50 us", "p99", "p99.99", "max", "queries", "gathered", "scans", "lanes",
+    std::printf("%-15s %-8s %8s  %8s %8s %8s %8s  %8s %8s %8s %8s %8s\n", what, "state", "ticks",
+                "p50 us", "p99", "p99.99", "max", "queries", "gathered", "scans", "lanes",
                 "in full");
 }
 
@@ -51,7 +51,7 @@ void print_rows(const std::string& name, const TickSums& sums, bool with_work)
         if (sum.times.count() == 0) continue;
         const std::string state_name(state < tick_state_names.size() ? tick_state_names[state]
                                                                      : "all");
-        std::printf("%-10s %-8s %8zu  %8.2f %8.2f %8.2f %8.2f", name.c_str(), state_name.c_str(),
+        std::printf("%-15s %-8s %8zu  %8.2f %8.2f %8.2f %8.2f", name.c_str(), state_name.c_str(),
                     sum.times.count(), sum.times.microseconds(0.5), sum.times.microseconds(0.99),
                     sum.times.microseconds(0.9999), sum.times.microseconds(1));
         if (with_work) {

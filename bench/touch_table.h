@@ -33,7 +33,8 @@ using TickSums = std::array<TickSum, tick_state_names.size() + 1>;
 
 void add_track(TickSums& sums, const TouchTrack& track, const TrackTimes& times);
 
-void print_head();
+/// `what` the rows are named by.
+void print_head(const char* what);
 /// A row for each state that there was. Without work for methods that do not count it.
 void print_rows(const std::string& name, const TickSums& sums, bool with_work);
 

@@ -16,6 +16,13 @@ std::int64_t nanoseconds_now()
     return std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1);
 }
 
+HapticRenderer renderer_of(const ContactSurface& surface, const WorkspaceMap& map, double radius)
+{
+    return {surface, map, *find_device("omni"), {.proxy_radius = radius}};
+}
+
+} // namespace
+
 TickState state_of(const ProxyTick& tick)
 {
     if (tick.hold == Hold::free) return TickState::free;
@@ -23,18 +30,12 @@ TickState state_of(const ProxyTick& tick)
     return tick.hold == Hold::sticking ? TickState::contact : TickState::slide;
 }
 
-HapticRenderer renderer_of(const ContactSurface& surface, const WorkspaceMap& map, double radius)
+ContactWork difference(const ContactWork& after, const ContactWork& before)
 {
-    return {surface, map, *find_device("omni"), {.proxy_radius = radius}};
+    return {after.distances - before.distances, after.gathers - before.gathers,
+            after.gathered - before.gathered,   after.scans - before.scans,
+            after.scanned - before.scanned,     after.passed - before.passed};
 }
-
-ContactWork difference(const ContactWork& a, const ContactWork& b)
-{
-    return {a.distances - b.distances, a.gathers - b.gathers, a.gathered - b.gathered,
-            a.scans - b.scans,         a.scanned - b.scanned, a.passed - b.passed};
-}
-
-} // namespace
 
 TouchTrack record_track(const TouchModel& model, std::string_view script_name, std::uint64_t ticks,
                         double radius)

@@ -42,6 +42,11 @@ struct TouchTrack {
     double max_speed = 0;          ///< m/s
 };
 
+[[nodiscard]] TickState state_of(const ProxyTick& tick);
+
+/// What was asked for between two accounts.
+[[nodiscard]] ContactWork difference(const ContactWork& after, const ContactWork& before);
+
 /// \pre there is such a script, and something to touch
 [[nodiscard]] TouchTrack record_track(const TouchModel& model, std::string_view script,
                                       std::uint64_t ticks, double radius);

@@ -4,6 +4,8 @@
 #include "cli/model_options.h"
 #include "cli/names.h"
 #include "cli/touch_input_report.h"
+#include "cli/touch_objects.h"
+#include "cli/touch_report.h"
 #include "cli/touch_session.h"
 #include "proxima/base/text.h"
 
@@ -25,6 +27,7 @@ constexpr std::string_view replay_prefix = "replay:";
 
 struct TouchOptions {
     std::string model;
+    ObjectOptions objects;
     std::string device;
     std::string library; ///< of hd and dhd
     std::string limits;  ///< "" for the device's own
@@ -78,127 +81,13 @@ TouchSettings settings_of(const TouchOptions& options)
     return settings;
 }
 
-std::string microseconds(const LatencyHistogram& histogram)
+/// What a material has that says less of itself.
+SurfaceMaterial usual_material(const TouchOptions& options)
 {
-    const auto at = [&](double part) {
-        return 1e-3 * static_cast<double>(histogram.quantile(part));
-    };
-    return fmt::format("p50 {:.2f}, p99 {:.2f}, p99.9 {:.2f}, p99.99 {:.2f}, max {:.2f} us",
-                       at(0.5), at(0.99), at(0.999), at(0.9999), at(1));
-}
-
-Json latency_json(const LatencyHistogram& histogram)
-{
-    return {{"p50_ns", histogram.quantile(0.5)},
-            {"p99_ns", histogram.quantile(0.99)},
-            {"p99_9_ns", histogram.quantile(0.999)},
-            {"p99_99_ns", histogram.quantile(0.9999)},
-            {"max_ns", histogram.max()}};
-}
-
-double percent(std::uint64_t part, std::uint64_t whole)
-{
-    return whole == 0 ? 0 : 100 * static_cast<double>(part) / static_cast<double>(whole);
-}
-
-std::string text_of(const TouchOptions& options, const TouchModel& model, const TouchResult& result,
-                    std::optional<std::uint64_t> differences)
-{
-    const QualityReport& quality = result.quality;
-    const RenderOptions& render = result.render_options;
-    const Vec3& center = result.map.center;
-    std::string text = fmt::format(
-        "{}: {} triangles, ready in {:.3f} s\n"
-        "workspace: 1 m of the device is {:.6g} of the model, its middle ({:.6g}, {:.6g}, {:.6g})\n"
-        "{}: {} ticks, K {:g} N/m, B {:g} N s/m, friction {:g} and {:g}, radius {:g} m\n",
-        options.model, model.surface.mesh.triangle_count(), model.build_seconds,
-        result.map.units_per_metre, center.x(), center.y(), center.z(), options.device,
-        quality.ticks, render.force.stiffness, render.force.damping, render.static_friction,
-        render.dynamic_friction, render.proxy_radius);
-    text += fmt::format(
-        "touching {:.1f} %, sticking {:.1f} %; force at most {:.3f} N, depth {:.2f} mm, speed "
-        "{:.2f} "
-        "m/s\n"
-        "passed through: {}; slides cut short {}, overloaded {}, faulty input {}\n"
-        "force step over K times the way: {:.3f}; turn {:.1f} degrees; energy taken {:.3g} J\n"
-        "guards: clamped {}, slewed {}, damped {} ticks; lowest energy {:.3g} J\n"
-        "tick: {}\n",
-        percent(quality.touching_ticks, quality.ticks),
-        percent(quality.sticking_ticks, quality.ticks), quality.max_force, 1e3 * quality.max_depth,
-        quality.max_speed, quality.passes, quality.limited_ticks, quality.overloaded_ticks,
-        quality.faulty_ticks, quality.max_step_ratio, quality.max_turn_degrees,
-        quality.taken_energy, result.clamped, result.slewed, result.damped, result.lowest_energy,
-        microseconds(result.render));
-    if (result.device) text += device_text(*result.device);
-    if (differences) {
-        text += fmt::format("replayed: {} ticks differ from the recording\n", *differences);
-    } else if (!options.free_running) {
-        text += fmt::format(
-            "servo: {:.1f} Hz, {} deadlines missed, {} ticks left out; late by {}\n"
-            "real-time priority: {}, locked memory: {}\n",
-            static_cast<double>(result.servo.ticks) / std::max(result.servo.seconds, 1e-9),
-            result.servo.missed, result.servo.skipped, microseconds(result.servo.late),
-            result.servo.real_time_priority ? "yes" : "no",
-            result.servo.locked_memory ? "yes" : "no");
-        if (!result.servo.note.empty()) text += fmt::format("note: {}\n", result.servo.note);
-    }
-    return text;
-}
-
-Json json_of(const TouchOptions& options, const TouchModel& model, const TouchResult& result,
-             std::optional<std::uint64_t> differences)
-{
-    const QualityReport& quality = result.quality;
-    const RenderOptions& render = result.render_options;
-    const Vec3& center = result.map.center;
-    Json json = {{"model", options.model},
-                 {"triangles", model.surface.mesh.triangle_count()},
-                 {"device", options.device},
-                 {"build_seconds", model.build_seconds},
-                 {"units_per_metre", result.map.units_per_metre},
-                 {"center", {center.x(), center.y(), center.z()}},
-                 {"stiffness", render.force.stiffness},
-                 {"damping", render.force.damping},
-                 {"static_friction", render.static_friction},
-                 {"dynamic_friction", render.dynamic_friction},
-                 {"radius", render.proxy_radius},
-                 {"shading", render.shading == ForceShading::on},
-                 {"ticks", quality.ticks},
-                 {"touching_ticks", quality.touching_ticks},
-                 {"sticking_ticks", quality.sticking_ticks},
-                 {"passes", quality.passes},
-                 {"limited_ticks", quality.limited_ticks},
-                 {"overloaded_ticks", quality.overloaded_ticks},
-                 {"faulty_ticks", quality.faulty_ticks},
-                 {"max_force", quality.max_force},
-                 {"max_spring", quality.max_spring},
-                 {"max_depth", quality.max_depth},
-                 {"max_speed", quality.max_speed},
-                 {"max_step_ratio", quality.max_step_ratio},
-                 {"max_turn_degrees", quality.max_turn_degrees},
-                 {"taken_energy", quality.taken_energy},
-                 {"max_moves", quality.max_moves},
-                 {"clamped_ticks", result.clamped},
-                 {"slewed_ticks", result.slewed},
-                 {"damped_ticks", result.damped},
-                 {"lowest_energy", result.lowest_energy},
-                 {"tick", latency_json(result.render)},
-                 {"servo", nullptr},
-                 {"replay_differences", nullptr},
-                 {"patches", nullptr}};
-    add_device_json(json, result.device ? &*result.device : nullptr);
-    if (differences) {
-        json["replay_differences"] = *differences;
-    } else if (!options.free_running) {
-        json["servo"] = {{"seconds", result.servo.seconds},
-                         {"missed_deadlines", result.servo.missed},
-                         {"skipped_ticks", result.servo.skipped},
-                         {"late", latency_json(result.servo.late)},
-                         {"real_time_priority", result.servo.real_time_priority},
-                         {"locked_memory", result.servo.locked_memory},
-                         {"note", result.servo.note}};
-    }
-    return json;
+    return {.stiffness = options.stiffness,
+            .damping = options.damping,
+            .static_friction = options.friction,
+            .dynamic_friction = 0.75 * options.friction};
 }
 
 Status run_replay(const TouchOptions& options, Session& session)
@@ -206,13 +95,35 @@ Status run_replay(const TouchOptions& options, Session& session)
     const std::string path = options.device.substr(replay_prefix.size());
     const auto recording = load_recording(path, &session.progress());
     if (!recording) return tl::unexpected(recording.error());
-    const auto model = load_touch_model(options.model, session);
+    const auto plan = plan_scene(options.model, options.objects, *recording, path);
+    if (!plan) return tl::unexpected(plan.error());
+    const auto model =
+        plan->objects.empty()
+            ? load_touch_model(options.model, session)
+            : load_touch_scene(*plan, recording->settings.render.shading, path, session);
     if (!model) return tl::unexpected(model.error());
     const auto result = replay_touch(**model, *recording, path);
     if (!result) return tl::unexpected(result.error());
     if (Status status = session.check_running(); !status) return status;
-    session.print(text_of(options, **model, result->touch, result->differences));
-    return session.write_json(json_of(options, **model, result->touch, result->differences));
+    const TouchReportOf of = {options.model, options.device, false, result->differences};
+    session.print(touch_text(of, **model, result->touch));
+    return session.write_json(touch_json(of, **model, result->touch));
+}
+
+/// MODEL at rest, or the scene that options ask for.
+Result<std::unique_ptr<TouchModel>> load_what_is_touched(const TouchOptions& options,
+                                                         Session& session)
+{
+    if (!options.objects.any()) return load_touch_model(options.model, session);
+    if (!options.patches.empty()) {
+        return fail(ErrorCode::invalid_argument,
+                    "is for one model at rest: leave it out, or --object, --pose, --motion and "
+                    "--material",
+                    "--patch");
+    }
+    const auto plan = plan_scene(options.model, options.objects, usual_material(options));
+    if (!plan) return tl::unexpected(plan.error());
+    return load_touch_scene(*plan, settings_of(options).render.shading, {}, session);
 }
 
 /// Feels the model once, or once with each kind of patch; the first is the one that is reported.
@@ -246,7 +157,7 @@ Status run_device(const TouchOptions& options, Session& session)
     if (!options.record.empty()) {
         if (Status status = session.check_outputs({options.record}); !status) return status;
     }
-    const auto model = load_touch_model(options.model, session);
+    const auto model = load_what_is_touched(options, session);
     if (!model) return tl::unexpected(model.error());
     std::vector<PatchAccount> patches;
     const auto result = touch_with_patches(options, **model, patches, session);
@@ -257,10 +168,11 @@ Status run_device(const TouchOptions& options, Session& session)
         Status status = save_recording(result->recording, options.record, progress);
         if (!status) return status;
     }
-    session.print(text_of(options, **model, *result, std::nullopt));
+    const TouchReportOf of = {options.model, options.device, !options.free_running, std::nullopt};
+    session.print(touch_text(of, **model, *result));
     if (!patches.empty()) session.print(patch_table(patches));
     if (!options.record.empty()) session.print(fmt::format("wrote {}\n", options.record));
-    Json json = json_of(options, **model, *result, std::nullopt);
+    Json json = touch_json(of, **model, *result);
     if (!patches.empty()) json["patches"] = patch_json(patches);
     return session.write_json(json);
 }
@@ -380,13 +292,14 @@ void add_settings(CLI::App& parser, TouchOptions& options)
 Command add_touch_command(CLI::App& app)
 {
     CLI::App* const parser = app.add_subcommand(
-        "touch", "Feel a model at 1,000 Hz with a haptic device or a simulated hand");
+        "touch", "Feel models at 1,000 Hz with a haptic device or a simulated hand");
     const auto options = std::make_shared<TouchOptions>();
     add_model_option(*parser, options->model, ModelKinds::meshes_and_proximity_octrees);
     parser->add_option("--device", options->device, touch_device_names())
         ->required()
         ->check(touch_device_problem)
         ->type_name("NAME:ARGS");
+    add_object_options(*parser, options->objects);
     add_settings(*parser, *options);
     // Neither model nor device is needed then.
     parser->add_flag_callback(

@@ -36,9 +36,9 @@ std::optional<int> index_of(std::string_view text)
     return whole && index >= 0 && index < 64 ? std::optional(index) : std::nullopt;
 }
 
-WorkspaceMap map_of(const TriangleMesh& mesh, const DeviceLimits& limits, double scale)
+WorkspaceMap map_of(const Box& box, const DeviceLimits& limits, double scale)
 {
-    WorkspaceMap map = fit_workspace(bounding_box(mesh), limits.workspace_radius);
+    WorkspaceMap map = fit_workspace(box, limits.workspace_radius);
     map.units_per_metre *= scale;
     return map;
 }
@@ -54,13 +54,13 @@ void add_found(std::vector<FoundDevice>& found, const std::string& name, const O
 }
 
 Result<TouchDevice> ready(Result<std::unique_ptr<Device>> device,
-                          const TouchDeviceSettings& settings, const TriangleMesh& mesh)
+                          const TouchDeviceSettings& settings, const Box& box)
 {
     if (!device) return tl::unexpected(device.error());
     TouchDevice result;
     result.device = std::move(*device);
     result.limits = settings.limits.value_or(result.device->info().limits);
-    result.map = map_of(mesh, result.limits, settings.scale);
+    result.map = map_of(box, result.limits, settings.scale);
     return result;
 }
 
@@ -94,26 +94,26 @@ std::string touch_device_problem(const std::string& device)
     return known ? std::string() : concat(device, " is no device: give ", touch_device_names());
 }
 
-Result<TouchDevice> open_touch_device(const TouchDeviceSettings& settings, const TriangleMesh& mesh,
-                                      const Topology& topology)
+Result<TouchDevice> open_touch_device(const TouchDeviceSettings& settings, const Box& box,
+                                      const TriangleMesh& mesh, const Topology& topology,
+                                      std::span<const std::uint32_t> parts)
 {
     const DeviceName name = split(settings.device);
     const std::string rest(name.rest);
     const DeviceLimits limits = settings.limits.value_or(*find_device("omni"));
     if (name.kind == "hd") {
-        return ready(open_hd_device({.device = rest, .library = settings.library}), settings, mesh);
+        return ready(open_hd_device({.device = rest, .library = settings.library}), settings, box);
     }
     if (name.kind == "dhd") {
         const int index = name.has_rest ? index_of(rest).value_or(0) : 0;
-        return ready(open_dhd_device({.index = index, .library = settings.library}), settings,
-                     mesh);
+        return ready(open_dhd_device({.index = index, .library = settings.library}), settings, box);
     }
-    if (name.kind == "udp") return ready(open_udp(rest, limits), settings, mesh);
-    auto script =
-        HandScript::make(rest, mesh, topology, map_of(mesh, limits, settings.scale), settings.seed);
+    if (name.kind == "udp") return ready(open_udp(rest, limits), settings, box);
+    auto script = HandScript::make(rest, mesh, topology, map_of(box, limits, settings.scale),
+                                   settings.seed, parts);
     if (!script) return tl::unexpected(script.error());
     return ready(std::make_unique<HandDevice>(settings.hand, std::move(*script), limits), settings,
-                 mesh);
+                 box);
 }
 
 std::vector<FoundDevice> look_for_devices(const std::string& library)

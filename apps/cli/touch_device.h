@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -39,10 +40,13 @@ struct TouchDevice {
     WorkspaceMap map;
 };
 
-/// Errors: those of HandScript::make, UdpDevice::open, open_hd_device and open_dhd_device.
+/// The workspace is laid about the box; the mesh, of objects that begin at the triangles of
+/// `parts`, is what a hand's script goes by. Errors: those of HandScript::make, UdpDevice::open,
+/// open_hd_device and open_dhd_device.
 [[nodiscard]] Result<TouchDevice> open_touch_device(const TouchDeviceSettings& settings,
-                                                    const TriangleMesh& mesh,
-                                                    const Topology& topology);
+                                                    const Box& box, const TriangleMesh& mesh,
+                                                    const Topology& topology,
+                                                    std::span<const std::uint32_t> parts);
 
 /// A device that was looked for.
 struct FoundDevice {

@@ -57,7 +57,8 @@ PatchTouch::PatchTouch(const TouchModel& model, const PatchSettings& settings,
       rings_(model.octree, model.surface.mesh, model.surface.topology), patch_(whole_.scale()),
       expected_(whole_, {.radius = options_.proxy_radius,
                          .static_friction = render.static_friction,
-                         .dynamic_friction = render.dynamic_friction}),
+                         .dynamic_friction = render.dynamic_friction,
+                         .max_moves = render.max_moves}),
       exchange_(room_for(model)), due_(2, ContactPatch(room_for(model)))
 {
     account_.settings = settings;

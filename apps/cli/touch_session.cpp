@@ -88,14 +88,15 @@ public:
     /// In patch mode with patches, which must outlive it.
     TouchRun(const TouchModel& model, const WorkspaceMap& map, const DeviceLimits& device,
              const RenderOptions& options, PatchTouch* patches = nullptr)
-        : patches_(patches), normals_(normals_for(model, options)),
-          renderer_(patches == nullptr ? *model.contact : patches->surface(), map, device, options,
-                    normals_.get()),
-          meter_(*model.contact, map)
+        : patches_(patches), scene_(model.scene.get()), normals_(normals_for(model, options)),
+          renderer_(renderer_of(model, patches, normals_.get(), map, device, options)),
+          meter_(scene_ != nullptr ? QualityMeter(scene_->scene(), map)
+                                   : QualityMeter(*model.contact, map))
     {}
 
     const RenderTick& tick(const DeviceState& state, double seconds) noexcept
     {
+        if (scene_ != nullptr) scene_->say(ticks_++, seconds);
         const std::int64_t begin = nanoseconds_now();
         const Patch patch = patches_ == nullptr ? Patch::at_hand : patches_->begin_tick();
         const RenderTick& felt = renderer_.tick(state, seconds, patch);
@@ -123,11 +124,22 @@ private:
     static std::unique_ptr<ShadingNormals> normals_for(const TouchModel& model,
                                                        const RenderOptions& options)
     {
-        if (options.shading == ForceShading::off) return nullptr;
+        if (options.shading == ForceShading::off || model.scene != nullptr) return nullptr;
         return std::make_unique<ShadingNormals>(model.surface.mesh, model.surface.topology);
     }
 
+    static HapticRenderer renderer_of(const TouchModel& model, PatchTouch* patches,
+                                      const SurfaceFeel* feel, const WorkspaceMap& map,
+                                      const DeviceLimits& device, const RenderOptions& options)
+    {
+        if (model.scene != nullptr) return {model.scene->scene(), map, device, options};
+        const ContactSurface& surface = patches == nullptr ? *model.contact : patches->surface();
+        return {surface, map, device, options, feel};
+    }
+
     PatchTouch* patches_;
+    ScriptedScene* scene_;
+    std::uint64_t ticks_ = 0;
     std::unique_ptr<ShadingNormals> normals_;
     HapticRenderer renderer_;
     QualityMeter meter_;
@@ -164,6 +176,19 @@ std::uint64_t show_live(Snapshot<LiveTouch>& live, ButtonQueue& buttons,
     return events;
 }
 
+/// Of one model at rest; a scene's objects have their own.
+std::uint64_t fingerprint_of(const TouchModel& model)
+{
+    return model.scene != nullptr ? 0 : model.octree.mesh_fingerprint();
+}
+
+std::vector<ScriptedObject> objects_of(const TouchModel& model)
+{
+    if (model.scene == nullptr) return {};
+    const std::span<const ScriptedObject> objects = model.scene->objects();
+    return {objects.begin(), objects.end()};
+}
+
 /// Ticks after the session's end in which the force of a device fades that somebody holds.
 std::uint64_t ticks_to_release(const DeviceInfo& info, const TouchSettings& settings)
 {
@@ -182,6 +207,7 @@ Result<std::unique_ptr<TouchModel>> load_touch_model(const std::string& name, Se
                                                   : build_octree_of(*model, name, session);
     if (!status) return tl::unexpected(status.error());
     model->contact = std::make_unique<OctreeContactSurface>(model->octree);
+    model->reach = bounding_box(model->surface.mesh);
     model->build_seconds = watch.seconds();
     return model;
 }
@@ -189,7 +215,8 @@ Result<std::unique_ptr<TouchModel>> load_touch_model(const std::string& name, Se
 Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings& settings,
                                     Session& session)
 {
-    auto opened = open_touch_device(settings.device, model.surface.mesh, model.surface.topology);
+    auto opened = open_touch_device(settings.device, model.reach, model.surface.mesh,
+                                    model.surface.topology, model.parts);
     if (!opened) return tl::unexpected(opened.error());
     Device& device = *opened->device;
     const DeviceLimits& limits = opened->limits;
@@ -248,7 +275,8 @@ Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings
         result.device->network = udp->report();
     if (settings.record) {
         recorded_ticks.resize(count);
-        result.recording.settings = {.mesh_fingerprint = model.octree.mesh_fingerprint(),
+        result.recording.settings = {.mesh_fingerprint = fingerprint_of(model),
+                                     .objects = objects_of(model),
                                      .tick_seconds = tick_seconds,
                                      .map = opened->map,
                                      .render = result.render_options,
@@ -264,7 +292,7 @@ Result<ReplayResult> replay_touch(const TouchModel& model, const Recording& reco
                                   const std::string& path)
 {
     const RecordingSettings& settings = recording.settings;
-    if (settings.mesh_fingerprint != model.octree.mesh_fingerprint()) {
+    if (settings.mesh_fingerprint != fingerprint_of(model)) {
         return fail(ErrorCode::invalid_argument,
                     "was recorded with another model: replay it with the one that was touched",
                     path);

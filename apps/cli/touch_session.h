@@ -12,6 +12,7 @@
 #include "proxima/haptics/haptic_renderer.h"
 #include "proxima/haptics/quality_report.h"
 #include "proxima/haptics/recording.h"
+#include "proxima/haptics/scripted_scene.h"
 #include "proxima/haptics/servo_loop.h"
 #include "proxima/haptics/udp_device.h"
 
@@ -19,14 +20,19 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace proxima {
 
-/// What is touched.
+/// What is touched: one model at rest, or a scene of objects.
 struct TouchModel {
-    ModelSurface surface;
+    ModelSurface surface; ///< of a scene, all its triangles where they stand at first
     ProximityOctree octree;
-    std::unique_ptr<OctreeContactSurface> contact; ///< refers to the octree
+    std::unique_ptr<OctreeContactSurface> contact; ///< refers to the octree; null of a scene
+    std::unique_ptr<ScriptedScene> scene;          ///< null of one model at rest
+    std::vector<std::string> object_names;         ///< of a scene
+    std::vector<std::uint32_t> parts;              ///< first triangles of its objects
+    Box reach;                                     ///< what is touched never leaves it
     double build_seconds = 0;
 };
 
@@ -73,7 +79,7 @@ struct TouchResult {
 
 /// A device touches the model in a thread of its own, while this one shows rate and force on a
 /// terminal. Being cancelled ends it early, after the force has faded, with all that was felt.
-/// Errors: those of open_touch_device.
+/// Errors: those of open_touch_device. \pre a scene is as it was made, and without patches
 [[nodiscard]] Result<TouchResult> touch_by_device(const TouchModel& model,
                                                   const TouchSettings& settings, Session& session);
 
@@ -83,7 +89,8 @@ struct ReplayResult {
     std::uint64_t differences = 0; ///< ticks with other bits than recorded
 };
 
-/// Feels a recording again, tick after tick. Error invalid_argument for another model.
+/// Feels a recording again, tick after tick. Error invalid_argument for another model; of a scene,
+/// its loader has looked. \pre a scene is as it was made
 [[nodiscard]] Result<ReplayResult> replay_touch(const TouchModel& model, const Recording& recording,
                                                 const std::string& path);
 

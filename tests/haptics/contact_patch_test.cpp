@@ -1,6 +1,7 @@
 #include "proxima/haptics/contact_patch.h"
 
 #include "haptics/touch_meshes.h"
+#include "proxima/geometry/closest_point.h"
 #include "proxima/haptics/collision_loop.h"
 #include "proxima/haptics/proxy.h"
 #include "proxima/proximity/build_proximity_octree.h"
@@ -150,9 +151,28 @@ TEST(ContactPatch, too_many_triangles_are_told)
     ContactPatch patch;
     fill_metric_patch(patch, surface, Vec3::Zero(), 2);
     EXPECT_FALSE(patch.complete);
-    EXPECT_EQ(patch.triangles().size(), ContactPatch::most);
-    fill_metric_patch(patch, surface, Vec3(0, 0, 1.5), 0.55);
+    EXPECT_LT(patch.reach, 1); // all are as far: none, or too many
+    EXPECT_EQ(patch.count, 0U);
+    // From aside it is whole within a shorter reach.
+    const Vec3 aside(0, 0, 1.5);
+    fill_metric_patch(patch, surface, aside, 3);
+    EXPECT_FALSE(patch.complete);
+    EXPECT_GT(patch.reach, 1);
+    EXPECT_GT(patch.count, ContactPatch::most / 8);
+    std::size_t within = 0;
+    for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
+        const Vec3 closest = closest_point(mesh.triangle(TriangleId{id}), aside).point;
+        if ((closest - aside).norm() > patch.reach) continue;
+        ++within;
+        const bool there = std::ranges::any_of(patch.triangles(), [&](const ContactTriangle& each) {
+            return each.id == TriangleId{id};
+        });
+        ASSERT_TRUE(there) << id;
+    }
+    EXPECT_GT(within, ContactPatch::most / 8);
+    fill_metric_patch(patch, surface, aside, 0.55);
     EXPECT_TRUE(patch.complete);
+    EXPECT_EQ(patch.reach, 0.55);
     EXPECT_GT(patch.count, 50U);
 }
 

@@ -13,6 +13,9 @@ constexpr double first_margin = 3;
 constexpr std::size_t few_groups = 24;
 constexpr std::size_t many_groups = 64;
 
+/// A new ball on a way has its middle so far ahead, in parts of that margin.
+constexpr double part_ahead = 0.6;
+
 /// Of coordinates: more than differences of them and distances between are off by.
 constexpr double coordinate_rounding = 0x1p-44;
 
@@ -59,8 +62,7 @@ bool ContactCache::fill(const ContactSurface& surface, const Vec3& p, double dis
 
 bool ContactCache::covers(const ContactSurface& surface, const Vec3& p, double distance) noexcept
 {
-    if (!keeps(surface) || surface.groups().empty()) return false;
-    return (p - center_).norm() + distance + rounding_ <= reach_ || fill(surface, p, distance);
+    return keeps(surface) && (p - center_).norm() + distance + rounding_ <= reach_;
 }
 
 std::size_t ContactCache::ask(const ContactSurface& surface, const Vec3& p, double distance,
@@ -97,7 +99,16 @@ std::size_t ContactCache::collect_along(const ContactSurface& surface, const Vec
 {
     const Vec3 middle = p + 0.5 * way;
     const double around = distance + 0.5 * way.norm();
-    if (!covers(surface, middle, around)) return ask(surface, middle, around, buffer);
+    if (!keeps(surface) || surface.groups().empty()) return ask(surface, middle, around, buffer);
+    if (!covers(surface, middle, around)) {
+        // Who is on the way goes on.
+        const double length = way.norm();
+        const Vec3 ahead =
+            length > 0 ? Vec3(way * (part_ahead * margin_ / length)) : Vec3(Vec3::Zero());
+        const bool filled = fill(surface, middle + ahead, around) &&
+                            (covers(surface, middle, around) || fill(surface, middle, around));
+        if (!filled) return ask(surface, middle, around, buffer);
+    }
     GroupQuery query = surface.group_query(p);
     query.way = way;
     query.distance = distance;

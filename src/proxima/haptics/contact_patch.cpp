@@ -10,9 +10,17 @@ namespace proxima {
 void fill_metric_patch(ContactPatch& patch, const ContactSurface& surface, const Vec3& device,
                        double radius) noexcept
 {
-    const std::size_t wanted = surface.collect(device, radius, patch.room());
+    constexpr int attempts = 16;
+    constexpr double shorter = 0.75; // half the triangles of a surface
+    patch.reach = radius;
+    std::size_t wanted = surface.collect(device, patch.reach, patch.room());
+    for (int attempt = 0; attempt < attempts && wanted > patch.room().size(); ++attempt) {
+        patch.reach *= shorter;
+        wanted = surface.collect(device, patch.reach, patch.room());
+    }
+    if (wanted > patch.room().size()) patch.reach = 0;
     patch.count = std::min(wanted, patch.room().size());
-    patch.complete = wanted <= patch.room().size();
+    patch.complete = patch.reach >= radius;
     patch.center = device;
     patch.clearance = surface.clearance(device);
     patch.edition = new_edition();
@@ -32,6 +40,7 @@ void RingPatches::fill(ContactPatch& patch, const Vec3& device, int depth) noexc
     for (std::size_t i = 0; i < count; ++i) patch.room()[i] = {mesh_.triangle(ids_[i]), ids_[i]};
     patch.count = count;
     patch.complete = found.complete && count == found.count;
+    patch.reach = 0;
     patch.center = device;
     patch.clearance = std::sqrt(closest.squared_distance) * (1 - 0x1p-40);
     patch.edition = new_edition();

@@ -40,6 +40,7 @@ public:
 
     std::size_t count = 0;
     bool complete = true;       ///< all triangles that were asked for are there
+    double reach = 0;           ///< of a metric patch: all that are so near to the centre are there
     Vec3 center = Vec3::Zero(); ///< the device's place that it was made for
     double clearance = 0;       ///< no part of the whole surface is nearer to the centre
     std::uint64_t made_at = 0;  ///< the servo tick whose state it was made for
@@ -57,8 +58,9 @@ private:
     return 2 * speed * (collision_seconds + latency_seconds) + device_to_proxy + proxy_radius;
 }
 
-/// Fills a patch with all triangles within a radius of the device. noexcept, no allocation, one
-/// question of the surface. \pre finite, radius >= 0
+/// Fills a patch with all triangles within a radius of the device, or of a shorter one where there
+/// are more than it has room for: then it is whole for slower hands. noexcept, no allocation, a few
+/// questions of the surface, each ended once the room is full. \pre finite, radius >= 0
 void fill_metric_patch(ContactPatch& patch, const ContactSurface& surface, const Vec3& device,
                        double radius) noexcept;
 

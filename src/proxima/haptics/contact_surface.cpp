@@ -78,6 +78,7 @@ std::size_t collect_rows(const TriangleTree& tree, std::span<const TriangleRow<S
             if (count < buffer.size()) buffer[count] = contact_triangle(group[i]);
             ++count;
         }
+        return count > buffer.size() ? Flow::stop : Flow::proceed;
     });
     return count;
 }

@@ -47,8 +47,9 @@ public:
     [[nodiscard]] virtual const SurfaceScale& scale() const noexcept = 0;
 
     /// Writes all triangles within `distance` of p, in any order, and perhaps some that are
-    /// farther. Returns how many it wanted to write: more than the buffer's size means that some
-    /// are missing. \pre p is finite, distance >= 0
+    /// farther. Returns how many it wrote, or any number of more than the buffer's size where that is
+    /// full: then some are missing.
+    /// \pre p is finite, distance >= 0
     [[nodiscard]] virtual std::size_t collect(const Vec3& p, double distance,
                                               std::span<ContactTriangle> buffer) const noexcept = 0;
 

@@ -26,12 +26,14 @@ struct Site {
 class ScriptWriter {
 public:
     ScriptWriter(const TriangleMesh& mesh, const Topology& topology, const WorkspaceMap& map,
-                 std::uint64_t seed)
-        : mesh_(mesh), topology_(topology), map_(map), random_(seed)
+                 std::uint64_t seed, std::span<const std::uint32_t> parts)
+        : mesh_(mesh), topology_(topology), map_(map), random_(seed), parts_(parts)
     {
         for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
-            if (scaled_normal(mesh.triangle(TriangleId{id})).norm() > 0)
-                solid_.push_back(TriangleId{id});
+            if (!(scaled_normal(mesh.triangle(TriangleId{id})).norm() > 0)) continue;
+            if (solid_.empty() || part_of(TriangleId{id}) != part_of(solid_.back().back()))
+                solid_.emplace_back();
+            solid_.back().push_back(TriangleId{id});
         }
     }
 
@@ -62,7 +64,7 @@ public:
     void stroke()
     {
         for (int i = 0; i < sites && topology_.edge_count() > 0; ++i) {
-            const EdgeId edge{static_cast<std::uint32_t>(random_() % topology_.edge_count())};
+            const EdgeId edge = any_edge();
             const auto triangles = topology_.triangles(edge);
             Site from = middle_of(triangles.front());
             Site to = middle_of(triangles.back());
@@ -147,7 +149,27 @@ private:
     {
         const double u = unit();
         const double v = (1 - u) * unit();
-        return site_at(solid_[random_() % solid_.size()], u, v);
+        return site_at(any_triangle(), u, v);
+    }
+
+    /// Of the next part.
+    TriangleId any_triangle()
+    {
+        const std::vector<TriangleId>& part = solid_[next_part_++ % solid_.size()];
+        return part[random_() % part.size()];
+    }
+
+    EdgeId any_edge()
+    {
+        if (solid_.size() == 1)
+            return EdgeId{static_cast<std::uint32_t>(random_() % topology_.edge_count())};
+        return topology_.edges(any_triangle())[random_() % 3];
+    }
+
+    [[nodiscard]] std::size_t part_of(TriangleId id) const
+    {
+        const auto after = std::upper_bound(parts_.begin(), parts_.end(), index(id));
+        return static_cast<std::size_t>(after - parts_.begin());
     }
 
     /// The nearest of several that face about the same way.
@@ -165,7 +187,8 @@ private:
         return best;
     }
 
-    /// Vertices that lie deepest among their neighbours; on a convex model its sharpest ones.
+    /// Vertices that lie deepest among their neighbours, of each part as many; on a convex model
+    /// its sharpest ones.
     std::vector<Site> dents()
     {
         struct Dent {
@@ -188,9 +211,12 @@ private:
         std::ranges::stable_sort(found,
                                  [](const Dent& a, const Dent& b) { return a.depth > b.depth; });
         std::vector<Site> result;
-        const std::size_t count = std::min<std::size_t>(found.size(), sites);
-        for (std::size_t i = 0; i < count; ++i) {
-            const VertexId vertex{found[i].vertex};
+        const std::size_t most = (sites + solid_.size() - 1) / solid_.size();
+        std::vector<std::size_t> taken(parts_.size() + 1, 0);
+        for (const Dent& dent : found) {
+            if (result.size() == sites) break;
+            const VertexId vertex{dent.vertex};
+            if (taken[part_of(topology_.triangles(vertex).front())]++ >= most) continue;
             result.push_back({map_.to_device(mesh_.position(vertex)), normal_of(vertex)});
         }
         if (result.empty()) result.push_back(any_site());
@@ -211,7 +237,9 @@ private:
     const Topology& topology_;
     const WorkspaceMap& map_;
     std::mt19937_64 random_;
-    std::vector<TriangleId> solid_;
+    std::span<const std::uint32_t> parts_;
+    std::vector<std::vector<TriangleId>> solid_; ///< with an area, by part
+    std::size_t next_part_ = 0;
     double seconds_ = 0;
     HandScript script_;
 };
@@ -245,11 +273,11 @@ bool is_hand_script(std::string_view name) noexcept
 
 Result<HandScript> HandScript::make(std::string_view name, const TriangleMesh& mesh,
                                     const Topology& topology, const WorkspaceMap& map,
-                                    std::uint64_t seed)
+                                    std::uint64_t seed, std::span<const std::uint32_t> parts)
 {
     for (const NamedScript& script : scripts) {
         if (script.name != name) continue;
-        ScriptWriter writer(mesh, topology, map, seed);
+        ScriptWriter writer(mesh, topology, map, seed, parts);
         if (!writer.has_surface()) {
             return fail(ErrorCode::invalid_mesh,
                         "no triangle has an area: there is nothing to touch");

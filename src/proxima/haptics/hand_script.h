@@ -15,6 +15,7 @@
 #include "proxima/mesh/triangle_mesh.h"
 
 #include <cstdint>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -29,11 +30,14 @@ namespace proxima {
 /// A path through places at times, smooth in between, round and round.
 class HandScript {
 public:
-    /// A script for a model. The same for the same seed. Errors: invalid_argument (no such script:
-    /// which there are), invalid_mesh (no triangle has an area). O(triangles).
+    /// A script for a model. The same for the same seed. Of several objects in one mesh, `parts`
+    /// are their first triangles, ascending from 0: places are of each in turn. Errors:
+    /// invalid_argument (no such script: which there are), invalid_mesh (no triangle has an area).
+    /// O(triangles).
     [[nodiscard]] static Result<HandScript> make(std::string_view name, const TriangleMesh& mesh,
                                                  const Topology& topology, const WorkspaceMap& map,
-                                                 std::uint64_t seed);
+                                                 std::uint64_t seed,
+                                                 std::span<const std::uint32_t> parts = {});
 
     /// Where the hand wants to be. noexcept, no allocation. \pre seconds >= 0
     [[nodiscard]] Vec3 target(double seconds) const noexcept;

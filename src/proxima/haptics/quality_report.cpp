@@ -22,23 +22,69 @@ QualityMeter::QualityMeter(const ContactSurface& surface, const WorkspaceMap& ma
     : surface_(surface), map_(map), near_(SlideRoom::triangles)
 {}
 
+QualityMeter::QualityMeter(const TouchScene& scene, const WorkspaceMap& map)
+    : QualityMeter(static_cast<const ContactSurface&>(scene), map)
+{
+    scene_ = &scene;
+    report_.objects.resize(scene.object_count());
+}
+
+/// Whether a straight way meets a triangle.
+bool QualityMeter::passes(const ContactSurface& surface, const Vec3& from, const Vec3& to) noexcept
+{
+    if (from == to) return false;
+    const double half = 0.5 * (to - from).norm() * (1 + 0x1p-40);
+    const Vec3 middle = 0.5 * from + 0.5 * to;
+    if (surface.clearance(middle) > half) return false;
+    const std::size_t found = surface.collect(middle, half, near_);
+    for (const ContactTriangle& near : std::span(near_).first(std::min(found, near_.size()))) {
+        if (!is_degenerate(near.corners) && segment_meets_triangle(from, to, near.corners))
+            return true;
+    }
+    return false;
+}
+
 void QualityMeter::count_passes(std::span<const Vec3> path) noexcept
 {
-    for (std::size_t i = 1; i < path.size(); ++i) {
-        const Vec3& from = path[i - 1];
-        const Vec3& to = path[i];
-        if (from == to) continue;
-        const double half = 0.5 * (to - from).norm() * (1 + 0x1p-40);
-        const Vec3 middle = 0.5 * from + 0.5 * to;
-        if (surface_.clearance(middle) > half) continue;
-        const std::size_t found = surface_.collect(middle, half, near_);
-        for (const ContactTriangle& near : std::span(near_).first(std::min(found, near_.size()))) {
-            if (is_degenerate(near.corners) || !segment_meets_triangle(from, to, near.corners))
-                continue;
-            ++report_.passes;
-            break;
-        }
+    for (std::size_t i = 1; i < path.size(); ++i)
+        report_.passes += passes(surface_, path[i - 1], path[i]) ? 1U : 0U;
+}
+
+/// The way on which objects that move have carried the proxy, as each of them sees it.
+void QualityMeter::count_carried(const RenderTick& tick, std::span<const Vec3> path) noexcept
+{
+    const bool carried = report_.ticks > 1 && last_.proxy.has_room && tick.proxy.has_room &&
+                         !tick.squeezed && tick.fault == InputFault::none && !path.empty();
+    if (!carried) return;
+    for (std::uint32_t i = 0; i < scene_->object_count(); ++i) {
+        const SceneObject object = scene_->object(ObjectId{i});
+        const Vec3 from = seen_from(object.before, last_.proxy.proxy);
+        const Vec3 to = seen_from(object.now, path.front());
+        report_.passes += passes(object.body->surface(), from, to) ? 1U : 0U;
     }
+}
+
+void QualityMeter::add_objects(const RenderTick& tick) noexcept
+{
+    bool moved = false;
+    for (std::uint32_t i = 0; i < scene_->object_count(); ++i) {
+        const SceneObject object = scene_->object(ObjectId{i});
+        ObjectQuality& sum = report_.objects[i];
+        sum.moving_ticks += object.moved ? 1U : 0U;
+        moved |= object.moved;
+        if (tick.proxy.hold == Hold::free) continue;
+        const SlideResult& slide = tick.proxy.slide;
+        const auto contacts = std::span(slide.contacts).first(slide.contact_count);
+        const bool holds = std::any_of(contacts.begin(), contacts.end(), [&](const Contact& each) {
+            return object_of(each.triangle) == ObjectId{i};
+        });
+        if (!holds) continue;
+        ++sum.touching_ticks;
+        const double speed = scene_->velocity_at(ObjectId{i}, tick.proxy.proxy).norm();
+        sum.max_carrying = std::max(sum.max_carrying, speed / map_.units_per_metre);
+    }
+    report_.moving_ticks += moved ? 1U : 0U;
+    report_.squeezed_ticks += tick.squeezed ? 1U : 0U;
 }
 
 void QualityMeter::add(const RenderTick& tick, const Vec3& velocity,
@@ -64,6 +110,10 @@ void QualityMeter::add(const RenderTick& tick, const Vec3& velocity,
     sum.max_moves = std::max<std::uint64_t>(sum.max_moves, proxy.moves);
     sum.moves += proxy.moves;
     count_passes(path);
+    if (scene_ != nullptr) {
+        count_carried(tick, path);
+        add_objects(tick);
+    }
     const bool placed = last_.fault != InputFault::not_finite;
     if (!first && placed && tick.fault == InputFault::none) {
         const Vec3 way = tick.position - last_.position;

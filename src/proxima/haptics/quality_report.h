@@ -3,11 +3,19 @@
 
 #include "proxima/haptics/haptic_renderer.h"
 #include "proxima/haptics/latency_histogram.h"
+#include "proxima/haptics/touch_scene.h"
 
 #include <cstdint>
 #include <vector>
 
 namespace proxima {
+
+/// What became of one object of a scene.
+struct ObjectQuality {
+    std::uint64_t touching_ticks = 0; ///< in which it held the proxy, alone or with others
+    std::uint64_t moving_ticks = 0;
+    double max_carrying = 0; ///< m/s: of its surface, where it held the proxy
+};
 
 struct QualityReport {
     std::uint64_t ticks = 0;
@@ -29,6 +37,9 @@ struct QualityReport {
                                  ///< path without friction and damping
     std::uint64_t max_moves = 0; ///< of the proxy in a tick
     std::uint64_t moves = 0;     ///< of all
+    std::uint64_t moving_ticks = 0;     ///< in which an object of a scene moved
+    std::uint64_t squeezed_ticks = 0;   ///< in which moving objects left the proxy no room
+    std::vector<ObjectQuality> objects; ///< of a scene
 };
 
 /// Adds ticks up. One thread; add() is noexcept and without allocation, 1 us.
@@ -37,14 +48,24 @@ public:
     /// The surface must outlive this: the proxy's moves are held against its triangles, exactly.
     QualityMeter(const ContactSurface& surface, const WorkspaceMap& map);
 
+    /// The same of a scene whose bodies stay the same, held also against what moves: as each object
+    /// sees it, the way from the last tick's place to where they have carried the proxy. Wants
+    /// every tick of the scene.
+    QualityMeter(const TouchScene& scene, const WorkspaceMap& map);
+
     void add(const RenderTick& tick, const Vec3& velocity, std::span<const Vec3> path) noexcept;
 
     [[nodiscard]] const QualityReport& report() const noexcept { return report_; }
 
 private:
+    [[nodiscard]] bool passes(const ContactSurface& surface, const Vec3& from,
+                              const Vec3& to) noexcept;
     void count_passes(std::span<const Vec3> path) noexcept;
+    void count_carried(const RenderTick& tick, std::span<const Vec3> path) noexcept;
+    void add_objects(const RenderTick& tick) noexcept;
 
     const ContactSurface& surface_;
+    const TouchScene* scene_ = nullptr;
     WorkspaceMap map_;
     std::vector<ContactTriangle> near_;
     QualityReport report_;

@@ -6,14 +6,22 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 namespace proxima {
 
 namespace {
 
-constexpr FileFormat format = {{'P', 'X', 'T', 'O', 'U', 'C', 'H', '\n'}, 2, "recording"};
+constexpr FileFormat format = {{'P', 'X', 'T', 'O', 'U', 'C', 'H', '\n'}, 3, "recording"};
 
-enum Section : std::uint32_t { fingerprint_section = 1, settings_section = 2, ticks_section = 3 };
+enum Section : std::uint32_t {
+    fingerprint_section = 1,
+    settings_section = 2,
+    ticks_section = 3,
+    objects_section = 4, ///< since version 3
+    fingerprints_of_objects_section = 5
+};
+constexpr std::uint32_t first_version_with_objects = 3;
 
 /// The settings as numbers, in the order of the file.
 struct SettingNumbers {
@@ -37,6 +45,21 @@ struct SettingNumbers {
 };
 static_assert(sizeof(SettingNumbers) == 19 * sizeof(double));
 static_assert(sizeof(RecordedTick) == 13 * sizeof(double) + 4 * sizeof(std::uint32_t));
+
+/// An object of a scene, in the order of the file.
+struct ObjectNumbers {
+    double pose[12]; ///< (R | t) row by row
+    double kind;     ///< ObjectMotionKind
+    double along[3];
+    double angle;
+    double seconds;
+    double has_material; ///< 0 or 1
+    double stiffness;
+    double damping;
+    double static_friction;
+    double dynamic_friction;
+};
+static_assert(sizeof(ObjectNumbers) == 23 * sizeof(double));
 
 std::array<double, 3> numbers(const Vec3& v) noexcept
 {
@@ -106,6 +129,78 @@ bool in_range(const SettingNumbers& n)
            n.max_stiffness >= 0 && n.max_damping >= 0;
 }
 
+ObjectNumbers numbers(const ScriptedObject& object)
+{
+    ObjectNumbers result{};
+    for (int row = 0; row < 3; ++row) {
+        for (int column = 0; column < 3; ++column)
+            result.pose[4 * row + column] = object.pose.rotation(row, column);
+        result.pose[4 * row + 3] = object.pose.translation[row];
+        result.along[row] = object.script.along[row];
+    }
+    result.kind = static_cast<double>(object.script.kind);
+    result.angle = object.script.angle;
+    result.seconds = object.script.seconds;
+    if (!object.material) return result;
+    result.has_material = 1;
+    result.stiffness = object.material->stiffness;
+    result.damping = object.material->damping;
+    result.static_friction = object.material->static_friction;
+    result.dynamic_friction = object.material->dynamic_friction;
+    return result;
+}
+
+/// Error where no scene can be made of it.
+Result<ScriptedObject> object_of(const ObjectNumbers& numbers, std::uint64_t fingerprint)
+{
+    const auto pose = make_rigid_transform(numbers.pose);
+    if (!pose) return tl::unexpected(pose.error());
+    ScriptedObject object;
+    object.mesh_fingerprint = fingerprint;
+    object.pose = *pose;
+    for (const ObjectMotionKind kind : {ObjectMotionKind::rest, ObjectMotionKind::spin,
+                                        ObjectMotionKind::rock, ObjectMotionKind::swing}) {
+        if (numbers.kind == static_cast<double>(kind)) object.script.kind = kind;
+    }
+    if (numbers.kind != static_cast<double>(object.script.kind))
+        return fail(ErrorCode::malformed_file, "no such motion");
+    object.script.along = Vec3(numbers.along[0], numbers.along[1], numbers.along[2]);
+    object.script.angle = numbers.angle;
+    object.script.seconds = numbers.seconds;
+    if (Status status = check_script(object.script); !status) return tl::unexpected(status.error());
+    if (numbers.has_material != 0) {
+        object.material = SurfaceMaterial{.stiffness = numbers.stiffness,
+                                          .damping = numbers.damping,
+                                          .static_friction = numbers.static_friction,
+                                          .dynamic_friction = numbers.dynamic_friction};
+    }
+    return object;
+}
+
+/// None of files that are older.
+Result<std::vector<ScriptedObject>> objects_of(const BinaryFile& file, const std::string& path)
+{
+    std::vector<ScriptedObject> objects;
+    if (file.version() < first_version_with_objects) return objects;
+    const auto rows = file.section<ObjectNumbers>(objects_section);
+    if (!rows) return tl::unexpected(rows.error());
+    const auto fingerprints = file.section<std::uint64_t>(fingerprints_of_objects_section);
+    if (!fingerprints) return tl::unexpected(fingerprints.error());
+    if (rows->size() > max_scene_objects || fingerprints->size() != rows->size()) {
+        return fail(ErrorCode::malformed_file,
+                    "objects of the recording do not fit: record it again", path);
+    }
+    for (std::size_t i = 0; i < rows->size(); ++i) {
+        auto object = object_of((*rows)[i], (*fingerprints)[i]);
+        if (!object) {
+            return fail(ErrorCode::malformed_file,
+                        "an object of the recording is out of range: record it again", path);
+        }
+        objects.push_back(*object);
+    }
+    return objects;
+}
+
 bool same_bits(const std::array<double, 3>& a, const std::array<double, 3>& b) noexcept
 {
     for (std::size_t i = 0; i < 3; ++i) {
@@ -155,10 +250,19 @@ Status save_recording(const Recording& recording, const std::filesystem::path& p
 {
     const SettingNumbers settings = numbers(recording.settings);
     const std::uint64_t fingerprint = recording.settings.mesh_fingerprint;
-    const std::array<BinarySection, 3> sections = {
+    std::vector<ObjectNumbers> objects;
+    std::vector<std::uint64_t> fingerprints;
+    for (const ScriptedObject& object : recording.settings.objects) {
+        objects.push_back(numbers(object));
+        fingerprints.push_back(object.mesh_fingerprint);
+    }
+    const std::array<BinarySection, 5> sections = {
         {{fingerprint_section, sizeof fingerprint, std::as_bytes(std::span(&fingerprint, 1))},
          {settings_section, sizeof settings, std::as_bytes(std::span(&settings, 1))},
-         {ticks_section, sizeof(RecordedTick), std::as_bytes(std::span(recording.ticks))}}};
+         {ticks_section, sizeof(RecordedTick), std::as_bytes(std::span(recording.ticks))},
+         {objects_section, sizeof(ObjectNumbers), std::as_bytes(std::span(objects))},
+         {fingerprints_of_objects_section, sizeof(std::uint64_t),
+          std::as_bytes(std::span(fingerprints))}}};
     return write_binary_file(path, format, sections, progress);
 }
 
@@ -179,6 +283,9 @@ Result<Recording> load_recording(const std::filesystem::path& path, Progress* pr
     }
     Recording recording;
     recording.settings = settings_of(settings->front(), fingerprint->front());
+    auto objects = objects_of(*file, path.string());
+    if (!objects) return tl::unexpected(objects.error());
+    recording.settings.objects = std::move(*objects);
     recording.ticks.assign(ticks->begin(), ticks->end());
     return recording;
 }

@@ -1,12 +1,13 @@
 // Sessions of touching, tick by tick: written to a file, read back, replayed bit for bit.
 //
-// What was felt follows from what the device said, the model and the settings: the file has all of
-// them but the model, of which it has the fingerprint.
+// What was felt follows from what the device said, the models and the settings: the file has all of
+// them but the models, of which it has the fingerprints. Of a scene it has how its objects moved.
 #pragma once
 
 #include "proxima/base/result.h"
 #include "proxima/haptics/device.h"
 #include "proxima/haptics/haptic_renderer.h"
+#include "proxima/haptics/scripted_scene.h"
 
 #include <array>
 #include <cstdint>
@@ -34,7 +35,8 @@ struct RecordedTick {
 
 /// Settings that a session was felt with.
 struct RecordingSettings {
-    std::uint64_t mesh_fingerprint = 0;
+    std::uint64_t mesh_fingerprint = 0;  ///< of the one model; 0 of a scene
+    std::vector<ScriptedObject> objects; ///< of a scene; empty for one model at rest
     double tick_seconds = 1e-3;
     WorkspaceMap map;
     RenderOptions render;
@@ -66,8 +68,8 @@ struct Recording {
 [[nodiscard]] Result<Recording> load_recording(const std::filesystem::path& path,
                                                Progress* progress = nullptr);
 
-/// Feels a recording again with a renderer as new. Returns in how many ticks force or proxy had
-/// other bits than recorded.
+/// Feels a recording of one model again with a renderer as new. Returns in how many ticks force or
+/// proxy had other bits than recorded.
 [[nodiscard]] std::uint64_t count_differences(const Recording& recording,
                                               HapticRenderer& renderer) noexcept;
 

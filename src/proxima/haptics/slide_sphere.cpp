@@ -104,6 +104,12 @@ private:
             room_.touched_.clear();
             return true;
         }
+        // At the end of a move, what is near was on the way.
+        if (result_.moves > 0) {
+            const auto near = std::span<const ContactTriangle>(room_.near_).first(near_count_);
+            return room_.touched_.find_among(near, surface_, result_.center, radius_ + skin_,
+                                             0.25 * skin_);
+        }
         return room_.touched_.find(room_.cache_, surface_, result_.center, radius_ + skin_,
                                    0.25 * skin_, room_.near_);
     }

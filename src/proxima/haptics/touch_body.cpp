@@ -2,6 +2,7 @@
 
 #include "proxima/proximity/build_proximity_octree.h"
 #include "proxima/proximity/closest_feature.h"
+#include "proxima/proximity/octree_mesh.h"
 
 #include <array>
 #include <cmath>
@@ -29,34 +30,78 @@ std::optional<Vec3> TouchBody::way_out(const Vec3& p) const noexcept
     return at.closest.point;
 }
 
+/// Makes a body step by step.
+class TouchBodyBuilder {
+public:
+    explicit TouchBodyBuilder(const TouchBodyOptions& options)
+        : options_(options), body_(new TouchBody)
+    {}
+
+    [[nodiscard]] Result<std::unique_ptr<const TouchBody>> build(TriangleMesh mesh,
+                                                                 ProximityOctree* octree)
+    {
+        if (options_.material && !in_range(*options_.material)) {
+            return fail(ErrorCode::invalid_argument,
+                        "a surface's stiffness, damping and frictions are finite and not negative, "
+                        "and dynamic friction is no more than static");
+        }
+        TouchBody& body = *body_;
+        body.mesh_ = std::move(mesh);
+        auto topology = build_topology(
+            body.mesh_, {.threads = options_.threads, .progress = options_.progress});
+        if (!topology) return tl::unexpected(topology.error());
+        body.topology_ = std::move(*topology);
+        if (octree != nullptr) {
+            if (Status status = check_edges(*octree, body.topology_); !status)
+                return tl::unexpected(status.error());
+            body.octree_ = std::move(*octree);
+        } else if (Status status = build_octree(); !status) {
+            return tl::unexpected(status.error());
+        }
+        auto sign =
+            build_surface_sign(body.mesh_, body.topology_,
+                               {.threads = options_.threads, .progress = options_.progress});
+        if (!sign) return tl::unexpected(sign.error());
+        if (sign->is_local()) body.sign_ = std::move(*sign);
+        body.bounds_ = bounding_box(body.mesh_);
+        if (options_.search == BodySearch::every_triangle) {
+            body.surface_ = std::make_unique<MeshContactSurface>(body.mesh_);
+        } else {
+            body.surface_ = std::make_unique<OctreeContactSurface>(body.octree_);
+        }
+        if (options_.shading == ForceShading::on)
+            body.normals_ = std::make_unique<ShadingNormals>(body.mesh_, body.topology_);
+        body.material_ = options_.material;
+        return std::move(body_);
+    }
+
+private:
+    [[nodiscard]] Status build_octree()
+    {
+        auto built =
+            build_proximity_octree(body_->mesh_, body_->topology_,
+                                   {.threads = options_.threads, .progress = options_.progress});
+        if (!built) return tl::unexpected(built.error());
+        body_->octree_ = std::move(*built);
+        return {};
+    }
+
+    const TouchBodyOptions& options_;
+    std::unique_ptr<TouchBody> body_;
+};
+
 Result<std::unique_ptr<const TouchBody>> build_touch_body(TriangleMesh mesh,
                                                           const TouchBodyOptions& options)
 {
-    if (options.material && !in_range(*options.material)) {
-        return fail(ErrorCode::invalid_argument,
-                    "a surface's stiffness, damping and frictions are finite and not negative, and "
-                    "dynamic friction is no more than static");
-    }
-    std::unique_ptr<TouchBody> body(new TouchBody);
-    body->mesh_ = std::move(mesh);
-    auto topology =
-        build_topology(body->mesh_, {.threads = options.threads, .progress = options.progress});
-    if (!topology) return tl::unexpected(topology.error());
-    body->topology_ = std::move(*topology);
-    auto octree = build_proximity_octree(
-        body->mesh_, body->topology_, {.threads = options.threads, .progress = options.progress});
-    if (!octree) return tl::unexpected(octree.error());
-    body->octree_ = std::move(*octree);
-    auto sign = build_surface_sign(body->mesh_, body->topology_,
-                                   {.threads = options.threads, .progress = options.progress});
-    if (!sign) return tl::unexpected(sign.error());
-    if (sign->is_local()) body->sign_ = std::move(*sign);
-    body->bounds_ = bounding_box(body->mesh_);
-    body->surface_ = std::make_unique<OctreeContactSurface>(body->octree_);
-    if (options.shading == ForceShading::on)
-        body->normals_ = std::make_unique<ShadingNormals>(body->mesh_, body->topology_);
-    body->material_ = options.material;
-    return body;
+    return TouchBodyBuilder(options).build(std::move(mesh), nullptr);
+}
+
+Result<std::unique_ptr<const TouchBody>> build_touch_body(ProximityOctree octree,
+                                                          const TouchBodyOptions& options)
+{
+    auto mesh = mesh_of(octree);
+    if (!mesh) return tl::unexpected(mesh.error());
+    return TouchBodyBuilder(options).build(std::move(*mesh), &octree);
 }
 
 } // namespace proxima

@@ -19,9 +19,16 @@
 
 namespace proxima {
 
+/// What a body's questions are answered by.
+enum class BodySearch : bool {
+    octree,
+    every_triangle ///< slow: what the other is held against
+};
+
 struct TouchBodyOptions {
     std::optional<SurfaceMaterial> material;  ///< none: the renderer's own settings
     ForceShading shading = ForceShading::off; ///< on: with normals for it
+    BodySearch search = BodySearch::octree;
     Threads threads = {};
     Progress* progress = nullptr;
 };
@@ -48,15 +55,14 @@ public:
     [[nodiscard]] std::optional<Vec3> way_out(const Vec3& p) const noexcept;
 
 private:
-    friend Result<std::unique_ptr<const TouchBody>>
-    build_touch_body(TriangleMesh mesh, const TouchBodyOptions& options);
+    friend class TouchBodyBuilder;
     TouchBody() = default;
 
     TriangleMesh mesh_;
     Topology topology_;
     ProximityOctree octree_;
     Box bounds_;
-    std::unique_ptr<OctreeContactSurface> surface_;
+    std::unique_ptr<ContactSurface> surface_;
     std::unique_ptr<ShadingNormals> normals_;
     std::optional<SurfaceSign> sign_; ///< of meshes that are closed
     std::optional<SurfaceMaterial> material_;
@@ -67,5 +73,10 @@ private:
 /// friction.
 [[nodiscard]] Result<std::unique_ptr<const TouchBody>>
 build_touch_body(TriangleMesh mesh, const TouchBodyOptions& options = {});
+
+/// The same of an octree that is built or was saved, with the mesh that it has. Errors also those
+/// of mesh_of and check_edges.
+[[nodiscard]] Result<std::unique_ptr<const TouchBody>>
+build_touch_body(ProximityOctree octree, const TouchBodyOptions& options = {});
 
 } // namespace proxima

@@ -25,6 +25,14 @@ bool replaces(const Contact& a, const Contact& b) noexcept
     return a_inside != b_inside ? a_inside : a.triangle < b.triangle;
 }
 
+/// Whether its box is. Differences of coordinates are rounded once, which `limit` has room for.
+bool is_beyond(const Triangle& triangle, const Vec3& p, double limit) noexcept
+{
+    const Vec3 lower = triangle[0].cwiseMin(triangle[1]).cwiseMin(triangle[2]);
+    const Vec3 upper = triangle[0].cwiseMax(triangle[1]).cwiseMax(triangle[2]);
+    return ((lower - p).cwiseMax(p - upper).array() > limit).any();
+}
+
 constexpr std::size_t touched_triangles = 4096;
 
 } // namespace
@@ -85,15 +93,29 @@ bool TouchedPlaces::add(const Contact& contact, double rounding) noexcept
     return true;
 }
 
+bool TouchedPlaces::is_known(const ContactSurface& surface, const Vec3& p,
+                             double limit) const noexcept
+{
+    const std::uint64_t edition = surface.edition();
+    return edition != 0 && edition == edition_ && p == at_ && limit == limit_;
+}
+
 bool TouchedPlaces::find(ContactCache& cache, const ContactSurface& surface, const Vec3& p,
                          double limit, double rounding, std::span<ContactTriangle> near) noexcept
 {
-    const std::uint64_t edition = surface.edition();
-    if (edition != 0 && edition == edition_ && p == at_ && limit == limit_) return true;
+    if (is_known(surface, p, limit)) return true;
     clear();
     const std::size_t found = cache.collect(surface, p, limit, near);
-    if (found > near.size()) return false;
-    for (const ContactTriangle& triangle : near.first(found)) {
+    return found <= near.size() && find_among(near.first(found), surface, p, limit, rounding);
+}
+
+bool TouchedPlaces::find_among(std::span<const ContactTriangle> near, const ContactSurface& surface,
+                               const Vec3& p, double limit, double rounding) noexcept
+{
+    if (is_known(surface, p, limit)) return true;
+    clear();
+    for (const ContactTriangle& triangle : near) {
+        if (is_beyond(triangle.corners, p, limit)) continue;
         const auto contact = contact_with(triangle, p, limit, rounding);
         if (!contact) continue;
         if (triangle_count_ == triangles_.size()) return false;
@@ -105,7 +127,7 @@ bool TouchedPlaces::find(ContactCache& cache, const ContactSurface& surface, con
               [](const Contact& a, const Contact& b) { return a.triangle < b.triangle; });
     at_ = p;
     limit_ = limit;
-    edition_ = edition;
+    edition_ = surface.edition();
     return true;
 }
 

@@ -44,6 +44,11 @@ public:
                             double limit, double rounding,
                             std::span<ContactTriangle> near) noexcept;
 
+    /// The same of triangles that are known: all within `limit` of p, and any others.
+    [[nodiscard]] bool find_among(std::span<const ContactTriangle> near,
+                                  const ContactSurface& surface, const Vec3& p, double limit,
+                                  double rounding) noexcept;
+
     /// By triangle id; contacts of several triangles at the same vertex or edge once.
     [[nodiscard]] std::span<const Contact> contacts() const noexcept
     {
@@ -54,6 +59,8 @@ public:
     [[nodiscard]] bool has(TriangleId id) const noexcept;
 
 private:
+    [[nodiscard]] bool is_known(const ContactSurface& surface, const Vec3& p,
+                                double limit) const noexcept;
     [[nodiscard]] bool add(const Contact& contact, double rounding) noexcept;
 
     std::vector<Contact> contacts_;

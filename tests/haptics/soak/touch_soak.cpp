@@ -1,6 +1,7 @@
 // Millions of scripted ticks, every move of the proxy held against the surface: scripts/soak touch.
 //
 //     touch_soak [--ticks N] [--compare N] [--seed N] [--mesh NAME]...
+//     touch_soak --scenes [--ticks N] [--seed N]       several objects, moving (scene_soak.h)
 //
 //     compared  ticks in which a second proxy, that looks at every triangle of the mesh in every
 //               question, felt the same hand: all on meshes of up to 5,000 triangles, the first
@@ -14,6 +15,7 @@
 // Exit status 1 if anything passed, was over or wrong.
 
 #include "haptics/soak/every_triangle.h"
+#include "haptics/soak/scene_soak.h"
 #include "haptics/touch_meshes.h"
 #include "proxima/haptics/hand_script.h"
 #include "proxima/haptics/haptic_renderer.h"
@@ -221,6 +223,9 @@ int main(int argc, char** argv)
     app.add_option("--compare", options.compare, "Ticks of every row held against all triangles");
     app.add_option("--seed", options.seed)->capture_default_str();
     app.add_option("--mesh", options.meshes, "These alone, by name, or files");
+    bool scenes = false;
+    app.add_flag("--scenes", scenes, "Scenes of small meshes, of so many ticks each");
     CLI11_PARSE(app, argc, argv);
+    if (scenes) return proxima::soak::run_scene_soak(options.ticks, options.seed);
     return proxima::soak::run(options);
 }

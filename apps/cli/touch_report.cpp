@@ -1,0 +1,143 @@
+#include "cli/touch_report.h"
+
+#include "cli/touch_input_report.h"
+#include "cli/touch_objects.h"
+
+#include <algorithm>
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+namespace proxima {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string microseconds(const LatencyHistogram& histogram)
+{
+    const auto at = [&](double part) {
+        return 1e-3 * static_cast<double>(histogram.quantile(part));
+    };
+    return fmt::format("p50 {:.2f}, p99 {:.2f}, p99.9 {:.2f}, p99.99 {:.2f}, max {:.2f} us",
+                       at(0.5), at(0.99), at(0.999), at(0.9999), at(1));
+}
+
+Json latency_json(const LatencyHistogram& histogram)
+{
+    return {{"p50_ns", histogram.quantile(0.5)},
+            {"p99_ns", histogram.quantile(0.99)},
+            {"p99_9_ns", histogram.quantile(0.999)},
+            {"p99_99_ns", histogram.quantile(0.9999)},
+            {"max_ns", histogram.max()}};
+}
+
+double percent(std::uint64_t part, std::uint64_t whole)
+{
+    return whole == 0 ? 0 : 100 * static_cast<double>(part) / static_cast<double>(whole);
+}
+
+} // namespace
+
+std::string touch_text(const TouchReportOf& of, const TouchModel& model, const TouchResult& result)
+{
+    const QualityReport& quality = result.quality;
+    const RenderOptions& render = result.render_options;
+    const Vec3& center = result.map.center;
+    std::string text = fmt::format(
+        "{}: {} triangles, ready in {:.3f} s\n"
+        "workspace: 1 m of the device is {:.6g} of the model, its middle ({:.6g}, {:.6g}, {:.6g})\n"
+        "{}: {} ticks, K {:g} N/m, B {:g} N s/m, friction {:g} and {:g}, radius {:g} m\n",
+        of.model, model.surface.mesh.triangle_count(), model.build_seconds,
+        result.map.units_per_metre, center.x(), center.y(), center.z(), of.device, quality.ticks,
+        render.force.stiffness, render.force.damping, render.static_friction,
+        render.dynamic_friction, render.proxy_radius);
+    text += fmt::format(
+        "touching {:.1f} %, sticking {:.1f} %; force at most {:.3f} N, depth {:.2f} mm, speed "
+        "{:.2f} "
+        "m/s\n"
+        "passed through: {}; slides cut short {}, overloaded {}, faulty input {}\n"
+        "force step over K times the way: {:.3f}; turn {:.1f} degrees; energy taken {:.3g} J\n"
+        "guards: clamped {}, slewed {}, damped {} ticks; lowest energy {:.3g} J\n"
+        "tick: {}\n",
+        percent(quality.touching_ticks, quality.ticks),
+        percent(quality.sticking_ticks, quality.ticks), quality.max_force, 1e3 * quality.max_depth,
+        quality.max_speed, quality.passes, quality.limited_ticks, quality.overloaded_ticks,
+        quality.faulty_ticks, quality.max_step_ratio, quality.max_turn_degrees,
+        quality.taken_energy, result.clamped, result.slewed, result.damped, result.lowest_energy,
+        microseconds(result.render));
+    text += objects_text(model, quality);
+    if (result.device) text += device_text(*result.device);
+    if (of.differences) {
+        text += fmt::format("replayed: {} ticks differ from the recording\n", *of.differences);
+    } else if (of.paced) {
+        text += fmt::format(
+            "servo: {:.1f} Hz, {} deadlines missed, {} ticks left out; late by {}\n"
+            "real-time priority: {}, locked memory: {}\n",
+            static_cast<double>(result.servo.ticks) / std::max(result.servo.seconds, 1e-9),
+            result.servo.missed, result.servo.skipped, microseconds(result.servo.late),
+            result.servo.real_time_priority ? "yes" : "no",
+            result.servo.locked_memory ? "yes" : "no");
+        if (!result.servo.note.empty()) text += fmt::format("note: {}\n", result.servo.note);
+    }
+    return text;
+}
+
+Json touch_json(const TouchReportOf& of, const TouchModel& model, const TouchResult& result)
+{
+    const QualityReport& quality = result.quality;
+    const RenderOptions& render = result.render_options;
+    const Vec3& center = result.map.center;
+    Json json = {{"model", of.model},
+                 {"triangles", model.surface.mesh.triangle_count()},
+                 {"device", of.device},
+                 {"build_seconds", model.build_seconds},
+                 {"units_per_metre", result.map.units_per_metre},
+                 {"center", {center.x(), center.y(), center.z()}},
+                 {"stiffness", render.force.stiffness},
+                 {"damping", render.force.damping},
+                 {"static_friction", render.static_friction},
+                 {"dynamic_friction", render.dynamic_friction},
+                 {"radius", render.proxy_radius},
+                 {"shading", render.shading == ForceShading::on},
+                 {"ticks", quality.ticks},
+                 {"touching_ticks", quality.touching_ticks},
+                 {"sticking_ticks", quality.sticking_ticks},
+                 {"passes", quality.passes},
+                 {"limited_ticks", quality.limited_ticks},
+                 {"overloaded_ticks", quality.overloaded_ticks},
+                 {"faulty_ticks", quality.faulty_ticks},
+                 {"moving_ticks", quality.moving_ticks},
+                 {"squeezed_ticks", quality.squeezed_ticks},
+                 {"max_force", quality.max_force},
+                 {"max_spring", quality.max_spring},
+                 {"max_depth", quality.max_depth},
+                 {"max_speed", quality.max_speed},
+                 {"max_step_ratio", quality.max_step_ratio},
+                 {"max_turn_degrees", quality.max_turn_degrees},
+                 {"taken_energy", quality.taken_energy},
+                 {"max_moves", quality.max_moves},
+                 {"clamped_ticks", result.clamped},
+                 {"slewed_ticks", result.slewed},
+                 {"damped_ticks", result.damped},
+                 {"lowest_energy", result.lowest_energy},
+                 {"tick", latency_json(result.render)},
+                 {"servo", nullptr},
+                 {"replay_differences", nullptr},
+                 {"patches", nullptr},
+                 {"objects", objects_json(model, quality)}};
+    add_device_json(json, result.device ? &*result.device : nullptr);
+    if (of.differences) {
+        json["replay_differences"] = *of.differences;
+    } else if (of.paced) {
+        json["servo"] = {{"seconds", result.servo.seconds},
+                         {"missed_deadlines", result.servo.missed},
+                         {"skipped_ticks", result.servo.skipped},
+                         {"late", latency_json(result.servo.late)},
+                         {"real_time_priority", result.servo.real_time_priority},
+                         {"locked_memory", result.servo.locked_memory},
+                         {"note", result.servo.note}};
+    }
+    return json;
+}
+
+} // namespace proxima

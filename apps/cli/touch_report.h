@@ -1,0 +1,27 @@
+// What a session of touching amounts to, for people and as JSON.
+#pragma once
+
+#include "cli/touch_session.h"
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+
+namespace proxima {
+
+/// What the report is of.
+struct TouchReportOf {
+    std::string model;
+    std::string device;
+    bool paced = true;                        ///< by the clock: with an account of the servo loop
+    std::optional<std::uint64_t> differences; ///< of a replay
+};
+
+/// Lines; the last ends with a line break.
+[[nodiscard]] std::string touch_text(const TouchReportOf& of, const TouchModel& model,
+                                     const TouchResult& result);
+[[nodiscard]] nlohmann::ordered_json touch_json(const TouchReportOf& of, const TouchModel& model,
+                                                const TouchResult& result);
+
+} // namespace proxima
