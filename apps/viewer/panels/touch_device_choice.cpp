@@ -59,7 +59,10 @@ Result<TouchDevice> TouchDeviceChoice::open(const ViewModel& model) const
     const std::string wanted = device();
     if (const std::string problem = touch_device_problem(wanted); !problem.empty())
         return fail(ErrorCode::invalid_argument, problem);
-    return open_touch_device({.device = wanted, .library = library}, model.mesh, model.topology);
+    TouchDeviceSettings settings;
+    settings.device = wanted;
+    settings.library = library;
+    return open_touch_device(settings, model.box, model.mesh, model.topology, {});
 }
 
 std::string_view word_of(InputCondition condition) noexcept
