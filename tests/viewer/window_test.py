@@ -190,6 +190,8 @@ class Panels(WindowTest):
         window.wait(lambda now: "servo rate" in now["facts"], "another servo loop")
         # A device that is not there: the panel says so, and the mouse has it again.
         window.choose("device", "hd")
+        window.wait(lambda now: "libHD.so" in now["problem"], "what became of it")
+        window.frames(2)  # until the controls have made room for it
         window.type("library", "/nowhere/libHD.so")
         window.wait(lambda now: "/nowhere/libHD.so" in now["problem"], "the device's message")
         window.frames(2)  # until the controls have made room for it
