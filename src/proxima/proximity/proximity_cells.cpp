@@ -15,9 +15,9 @@ namespace {
 void append_ranks(const ProximityArrays& arrays, std::uint32_t place, std::uint32_t mask,
                   std::vector<std::uint32_t>& ranks)
 {
-    const std::byte* const block = arrays.arena.data() + std::size_t{place} * block_alignment;
+    const std::byte* const begin = arrays.arena.data() + std::size_t{place} * block_alignment;
     BlockHeader header;
-    std::memcpy(&header, block, sizeof(header));
+    std::memcpy(&header, begin, sizeof(header));
     const bool wide = header.wide != 0;
     const BlockLayout layout = block_layout(header.vertices, header.triangles, wide);
     for (; mask != 0; mask &= mask - 1) {
@@ -25,9 +25,9 @@ void append_ranks(const ProximityArrays& arrays, std::uint32_t place, std::uint3
         std::uint32_t offset = 0;
         std::uint16_t narrow = 0;
         if (wide) {
-            std::memcpy(&offset, block + layout.ranks + 4 * triangle, 4);
+            std::memcpy(&offset, begin + layout.ranks + 4 * triangle, 4);
         } else {
-            std::memcpy(&narrow, block + layout.ranks + 2 * triangle, 2);
+            std::memcpy(&narrow, begin + layout.ranks + 2 * triangle, 2);
             offset = narrow;
         }
         ranks.push_back(header.base + offset);

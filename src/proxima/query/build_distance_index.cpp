@@ -20,13 +20,6 @@ constexpr std::size_t lanes = 8;
 constexpr int normal_unit = 512;
 constexpr int extent_unit = 32768;
 
-/// A block and the box that its node draws round it.
-struct BoxedBlock {
-    std::uint32_t reference;
-    Vec3 center;
-    Vec3 half;
-};
-
 std::uint32_t bits_of(double value, int most, unsigned bits)
 {
     const double whole = std::clamp(value, -static_cast<double>(most), static_cast<double>(most));
@@ -37,6 +30,13 @@ std::uint32_t bits_of(double value, int most, unsigned bits)
 
 class DistanceIndexWriter {
 public:
+    /// A block and the box that its node draws round it.
+    struct BoxedBlock {
+        std::uint32_t reference;
+        Vec3 center;
+        Vec3 half;
+    };
+
     explicit DistanceIndexWriter(const RayIndex& triangles)
         : triangles_(triangles), blocks_(triangles.blocks()),
           slabs_(std::make_shared<std::vector<BlockSlab>>(blocks_.size() + lanes - 1))
@@ -163,7 +163,7 @@ Result<DistanceIndex> build_distance_index(const RayIndex& triangles,
                                            const DistanceIndexOptions& options)
 {
     const std::uint64_t needed =
-        triangles.blocks().size() * (sizeof(BlockSlab) + sizeof(BoxedBlock));
+        triangles.blocks().size() * (sizeof(BlockSlab) + sizeof(DistanceIndexWriter::BoxedBlock));
     if (auto status =
             check_budget(options.budget, needed, "the distance index", "raise the budget");
         !status)
