@@ -122,8 +122,8 @@ void build_two_at_once(benchmark::State& state, const Workload& load)
         };
         std::jthread one(build, 0);
         std::jthread other(build, 1);
-        start.arrive_and_wait();
         const auto begin = std::chrono::steady_clock::now();
+        start.arrive_and_wait();
         one.join();
         other.join();
         const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
