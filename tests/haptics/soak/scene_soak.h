@@ -9,12 +9,13 @@ namespace proxima::soak {
 /// all their triangles in every question. Prints a table; exit status 1 if anything was wrong.
 ///
 ///     squeezed  ticks in which moving objects left the proxy no room
-///     wrong     ticks in which proxy or force differ in any bit
+///     wrong     ticks in which the proxies differ: of a point at all, of a sphere by 1e-9 of the
+///               scene's reach
 ///     passes    ways of the proxy through a triangle, decided exactly: where objects carried it,
-///     as
-///               each of them sees it, and its own moves; every triangle is asked
+///               as each of them sees it, and its own moves; every triangle is asked
 ///     near      ticks in which it ended nearer to a triangle than its radius
 ///     over      ticks with more triangles near than there is room for
+///     apart     how far the proxies were apart at most, of the scene's reach
 [[nodiscard]] int run_scene_soak(std::uint64_t ticks, std::uint64_t seed);
 
 } // namespace proxima::soak
