@@ -116,6 +116,27 @@ Result<TouchDevice> open_touch_device(const TouchDeviceSettings& settings, const
                  box);
 }
 
+std::string_view word_of(InputCondition condition) noexcept
+{
+    switch (condition) {
+    case InputCondition::well:
+        break;
+    case InputCondition::clutched:
+        return "clutched";
+    case InputCondition::unsure:
+        return "unsure";
+    case InputCondition::frozen:
+        return "frozen";
+    case InputCondition::silent:
+        return "silent";
+    case InputCondition::gone:
+        return "gone";
+    case InputCondition::released:
+        return "released";
+    }
+    return "well";
+}
+
 std::vector<FoundDevice> look_for_devices(const std::string& library)
 {
     std::vector<FoundDevice> found;

@@ -13,6 +13,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace proxima {
@@ -47,6 +48,9 @@ struct TouchDevice {
                                                     const Box& box, const TriangleMesh& mesh,
                                                     const Topology& topology,
                                                     std::span<const std::uint32_t> parts);
+
+/// "well", "silent", ...: how a device's input is.
+[[nodiscard]] std::string_view word_of(InputCondition condition) noexcept;
 
 /// A device that was looked for.
 struct FoundDevice {

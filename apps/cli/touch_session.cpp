@@ -62,22 +62,7 @@ struct LiveTouch {
 
 std::string_view word_of(const LiveTouch& now)
 {
-    switch (now.condition) {
-    case InputCondition::well:
-        break;
-    case InputCondition::clutched:
-        return "clutched";
-    case InputCondition::unsure:
-        return "unsure";
-    case InputCondition::frozen:
-        return "frozen";
-    case InputCondition::silent:
-        return "silent";
-    case InputCondition::gone:
-        return "gone";
-    case InputCondition::released:
-        return "released";
-    }
+    if (now.condition != InputCondition::well) return word_of(now.condition);
     if (now.hold == Hold::free) return "free";
     return now.hold == Hold::sticking ? "sticking" : "sliding";
 }

@@ -65,25 +65,4 @@ Result<TouchDevice> TouchDeviceChoice::open(const ViewModel& model) const
     return open_touch_device(settings, model.box, model.mesh, model.topology, {});
 }
 
-std::string_view word_of(InputCondition condition) noexcept
-{
-    switch (condition) {
-    case InputCondition::well:
-        break;
-    case InputCondition::clutched:
-        return "clutched";
-    case InputCondition::unsure:
-        return "says what no hand does";
-    case InputCondition::frozen:
-        return "frozen";
-    case InputCondition::silent:
-        return "silent";
-    case InputCondition::gone:
-        return "gone";
-    case InputCondition::released:
-        return "let go of";
-    }
-    return "well";
-}
-
 } // namespace proxima

@@ -41,7 +41,4 @@ struct TouchDeviceChoice {
     [[nodiscard]] Result<TouchDevice> open(const ViewModel& model) const;
 };
 
-/// Of a device that is not well, or that is: "silent", "gone", ...
-[[nodiscard]] std::string_view word_of(InputCondition condition) noexcept;
-
 } // namespace proxima

@@ -203,10 +203,6 @@ std::uint64_t count_passes(const TouchScene& scene, const Vec3& before, std::spa
     return passes;
 }
 
-/// A sphere's contacts come in another order from an octree, and rounding with them; friction
-/// carries it on.
-constexpr double rounded = 1e-9;
-
 SceneTotals run_row(const SoakScene& wanted, const std::string& script_name, double radius,
                     std::uint64_t ticks, std::uint64_t seed)
 {
@@ -245,7 +241,7 @@ SceneTotals run_row(const SoakScene& wanted, const std::string& script_name, dou
         row.over += felt.proxy.slide.end == SlideEnd::overloaded ? 1U : 0U;
         const double apart = (felt.proxy.proxy - should.proxy.proxy).norm() / scene.scale().reach;
         row.apart = std::max(row.apart, apart);
-        row.wrong += apart <= (radius > 0 ? rounded : 0.0) ? 0U : 1U;
+        row.wrong += apart == 0 && felt.force == should.force ? 0U : 1U;
         const bool has_room = felt.proxy.has_room;
         if (had_room && has_room && !felt.squeezed)
             row.passes += count_passes(scene, before, renderer.proxy().path());

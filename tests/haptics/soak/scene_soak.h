@@ -9,8 +9,7 @@ namespace proxima::soak {
 /// all their triangles in every question. Prints a table; exit status 1 if anything was wrong.
 ///
 ///     squeezed  ticks in which moving objects left the proxy no room
-///     wrong     ticks in which the proxies differ: of a point at all, of a sphere by 1e-9 of the
-///               scene's reach
+///     wrong     ticks in which proxy or force differ in any bit
 ///     passes    ways of the proxy through a triangle, decided exactly: where objects carried it,
 ///               as each of them sees it, and its own moves; every triangle is asked
 ///     near      ticks in which it ended nearer to a triangle than its radius
