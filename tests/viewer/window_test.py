@@ -223,9 +223,32 @@ class Opening(WindowTest):
         window.click("models/", 0.1)
         window.wait(lambda state: "fan.obj" in state["controls"], "the folder again")
         window.click("fan.obj", 0.1)
+        window.wait(lambda state: state["controls"]["path"]["value"] == "fan.obj", "the name in the field")
         window.click("open")
         state = window.settled()
         self.assertEqual((state["models"], state["facts"]["triangles"], state["files"]), (1, "5", False))
+        self.close(window)
+
+    def test_a_double_click_enters_one_folder_and_opens_one_model(self):
+        inner = self.folder / "models" / "models"
+        inner.mkdir(parents=True)
+        self.model("models/fan.obj", 7)
+        self.model("models/models/one.obj")
+        window = self.open()
+        window.type("path", str(self.folder))
+        window.wait(lambda state: "models/" in state["controls"], "the folder's list")
+        window.double_click("models/", 0.1)
+        window.wait(lambda state: "fan.obj" in state["controls"], "the folder within")
+        window.frames(10)
+        state = window.state()
+        self.assertIn("fan.obj", state["controls"], "only one folder was entered")
+        self.assertEqual((state["models"], state["files"], window.value("path")), (0, True, ""))
+        for _ in range(20):  # a slow machine may see two clicks
+            window.double_click("fan.obj", 0.1)
+            window.frames(10)
+            if window.state()["models"] > 0:
+                break
+        self.assertEqual(window.settled()["facts"]["triangles"], "5")
         self.close(window)
 
     def test_what_cannot_be_opened_is_said_and_all_goes_on(self):

@@ -13,6 +13,7 @@ from proxima_program import PROXIMA
 
 MISSING = [name for name in ("Xvfb", "xdotool", "xprop") if shutil.which(name) is None]
 PATIENCE = 120  # seconds: for slow machines; every wait ends with what it waits for
+DOUBLE_CLICK = 0.3  # seconds: ImGui takes two clicks on one place within them for a double-click
 
 
 class Picture:
@@ -89,6 +90,7 @@ class Window:
         self._program = subprocess.Popen(
             [PROXIMA, "view", *map(str, arguments), "--state", str(self._file), "--gl-debug"],
             env=screen.environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self._clicked = 0.0  # when a click was seen last
         self.wait(lambda state: state["frames"] > 2, "the first frames")
 
     def state(self):
@@ -126,8 +128,22 @@ class Window:
         x, y = self.place(control, part)
         self.screen.act("mousemove", x, y)
         self.frames(2)  # a widget must see the mouse before the click
+        time.sleep(max(0.0, self._clicked + 1.2 * DOUBLE_CLICK - time.monotonic()))
+        self._press_and_let_go()
+
+    def double_click(self, control, part=0.5):
+        """Two clicks on one place, as fast as a person's."""
+        x, y = self.place(control, part)
+        self.screen.act("mousemove", x, y)
+        self.frames(2)
+        self.screen.act("click", "--repeat", 2, "--delay", 100, 1)
+        self.frames(2)
+        self._clicked = time.monotonic()
+
+    def _press_and_let_go(self):
         self.screen.act("mousedown", 1)
         self.frames(2)
+        self._clicked = time.monotonic()
         self.screen.act("mouseup", 1)
         self.frames(2)
 

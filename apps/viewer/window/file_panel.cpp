@@ -120,7 +120,17 @@ std::optional<std::string> FilePanel::draw_list(float height, std::vector<Widget
 {
     std::optional<std::string> result;
     ImGui::BeginChild("folder", ImVec2(0.0F, height), true);
-    if (ImGui::Selectable("../")) go_to(list_.folder.parent_path());
+    // A folder is entered by the first click: the second one of a double-click then meets whatever
+    // has come to its place, which nobody has chosen.
+    const auto is_clicked = [](const std::string& shown, bool is_chosen) {
+        return ImGui::Selectable(shown.c_str(), is_chosen, ImGuiSelectableFlags_AllowDoubleClick) &&
+               (is_chosen || !ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left));
+    };
+    const auto enter = [this](const fs::path& folder) {
+        go_to(folder);
+        path_.clear();
+    };
+    if (is_clicked("../", false)) enter(list_.folder.parent_path());
     add_place("../", {}, places);
     ImGuiListClipper clipper;
     clipper.Begin(static_cast<int>(list_.entries.size()));
@@ -129,10 +139,9 @@ std::optional<std::string> FilePanel::draw_list(float height, std::vector<Widget
             const FolderEntry& entry = list_.entries[static_cast<std::size_t>(i)];
             const std::string shown = entry.is_folder ? entry.name + '/' : entry.name;
             ImGui::PushID(i);
-            if (ImGui::Selectable(shown.c_str(), !entry.is_folder && path_ == entry.name,
-                                  ImGuiSelectableFlags_AllowDoubleClick)) {
+            if (is_clicked(shown, !entry.is_folder && path_ == entry.name)) {
                 if (entry.is_folder) {
-                    go_to(list_.folder / entry.name);
+                    enter(list_.folder / entry.name);
                 } else {
                     path_ = entry.name;
                     if (ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left))
