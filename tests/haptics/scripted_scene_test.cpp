@@ -178,7 +178,7 @@ std::vector<RecordedTick> feel(ScriptedScene& scripted, const RenderOptions& opt
 
 TEST(ScriptedScene, feels_the_same_again_and_by_every_triangle)
 {
-    for (const double radius : {0.0, 0.001}) {
+    for (const double radius : {0.0, 0.001, 0.008}) {
         const RenderOptions options = {.proxy_radius = radius, .max_jump = 10};
         const auto scene = moving_scene();
         QualityReport quality;
