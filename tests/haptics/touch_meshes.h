@@ -126,7 +126,7 @@ private:
         const Vec3 on =
             triangle[0] + u * (triangle[1] - triangle[0]) + v * (triangle[2] - triangle[0]);
         const Vec3 normal = scaled_normal(triangle).normalized();
-        const Vec3 aside(unit() - 0.5, unit() - 0.5, unit() - 0.5);
+        const Vec3 aside{unit() - 0.5, unit() - 0.5, unit() - 0.5}; // in this order
         const double far = random_() % 6 == 0 ? 1.5 : 0.05;
         return on + size_ * (0.1 * (unit() - 0.7) * normal + far * aside);
     }
