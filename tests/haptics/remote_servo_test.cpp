@@ -90,7 +90,7 @@ TEST(RemoteServo, leaves_hostile_replies_out)
         };
         reply.sequence = random() % 2 == 0 ? static_cast<std::uint64_t>(round) : random();
         for (HeldPlane& plane : reply.command.planes) {
-            plane.normal = random() % 4 == 0 ? Vec3(any(), any(), any()) : Vec3(Vec3::UnitX());
+            plane.normal = random() % 4 == 0 ? Vec3{any(), any(), any()} : Vec3(Vec3::UnitX());
             plane.offset = any();
         }
         for (double* const x :
@@ -99,7 +99,7 @@ TEST(RemoteServo, leaves_hostile_replies_out)
               &reply.hold_seconds, &reply.fade_seconds, &reply.recovery_seconds})
             *x = random() % 2 == 0 ? any() : 1.0;
         servo.take(reply, 1e-3 * round);
-        const Vec3 force = servo.force(Vec3(any(), any(), any()), Vec3(any(), 0, 0), 1e-3 * round);
+        const Vec3 force = servo.force(Vec3{any(), any(), any()}, Vec3(any(), 0, 0), 1e-3 * round);
         ASSERT_TRUE(force.allFinite()) << round;
         ASSERT_LE(force.norm(), 3.3) << round;
     }

@@ -197,7 +197,7 @@ void check_walk(const Walk& walk, std::uint32_t seed, int ticks, int& touching)
         for (int i = 0; i < 40; ++i) {
             const double length = 1e-6 * size;
             const Vec3 step =
-                length * Vec3(normal(random), normal(random), normal(random)).normalized();
+                length * Vec3{normal(random), normal(random), normal(random)}.normalized();
             if (way - (result.proxy + step - device).norm() < 0.02 * length) continue;
             EXPECT_TRUE(distance_of(mesh, result.proxy + step) < proxy.radius() ||
                         passes(mesh, result.proxy, result.proxy + step))
@@ -242,7 +242,7 @@ TEST(SlideSphere, valleys_that_are_all_but_flat_are_not_passed)
     int failures = 0;
     for (int trial = 0; trial < 3000; ++trial) {
         const double rise = std::pow(10.0, -5.5 + 0.8 * number(random));
-        const Vec3 axis = Vec3(number(random), number(random), number(random)).normalized();
+        const Vec3 axis = Vec3{number(random), number(random), number(random)}.normalized();
         const Mat3 turn = Eigen::AngleAxisd(3 * number(random), axis).toRotationMatrix();
         const auto at = [&](double x, double y, double z) { return Vec3(turn * Vec3(x, y, z)); };
         // Along y; it rises to both sides by half of the angle.

@@ -88,10 +88,10 @@ TEST(UdpPackets, replies_come_back_as_they_were)
     DeviceCommand& command = packet.command;
     command.condition = InputCondition::clutched;
     command.plane_count = 3;
-    command.force = Vec3(number(random), number(random), number(random));
-    command.held = Vec3(number(random), number(random), number(random));
+    command.force = Vec3{number(random), number(random), number(random)};
+    command.held = Vec3{number(random), number(random), number(random)};
     for (HeldPlane& plane : command.planes)
-        plane = {Vec3(number(random), number(random), number(random)), number(random)};
+        plane = {Vec3{number(random), number(random), number(random)}, number(random)};
     for (double* const x : {&command.trust, &command.stiffness, &command.damping,
                             &command.static_friction, &command.dynamic_friction, &packet.max_force,
                             &packet.hold_seconds, &packet.fade_seconds, &packet.recovery_seconds})

@@ -102,7 +102,7 @@ void expect_harmless(const ProximityOctree& octree, unsigned seed)
     for (int i = 0; i < 48; ++i) {
         const double reach = octree.frame().half * (i % 8 == 0 ? 10.0 : 1.0);
         points.emplace_back(octree.frame().center +
-                            reach * Vec3(unit(random), unit(random), unit(random)));
+                            reach * Vec3{unit(random), unit(random), unit(random)});
     }
     const auto expect_exists = [&](const ClosestFeature& found) {
         const std::array<std::size_t, 3> counts = {octree.arrays().vertex_places.size(),

@@ -358,7 +358,7 @@ TEST(SignedDistance, OfAScanThatFoldsOntoItselfIsExact)
         if (of.sign.sides()[i] == SurfaceSides::separates) continue;
         ++asked;
         const Vec3 p = of.mesh.triangle(TriangleId{i})[0] +
-                       2e-4 * Vec3(part(random), part(random), part(random));
+                       2e-4 * Vec3{part(random), part(random), part(random)};
         const SignedDistance found = of.at(p);
         const auto winding = oracle::exact_winding(of.mesh, p);
         if (found.distance == 0 || !winding) continue;

@@ -44,7 +44,7 @@ public:
             ray.origin = box_.center() + std::ldexp(size_, int(below(50)) - 2) * direction();
             break;
         default:
-            ray.origin = box_.center() + size_ * Vec3(signed_unit(), signed_unit(), signed_unit());
+            ray.origin = box_.center() + size_ * Vec3{signed_unit(), signed_unit(), signed_unit()};
         }
         ray.direction = target - ray.origin;
         switch (below(8)) {
