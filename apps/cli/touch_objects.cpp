@@ -7,7 +7,6 @@
 #include <array>
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -16,8 +15,6 @@ namespace proxima {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr double radians_per_degree = std::numbers::pi / 180;
 
 Result<std::unique_ptr<const TouchBody>>
 load_body(const std::string& name, const TouchBodyOptions& options, Session& session)

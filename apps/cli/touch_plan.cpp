@@ -10,7 +10,6 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -19,8 +18,6 @@
 namespace proxima {
 
 namespace {
-
-constexpr double radians_per_degree = std::numbers::pi / 180;
 
 constexpr std::string_view pose_form =
     "N=X,Y,Z, N=X,Y,Z,AX,AY,AZ,DEGREES (turned about that axis), or N= and the 12 numbers of a row "

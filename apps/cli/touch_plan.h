@@ -7,10 +7,13 @@
 #include "proxima/haptics/scripted_scene.h"
 
 #include <CLI/App.hpp>
+#include <numbers>
 #include <string>
 #include <vector>
 
 namespace proxima {
+
+inline constexpr double radians_per_degree = std::numbers::pi / 180;
 
 /// As on the command line, each "N=..." but the models.
 struct ObjectOptions {
