@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cstring>
 #include <limits>
@@ -226,7 +225,7 @@ struct HandOverLine {
 };
 
 HandOverLine hand_over_line(const UdpAddress& to, const CubeScene& scene, const Line& line, int ms,
-                            bool own_servo, std::atomic<bool>& ended)
+                            bool own_servo)
 {
     UdpSocket socket = *UdpSocket::listen({});
     std::mt19937_64 random(3);
@@ -276,7 +275,6 @@ HandOverLine hand_over_line(const UdpAddress& to, const CubeScene& scene, const 
         result.forces.push_back(force.norm());
         hand.step(force, target);
     }
-    ended.store(true);
     return result;
 }
 
@@ -291,10 +289,9 @@ LoopbackFelt loopback(const Line& line, int ms, bool own_servo,
 {
     const CubeScene scene;
     const auto device = listening();
-    std::atomic<bool> ended{false};
     LoopbackFelt felt;
     std::thread hand(
-        [&] { felt.hand = hand_over_line(device->address(), scene, line, ms, own_servo, ended); });
+        [&] { felt.hand = hand_over_line(device->address(), scene, line, ms, own_servo); });
     felt.session = run_session(scene, *device, static_cast<std::uint64_t>(ms), {}, {},
                                Pace::best_effort, allocations);
     hand.join();
