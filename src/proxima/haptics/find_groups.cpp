@@ -77,18 +77,11 @@ void find_groups(const TriangleTree& tree, const BallQuery& query, GroupBoxes& b
         std::size_t next = 0;
         for (std::size_t i = 0; i < count; ++i) {
             const std::uint32_t first = met[now][i] * width;
-            const std::size_t before = next;
             for (std::size_t lane = 0; lane < width; lane += hn::Lanes(d)) {
                 const auto at = static_cast<std::uint32_t>(first + lane);
                 const auto near =
                     meets_ball(blocks[met[now][i]], lane, query, entries - HWY_MIN(entries, at));
                 next += store_met(hn::Iota(di, at), hn::RebindMask(di, near), met[1 - now] + next);
-            }
-            for (std::size_t k = before; k < next; ++k) {
-                const auto* const line =
-                    reinterpret_cast<const std::byte*>(below + met[1 - now][k]);
-                for (std::size_t byte = 0; byte < sizeof(TriangleTreeBlock); byte += 64)
-                    hwy::Prefetch(line + byte);
             }
             if (next > room) {
                 boxes.count = GroupBoxes::room + 1;
@@ -96,6 +89,11 @@ void find_groups(const TriangleTree& tree, const BallQuery& query, GroupBoxes& b
             }
         }
         count = next;
+        for (std::size_t i = 0; i < count; ++i) {
+            const auto* const line = reinterpret_cast<const std::byte*>(below + met[1 - now][i]);
+            for (std::size_t byte = 0; byte < sizeof(TriangleTreeBlock); byte += 64)
+                hwy::Prefetch(line + byte);
+        }
     }
     const TriangleTreeBlock* const blocks = tree.blocks().data() + levels[0].first_block;
     const std::uint32_t entries = levels[0].entries;
