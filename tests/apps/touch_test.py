@@ -300,6 +300,22 @@ class Refusing(ProgramTest):
             self.refuse(*good, option, status=2, says=option.split("=")[0])
         self.refuse("touch", "cube", "--device", "udp:9", "--free-running", says=("--free-running", "simulated hand"))
 
+    def test_options_without_effect(self):
+        session = self.folder / "session.pxt"
+        self.succeed("touch", "cube", "--device", "hand:press", "--seconds", 0.1, "--free-running", "--record", session)
+        for option, value in (("--record", "again.pxt"), ("--stiffness", 100), ("--seconds", 1), ("--patch", "metric"),
+                              ("--limits", "touch"), ("--free-running", None)):
+            extra = (option,) if value is None else (option, value)
+            self.refuse("touch", "cube", "--device", f"replay:{session}", *extra, says=(option, "as it was recorded"))
+        good = ("touch", "cube", "--device", "hand:press")
+        self.refuse(*good, "--collision-rate", 50, says=("--collision-rate", "--patch"))
+        self.refuse(*good, "--device-library", "libHD.so", says=("--device-library", "hd and dhd"))
+        self.refuse(*good, "--patch", "metric", "--record", self.folder / "a.pxt", says=("--record", "--patch"))
+        self.refuse(*good, "--seconds", 86400, "--record", self.folder / "a.pxt", says=("--record", "GB", "--seconds"))
+        self.refuse("touch", "cube", "--device", "udp:9", "--seed", 4, says=("--seed", "simulated hand"))
+        for seed in ("99999999999999999999999", "-1", "1.5"):
+            self.refuse(*good, "--seed", seed, status=2, says=("--seed", "whole number"))
+
     def test_models_and_outputs(self):
         self.refuse("touch", self.folder / "none.obj", "--device", "hand:press", says="none.obj")
         flat = self.file("flat.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n2 0 0\n3 0 1 2\n")
