@@ -62,6 +62,8 @@ class Touching(ProgramTest):
         servo = result["servo"]
         self.assertEqual(result["ticks"], 500)
         self.assertGreaterEqual(servo["seconds"], 0.499)
+        self.assertLessEqual(servo["overslept"], servo["missed_deadlines"])
+        self.assertGreater(servo["work"]["p50_ns"], result["tick"]["p50_ns"])
         self.assertEqual(servo["real_time_priority"] and servo["locked_memory"], servo["note"] == "")
         text = self.succeed("touch", "cube", "--device", "hand:press", "--seconds", 0.2)
         for part in ("cube: 12 triangles", "workspace: 1 m of the device is", "passed through: 0", "deadlines missed",
