@@ -79,8 +79,7 @@ std::string touch_text(const TouchReportOf& of, const TouchModel& model, const T
             result.servo.missed, result.servo.overslept,
             result.servo.missed - result.servo.overslept, result.servo.skipped,
             result.servo.page_faults, microseconds(result.servo.late),
-            microseconds(result.servo.work),
-            result.servo.real_time_priority ? "yes" : "no",
+            microseconds(result.servo.work), result.servo.real_time_priority ? "yes" : "no",
             result.servo.locked_memory ? "yes" : "no");
         if (!result.servo.note.empty()) text += fmt::format("note: {}\n", result.servo.note);
     }
