@@ -123,6 +123,11 @@ class Window:
         found = self.wait(lambda state: control in state["controls"], f"the control {control}")["controls"][control]
         return round(found["x"] + part * found["width"]), round(found["y"] + 0.5 * found["height"])
 
+    def places(self):
+        """Of all controls but the one that hides messages."""
+        return {name: (found["x"], found["y"], found["width"], found["height"])
+                for name, found in self.state()["controls"].items() if name != "hide this"}
+
     def click(self, control, part=0.5):
         """The mouse goes to a control, to that part of its width, and clicks."""
         x, y = self.place(control, part)

@@ -51,7 +51,7 @@ bool draw_file(const char* button, std::string& name, std::vector<WidgetPlace>& 
     return pressed && !name.empty();
 }
 
-/// What goes on, and what went wrong.
+/// What goes on.
 void draw_work(const Viewer& viewer, SidebarWishes& wishes, std::vector<WidgetPlace>& places)
 {
     if (ImGui::Button("open...")) wishes.open = true;
@@ -67,16 +67,11 @@ void draw_work(const Viewer& viewer, SidebarWishes& wishes, std::vector<WidgetPl
         ImGui::AlignTextToFramePadding();
         ImGui::TextUnformatted(viewer.models().empty() ? "no model yet" : "ready");
     }
-    const std::string problem = viewer.problem();
-    if (problem.empty()) return;
-    wrapped_problem(problem);
-    if (ImGui::SmallButton("hide this")) wishes.forget_problem = true;
-    add_place("hide this", {}, places);
 }
 
 } // namespace
 
-SidebarWishes Sidebar::draw(Viewer& viewer, float width, float height, const std::string& news,
+SidebarWishes Sidebar::draw(Viewer& viewer, float width, float height,
                             std::vector<WidgetPlace>& places)
 {
     SidebarWishes wishes;
@@ -91,16 +86,16 @@ SidebarWishes Sidebar::draw(Viewer& viewer, float width, float height, const std
     viewer.offer(controls);
     places.insert(places.end(), controls.places().begin(), controls.places().end());
     ImGui::Separator();
+    if (draw_file("save picture", picture_, places)) wishes.picture = picture_;
+    if (draw_file("export glb", glb_, places)) wishes.glb = glb_;
+    // Below all controls stands what grows and shrinks by itself.
+    ImGui::Separator();
     ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
     wrapped(viewer.panel().purpose());
     ImGui::PopStyleColor();
     ImGui::Separator();
     draw_facts(viewer);
     draw_plots(viewer);
-    ImGui::Separator();
-    if (draw_file("save picture", picture_, places)) wishes.picture = picture_;
-    if (draw_file("export glb", glb_, places)) wishes.glb = glb_;
-    if (!news.empty()) wrapped(news);
     ImGui::End();
     return wishes;
 }
