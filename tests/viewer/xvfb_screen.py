@@ -9,7 +9,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from proxima_program import PROXIMA
+from proxima_program import PROXIMA, environment_of_program
 
 MISSING = [name for name in ("Xvfb", "xdotool", "xprop") if shutil.which(name) is None]
 PATIENCE = 120  # seconds: for slow machines; every wait ends with what it waits for
@@ -89,7 +89,7 @@ class Window:
         self._file = Path(folder) / "state.json"
         self._program = subprocess.Popen(
             [PROXIMA, "view", *map(str, arguments), "--state", str(self._file), "--gl-debug"],
-            env=screen.environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+            env=environment_of_program(screen.environment), text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
         self._clicked = 0.0  # when a click was seen last
         self.wait(lambda state: state["frames"] > 2, "the first frames")
 

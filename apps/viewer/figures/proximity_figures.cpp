@@ -116,7 +116,7 @@ Result<FigureContent> figure_4_1(const FigureContext& /*context*/)
         const Vec2& at = points[static_cast<std::size_t>(i)];
         const Vec2& next = points[static_cast<std::size_t>((i + 1) % corners)];
         panel.dot(at, 12, ink);
-        panel.words(at, fmt::format("c{}", i), -34.0 * Vec2(at.normalized()), 18, blue);
+        panel.words(at, fmt::format("c{}", i), -42.0 * Vec2(at.normalized()), 18, blue);
         const Vec2 middle = 0.5 * (at + next);
         panel.words(middle, fmt::format("e{}", i), -30.0 * Vec2(middle.normalized()), 18, red);
     }
