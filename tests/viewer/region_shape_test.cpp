@@ -33,8 +33,8 @@ struct Built {
 
 Built built(TriangleMesh mesh)
 {
-    auto model = *make_view_model("mesh", std::move(mesh), Vec3::UnitZ(), 0, {});
-    auto octree = *build_proximity_octree(model->mesh, model->topology);
+    auto model = make_view_model("mesh", std::move(mesh), Vec3::UnitZ(), 0, {}).value();
+    auto octree = build_proximity_octree(model->mesh, model->topology).value();
     return {std::move(model), std::move(octree)};
 }
 
@@ -97,8 +97,8 @@ TEST(RegionShape, EndsWhereAnotherFeatureIsAsNear)
 {
     std::size_t ending = 0;
     std::size_t going_on = 0;
-    for (const char* const name : {"torus:20x10", "spaceship:600"}) {
-        const Built shape_of = built(*sample_mesh(name));
+    for (const char* const name : {"torus:20x10", "spaceship:2000"}) {
+        const Built shape_of = built(sample_mesh(name).value());
         const double length = 0.7 * shape_of.model->box.extent().norm();
         for (const FeatureKind kind : kinds) {
             for (std::uint32_t id = 0; id < shape_of.count(kind); id += 37) {
