@@ -162,7 +162,7 @@ TEST(RegionShape, RefusesWhatIsBentInward)
 {
     const Built torus = built(make_torus(24, 12));
     std::size_t refused = 0;
-    for (std::uint32_t id = 0; id < torus.count(FeatureKind::edge); ++id) {
+    for (std::uint32_t id = 0; id < torus.count(FeatureKind::edge); id += 7) {
         const auto shape = region_shape(*torus.model, torus.octree, {FeatureKind::edge, id}, 1.0);
         if (shape) continue;
         ++refused;

@@ -39,14 +39,18 @@ Color color_of_kind(FeatureKind kind)
                                        : srgb(0xEBC23B);
 }
 
-/// How many leaves list how many triangles.
+/// How many leaves list how many triangles; the few longest lists, which would leave no room for
+/// the others, are left out.
 PanelPlot list_plot(const ProximityOctree& octree)
 {
+    constexpr double share = 0.999;
     const LeafLists lists = list_lengths(octree);
     const ListStatistics statistics = list_statistics(lists.lengths);
-    PanelPlot plot = {"leaves by triangles listed", {}, true};
-    for (const double weight : statistics.weights)
-        plot.values.push_back(static_cast<float>(weight));
+    std::uint32_t longest = 0;
+    while (longest < statistics.max && statistics.share_up_to(longest) < share) ++longest;
+    PanelPlot plot = {fmt::format("leaves that list 0, 1, ... {} triangles", longest), {}, true};
+    for (std::size_t length = 0; length < statistics.weights.size() && length <= longest; ++length)
+        plot.values.push_back(static_cast<float>(statistics.weights[length]));
     return plot;
 }
 
