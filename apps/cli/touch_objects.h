@@ -1,54 +1,16 @@
-// Scenes that a device touches: MODEL is object 0, --object adds more; --pose, --motion and
-// --material say of an object by its number where it stands, how it moves and what it is made of.
+// The scene of a plan, and what a session says of its objects.
 #pragma once
 
 #include "cli/session.h"
+#include "cli/touch_plan.h"
 #include "cli/touch_session.h"
 #include "proxima/base/result.h"
-#include "proxima/haptics/recording.h"
-#include "proxima/haptics/scripted_scene.h"
 
-#include <CLI/App.hpp>
-#include <cstddef>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
-#include <vector>
 
 namespace proxima {
-
-/// As on the command line, each "N=..." but the models.
-struct ObjectOptions {
-    std::vector<std::string> models;
-    std::vector<std::string> poses;
-    std::vector<std::string> motions;
-    std::vector<std::string> materials;
-
-    /// Whether a scene is asked for, and not one model at rest.
-    [[nodiscard]] bool any() const
-    {
-        return !models.empty() || !poses.empty() || !motions.empty() || !materials.empty();
-    }
-};
-
-/// Adds the options; what is no pose, motion or material is wrong usage.
-void add_object_options(CLI::App& parser, ObjectOptions& options);
-
-/// A scene before its models are read.
-struct ScenePlan {
-    std::vector<std::string> models;
-    std::vector<ScriptedObject> objects; ///< fingerprints: 0 where any mesh will do
-};
-
-/// `usual` is what a material has that says less. Errors invalid_argument: too many objects, a
-/// number that no object has, two words on one object.
-[[nodiscard]] Result<ScenePlan> plan_scene(const std::string& model, const ObjectOptions& options,
-                                           const SurfaceMaterial& usual);
-
-/// The scene of a recording, whose poses and all it has; nothing of one model at rest. Errors
-/// invalid_argument: other models by number, poses, motions or materials that are given as well.
-[[nodiscard]] Result<ScenePlan> plan_scene(const std::string& model, const ObjectOptions& options,
-                                           const Recording& recording, const std::string& path);
 
 /// Reads the models. Errors also invalid_argument, naming `path`, for a model that is not the one
 /// recorded.

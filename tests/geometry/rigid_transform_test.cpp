@@ -37,7 +37,7 @@ TEST(RigidTransform, MovesPointsThereAndBack)
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> number(-3, 3);
     for (int trial = 0; trial < 200; ++trial) {
-        const auto any = [&] { return Vec3(number(random), number(random), number(random)); };
+        const auto any = [&] { return Vec3{number(random), number(random), number(random)}; };
         const Vec3 axis = any().normalized();
         const double angle = number(random);
         const Vec3 translation = any();

@@ -161,7 +161,7 @@ TEST(TriangleBox, FilterDecidesNearlyAllRandomPairs)
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> coordinate(-1, 1);
     const auto point = [&] {
-        return Vec3(coordinate(random), coordinate(random), coordinate(random));
+        return Vec3{coordinate(random), coordinate(random), coordinate(random)};
     };
     const Box box = {Vec3::Constant(-0.25), Vec3::Constant(0.25)};
     int uncertain = 0;

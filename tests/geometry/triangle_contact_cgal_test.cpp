@@ -131,7 +131,7 @@ private:
     double number() { return std::uniform_real_distribution<double>(-1, 1)(random_); }
     Vec3 point()
     {
-        if (whole_) return Vec3(below(5), below(5), below(5));
+        if (whole_) return Eigen::Vector3i{below(5), below(5), below(5)}.cast<double>();
         return {number(), number(), number()};
     }
 

@@ -28,11 +28,11 @@ std::vector<TouchMesh> cache_meshes()
     std::vector<Vec3> positions;
     std::vector<TriangleCorners> triangles;
     for (std::uint32_t i = 0; i < 400; ++i) {
-        const Vec3 at(place(random), place(random), place(random));
+        const Vec3 at{place(random), place(random), place(random)};
         const double size = std::pow(10.0, 2.5 * place(random) - 2.5);
         const double width = std::pow(10.0, 3 * place(random) - 3);
-        const Vec3 along(place(random), place(random), place(random));
-        const Vec3 aside(place(random), place(random), place(random));
+        const Vec3 along{place(random), place(random), place(random)};
+        const Vec3 aside{place(random), place(random), place(random)};
         positions.emplace_back(at);
         positions.emplace_back(at + size * along);
         positions.emplace_back(at + size * (0.3 * along + width * aside));

@@ -47,7 +47,7 @@ TEST(ForceGuard, whatever_comes_in_what_goes_out_is_finite_and_within_limits)
         ForceGuard guard({.max_slew = 700}, most);
         Vec3 last = Vec3::Zero();
         for (int i = 0; i < 100000; ++i) {
-            Vec3 wanted = 5 * Vec3(normal(random), normal(random), normal(random));
+            Vec3 wanted = 5 * Vec3{normal(random), normal(random), normal(random)};
             if (random() % 3 == 0) wanted[random() % 3] = special[random() % special.size()];
             const double seconds =
                 random() % 20 == 0 ? special[random() % special.size()] : tick * normal(random);

@@ -12,7 +12,7 @@ namespace {
 Vec3 random_direction(std::mt19937& random)
 {
     std::normal_distribution<double> normal;
-    return Vec3(normal(random), normal(random), normal(random)).normalized();
+    return Vec3{normal(random), normal(random), normal(random)}.normalized();
 }
 
 double worst_violation(const std::vector<ContactPlane>& planes, const Vec3& shift)

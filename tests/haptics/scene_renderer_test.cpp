@@ -147,8 +147,8 @@ TEST(SceneRenderer, nothing_is_passed_whatever_moves)
                                           std::to_string(radius) + ", tick " + std::to_string(tick);
                 for (const ObjectId object : objects) {
                     if (random() % 20 != 0) continue;
-                    const Vec3 axis(number(random), number(random), number(random));
-                    const Vec3 to(number(random), number(random), number(random));
+                    const Vec3 axis{number(random), number(random), number(random)};
+                    const Vec3 to{number(random), number(random), number(random)};
                     ASSERT_TRUE(scene.move(object, {.pose = posed(3 * number(random), axis, to),
                                                     .seconds = 0.03 * std::abs(number(random))}));
                 }

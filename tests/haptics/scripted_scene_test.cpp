@@ -176,14 +176,9 @@ std::vector<RecordedTick> feel(ScriptedScene& scripted, const RenderOptions& opt
     return ticks;
 }
 
-Vec3 as_vec(const std::array<double, 3>& p)
-{
-    return {p[0], p[1], p[2]};
-}
-
 TEST(ScriptedScene, feels_the_same_again_and_by_every_triangle)
 {
-    for (const double radius : {0.0, 0.001}) {
+    for (const double radius : {0.0, 0.001, 0.008}) {
         const RenderOptions options = {.proxy_radius = radius, .max_jump = 10};
         const auto scene = moving_scene();
         QualityReport quality;
@@ -199,19 +194,7 @@ TEST(ScriptedScene, feels_the_same_again_and_by_every_triangle)
         scene->rewind();
         EXPECT_TRUE(feel(*scene, options) == first);
         const auto slow = moving_scene(BodySearch::every_triangle);
-        const std::vector<RecordedTick> truth = feel(*slow, options);
-        if (radius == 0) {
-            EXPECT_TRUE(truth == first);
-            continue;
-        }
-        // A sphere's contacts come in another order, and rounding with them.
-        for (std::size_t tick = 0; tick < truth.size(); ++tick) {
-            const Vec3 one = as_vec(first[tick].proxy);
-            const Vec3 other = as_vec(truth[tick].proxy);
-            ASSERT_LT((one - other).norm(), 1e-9) << "tick " << tick;
-            ASSERT_LT((as_vec(first[tick].force) - as_vec(truth[tick].force)).norm(), 1e-3)
-                << "tick " << tick;
-        }
+        EXPECT_TRUE(feel(*slow, options) == first) << "radius " << radius;
     }
 }
 

@@ -34,7 +34,7 @@ TEST(SweptSphere, agrees_with_small_steps)
     for (std::uint32_t seed = 0; seed < 20000; ++seed) {
         std::mt19937 random(seed);
         std::uniform_real_distribution<double> place(-1, 1);
-        const auto anywhere = [&] { return Vec3(place(random), place(random), place(random)); };
+        const auto anywhere = [&] { return Vec3{place(random), place(random), place(random)}; };
         Triangle triangle{{anywhere(), anywhere(), anywhere()}};
         if (seed % 10 == 0) triangle.vertices[2] = triangle[0] + 0.3 * (triangle[1] - triangle[0]);
         if (seed % 30 == 0) triangle.vertices[1] = triangle.vertices[2] = triangle[0];

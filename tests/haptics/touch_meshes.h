@@ -64,10 +64,10 @@ inline TriangleMesh triangle_soup(std::uint32_t seed, std::uint32_t count)
     std::vector<Vec3> positions;
     std::vector<TriangleCorners> triangles;
     for (std::uint32_t i = 0; i < count; ++i) {
-        const Vec3 middle(place(random), place(random), place(random));
+        const Vec3 middle{place(random), place(random), place(random)};
         for (int k = 0; k < 3; ++k) {
             positions.emplace_back(middle +
-                                   0.4 * Vec3(place(random), place(random), place(random)));
+                                   0.4 * Vec3{place(random), place(random), place(random)});
         }
         triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
     }
@@ -126,7 +126,7 @@ private:
         const Vec3 on =
             triangle[0] + u * (triangle[1] - triangle[0]) + v * (triangle[2] - triangle[0]);
         const Vec3 normal = scaled_normal(triangle).normalized();
-        const Vec3 aside(unit() - 0.5, unit() - 0.5, unit() - 0.5);
+        const Vec3 aside{unit() - 0.5, unit() - 0.5, unit() - 0.5}; // in this order
         const double far = random_() % 6 == 0 ? 1.5 : 0.05;
         return on + size_ * (0.1 * (unit() - 0.7) * normal + far * aside);
     }

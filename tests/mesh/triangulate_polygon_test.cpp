@@ -88,7 +88,7 @@ TEST(TriangulatePolygon, CoversRandomConcavePolygonsOnce)
         std::mt19937_64 random(seed);
         std::uniform_real_distribution<double> unit(0.05, 1);
         const auto count = static_cast<int>(4 + random() % 40);
-        const Eigen::Quaterniond rotation(unit(random), unit(random), unit(random), unit(random));
+        const Eigen::Quaterniond rotation{unit(random), unit(random), unit(random), unit(random)};
         const Eigen::Matrix3d axes = rotation.normalized().toRotationMatrix();
         std::vector<Vec3> positions;
         for (int i = 0; i < count; ++i) {

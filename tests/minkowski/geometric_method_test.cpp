@@ -51,7 +51,8 @@ Triangle random_whole_triangle(std::mt19937& random, int size)
     std::uniform_int_distribution<int> coordinate(-size, size);
     Triangle triangle;
     for (Vec3& vertex : triangle.vertices) {
-        vertex = Vec3(coordinate(random), coordinate(random), coordinate(random));
+        vertex = Eigen::Vector3i{coordinate(random), coordinate(random), coordinate(random)}
+                     .cast<double>();
     }
     return triangle;
 }
@@ -61,7 +62,7 @@ Triangle random_triangle(std::mt19937& random)
     std::uniform_real_distribution<double> coordinate(-1, 1);
     Triangle triangle;
     for (Vec3& vertex : triangle.vertices) {
-        vertex = Vec3(coordinate(random), coordinate(random), coordinate(random));
+        vertex = Vec3{coordinate(random), coordinate(random), coordinate(random)};
     }
     return triangle;
 }
@@ -76,7 +77,8 @@ TEST(GeometricMethod, FacetsAreThoseOfTheConvexHullOnWholeNumbers)
         const int size = seed % 4 == 0 ? 1 : seed % 4 == 1 ? 3 : 1000;
         const Triangle triangle = random_whole_triangle(random, size);
         std::uniform_int_distribution<int> half(1, 5);
-        const Vec3 half_size(half(random), half(random), half(random));
+        const Vec3 half_size =
+            Eigen::Vector3i{half(random), half(random), half(random)}.cast<double>();
 
         const auto hull = incremental_hull<double>(sum_points(triangle, half_size));
         ASSERT_TRUE(hull);

@@ -18,7 +18,7 @@ using Planes = std::vector<HalfSpace>;
 Vec3 random_direction(std::mt19937& random)
 {
     std::normal_distribution<double> normal;
-    return Vec3(normal(random), normal(random), normal(random)).normalized();
+    return Vec3{normal(random), normal(random), normal(random)}.normalized();
 }
 
 /// Columns at right angles, of any direction.
@@ -154,7 +154,7 @@ TEST(HalfSpaceIntersection, RandomPlanes)
         const auto found = polyhedron_of_half_spaces(planes);
         std::vector<Vec3> common;
         for (int i = 0; i < 300; ++i) {
-            const Vec3 x = 3 * Vec3(normal(random), normal(random), normal(random));
+            const Vec3 x = 3 * Vec3{normal(random), normal(random), normal(random)};
             if (std::ranges::all_of(planes, [&](const HalfSpace& plane) {
                     return plane.normal.dot(x) < plane.offset;
                 }))

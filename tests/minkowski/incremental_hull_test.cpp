@@ -45,7 +45,8 @@ TEST(IncrementalHull, HullsOfWholePointsAreExact)
         std::uniform_int_distribution<int> coordinate(0, seed % 2 == 0 ? 2 : 9);
         Points points(4 + seed % 28);
         for (Vec3& point : points) {
-            point = Vec3(coordinate(random), coordinate(random), coordinate(random));
+            point = Eigen::Vector3i{coordinate(random), coordinate(random), coordinate(random)}
+                        .cast<double>();
         }
         const auto faces = incremental_hull<double>(points);
         if (faces) {
@@ -71,7 +72,7 @@ TEST(IncrementalHull, HullsOfRandomPointsHoldThem)
         std::uniform_real_distribution<double> coordinate(-1, 1);
         Points points(5 + seed % 60);
         for (Vec3& point : points) {
-            point = Vec3(coordinate(random), coordinate(random), coordinate(random));
+            point = Vec3{coordinate(random), coordinate(random), coordinate(random)};
         }
         const auto faces = incremental_hull<double>(points);
         ASSERT_TRUE(faces);

@@ -187,7 +187,7 @@ TEST(VoronoiRegions, OfASphereMeetTheThesisHalfSpaces)
         std::uniform_real_distribution<double> coordinate(-3, 3);
         const Vec3 n = scaled_normal(triangle);
         for (int i = 0; i < 200; ++i) {
-            const Vec3 x(coordinate(random), coordinate(random), coordinate(random));
+            const Vec3 x{coordinate(random), coordinate(random), coordinate(random)};
             bool inside = n.dot(x - triangle[0]) >= 0; // (4.4)
             for (int j = 0; j < 3; ++j) {              // (4.3) with (4.5)
                 const Vec3 u = triangle[(j + 1) % 3] - triangle[j];

@@ -354,7 +354,7 @@ TEST(MinkowskiSum, SupportsAddUpInRandomDirections)
         EXPECT_EQ(turned->vertex_count(), sum->vertex_count());
         std::normal_distribution<double> normal;
         for (int i = 0; i < 100; ++i) {
-            const Vec3 n = Vec3(normal(random), normal(random), normal(random)).normalized();
+            const Vec3 n = Vec3{normal(random), normal(random), normal(random)}.normalized();
             double farthest = -std::numeric_limits<double>::infinity();
             for (std::uint32_t v = 0; v < sum->vertex_count(); ++v)
                 farthest = std::max(farthest, n.dot(sum->position(v)));

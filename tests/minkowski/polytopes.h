@@ -30,7 +30,7 @@ inline Points round_points(std::mt19937& random, int count, double radius)
     std::normal_distribution<double> normal;
     Points points(static_cast<std::size_t>(count));
     for (Vec3& point : points) {
-        const Vec3 direction = Vec3(normal(random), normal(random), normal(random)).normalized();
+        const Vec3 direction = Vec3{normal(random), normal(random), normal(random)}.normalized();
         point = (radius * direction).array().round();
     }
     return points;

@@ -44,7 +44,7 @@ Pair make_pair(unsigned seed)
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> coordinate(-1, 1);
     const auto point = [&] {
-        return Vec3(coordinate(random), coordinate(random), coordinate(random));
+        return Vec3{coordinate(random), coordinate(random), coordinate(random)};
     };
     Pair pair;
     // Small triangles in large boxes, the other way round, and in between.
@@ -120,7 +120,7 @@ TEST(TriangleCubePenetration, FreesTheTriangleAndNoShorterMotionDoes)
         std::normal_distribution<double> normal;
         for (int i = 0; i < 10; ++i) { // nor along any other direction
             const Vec3 direction =
-                Vec3(normal(random), normal(random), normal(random)).normalized();
+                Vec3{normal(random), normal(random), normal(random)}.normalized();
             EXPECT_TRUE(triangle_overlaps_box(moved(pair.triangle, shorter * direction), pair.box));
         }
     }
@@ -134,7 +134,7 @@ TEST(TriangleCubePenetration, AlongADirectionEndsWhereTheExactTestSays)
         const Pair pair = make_pair(seed);
         std::mt19937 random(seed);
         std::normal_distribution<double> normal;
-        Vec3 direction = Vec3(normal(random), normal(random), normal(random));
+        Vec3 direction = Vec3{normal(random), normal(random), normal(random)};
         if (seed % 5 == 0)
             direction = Vec3::Unit(static_cast<int>(seed % 3)) * (seed % 2 == 0 ? 3 : -3);
         const auto depth = penetration_along(pair.triangle, pair.box, direction);

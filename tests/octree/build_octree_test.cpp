@@ -78,7 +78,7 @@ TEST(BuildOctree, FewTrianglesAtTheGreatestDepthStayExact)
         // A speck and a shard that almost touch it far down, in a root kept large by two corners.
         const Vec3 at(0.5 * real(), 0.5 * real(), 0.5 * real());
         const auto near = [&](double size) {
-            return Vec3(at + size * Vec3(real(), real(), real()));
+            return Vec3(at + size * Vec3{real(), real(), real()});
         };
         const std::vector<Vec3> positions = {near(1e-6),         near(1e-6),       near(1e-6),
                                              near(1e-6),         near(1e-5),       near(1e-5),

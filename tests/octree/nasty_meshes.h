@@ -26,7 +26,7 @@ inline TriangleMesh nasty_mesh(std::uint32_t seed)
         positions.insert(positions.end(), {a, b, c});
         triangles.push_back({first, first + 1, first + 2});
     };
-    const auto random_point = [&] { return Vec3(real(), real(), real()); };
+    const auto random_point = [&] { return Vec3{real(), real(), real()}; };
     const auto grid_point = [&] {
         return Vec3(static_cast<double>(below(9)), static_cast<double>(below(9)),
                     static_cast<double>(below(9)));

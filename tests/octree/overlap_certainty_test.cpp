@@ -194,7 +194,7 @@ TYPED_TEST(OverlapCertainty, RandomTrianglesAreNearlyAlwaysCertain)
         Triangle triangle;
         for (Vec3& vertex : triangle.vertices) {
             vertex = scene.frame().lower + scene.frame().edge.cwiseProduct(
-                                               Vec3(part(random), part(random), part(random)));
+                                               Vec3{part(random), part(random), part(random)});
         }
         this->descend(scene, triangle, Rounding::middle_of_box, 6, 40);
     }

@@ -33,7 +33,7 @@ std::vector<Vec3> random_points(const Box& box, int count, unsigned seed)
     std::uniform_real_distribution<double> place(-0.5, 1.5);
     std::vector<Vec3> points;
     for (int i = 0; i < count; ++i) {
-        const Vec3 part(place(random), place(random), place(random));
+        const Vec3 part{place(random), place(random), place(random)};
         points.push_back(box.lower + box.extent().maxCoeff() * part);
     }
     return points;

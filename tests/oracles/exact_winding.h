@@ -56,7 +56,7 @@ namespace proxima::oracle {
     const Box box = bounding_box(mesh);
     const double reach = 4 * (box.extent().norm() + (p - box.center()).norm());
     for (int tries = 0; tries < 20; ++tries) {
-        const Vec3 toward(part(random), part(random), part(random));
+        const Vec3 toward{part(random), part(random), part(random)};
         if (const auto sum = crossings(mesh, p, p + reach * toward.normalized())) return sum;
     }
     return std::nullopt;

@@ -55,7 +55,7 @@ TEST(FeatureRegions, HoldThePointsThatTheThesisSays)
                 if (region->dimension() < 3) continue;
                 const auto planes = oracle::region_planes(mesh, topology, feature);
                 for (int k = 0; k < 40; ++k) {
-                    const Vec3 away(normal(random), normal(random), normal(random));
+                    const Vec3 away{normal(random), normal(random), normal(random)};
                     const Vec3 p = bounds.center() + 0.5 * size * away;
                     double worst = -std::numeric_limits<double>::infinity();
                     for (const oracle::QuadPlane& plane : planes) {

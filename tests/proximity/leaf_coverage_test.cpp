@@ -76,7 +76,7 @@ Coverage ask_every_leaf(const ProximityOctree& octree, const SurfaceSearch& sear
             ask(Vec3((corner & 1) != 0 ? 1 : -1, (corner & 2) != 0 ? 1 : -1,
                      (corner & 4) != 0 ? 1 : -1));
         ask(Vec3::Zero());
-        for (int i = 0; i < random_points; ++i) ask(Vec3(part(random), part(random), part(random)));
+        for (int i = 0; i < random_points; ++i) ask(Vec3{part(random), part(random), part(random)});
     }
     return coverage;
 }

@@ -33,7 +33,7 @@ TriangleMesh moved(const TriangleMesh& mesh, const Move& move)
 Vec3 random_step(std::mt19937_64& random, double length)
 {
     std::uniform_real_distribution<double> part(-1, 1);
-    return length * Vec3(part(random), part(random), part(random));
+    return length * Vec3{part(random), part(random), part(random)};
 }
 
 void expect_answers(const ProximityOctree& octree, const TriangleMesh& mesh,

@@ -25,7 +25,7 @@ inline TriangleMesh grid_mesh(std::uint32_t seed)
     const auto below = [&](std::uint32_t n) { return static_cast<std::uint32_t>(random() % n); };
     std::vector<Vec3> positions(4 + below(8));
     for (Vec3& position : positions) {
-        position = Vec3(below(5), below(5), below(5));
+        position = Eigen::Vector<std::uint32_t, 3>{below(5), below(5), below(5)}.cast<double>();
     }
     const auto vertices = static_cast<std::uint32_t>(positions.size());
     std::vector<TriangleCorners> triangles(1 + below(20));

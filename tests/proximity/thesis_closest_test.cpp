@@ -99,7 +99,7 @@ TEST(ThesisClosest, IsTheClosestOfAll)
         std::size_t outside = 0;
         for (int i = 0; i < 600; ++i) {
             Vec3 p = root.lower +
-                     Vec3(part(random), part(random), part(random)).cwiseProduct(root.extent());
+                     Vec3{part(random), part(random), part(random)}.cwiseProduct(root.extent());
             if (i % 3 == 0) { // about the surface
                 const Vec3 start = mesh.positions()[mesh.triangles()[i % mesh.triangle_count()][0]];
                 p = start + std::pow(10.0, -1.0 - i % 7) * (p - start);

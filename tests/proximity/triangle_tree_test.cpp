@@ -94,7 +94,8 @@ TEST(TriangleTree, VisitsAllGroupsWithinADistanceAndNoOthers)
         for (const Vec3& p : proximity_points(mesh, 60, 5)) {
             const double distance = std::ldexp(size, -below(12));
             expect_all_within(mesh, order, *tree, {p, p}, distance);
-            const Vec3 half = 0.1 * size * Vec3(below(3), below(3), below(3));
+            const Vec3 half =
+                0.1 * size * Eigen::Vector3i{below(3), below(3), below(3)}.cast<double>();
             expect_all_within(mesh, order, *tree, {p - half, p + half}, below(2) * distance);
         }
     }

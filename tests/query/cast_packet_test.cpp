@@ -27,7 +27,7 @@ std::vector<Ray> rows_of_rays(const TriangleMesh& mesh, std::uint32_t seed)
     constexpr double ways[] = {0.1, 1, 3, 1000, 0x1p30};
     std::vector<Ray> rays;
     for (int row = 0; row < 24; ++row) {
-        Vec3 way = Vec3(normal(random), normal(random), normal(random)).normalized();
+        Vec3 way = Vec3{normal(random), normal(random), normal(random)}.normalized();
         if (row % 4 == 0) way = Vec3::Unit(row / 4 % 3); // axes, whose other components are zero
         const double far = size * ways[static_cast<std::size_t>(row) % 5];
         const Vec3 eye = box.center() - far * way;
@@ -97,7 +97,7 @@ TEST(CastPacket, AnswersAsBruteForceOnEveryInstructionSet)
 TriangleMesh scattered_triangles(std::mt19937& random)
 {
     std::uniform_real_distribution<double> unit(0, 1);
-    const auto place = [&] { return Vec3(unit(random), unit(random), unit(random)); };
+    const auto place = [&] { return Vec3{unit(random), unit(random), unit(random)}; };
     std::vector<Vec3> positions;
     std::vector<TriangleCorners> triangles(10 + below(random, 200));
     std::uint32_t vertex = 0;
@@ -123,7 +123,7 @@ std::vector<Ray> broad_sixteens(const TriangleMesh& mesh, std::uint32_t seed)
         Vec3 signs;
         for (double& sign : signs) sign = below(random, 2) == 0 ? 1 : -1;
         const Vec3 place =
-            box.lower + Vec3(unit(random), unit(random), unit(random)).cwiseProduct(box.extent());
+            box.lower + Vec3{unit(random), unit(random), unit(random)}.cwiseProduct(box.extent());
         const Vec3 middle(0.7, 0.7, 1.3);
         const double unlike = 0.3 * unit(random);
         const double apart = 0.1 * size * unit(random);

@@ -124,8 +124,8 @@ std::size_t compare(const Octree& a, const Octree& b, const RigidTransform& pose
 RigidTransform random_pose(std::mt19937& random, double reach)
 {
     const auto number = [&] { return std::uniform_real_distribution<double>(-1, 1)(random); };
-    const Eigen::Quaterniond turn(number(), number(), number(), number());
-    return {turn.normalized().toRotationMatrix(), reach * Vec3(number(), number(), number())};
+    const Eigen::Quaterniond turn{number(), number(), number(), number()};
+    return {turn.normalized().toRotationMatrix(), reach * Vec3{number(), number(), number()}};
 }
 
 Octree octree_of(const TriangleMesh& mesh, int depth, RootShape shape = RootShape::cube)

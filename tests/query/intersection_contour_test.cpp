@@ -101,8 +101,8 @@ TEST(IntersectionContour, OfClosedMeshesIsClosedAndHasEverySegment)
     std::size_t closed = 0;
     for (int i = 0; i < 60; ++i) {
         const RigidTransform pose = {
-            Eigen::AngleAxisd(number(), Vec3(number(), number(), number()).normalized()).matrix(),
-            Vec3(number(), number(), number())};
+            Eigen::AngleAxisd(number(), Vec3{number(), number(), number()}.normalized()).matrix(),
+            Vec3{number(), number(), number()}};
         const auto pairs = pairs_by_brute_force(a, b, pose);
         const IntersectionContour contour = contour_of(a, b, pose);
         EXPECT_EQ(closed_lines(contour), contour.lines.size()) << "pose " << i;

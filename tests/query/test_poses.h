@@ -70,10 +70,10 @@ public:
             break;
         case 2: // exactly on the grid where both are
             pose.translation =
-                (some_corner(a_) - some_corner(b_)) + Vec3(whole(3), whole(3), whole(3));
+                (some_corner(a_) - some_corner(b_)) + Vec3{whole(3), whole(3), whole(3)};
             break;
         case 3:
-            pose.translation = Vec3(whole(2), whole(2), whole(2));
+            pose.translation = Vec3{whole(2), whole(2), whole(2)};
             break;
         default:
             pose.translation = some_point(a_) - place;

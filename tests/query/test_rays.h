@@ -44,12 +44,13 @@ public:
             ray.origin = box_.center() + std::ldexp(size_, int(below(50)) - 2) * direction();
             break;
         default:
-            ray.origin = box_.center() + size_ * Vec3(signed_unit(), signed_unit(), signed_unit());
+            ray.origin = box_.center() + size_ * Vec3{signed_unit(), signed_unit(), signed_unit()};
         }
         ray.direction = target - ray.origin;
         switch (below(8)) {
         case 0: // along an axis, through the target
-            ray.direction = Vec3::Unit(static_cast<int>(below(3))) * (below(2) != 0 ? 1 : -1);
+            ray.direction = Vec3::Unit(static_cast<int>(below(3)));
+            if (below(2) == 0) ray.direction = -ray.direction;
             ray.origin = target - std::ldexp(size_, int(below(6)) - 3) * ray.direction;
             break;
         case 1: // across an axis
@@ -69,8 +70,8 @@ public:
         default:
             break;
         }
-        if ((ray.direction.array() == 0).all()) ray.direction = Vec3::UnitX();
         ray.direction *= std::ldexp(1.0, int(below(40)) - 20);
+        if ((ray.direction.array() == 0).all()) ray.direction = Vec3::UnitX();
         const double to_target = (target - ray.origin).norm() / ray.direction.norm();
         switch (below(6)) {
         case 0:

@@ -24,7 +24,7 @@ TEST(ProximityFigures, ListedCellsAreThoseThatTheRegionMeets)
     std::uniform_real_distribution<double> place(-1.7, 1.7);
     std::set<std::uint64_t> met;
     for (int i = 0; i < 40000; ++i) {
-        const Vec3 point(place(random), place(random), place(random));
+        const Vec3 point{place(random), place(random), place(random)};
         const auto cell = shown->octree.locate(point);
         if (!cell || shown->octree.type(*cell) != CellClass::outer) continue;
         const auto closest = closest_feature_by_brute_force(shown->mesh, *topology, point);

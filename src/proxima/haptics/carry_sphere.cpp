@@ -86,21 +86,31 @@ private:
         const Vec3 middle = begin + 0.5 * way;
         const std::size_t count = surface.collect(middle, 0.5 * length + reach, room_.near_);
         if (count > room_.near_.size()) return false;
+        const std::span<const ContactTriangle> near = std::span(room_.near_).first(count);
         double first = 2;
         const ContactTriangle* wall = nullptr;
-        for (const ContactTriangle& near : std::span(room_.near_).first(count)) {
-            if (is_wall(scene_triangle(id, near.id))) continue;
-            const Side side = side_of(near.corners, begin);
-            if (side.distance <= radius_ + skin_) {
-                // Touched before anything moved: it is gone along or left.
-                if (!add_wall(id, near.id, object.now, side)) return false;
-                blocked = true;
+        std::size_t touched = 0;
+        for (std::size_t i = 0; i < near.size(); ++i) {
+            const ContactTriangle& triangle = near[i];
+            if (is_wall(scene_triangle(id, triangle.id))) continue;
+            if (side_of(triangle.corners, begin).distance <= radius_ + skin_) {
+                if (count_ + touched == max_contact_planes) return false;
+                room_.touched_[touched++] = i;
                 continue;
             }
-            const auto t = touch_time(near.corners, radius_, begin, way);
-            if (!t || *t >= first) continue;
+            const auto t = touch_time(triangle.corners, radius_, begin, way);
+            if (!t || *t > first || (*t == first && wall->id < triangle.id)) continue;
             first = *t;
-            wall = &near;
+            wall = &triangle;
+        }
+        // Touched before anything moved: it is gone along or left. By id, for surfaces give their
+        // triangles in any order and planes round by theirs.
+        const auto places = std::span(room_.touched_).first(touched);
+        std::ranges::sort(places, {}, [near](std::size_t i) { return near[i].id; });
+        for (const std::size_t i : places) {
+            if (!add_wall(id, near[i].id, object.now, side_of(near[i].corners, begin)))
+                return false;
+            blocked = true;
         }
         if (wall == nullptr) return true;
         blocked = true;

@@ -35,6 +35,7 @@ private:
     std::vector<ContactTriangle> near_;
     std::array<ContactPlane, max_contact_planes> planes_;
     std::array<TriangleId, max_contact_planes> walls_;
+    std::array<std::size_t, max_contact_planes> touched_; ///< places in near_
 };
 
 /// Where a sphere ends that would go to `goal` while the objects go from where they stood to where

@@ -66,19 +66,19 @@ std::optional<Contact> contact_with(const ContactTriangle& triangle, const Vec3&
     return contact;
 }
 
-TouchedPlaces::TouchedPlaces() : contacts_(max_contact_planes), triangles_(touched_triangles) {}
+TouchedPlaces::TouchedPlaces() : contacts_(max_contact_planes), touched_(touched_triangles) {}
 
 void TouchedPlaces::clear() noexcept
 {
     count_ = 0;
-    triangle_count_ = 0;
+    touched_count_ = 0;
     edition_ = 0;
 }
 
 bool TouchedPlaces::has(TriangleId id) const noexcept
 {
-    const auto touched = std::span(triangles_).first(triangle_count_);
-    return std::find(touched.begin(), touched.end(), id) != touched.end();
+    const auto touched = std::span(touched_).first(touched_count_);
+    return std::ranges::binary_search(touched, id, {}, &Contact::triangle);
 }
 
 bool TouchedPlaces::add(const Contact& contact, double rounding) noexcept
@@ -118,13 +118,15 @@ bool TouchedPlaces::find_among(std::span<const ContactTriangle> near, const Cont
         if (is_beyond(triangle.corners, p, limit)) continue;
         const auto contact = contact_with(triangle, p, limit, rounding);
         if (!contact) continue;
-        if (triangle_count_ == triangles_.size()) return false;
-        triangles_[triangle_count_++] = triangle.id;
-        if (!add(*contact, rounding)) return false;
+        if (touched_count_ == touched_.size()) return false;
+        touched_[touched_count_++] = *contact;
     }
-    const auto used = std::span(contacts_).first(count_);
-    std::sort(used.begin(), used.end(),
-              [](const Contact& a, const Contact& b) { return a.triangle < b.triangle; });
+    // Which contacts are one may hang on which came first: by id, whatever the order of `near`.
+    const auto touched = std::span(touched_).first(touched_count_);
+    std::ranges::sort(touched, {}, &Contact::triangle);
+    for (const Contact& contact : touched)
+        if (!add(contact, rounding)) return false;
+    std::ranges::sort(std::span(contacts_).first(count_), {}, &Contact::triangle);
     at_ = p;
     limit_ = limit;
     edition_ = surface.edition();

@@ -64,9 +64,9 @@ private:
     [[nodiscard]] bool add(const Contact& contact, double rounding) noexcept;
 
     std::vector<Contact> contacts_;
-    std::vector<TriangleId> triangles_;
+    std::vector<Contact> touched_; ///< of each triangle, by id
     std::size_t count_ = 0;
-    std::size_t triangle_count_ = 0;
+    std::size_t touched_count_ = 0;
     Vec3 at_ = Vec3::Zero();
     double limit_ = 0;
     std::uint64_t edition_ = 0; ///< of the surface that this was found of; 0 says none

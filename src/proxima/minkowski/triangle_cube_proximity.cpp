@@ -300,16 +300,18 @@ TriangleBoxSeparation separation(const Triangle& triangle, const Box& box) noexc
     const Scale scale(triangle, box);
     const ScaledPair pair(triangle, box, scale);
     TriangleBoxSeparation result;
+    const auto on_box = [&](const Vec3& p) {
+        return Vec3((box.lower + scale.multiplied(p)).cwiseMax(box.lower).cwiseMin(box.upper));
+    };
     if (triangle_overlaps_box(triangle, box)) {
-        result.on_triangle = CommonPoint(pair).find();
-        result.on_box = result.on_triangle;
-    } else {
-        result = ClosestFeatures(pair).find();
+        result.on_box = on_box(CommonPoint(pair).find());
+        result.on_triangle = result.on_box;
+        return result;
     }
+    result = ClosestFeatures(pair).find();
     result.distance = scale.multiplied(result.distance);
     result.on_triangle = box.lower + scale.multiplied(result.on_triangle);
-    result.on_box =
-        (box.lower + scale.multiplied(result.on_box)).cwiseMax(box.lower).cwiseMin(box.upper);
+    result.on_box = on_box(result.on_box);
     return result;
 }
 

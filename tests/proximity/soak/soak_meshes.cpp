@@ -33,7 +33,7 @@ TriangleMesh soup(std::size_t count, std::uint64_t seed)
 {
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> part(-1, 1);
-    const auto anywhere = [&] { return Vec3(part(random), part(random), part(random)); };
+    const auto anywhere = [&] { return Vec3{part(random), part(random), part(random)}; };
     std::vector<Vec3> positions;
     std::vector<TriangleCorners> triangles;
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -50,7 +50,7 @@ TriangleMesh slivers(std::size_t count, std::uint64_t seed)
 {
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> part(-1, 1);
-    const auto anywhere = [&] { return Vec3(part(random), part(random), part(random)); };
+    const auto anywhere = [&] { return Vec3{part(random), part(random), part(random)}; };
     std::vector<Vec3> positions;
     std::vector<TriangleCorners> triangles;
     for (std::size_t i = 0; i < count; ++i) {

@@ -1,0 +1,140 @@
+"""proxima touch: devices by their makers' libraries and over UDP."""
+import json
+import os
+import socket
+import unittest
+
+from proxima_program import ProgramTest
+from touch_report import KEYS, MEASURED, OF_A_DEVICE
+from udp_hand import UdpHand, free_port
+
+STUB_HD, STUB_DHD = os.environ.get("STUB_HD", ""), os.environ.get("STUB_DHD", "")
+
+
+class Devices(ProgramTest):
+    """Stand-ins for the makers' libraries; PROXIMA_STUB says what goes wrong, and when."""
+
+    def feel(self, name, library, fault="", seconds=1, model="cube", **options):
+        session = self.folder / "session.pxt"
+        environment = {**os.environ, "PROXIMA_STUB": fault}
+        text = self.succeed("touch", model, "--device", name, "--device-library", library, "--seconds", seconds,
+                            "--record", session, "--json", "-", env=environment, **options)
+        felt = json.loads(text)
+        self.assertEqual(list(felt), KEYS)
+        self.assertEqual(felt["passes"], 0)
+        again = self.json_of("touch", model, "--device", f"replay:{session}")
+        self.assertEqual((again["replay_differences"], again["ticks"]), (0, felt["ticks"]))
+        self.assertIsNone(again["device_info"])
+        for key in KEYS:
+            if key not in (*MEASURED, *OF_A_DEVICE, "device", "replay_differences", "trouble"):
+                self.assertEqual(felt[key], again[key], key)
+        return felt
+
+    def test_hd(self):
+        felt = self.feel("hd", STUB_HD)
+        info = felt["device_info"]
+        self.assertEqual((info["model"], info["serial"], info["max_force"]), ("Proxima's tests Stub Omni", "S-0042", 3.3))
+        self.assertAlmostEqual(info["max_stiffness"], 700)
+        self.assertGreater(felt["max_force"], 1)
+        self.assertEqual((felt["faulty_ticks"], felt["trouble"]), (0, ""))
+        self.assertGreaterEqual(felt["ticks"], 1000)  # and those in which the force fades at the end
+        self.assertLess(felt["ticks"], 1100)
+
+    def test_hd_faults(self):
+        felt = self.feel("hd", STUB_HD, "unplug=480 replug=630")
+        self.assertEqual((felt["input"]["losses"], felt["input"]["recoveries"]), (1, 1))
+        self.assertIn("Communication error", felt["trouble"])
+        felt = self.feel("hd", STUB_HD, "nan=480")
+        self.assertEqual(felt["input"]["not_finite"], 10)
+        felt = self.feel("hd", STUB_HD, "jump=480")
+        self.assertEqual(felt["input"]["jumps"], 1)
+        felt = self.feel("hd", STUB_HD, "stall=300", seconds=0.8)
+        self.assertEqual(felt["ticks"], 300)
+        self.assertIn("called no more", felt["trouble"])
+
+    def test_dhd(self):
+        felt = self.feel("dhd", STUB_DHD, "press=100")
+        self.assertEqual((felt["device_info"]["max_force"], felt["button_events"]), (12, 2))
+        self.assertGreater(felt["max_force"], 1)
+        felt = self.feel("dhd:0", STUB_DHD, "unplug=480")
+        self.assertEqual(felt["input"]["losses"], 1)
+        self.assertIn("communication error (stub)", felt["trouble"])
+
+    def test_what_is_not_there_is_named(self):
+        self.refuse("touch", "cube", "--device", "hd", "--device-library", "/nowhere/libHD.so",
+                    says=("tried /nowhere/libHD.so", "install OpenHaptics"))
+        self.refuse("touch", "cube", "--device", "dhd", "--device-library", STUB_HD,
+                    says=("lacks dhdGetDeviceCount", "install the Force Dimension SDK"))
+        self.refuse("touch", "cube", "--device", "dhd:3", "--device-library", STUB_DHD, says="no device dhd:3: there are 1")
+        text = self.succeed("touch", "--list-devices", "--device-library", STUB_DHD)
+        self.assertIn("dhd: Force Dimension omega.3 (stub), number 1234", text)
+        self.assertIn("hd: none: ", text)
+        listed = json.loads(self.succeed("touch", "--list-devices", "--device-library", STUB_HD, "--json", "-"))["devices"]
+        self.assertEqual([device["name"] for device in listed], ["hd", "dhd"])
+        self.assertEqual(listed[0]["serial"], "S-0042")
+        self.assertIn("lacks", listed[1]["problem"])
+
+    def test_axes_scale_and_clutch(self):
+        plain = self.feel("dhd", STUB_DHD)
+        large = self.feel("dhd", STUB_DHD, model="cube", seconds=1)
+        self.assertEqual(plain["units_per_metre"], large["units_per_metre"])
+        scaled = self.json_of("touch", "cube", "--device", "hand:press", "--free-running", "--seconds", 0.2, "--scale", 2)
+        usual = self.json_of("touch", "cube", "--device", "hand:press", "--free-running", "--seconds", 0.2)
+        self.assertAlmostEqual(scaled["units_per_metre"], 2 * usual["units_per_metre"])
+        session = self.folder / "turned.pxt"
+        felt = json.loads(self.succeed("touch", "cube", "--device", "dhd", "--device-library", STUB_DHD, "--axes", "x,-z,y",
+                                       "--clutch", 1, "--seconds", 0.6, "--record", session, "--json", "-",
+                                       env={**os.environ, "PROXIMA_STUB": "press=300"}))
+        self.assertEqual(felt["input"]["clutched_ticks"], 100)
+        self.assertEqual(self.json_of("touch", "cube", "--device", f"replay:{session}")["replay_differences"], 0)
+
+
+class Udp(ProgramTest):
+    def feel(self, seconds=2, **hand):
+        port = free_port()
+        other_side = UdpHand(port, seconds + 1, **hand)
+        other_side.start()
+        session = self.folder / "udp.pxt"
+        felt = self.json_of("touch", "cube", "--device", f"udp:{port}", "--seconds", seconds, "--record", session)
+        other_side.join()
+        again = self.json_of("touch", "cube", "--device", f"replay:{session}")
+        self.assertEqual((again["replay_differences"], again["ticks"]), (0, felt["ticks"]))
+        self.assertLessEqual(felt["max_force"], 3.3)
+        return felt, other_side.replies
+
+    def test_a_hand_in_another_program(self):
+        felt, replies = self.feel()
+        self.assertGreater(felt["network"]["accepted"], 500)
+        self.assertEqual(felt["network"]["sessions"], 1)
+        self.assertEqual(felt["button_events"], 1)
+        self.assertGreater(felt["touching_ticks"], 300)
+        self.assertGreater(len(replies), 500)
+        for magic, version, size, session, *_ in replies:
+            self.assertEqual((magic, version, size, session), (b"PXDN", 1, 256, 4242))
+        forces = [reply[8:11] for reply in replies]
+        self.assertGreater(max(z for _, _, z in forces), 1)
+        pressed = next(reply for reply in replies if reply[10] == max(z for _, _, z in forces))
+        self.assertEqual(pressed[7], 1)  # one plane: the upper face
+        self.assertAlmostEqual(pressed[22], 1)  # whose normal is z
+
+    def test_junk_and_silence(self):
+        felt, _ = self.feel(seconds=3, junk=True, silent=(1.2, 1.6))
+        self.assertGreater(felt["network"]["malformed"], 500)
+        self.assertGreaterEqual(felt["input"]["silences"], 1)
+        self.assertGreaterEqual(felt["input"]["recoveries"], 1)
+        self.assertGreater(felt["input"]["longest_recovery"], 0)
+
+    def test_nobody_comes(self):
+        felt = self.json_of("touch", "cube", "--device", f"udp:{free_port()}", "--seconds", 0.2)
+        self.assertIn("no packet came to 127.0.0.1:", felt["trouble"])
+        self.assertEqual(felt["max_force"], 0)
+
+    def test_a_port_that_is_taken(self):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line:
+            line.bind(("127.0.0.1", 0))
+            port = line.getsockname()[1]
+            self.refuse("touch", "cube", "--device", f"udp:{port}", says=(f"127.0.0.1:{port}", "in use"))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,48 @@
+"""A device in another program, over UDP."""
+import os
+import socket
+import struct
+import threading
+import time
+
+
+class UdpHand(threading.Thread):
+    """The device's side, by the documented bytes alone: goes down 30 mm in a second and stays."""
+
+    def __init__(self, port, seconds, junk=False, silent=(9, 9)):
+        super().__init__(daemon=True)
+        self.port, self.seconds, self.junk, self.silent = port, seconds, junk, silent
+        self.replies = []
+
+    def run(self):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line:
+            line.setblocking(False)
+            self.move(line)
+
+    def move(self, line):
+        begin = time.monotonic()
+        number = 0
+        while (passed := time.monotonic() - begin) < self.seconds:
+            number += 1
+            height = 0.05 - 0.03 * min(passed, 1)
+            buttons = 1 if passed > 0.5 else 0
+            packet = struct.pack("<4sHHQQQII3d3d4d", b"PXUP", 1, 120, 4242, number, int(passed * 1e9), buttons, 0,
+                                 0, 0, height, 0, 0, 0, 1, 0, 0, 0)
+            if not self.silent[0] <= passed < self.silent[1]:
+                line.sendto(packet, ("127.0.0.1", self.port))
+            if self.junk:
+                line.sendto(os.urandom(number % 300), ("127.0.0.1", self.port))
+                line.sendto(packet[:-1], ("127.0.0.1", self.port))
+            try:
+                while True:
+                    reply = line.recv(1024)
+                    self.replies.append(struct.unpack("<4sHHQQQII3ddddddd3d12d3d", reply))
+            except OSError:  # nothing more, or nobody there yet
+                pass
+            time.sleep(0.001)
+
+
+def free_port():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line:
+        line.bind(("127.0.0.1", 0))
+        return line.getsockname()[1]
