@@ -22,6 +22,13 @@ std::string microseconds(const LatencyHistogram& histogram)
                        at(0.5), at(0.99), at(0.999), at(0.9999), at(1));
 }
 
+double percent(std::uint64_t part, std::uint64_t whole)
+{
+    return whole == 0 ? 0 : 100 * static_cast<double>(part) / static_cast<double>(whole);
+}
+
+} // namespace
+
 Json latency_json(const LatencyHistogram& histogram)
 {
     return {{"p50_ns", histogram.quantile(0.5)},
@@ -30,13 +37,6 @@ Json latency_json(const LatencyHistogram& histogram)
             {"p99_99_ns", histogram.quantile(0.9999)},
             {"max_ns", histogram.max()}};
 }
-
-double percent(std::uint64_t part, std::uint64_t whole)
-{
-    return whole == 0 ? 0 : 100 * static_cast<double>(part) / static_cast<double>(whole);
-}
-
-} // namespace
 
 std::string touch_text(const TouchReportOf& of, const TouchModel& model, const TouchResult& result)
 {

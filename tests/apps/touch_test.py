@@ -37,6 +37,7 @@ class Touching(ProgramTest):
         self.assertGreater(one["missed_ticks"], three["missed_ticks"])
         self.assertGreater(three["mean_triangles"], one["mean_triangles"])
         for row in result["patches"]:
+            self.assertTrue(0 < row["tick"]["p50_ns"] <= row["tick"]["max_ns"])
             self.assertAlmostEqual(row["percent_sent"], 100 * row["mean_triangles"] / 19800, places=9)
             self.assertLessEqual(row["oldest_ticks"], 20)
         live = self.json_of("touch", "cube", "--device", "hand:slide", "--seconds", 1, "--patch", "metric",
@@ -48,6 +49,14 @@ class Touching(ProgramTest):
         self.assertIn("sent down", text)
         for wrong in ("", "some", "-1", "1,,2", "65", "1.5"):
             self.refuse("touch", "cube", "--device", "hand:slide", "--patch", wrong, status=2)
+
+    def test_shaded_patches_are_held_against_what_is_shaded(self):
+        for script in ("stroke", "walk"):
+            result = self.json_of("touch", "icosphere:3", "--device", "hand:" + script, "--seconds", 2, "--free-running",
+                                  "--shading", "--patch", "metric")
+            (row,) = result["patches"]
+            self.assertEqual((result["shading"], row["missed_ticks"], row["apart_ticks"]), (True, 0, 0), script)
+            self.assertGreater(row["touching_ticks"], 300)
 
     def test_shaded_forces_replay(self):
         recording = self.folder / "shaded.pxt"
