@@ -65,7 +65,7 @@ Image empty_image(const PictureSize& size)
     return image;
 }
 
-Image draw_weights(const Octree& octree, const RaySource& rays, const PictureSize& size,
+Image draw_weights(const Octree& octree, const RayList& rays, const PictureSize& size,
                    Threads threads, Progress* progress)
 {
     const auto width = static_cast<std::size_t>(size.width);

@@ -17,8 +17,8 @@ namespace proxima {
 /// From black to pale yellow by the weight of the cells with triangles that a pixel's ray goes
 /// through, the sum of penetration * chord / edge; pale yellow are the largest hundredth of those
 /// above zero. \pre a ray per pixel
-[[nodiscard]] Image draw_weights(const Octree& octree, const RaySource& rays,
-                                 const PictureSize& size, Threads threads, Progress* progress);
+[[nodiscard]] Image draw_weights(const Octree& octree, const RayList& rays, const PictureSize& size,
+                                 Threads threads, Progress* progress);
 
 [[nodiscard]] Image empty_image(const PictureSize& size);
 

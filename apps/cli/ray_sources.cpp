@@ -80,7 +80,7 @@ Result<std::vector<Ray>> read_rays(const std::string& path, Progress* progress)
     return rays;
 }
 
-RaySource::RaySource(const Box& box, const PictureSize& size, UpAxis up)
+RayList::RayList(const Box& box, const PictureSize& size, UpAxis up)
     : count_(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height)),
       size_(size)
 {
@@ -99,7 +99,7 @@ RaySource::RaySource(const Box& box, const PictureSize& size, UpAxis up)
     above_ = toward_eye_.cross(right_);
 }
 
-Ray RaySource::operator[](std::size_t number) const noexcept
+Ray RayList::operator[](std::size_t number) const noexcept
 {
     if (!rays_.empty()) return rays_[number];
     const auto width = static_cast<std::size_t>(size_.width);

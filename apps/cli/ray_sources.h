@@ -30,15 +30,15 @@ struct PictureSize {
 [[nodiscard]] Result<std::vector<Ray>> read_rays(const std::string& path, Progress* progress);
 
 /// Rays by number: those of a file, or a camera's, which are made when they are asked for.
-class RaySource {
+class RayList {
 public:
-    RaySource() = default;
-    explicit RaySource(std::vector<Ray> rays) : rays_(std::move(rays)), count_(rays_.size()) {}
+    RayList() = default;
+    explicit RayList(std::vector<Ray> rays) : rays_(std::move(rays)), count_(rays_.size()) {}
 
     /// One ray per pixel, row by row from the top, through its middle: seen three-quarter from
     /// above, the box's sphere filling the picture. Directions have length 1. \pre the box is not
     /// empty
-    RaySource(const Box& box, const PictureSize& size, UpAxis up);
+    RayList(const Box& box, const PictureSize& size, UpAxis up);
 
     [[nodiscard]] std::size_t count() const noexcept { return count_; }
 

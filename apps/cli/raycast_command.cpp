@@ -71,7 +71,7 @@ struct Casting {
     TriangleMesh mesh;
     Octree octree;
     RayIndex index; ///< empty where cells are asked for
-    RaySource rays;
+    RayList rays;
     PictureSize size;
     double build_seconds = 0;
     double seconds = 0;
@@ -91,10 +91,10 @@ Result<std::unique_ptr<Casting>> prepare(const RaycastOptions& options, Session&
     if (options.camera.empty()) {
         auto rays = read_rays(options.rays, &session.progress());
         if (!rays) return tl::unexpected(rays.error());
-        casting->rays = RaySource(std::move(*rays));
+        casting->rays = RayList(std::move(*rays));
     } else {
         casting->size = *parse_picture_size(options.camera);
-        casting->rays = RaySource(*box, casting->size, up_axis_of_model(options.model));
+        casting->rays = RayList(*box, casting->size, up_axis_of_model(options.model));
     }
     const Stopwatch watch;
     auto octree = build_octree(casting->mesh, {.max_depth = options.depth,

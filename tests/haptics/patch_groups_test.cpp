@@ -174,7 +174,7 @@ TEST(PatchGroups, are_made_and_asked_without_allocation)
     Proxy proxy(surface, {.static_friction = 0.4, .dynamic_friction = 0.3});
     HandPath path(mesh, 3);
     std::vector<Vec3> places;
-    for (int i = 0; i < 400; ++i) places.push_back(path.next());
+    for (int i = 0; i < 1200; ++i) places.push_back(path.next());
     proxy.place(places.front());
     std::set<std::uint64_t> editions;
     std::size_t before = testing::allocation_count();
