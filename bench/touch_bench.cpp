@@ -1,7 +1,8 @@
 // What a tick of touching costs in direct mode: the servo loop asks the proximity octree itself.
 // Run by scripts/bench touch.
 //
-//     touch_bench [--ticks N] [--replays N] [--radius R] [--keep DIR] [--peers] [--mesh NAME]...
+//     touch_bench [--ticks N] [--replays N] [--radius R] [--keep DIR] [--peers] [--slowest N]
+//                 [--mesh NAME]...
 //     touch_bench --curve FILE.{csv,svg,png} ...      tick time by the number of triangles
 //     touch_bench --scenes                             several objects, at rest and moving
 //     touch_bench --patches [--mesh NAME]...           what patches miss, by the hand's speed
@@ -12,6 +13,7 @@
 //     p50 ...   us computed per tick           queries   questions of the octree per tick
 //     gathered  triangles that these gave      lanes     of kept triangles that scans looked at
 //     in full   triangles looked at in doubles
+//     raw       the first replay alone: with what else the machine did meanwhile
 //
 // Peers: the same proxy, which then asks the octree anew for each question of a tick, and a
 // god-object over a tree of boxes (god_object_peer.h).
@@ -37,6 +39,7 @@ namespace {
 struct TouchBenchOptions {
     TouchRaceOptions race;
     bool peers = false;
+    std::size_t slowest = 0;
     std::vector<std::string> meshes;
     std::vector<std::string> curves;
     TouchLoopOptions loops;
@@ -87,6 +90,7 @@ int run_mesh(const std::string& name, const TouchBenchOptions& options)
                 (*model)->mesh.triangle_count(), options.race.radius, options.race.replays);
     print_head("script");
     TickSums sums;
+    SlowTicks slow_ticks;
     TickSums asked_sums;
     TickSums peer_sums;
     std::uint64_t differences = 0;
@@ -103,6 +107,7 @@ int run_mesh(const std::string& name, const TouchBenchOptions& options)
         add_track(own, track, times);
         print_rows(script, own, true);
         add_track(sums, track, times);
+        slow_ticks.add(script, track, times);
         if (!options.peers) continue;
         const TrackTimes slow =
             time_track(asked, (*model)->map, track, options.race.radius, options.race.replays);
@@ -111,6 +116,7 @@ int run_mesh(const std::string& name, const TouchBenchOptions& options)
         add_track(peer_sums, track, time_track(*tree, **model, track, options.race.replays));
     }
     print_rows("all", sums, true);
+    slow_ticks.print(options.slowest);
     if (options.peers) {
         print_rows("asking", asked_sums, false);
         print_rows("box tree", peer_sums, false);
@@ -140,6 +146,7 @@ int main(int argc, char** argv)
     app.add_option("--keep", options.race.keep, "Folder of octrees built before, and to come")
         ->check(CLI::ExistingDirectory);
     app.add_option("--mesh", options.meshes, "Files, .pxp among them, or built-ins");
+    app.add_option("--slowest", options.slowest, "So many of the slowest ticks, and what they did");
     app.add_flag("--peers", options.peers, "Time what it is held against, too");
     app.add_option(
         "--curve", options.curves,

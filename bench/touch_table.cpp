@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 
 namespace proxima::bench {
 
@@ -34,6 +35,39 @@ void add_track(TickSums& sums, const TouchTrack& track, const TrackTimes& times)
         const std::int64_t nanoseconds = times.nanoseconds[tick];
         sums[static_cast<std::size_t>(track.kinds[tick])].add(nanoseconds, track.work[tick]);
         sums.back().add(nanoseconds, track.work[tick]);
+    }
+}
+
+void SlowTicks::add(const std::string& script, const TouchTrack& track, const TrackTimes& times)
+{
+    for (std::size_t tick = 0; tick < track.kinds.size(); ++tick) {
+        ticks_.push_back({script, tick, track.kinds[tick], times.nanoseconds[tick],
+                          times.first[tick], track.moves[tick], track.work[tick]});
+    }
+}
+
+void SlowTicks::print(std::size_t count) const
+{
+    TickTimes first;
+    for (const SlowTick& tick : ticks_) first.add(tick.first);
+    std::printf("%-15s %-8s %8zu  %8.2f %8.2f %8.2f %8.2f  one replay, with what else the machine "
+                "did\n",
+                "raw", "all", first.count(), first.microseconds(0.5), first.microseconds(0.99),
+                first.microseconds(0.9999), first.microseconds(1));
+    if (count == 0) return;
+    std::vector<SlowTick> slowest = ticks_;
+    std::ranges::stable_sort(slowest, std::ranges::greater(), &SlowTick::least);
+    slowest.resize(std::min(count, slowest.size()));
+    std::printf("%-15s %-8s %8s  %8s %8s %8s %8s  %8s %8s %8s\n", "slowest", "state", "tick",
+                "least us", "raw us", "moves", "queries", "scans", "lanes", "in full");
+    for (const SlowTick& slow : slowest) {
+        const auto number = [](std::uint64_t n) { return static_cast<unsigned long long>(n); };
+        std::printf(
+            "%-15s %-8s %8zu  %8.2f %8.2f %8zu %8llu  %8llu %8llu %8llu\n", slow.script.c_str(),
+            std::string(tick_state_names[static_cast<std::size_t>(slow.state)]).c_str(), slow.tick,
+            1e-3 * static_cast<double>(slow.least), 1e-3 * static_cast<double>(slow.first),
+            slow.moves, number(slow.work.distances + slow.work.gathers), number(slow.work.scans),
+            number(slow.work.scanned), number(slow.work.passed));
     }
 }
 

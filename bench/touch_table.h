@@ -33,6 +33,28 @@ using TickSums = std::array<TickSum, tick_state_names.size() + 1>;
 
 void add_track(TickSums& sums, const TouchTrack& track, const TrackTimes& times);
 
+/// A tick that took long.
+struct SlowTick {
+    std::string script;
+    std::size_t tick = 0;
+    TickState state = TickState::free;
+    std::int64_t least = 0; ///< ns
+    std::int64_t first = 0; ///< in the first replay
+    std::size_t moves = 0;
+    ContactWork work;
+};
+
+/// The slowest ticks of all tracks by their least times, and all first times beside these.
+class SlowTicks {
+public:
+    void add(const std::string& script, const TouchTrack& track, const TrackTimes& times);
+    /// Quantiles of the first replay alone, then `count` ticks and what they did.
+    void print(std::size_t count) const;
+
+private:
+    std::vector<SlowTick> ticks_;
+};
+
 /// `what` the rows are named by.
 void print_head(const char* what);
 /// A row for each state that there was. Without work for methods that do not count it.

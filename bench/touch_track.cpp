@@ -54,6 +54,7 @@ TouchTrack record_track(const TouchModel& model, std::string_view script_name, s
         track.forces.push_back(felt.force);
         track.kinds.push_back(state_of(felt.proxy));
         track.work.push_back(difference(work, before));
+        track.moves.push_back(felt.proxy.moves);
         track.max_speed = std::max(track.max_speed, state.velocity.norm());
         before = work;
         hand.step(felt.force, script->target(static_cast<double>(tick) * tick_seconds));
@@ -73,6 +74,7 @@ TrackTimes time_track(const ContactSurface& surface, const WorkspaceMap& map,
             const RenderTick& felt = renderer.tick(track.states[tick], tick_seconds);
             const std::int64_t end = nanoseconds_now();
             times.nanoseconds[tick] = std::min(times.nanoseconds[tick], end - begin);
+            if (replay == 0) times.first.push_back(end - begin);
             times.differences += felt.force != track.forces[tick] ? 1U : 0U;
         }
     }

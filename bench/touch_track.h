@@ -38,8 +38,9 @@ struct TouchTrack {
     std::vector<DeviceState> states;
     std::vector<Vec3> forces;
     std::vector<TickState> kinds;
-    std::vector<ContactWork> work; ///< of each tick
-    double max_speed = 0;          ///< m/s
+    std::vector<ContactWork> work;  ///< of each tick
+    std::vector<std::size_t> moves; ///< of all slides of each tick
+    double max_speed = 0;           ///< m/s
 };
 
 [[nodiscard]] TickState state_of(const ProxyTick& tick);
@@ -53,6 +54,7 @@ struct TouchTrack {
 
 struct TrackTimes {
     std::vector<std::int64_t> nanoseconds; ///< of each tick, the least
+    std::vector<std::int64_t> first;       ///< of each tick in the first replay, with all noise
     std::uint64_t differences = 0;         ///< ticks whose force was another: must be none
 };
 

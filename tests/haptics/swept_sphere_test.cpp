@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <optional>
 #include <random>
 
 namespace proxima {
@@ -65,6 +67,39 @@ TEST(SweptSphere, agrees_with_small_steps)
     }
     EXPECT_GT(hits, 2000);
     EXPECT_GT(misses, 2000);
+}
+
+TEST(SweptSphere, tells_at_a_glance_what_stays_beyond_a_plane)
+{
+    int beyond = 0;
+    for (std::uint32_t seed = 0; seed < 20000; ++seed) {
+        std::mt19937 random(seed);
+        std::uniform_real_distribution<double> place(-1, 1);
+        const auto anywhere = [&] { return Vec3{place(random), place(random), place(random)}; };
+        Triangle triangle{{anywhere(), anywhere(), anywhere()}};
+        if (seed % 5 == 0) // a sliver
+            triangle.vertices[2] = triangle[0] + 0.3 * (triangle[1] - triangle[0]) +
+                                   std::pow(10.0, -16 * std::abs(place(random))) * anywhere();
+        const Vec3 normal = unit_normal(triangle);
+        const double radius = seed % 2 == 0 ? 0.3 : 1e-9;
+        // Along the plane, about as near as the radius; or anywhere.
+        const Vec3 on = (triangle[0] + triangle[1] + triangle[2]) / 3;
+        const double off = seed % 3 == 0 ? 1e-3 * place(random) : 0.0;
+        const Vec3 p =
+            seed % 4 == 0 ? Vec3(1.5 * anywhere()) : Vec3(on + (1 + off) * radius * normal);
+        const Vec3 aside = anywhere();
+        const Vec3 motion = seed % 4 == 0 ? aside : Vec3(aside - normal * normal.dot(aside));
+        const TrianglePlane plane(triangle);
+        if (plane.is_beyond(p, motion, radius)) {
+            ++beyond;
+            for (int i = 0; i <= 50; ++i)
+                EXPECT_GT(distance(triangle, p + i * 0.02 * motion), radius - 1e-15) << seed;
+            EXPECT_FALSE(touch_time(triangle, radius, p, motion)) << seed;
+        }
+        if (seed % 4 == 1 && seed % 5 != 0) // gone along: no need to look closer
+            EXPECT_TRUE(plane.is_beyond(on + radius * normal, motion, 0.9 * radius)) << seed;
+    }
+    EXPECT_GT(beyond, 2000);
 }
 
 TEST(SweptSphere, finds_a_radius_of_a_billionth)
