@@ -83,6 +83,7 @@ Command add_tables_command(CLI::App& app)
         ->add_option("--meshes", options->comparison.meshes,
                      "Folder with the Stanford models of Table 2.3 (default: shared/meshes beside "
                      "the checkout that the program was built in)")
+        ->check(CLI::ExistingDirectory)
         ->type_name("DIR");
     return {parser, [options](Session& session) { return run_tables(*options, session); }};
 }
