@@ -1,201 +1,14 @@
 """The window of `proxima view` as a person uses it: on a screen without a monitor, by mouse and keyboard."""
 import os
 import resource
+import struct
 import subprocess
 import sys
-import tempfile
 import unittest
-from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parent.parent / "apps"))
-
-import xvfb_screen  # noqa: E402
-from dragged_files import DraggedFiles  # noqa: E402
-from proxima_program import ProgramTest, run  # noqa: E402
-from xvfb_screen import Screen, Window  # noqa: E402
-
-
-def is_red(r, g, b):
-    return r > 120 and r > g + 60 and r > b + 60
-
-
-def is_green(r, g, b):
-    return g > 60 and g > r + 25 and g > b + 10
-
-
-def is_blue(r, g, b):
-    return b > 90 and b > r + 40 and b > g + 15
-
-
-def is_yellow(r, g, b):
-    return r > 120 and g > 90 and b < 0.6 * g
-
-
-class WindowTest(ProgramTest):
-    """Gives each test a screen."""
-    dpi = 96
-
-    @classmethod
-    def setUpClass(cls):
-        if xvfb_screen.MISSING:
-            why = f"not installed: {' '.join(xvfb_screen.MISSING)} (group test of packages.txt)"
-            print("skipped:", why, flush=True)  # ctest reads it
-            raise unittest.SkipTest(why)
-        cls.screen = Screen(cls.dpi)
-        cls.addClassCleanup(cls.screen.close)
-
-    def open(self, *arguments):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        window = Window(self.screen, folder.name, *arguments)
-        self.addCleanup(window.kill)
-        return window
-
-    def close(self, window):
-        status, said = window.quit()
-        self.assertEqual((status, said), (0, ""))
-
-    def share(self, window, is_wanted):
-        """Of the models' picture, once it rests."""
-        window.settled()
-        window.frames(3)
-        return self.screen.picture().share(window.view(), is_wanted)
-
-    def turn_over(self, window, control):
-        before = window.value(control)
-        window.click(control, 0.1)
-        window.wait(lambda state: state["controls"][control]["value"] != before, f"a change of {control}")
-
-    def slide(self, window, control, part):
-        before = window.value(control)
-        window.click(control, part)
-        window.wait(lambda state: state["controls"][control]["value"] != before, f"a change of {control}")
-        self.assertEqual(window.settled()["problem"], "")
-
-
-class Panels(WindowTest):
-    """Every panel's main controls, and what they change in the picture."""
-
-    def test_octree(self):
-        window = self.open("icosphere:3", "--panel", "octree")
-        few = int(window.settled()["facts"]["cells"])
-        self.slide(window, "depth", 0.6)
-        self.assertGreater(int(window.state()["facts"]["cells"]), few)
-        red = self.share(window, is_red)
-        self.assertGreater(red, 0.05, "the deepest cells are red")
-        self.turn_over(window, "boundary")
-        self.assertLess(self.share(window, is_red), 0.2 * red)
-        self.turn_over(window, "inner")
-        window.choose("colour by", "class")
-        self.turn_over(window, "mesh")
-        self.assertGreater(self.share(window, is_green), 0.01, "inner cells are green")
-        self.turn_over(window, "cut plane")
-        self.assertGreater(self.share(window, is_green), 0.05, "their slice is filled")
-        self.slide(window, "cut at", 0.7)
-        window.choose("subdivision", "uniform")
-        self.slide(window, "depth", 0.3)
-        state = window.settled()
-        self.assertEqual(int(state["facts"]["leaves"]), 8 ** int(window.value("depth")))
-        self.assertEqual(sum(int(state["facts"][name]) for name in ("boundary", "inner", "outer")),
-                         int(state["facts"]["leaves"]))
-        window.choose("method", "separating-axis")
-        self.turn_over(window, "two pass")
-        self.assertEqual(window.settled()["problem"], "")
-        self.close(window)
-
-    def test_minkowski(self):
-        window = self.open("cube", "--panel", "minkowski")
-        window.settled()
-        self.assertEqual(window.state()["facts"]["facets"], "26")
-        for color, name in ((is_red, "red"), (is_green, "green")):
-            self.assertGreater(self.share(window, color), 0.01, name)
-        self.turn_over(window, "copies of B")
-        self.turn_over(window, "normals")
-        self.slide(window, "pushed", 0.2)
-        window.choose("B", "ball")
-        self.assertNotEqual(window.settled()["facts"]["facets"], "26")
-        before = window.value("pushed")
-        self.turn_over(window, "play")
-        window.wait(lambda state: state["controls"]["pushed"]["value"] != before, "the animation")
-        self.turn_over(window, "play")
-        self.close(window)
-
-    def test_voronoi_and_closest(self):
-        window = self.open("icosphere:2", "--panel", "voronoi")
-        self.assertEqual(window.settled()["facts"]["region"], "drawn")
-        window.choose("feature", "face")
-        self.assertGreater(self.share(window, is_yellow), 0.01, "regions of faces are yellow")
-        self.assertGreater(self.share(window, is_green), 0.0005, "the leaf is green")
-        self.screen.act("mousemove", *window.middle(), "click", 1)
-        window.wait(lambda state: state["picked"] is not None, "a pick")
-        self.assertIn(window.settled()["facts"]["feature"].split()[0], ("vertex", "edge", "face"))
-
-        window.choose("panel", "closest")
-        state = window.settled()
-        distance = float(state["facts"]["distance"])
-        self.assertGreater(self.share(window, is_blue), 0.003, "the patch is blue")
-        handle = state["handles"][0]
-        start = round(handle["x"]), round(handle["y"])
-        window.drag(start, (start[0] + 60, start[1] - 40))
-        window.wait(lambda now: now["settled"] and now["handles"][0]["at"] != handle["at"], "the cursor's move")
-        self.assertGreater(float(window.settled()["facts"]["distance"]), distance)
-        self.slide(window, "rings", 0.6)
-        self.close(window)
-
-    def test_rays_and_culling(self):
-        window = self.open("icosphere:4", "--panel", "rays")
-        self.assertEqual(window.settled()["facts"]["triangles hit"], "2")
-        self.assertGreater(self.share(window, is_yellow), 0.0008, "lit cells are yellow")
-        window.choose("weight", "chord")
-        self.turn_over(window, "occupied only")
-        self.assertGreater(int(window.settled()["facts"]["cells along the ray"]), int(window.state()["facts"]["shown"]))
-        window.choose("panel", "culling")
-        state = window.settled()
-        visible = int(state["facts"]["visible"].split()[0])
-        self.assertTrue(0 < visible < int(state["facts"]["triangles"]))
-        self.assertGreater(self.share(window, is_red), 0.002, "the volume is red")
-        self.assertGreater(self.share(window, is_green), 0.002, "visible leaves are green")
-        window.choose("mode", "exact")
-        self.assertLessEqual(int(window.settled()["facts"]["visible"].split()[0]), visible)
-        self.slide(window, "field of view", 0.4)
-        self.assertGreater(int(window.settled()["facts"]["visible"].split()[0]), visible)
-        self.close(window)
-
-    def test_intersection(self):
-        window = self.open("icosphere:3", "torus:32x16", "--panel", "intersection")
-        self.assertEqual(window.settled()["facts"]["meet"], "yes")
-        self.assertGreater(self.share(window, is_yellow), 0.002, "their triangles are yellow")
-        self.assertGreater(self.share(window, is_red), 0.001, "leaves of the first are red")
-        self.slide(window, "place x", 0.95)
-        self.assertEqual(window.settled()["facts"]["meet"], "no")
-        self.assertLess(self.share(window, is_yellow), 0.0005)
-        self.close(window)
-
-    def test_touch(self):
-        window = self.open("icosphere:3")
-        window.settled()
-        window.choose("panel", "touch")  # the last word of the longest menu
-        window.wait(lambda state: "servo rate" in state["facts"], "the servo loop's rate")
-        window.wait(lambda now: float(now["facts"]["force"].split()[0]) > 0.1, "a force")
-        self.assertGreater(float(window.state()["facts"]["servo rate"].split()[0]), 0)
-        self.assertGreater(self.share(window, is_red), 0.0002, "the force is red")
-        self.assertGreater(self.share(window, is_yellow), 0.0001, "the proxy is yellow")
-        handle = window.state()["handles"][0]
-        x, y, width, height = window.view()
-        window.drag((round(handle["x"]), round(handle["y"])), (x + width - 30, 30))
-        window.wait(lambda now: now["facts"]["contact"] == "free", "the hand's way out")
-        self.screen.act("mousemove", *window.middle(), "click", 1)
-        window.wait(lambda now: now["facts"]["contact"] != "free", "contact at the place that was clicked")
-        self.slide(window, "stiffness", 0.2)
-        window.wait(lambda now: "servo rate" in now["facts"], "another servo loop")
-        # A device that is not there: the panel says so, and the mouse has it again.
-        window.choose("device", "hd")
-        window.wait(lambda now: "libHD.so" in now["problem"], "what became of it")
-        window.type("library", "/nowhere/libHD.so")
-        window.wait(lambda now: "/nowhere/libHD.so" in now["problem"], "the device's message")
-        window.choose("device", "mouse")
-        window.wait(lambda now: now["problem"] == "" and "servo rate" in now["facts"], "the mouse's servo loop")
-        self.close(window)
+from window_case import WindowTest
+from dragged_files import DraggedFiles
+from proxima_program import ProgramTest, run
 
 
 class Opening(WindowTest):
@@ -365,6 +178,34 @@ class Mouse(WindowTest):
         window.wait(lambda state: state["window"] == [900, 500] and state["view"][3] == 500, "another size")
         window.frames(3)
         self.assertLess(abs(height() / tall - 500 / 820), 0.1, "the model is as much smaller as the window is")
+        self.close(window)
+
+
+class Files(WindowTest):
+    """What the window writes of what it shows."""
+
+    def test_a_picture_and_a_model_are_written(self):
+        picture, model = self.folder / "seen.png", self.folder / "seen.glb"
+        window = self.open("icosphere:3", "--panel", "octree", "--set", "depth=3")
+        window.settled()
+        before = window.places()
+        window.type("save picture as", str(picture))
+        window.click("save picture")
+        window.wait(lambda state: state["news"] == f"wrote {picture}", "the picture")
+        width, height = struct.unpack(">II", picture.read_bytes()[16:24])
+        self.assertEqual([width, height], window.state()["view"][2:])
+        window.type("export glb as", str(model))
+        window.click("export glb")
+        window.wait(lambda state: state["news"] == f"wrote {model}", "the model")
+        self.assertEqual(model.read_bytes()[:4], b"glTF")
+        self.assertEqual({name: place for name, place in window.places().items() if name in before}, before)
+        window.type("export glb as", str(self.folder / "nowhere" / "seen.glb"))
+        window.click("export glb")
+        state = window.wait(lambda state: state["problem"] != "", "the message")
+        self.assertIn("nowhere/seen.glb", state["problem"])
+        self.assertEqual(state["news"], "")
+        window.click("hide this")
+        window.wait(lambda state: state["problem"] == "" and "hide this" not in state["controls"], "no message")
         self.close(window)
 
 

@@ -88,9 +88,10 @@ void add_fan(RegionShape& shape, const std::array<RegionSample, 3>& corners)
         return first + row * (row + 1) / 2 + i;
     };
     for (std::uint32_t row = 0; row <= steps; ++row) {
-        for (std::uint32_t i = 0; i <= row; ++i)
+        for (std::uint32_t i = 0; i <= row; ++i) {
             shape.samples.push_back(between(corners, static_cast<double>(row - i) / steps,
                                             static_cast<double>(i) / steps));
+        }
     }
     for (std::uint32_t row = 0; row < steps; ++row) {
         for (std::uint32_t i = 0; i <= row; ++i) {

@@ -94,8 +94,10 @@ SidebarWishes Sidebar::draw(Viewer& viewer, float width, float height,
     SidebarWishes wishes;
     ImGui::SetNextWindowPos(ImVec2(0.0F, 0.0F));
     ImGui::SetNextWindowSize(ImVec2(width, height));
+    // The bar is always there: coming and going it would make all controls wider and narrower.
     ImGui::Begin("proxima", nullptr,
-                 ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+                 ImGuiWindowFlags_AlwaysVerticalScrollbar | ImGuiWindowFlags_NoTitleBar |
+                     ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                      ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus);
     draw_work(viewer, wishes, places);
     ImGui::Separator();

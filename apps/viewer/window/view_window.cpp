@@ -3,6 +3,7 @@
 #include "proxima/base/text.h"
 #include "viewer/window/file_panel.h"
 #include "viewer/window/glfw_window.h"
+#include "viewer/window/mouse_presses.h"
 #include "viewer/window/notice.h"
 #include "viewer/window/sidebar.h"
 #include "viewer/window/view_files.h"
@@ -158,22 +159,7 @@ private:
             viewer_.release(in_view(mouse_));
             return;
         }
-        if (!is_over_view()) return;
-        const MouseButton pressed = button == GLFW_MOUSE_BUTTON_LEFT    ? MouseButton::left
-                                    : button == GLFW_MOUSE_BUTTON_RIGHT ? MouseButton::right
-                                                                        : MouseButton::middle;
-        const Vec2 at = in_view(mouse_);
-        constexpr double double_click_seconds = 0.35;
-        const bool again = pressed == MouseButton::left &&
-                           seconds_since(last_press_) < double_click_seconds &&
-                           (at - last_press_at_).norm() < 5.0;
-        last_press_ = Clock::now();
-        last_press_at_ = at;
-        if (again) {
-            viewer_.double_click(at);
-        } else {
-            viewer_.press(pressed, at, (mods & GLFW_MOD_SHIFT) != 0);
-        }
+        if (is_over_view()) presses_.press(viewer_, button, mods, in_view(mouse_));
     }
 
     void on_move(const Vec2& at)
@@ -350,6 +336,8 @@ private:
     {
         if (options_.state.empty()) return {};
         state_.files_open = files_.is_open();
+        state_.problem = problem();
+        state_.news = written_.news();
         state_.frame_seconds = picture_.frame_seconds();
         state_.uploads = picture_.uploads();
         state_.uploaded_bytes = picture_.uploaded_bytes();
@@ -371,8 +359,7 @@ private:
     int frames_wanted_ = 3;
     std::optional<Theme> styled_;
     Vec2 mouse_ = Vec2::Zero();
-    Clock::time_point last_press_;
-    Vec2 last_press_at_ = Vec2::Zero();
+    MousePresses presses_;
 };
 
 } // namespace

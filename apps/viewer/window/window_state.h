@@ -21,6 +21,8 @@ struct WindowState {
     int view_height = 0;
     double scale = 1.0;      ///< of the screen
     bool files_open = false; ///< the panel that opens models
+    std::string problem;     ///< words to be read, hidden or not
+    std::string news;        ///< of files that are written
     std::size_t uploads = 0;
     std::size_t uploaded_bytes = 0;
     std::uint64_t gl_messages = 0;
