@@ -66,7 +66,7 @@ void feel_both(const TouchMesh& named, int rings, double radius, std::uint32_t s
     Proxy slow(plain, options);
     HandPath path(named.mesh, seed);
     ContactPatch patch;
-    for (int tick = 0; tick < 150; ++tick) {
+    for (int tick = 0; tick < 100; ++tick) {
         const Vec3 device = path.next();
         if (tick % 10 == 0) {
             if (rings < 0) {
@@ -164,7 +164,7 @@ TEST(PatchGroups, nothing_near_is_missing)
 
 TEST(PatchGroups, are_made_and_asked_without_allocation)
 {
-    const TriangleMesh mesh = *sample_mesh("sphere:100x100");
+    const TriangleMesh mesh = *sample_mesh("sphere:60x60");
     const auto topology = *build_topology(mesh);
     const auto octree = *build_proximity_octree(mesh, topology);
     const OctreeContactSurface whole(octree);
@@ -174,7 +174,7 @@ TEST(PatchGroups, are_made_and_asked_without_allocation)
     Proxy proxy(surface, {.static_friction = 0.4, .dynamic_friction = 0.3});
     HandPath path(mesh, 3);
     std::vector<Vec3> places;
-    for (int i = 0; i < 400; ++i) places.push_back(path.next());
+    for (int i = 0; i < 1200; ++i) places.push_back(path.next());
     proxy.place(places.front());
     std::set<std::uint64_t> editions;
     std::size_t before = testing::allocation_count();
