@@ -230,7 +230,7 @@ void run_once(const TouchModel& model, const RayIndex& index, const HandScript& 
               Touched touched, double seconds)
 {
     // As many triangles as a patch of a session has room for.
-    constexpr std::size_t most = std::size_t{1} << 18U;
+    constexpr std::size_t most = std::size_t{1} << 17U;
     const std::size_t triangles = model.mesh.triangle_count();
     PatchExchange exchange(std::min(std::max(triangles, ContactPatch::most), most));
     ServoSide side(model, exchange, touched);
