@@ -71,11 +71,15 @@ std::string touch_text(const TouchReportOf& of, const TouchModel& model, const T
         text += fmt::format("replayed: {} ticks differ from the recording\n", *of.differences);
     } else if (of.paced) {
         text += fmt::format(
-            "servo: {:.1f} Hz, {} deadlines missed, {} ticks left out; late by {}\n"
+            "servo: {:.1f} Hz, {} deadlines missed ({} woken up after them, {} by work), {} ticks "
+            "left out, {} page faults\n"
+            "late: {}\nwork: {}\n"
             "real-time priority: {}, locked memory: {}\n",
             static_cast<double>(result.servo.ticks) / std::max(result.servo.seconds, 1e-9),
-            result.servo.missed, result.servo.skipped, microseconds(result.servo.late),
-            result.servo.real_time_priority ? "yes" : "no",
+            result.servo.missed, result.servo.overslept,
+            result.servo.missed - result.servo.overslept, result.servo.skipped,
+            result.servo.page_faults, microseconds(result.servo.late),
+            microseconds(result.servo.work), result.servo.real_time_priority ? "yes" : "no",
             result.servo.locked_memory ? "yes" : "no");
         if (!result.servo.note.empty()) text += fmt::format("note: {}\n", result.servo.note);
     }
@@ -132,8 +136,11 @@ Json touch_json(const TouchReportOf& of, const TouchModel& model, const TouchRes
     } else if (of.paced) {
         json["servo"] = {{"seconds", result.servo.seconds},
                          {"missed_deadlines", result.servo.missed},
+                         {"overslept", result.servo.overslept},
+                         {"page_faults", result.servo.page_faults},
                          {"skipped_ticks", result.servo.skipped},
                          {"late", latency_json(result.servo.late)},
+                         {"work", latency_json(result.servo.work)},
                          {"real_time_priority", result.servo.real_time_priority},
                          {"locked_memory", result.servo.locked_memory},
                          {"note", result.servo.note}};

@@ -201,6 +201,11 @@ std::uint64_t ticks_to_release(const DeviceInfo& info, const TouchSettings& sett
 
 } // namespace
 
+double recorded_bytes(const TouchSettings& settings)
+{
+    return settings.seconds / settings.input.tick_seconds * sizeof(RecordedTick);
+}
+
 Result<std::unique_ptr<TouchModel>> load_touch_model(const std::string& name, Session& session)
 {
     auto model = std::make_unique<TouchModel>();

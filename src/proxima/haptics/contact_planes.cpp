@@ -63,9 +63,7 @@ public:
     BestSubset(std::span<const ContactPlane> planes, std::span<const std::uint8_t> members,
                double tolerance) noexcept
         : planes_(planes), members_(members), tolerance_(tolerance)
-    {
-        best_.feasible = false;
-    }
+    {}
 
     void offer(const Subset& subset, std::size_t count) noexcept
     {
@@ -74,13 +72,13 @@ public:
         double worst = 0;
         for (const std::uint8_t member : members_)
             worst = std::max(worst, violation(planes_[member], solution.shift));
-        const bool feasible = worst <= tolerance_;
+        solution.feasible = worst <= tolerance_;
         const double size = solution.shift.squaredNorm();
-        const bool better =
-            feasible == best_.feasible ? (feasible ? size < size_ : worst < violation_) : feasible;
+        const bool better = solution.feasible == best_.feasible
+                                ? (solution.feasible ? size < size_ : worst < violation_)
+                                : solution.feasible;
         if (!better) return;
         best_ = solution;
-        best_.feasible = feasible;
         size_ = size;
         violation_ = worst;
     }
@@ -91,13 +89,14 @@ private:
     std::span<const ContactPlane> planes_;
     std::span<const std::uint8_t> members_;
     double tolerance_;
-    PlaneSolution best_;
+    PlaneSolution best_{.feasible = false};
     double size_ = std::numeric_limits<double>::infinity();
     double violation_ = std::numeric_limits<double>::infinity();
 };
 
-/// Of all subsets of up to three that have the last of `members`, the best. Those of fewer planes
-/// first: what satisfies all members on fewer planes is nearer than what does on more.
+/// Of all subsets of up to three that have the last of `members`, the best.
+/// Those of fewer planes first: what satisfies all members on fewer planes is nearer than what does
+/// on more.
 PlaneSolution best_subset(std::span<const ContactPlane> planes,
                           std::span<const std::uint8_t> members, double tolerance) noexcept
 {
@@ -119,6 +118,15 @@ PlaneSolution nearest_allowed(std::span<const ContactPlane> planes, double toler
 {
     PROXIMA_CHECK_LE(planes.size(), max_contact_planes);
     PlaneSolution solution;
+    if (planes.size() == 1) {
+        const ContactPlane& plane = planes.front();
+        if (!(-plane.gap > tolerance)) return solution;
+        solution.count = 1;
+        solution.pressure[0] = -plane.gap;
+        solution.shift = -plane.gap * plane.normal;
+        solution.feasible = violation(plane, solution.shift) <= tolerance;
+        return solution;
+    }
     // Every round raises |shift|, or rounding has the last word.
     for (std::size_t round = 0; round < 2 * max_contact_planes; ++round) {
         std::size_t worst = planes.size();

@@ -30,8 +30,9 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using BallTag = hn::CappedTag<float, TriangleTree::width>;
 
-/// Which of a block's boxes from `lane` on the ball meets; those that there are not are empty.
-HWY_INLINE auto meets_ball(const TriangleTreeBlock& block, std::size_t lane, const BallQuery& query)
+/// Which of a block's boxes from `lane` on the ball meets; the `left` first ones exist.
+HWY_INLINE auto meets_ball(const TriangleTreeBlock& block, std::size_t lane, const BallQuery& query,
+                           std::size_t left)
 {
     const BallTag d;
     auto squared = hn::Zero(d);
@@ -42,7 +43,8 @@ HWY_INLINE auto meets_ball(const TriangleTreeBlock& block, std::size_t lane, con
         const auto gap = hn::Max(hn::Max(before, behind), hn::Zero(d));
         squared = hn::MulAdd(gap, gap, squared);
     }
-    return hn::Le(squared, hn::Set(d, query.squared));
+    const auto meets = hn::Le(squared, hn::Set(d, query.squared));
+    return left >= hn::Lanes(d) ? meets : hn::And(meets, hn::FirstN(d, left));
 }
 
 /// Stores a whole vector, those of the mask first. Returns how many these are. Not by compressing
@@ -78,8 +80,8 @@ void find_groups(const TriangleTree& tree, const BallQuery& query, GroupBoxes& b
             const std::size_t before = next;
             for (std::size_t lane = 0; lane < width; lane += hn::Lanes(d)) {
                 const auto at = static_cast<std::uint32_t>(first + lane);
-                const auto exist = hn::FirstN(d, HWY_MIN(width, entries - HWY_MIN(entries, at)));
-                const auto near = hn::And(meets_ball(blocks[met[now][i]], lane, query), exist);
+                const auto near =
+                    meets_ball(blocks[met[now][i]], lane, query, entries - HWY_MIN(entries, at));
                 next += store_met(hn::Iota(di, at), hn::RebindMask(di, near), met[1 - now] + next);
             }
             for (std::size_t k = before; k < next; ++k) {
@@ -107,8 +109,7 @@ void find_groups(const TriangleTree& tree, const BallQuery& query, GroupBoxes& b
                 return;
             }
             const auto at = static_cast<std::uint32_t>(met[now][i] * width + lane);
-            const auto exist = hn::FirstN(d, HWY_MIN(width, entries - HWY_MIN(entries, at)));
-            const auto near = hn::And(meets_ball(block, lane, query), exist);
+            const auto near = meets_ball(block, lane, query, entries - HWY_MIN(entries, at));
             for (std::size_t axis = 0; axis < 3; ++axis) {
                 store_met(hn::Load(d, block.lower[axis].data() + lane), near,
                           boxes.lower[axis].data() + found);

@@ -2,6 +2,7 @@
 
 #include "proxima/geometry/exact_predicates.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -87,6 +88,22 @@ Vec3 TrianglePlane::normal() const noexcept
 {
     if (plump_) return scaled_ / std::sqrt(squared_);
     return unit_normal({triangle_[0], triangle_[1]}, {triangle_[0], triangle_[2]});
+}
+
+double least_touch_time(const Triangle& triangle, double distance, const Vec3& p,
+                        const Vec3& motion) noexcept
+{
+    const Vec3 a = triangle[0] - p;
+    const Vec3 b = triangle[1] - p;
+    const Vec3 c = triangle[2] - p;
+    const Vec3 way = a + b + c;
+    const double sizes =
+        a.cwiseAbs().sum() + b.cwiseAbs().sum() + c.cwiseAbs().sum() + motion.cwiseAbs().sum();
+    const double nearest = std::min({way.dot(a), way.dot(b), way.dot(c)});
+    const double left = nearest - distance * way.norm() * (1 + 0x1p-40) - 0x1p-46 * sizes * sizes;
+    if (!(left > 0)) return 0;
+    const double swept = way.dot(motion) + 0x1p-46 * sizes * sizes;
+    return swept > 0 ? left / swept * (1 - 0x1p-40) : never;
 }
 
 std::optional<double> touch_time(const Triangle& triangle, double radius, const Vec3& p,

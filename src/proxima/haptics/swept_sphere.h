@@ -38,6 +38,12 @@ private:
     bool plump_;
 };
 
+/// No place of the triangle is within the distance before this t of the way p + t motion: as a
+/// plane across the way from p to its middle tells, with room for rounding. 0 where that tells
+/// nothing; infinity for never. For large spheres what planes of triangles are for points. 5 ns.
+[[nodiscard]] double least_touch_time(const Triangle& triangle, double distance, const Vec3& p,
+                                      const Vec3& motion) noexcept;
+
 /// The first t at which the sphere touches, or nothing. noexcept, no allocation, 5 to 50 ns.
 /// \pre at t = 0 the centre is farther than the radius; radius > 0
 [[nodiscard]] std::optional<double> touch_time(const Triangle& triangle, double radius,

@@ -125,15 +125,14 @@ HWY_INLINE std::size_t near_groups(const TriangleGroup* groups, const GroupBoxes
             const auto apart = hn::Max(hn::Sub(lower, high), hn::Sub(low, upper));
             near = hn::And(near, hn::Le(apart, limit));
         }
-        const std::size_t before = count;
         // Not by a compressing store, which some processors are slow at.
         const auto numbers = hn::LoadU(di, boxes.ids.data() + first);
         hn::StoreU(hn::Compress(numbers, hn::RebindMask(di, near)), di, ids + count);
         count += hn::CountTrue(d, near);
-        for (std::size_t i = before; i < count; ++i) {
-            const auto* const line = reinterpret_cast<const std::byte*>(&groups[ids[i]]);
-            for (std::size_t at = 0; at < sizeof(TriangleGroup); at += 64) hwy::Prefetch(line + at);
-        }
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto* const line = reinterpret_cast<const std::byte*>(&groups[ids[i]]);
+        for (std::size_t at = 0; at < sizeof(TriangleGroup); at += 64) hwy::Prefetch(line + at);
     }
     return count;
 }
@@ -159,6 +158,20 @@ HWY_INLINE LaneTriangles load_triangles(const TriangleGroup& group, std::size_t 
 HWY_INLINE auto near_ball(const LaneTriangles& t, NearFloats limit)
 {
     return hn::Le(triangle_distance(t.a, t.b, t.c), hn::Mul(limit, limit));
+}
+
+/// Whether the boxes of a way from the origin and of triangles are.
+HWY_INLINE auto near_boxes(const LaneTriangles& t, const NearVectors& way, NearFloats limit)
+{
+    const auto zero = hn::Zero(NearTag());
+    const auto near = [&](NearFloats a, NearFloats b, NearFloats c, NearFloats end) {
+        const auto low = hn::Sub(hn::Min(end, zero), limit);
+        const auto high = hn::Add(hn::Max(end, zero), limit);
+        return hn::And(hn::Le(hn::Min(hn::Min(a, b), c), high),
+                       hn::Ge(hn::Max(hn::Max(a, b), c), low));
+    };
+    return hn::And(hn::And(near(t.a.x, t.b.x, t.c.x, way.x), near(t.a.y, t.b.y, t.c.y, way.y)),
+                   near(t.a.z, t.b.z, t.c.z, way.z));
 }
 
 /// Neither the triangle's normal nor the products of its sides with the way separate them.
@@ -236,7 +249,12 @@ std::size_t scan_groups(const TriangleGroup* groups, const GroupBoxes& boxes,
         written += way_size > 0
                        ? near_triangles(
                              group, id, place,
-                             [&](const LaneTriangles& t) { return near_way(t, way, limit); }, to)
+                             [&](const LaneTriangles& t) {
+                                 const auto boxes_near = near_boxes(t, way, limit);
+                                 if (hn::AllFalse(d, boxes_near)) return boxes_near;
+                                 return hn::And(boxes_near, near_way(t, way, limit));
+                             },
+                             to)
                        : near_triangles(
                              group, id, place,
                              [&](const LaneTriangles& t) { return near_ball(t, limit); }, to);
