@@ -59,9 +59,10 @@ struct TouchOptions {
 
 /// What a recording says of its own session.
 constexpr std::array recorded_options = {
-    "--seconds",        "--seed",    "--limits",         "--stiffness",     "--damping", "--radius",
-    "--friction",       "--shading", "--free-running",   "--scale",         "--axes",    "--clutch",
-    "--device-library", "--patch",   "--collision-rate", "--graphics-rate", "--record"};
+    "--seconds",        "--seed",          "--limits",  "--stiffness",      "--damping",
+    "--radius",         "--friction",      "--shading", "--force",          "--free-running",
+    "--scale",          "--axes",          "--clutch",  "--device-library", "--patch",
+    "--collision-rate", "--graphics-rate", "--record"};
 constexpr std::array hand_options = {"--seed", "--free-running"};
 constexpr std::array driver_options = {"--device-library"};
 
