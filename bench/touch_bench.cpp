@@ -6,8 +6,9 @@
 //     touch_bench --curve FILE.{csv,svg,png} ...      tick time by the number of triangles
 //     touch_bench --scenes                             several objects, at rest and moving
 //     touch_bench --patches [--mesh NAME]...           what patches miss, by the hand's speed
-//     touch_bench --loops SECONDS [--script NAME]     by the clock, with collision and graphics
-//     loops
+//     touch_bench --loops SECONDS [--script NAME] [--touch direct|patches|both]
+//                                                      by the clock, with collision and graphics
+//                                                      loops
 //
 //     script    of the simulated hand          state     what the tick was about (touch_track.h)
 //     p50 ...   us computed per tick           queries   questions of the octree per tick
@@ -29,8 +30,11 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 namespace proxima::bench {
@@ -157,6 +161,16 @@ int main(int argc, char** argv)
                        "Servo, collision and graphics loop together for so many seconds");
     app.add_option("--script", options.loops.script, "Of the hand in --loops")
         ->capture_default_str();
+    const std::map<std::string, std::pair<bool, bool>> ways = {
+        {"direct", {true, false}}, {"patches", {false, true}}, {"both", {true, true}}};
+    app.add_option_function<std::string>(
+           "--touch",
+           [&](const std::string& way) {
+               std::tie(options.loops.direct, options.loops.patches) = ways.at(way);
+           },
+           "What the servo loop touches in --loops")
+        ->check(CLI::IsMember({"direct", "patches", "both"}))
+        ->default_str("both");
     bool scenes = false;
     bool patches = false;
     app.add_flag("--scenes", scenes, "Only scenes of several objects, at rest and moving");

@@ -12,6 +12,7 @@
 #include "touch_model.h"
 #include "touch_track.h"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -121,6 +122,154 @@ unsigned long long printable(std::uint64_t number)
     return number;
 }
 
+double percent(std::uint64_t part, std::uint64_t whole)
+{
+    return whole == 0 ? 0 : 100 * static_cast<double>(part) / static_cast<double>(whole);
+}
+
+/// What the servo loop touches.
+enum class Touched : bool { octree, patches };
+
+/// The servo loop's own part: a renderer, the patches that it gets, and an account. Its thread's.
+class ServoSide {
+public:
+    ServoSide(const TouchModel& model, PatchExchange& exchange, Touched touched)
+        : model_triangles_(model.mesh.triangle_count()), map_(model.map), exchange_(exchange),
+          touched_(touched), patch_(model.surface->scale()),
+          renderer_(touched == Touched::patches ? static_cast<const ContactSurface&>(patch_)
+                                                : *model.surface,
+                    model.map, *find_device("omni"))
+    {}
+
+    /// From what the device says to the force.
+    const RenderTick& tick(const DeviceState& state, std::uint64_t number) noexcept
+    {
+        const auto begin = std::chrono::steady_clock::now();
+        Patch patch = Patch::at_hand;
+        const ContactPatch* const newest = exchange_.take();
+        if (touched_ == Touched::patches) {
+            patch_.use(newest);
+            const bool young = newest != nullptr && number - newest->made_at <= oldest_patch;
+            patch = young ? Patch::at_hand : Patch::lost;
+        }
+        const RenderTick& felt = renderer_.tick(state, tick_seconds, patch);
+        render_.add((std::chrono::steady_clock::now() - begin) / std::chrono::nanoseconds(1));
+        exchange_.say({map_.to_model(felt.position), felt.proxy.proxy, number});
+        keep_account(felt, newest, patch, number);
+        return felt;
+    }
+
+    void print(std::uint64_t ticks) const
+    {
+        std::printf("  touching in %.1f %% of ticks\n", percent(touching_, ticks));
+        print_quantiles("from device to force", render_);
+        print_histogram("from device to force", render_);
+        const double patches = std::max(1.0, static_cast<double>(patches_));
+        std::printf(
+            "  patches that came: %llu of %.0f triangles (%.3f %% of the model) in the mean, "
+            "%llu at most; %llu cut short for lack of room\n",
+            printable(patches_), static_cast<double>(triangles_) / patches,
+            percent(triangles_, patches_ * model_triangles_), printable(largest_),
+            printable(incomplete_));
+        std::printf("  oldest patch %llu ticks; ticks without a young one %llu\n",
+                    printable(oldest_), printable(lost_));
+    }
+
+private:
+    static constexpr std::uint64_t oldest_patch = 50; // ticks: five periods
+
+    void keep_account(const RenderTick& felt, const ContactPatch* newest, Patch patch,
+                      std::uint64_t number) noexcept
+    {
+        touching_ += felt.proxy.hold != Hold::free ? 1U : 0U;
+        lost_ += patch == Patch::lost ? 1U : 0U;
+        if (newest == nullptr) return;
+        oldest_ = std::max(oldest_, number - newest->made_at);
+        if (newest->edition == edition_) return;
+        edition_ = newest->edition;
+        ++patches_;
+        triangles_ += newest->count;
+        largest_ = std::max<std::uint64_t>(largest_, newest->count);
+        incomplete_ += newest->complete ? 0U : 1U;
+    }
+
+    std::uint64_t model_triangles_;
+    WorkspaceMap map_;
+    PatchExchange& exchange_;
+    Touched touched_;
+    PatchContactSurface patch_;
+    HapticRenderer renderer_;
+    LatencyHistogram render_;
+    std::uint64_t touching_ = 0;
+    std::uint64_t patches_ = 0;
+    std::uint64_t triangles_ = 0;
+    std::uint64_t largest_ = 0;
+    std::uint64_t incomplete_ = 0;
+    std::uint64_t oldest_ = 0;
+    std::uint64_t lost_ = 0;
+    std::uint64_t edition_ = 0;
+};
+
+void print_servo(const ServoStatistics& servo)
+{
+    std::printf("  deadlines missed %llu: %llu woken too late by the system, %llu held up within "
+                "the tick; ticks left out %llu\n",
+                printable(servo.missed), printable(servo.overslept),
+                printable(servo.missed - servo.overslept), printable(servo.skipped));
+    std::printf("  page faults %llu; real-time priority: %s, locked memory: %s%s%s\n",
+                printable(servo.page_faults), servo.real_time_priority ? "yes" : "no",
+                servo.locked_memory ? "yes" : "no", servo.note.empty() ? "" : "; ",
+                servo.note.c_str());
+    print_quantiles("late by (jitter)", servo.late);
+    print_quantiles("whole tick, hand and hand-over too", servo.work);
+    print_histogram("late by", servo.late);
+}
+
+/// All three loops at once.
+void run_once(const TouchModel& model, const RayIndex& index, const HandScript& script,
+              Touched touched, double seconds)
+{
+    // As many triangles as a patch of a session has room for.
+    constexpr std::size_t most = std::size_t{1} << 17U;
+    const std::size_t triangles = model.mesh.triangle_count();
+    PatchExchange exchange(std::min(std::max(triangles, ContactPatch::most), most));
+    ServoSide side(model, exchange, touched);
+    SimulatedHand hand({}, script.target(0));
+    ServoStatistics servo;
+    CollisionLoop collision(*model.surface, exchange, {.speed = model.map.units_per_metre});
+    GraphicsLoop graphics(index, bounding_box(model.mesh));
+    std::thread servo_thread([&] {
+        const auto ticks = static_cast<std::uint64_t>(std::llround(seconds / tick_seconds));
+        servo = run_servo_loop(
+            {.rate = 1 / tick_seconds, .ticks = ticks, .pace = Pace::real_time},
+            [&](std::uint64_t tick) noexcept {
+                const RenderTick& felt = side.tick(hand.state(), tick);
+                hand.step(felt.force, script.target(static_cast<double>(tick) * tick_seconds));
+                return Flow::proceed;
+            });
+    });
+    servo_thread.join();
+    const ServoStatistics& drawn = graphics.stop();
+    const ServoStatistics& made = collision.stop();
+
+    std::printf("servo loop: %.2f Hz, %llu ticks in %.1f s, %s\n",
+                static_cast<double>(servo.ticks) / servo.seconds, printable(servo.ticks),
+                servo.seconds,
+                touched == Touched::patches ? "touches metric patches of the collision loop"
+                                            : "asks the octree itself");
+    print_servo(servo);
+    side.print(servo.ticks);
+    std::printf("collision loop: %.2f Hz, %llu patches, missed %llu\n",
+                static_cast<double>(made.ticks) / made.seconds, printable(collision.patches()),
+                printable(made.missed));
+    print_quantiles("a patch", made.work);
+    std::printf("graphics loop: %.2f Hz, %llu pictures of %d x %d rays, missed %llu\n",
+                static_cast<double>(drawn.ticks) / drawn.seconds, printable(drawn.ticks),
+                picture_width, picture_height, printable(drawn.missed));
+    print_quantiles("a picture", drawn.work);
+    (void)std::fflush(stdout);
+}
+
 } // namespace
 
 int run_loops(const std::string& mesh, const TouchLoopOptions& options)
@@ -140,65 +289,11 @@ int run_loops(const std::string& mesh, const TouchLoopOptions& options)
         std::printf("%s: %s\n", mesh.c_str(), describe(error).c_str());
         return 1;
     }
-
-    HapticRenderer renderer(*model.surface, model.map, *find_device("omni"));
-    SimulatedHand hand({}, script->target(0));
-    LatencyHistogram render;
-    std::uint64_t touching = 0;
-    std::uint64_t patches = 0;
-    PatchExchange exchange;
-    ServoStatistics servo;
-    CollisionLoop collision(*model.surface, exchange, {.speed = model.map.units_per_metre});
-    GraphicsLoop graphics(*index, bounding_box(model.mesh));
-    std::thread servo_thread([&] {
-        const auto ticks = static_cast<std::uint64_t>(std::llround(options.seconds / tick_seconds));
-        servo = run_servo_loop(
-            {.rate = 1 / tick_seconds, .ticks = ticks, .pace = Pace::real_time},
-            [&](std::uint64_t tick) noexcept {
-                const DeviceState state = hand.state();
-                const auto begin = std::chrono::steady_clock::now();
-                const RenderTick& felt = renderer.tick(state, tick_seconds);
-                render.add((std::chrono::steady_clock::now() - begin) /
-                           std::chrono::nanoseconds(1));
-                touching += felt.proxy.hold != Hold::free ? 1U : 0U;
-                exchange.say({model.map.to_model(felt.position), felt.proxy.proxy, tick});
-                patches += exchange.take() != nullptr ? 1U : 0U;
-                hand.step(felt.force, script->target(static_cast<double>(tick) * tick_seconds));
-                return Flow::proceed;
-            });
-    });
-    servo_thread.join();
-    const ServoStatistics& drawn = graphics.stop();
-    const ServoStatistics& made = collision.stop();
-
-    std::printf("%s, %zu triangles, hand:%s, %.0f s, %u processors\n", mesh.c_str(),
-                model.mesh.triangle_count(), options.script.c_str(), servo.seconds,
+    std::printf("%s, %zu triangles, hand:%s, %u processors\n", mesh.c_str(),
+                model.mesh.triangle_count(), options.script.c_str(),
                 std::thread::hardware_concurrency());
-    std::printf("servo loop: %.2f Hz, %llu ticks, %.1f %% touching; asks the octree itself\n",
-                static_cast<double>(servo.ticks) / servo.seconds, printable(servo.ticks),
-                100 * static_cast<double>(touching) / static_cast<double>(servo.ticks));
-    std::printf("  deadlines missed %llu: %llu woken too late by the system, %llu held up within "
-                "the tick; ticks left out %llu\n",
-                printable(servo.missed), printable(servo.overslept),
-                printable(servo.missed - servo.overslept), printable(servo.skipped));
-    std::printf("  page faults %llu; real-time priority: %s, locked memory: %s%s%s\n",
-                printable(servo.page_faults), servo.real_time_priority ? "yes" : "no",
-                servo.locked_memory ? "yes" : "no", servo.note.empty() ? "" : "; ",
-                servo.note.c_str());
-    print_quantiles("late by (jitter)", servo.late);
-    print_quantiles("from device to force", render);
-    print_quantiles("whole tick, hand and hand-over too", servo.work);
-    print_histogram("late by", servo.late);
-    print_histogram("from device to force", render);
-    std::printf("collision loop: %.2f Hz, %llu patches, missed %llu\n",
-                static_cast<double>(made.ticks) / made.seconds, printable(collision.patches()),
-                printable(made.missed));
-    print_quantiles("a patch", made.work);
-    std::printf("graphics loop: %.2f Hz, %llu pictures of %d x %d rays, missed %llu\n",
-                static_cast<double>(drawn.ticks) / drawn.seconds, printable(drawn.ticks),
-                picture_width, picture_height, printable(drawn.missed));
-    print_quantiles("a picture", drawn.work);
-    std::printf("ticks with a patch at hand: %llu\n", printable(patches));
+    if (options.direct) run_once(model, *index, *script, Touched::octree, options.seconds);
+    if (options.patches) run_once(model, *index, *script, Touched::patches, options.seconds);
     return 0;
 }
 

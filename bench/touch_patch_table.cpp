@@ -6,10 +6,12 @@
 #include "proxima/haptics/haptic_renderer.h"
 #include "touch_curve.h"
 #include "touch_model.h"
+#include "touch_table.h"
 #include "touch_track.h"
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstdio>
 #include <utility>
 
@@ -74,7 +76,7 @@ void add(PatchAccount& sum, const PatchAccount& other)
 
 PatchAccount touch_patches(const proxima::TouchModel& model, const WorkspaceMap& map,
                            const HandScript& script, double speed, int rings,
-                           const PatchTableOptions& options)
+                           const PatchTableOptions& options, TickTimes& times)
 {
     const RenderOptions render = {.proxy_radius = options.radius};
     PatchTouch patches(model, {.rings = rings}, map, render, nullptr, tick_seconds, Pace::unpaced);
@@ -87,8 +89,11 @@ PatchAccount touch_patches(const proxima::TouchModel& model, const WorkspaceMap&
         state.pose.translation = tick < ticks_at_rest ? last : path.next();
         state.velocity = (state.pose.translation - last) / tick_seconds;
         last = state.pose.translation;
+        const auto begin = std::chrono::steady_clock::now();
         const Patch patch = patches.begin_tick();
-        patches.end_tick(renderer.tick(state, tick_seconds, patch));
+        const RenderTick& felt = renderer.tick(state, tick_seconds, patch);
+        times.add((std::chrono::steady_clock::now() - begin) / std::chrono::nanoseconds(1));
+        patches.end_tick(felt);
     }
     return patches.finish();
 }
@@ -111,22 +116,26 @@ int run_patch_table(const std::string& mesh, const PatchTableOptions& options)
         "%s, %zu triangles: patches at 100 Hz, a period late, in %llu ticks of each script\n",
         mesh.c_str(), model.surface.mesh.triangle_count(),
         static_cast<unsigned long long>(options.ticks));
-    std::printf("%-6s %-9s %8s %10s %8s %10s %8s %9s %9s %9s %8s\n", "m/s", "patch", "patches",
-                "triangles", "largest", "sent down", "touching", "missed", "apart", "cut off",
-                "lost");
+    std::printf("%-6s %-9s %8s %10s %8s %10s %8s %9s %9s %9s %8s %8s %8s %8s\n", "m/s", "patch",
+                "patches", "triangles", "largest", "sent down", "touching", "missed", "apart",
+                "cut off", "lost", "p50 us", "p99.9", "max");
     bool right = true;
     for (const double speed : speeds) {
         for (const int rings : kinds) {
             PatchAccount sum;
+            TickTimes times;
             for (const char* const name : touch_scripts) {
                 const auto script =
                     HandScript::make(name, model.surface.mesh, model.surface.topology, map, 1);
-                if (script) add(sum, touch_patches(model, map, *script, speed, rings, options));
+                if (!script) continue;
+                add(sum, touch_patches(model, map, *script, speed, rings, options, times));
             }
             const double patches = std::max(1.0, static_cast<double>(sum.patches));
             const double mean = static_cast<double>(sum.triangles) / patches;
             const double touching = std::max(1.0, static_cast<double>(sum.touching_ticks));
-            std::printf("%-6g %-9s %8llu %10.1f %8llu %9.3f%% %8llu %8.3f%% %8.3f%% %9llu %8llu\n",
+            std::printf("%-6g %-9s %8llu %10.1f %8llu %9.3f%% %8llu %8.3f%% %8.3f%% %9llu %8llu "
+                        "%8.2f %8.2f "
+                        "%8.2f\n",
                         speed, name_of(sum.settings).c_str(),
                         static_cast<unsigned long long>(sum.patches), mean,
                         static_cast<unsigned long long>(sum.largest),
@@ -135,7 +144,8 @@ int run_patch_table(const std::string& mesh, const PatchTableOptions& options)
                         100 * static_cast<double>(sum.missed_ticks) / touching,
                         100 * static_cast<double>(sum.apart_ticks) / touching,
                         static_cast<unsigned long long>(sum.incomplete),
-                        static_cast<unsigned long long>(sum.lost_ticks));
+                        static_cast<unsigned long long>(sum.lost_ticks), times.microseconds(0.5),
+                        times.microseconds(0.999), times.microseconds(1));
             (void)std::fflush(stdout);
             right = right && (rings >= 0 || sum.missed_ticks == 0);
         }

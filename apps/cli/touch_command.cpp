@@ -20,6 +20,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace proxima {
@@ -47,6 +48,7 @@ struct TouchOptions {
     double radius = 0; ///< m
     double friction = RenderOptions{}.static_friction;
     bool shading = false;
+    std::string force = "proxy";
     bool free_running = false;
     std::string record;
     std::string patches; ///< kinds; "" for the direct mode
@@ -57,9 +59,10 @@ struct TouchOptions {
 
 /// What a recording says of its own session.
 constexpr std::array recorded_options = {
-    "--seconds",        "--seed",    "--limits",         "--stiffness",     "--damping", "--radius",
-    "--friction",       "--shading", "--free-running",   "--scale",         "--axes",    "--clutch",
-    "--device-library", "--patch",   "--collision-rate", "--graphics-rate", "--record"};
+    "--seconds",        "--seed",          "--limits",  "--stiffness",      "--damping",
+    "--radius",         "--friction",      "--shading", "--force",          "--free-running",
+    "--scale",          "--axes",          "--clutch",  "--device-library", "--patch",
+    "--collision-rate", "--graphics-rate", "--record"};
 constexpr std::array hand_options = {"--seed", "--free-running"};
 constexpr std::array driver_options = {"--device-library"};
 
@@ -89,6 +92,10 @@ TouchSettings settings_of(const TouchOptions& options)
     settings.render.static_friction = options.friction;
     settings.render.dynamic_friction = 0.75 * options.friction;
     settings.render.shading = options.shading ? ForceShading::on : ForceShading::off;
+    if (options.force == "penalty") {
+        settings.render.law = ForceLaw::penalty;
+        settings.render.static_friction = settings.render.dynamic_friction = 0;
+    }
     settings.pace = options.free_running ? Pace::unpaced : Pace::real_time;
     settings.record = !options.record.empty();
     settings.graphics_rate = options.graphics_rate;
@@ -159,6 +166,24 @@ Status run_replay(const TouchOptions& options, Session& session)
     return session.write_json(touch_json(of, **model, result->touch));
 }
 
+/// Penalty forces have no proxy that any of this could be of.
+Status check_penalty(const TouchOptions& options)
+{
+    if (options.force != "penalty") return {};
+    const std::array<std::pair<const char*, bool>, 4> given = {
+        {{"--radius", options.radius > 0},
+         {"--shading", options.shading},
+         {"--patch", !options.patches.empty()},
+         {"--object, --pose, --motion and --material", options.objects.any()}}};
+    for (const auto& [option, is_given] : given) {
+        if (!is_given) continue;
+        return fail(ErrorCode::invalid_argument,
+                    concat("penalty is of a point and one model at rest: leave out ", option),
+                    "--force");
+    }
+    return {};
+}
+
 /// MODEL at rest, or the scene that options ask for.
 Result<std::unique_ptr<TouchModel>> load_what_is_touched(const TouchOptions& options,
                                                          Session& session)
@@ -199,6 +224,7 @@ Result<TouchResult> touch_with_patches(const TouchOptions& options, const TouchM
 
 Status run_device(const TouchOptions& options, Session& session)
 {
+    if (Status status = check_penalty(options); !status) return status;
     if (!options.record.empty()) {
         if (Status status = session.check_outputs({options.record}); !status) return status;
         if (Status status = check_extension(options.record, ".pxt"); !status) return status;
@@ -305,6 +331,13 @@ void add_settings(CLI::App& parser, TouchOptions& options)
         ->type_name("MU");
     parser.add_flag("--shading", options.shading,
                     "Let forces lean along smooth normals, over edges that are not sharp");
+    parser
+        .add_option("--force", options.force,
+                    "What a spring pulls towards: a proxy that stays outside, or penalty, the "
+                    "baseline: the nearest place of the surface")
+        ->check(CLI::IsMember({"proxy", "penalty"}))
+        ->capture_default_str()
+        ->type_name("LAW");
     parser.add_flag("--free-running", options.free_running,
                     "Tick after tick without waiting: the same forces, sooner");
     parser

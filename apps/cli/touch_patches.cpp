@@ -26,7 +26,7 @@ constexpr double apart_metres = 1e-6;
 /// A hand of 1 m/s can reach a third of a model before the next patch comes.
 std::size_t room_for(const TouchModel& model)
 {
-    constexpr std::size_t most = std::size_t{1} << 18U;
+    constexpr std::size_t most = std::size_t{1} << 17U;
     return std::min(std::max(model.surface.mesh.triangle_count(), ContactPatch::most), most);
 }
 

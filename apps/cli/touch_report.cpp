@@ -46,11 +46,11 @@ std::string touch_text(const TouchReportOf& of, const TouchModel& model, const T
     std::string text = fmt::format(
         "{}: {} triangles, ready in {:.3f} s\n"
         "workspace: 1 m of the device is {:.6g} of the model, its middle ({:.6g}, {:.6g}, {:.6g})\n"
-        "{}: {} ticks, K {:g} N/m, B {:g} N s/m, friction {:g} and {:g}, radius {:g} m\n",
+        "{}: {} ticks by {}, K {:g} N/m, B {:g} N s/m, friction {:g} and {:g}, radius {:g} m\n",
         of.model, model.surface.mesh.triangle_count(), model.build_seconds,
         result.map.units_per_metre, center.x(), center.y(), center.z(), of.device, quality.ticks,
-        render.force.stiffness, render.force.damping, render.static_friction,
-        render.dynamic_friction, render.proxy_radius);
+        render.law == ForceLaw::penalty ? "penalty forces" : "a proxy", render.force.stiffness,
+        render.force.damping, render.static_friction, render.dynamic_friction, render.proxy_radius);
     text += fmt::format(
         "touching {:.1f} %, sticking {:.1f} %; force at most {:.3f} N, depth {:.2f} mm, speed "
         "{:.2f} "
@@ -103,6 +103,7 @@ Json touch_json(const TouchReportOf& of, const TouchModel& model, const TouchRes
                  {"dynamic_friction", render.dynamic_friction},
                  {"radius", render.proxy_radius},
                  {"shading", render.shading == ForceShading::on},
+                 {"force", render.law == ForceLaw::penalty ? "penalty" : "proxy"},
                  {"ticks", quality.ticks},
                  {"touching_ticks", quality.touching_ticks},
                  {"sticking_ticks", quality.sticking_ticks},

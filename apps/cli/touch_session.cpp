@@ -5,6 +5,7 @@
 #include "proxima/haptics/shading_normals.h"
 #include "proxima/haptics/snapshot.h"
 #include "proxima/proximity/build_proximity_octree.h"
+#include "proxima/proximity/signed_distance.h"
 
 #include <algorithm>
 #include <atomic>
@@ -67,22 +68,37 @@ std::string_view word_of(const LiveTouch& now)
     return now.hold == Hold::sticking ? "sticking" : "sliding";
 }
 
-/// Of one model at rest that is shaded; a scene's objects have their own.
-std::unique_ptr<ShadingNormals> normals_for(const TouchModel& model, const RenderOptions& options)
+/// What a renderer of one model at rest refers to beside its surface; a scene's objects have their
+/// own.
+struct RenderParts {
+    std::unique_ptr<ShadingNormals> normals; ///< of shaded forces
+    std::optional<SurfaceSign> sign;         ///< of penalty forces
+};
+
+Result<RenderParts> parts_for(const TouchModel& model, const RenderOptions& options)
 {
-    if (options.shading == ForceShading::off || model.scene != nullptr) return nullptr;
-    return std::make_unique<ShadingNormals>(model.surface.mesh, model.surface.topology);
+    RenderParts parts;
+    if (model.scene != nullptr) return parts;
+    const auto& [mesh, topology] = model.surface;
+    if (options.shading == ForceShading::on)
+        parts.normals = std::make_unique<ShadingNormals>(mesh, topology);
+    if (options.law == ForceLaw::penalty) {
+        auto sign = build_surface_sign(mesh, topology);
+        if (!sign) return tl::unexpected(sign.error());
+        parts.sign = std::move(*sign);
+    }
+    return parts;
 }
 
 /// Renders and keeps account; all that the loop calls is without allocation.
 class TouchRun {
 public:
-    /// With what normals_for() gave and, in patch mode, patches: both must outlive it.
-    TouchRun(const TouchModel& model, const SurfaceFeel* feel, const WorkspaceMap& map,
+    /// With what parts_for() gave and, in patch mode, patches: both must outlive it.
+    TouchRun(const TouchModel& model, const RenderParts& parts, const WorkspaceMap& map,
              const DeviceLimits& device, const RenderOptions& options,
              PatchTouch* patches = nullptr)
         : patches_(patches), scene_(model.scene.get()),
-          renderer_(renderer_of(model, patches, feel, map, device, options)),
+          renderer_(renderer_of(model, patches, parts, map, device, options)),
           meter_(scene_ != nullptr ? QualityMeter(scene_->scene(), map)
                                    : QualityMeter(*model.contact, map))
     {}
@@ -95,7 +111,7 @@ public:
         const RenderTick& felt = renderer_.tick(state, seconds, patch);
         result_.render.add(nanoseconds_now() - begin);
         if (patches_ != nullptr) patches_->end_tick(felt);
-        meter_.add(felt, state.velocity, renderer_.proxy().path());
+        meter_.add(felt, state.velocity, renderer_.path());
         return felt;
     }
 
@@ -115,12 +131,13 @@ public:
 
 private:
     static HapticRenderer renderer_of(const TouchModel& model, PatchTouch* patches,
-                                      const SurfaceFeel* feel, const WorkspaceMap& map,
+                                      const RenderParts& parts, const WorkspaceMap& map,
                                       const DeviceLimits& device, const RenderOptions& options)
     {
         if (model.scene != nullptr) return {model.scene->scene(), map, device, options};
         const ContactSurface& surface = patches == nullptr ? *model.contact : patches->surface();
-        return {surface, map, device, options, feel};
+        if (parts.sign) return {surface, {&model.octree, &*parts.sign}, map, device, options};
+        return {surface, map, device, options, parts.normals.get()};
     }
 
     PatchTouch* patches_;
@@ -210,13 +227,14 @@ Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings
     if (!opened) return tl::unexpected(opened.error());
     Device& device = *opened->device;
     const DeviceLimits& limits = opened->limits;
-    const std::unique_ptr<ShadingNormals> normals = normals_for(model, settings.render);
+    const auto parts = parts_for(model, settings.render);
+    if (!parts) return tl::unexpected(parts.error());
     std::optional<PatchTouch> patches;
     if (settings.patches) {
-        patches.emplace(model, *settings.patches, opened->map, settings.render, normals.get(),
-                        settings.input.tick_seconds, settings.pace);
+        patches.emplace(model, *settings.patches, opened->map, settings.render,
+                        parts->normals.get(), settings.input.tick_seconds, settings.pace);
     }
-    TouchRun run(model, normals.get(), opened->map, limits, settings.render,
+    TouchRun run(model, *parts, opened->map, limits, settings.render,
                  patches ? &*patches : nullptr);
     DeviceInput input(device.info(), settings.input);
     const double tick_seconds = settings.input.tick_seconds;
@@ -296,8 +314,9 @@ Result<ReplayResult> replay_touch(const TouchModel& model, const Recording& reco
                                  .max_force = settings.max_force,
                                  .max_stiffness = settings.max_stiffness,
                                  .max_damping = settings.max_damping};
-    const std::unique_ptr<ShadingNormals> normals = normals_for(model, settings.render);
-    TouchRun run(model, normals.get(), settings.map, device, settings.render);
+    const auto parts = parts_for(model, settings.render);
+    if (!parts) return tl::unexpected(parts.error());
+    TouchRun run(model, *parts, settings.map, device, settings.render);
     ReplayResult result;
     for (const RecordedTick& tick : recording.ticks) {
         const DeviceState state = device_state(tick);

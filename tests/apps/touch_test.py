@@ -58,6 +58,26 @@ class Touching(ProgramTest):
             self.assertEqual((result["shading"], row["missed_ticks"], row["apart_ticks"]), (True, 0, 0), script)
             self.assertGreater(row["touching_ticks"], 300)
 
+    def test_penalty_forces_are_the_baseline(self):
+        """They pop and jump where a proxy does not, are recorded as what they are, and are of one model's point."""
+        recording = self.folder / "penalty.pxt"
+        plate = self.file("plate.obj", "".join(f"v {x} {y} {z}\n" for z in (-0.01, 0.01) for y in (-1, 1) for x in (-1, 1)) +
+                          "".join(f"f {face}\n" for face in ("1 4 2", "1 3 4", "5 6 8", "5 8 7", "1 2 6", "1 6 5", "3 8 4",
+                                                             "3 7 8", "1 5 7", "1 7 3", "2 4 8", "2 8 6")))
+        arguments = ("touch", plate, "--device", "hand:poke", "--seconds", 4, "--free-running")
+        proxy = self.json_of(*arguments, "--friction", 0)
+        felt = self.json_of(*arguments, "--force", "penalty", "--record", recording)
+        self.assertEqual((proxy["force"], proxy["passes"]), ("proxy", 0))
+        self.assertEqual((felt["force"], felt["static_friction"], felt["sticking_ticks"]), ("penalty", 0, 0))
+        self.assertGreater(felt["passes"], 3)
+        self.assertLess(felt["touching_ticks"], proxy["touching_ticks"])
+        again = self.json_of("touch", plate, "--device", f"replay:{recording}")
+        self.assertEqual((again["force"], again["replay_differences"], again["passes"]), ("penalty", 0, felt["passes"]))
+        self.assertIn("by penalty forces", self.succeed(*arguments, "--force", "penalty"))
+        for option in (("--radius", 0.001), ("--shading",), ("--patch", "metric"), ("--object", "cube")):
+            self.refuse(*arguments, "--force", "penalty", *option, says=("--force", option[0]))
+        self.refuse(*arguments, "--force", "spring", status=2, says="--force")
+
     def test_shaded_forces_replay(self):
         recording = self.folder / "shaded.pxt"
         result = self.json_of("touch", "icosphere:2", "--device", "hand:stroke", "--seconds", 2, "--free-running",

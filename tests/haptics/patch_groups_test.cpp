@@ -66,7 +66,7 @@ void feel_both(const TouchMesh& named, int rings, double radius, std::uint32_t s
     Proxy slow(plain, options);
     HandPath path(named.mesh, seed);
     ContactPatch patch;
-    for (int tick = 0; tick < 150; ++tick) {
+    for (int tick = 0; tick < 60; ++tick) {
         const Vec3 device = path.next();
         if (tick % 10 == 0) {
             if (rings < 0) {
@@ -98,8 +98,8 @@ TEST(PatchGroups, feel_as_every_triangle_of_the_patch_on_every_instruction_set)
     for (const SimdTarget& target : simd_targets()) {
         force_simd_target(target);
         for (const TouchMesh& named : testing::touch_meshes()) {
-            for (const int rings : {-1, 0, 2})
-                feel_both(named, rings, rings == 2 ? 0.01 : 0.0, ++seed);
+            feel_both(named, -1, 0.0, ++seed);
+            if (target.id == simd_targets().front().id) feel_both(named, 2, 0.01, ++seed);
         }
     }
     restore_simd_targets();
@@ -164,7 +164,7 @@ TEST(PatchGroups, nothing_near_is_missing)
 
 TEST(PatchGroups, are_made_and_asked_without_allocation)
 {
-    const TriangleMesh mesh = *sample_mesh("sphere:100x100");
+    const TriangleMesh mesh = *sample_mesh("sphere:60x60");
     const auto topology = *build_topology(mesh);
     const auto octree = *build_proximity_octree(mesh, topology);
     const OctreeContactSurface whole(octree);

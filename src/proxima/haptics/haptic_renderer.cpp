@@ -1,6 +1,9 @@
 #include "proxima/haptics/haptic_renderer.h"
 
+#include "proxima/base/check.h"
+
 #include <algorithm>
+#include <utility>
 
 namespace proxima {
 
@@ -29,10 +32,24 @@ ProxyOptions proxy_options(const RenderOptions& options, const WorkspaceMap& map
 
 HapticRenderer::HapticRenderer(const ContactSurface& surface, const WorkspaceMap& map,
                                const DeviceLimits& device, const RenderOptions& options,
-                               const SurfaceFeel* feel)
+                               const SurfaceFeel* feel, std::optional<PenaltyProbe> probe)
     : feel_(feel), device_(device), map_(map), options_(limited_options(options, device)),
-      proxy_(surface, proxy_options(options, map, feel)), guard_(options_.force, device.max_force),
-      passivity_(device.max_damping)
+      proxy_(surface, proxy_options(options, map, feel)), probe_(std::move(probe)),
+      guard_(options_.force, device.max_force), passivity_(device.max_damping)
+{
+    PROXIMA_CHECK((options.law == ForceLaw::penalty) == probe_.has_value());
+}
+
+HapticRenderer::HapticRenderer(const ContactSurface& surface, const WorkspaceMap& map,
+                               const DeviceLimits& device, const RenderOptions& options,
+                               const SurfaceFeel* feel)
+    : HapticRenderer(surface, map, device, options, feel, std::nullopt)
+{}
+
+HapticRenderer::HapticRenderer(const ContactSurface& surface, const PenaltySurface& inside,
+                               const WorkspaceMap& map, const DeviceLimits& device,
+                               const RenderOptions& options)
+    : HapticRenderer(surface, map, device, options, nullptr, PenaltyProbe(inside))
 {}
 
 HapticRenderer::HapticRenderer(TouchScene& scene, const WorkspaceMap& map,
@@ -149,6 +166,23 @@ Vec3 HapticRenderer::spring(const Vec3& device, const Vec3& velocity) const noex
     return spring_force(mean, contact, velocity) + (pushes - mean.stiffness * stretches);
 }
 
+void HapticRenderer::place(const Vec3& device) noexcept
+{
+    if (probe_) {
+        probe_->place(device);
+    } else {
+        proxy_.place(device);
+    }
+}
+
+const ProxyTick& HapticRenderer::follow(const Vec3& device) noexcept
+{
+    if (probe_) return probe_->follow(device);
+    const bool waits =
+        scene_ != nullptr && !proxy_.last().has_room && scene_->way_out(device) != device;
+    return waits ? proxy_.wait(device) : proxy_.follow(device);
+}
+
 const RenderTick& HapticRenderer::tick(const DeviceState& state, double seconds,
                                        Patch patch) noexcept
 {
@@ -158,12 +192,11 @@ const RenderTick& HapticRenderer::tick(const DeviceState& state, double seconds,
     if (scene_ != nullptr) advance_scene(seconds);
     if (!placed_) {
         if (tick_.fault == InputFault::not_finite || !device.allFinite()) return tick_;
-        proxy_.place(device);
+        place(device);
         placed_ = true;
     }
-    const bool waits =
-        scene_ != nullptr && !proxy_.last().has_room && scene_->way_out(device) != device;
-    tick_.proxy = waits ? proxy_.wait(device) : proxy_.follow(device);
+    tick_.proxy = follow(device);
+    tick_.popped = probe_ && probe_->popped();
     const bool touching = tick_.proxy.hold != Hold::free;
     Vec3 velocity = state.velocity.allFinite() ? state.velocity : Vec3(Vec3::Zero());
     if (scene_ != nullptr) {
@@ -171,7 +204,9 @@ const RenderTick& HapticRenderer::tick(const DeviceState& state, double seconds,
         velocity -= tick_.carrying;
         ground_ += seconds * tick_.carrying;
     }
-    tick_.spring = spring(device, velocity);
+    tick_.spring = probe_ ? penalty_force(options_.force, tick_.proxy.depth / map_.units_per_metre,
+                                          tick_.proxy.normal, velocity)
+                          : spring(device, velocity);
     Vec3 force = tick_.spring;
     if (!touching) {
         passivity_.restart();

@@ -20,6 +20,7 @@
 #include "proxima/haptics/contact_surface.h"
 #include "proxima/haptics/device.h"
 #include "proxima/haptics/passivity.h"
+#include "proxima/haptics/penalty_probe.h"
 #include "proxima/haptics/proxy.h"
 #include "proxima/haptics/surface_feel.h"
 #include "proxima/haptics/touch_scene.h"
@@ -28,10 +29,17 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 namespace proxima {
 
 enum class Passivity : bool { unguarded, guarded };
+
+/// What the spring pulls towards.
+enum class ForceLaw : std::uint8_t {
+    proxy,  ///< a proxy that stays outside
+    penalty ///< the nearest place of the surface: a baseline (penalty_probe.h)
+};
 
 struct RenderOptions {
     ForceOptions force = {};
@@ -43,6 +51,8 @@ struct RenderOptions {
     /// Of the proxy in a tick, twice as many with shading: bounds a tick's work (proxy.h).
     std::size_t max_moves = 12;
     ForceShading shading = ForceShading::off; ///< on: by the normals of the surface's feel
+    /// With penalty forces, radius, frictions, max_moves and shading say nothing.
+    ForceLaw law = ForceLaw::proxy;
 };
 
 /// The proxy's part of the options, in the model's units. `feel` must outlive the proxy.
@@ -60,6 +70,7 @@ struct RenderTick {
     InputFault fault = InputFault::none;
     Vec3 carrying = Vec3::Zero(); ///< m/s: the velocity of the surface that is touched
     bool squeezed = false;        ///< objects that moved left the proxy no room
+    bool popped = false; ///< by penalty forces: pushed against the side it was pushed out on before
     InputCondition condition = InputCondition::well; ///< as the state said
 };
 
@@ -67,10 +78,16 @@ struct RenderTick {
 /// constructor.
 class HapticRenderer {
 public:
-    /// The options are limited to what the device can take.
+    /// The options are limited to what the device can take. \pre options.law is proxy, here and of
+    /// a scene
     HapticRenderer(const ContactSurface& surface, const WorkspaceMap& map,
                    const DeviceLimits& device, const RenderOptions& options = {},
                    const SurfaceFeel* feel = nullptr);
+
+    /// By penalty forces, of which the proxy stays unused. \pre options.law is penalty
+    HapticRenderer(const ContactSurface& surface, const PenaltySurface& inside,
+                   const WorkspaceMap& map, const DeviceLimits& device,
+                   const RenderOptions& options);
 
     /// Of a scene, which each tick advances, and whose objects have their own feel.
     HapticRenderer(TouchScene& scene, const WorkspaceMap& map, const DeviceLimits& device,
@@ -89,7 +106,19 @@ public:
 
     [[nodiscard]] const RenderTick& last() const noexcept { return tick_; }
 
+    /// Places of the last tick, straight ways between them, that nothing should be met on: the
+    /// proxy's, or the probe's of penalty forces.
+    [[nodiscard]] std::span<const Vec3> path() const noexcept
+    {
+        return probe_ ? probe_->path() : proxy_.path();
+    }
+
 private:
+    HapticRenderer(const ContactSurface& surface, const WorkspaceMap& map,
+                   const DeviceLimits& device, const RenderOptions& options,
+                   const SurfaceFeel* feel, std::optional<PenaltyProbe> probe);
+    void place(const Vec3& device) noexcept;
+    [[nodiscard]] const ProxyTick& follow(const Vec3& device) noexcept;
     [[nodiscard]] Vec3 accept(const DeviceState& state) noexcept;
     void advance_scene(double seconds) noexcept;
     [[nodiscard]] std::optional<Vec3> carried(const Vec3& place) noexcept;
@@ -103,6 +132,7 @@ private:
     WorkspaceMap map_;
     RenderOptions options_;
     Proxy proxy_;
+    std::optional<PenaltyProbe> probe_; ///< of penalty forces
     ForceGuard guard_;
     PassivityGuard passivity_;
     RenderTick tick_;

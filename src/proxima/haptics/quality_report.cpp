@@ -110,6 +110,7 @@ void QualityMeter::add(const RenderTick& tick, const Vec3& velocity,
     sum.max_moves = std::max<std::uint64_t>(sum.max_moves, proxy.moves);
     sum.moves += proxy.moves;
     count_passes(path);
+    sum.passes += tick.popped ? 1U : 0U;
     if (scene_ != nullptr) {
         count_carried(tick, path);
         add_objects(tick);

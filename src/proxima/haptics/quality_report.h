@@ -21,7 +21,9 @@ struct QualityReport {
     std::uint64_t ticks = 0;
     std::uint64_t touching_ticks = 0;
     std::uint64_t sticking_ticks = 0;
-    std::uint64_t passes = 0;        ///< moves of the proxy through a triangle: pop-through
+    /// Pop-through: moves of the proxy through a triangle; by penalty forces ticks that leapt over
+    /// the surface or were pushed against the side on which they were pushed out before.
+    std::uint64_t passes = 0;
     std::uint64_t limited_ticks = 0; ///< slides that ended by their number of moves
     std::uint64_t overloaded_ticks = 0;
     std::uint64_t faulty_ticks = 0; ///< input that was no number, jumped, or not well

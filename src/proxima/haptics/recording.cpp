@@ -12,16 +12,18 @@ namespace proxima {
 
 namespace {
 
-constexpr FileFormat format = {{'P', 'X', 'T', 'O', 'U', 'C', 'H', '\n'}, 3, "recording"};
+constexpr FileFormat format = {{'P', 'X', 'T', 'O', 'U', 'C', 'H', '\n'}, 4, "recording"};
 
 enum Section : std::uint32_t {
     fingerprint_section = 1,
     settings_section = 2,
     ticks_section = 3,
     objects_section = 4, ///< since version 3
-    fingerprints_of_objects_section = 5
+    fingerprints_of_objects_section = 5,
+    force_law_section = 6 ///< since version 4
 };
 constexpr std::uint32_t first_version_with_objects = 3;
+constexpr std::uint32_t first_version_with_force_laws = 4;
 
 /// The settings as numbers, in the order of the file.
 struct SettingNumbers {
@@ -201,6 +203,18 @@ Result<std::vector<ScriptedObject>> objects_of(const BinaryFile& file, const std
     return objects;
 }
 
+/// Proxies in files that are older.
+Result<ForceLaw> force_law_of(const BinaryFile& file, const std::string& path)
+{
+    if (file.version() < first_version_with_force_laws) return ForceLaw::proxy;
+    const auto law = file.section<std::uint32_t>(force_law_section);
+    if (!law) return tl::unexpected(law.error());
+    for (const ForceLaw known : {ForceLaw::proxy, ForceLaw::penalty}) {
+        if (law->size() == 1 && law->front() == static_cast<std::uint32_t>(known)) return known;
+    }
+    return fail(ErrorCode::malformed_file, "no such forces: record it again", path);
+}
+
 bool same_bits(const std::array<double, 3>& a, const std::array<double, 3>& b) noexcept
 {
     for (std::size_t i = 0; i < 3; ++i) {
@@ -256,13 +270,15 @@ Status save_recording(const Recording& recording, const std::filesystem::path& p
         objects.push_back(numbers(object));
         fingerprints.push_back(object.mesh_fingerprint);
     }
-    const std::array<BinarySection, 5> sections = {
+    const auto law = static_cast<std::uint32_t>(recording.settings.render.law);
+    const std::array<BinarySection, 6> sections = {
         {{fingerprint_section, sizeof fingerprint, std::as_bytes(std::span(&fingerprint, 1))},
          {settings_section, sizeof settings, std::as_bytes(std::span(&settings, 1))},
          {ticks_section, sizeof(RecordedTick), std::as_bytes(std::span(recording.ticks))},
          {objects_section, sizeof(ObjectNumbers), std::as_bytes(std::span(objects))},
          {fingerprints_of_objects_section, sizeof(std::uint64_t),
-          std::as_bytes(std::span(fingerprints))}}};
+          std::as_bytes(std::span(fingerprints))},
+         {force_law_section, sizeof law, std::as_bytes(std::span(&law, 1))}}};
     return write_binary_file(path, format, sections, progress);
 }
 
@@ -283,8 +299,16 @@ Result<Recording> load_recording(const std::filesystem::path& path, Progress* pr
     }
     Recording recording;
     recording.settings = settings_of(settings->front(), fingerprint->front());
+    const auto law = force_law_of(*file, path.string());
+    if (!law) return tl::unexpected(law.error());
+    recording.settings.render.law = *law;
     auto objects = objects_of(*file, path.string());
     if (!objects) return tl::unexpected(objects.error());
+    if (*law == ForceLaw::penalty && !objects->empty()) {
+        return fail(ErrorCode::malformed_file,
+                    "penalty forces of a scene, which there are not: record it again",
+                    path.string());
+    }
     recording.settings.objects = std::move(*objects);
     recording.ticks.assign(ticks->begin(), ticks->end());
     return recording;
