@@ -3,9 +3,11 @@
 //     cull_bench [--views N] [--rounds N] [--seed N] [--mesh NAME]...
 //
 // For every part of the triangles (0, 0.1, 10, 50, 100 %) some cameras that see about that many.
-// All answers are compared: brute force, in floats, may differ in a few triangles. One thread.
+// All answers are compared: brute force, in floats, may differ in a few triangles. One thread. Then
+// a camera turns about the mesh in steps: what frames take, and what the one before could spare.
 #include "bench_program.h"
 #include "cull_by_lanes.h"
+#include "cull_path.h"
 #include "proxima/mesh/mesh_io.h"
 #include "proxima/mesh/sample_meshes.h"
 #include "proxima/octree/build_octree.h"
@@ -15,6 +17,7 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
@@ -239,6 +242,73 @@ void race(Scene& scene, double part, const BenchOptions& options)
     }
 }
 
+/// Frames of a camera that turns about the mesh by so many degrees each, and sees about a tenth.
+std::vector<ViewVolume> path_about(const Scene& scene, double degrees, std::size_t count)
+{
+    const Box box = bounding_box(scene.mesh);
+    const double radius = 0.5 * box.extent().norm();
+    const auto triangles = static_cast<double>(scene.mesh.triangle_count());
+    const auto frame = [&](double angle, double field_of_view) {
+        PerspectiveCamera camera;
+        const Vec3 away = Vec3(std::cos(angle), std::sin(angle), 0.3).normalized();
+        camera.eye = box.center() + 2.5 * radius * away;
+        camera.forward = box.center() + Vec3(0, 0, 0.1 * radius) - camera.eye;
+        camera.up = Vec3::UnitZ();
+        camera.near = 0.01 * radius;
+        camera.far = 10 * radius;
+        camera.field_of_view = field_of_view;
+        return make_perspective_volume(camera).value();
+    };
+    double narrow = 1e-4;
+    double wide = 2.5;
+    for (int i = 0; i < 40; ++i) {
+        const double middle = std::sqrt(narrow * wide);
+        const auto seen = static_cast<double>(visible_count(scene, frame(0, middle)));
+        (seen < 0.1 * triangles ? narrow : wide) = middle;
+    }
+    std::vector<ViewVolume> frames;
+    constexpr double radians = 3.14159265358979 / 180;
+    for (std::size_t i = 0; i < count; ++i)
+        frames.push_back(frame(static_cast<double>(i) * degrees * radians, wide));
+    return frames;
+}
+
+/// Culls along smooth paths, in order and shuffled, and counts what a front could spare.
+void race_along_paths(const Scene& scene, const BenchOptions& options)
+{
+    constexpr std::size_t count = 64;
+    std::vector<TriangleRange> ranges(scene.mesh.triangle_count() / 2 + 1);
+    std::printf(
+        "  along a path, 10 %% visible; blocks looked at a frame, and with a front kept for "
+        "2, 4, 8, 16, 32 frames\n");
+    for (const double degrees : {0.001, 0.01, 0.1, 1.0}) {
+        const std::vector<ViewVolume> frames = path_about(scene, degrees, count);
+        std::vector<std::size_t> order(count);
+        for (std::size_t i = 0; i < count; ++i) order[i] = i;
+        std::vector<std::size_t> shuffled = order;
+        std::mt19937_64 random(options.seed);
+        std::ranges::shuffle(shuffled, random);
+        const auto time = [&](const std::vector<std::size_t>& places) {
+            const double start = processor_seconds();
+            for (const std::size_t i : places) (void)visible_ranges(scene.index, frames[i], ranges);
+            return (processor_seconds() - start) / static_cast<double>(count);
+        };
+        std::vector<double> along;
+        std::vector<double> across;
+        for (int round = 0; round < options.rounds; ++round) {
+            along.push_back(time(order));
+            across.push_back(time(shuffled));
+        }
+        const PathCounts counts = count_path(scene.index, frames);
+        std::printf("    %5.3f degrees %8.2f us, shuffled %8.2f us; %7.1f nodes + %7.1f leaves, "
+                    "%5.1f %% of them as before; front",
+                    degrees, 1e6 * median(along), 1e6 * median(across), counts.plain_nodes,
+                    counts.plain_leaves, 100 * counts.kept_leaves);
+        for (const double blocks : counts.with_front) std::printf(" %8.1f", blocks);
+        std::printf("\n");
+    }
+}
+
 int run_mesh(const std::string& name, const BenchOptions& options)
 {
     auto mesh = is_sample_mesh_name(name) ? sample_mesh(name) : read_mesh(name);
@@ -257,6 +327,7 @@ int run_mesh(const std::string& name, const BenchOptions& options)
                 static_cast<double>((*scene)->index.bytes()) /
                     static_cast<double>((*scene)->mesh.triangle_count()));
     for (const double part : {0.0, 0.001, 0.1, 0.5, 1.0}) race(**scene, part, options);
+    race_along_paths(**scene, options);
     (void)std::fflush(stdout);
     return 0;
 }

@@ -37,7 +37,7 @@ struct GeneralRow {
 std::uint64_t budget_of(const ProximityCommandOptions& options, const TriangleMesh& mesh)
 {
     return options.budget_mb != 0 ? options.budget_mb * 1'000'000
-                                  : default_bytes_per_triangle * mesh.triangle_count();
+                                  : default_proximity_budget(mesh.triangle_count());
 }
 
 /// To --save and --export.
@@ -179,8 +179,8 @@ std::string promise_of(const GeneralRow& row)
     return fmt::format(
         "A query in the root takes at most {} down and {} of triangles.\n{}"
         "About {:.0f} ns, {:.0f} ns at most: estimated from {} queries timed here one by one\n",
-        many(counts.worst_case_steps, "step"), many(counts.worst_case_blocks, "block"),
-        searched, row.timing.median, row.timing.max, row.timing.queries);
+        many(counts.worst_case_steps, "step"), many(counts.worst_case_blocks, "block"), searched,
+        row.timing.median, row.timing.max, row.timing.queries);
 }
 
 std::string peak_of(const GeneralRow& row, std::uint64_t budget)

@@ -7,6 +7,7 @@
 #include "proxima/base/file_extension.h"
 #include "proxima/base/text.h"
 #include "proxima/octree/cell.h"
+#include "proxima/proximity/build_proximity_octree.h"
 #include "proxima/proximity/grow_cells.h"
 
 #include <CLI/CLI.hpp>
@@ -115,9 +116,22 @@ void add_threshold_options(CLI::App& parser, KindThresholds& thresholds)
     add("--threshold-face", thresholds.face, "faces");
 }
 
+/// The largest margin that each method takes; NaN is none.
+void check_margin(const ProximityCommandOptions& options)
+{
+    const double largest =
+        options.method == ProximityMethod::thesis ? max_root_margin : max_proximity_margin;
+    if (options.margin >= 0 && options.margin <= largest) return;
+    throw CLI::ValidationError("--margin", concat(options.margin, " is no margin: 0 to ", largest,
+                                                  options.method == ProximityMethod::thesis
+                                                      ? " with --method thesis"
+                                                      : " with the general method"));
+}
+
 /// What the method has no use for is wrong usage, and its own depth goes where none is named.
 void settle(const CLI::App& parser, ProximityCommandOptions& options)
 {
+    check_margin(options);
     if (options.method == ProximityMethod::thesis) {
         if (!options.budget_curves.empty()) {
             throw CLI::ValidationError("--budget-curve", "it goes with --method general");
@@ -154,13 +168,14 @@ Command add_proximity_command(CLI::App& app)
     add_threshold_options(*parser, options->thresholds);
     parser
         ->add_option("--margin", options->margin,
-                     "How much larger the root is than the tight cube, per edge")
-        ->check(CLI::Range(0.0, max_root_margin))
+                     concat("How much larger the root is than the tight cube, per edge: 0 to ",
+                            max_proximity_margin, ", thesis to ", max_root_margin))
         ->capture_default_str()
         ->type_name("M");
     parser
         ->add_option("--budget-mb", options->budget_mb,
-                     "Size of the octree at most, in 10^6 bytes (default: 600 bytes per triangle); "
+                     "Size of the octree at most, in 10^6 bytes (default: 600 bytes per triangle, "
+                     "more for small meshes); "
                      "thesis: memory its build may use (default: 3/4 of the machine's)")
         ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40U))
         ->type_name("N");

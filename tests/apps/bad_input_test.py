@@ -136,6 +136,16 @@ class Geometry(ProgramTest):
                 self.succeed("octree", self.file(name + ".off", content), "--quiet", "--export",
                              self.folder / (name + ".png"))
 
+    def test_check_of_the_least_sizes(self):
+        for size in (1e-150, 1e-300, 1e-307, 1e-310, 1e-320):
+            with self.subTest(size):
+                report = self.json_of("check", self.file("tiny.off", tetrahedron(size)))
+                self.assertEqual(report["orientation"], "outward")
+                self.assertGreaterEqual(report["signed_volume"], 0)
+                kinds = [finding["kind"] for finding in report["findings"]]
+                self.assertIn("extreme_scale", kinds)
+                self.assertNotIn("inward_components", kinds)
+
     def test_check_says_what_they_mean(self):
         text = self.succeed("check", self.file("a.off", off([(1.0, 2.0, 3.0)], [(0, 0, 0), (0, 0, 0)])))
         self.assertIn("degenerate", text)

@@ -126,6 +126,21 @@ class Meeting(ProgramTest):
         self.assertEqual(meeting["closest_a"], meeting["closest_b"])
         self.assertIn("separation 1 between", self.succeed("intersect", "cube", "cube", "--pose", path, "--distance"))
 
+    def test_says_how_far_apart_at_any_scale(self):
+        far = [1e149, 1e155, 1e300, 1.79e308]
+        path = self.file("far.csv", text_of([shifted(x, 0, 0) for x in far]))
+        for x, answer in zip(far, self.json_of("intersect", "cube", "cube", "--pose", path, "--distance")["poses"]):
+            self.assertAlmostEqual(answer["separation"] / x, 1, delta=1e-15)
+            self.assertEqual([abs(answer["closest_a"][0]), answer["intersecting"]], [1, False])
+        for size in (1e-160, 1e-200, 1e-300):
+            corners = [(0, 0, 0), (size, 0, 0), (0, size, 0), (0, 0, size)]
+            model = self.file("tiny.off", off(corners, [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]))
+            path = self.file("near.csv", text_of([shifted(3 * size, 0, 0), shifted(size, 0, 0)]))
+            apart, meeting = self.json_of("intersect", model, model, "--pose", path, "--distance")["poses"]
+            self.assertAlmostEqual(apart["separation"] / size, 2, delta=1e-14)
+            self.assertAlmostEqual(apart["closest_b"][0] / size, 3, delta=1e-14)
+            self.assertEqual(meeting["separation"], 0)
+
     def test_counts_cells_and_draws_them(self):
         poses = self.file("poses.csv", text_of([shifted(1, 0, 0)]))
         out = self.folder / "spheres.png"

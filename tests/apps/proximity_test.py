@@ -132,6 +132,18 @@ class General(ProgramTest):
             self.assertIn(word, words)
         self.assertEqual(png_pixels(names[2].read_bytes())[:2], (1200, 770))
 
+    def test_the_usual_budget_does_for_any_model(self):
+        corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+        for faces in ([(0, 2, 1)], [(0, 2, 1), (0, 1, 3)], [(0, 2, 1), (0, 1, 3), (0, 3, 2)]):
+            result = self.json_of("proximity", self.file("few.off", off(corners, faces)))
+            self.assertEqual(result["triangles"], len(faces))
+            self.assertLessEqual(result["bytes"], result["budget_bytes"])
+        self.assertEqual(self.json_of("proximity", "torus:40x20")["budget_bytes"], 600 * 1600)
+
+    def test_models_too_small_for_squares(self):
+        for size in (1e-150, 1e-310):
+            self.refuse("proximity", self.file("tiny.off", tetrahedron(size)), says=("tiny.off", "scale it towards size 1"))
+
     def test_models_that_are_not_closed(self):
         corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
         self.succeed("proximity", self.file("open.off", off(corners, [(0, 2, 1), (0, 1, 3)])), "--budget-mb", 1)
@@ -143,7 +155,12 @@ class General(ProgramTest):
         for option in ("--threshold", "--threshold-vertex", "--threshold-edge", "--threshold-face"):
             self.refuse("proximity", "cube", option, 3, status=2, says=(option, "--method thesis"))
         self.refuse("proximity", "cube", "--depth", "3,15", status=2, says=("--depth", "14"))
-        self.refuse("proximity", "cube", "--margin", "1001", says="margin")
+        for margin in ("1001", "nan", "-1", "inf"):
+            self.refuse("proximity", "cube", "--margin", margin, status=2, says=("--margin", "0 to 1000"))
+        thesis = ("proximity", "octahedron", "--method", "thesis", "--depth", 1)
+        self.succeed(*thesis, "--margin", "2000")
+        for margin in ("1.1e6", "nan"):
+            self.refuse(*thesis, "--margin", margin, status=2, says=("--margin", "0 to 1e+06"))
 
 
 class BudgetCurve(ProgramTest):

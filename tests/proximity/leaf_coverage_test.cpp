@@ -1,6 +1,9 @@
 // Every leaf lists the closest feature of each of its points: of closed cells, corners included.
+#include "counted_allocations.h"
 #include "octree/small_meshes.h"
+#include "proxima/proximity/brute_force.h"
 #include "proxima/proximity/build_proximity_octree.h"
+#include "proxima/proximity/leaf_candidates.h"
 #include "proxima/proximity/neighbourhood.h"
 #include "proxima/proximity/proximity_cells.h"
 #include "proxima/proximity/surface_search.h"
@@ -79,6 +82,73 @@ Coverage ask_every_leaf(const ProximityOctree& octree, const SurfaceSearch& sear
         for (int i = 0; i < random_points; ++i) ask(Vec3{part(random), part(random), part(random)});
     }
     return coverage;
+}
+
+TEST(LeafCandidates, HoldTheClosestFeatureOfEveryPointOfTheirBox)
+{
+    std::mt19937_64 random(12);
+    std::uniform_real_distribution<double> part(0, 1);
+    int with_lists = 0;
+    int without = 0;
+    int outside = 0;
+    for (const NamedMesh& named : proximity_meshes()) {
+        SCOPED_TRACE(named.name);
+        const Topology topology = build_topology(named.mesh).value();
+        for (const std::uint64_t bytes_per_triangle : {200U, 600U}) {
+            const std::uint64_t budget = 4096 + bytes_per_triangle * named.mesh.triangle_count();
+            const auto octree =
+                build_proximity_octree(named.mesh, topology, {.budget_bytes = budget}).value();
+            std::vector<TriangleId> buffer(octree.statistics().max_list);
+            for (const Vec3& p : proximity_points(named.mesh, 40, 13)) {
+                const std::size_t before = allocation_count();
+                const auto leaf = leaf_candidates(octree, p, buffer);
+                ASSERT_EQ(allocation_count(), before);
+                if (!leaf) {
+                    EXPECT_FALSE(octree.frame().contains(p)) << p.transpose();
+                    ++outside;
+                    continue;
+                }
+                ++(leaf->has_list ? with_lists : without);
+                if (!leaf->has_list) {
+                    EXPECT_EQ(leaf->count, 0U);
+                    continue;
+                }
+                ASSERT_GT(leaf->count, 0U);
+                ASSERT_LE(leaf->count, buffer.size());
+                const std::vector<TriangleId> listed(
+                    buffer.begin(), buffer.begin() + static_cast<std::ptrdiff_t>(leaf->count));
+                EXPECT_TRUE(std::ranges::is_sorted(listed));
+                const double slack = 1e-12 * octree.frame().half;
+                EXPECT_TRUE(((p - leaf->box.lower).array() >= -slack).all() &&
+                            ((leaf->box.upper - p).array() >= -slack).all())
+                    << p.transpose();
+                const auto expect_held = [&](const Vec3& at) {
+                    const ClosestFeature truth =
+                        closest_feature_by_brute_force(named.mesh, topology, at);
+                    const auto holding =
+                        incident_triangles(topology, truth.feature, truth.triangle);
+                    EXPECT_TRUE(std::ranges::any_of(holding, [&](TriangleId id) {
+                        return std::ranges::binary_search(listed, id);
+                    })) << at.transpose();
+                };
+                expect_held(p);
+                expect_held(leaf->box.lower);
+                expect_held(leaf->box.upper);
+                for (int i = 0; i < 3; ++i)
+                    expect_held(leaf->box.lower + Vec3(part(random), part(random), part(random))
+                                                      .cwiseProduct(leaf->box.extent()));
+                // What does not fit is told by the count.
+                const auto first = leaf_candidates(octree, p, std::span(buffer).first(1));
+                EXPECT_EQ(first->count, leaf->count);
+                EXPECT_TRUE(std::ranges::binary_search(listed, buffer[0]));
+            }
+            EXPECT_FALSE(leaf_candidates(octree, Vec3(0, std::nan(""), 0), buffer));
+            EXPECT_FALSE(leaf_candidates(octree, Vec3::Constant(1e300), buffer));
+        }
+    }
+    EXPECT_GT(with_lists, 1000);
+    EXPECT_GT(without, 3);
+    EXPECT_GT(outside, 10);
 }
 
 TEST(LeafCoverage, EveryLeafListsTheClosestFeatureOfItsPoints)

@@ -324,6 +324,60 @@ TEST(MeshDistance, ScalesByPowersOfTwo)
     }
 }
 
+TEST(MeshDistance, IsRightAtAnyScaleThatDoublesHold)
+{
+    const TriangleMesh torus = torus_mesh(1.0, 0.4, 12, 8);
+    const TriangleMesh sphere = sphere_mesh(Vec3(0.5, 0.25, 0.125), 0.25, 6, 8);
+    const DistanceIndex a = index_of(torus);
+    const DistanceIndex b = index_of(sphere);
+    PoseGenerator poses(torus, sphere, 9);
+    for (int i = 0; i < 12; ++i) {
+        const RigidTransform pose = poses();
+        const MeshDistance truth = mesh_distance(a, b, pose);
+        for (const int power : {-900, -600, -400, -300, 300, 330}) {
+            SCOPED_TRACE(::testing::Message() << "pose " << i << ", 2^" << power);
+            const double scale = std::ldexp(1.0, power);
+            const auto times = [&](const Vec3& p) { return Vec3(scale * p); };
+            RigidTransform scaled = pose;
+            scaled.translation *= scale;
+            const MeshDistance found = mesh_distance(index_of(moved(torus, times)),
+                                                     index_of(moved(sphere, times)), scaled);
+            EXPECT_EQ(found.distance, scale * truth.distance);
+            EXPECT_EQ(found.point_a, times(truth.point_a));
+            EXPECT_EQ(found.point_b, times(truth.point_b));
+        }
+    }
+}
+
+TEST(MeshDistance, IsRightHoweverFarApart)
+{
+    const auto apart = [](double size, double x) {
+        const DistanceIndex cube = index_of(cube_mesh(Vec3::Zero(), size));
+        RigidTransform pose;
+        pose.translation = Vec3(x, 0, 0);
+        return mesh_distance(cube, cube, pose);
+    };
+    for (const double x : {1e100, 1e149, 1e155, 1e200, 1e300, 1.7e308}) {
+        const MeshDistance found = apart(1.0, x);
+        EXPECT_DOUBLE_EQ(found.distance, x);
+        EXPECT_EQ(std::abs(found.point_a.x()), 1.0); // any pair will do
+        EXPECT_DOUBLE_EQ(found.point_b.x(), x);
+    }
+    for (const double size : {1e-100, 1e-160, 1e-200, 1e-300, 1e-307}) {
+        const MeshDistance found = apart(size, 3 * size);
+        EXPECT_NEAR(found.distance, size, 1e-15 * size);
+        EXPECT_EQ(found.point_a.x(), size);
+        EXPECT_NEAR(found.point_b.x(), 2 * size, 1e-15 * size);
+        EXPECT_EQ(apart(size, 2 * size).distance, 0);
+        EXPECT_EQ(apart(size, 1.0).distance, 1.0);
+    }
+    // Apart by the least there is.
+    const double least = std::numeric_limits<double>::denorm_min();
+    EXPECT_EQ(apart(1e-310, 2e-310 + least).distance, least);
+    EXPECT_EQ(apart(1e-310, 2e-310).distance, 0);
+    EXPECT_EQ(apart(1e-310, -3e-310).distance, 1e-310);
+}
+
 TEST(MeshDistance, OfAnEmptyMeshIsInfinite)
 {
     const DistanceIndex cube = index_of(cube_mesh(Vec3::Zero(), 1.0));

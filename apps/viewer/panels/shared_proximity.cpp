@@ -2,13 +2,12 @@
 
 #include "proxima/base/text.h"
 #include "proxima/proximity/build_proximity_octree.h"
-#include "proxima/proximity/proximity_cells.h"
+#include "proxima/proximity/leaf_candidates.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/query_shapes.h"
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 namespace proxima {
 
@@ -24,35 +23,13 @@ proximity_of(SharedProximity& shared, const std::shared_ptr<const ViewModel>& mo
 
 std::optional<ProximityLeaf> leaf_at(const ProximityOctree& octree, const Vec3& p)
 {
-    const RootFrame& frame = octree.frame();
-    const ProximityArrays& arrays = octree.arrays();
-    const auto root = root_word(arrays);
-    if (!root || !frame.contains(p)) return std::nullopt;
-    ProximityCell cell = {.word = *root};
-    Vec3 middle = frame.center;
-    double half = frame.half;
-    while (!proximity_word::is_leaf(cell.word)) {
-        half *= 0.5;
-        std::uint32_t octant = 0;
-        for (int axis = 0; axis < 3; ++axis) {
-            const bool upper = p[axis] >= middle[axis];
-            if (upper) octant |= 1U << static_cast<unsigned>(axis);
-            middle[axis] += upper ? half : -half;
-        }
-        cell = child(arrays, cell, octant);
-    }
     ProximityLeaf leaf;
-    leaf.box = {middle - Vec3::Constant(half), middle + Vec3::Constant(half)};
-    leaf.depth = cell.depth;
-    if (cell.word == proximity_word::search) return leaf;
-    std::vector<std::uint32_t> ranks;
-    read_list(arrays, cell.word, ranks);
-    for (const std::uint32_t rank : ranks) {
-        leaf.listed.push_back(TriangleId{arrays.float_rows.empty()
-                                             ? arrays.double_rows[rank].triangle_id()
-                                             : arrays.float_rows[rank].triangle_id()});
-    }
-    std::ranges::sort(leaf.listed);
+    leaf.listed.resize(octree.statistics().max_list);
+    const auto found = leaf_candidates(octree, p, leaf.listed);
+    if (!found) return std::nullopt;
+    leaf.box = found->box;
+    leaf.depth = found->depth;
+    leaf.listed.resize(found->count);
     return leaf;
 }
 

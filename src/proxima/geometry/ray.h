@@ -8,7 +8,9 @@
 
 namespace proxima {
 
-/// t counts in units of the direction, which may have any length. t_min may be negative and the
+/// t counts in units of the direction, which may have any length; hits are told apart up to
+/// t = 2^1020, 1e307 (farthest_hit, ray_triangle.h), which directions longer than 1e-300 times the
+/// mesh's size keep far from. t_min may be negative and the
 /// range without ends: then it is a line.
 struct Ray {
     Vec3 origin = Vec3::Zero();

@@ -18,7 +18,8 @@
 namespace proxima {
 
 /// The greatest t of hits. Only directions below 1e-300 of the mesh's size come near it; the t of
-/// what is farther is this one.
+/// what is farther is this one, so that of several such hits the lowest id comes first, not the
+/// nearest: give such rays a longer direction.
 inline constexpr double farthest_hit = 0x1p1020;
 
 /// P = (1 - u - v) v0 + u v1 + v v2 = origin + t direction.

@@ -23,12 +23,37 @@ void for_neighbours(const TriangleMesh& mesh, const Topology& topology, const Vi
     }
 }
 
-void add_volume(SurfaceComponent& component, const Triangle& triangle, const Vec3& center,
-                double scale) noexcept
+/// Takes points to where the longest side of the bounds is 1, however small that is.
+class UnitBounds {
+public:
+    explicit UnitBounds(const Box& bounds) noexcept
+    {
+        if (bounds.empty()) return;
+        center_ = bounds.center();
+        const double extent = bounds.extent().maxCoeff();
+        if (!(extent > 0)) return;
+        constexpr double least = 0x1p-1000; // of what has an inverse
+        if (extent < least) enlarge_ = 1 / least;
+        scale_ = 1 / (extent * enlarge_);
+    }
+
+    [[nodiscard]] Vec3 operator()(const Vec3& p) const noexcept
+    {
+        return (p - center_) * enlarge_ * scale_;
+    }
+
+private:
+    Vec3 center_ = Vec3::Zero();
+    double enlarge_ = 1;
+    double scale_ = 1;
+};
+
+void add_volume(SurfaceComponent& component, const Triangle& triangle,
+                const UnitBounds& unit) noexcept
 {
-    const Vec3 a = (triangle[0] - center) * scale;
-    const Vec3 b = (triangle[1] - center) * scale;
-    const Vec3 c = (triangle[2] - center) * scale;
+    const Vec3 a = unit(triangle[0]);
+    const Vec3 b = unit(triangle[1]);
+    const Vec3 c = unit(triangle[2]);
     const double term = a.dot(b.cross(c)) / 6.0;
     component.volume += term;
     component.magnitude += std::abs(term);
@@ -130,9 +155,7 @@ std::vector<SurfaceComponent> surface_components(const TriangleMesh& mesh, const
 
     std::vector<SurfaceComponent> components;
     std::vector<std::uint32_t> number(count, 0);
-    const Vec3 center = bounds.empty() ? Vec3(Vec3::Zero()) : bounds.center();
-    const double extent = bounds.empty() ? 0.0 : bounds.extent().maxCoeff();
-    const double scale = extent > 0.0 ? 1.0 / extent : 1.0;
+    const UnitBounds unit(bounds);
     for (std::uint32_t id = 0; id < count; ++id) {
         if (!is_proper(mesh.triangles()[id])) continue;
         const std::uint32_t root = sets.find(id); // the lowest id: its number is known
@@ -143,7 +166,7 @@ std::vector<SurfaceComponent> surface_components(const TriangleMesh& mesh, const
         number[id] = number[root];
         const Triangle triangle = mesh.triangle(TriangleId{id});
         if (is_finite(triangle)) {
-            add_volume(components[number[id]], triangle, center, scale);
+            add_volume(components[number[id]], triangle, unit);
         } else {
             components[number[id]].sealed = false;
         }

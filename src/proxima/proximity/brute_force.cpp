@@ -9,6 +9,7 @@ ClosestFeature closest_feature_by_brute_force(const TriangleMesh& mesh, const To
                                               const Vec3& p) noexcept
 {
     PROXIMA_CHECK_GT(mesh.triangle_count(), 0U);
+    if (!p.allFinite()) return no_closest_feature();
     NearestFeature best;
     const auto offer = [&](double squared, FeatureKind kind, std::uint32_t id) {
         const NearestFeature found = {squared, {kind, id}};

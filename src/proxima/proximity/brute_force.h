@@ -9,7 +9,7 @@ namespace proxima {
 
 /// The closest feature by the distances of all vertices, edges and faces (feature_distance.h).
 /// O(features), no allocation, thread safe. \pre the mesh has a triangle, all its positions in use
-/// are finite, topology is the mesh's, p is finite
+/// are finite, topology is the mesh's
 [[nodiscard]] ClosestFeature closest_feature_by_brute_force(const TriangleMesh& mesh,
                                                             const Topology& topology,
                                                             const Vec3& p) noexcept;

@@ -51,9 +51,9 @@ public:
         if (is_cancelled(options_.progress)) return tl::unexpected(cancelled());
         const std::uint64_t fixed = storage->rows.bytes() + storage->tree.bytes();
         const std::uint64_t least = fixed + least_cell_bytes;
-        const std::uint64_t usual =
-            std::max(default_bytes_per_triangle * mesh_.triangle_count(), least + usual_cell_bytes);
-        const std::uint64_t budget = options_.budget_bytes != 0 ? options_.budget_bytes : usual;
+        const std::uint64_t budget = options_.budget_bytes != 0
+                                         ? options_.budget_bytes
+                                         : default_proximity_budget(mesh_.triangle_count());
         if (budget < least) {
             return fail(ErrorCode::budget_exceeded,
                         concat("a proximity octree of ", mesh_.triangle_count(),
@@ -82,9 +82,6 @@ private:
 
     /// One leaf without a list, and what comes with every arena.
     static constexpr std::uint64_t least_cell_bytes = 1024;
-
-    /// For the cells of meshes so small that bytes per triangle would not do.
-    static constexpr std::uint64_t usual_cell_bytes = 65536;
 
     /// What blocks are made from.
     void make_source()
@@ -252,8 +249,10 @@ private:
 Status check_options(const TriangleMesh& mesh, const Topology& topology,
                      const ProximityOptions& options)
 {
-    if (!(options.margin >= 0 && options.margin <= 1e3)) {
-        return fail(ErrorCode::invalid_argument, "margin must be 0 to 1000", "margin");
+    if (!(options.margin >= 0 && options.margin <= max_proximity_margin)) {
+        return fail(ErrorCode::invalid_argument,
+                    concat("margin must be 0 to ", max_proximity_margin, ", not ", options.margin),
+                    "margin");
     }
     if (options.max_depth < 0 || options.max_depth > max_proximity_depth) {
         return fail(ErrorCode::invalid_argument, concat("depth must be 0 to ", max_proximity_depth),
@@ -288,6 +287,8 @@ Result<ProximityOctree> build_proximity_octree(const TriangleMesh& mesh, const T
     if (!(bounds->extent().maxCoeff() < 1e150)) {
         return fail(ErrorCode::limit_exceeded, "the mesh is more than 1e150 across: scale it");
     }
+    if (const auto large = detail::checked_search_bounds(mesh); !large)
+        return tl::unexpected(large.error());
     if (const Status status = check_options(mesh, topology, options); !status)
         return tl::unexpected(status.error());
     return ProximityBuilder(mesh, topology, *bounds, options).build();

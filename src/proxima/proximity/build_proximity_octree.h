@@ -20,13 +20,26 @@ namespace proxima {
 /// Of the query structure where no other budget is named.
 inline constexpr std::uint64_t default_bytes_per_triangle = 600;
 
+/// The budget where none is named: what so many triangles get, and what a small mesh needs.
+[[nodiscard]] constexpr std::uint64_t default_proximity_budget(std::uint64_t triangles) noexcept
+{
+    constexpr std::uint64_t least = 65536;       // cells
+    constexpr std::uint64_t each_of_a_few = 512; // triangles themselves, at most
+    const std::uint64_t small = least + each_of_a_few * triangles;
+    const std::uint64_t usual = default_bytes_per_triangle * triangles;
+    return usual < small ? small : usual;
+}
+
+/// The largest margin.
+inline constexpr double max_proximity_margin = 1e3;
+
 /// Past this, numbers of the builder no longer fit 32 bits.
 inline constexpr std::size_t max_proximity_triangles = std::size_t{1} << 25U;
 
 struct ProximityOptions {
-    std::uint64_t budget_bytes = 0; ///< of the result; 0 = default_bytes_per_triangle each,
-                                    ///< or what a very small mesh needs
-    double margin = 0.5;            ///< root edge = (1 + margin) times the mesh's longest extent
+    std::uint64_t budget_bytes = 0; ///< of the result; 0 = default_proximity_budget()
+    double margin = 0.5; ///< root edge = (1 + margin) times the mesh's longest extent; 0 to
+                         ///< max_proximity_margin
     int max_depth = max_proximity_depth;
     Threads threads = {};
     Progress* progress = nullptr;
@@ -34,9 +47,10 @@ struct ProximityOptions {
 
 /// Within the budget, the octree whose queries are expected to be cheapest (cost_model.h). Exact:
 /// every point's closest feature is in its leaf. The same bits for any number of threads. Keeps
-/// nothing of mesh and topology. Errors: invalid_mesh (empty, NaN), invalid_argument (options out
-/// of range, a topology of another mesh), limit_exceeded, budget_exceeded (which budget would do),
-/// cancelled. About 50 us per triangle; at most 3 times the budget of memory beside the mesh.
+/// nothing of mesh and topology. Errors: invalid_mesh (empty, NaN, less than 1e-140 large),
+/// invalid_argument (options out of range, a topology of another mesh), limit_exceeded,
+/// budget_exceeded (which budget would do), cancelled. About 50 us per triangle; at most 3 times
+/// the budget of memory beside the mesh.
 [[nodiscard]] Result<ProximityOctree> build_proximity_octree(const TriangleMesh& mesh,
                                                              const Topology& topology,
                                                              const ProximityOptions& options = {});

@@ -58,6 +58,7 @@ ClosestFeature closest_feature(const ProximityOctree& octree, const Vec3& p,
     const RootFrame& frame = octree.frame();
     const double rounding = 0x1p-46 * (frame.center.cwiseAbs().maxCoeff() + frame.half);
     const double known = (p - earlier.point).norm() + rounding;
+    if (!(known < nothing_known)) return closest_feature(octree, p, steps);
     const RowDistance found = HWY_DYNAMIC_DISPATCH(search_octree)(octree, p, known, steps);
     // Nothing that near: it was no point of this mesh, and what was passed over may be nearer.
     if (!(found.squared <= known * known)) return closest_feature(octree, p, steps);
@@ -74,8 +75,9 @@ ClosestFeature closest_feature(const ProximityOctree& octree, const Vec3& p,
 std::optional<ClosestFeature> closest_feature(const ProximityOctree& octree, const Vec3& p,
                                               double radius) noexcept
 {
+    if (!(radius >= 0)) return std::nullopt;
     const ClosestFeature closest = closest_feature(octree, p);
-    if (closest.squared_distance > radius * radius) return std::nullopt;
+    if (!(closest.squared_distance <= radius * radius)) return std::nullopt;
     return closest;
 }
 

@@ -4,6 +4,9 @@
 //                vertex, on a side the edge, inside the face
 //     triangle   the lowest id incident to that feature, by topology
 //     ties       by squared distance as computed, then kind (vertex < edge < face), then id
+//
+// A point with a coordinate that is NaN or infinite has no closest feature, and nothing is within a
+// radius that is NaN or below 0.
 #pragma once
 
 #include "proxima/base/parallel.h"
@@ -11,10 +14,13 @@
 #include "proxima/base/result.h"
 #include "proxima/geometry/vec.h"
 #include "proxima/mesh/feature.h"
+#include "proxima/mesh/topology.h"
 #include "proxima/mesh/triangle_mesh.h"
 
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 
@@ -29,15 +35,34 @@ struct ClosestFeature {
     double squared_distance = 0.0;          ///< from the query to `point`
 };
 
+/// The answer to a point that is not finite: numbers are NaN, the triangle is no_triangle, and the
+/// feature none of any mesh.
+[[nodiscard]] inline ClosestFeature no_closest_feature() noexcept
+{
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    return {{FeatureKind::vertex, std::numeric_limits<std::uint32_t>::max()},
+            no_triangle,
+            Vec3::Constant(nan),
+            {nan, nan, nan},
+            nan};
+}
+
+/// Whether there is an answer.
+[[nodiscard]] inline bool is_found(const ClosestFeature& closest) noexcept
+{
+    return !std::isnan(closest.squared_distance);
+}
+
 class ProximityOctree;
 
 /// The feature closest to `p`. Real-time safe: noexcept, no allocation, no lock, at most
 /// statistics().worst_case_steps words and worst_case_blocks blocks within the root, or, where the
 /// budget left leaves without a list, search_groups() groups of triangles; any number of threads.
-/// 0.1 to 1 us, searches 1 us and more. \pre p is finite
+/// 0.1 to 1 us, searches 1 us and more. no_closest_feature() where p is not finite.
 [[nodiscard]] ClosestFeature closest_feature(const ProximityOctree& octree, const Vec3& p) noexcept;
 
-/// The same where it is not farther than `radius`. \pre radius >= 0
+/// The same where it is not farther than `radius`; nothing also where p is not finite, or the
+/// radius NaN or below 0.
 [[nodiscard]] std::optional<ClosestFeature> closest_feature(const ProximityOctree& octree,
                                                             const Vec3& p, double radius) noexcept;
 

@@ -60,6 +60,8 @@ ClosestFeature describe(const ProximityArrays& arrays, std::span<const TriangleR
 
 ClosestFeature describe_closest(const ProximityOctree& octree, const RowDistance& found) noexcept
 {
+    if (!found.found()) [[unlikely]]
+        return no_closest_feature();
     const ProximityArrays& arrays = octree.arrays();
     return arrays.double_rows.empty() ? describe(arrays, arrays.float_rows, found)
                                       : describe(arrays, arrays.double_rows, found);

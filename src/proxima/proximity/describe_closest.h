@@ -7,8 +7,8 @@
 
 namespace proxima {
 
-/// The answer named by the lowest triangle that has the feature. Two loads that may miss the
-/// caches: the feature's place, and the row again.
+/// no_closest_feature() where nothing was found. Else the answer named by the lowest triangle that
+/// has the feature. Two loads that may miss the caches: the feature's place, and the row again.
 [[nodiscard]] ClosestFeature describe_closest(const ProximityOctree& octree,
                                               const RowDistance& found) noexcept;
 

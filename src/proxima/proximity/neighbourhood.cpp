@@ -53,6 +53,7 @@ template <class Visit>
 void visit_triangles(const SurfaceSearch& search, const Vec3& p, double radius,
                      const Visit& visit) noexcept
 {
+    if (!p.allFinite() || !(radius >= 0)) return;
     const double limit = radius * radius;
     const double scale = search.tree().scale();
     const double lane_limit = triangle_distance_limit(limit * scale * scale, search.tree().reach());

@@ -85,15 +85,15 @@ private:
                                           std::span<std::size_t> ring_ends = {}) noexcept;
 
 /// All triangles whose squared distance from p, as computed (feature_distance.h), is at most
-/// radius^2, ids ascending. Where they do not fit, some of them, nearer groups first. Thread safe.
-/// \pre p is finite, radius >= 0
+/// radius^2, ids ascending. Where they do not fit, some of them, nearer groups first. None where p
+/// is not finite, or the radius NaN or below 0. Thread safe.
 [[nodiscard]] Neighbourhood collect_triangles(const SurfaceSearch& search, const Vec3& p,
                                               double radius, std::span<TriangleId> buffer) noexcept;
 
 /// All vertices, edges and faces that are within the radius of p as closed sets: an edge whose end
 /// point is near counts, and so does a face whose side is. Each once, by kind and id, with its
 /// squared distance. Vertices without a triangle are no features. Where they do not fit, some of
-/// them. Thread safe. \pre p is finite, radius >= 0
+/// them. None where p is not finite, or the radius NaN or below 0. Thread safe.
 [[nodiscard]] Neighbourhood collect_features(const SurfaceSearch& search, const Vec3& p,
                                              double radius,
                                              std::span<NearestFeature> buffer) noexcept;

@@ -11,9 +11,10 @@ namespace proxima {
 
 namespace {
 
-/// Appends the ranks of a block's triangles that are in the mask.
-void append_ranks(const ProximityArrays& arrays, std::uint32_t place, std::uint32_t mask,
-                  std::vector<std::uint32_t>& ranks)
+/// Calls take(rank) for a block's triangles that are in the mask.
+template <class Take>
+void take_ranks(const ProximityArrays& arrays, std::uint32_t place, std::uint32_t mask,
+                const Take& take) noexcept
 {
     const std::byte* const begin = arrays.arena.data() + std::size_t{place} * block_alignment;
     BlockHeader header;
@@ -30,8 +31,22 @@ void append_ranks(const ProximityArrays& arrays, std::uint32_t place, std::uint3
             std::memcpy(&narrow, begin + layout.ranks + 2 * triangle, 2);
             offset = narrow;
         }
-        ranks.push_back(header.base + offset);
+        take(header.base + offset);
     }
+}
+
+/// Calls take(rank) for all of a leaf's list.
+template <class Take>
+void take_list(const ProximityArrays& arrays, std::uint64_t leaf, const Take& take) noexcept
+{
+    if (leaf == proximity_word::search) return;
+    if (!proximity_word::is_run(leaf)) {
+        take_ranks(arrays, proximity_word::place(leaf), proximity_word::mask(leaf), take);
+        return;
+    }
+    const std::size_t begin = proximity_word::place(leaf);
+    for (const RunEntry& entry : arrays.runs.subspan(begin + 1, arrays.runs[begin].place))
+        take_ranks(arrays, entry.place, entry.mask, take);
 }
 
 } // namespace
@@ -80,14 +95,23 @@ std::uint32_t list_length(const ProximityArrays& arrays, std::uint64_t leaf) noe
 void read_list(const ProximityArrays& arrays, std::uint64_t leaf, std::vector<std::uint32_t>& ranks)
 {
     ranks.clear();
-    if (list_length(arrays, leaf) == 0) return;
-    if (!proximity_word::is_run(leaf)) {
-        append_ranks(arrays, proximity_word::place(leaf), proximity_word::mask(leaf), ranks);
-        return;
-    }
-    const std::size_t begin = proximity_word::place(leaf);
-    for (const RunEntry& entry : arrays.runs.subspan(begin + 1, arrays.runs[begin].place))
-        append_ranks(arrays, entry.place, entry.mask, ranks);
+    ranks.reserve(list_length(arrays, leaf));
+    take_list(arrays, leaf, [&](std::uint32_t rank) { ranks.push_back(rank); });
+}
+
+std::size_t read_list(const ProximityArrays& arrays, std::uint64_t leaf,
+                      std::span<TriangleId> triangles) noexcept
+{
+    std::size_t count = 0;
+    take_list(arrays, leaf, [&](std::uint32_t rank) {
+        if (count < triangles.size()) {
+            triangles[count] =
+                TriangleId{arrays.float_rows.empty() ? arrays.double_rows[rank].triangle_id()
+                                                     : arrays.float_rows[rank].triangle_id()};
+        }
+        ++count;
+    });
+    return count;
 }
 
 void fill_table(std::uint64_t root, std::span<const std::uint64_t> nodes, int depth,

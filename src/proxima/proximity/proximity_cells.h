@@ -48,4 +48,8 @@ void fill_table(std::uint64_t root, std::span<const std::uint64_t> nodes, int de
 void read_list(const ProximityArrays& arrays, std::uint64_t leaf,
                std::vector<std::uint32_t>& ranks);
 
+/// The same as triangles, as far as there is room; returns how many there are. No allocation.
+std::size_t read_list(const ProximityArrays& arrays, std::uint64_t leaf,
+                      std::span<TriangleId> triangles) noexcept;
+
 } // namespace proxima

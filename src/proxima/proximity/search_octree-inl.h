@@ -82,10 +82,12 @@ HWY_INLINE void recheck(const BlockCandidates& candidates,
 
 /// By the tree over all triangles: for points outside of the root and leaves without a list.
 /// `known`: some point of the mesh is no farther, up to rounding; infinite where that is not known.
+/// Finds nothing where p is not finite.
 template <class Scalar>
 RowDistance search_tree(const ProximityOctree& octree, std::span<const TriangleRow<Scalar>> rows,
                         const Vec3& p, double known, QuerySteps& steps)
 {
+    if (!p.allFinite()) return {};
     const RowScale scale = scale_of(octree);
     const double tree_scale = octree.tree().scale();
     const double reach = octree.tree().reach();

@@ -4,7 +4,9 @@
 #include "proxima/mesh/surface_parts.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 namespace proxima {
@@ -15,6 +17,14 @@ constexpr std::size_t vertices_per_task = 1024;
 
 /// A pseudonormal as the sum of unit normals may be off by this, in length.
 constexpr double normal_error = 1e-10;
+/// Distances are right to less than 2^-50 of themselves. A feature whose triangles are no flatter
+/// than 2^-30 of the distance may be named for one so near to it that the direction to the point is
+/// off by less than this.
+constexpr double least_part = 0x1p-30;
+constexpr double tie_error = 0x1p-18;
+/// Nor does a face's foot tell that is nearer to its border than this: the face beyond it may be
+/// as near.
+constexpr double least_inset = 0x1p-40;
 /// Shorter sums do not point anywhere: the surface folds back on itself.
 constexpr double shortest_sum = 1e-6;
 
@@ -97,14 +107,16 @@ std::optional<bool> is_behind_edge(const SurfaceSign& sign, EdgeId edge, const V
     const Vec3 from_high = p - mesh.position(ends[1]);
     const Vec3& from = from_low.squaredNorm() < from_high.squaredNorm() ? from_low : from_high;
     constexpr double rounding = 0x1p-48;
-    return by_height(normal.dot(from), normal_error * distance + rounding * from.norm());
+    return by_height(normal.dot(from), (normal_error + tie_error * normal.norm()) * distance +
+                                           rounding * from.norm());
 }
 
 std::optional<bool> is_behind_vertex(const SurfaceSign& sign, VertexId vertex, const Vec3& p,
                                      double distance) noexcept
 {
     const Vec3& normal = sign.pseudonormals()[index(vertex)];
-    return by_height(normal.dot(p - sign.mesh().position(vertex)), normal_error * distance);
+    return by_height(normal.dot(p - sign.mesh().position(vertex)),
+                     (normal_error + tie_error) * distance);
 }
 
 SurfaceSides sides_of(const SurfaceSign& sign, const Feature& feature) noexcept
@@ -119,11 +131,59 @@ SurfaceSides sides_of(const SurfaceSign& sign, const Feature& feature) noexcept
     return common.result();
 }
 
+/// The least height of a triangle; 0 where it has no area.
+double height_of(const Triangle& triangle, double unit) noexcept
+{
+    const Vec3 a = (triangle[1] - triangle[0]) * unit;
+    const Vec3 b = (triangle[2] - triangle[0]) * unit;
+    const double longest =
+        std::sqrt(std::max({a.squaredNorm(), b.squaredNorm(), (b - a).squaredNorm()}));
+    return longest > 0 ? a.cross(b).norm() / longest / unit : 0;
+}
+
+/// That of the triangles about a feature.
+double height_at(const SurfaceSign& sign, const Feature& feature) noexcept
+{
+    const auto least = [&](std::span<const TriangleId> triangles) {
+        double height = std::numeric_limits<double>::infinity();
+        for (const TriangleId id : triangles) {
+            if (!detail::is_proper(sign.mesh().triangles()[index(id)])) continue;
+            height = std::min(height, height_of(sign.mesh().triangle(id), sign.winding().unit()));
+        }
+        return height;
+    };
+    switch (feature.kind) {
+    case FeatureKind::vertex:
+        return least(sign.topology().triangles(VertexId{feature.id}));
+    case FeatureKind::edge:
+        return least(sign.topology().triangles(EdgeId{feature.id}));
+    case FeatureKind::face:
+        break;
+    }
+    return least(std::array{TriangleId{feature.id}});
+}
+
+/// Whether the feature is large enough, seen from its distance, to be told from its neighbours and
+/// they from what lies behind them.
+bool is_told_apart(const SurfaceSign& sign, const ClosestFeature& closest, double distance) noexcept
+{
+    const auto large = [&](double height) {
+        if (!(height > least_part * distance)) return false;
+        return closest.feature.kind != FeatureKind::face ||
+               *std::ranges::min_element(closest.barycentric) * height > least_inset * distance;
+    };
+    return large(sign.least_height()) || large(height_at(sign, closest.feature));
+}
+
 /// Whether p is inside by what the feature is known of; nothing in doubt.
-std::optional<bool> is_inside_locally(const SurfaceSign& sign, const Feature& feature,
+std::optional<bool> is_inside_locally(const SurfaceSign& sign, const ClosestFeature& closest,
                                       const Vec3& p, double distance) noexcept
 {
-    switch (sides_of(sign, feature)) {
+    const Feature& feature = closest.feature;
+    const SurfaceSides sides = sides_of(sign, feature);
+    if (sides == SurfaceSides::doubtful || !is_told_apart(sign, closest, distance))
+        return std::nullopt;
+    switch (sides) {
     case SurfaceSides::inside_both:
         return true;
     case SurfaceSides::outside_both:
@@ -161,6 +221,23 @@ public:
         const auto separate =
             std::ranges::find(sign_.sides_, SurfaceSides::separates) != sign_.sides_.end();
         if (separate) sign_.pseudonormals_.assign(vertices, Vec3::Zero());
+    }
+
+    /// Of the triangles that tell: where there are any, winding numbers are whole, and 0 outside of
+    /// the mesh's box.
+    void measure() noexcept
+    {
+        const TriangleMesh& mesh = sign_.mesh();
+        constexpr double infinity = std::numeric_limits<double>::infinity();
+        double least = infinity;
+        for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
+            if (sign_.sides_[i] == SurfaceSides::doubtful) continue;
+            least =
+                std::min(least, height_of(mesh.triangle(TriangleId{i}), sign_.winding().unit()));
+        }
+        sign_.least_height_ = least;
+        sign_.bounds_ = least < infinity ? bounding_box(mesh)
+                                         : Box{Vec3::Constant(-infinity), Vec3::Constant(infinity)};
     }
 
     void fill_vertices(Threads threads)
@@ -229,6 +306,7 @@ Result<SurfaceSign> build_surface_sign(const SurfaceSearch& search,
     if (!sides) return tl::unexpected(sides.error());
     SurfaceSignBuilder builder(search, std::move(*winding), std::move(*sides));
     builder.fill_vertices(options.threads);
+    builder.measure();
     return builder.result();
 }
 
@@ -245,18 +323,22 @@ SignedDistance sign_of(const SurfaceSign& sign, const ClosestFeature& closest,
                        const Vec3& p) noexcept
 {
     SignedDistance result{std::sqrt(closest.squared_distance), SignMethod::on_surface, closest};
+    if (std::isnan(result.distance)) {
+        result.method = SignMethod::none;
+        return result;
+    }
     if (is_on(sign, closest, p, result.distance)) {
         result.distance = 0;
         return result;
     }
-    auto inside = is_inside_locally(sign, closest.feature, p, result.distance);
-    result.method = SignMethod::pseudonormal;
-    if (!inside) {
-        result.method = SignMethod::winding_number;
-        // Where squares overflow, whatever mesh there is is a dot.
-        inside = std::isfinite(result.distance) && is_inside(sign.winding(), p);
-    }
-    if (*inside) result.distance = -result.distance;
+    const auto inside = is_inside_locally(sign, closest, p, result.distance);
+    const bool beyond = !sign.bounds().contains(p);
+    result.method =
+        inside && !(beyond && *inside) ? SignMethod::pseudonormal : SignMethod::winding_number;
+    if (beyond) return result;
+    // Where squares overflow, whatever mesh there is is a dot.
+    if (inside ? *inside : std::isfinite(result.distance) && is_inside(sign.winding(), p))
+        result.distance = -result.distance;
     return result;
 }
 
@@ -268,9 +350,11 @@ std::string_view name_of(SignMethod method) noexcept
     case SignMethod::pseudonormal:
         return "pseudonormal";
     case SignMethod::winding_number:
+        return "winding_number";
+    case SignMethod::none:
         break;
     }
-    return "winding_number";
+    return "none";
 }
 
 } // namespace proxima

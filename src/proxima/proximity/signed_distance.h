@@ -8,6 +8,10 @@
 // angle-weighted pseudonormal of the closest feature tells [baerentzen-2005]: tens of nanoseconds.
 // Everywhere else, and where rounding leaves that in doubt, the winding number does:
 // microseconds, more near the surface.
+//
+// In doubt: a point is so far from a feature, for the size of its triangles, that another feature
+// is as near but for rounding; or it lies all but in the plane that parts inside from outside
+// there. Outside of the box of a surface that separates, all is outside, however far.
 #pragma once
 
 #include "proxima/base/parallel.h"
@@ -29,9 +33,10 @@ namespace proxima {
 
 /// How a sign was found.
 enum class SignMethod : std::uint8_t {
-    on_surface,    ///< the distance is 0
-    pseudonormal,  ///< by the side of the closest feature
-    winding_number ///< by the winding number at the point
+    on_surface,     ///< the distance is 0
+    pseudonormal,   ///< by the side of the closest feature
+    winding_number, ///< by the winding number at the point
+    none            ///< the point is not finite, the distance NaN
 };
 
 struct SignedDistance {
@@ -65,6 +70,13 @@ public:
     /// Whether the closest feature tells the sign everywhere, but for rounding.
     [[nodiscard]] bool is_local() const noexcept;
 
+    /// Of the mesh where it is known to be closed: all beyond is outside. Else endless.
+    [[nodiscard]] const Box& bounds() const noexcept { return bounds_; }
+
+    /// The least height of the triangles whose sides are known: points near for that are told
+    /// without a look at the closest one's.
+    [[nodiscard]] double least_height() const noexcept { return least_height_; }
+
     /// Memory without mesh and topology: 15 per triangle of a closed mesh, and the winding
     /// number's 30.
     [[nodiscard]] std::uint64_t bytes() const noexcept;
@@ -77,6 +89,8 @@ private:
     std::vector<SurfaceSides> sides_;
     std::vector<SurfaceSides> vertex_sides_;
     std::vector<Vec3> pseudonormals_;
+    Box bounds_;
+    double least_height_ = 0;
 };
 
 struct SurfaceSignOptions {
@@ -95,12 +109,13 @@ struct SurfaceSignOptions {
                                                      const Topology& topology,
                                                      const SurfaceSignOptions& options = {});
 
-/// The closest feature's distance from p with its sign. No allocation, thread safe.
-/// \pre closest is the closest feature of p, up to rounding, by whichever search; p is finite
+/// The closest feature's distance from p with its sign. No allocation, thread safe. Of the answer
+/// to a p that is not finite: NaN, by no method.
+/// \pre closest is the closest feature of p, up to rounding, by whichever search
 [[nodiscard]] SignedDistance sign_of(const SurfaceSign& sign, const ClosestFeature& closest,
                                      const Vec3& p) noexcept;
 
-/// "on_surface", "pseudonormal", "winding_number".
+/// "on_surface", "pseudonormal", "winding_number", "none".
 [[nodiscard]] std::string_view name_of(SignMethod method) noexcept;
 
 } // namespace proxima

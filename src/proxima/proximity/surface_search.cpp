@@ -10,7 +10,7 @@ namespace proxima {
 Result<SurfaceSearch> build_surface_search(const TriangleMesh& mesh, const Topology& topology,
                                            const TriangleTreeOptions& options)
 {
-    const Result<Box> bounds = detail::checked_tree_bounds(mesh);
+    const Result<Box> bounds = detail::checked_search_bounds(mesh);
     if (!bounds) return tl::unexpected(bounds.error());
     SurfaceSearch search;
     search.mesh_ = &mesh;
@@ -47,6 +47,7 @@ void find_closest(const SurfaceSearch& search, const Vec3& p, NearestFeature& be
 
 ClosestFeature closest_feature(const SurfaceSearch& search, const Vec3& p) noexcept
 {
+    if (!p.allFinite()) return no_closest_feature();
     NearestFeature best;
     find_closest(search, p, best);
     return describe_closest(search.mesh(), search.topology(), best.feature, p);
@@ -55,6 +56,7 @@ ClosestFeature closest_feature(const SurfaceSearch& search, const Vec3& p) noexc
 std::optional<ClosestFeature> closest_feature(const SurfaceSearch& search, const Vec3& p,
                                               double radius) noexcept
 {
+    if (!p.allFinite() || !(radius >= 0)) return std::nullopt;
     NearestFeature best;
     best.squared = radius * radius;
     const Feature none = best.feature;

@@ -50,8 +50,9 @@ private:
     TriangleTree tree_;
 };
 
-/// Sorts the triangles and builds their tree. Errors: those of build_triangle_tree. O(triangles),
-/// about 0.1 us each. \pre topology is the mesh's
+/// Sorts the triangles and builds their tree. Errors: those of build_triangle_tree, and
+/// invalid_mesh where the mesh is less than 1e-140 large. O(triangles), about 0.1 us each. \pre
+/// topology is the mesh's
 [[nodiscard]] Result<SurfaceSearch> build_surface_search(const TriangleMesh& mesh,
                                                          const Topology& topology,
                                                          const TriangleTreeOptions& options = {});
@@ -61,11 +62,11 @@ private:
 /// \pre p is finite. Points more than 2^40 times the mesh's size away may take O(triangles).
 void find_closest(const SurfaceSearch& search, const Vec3& p, NearestFeature& best) noexcept;
 
-/// The closest feature. \pre p is finite
+/// The closest feature; no_closest_feature() where p is not finite.
 [[nodiscard]] ClosestFeature closest_feature(const SurfaceSearch& search, const Vec3& p) noexcept;
 
-/// The closest feature if its squared distance, as computed, is at most radius^2.
-/// \pre p is finite, radius >= 0
+/// The closest feature if its squared distance, as computed, is at most radius^2; nothing also
+/// where p is not finite, or the radius NaN or below 0.
 [[nodiscard]] std::optional<ClosestFeature> closest_feature(const SurfaceSearch& search,
                                                             const Vec3& p, double radius) noexcept;
 

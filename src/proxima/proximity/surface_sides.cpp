@@ -4,6 +4,7 @@
 #include "proxima/geometry/exact_predicates.h"
 #include "proxima/geometry/solid_angle.h"
 #include "proxima/geometry/triangle_contact.h"
+#include "proxima/geometry/triangle_distance.h"
 #include "proxima/mesh/surface_parts.h"
 
 #include <algorithm>
@@ -19,6 +20,15 @@ constexpr std::size_t triangles_per_task = 512;
 constexpr std::size_t patches_per_task = 16;
 /// A triangle with more neighbours is taken to meet one: looking at all pairs would take forever.
 constexpr int max_tests = 4096;
+/// The sine of an angle below which two faces at an edge are not told apart by their distances.
+constexpr double thin_wedge = 0x1p-10;
+
+/// What counts as a contact besides one that is exactly.
+struct Clearance {
+    double distance = 0; ///< triangles with no corner in common that are nearer to each other
+    double sine = 0;     ///< of the angle between triangles with a common edge, if that is less
+};
+constexpr Clearance exact_contact;
 
 std::size_t task_count(std::size_t items, std::size_t per_task) noexcept
 {
@@ -28,6 +38,11 @@ std::size_t task_count(std::size_t items, std::size_t per_task) noexcept
 bool boxes_meet(const Box& a, const Box& b) noexcept
 {
     return (a.lower.array() <= b.upper.array()).all() && (b.lower.array() <= a.upper.array()).all();
+}
+
+Box grown(const Box& box, double distance) noexcept
+{
+    return {box.lower - Vec3::Constant(distance), box.upper + Vec3::Constant(distance)};
 }
 
 /// The corners of two triangles, those in common first, each in the same place of both.
@@ -103,23 +118,55 @@ bool meet_beyond_shared(const TriangleMesh& mesh, TriangleId a_id, TriangleId b_
     }
 }
 
+/// The same for a contact that is almost one. `unit` makes the mesh's lengths middling numbers.
+bool nearly_meet(const TriangleMesh& mesh, TriangleId a_id, TriangleId b_id,
+                 const Clearance& clearance, double unit) noexcept
+{
+    const auto scaled = [&](TriangleId id) {
+        Triangle triangle = mesh.triangle(id);
+        for (Vec3& corner : triangle.vertices) corner *= unit;
+        return triangle;
+    };
+    const Triangle a = scaled(a_id);
+    const Triangle b = scaled(b_id);
+    const SharedCorners shared =
+        share_corners(mesh.triangles()[index(a_id)], mesh.triangles()[index(b_id)]);
+    if (shared.count == 0) {
+        const double least = clearance.distance * unit;
+        return closest_points(a, b).squared_distance < least * least;
+    }
+    if (shared.count != 2) return false;
+    const Vec3 along = (a[shared.of_a[1]] - a[shared.of_a[0]]).stableNormalized();
+    const auto across = [&](const Vec3& corner) {
+        const Vec3 to = corner - a[shared.of_a[0]];
+        return Vec3((to - to.dot(along) * along).stableNormalized());
+    };
+    const Vec3 of_a = across(a[shared.of_a[2]]);
+    const Vec3 of_b = across(b[shared.of_b[2]]);
+    return of_a.dot(of_b) > 0 && of_a.cross(of_b).norm() < clearance.sine;
+}
+
 bool has_area(const TriangleMesh& mesh, TriangleId id) noexcept
 {
     return !is_degenerate(mesh.triangle(id));
 }
 
 bool meets_another(const SurfaceSearch& search, const std::vector<std::uint8_t>& areas,
-                   TriangleId id) noexcept
+                   TriangleId id, const Clearance& clearance) noexcept
 {
     const TriangleMesh& mesh = search.mesh();
-    const Box box = bounding_box(mesh.triangle(id));
+    const Box box = grown(bounding_box(mesh.triangle(id)), clearance.distance);
+    const bool nearly = clearance.sine > 0;
+    const double unit = search.tree().scale();
     bool found = false;
     int tests = 0;
     visit_within(search.tree(), box, 0.0, [&](RankRange ranks) noexcept {
         for (const TriangleId other : search.triangles(ranks)) {
             if (other == id || areas[index(other)] == 0) continue;
             if (!boxes_meet(box, bounding_box(mesh.triangle(other)))) continue;
-            if (++tests <= max_tests && !meet_beyond_shared(mesh, id, other)) continue;
+            if (++tests <= max_tests && !meet_beyond_shared(mesh, id, other) &&
+                !(nearly && nearly_meet(mesh, id, other, clearance, unit)))
+                continue;
             found = true;
             return Flow::stop;
         }
@@ -235,10 +282,9 @@ tl::unexpected<Error> sides_stopped()
     return fail(ErrorCode::cancelled, "surface sides: stopped on request");
 }
 
-} // namespace
-
-Result<std::vector<std::uint8_t>> find_self_contacts(const SurfaceSearch& search,
-                                                     const SurfaceSidesOptions& options)
+Result<std::vector<std::uint8_t>> find_contacts(const SurfaceSearch& search,
+                                                const Clearance& clearance,
+                                                const SurfaceSidesOptions& options)
 {
     const TriangleMesh& mesh = search.mesh();
     const std::size_t count = mesh.triangle_count();
@@ -262,10 +308,26 @@ Result<std::vector<std::uint8_t>> find_self_contacts(const SurfaceSearch& search
     for_all([&](std::size_t rank) {
         const TriangleId id = search.order()[rank];
         if (areas[index(id)] == 0) return;
-        contacts[index(id)] = meets_another(search, areas, id) ? 1 : 0;
+        contacts[index(id)] = meets_another(search, areas, id, clearance) ? 1 : 0;
     });
     if (is_cancelled(options.progress)) return sides_stopped();
     return contacts;
+}
+
+/// What distances of points within the mesh's box round must not bridge: 2^-50 of them, of which
+/// this is well above.
+Clearance clearance_of(const TriangleMesh& mesh) noexcept
+{
+    const Box box = bounding_box(mesh);
+    return {.distance = 0x1p-45 * box.extent().maxCoeff(), .sine = thin_wedge};
+}
+
+} // namespace
+
+Result<std::vector<std::uint8_t>> find_self_contacts(const SurfaceSearch& search,
+                                                     const SurfaceSidesOptions& options)
+{
+    return find_contacts(search, exact_contact, options);
 }
 
 Result<std::vector<SurfaceSides>> find_surface_sides(const SurfaceSearch& search,
@@ -276,7 +338,7 @@ Result<std::vector<SurfaceSides>> find_surface_sides(const SurfaceSearch& search
     std::vector<SurfaceSides> sides(mesh.triangle_count(), SurfaceSides::doubtful);
     const auto uses = detail::edge_uses(mesh, search.topology());
     if (!is_balanced(uses)) return sides;
-    const auto contacts = find_self_contacts(search, options);
+    const auto contacts = find_contacts(search, clearance_of(mesh), options);
     if (!contacts) return tl::unexpected(contacts.error());
     Patches patches = find_patches(mesh, search.topology(), uses, *contacts);
     const std::size_t count = patches.items.size();

@@ -38,9 +38,10 @@ struct SurfaceSidesOptions {
     Progress* progress = nullptr; ///< watched and obeyed where given
 };
 
-/// The sides of every triangle, by id; doubtful for those without an area. About 2 us per triangle
-/// of a closed mesh and 20 per patch. The same for any number of threads. Error: cancelled.
-/// \pre search and winding are of the same mesh
+/// The sides of every triangle, by id; doubtful for those without an area, and for those that meet
+/// others or all but do: within 2^-45 of the mesh's size, or at an edge under less than 1/1000.
+/// About 2 us per triangle of a closed mesh and 20 per patch. The same for any number of threads.
+/// Error: cancelled. \pre search and winding are of the same mesh
 [[nodiscard]] Result<std::vector<SurfaceSides>>
 find_surface_sides(const SurfaceSearch& search, const WindingNumber& winding,
                    const SurfaceSidesOptions& options = {});

@@ -115,6 +115,7 @@ struct RowDistance {
     {
         return squared < other.squared || (squared == other.squared && feature < other.feature);
     }
+    [[nodiscard]] bool found() const noexcept { return feature != ~std::uint64_t{0}; }
     [[nodiscard]] FeatureKind kind() const noexcept
     {
         return static_cast<FeatureKind>(feature >> 32U);

@@ -1,6 +1,7 @@
 #include "proxima/proximity/triangle_tree.h"
 
 #include "proxima/base/check.h"
+#include "proxima/base/text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -166,6 +167,20 @@ Result<Box> detail::checked_tree_bounds(const TriangleMesh& mesh)
     if (bounds && !(bounds->extent().maxCoeff() < max_extent)) {
         return fail(ErrorCode::invalid_mesh,
                     "the mesh is too large for squared distances to be numbers: scale it down");
+    }
+    return bounds;
+}
+
+Result<Box> detail::checked_search_bounds(const TriangleMesh& mesh)
+{
+    // Squares of parts of 1e-10 of it are still numbers.
+    constexpr double least_extent = 1e-140;
+    Result<Box> bounds = checked_tree_bounds(mesh);
+    const double extent = bounds ? bounds->extent().maxCoeff() : 0;
+    if (extent > 0 && extent < least_extent) {
+        return fail(ErrorCode::invalid_mesh,
+                    concat("the mesh is ", extent,
+                           " large: squared distances would be 0; scale it towards size 1"));
     }
     return bounds;
 }

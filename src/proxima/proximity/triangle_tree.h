@@ -115,6 +115,10 @@ namespace detail {
 /// The mesh's box, where a tree can be built; its errors.
 [[nodiscard]] Result<Box> checked_tree_bounds(const TriangleMesh& mesh);
 
+/// The same, for searches by squared distances: an error as well where the mesh is so small that
+/// these would be 0.
+[[nodiscard]] Result<Box> checked_search_bounds(const TriangleMesh& mesh);
+
 using VisitRanks = double (*)(void* context, RankRange ranks) noexcept;
 void visit_nearest(const TriangleTree& tree, const Box& query, double bound_squared,
                    VisitRanks visit, void* context) noexcept;

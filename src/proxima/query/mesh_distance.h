@@ -45,7 +45,10 @@ struct MeshDistance {
 /// 100 KB of stack; any number of threads. 0.05 to 0.5 ms on scanned models of 70,000 triangles, a
 /// quarter of it from a near pose's answer; see docs/limitations.md for what takes longer.
 ///
-/// \pre coordinates, moved ones too, are finite and differ by less than 1e150; `last` is of the
+/// At any scale: what is computed with is taken to a middling one. A distance that no double holds
+/// is infinite; of meshes that do not touch it is never 0.
+///
+/// \pre coordinates, moved ones too, are finite; `last` is of the
 /// same indexes
 [[nodiscard]] MeshDistance mesh_distance(const DistanceIndex& a, const DistanceIndex& b,
                                          const RigidTransform& pose_b = {},

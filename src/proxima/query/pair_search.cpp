@@ -27,6 +27,22 @@ IndexedTriangle row_of(const RayIndex& index, std::uint32_t row) noexcept
 
 constexpr double float_roundoff = 0x1p-24;
 
+Triangle scaled(const Triangle& triangle, double unit) noexcept
+{
+    return {{Vec3(triangle[0] * unit), Vec3(triangle[1] * unit), Vec3(triangle[2] * unit)}};
+}
+
+/// A power of two that takes a length to where squares of it, and of what is far smaller, are safe;
+/// 1 where they are.
+double safe_unit(double length) noexcept
+{
+    constexpr int safe = 300;
+    constexpr int most = 1000; // so that 1 / unit is a double, too
+    const int exponent = length > 0 && std::isfinite(length) ? std::ilogb(length) : most;
+    if (std::abs(exponent) <= safe) return 1;
+    return std::ldexp(1.0, std::clamp(-exponent, -most, most));
+}
+
 } // namespace
 
 // How far bounds may be above the distances of what they are bounds of, in units of the frame. Let
@@ -60,6 +76,8 @@ PairSearch::PairSearch(const DistanceIndex& index_a, const DistanceIndex& index_
     const double lane_roundoff = needs_doubles() ? 0x1p-53 : float_roundoff;
     margin_ = (128 + 64 * reach_) * lane_roundoff + 8 * float_roundoff +
               0x1p-50 * (scale_ * coordinates + 2);
+    const double extent = std::max(index_a.triangles().unscale(), index_b.triangles().unscale());
+    unit_ = safe_unit(std::max(extent, reach_ / scale_));
     lower_limit(farthest * scale_);
 }
 
@@ -74,8 +92,12 @@ bool PairSearch::ask(std::uint32_t row_a, std::uint32_t row_b) noexcept
 {
     const IndexedTriangle first = row_of(a.triangles(), row_a);
     const IndexedTriangle second = row_of(b.triangles(), row_b);
-    const ClosestTrianglePoints pair = closest_points(first.triangle, pose_b_(second.triangle));
-    const double distance = std::sqrt(pair.squared_distance);
+    const ClosestTrianglePoints pair =
+        closest_points(scaled(first.triangle, unit_), scaled(pose_b_(second.triangle), unit_));
+    // Where doubles end, what does not touch keeps a distance.
+    const double distance =
+        std::max(std::sqrt(pair.squared_distance) / unit_,
+                 pair.squared_distance > 0 ? std::numeric_limits<double>::denorm_min() : 0);
     if (!(distance <= farthest_)) return false;
     const auto order = [](double squared, TriangleId id_a, TriangleId id_b) {
         return std::tuple(squared, id_a, id_b);
@@ -85,10 +107,10 @@ bool PairSearch::ask(std::uint32_t row_a, std::uint32_t row_b) noexcept
         return false;
     found_ = true;
     best_squared_ = pair.squared_distance;
-    best_ = {distance,  pair.first.point, pair.second.point, first.id,
-             second.id, pair.first.part,  pair.second.part,  row_a,
+    best_ = {distance,  pair.first.point / unit_, pair.second.point / unit_, first.id,
+             second.id, pair.first.part,          pair.second.part,          row_a,
              row_b};
-    if (distance > 0) direction_ = (pair.second.point - pair.first.point) / distance;
+    if (distance > 0) direction_ = (pair.second.point - pair.first.point).stableNormalized();
     lower_limit(distance * scale_);
     return distance == 0;
 }

@@ -90,6 +90,7 @@ private:
 
     const RigidTransform& pose_b_;
     double scale_;
+    double unit_ = 1; ///< makes lengths whose squares doubles do not hold middling numbers
     double reach_ = 0;
     double margin_ = 0;
     double limit_ = std::numeric_limits<double>::infinity();
