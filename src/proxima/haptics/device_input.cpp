@@ -159,8 +159,10 @@ DeviceCommand DeviceInput::command(const HapticRenderer& renderer) noexcept
     command.force = back * tick.force;
     command.condition = state_.condition;
     command.trust = renderer.guard().trust();
-    command.stiffness = options.force.stiffness;
-    command.damping = options.force.damping;
+    // As the guard has softened them: servo loops of their own must not swing either.
+    const double softness = renderer.passivity().softness();
+    command.stiffness = softness * options.force.stiffness;
+    command.damping = softness * options.force.damping + renderer.passivity().added_damping();
     // What slides sticks again later than what sticks begins to slide.
     const bool slides = tick.proxy.hold == Hold::sliding;
     const double restick = renderer.proxy().options().restick;
