@@ -56,7 +56,8 @@ struct SwingSetting {
 };
 
 struct SwingFelt {
-    double amplitude = 0; ///< m: half the way between the highest and the lowest place of the end
+    double amplitude = 0; ///< m: half the way between the highest and the lowest place in half a
+                          ///< second of the end, the most of all
     double greatest = 0;  ///< m: the same of all
     double lowest_softness = 1;
     std::uint64_t softened = 0;
@@ -86,8 +87,9 @@ inline SwingFelt swing(const SwingWall& wall, const SwingSetting& setting, doubl
     SwingFelt felt;
     double low = 0;
     double high = 0;
-    double end_low = far_away;
-    double end_high = -far_away;
+    double end_low = 0;
+    double end_high = 0;
+    const int part = static_cast<int>(std::lround(0.5 / tick_seconds));
     for (int tick = 0; tick < ticks; ++tick) {
         const RenderTick& result = renderer.tick(hand.state(), tick_seconds);
         hand.step(result.force, target);
@@ -96,15 +98,15 @@ inline SwingFelt swing(const SwingWall& wall, const SwingSetting& setting, doubl
         low = std::min(low, z);
         high = std::max(high, z);
         if (!(std::abs(z) < far_away)) { // out of any hand
-            end_low = low;
-            end_high = high;
+            felt.amplitude = (high - low) / 2;
             break;
         }
         if (tick < end) continue;
+        if ((tick - end) % part == 0) end_low = end_high = z;
         end_low = std::min(end_low, z);
         end_high = std::max(end_high, z);
+        felt.amplitude = std::max(felt.amplitude, (end_high - end_low) / 2);
     }
-    felt.amplitude = (end_high - end_low) / 2;
     felt.greatest = (high - low) / 2;
     felt.lowest_softness = renderer.passivity().lowest_softness();
     felt.softened = renderer.passivity().softened_ticks();

@@ -8,7 +8,7 @@ namespace proxima {
 namespace {
 
 constexpr double least_softness = 1e-3;
-constexpr double first_recovery = 2;    ///< s, in which s doubles after the first swing
+constexpr double first_recovery = 8; ///< s, in which s doubles after the first swing
 constexpr double longest_recovery = 512;
 
 } // namespace

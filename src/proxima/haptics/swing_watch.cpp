@@ -13,8 +13,9 @@ constexpr double hand_seconds = 0.05;  ///< no hand goes in or out in less, and 
 constexpr double memory_seconds = 0.5; ///< turns that are farther apart have nothing in common
 constexpr double hand_growth = 0.2;    ///< of a slow turn no more counts: a hand may have helped
 constexpr double proof = 0.3;
-constexpr double hand_proof = 0.6;
+constexpr double hand_proof = 0.4;
 constexpr double fading = 0.01; ///< swings that fade by less a turn are taken to last
+constexpr double one_turn_proof = 0.7; ///< twice as fast out as in
 constexpr int least_turns = 2;
 constexpr double same_direction = 0.8;
 
@@ -29,30 +30,39 @@ void SwingWatch::Way::add(double speed, double tick, const Vec3& direction) noex
     along = direction;
 }
 
-/// Of the turn at hand. Where it proves the swing nothing more of it counts; else it counts once its
-/// way out is over.
-double SwingWatch::judge_turn(Way::State state) noexcept
+/// Of a turn whose way out is still going on: where it proves the swing, nothing more of it counts.
+/// Else it counts once it is over.
+double SwingWatch::judge(const Way& in, const Way& out, Way::State state) noexcept
 {
-    const bool slow = std::max(in_.seconds, out_.seconds) > hand_seconds;
+    const bool slow = std::max(in.seconds, out.seconds) > hand_seconds;
     const double least = slow ? hand_swing : least_swing;
-    if (judged_ || std::min(in_.length, out_.length) < least ||
-        in_.along.dot(out_.along) < same_direction)
+    if (std::min(in.length, out.length) < least || in.along.dot(out.along) < same_direction)
         return 0;
     if (since_turn_ > memory_seconds) {
         growth_ = 0;
         turns_ = 0;
     }
-    const double grown = std::log(out_.peak / in_.peak);
+    const double grown = std::log(out.peak / in.peak);
     const double counted = slow ? std::min(grown, hand_growth) : grown + fading;
     const double growth = std::max(growth_ + counted, 0.0);
     const int turns = growth > 0 ? turns_ + 1 : 0;
-    const bool proves = turns >= least_turns && growth > (slow ? hand_proof : proof);
+    const bool blatant = !slow && grown > one_turn_proof;
+    const bool proves =
+        blatant || (turns >= least_turns && growth > (slow ? hand_proof : proof));
     if (!proves && state == Way::State::going_on) return 0;
-    judged_ = true;
     since_turn_ = 0;
     turns_ = turns;
     growth_ = proves ? 0 : growth;
     return proves ? growth : 0;
+}
+
+/// Speeds are means, so the fastest one of the way out may come after its end.
+double SwingWatch::judge_last(const Vec3& velocity) noexcept
+{
+    if (pending_ == 0) return 0;
+    last_out_.peak = std::max(last_out_.peak, velocity.dot(last_out_.along));
+    if (--pending_ > 0) return 0;
+    return judge(last_in_, last_out_, Way::State::over);
 }
 
 double SwingWatch::watch(const Vec3& position, const Vec3& force, double seconds) noexcept
@@ -69,22 +79,24 @@ double SwingWatch::watch(const Vec3& position, const Vec3& force, double seconds
     } else if (!is_away()) {
         ++away_;
     }
-    const double speed = (position - before).dot(along_) / (over * seconds);
-    const bool ends = is_away() || (leg_ == Leg::out && speed < 0);
-    double proven = 0;
-    if (ends && leg_ == Leg::out) {
+    const Vec3 velocity = (position - before) / (over * seconds);
+    double proven = judge_last(velocity);
+    const double speed = velocity.dot(along_);
+    if (leg_ == Leg::out && (is_away() || speed < 0)) {
         if (out_.length < least_swing / 2 && !is_away()) {
             leg_ = Leg::in; // no turn: noise of the encoder
         } else {
-            proven = judge_turn(Way::State::over);
+            if (!judged_) {
+                last_in_ = in_;
+                last_out_ = out_;
+                pending_ = window;
+            }
             leg_ = Leg::none;
         }
     }
     if (is_away()) {
         leg_ = Leg::none;
-        return proven;
-    }
-    if (speed < 0) {
+    } else if (speed < 0) {
         if (leg_ != Leg::in) in_ = {};
         leg_ = Leg::in;
         in_.add(-speed, seconds, along_);
@@ -95,7 +107,9 @@ double SwingWatch::watch(const Vec3& position, const Vec3& force, double seconds
         }
         leg_ = Leg::out;
         out_.add(speed, seconds, along_);
-        proven = judge_turn(Way::State::going_on);
+        const double early = judged_ ? 0 : judge(in_, out_, Way::State::going_on);
+        judged_ = judged_ || early > 0;
+        proven = std::max(proven, early);
     }
     return proven;
 }

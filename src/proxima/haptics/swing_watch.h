@@ -42,7 +42,8 @@ private:
         Vec3 along = Vec3::Zero(); ///< of the force at the peak
         void add(double speed, double tick, const Vec3& direction) noexcept;
     };
-    [[nodiscard]] double judge_turn(Way::State state) noexcept;
+    [[nodiscard]] double judge(const Way& in, const Way& out, Way::State state) noexcept;
+    [[nodiscard]] double judge_last(const Vec3& velocity) noexcept;
 
     static constexpr std::size_t window = 4; ///< ticks that speeds are taken over
     static constexpr int last_ticks = 10;    ///< after a contact in which late forces still push
@@ -54,7 +55,10 @@ private:
     Leg leg_ = Leg::none;
     Way in_;
     Way out_;
-    bool judged_ = false;   ///< the turn at hand
+    bool judged_ = false; ///< the turn at hand
+    Way last_in_;         ///< of the turn before
+    Way last_out_;
+    std::size_t pending_ = 0; ///< ticks until it is judged
     double since_turn_ = 0; ///< s
     double growth_ = 0;     ///< L
     int turns_ = 0;         ///< in succession, with growth

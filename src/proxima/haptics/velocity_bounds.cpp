@@ -1,0 +1,42 @@
+#include "proxima/haptics/velocity_bounds.h"
+
+#include <algorithm>
+
+namespace proxima {
+
+namespace {
+
+constexpr double least_room = 0.02; ///< m/s
+
+} // namespace
+
+void VelocityBounds::add(const Vec3& place, double seconds) noexcept
+{
+    if (placed_) {
+        velocities_[count_ % samples] = (place - last_place_) / seconds;
+        ++count_;
+    }
+    placed_ = true;
+    last_place_ = place;
+}
+
+Vec3 VelocityBounds::limited(const Vec3& said) const noexcept
+{
+    if (!said.allFinite()) return Vec3::Zero();
+    Vec3 low = Vec3::Zero();
+    Vec3 high = Vec3::Zero();
+    Vec3 room = Vec3::Constant(least_room);
+    const std::size_t known = std::min(count_, samples);
+    if (known > 0) low = high = velocities_[0];
+    for (std::size_t i = 1; i < known; ++i) {
+        low = low.cwiseMin(velocities_[i]);
+        high = high.cwiseMax(velocities_[i]);
+    }
+    if (known > 1) {
+        const Vec3& last = velocities_[(count_ - 1) % samples];
+        room += (last - velocities_[(count_ - 2) % samples]).cwiseAbs();
+    }
+    return said.cwiseMax(low - room).cwiseMin(high + room);
+}
+
+} // namespace proxima
