@@ -1,4 +1,5 @@
-// At which stiffness walls begin to swing, beside theory, and how far the passivity guard lets them.
+// At which stiffness walls begin to swing, beside theory, and how far the passivity guard lets
+// them.
 #pragma once
 
 namespace proxima::bench {

@@ -98,7 +98,7 @@ private:
     InputOptions options_;
     bool may_rest_;
     double patience_;
-    DeviceState state_;             ///< as given to the renderer
+    DeviceState state_; ///< as given to the renderer
     VelocityBounds bounds_;
     std::uint64_t sampled_ = 0;     ///< tick of the last good sample
     Vec3 good_ = Vec3::Zero();      ///< the device's last good place, in its axes

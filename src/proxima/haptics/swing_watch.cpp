@@ -14,7 +14,7 @@ constexpr double memory_seconds = 0.5; ///< turns that are farther apart have no
 constexpr double hand_growth = 0.2;    ///< of a slow turn no more counts: a hand may have helped
 constexpr double proof = 0.3;
 constexpr double hand_proof = 0.4;
-constexpr double fading = 0.01; ///< swings that fade by less a turn are taken to last
+constexpr double fading = 0.01;        ///< swings that fade by less a turn are taken to last
 constexpr double one_turn_proof = 0.7; ///< twice as fast out as in
 constexpr int least_turns = 2;
 constexpr double same_direction = 0.8;
@@ -47,8 +47,7 @@ double SwingWatch::judge(const Way& in, const Way& out, Way::State state) noexce
     const double growth = std::max(growth_ + counted, 0.0);
     const int turns = growth > 0 ? turns_ + 1 : 0;
     const bool blatant = !slow && grown > one_turn_proof;
-    const bool proves =
-        blatant || (turns >= least_turns && growth > (slow ? hand_proof : proof));
+    const bool proves = blatant || (turns >= least_turns && growth > (slow ? hand_proof : proof));
     if (!proves && state == Way::State::going_on) return 0;
     since_turn_ = 0;
     turns_ = turns;

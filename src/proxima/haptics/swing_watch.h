@@ -5,9 +5,9 @@
 //     out   the force moves the device             greatest speed  v_out
 //     L     += log(v_out / v_in), not below 0      the growth of a swing, over successive ones
 //
-// What a hand holds loses speed at every turn. A hand that presses slowly and leaves fast gains some
-// once: only several turns in succession count, and of turns that a hand could make by itself, each
-// only little.
+// What a hand holds loses speed at every turn. A hand that presses slowly and leaves fast gains
+// some once: only several turns in succession count, and of turns that a hand could make by itself,
+// each only little.
 #pragma once
 
 #include "proxima/geometry/vec.h"
@@ -59,9 +59,9 @@ private:
     Way last_in_;         ///< of the turn before
     Way last_out_;
     std::size_t pending_ = 0; ///< ticks until it is judged
-    double since_turn_ = 0; ///< s
-    double growth_ = 0;     ///< L
-    int turns_ = 0;         ///< in succession, with growth
+    double since_turn_ = 0;   ///< s
+    double growth_ = 0;       ///< L
+    int turns_ = 0;           ///< in succession, with growth
 };
 
 } // namespace proxima

@@ -5,11 +5,11 @@
 //
 // Nothing of what comes is trusted. A tick takes at most 64 datagrams; only whole ones of our
 // version count, only of one device at a time (the first one's address and session, until it was
-// silent for a second), only newer samples than the last, though no more than 65,536 newer, and only
-// such that were not longer on the way than the quickest by more than the patience. After a second
-// in which none was good the same device may begin anew with any number. What they say goes through DeviceInput like
-// every device's. After the patience (20 ms) without a good one the force fades within
-// ForceOptions::loss_seconds (50 ms).
+// silent for a second), only newer samples than the last, though no more than 65,536 newer, and
+// only such that were not longer on the way than the quickest by more than the patience. After a
+// second in which none was good the same device may begin anew with any number. What they say goes
+// through DeviceInput like every device's. After the patience (20 ms) without a good one the force
+// fades within ForceOptions::loss_seconds (50 ms).
 #pragma once
 
 #include "proxima/base/udp_socket.h"

@@ -28,14 +28,14 @@ Vec3 VelocityBounds::limited(const Vec3& said) const noexcept
     Vec3 room = Vec3::Constant(least_room);
     const std::size_t known = std::min(count_, samples);
     if (known > 0) low = high = velocities_[0];
+    Vec3 change = Vec3::Zero();
     for (std::size_t i = 1; i < known; ++i) {
         low = low.cwiseMin(velocities_[i]);
         high = high.cwiseMax(velocities_[i]);
+        const Vec3& before = velocities_[(count_ - 1 - i) % samples];
+        change = change.cwiseMax((velocities_[(count_ - i) % samples] - before).cwiseAbs());
     }
-    if (known > 1) {
-        const Vec3& last = velocities_[(count_ - 1) % samples];
-        room += (last - velocities_[(count_ - 2) % samples]).cwiseAbs();
-    }
+    room += change;
     return said.cwiseMax(low - room).cwiseMin(high + room);
 }
 

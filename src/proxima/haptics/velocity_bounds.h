@@ -2,7 +2,7 @@
 //
 //     u_i  = (x_i - x_i-1) / (t_i - t_i-1)         of the last samples
 //     said   within [min u_i - room, max u_i + room] along each axis
-//     room = |u_n - u_n-1| + 20 mm/s               it speeds up, and encoders have steps
+//     room = max |u_i - u_i-1| + 20 mm/s           it speeds up, and encoders have steps
 //
 // An honest velocity lies between the differences about it, also one that is filtered, and so comes
 // late, and one of a coarse encoder, whose differences are zero or a whole step.
