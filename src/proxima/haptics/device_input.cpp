@@ -84,7 +84,7 @@ Vec3 DeviceInput::velocity_of(const DeviceState& said) noexcept
     const auto ticks = static_cast<double>(std::max<std::uint64_t>(tick_ - sampled_, 1));
     sampled_ = tick_;
     bounds_.add(said.pose.translation, ticks * options_.tick_seconds);
-    const Vec3 believed = bounds_.limited(said.velocity);
+    const Vec3 believed = bounds_.believed(said.velocity);
     report_.velocities += believed != said.velocity ? 1U : 0U;
     return believed;
 }

@@ -22,8 +22,8 @@
 //     the driver says so                    gone
 //     the clutch button                     clutched  the device moves, what it holds does not
 //
-// A velocity that the places do not bear out (velocity_bounds.h) is replaced by the nearest that
-// they do, and nothing fades.
+// A velocity that the places do not bear out (velocity_bounds.h) is replaced by one of their
+// differences, and nothing fades.
 #pragma once
 
 #include "proxima/haptics/button_queue.h"

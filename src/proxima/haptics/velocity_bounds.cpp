@@ -6,7 +6,7 @@ namespace proxima {
 
 namespace {
 
-constexpr double least_room = 0.02; ///< m/s
+constexpr double least_room = 0.005; ///< m/s
 
 } // namespace
 
@@ -20,7 +20,7 @@ void VelocityBounds::add(const Vec3& place, double seconds) noexcept
     last_place_ = place;
 }
 
-Vec3 VelocityBounds::limited(const Vec3& said) const noexcept
+Vec3 VelocityBounds::believed(const Vec3& said) const noexcept
 {
     if (!said.allFinite()) return Vec3::Zero();
     Vec3 low = Vec3::Zero();
@@ -36,7 +36,10 @@ Vec3 VelocityBounds::limited(const Vec3& said) const noexcept
         change = change.cwiseMax((velocities_[(count_ - i) % samples] - before).cwiseAbs());
     }
     room += change;
-    return said.cwiseMax(low - room).cwiseMin(high + room);
+    const bool borne = (said.array() >= (low - room).array()).all() &&
+                       (said.array() <= (high + room).array()).all();
+    if (borne) return said;
+    return known > 0 ? velocities_[(count_ - 1) % samples] : Vec3(Vec3::Zero());
 }
 
 } // namespace proxima

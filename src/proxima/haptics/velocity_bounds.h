@@ -2,7 +2,7 @@
 //
 //     u_i  = (x_i - x_i-1) / (t_i - t_i-1)         of the last samples
 //     said   within [min u_i - room, max u_i + room] along each axis
-//     room = max |u_i - u_i-1| + 20 mm/s           it speeds up, and encoders have steps
+//     room = max |u_i - u_i-1| + 5 mm/s            it speeds up, and encoders have steps
 //
 // An honest velocity lies between the differences about it, also one that is filtered, and so comes
 // late, and one of a coarse encoder, whose differences are zero or a whole step.
@@ -21,9 +21,9 @@ public:
     /// A new place, m, so many seconds after the last one. \pre finite, seconds > 0
     void add(const Vec3& place, double seconds) noexcept;
 
-    /// The nearest velocity that places bear out, m/s; rest for one that is none. Before the second
-    /// place: within the room round rest.
-    [[nodiscard]] Vec3 limited(const Vec3& said) const noexcept;
+    /// The velocity as said where places bear it out, m/s; else the last difference,
+    /// rest before there are any. Any numbers.
+    [[nodiscard]] Vec3 believed(const Vec3& said) const noexcept;
 
     /// As new: the next place has nothing to do with the last.
     void restart() noexcept { *this = {}; }
