@@ -146,7 +146,8 @@ TEST(DeviceInput, honest_velocities_are_believed)
                 const double depth = std::max(-state.pose.translation.x(), 0.0);
                 bounds.add(state.pose.translation, 1e-3);
                 const Vec3 believed = bounds.believed(state.velocity);
-                EXPECT_LT((believed - state.velocity).norm(), 0.15);
+                // Two steps of the encoder along each axis, and a tick of 80 m/s^2.
+                EXPECT_LT((believed - state.velocity).norm(), 0.17 + 0.08);
                 refused += believed != state.velocity ? 1 : 0;
                 fastest = std::max(fastest, state.velocity.norm());
                 hand.step(Vec3(std::min(1000 * depth, 8.0), 0, 0), target);
