@@ -77,7 +77,7 @@ PatchAccount touch_patches(const proxima::TouchModel& model, const WorkspaceMap&
                            const PatchTableOptions& options)
 {
     const RenderOptions render = {.proxy_radius = options.radius};
-    PatchTouch patches(model, {.rings = rings}, map, render, tick_seconds, Pace::unpaced);
+    PatchTouch patches(model, {.rings = rings}, map, render, nullptr, tick_seconds, Pace::unpaced);
     HapticRenderer renderer(patches.surface(), map, *find_device("omni"), render);
     SteadyPath path(script, speed);
     Vec3 last = script.target(0);

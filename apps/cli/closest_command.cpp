@@ -5,15 +5,14 @@
 #include "cli/model_options.h"
 #include "cli/number_table.h"
 #include "cli/proximity_file_model.h"
+#include "cli/row_writer.h"
 #include "cli/stopwatch.h"
-#include "proxima/base/output_file.h"
 #include "proxima/proximity/closest_feature.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <fmt/core.h>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -58,63 +57,6 @@ struct AnswerCounts {
     }
 };
 
-/// Where answers go: a file that appears when it is whole, stdout, or nowhere.
-class AnswerWriter {
-public:
-    static Result<AnswerWriter> open(const ClosestOptions& options, std::uint64_t rows,
-                                     Session& session)
-    {
-        AnswerWriter writer;
-        if (options.out.empty()) return writer;
-        const auto format = answer_format(options.out);
-        if (!format) return tl::unexpected(format.error());
-        writer.format_ = *format;
-        writer.wanted_ = true;
-        if (options.out != to_stdout) {
-            auto file = OutputFile::create(options.out);
-            if (!file) return tl::unexpected(file.error());
-            writer.file_.emplace(std::move(*file));
-        }
-        writer.threads_ = session.threads();
-        const AnswerSigns signs = options.is_signed ? AnswerSigns::present : AnswerSigns::absent;
-        const Status status = writer.write(answer_header(*format, signs, rows));
-        if (!status) return tl::unexpected(status.error());
-        return writer;
-    }
-
-    /// The rows of a round; text is made in parallel.
-    Status add(std::uint64_t first, std::span<const ClosestFeature> answers,
-               std::span<const SignedDistance> signs)
-    {
-        if (!wanted_) return {};
-        std::vector<std::string> texts((answers.size() + task_points - 1) / task_points);
-        parallel_for(texts.size(), threads_, [&](std::size_t task) {
-            const std::size_t begin = task * task_points;
-            const std::size_t count = std::min(task_points, answers.size() - begin);
-            texts[task] = answer_rows(format_, first + begin, answers.subspan(begin, count),
-                                      signs.empty() ? signs : signs.subspan(begin, count));
-        });
-        for (const std::string& text : texts)
-            if (Status status = write(text); !status) return status;
-        return {};
-    }
-
-    Status commit() { return file_ ? file_->commit() : Status{}; }
-
-private:
-    Status write(const std::string& text)
-    {
-        if (file_) return file_->write(text);
-        std::fwrite(text.data(), 1, text.size(), stdout); // finish() asks whether it arrived
-        return {};
-    }
-
-    bool wanted_ = false;
-    AnswerFormat format_ = AnswerFormat::csv;
-    Threads threads_ = {};
-    std::optional<OutputFile> file_;
-};
-
 /// Answers points round by round.
 class ClosestRun {
 public:
@@ -122,8 +64,12 @@ public:
         : searcher_(searcher), table_(table), session_(session)
     {}
 
-    Status run(AnswerWriter& writer)
+    Status run(RowWriter& writer)
     {
+        const AnswerSigns kinds = searcher_.sign ? AnswerSigns::present : AnswerSigns::absent;
+        if (Status status = writer.write(answer_header(writer.format(), kinds, table_.rows()));
+            !status)
+            return status;
         const ProgressBar shown(session_.progress(), session_.bar());
         session_.progress().begin_stage("closest features", table_.rows());
         const std::size_t room = std::min(table_.rows(), round_points);
@@ -140,7 +86,7 @@ public:
             const auto signs =
                 std::span<const SignedDistance>(signs_).first(searcher_.sign ? count : 0);
             counts_.add(answers, signs);
-            if (Status status = writer.add(first, answers, signs); !status) return status;
+            if (Status status = write(writer, first, answers, signs); !status) return status;
         }
         return writer.commit();
     }
@@ -149,6 +95,19 @@ public:
     [[nodiscard]] const AnswerCounts& counts() const noexcept { return counts_; }
 
 private:
+    /// The rows of a round.
+    Status write(RowWriter& writer, std::uint64_t first, std::span<const ClosestFeature> answers,
+                 std::span<const SignedDistance> signs)
+    {
+        const std::size_t tasks = (answers.size() + task_points - 1) / task_points;
+        return writer.write_tasks(tasks, session_.threads(), [&](std::size_t task) {
+            const std::size_t begin = task * task_points;
+            const std::size_t count = std::min(task_points, answers.size() - begin);
+            return answer_rows(writer.format(), first + begin, answers.subspan(begin, count),
+                               signs.empty() ? signs : signs.subspan(begin, count));
+        });
+    }
+
     void answer_task(std::size_t first, std::size_t round_count, std::size_t task)
     {
         if (session_.progress().cancelled()) return;
@@ -202,20 +161,9 @@ std::string text_of(const ClosestOptions& options, const ClosestSearcher& search
     return text;
 }
 
-Status check_outputs(const ClosestOptions& options, const Session& session)
-{
-    if (options.out.empty()) return {};
-    if (const auto format = answer_format(options.out); !format)
-        return tl::unexpected(format.error());
-    if (options.out != to_stdout) return session.check_outputs({options.out});
-    if (session.options().json != to_stdout) return {};
-    return fail(ErrorCode::invalid_argument,
-                "--json and --out would both write to stdout: give one of them a file", to_stdout);
-}
-
 Status run_closest(const ClosestOptions& options, Session& session)
 {
-    if (Status status = check_outputs(options, session); !status) return status;
+    if (Status status = check_rows(options.out, session); !status) return status;
     const auto table = [&] {
         const ProgressBar shown(session.progress(), session.bar());
         return read_number_table(options.points, "x,y,z", {.progress = &session.progress()});
@@ -225,7 +173,7 @@ Status run_closest(const ClosestOptions& options, Session& session)
         options.model,
         {.is_signed = options.is_signed, .budget_bytes = options.budget_mb * 1'000'000}, session);
     if (!searcher) return tl::unexpected(searcher.error());
-    auto writer = AnswerWriter::open(options, table->rows(), session);
+    auto writer = RowWriter::open(options.out);
     if (!writer) return tl::unexpected(writer.error());
     ClosestRun run(**searcher, *table, session);
     if (Status status = run.run(*writer); !status) return status;

@@ -51,6 +51,21 @@ void add_common_options(CLI::App& parser, CommonOptions& options)
     parser.add_flag("--quiet", options.quiet, "Print nothing for people");
 }
 
+/// What an error says, with what somebody can do here: not every command has a budget.
+std::string advice_of(const Error& error, const CLI::App& parser)
+{
+    constexpr std::string_view raise = "raise the budget";
+    std::string text = describe(error);
+    const std::size_t at = text.rfind(raise);
+    if (error.code == ErrorCode::budget_exceeded && at != std::string::npos) {
+        text.replace(at, raise.size(),
+                     parser.get_option_no_throw("--budget-mb") != nullptr
+                         ? "raise --budget-mb"
+                         : "give it more memory (ulimit -v, where that is the limit)");
+    }
+    return text;
+}
+
 int run(const Command& command, const CommonOptions& options)
 {
     Session session(options);
@@ -59,7 +74,7 @@ int run(const Command& command, const CommonOptions& options)
     if (status) status = command.run(session);
     if (status) status = session.finish();
     if (status) return 0;
-    report(describe(status.error()));
+    report(advice_of(status.error(), *command.parser));
     const int signal = InterruptGuard::signal_number();
     return status.error().code == ErrorCode::cancelled && signal != 0 ? first_signal_status + signal
                                                                       : bad_input;
@@ -94,7 +109,12 @@ int parse_and_run(int argc, char** argv, const char* version, std::span<const Ad
                            found == commands.end() ? "" : found->parser->get_name() + ' '));
         return wrong_usage;
     }
-    return run(*std::ranges::find_if(commands, asked_for), options);
+    const Command& command = *std::ranges::find_if(commands, asked_for);
+    for (const CLI::Option* const option : command.parser->get_options()) {
+        const auto& values = option->results();
+        options.arguments.insert(options.arguments.end(), values.begin(), values.end());
+    }
+    return run(command, options);
 }
 
 } // namespace
@@ -105,7 +125,9 @@ int run_command_line(int argc, char** argv, const char* version,
     try {
         return parse_and_run(argc, argv, version, commands);
     } catch (const std::bad_alloc&) {
-        report("out of memory: give a --budget-mb that this machine has, or a smaller task");
+        report("out of memory: give it more, a smaller task, or, where there is one, a --budget-mb "
+               "that this "
+               "machine has");
     } catch (const std::exception& error) {
         report(error.what());
     }

@@ -1,7 +1,7 @@
 // What the subcommands share: the common options, exit status, and one line on stderr for whatever
 // went wrong.
 //
-//     0 done    1 a bad input or output    2 wrong usage    130, 143 stopped by a signal
+//     0 done    1 a bad input or output    2 wrong usage    129, 130, 143 stopped by a signal
 #pragma once
 
 #include "cli/commands.h"

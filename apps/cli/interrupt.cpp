@@ -1,5 +1,6 @@
 #include "cli/interrupt.h"
 
+#include <array>
 #include <atomic>
 #include <csignal>
 
@@ -9,6 +10,9 @@ namespace {
 
 std::atomic<Progress*> watched{nullptr};
 std::atomic<int> received{0};
+
+/// SIGHUP: the terminal is closed.
+constexpr std::array stopping = {SIGINT, SIGTERM, SIGHUP};
 
 extern "C" void cancel_work(int signal)
 {
@@ -31,7 +35,10 @@ InterruptGuard::InterruptGuard(Progress& progress) noexcept
 {
     received.store(0);
     watched.store(&progress);
-    for (const int signal : {SIGINT, SIGTERM}) {
+    for (const int signal : stopping) {
+        struct sigaction before = {};
+        sigaction(signal, nullptr, &before);
+        if (signal == SIGHUP && before.sa_handler == SIG_IGN) continue; // nohup
         // The default action returns after the first signal: whoever asks twice need not wait.
         handle(signal, cancel_work, static_cast<int>(SA_RESETHAND) | SA_RESTART);
     }
@@ -39,7 +46,11 @@ InterruptGuard::InterruptGuard(Progress& progress) noexcept
 
 InterruptGuard::~InterruptGuard()
 {
-    for (const int signal : {SIGINT, SIGTERM}) handle(signal, SIG_DFL, 0);
+    for (const int signal : stopping) {
+        struct sigaction now = {};
+        sigaction(signal, nullptr, &now);
+        if (now.sa_handler == cancel_work) handle(signal, SIG_DFL, 0);
+    }
     watched.store(nullptr);
 }
 

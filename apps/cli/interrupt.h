@@ -1,12 +1,12 @@
-// Ctrl-C and the request to terminate, handed on to the work in progress.
+// Ctrl-C, the request to terminate and the end of the terminal, handed on to the work in progress.
 #pragma once
 
 #include "proxima/base/progress.h"
 
 namespace proxima {
 
-/// While it lives, SIGINT and SIGTERM cancel the work that `progress` watches. A second signal ends
-/// the program at once. One at a time.
+/// While it lives, SIGINT, SIGTERM and SIGHUP cancel the work that `progress` watches. A second
+/// signal ends the program at once. One at a time.
 class InterruptGuard {
 public:
     explicit InterruptGuard(Progress& progress) noexcept;

@@ -1,9 +1,13 @@
 #include "cli/names.h"
 
+#include "proxima/base/file_extension.h"
+#include "proxima/base/text.h"
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <system_error>
 
 namespace proxima {
@@ -83,6 +87,15 @@ std::optional<std::vector<int>> parse_numbers(std::string_view text, int lowest,
     return numbers;
 }
 
+std::optional<std::uint64_t> parse_whole(std::string_view text)
+{
+    std::uint64_t number = 0;
+    const char* const last = text.data() + text.size();
+    const auto [end, error] = std::from_chars(text.data(), last, number);
+    if (error != std::errc() || end != last) return std::nullopt;
+    return number;
+}
+
 std::optional<std::vector<double>> parse_finite_numbers(std::string_view text)
 {
     std::vector<double> numbers;
@@ -95,6 +108,16 @@ std::optional<std::vector<double>> parse_finite_numbers(std::string_view text)
         numbers.push_back(number);
     }
     return numbers;
+}
+
+Status check_extension(const std::string& path, std::string_view extension)
+{
+    std::error_code error;
+    if (path.empty() || std::filesystem::is_character_file(path, error) ||
+        lower_case_extension(path) == extension)
+        return {};
+    return fail(ErrorCode::unsupported_format,
+                concat("would not be opened again: give it a name that ends in ", extension), path);
 }
 
 std::size_t utf8_length(std::string_view text) noexcept

@@ -2,10 +2,12 @@
 // text that a terminal can show.
 #pragma once
 
+#include "proxima/base/result.h"
 #include "proxima/octree/octree.h"
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -35,8 +37,15 @@ inline constexpr std::array all_methods = {OverlapMethod::fast, OverlapMethod::s
 [[nodiscard]] std::optional<std::vector<int>> parse_numbers(std::string_view text, int lowest,
                                                             int highest);
 
+/// A whole number of 64 bits, without sign; nothing if it is none, or too large.
+[[nodiscard]] std::optional<std::uint64_t> parse_whole(std::string_view text);
+
 /// Numbers of a list such as "1,-2.5e3"; nothing if a part is no finite number.
 [[nodiscard]] std::optional<std::vector<double>> parse_finite_numbers(std::string_view text);
+
+/// Error unsupported_format for a file of our own kind without the extension that it is opened by.
+/// Empty names and devices are right.
+[[nodiscard]] Status check_extension(const std::string& path, std::string_view extension);
 
 /// Bytes of the printable character that `text` begins with, 0 where it begins with a control
 /// character or is no UTF-8.

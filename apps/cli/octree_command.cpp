@@ -52,7 +52,8 @@ Status check_outputs(const OctreeCommandOptions& options, const Session& session
         }
         files.push_back(path);
     }
-    return session.check_outputs(files);
+    if (Status status = session.check_outputs(files); !status) return status;
+    return check_extension(options.save, ".pxo");
 }
 
 /// What the command works on: built, or loaded from a file.

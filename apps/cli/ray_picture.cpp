@@ -55,6 +55,8 @@ float usual_most(const std::vector<float>& weights)
     return *place;
 }
 
+} // namespace
+
 Image empty_image(const PictureSize& size)
 {
     Image image{size.width, size.height, {}};
@@ -63,9 +65,7 @@ Image empty_image(const PictureSize& size)
     return image;
 }
 
-} // namespace
-
-Image draw_weights(const Octree& octree, std::span<const Ray> rays, const PictureSize& size,
+Image draw_weights(const Octree& octree, const RayList& rays, const PictureSize& size,
                    Threads threads, Progress* progress)
 {
     const auto width = static_cast<std::size_t>(size.width);
@@ -97,24 +97,22 @@ Image draw_weights(const Octree& octree, std::span<const Ray> rays, const Pictur
     return image;
 }
 
-Image draw_hits(const TriangleMesh& mesh, std::span<const Ray> rays,
-                std::span<const std::optional<RayHit>> hits, const PictureSize& size)
+void draw_hits(const TriangleMesh& mesh, std::span<const Ray> rays,
+               std::span<const std::optional<RayHit>> hits, std::size_t first, Image& image)
 {
-    Image image = empty_image(size);
     const Color background = srgb(0xF1F4F8);
     const Color front = srgb(0xE9D8B8);
     const Color back = srgb(0x7FA6C9);
-    for (std::size_t pixel = 0; pixel < rays.size(); ++pixel) {
-        if (!hits[pixel]) {
-            put_pixel(image, pixel, background);
+    for (std::size_t i = 0; i < hits.size(); ++i) {
+        if (!hits[i]) {
+            put_pixel(image, first + i, background);
             continue;
         }
-        const Vec3 normal = scaled_normal(mesh.triangle(hits[pixel]->triangle)).stableNormalized();
-        const double cosine = -normal.dot(rays[pixel].direction);
+        const Vec3 normal = scaled_normal(mesh.triangle(hits[i]->triangle)).stableNormalized();
+        const double cosine = -normal.dot(rays[i].direction);
         const auto light = static_cast<float>(0.06 + 0.94 * std::abs(cosine));
-        put_pixel(image, pixel, (cosine >= 0 ? front : back) * light);
+        put_pixel(image, first + i, (cosine >= 0 ? front : back) * light);
     }
-    return image;
 }
 
 } // namespace proxima

@@ -8,6 +8,7 @@
 #include "proxima/octree/octree.h"
 #include "proxima/query/ray_hit.h"
 
+#include <cstddef>
 #include <optional>
 #include <span>
 
@@ -16,11 +17,14 @@ namespace proxima {
 /// From black to pale yellow by the weight of the cells with triangles that a pixel's ray goes
 /// through, the sum of penetration * chord / edge; pale yellow are the largest hundredth of those
 /// above zero. \pre a ray per pixel
-[[nodiscard]] Image draw_weights(const Octree& octree, std::span<const Ray> rays,
-                                 const PictureSize& size, Threads threads, Progress* progress);
+[[nodiscard]] Image draw_weights(const Octree& octree, const RayList& rays, const PictureSize& size,
+                                 Threads threads, Progress* progress);
 
-/// By the angle between ray and face; back faces are bluish. \pre a ray and a hit per pixel
-[[nodiscard]] Image draw_hits(const TriangleMesh& mesh, std::span<const Ray> rays,
-                              std::span<const std::optional<RayHit>> hits, const PictureSize& size);
+[[nodiscard]] Image empty_image(const PictureSize& size);
+
+/// Draws the pixels from number `first` on, by the angle between ray and face; back faces are
+/// bluish. \pre a ray for each hit
+void draw_hits(const TriangleMesh& mesh, std::span<const Ray> rays,
+               std::span<const std::optional<RayHit>> hits, std::size_t first, Image& image);
 
 } // namespace proxima

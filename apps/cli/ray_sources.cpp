@@ -80,31 +80,32 @@ Result<std::vector<Ray>> read_rays(const std::string& path, Progress* progress)
     return rays;
 }
 
-std::vector<Ray> camera_rays(const Box& box, const PictureSize& size, UpAxis up)
+RayList::RayList(const Box& box, const PictureSize& size, UpAxis up)
+    : count_(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height)),
+      size_(size)
 {
     constexpr double half_angle_tangent = 0.3;
     const Vec3 up_axis = up == UpAxis::y ? Vec3::UnitY() : Vec3::UnitZ();
     const Vec3 ahead_axis = up == UpAxis::y ? Vec3::UnitZ() : Vec3(-Vec3::UnitY());
     const Vec3 side_axis = up_axis.cross(ahead_axis);
-    const Vec3 toward_eye = (0.45 * side_axis + 0.35 * up_axis + ahead_axis).normalized();
+    toward_eye_ = (0.45 * side_axis + 0.35 * up_axis + ahead_axis).normalized();
     double radius = 0.5 * box.extent().norm();
     if (!(radius > 0)) radius = std::max(1e-6 * box.upper.cwiseAbs().maxCoeff(), 1e-6);
     // The sphere touches the sides of the narrower view.
     const double sine = half_angle_tangent / std::hypot(1.0, half_angle_tangent);
-    const Vec3 eye = box.center() + radius / sine * toward_eye;
-    const Vec3 right = up_axis.cross(toward_eye).normalized();
-    const Vec3 above = toward_eye.cross(right);
+    eye_ = box.center() + radius / sine * toward_eye_;
     const double pixel = 2 * half_angle_tangent / std::min(size.width, size.height);
-    std::vector<Ray> rays;
-    rays.reserve(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height));
-    for (int y = 0; y < size.height; ++y) {
-        for (int x = 0; x < size.width; ++x) {
-            const double across = (x + 0.5 - 0.5 * size.width) * pixel;
-            const double down = (y + 0.5 - 0.5 * size.height) * pixel;
-            rays.push_back({eye, (across * right - down * above - toward_eye).normalized()});
-        }
-    }
-    return rays;
+    right_ = pixel * up_axis.cross(toward_eye_).normalized();
+    above_ = toward_eye_.cross(right_);
+}
+
+Ray RayList::operator[](std::size_t number) const noexcept
+{
+    if (!rays_.empty()) return rays_[number];
+    const auto width = static_cast<std::size_t>(size_.width);
+    const double across = static_cast<double>(number % width) + 0.5 - 0.5 * size_.width;
+    const double down = static_cast<double>(number / width) + 0.5 - 0.5 * size_.height;
+    return {eye_, (across * right_ - down * above_ - toward_eye_).normalized()};
 }
 
 } // namespace proxima

@@ -7,9 +7,11 @@
 #include "proxima/geometry/ray.h"
 #include "proxima/geometry/shapes.h"
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace proxima {
@@ -27,8 +29,30 @@ struct PictureSize {
 /// read_number_table, and invalid_argument for a row that is no ray.
 [[nodiscard]] Result<std::vector<Ray>> read_rays(const std::string& path, Progress* progress);
 
-/// One ray per pixel, row by row from the top, through its middle: seen three-quarter from above,
-/// the box's sphere filling the picture. Directions have length 1. \pre the box is not empty
-[[nodiscard]] std::vector<Ray> camera_rays(const Box& box, const PictureSize& size, UpAxis up);
+/// Rays by number: those of a file, or a camera's, which are made when they are asked for.
+class RayList {
+public:
+    RayList() = default;
+    explicit RayList(std::vector<Ray> rays) : rays_(std::move(rays)), count_(rays_.size()) {}
+
+    /// One ray per pixel, row by row from the top, through its middle: seen three-quarter from
+    /// above, the box's sphere filling the picture. Directions have length 1. \pre the box is not
+    /// empty
+    RayList(const Box& box, const PictureSize& size, UpAxis up);
+
+    [[nodiscard]] std::size_t count() const noexcept { return count_; }
+
+    /// \pre number < count()
+    [[nodiscard]] Ray operator[](std::size_t number) const noexcept;
+
+private:
+    std::vector<Ray> rays_; ///< of a file
+    std::size_t count_ = 0;
+    PictureSize size_;
+    Vec3 eye_ = Vec3::Zero();
+    Vec3 toward_eye_ = Vec3::Zero();
+    Vec3 right_ = Vec3::Zero(); ///< a pixel
+    Vec3 above_ = Vec3::Zero(); ///< a pixel
+};
 
 } // namespace proxima

@@ -4,16 +4,15 @@
 #include "cli/ray_picture.h"
 #include "cli/ray_sources.h"
 #include "cli/ray_table.h"
+#include "cli/row_writer.h"
 #include "cli/stopwatch.h"
 #include "proxima/base/file_extension.h"
-#include "proxima/base/output_file.h"
 #include "proxima/octree/build_octree.h"
 #include "proxima/query/build_ray_index.h"
 #include "proxima/query/cast_ray.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cstdio>
 #include <fmt/core.h>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -34,6 +33,9 @@ struct RaycastOptions {
 };
 
 constexpr std::size_t task_rays = 1024;
+constexpr std::size_t round_rays = 256 * task_rays; ///< answered before they are written
+constexpr std::size_t task_cell_rays = 64;
+constexpr std::size_t round_cell_rays = 64 * task_cell_rays;
 
 bool is_picture(const RaycastOptions& options)
 {
@@ -61,13 +63,7 @@ Status check_options(const RaycastOptions& options, const Session& session)
         return fail(ErrorCode::invalid_argument, "--shade needs --camera and --out F.png",
                     "raycast");
     }
-    if (options.out.empty() || picture) return session.check_outputs({options.out});
-    if (const auto format = answer_format(options.out); !format)
-        return tl::unexpected(format.error());
-    if (options.out != to_stdout) return session.check_outputs({options.out});
-    if (session.options().json != to_stdout) return {};
-    return fail(ErrorCode::invalid_argument,
-                "--json and --out would both write to stdout: give one of them a file", to_stdout);
+    return picture ? session.check_outputs({options.out}) : check_rows(options.out, session);
 }
 
 /// What rays are cast at, and what came of it.
@@ -75,7 +71,7 @@ struct Casting {
     TriangleMesh mesh;
     Octree octree;
     RayIndex index; ///< empty where cells are asked for
-    std::vector<Ray> rays;
+    RayList rays;
     PictureSize size;
     double build_seconds = 0;
     double seconds = 0;
@@ -95,10 +91,10 @@ Result<std::unique_ptr<Casting>> prepare(const RaycastOptions& options, Session&
     if (options.camera.empty()) {
         auto rays = read_rays(options.rays, &session.progress());
         if (!rays) return tl::unexpected(rays.error());
-        casting->rays = std::move(*rays);
+        casting->rays = RayList(std::move(*rays));
     } else {
         casting->size = *parse_picture_size(options.camera);
-        casting->rays = camera_rays(*box, casting->size, up_axis_of_model(options.model));
+        casting->rays = RayList(*box, casting->size, up_axis_of_model(options.model));
     }
     const Stopwatch watch;
     auto octree = build_octree(casting->mesh, {.max_depth = options.depth,
@@ -119,84 +115,108 @@ Result<std::unique_ptr<Casting>> prepare(const RaycastOptions& options, Session&
     return casting;
 }
 
-/// Writes texts where --out says, whole or not at all.
-Status write_texts(const std::string& path, const std::string& header,
-                   std::span<const std::string> texts)
-{
-    if (path == to_stdout) {
-        std::fwrite(header.data(), 1, header.size(), stdout); // finish() asks whether it arrived
-        for (const std::string& text : texts) std::fwrite(text.data(), 1, text.size(), stdout);
-        return {};
-    }
-    auto file = OutputFile::create(path);
-    if (!file) return tl::unexpected(file.error());
-    if (Status status = file->write(header); !status) return status;
-    for (const std::string& text : texts)
-        if (Status status = file->write(text); !status) return status;
-    return file->commit();
-}
-
 Status cast_at_triangles(const RaycastOptions& options, Casting& casting, Session& session)
 {
-    std::vector<std::optional<RayHit>> hits(casting.rays.size());
-    const Stopwatch watch;
+    const bool draws = is_picture(options);
+    auto writer = RowWriter::open(draws ? "" : options.out);
+    if (!writer) return tl::unexpected(writer.error());
+    const std::size_t all = casting.rays.count();
+    if (Status status = writer->write(hit_header(writer->format(), all)); !status) return status;
+    Image image;
+    if (draws) image = empty_image(casting.size);
+    std::vector<Ray> rays;
+    std::vector<std::optional<RayHit>> hits;
     {
         const ProgressBar shown(session.progress(), session.bar());
-        if (Status status =
-                closest_hits(casting.index, casting.rays, hits,
-                             {.threads = session.threads(), .progress = &session.progress()});
-            !status)
-            return status;
+        session.progress().begin_stage("casting rays", all);
+        for (std::size_t first = 0; first < all; first += round_rays) {
+            rays.clear();
+            for (std::size_t i = first; i < std::min(all, first + round_rays); ++i)
+                rays.push_back(casting.rays[i]);
+            hits.resize(rays.size());
+            const Stopwatch watch;
+            // Cannot fail: sizes agree.
+            (void)closest_hits(casting.index, rays, hits, {.threads = session.threads()});
+            casting.seconds += watch.seconds();
+            casting.hits += static_cast<std::uint64_t>(
+                std::ranges::count_if(hits, [](const auto& hit) { return hit.has_value(); }));
+            if (draws) draw_hits(casting.mesh, rays, hits, first, image);
+            const std::size_t tasks = (hits.size() + task_rays - 1) / task_rays;
+            const auto rows = [&](std::size_t task) {
+                const std::size_t begin = task * task_rays;
+                const std::size_t count = std::min(task_rays, hits.size() - begin);
+                return hit_rows(writer->format(), first + begin,
+                                std::span(hits).subspan(begin, count));
+            };
+            if (Status status = writer->write_tasks(tasks, session.threads(), rows); !status)
+                return status;
+            session.progress().advance(rays.size());
+            if (Status status = session.check_running(); !status) return status;
+        }
     }
-    casting.seconds = watch.seconds();
-    casting.hits = static_cast<std::uint64_t>(
-        std::ranges::count_if(hits, [](const auto& hit) { return hit.has_value(); }));
-    if (options.out.empty()) return {};
-    if (is_picture(options)) {
-        return write_png(draw_hits(casting.mesh, casting.rays, hits, casting.size), options.out,
-                         &session.progress());
-    }
-    const AnswerFormat format = answer_format(options.out).value();
-    std::vector<std::string> texts((hits.size() + task_rays - 1) / task_rays);
-    parallel_for(texts.size(), session.threads(), [&](std::size_t task) {
-        const std::size_t first = task * task_rays;
-        const std::size_t count = std::min(task_rays, hits.size() - first);
-        texts[task] = hit_rows(format, first, std::span(hits).subspan(first, count));
+    return draws ? write_png(image, options.out, &session.progress()) : writer->commit();
+}
+
+/// How many cells all rays go through.
+Status count_cells(Casting& casting, Session& session)
+{
+    const ProgressBar shown(session.progress(), session.bar());
+    const std::size_t all = casting.rays.count();
+    session.progress().begin_stage("walking cells", all);
+    std::vector<std::uint64_t> counts((all + task_rays - 1) / task_rays);
+    const Stopwatch watch;
+    parallel_for(counts.size(), session.threads(), [&](std::size_t task) {
+        if (session.progress().cancelled()) return;
+        const std::size_t begin = task * task_rays;
+        const std::size_t end = std::min(all, begin + task_rays);
+        for (std::size_t i = begin; i < end; ++i) {
+            cells_along_ray(casting.octree, casting.rays[i],
+                            [&](const CellOnRay&) { ++counts[task]; });
+        }
+        session.progress().advance(end - begin);
     });
-    return write_texts(options.out, hit_header(format, hits.size()), texts);
+    casting.seconds = watch.seconds();
+    for (const std::uint64_t count : counts) casting.cells += count;
+    return session.check_running();
+}
+
+/// Again, for a table of them, round by round: there may be thousands of a ray.
+Status write_cells(const RaycastOptions& options, const Casting& casting, Session& session)
+{
+    auto writer = RowWriter::open(options.out);
+    if (!writer || !writer->is_wanted()) return writer ? Status{} : tl::unexpected(writer.error());
+    if (Status status = writer->write(cell_header(writer->format(), casting.cells)); !status)
+        return status;
+    const ProgressBar shown(session.progress(), session.bar());
+    const std::size_t all = casting.rays.count();
+    session.progress().begin_stage("writing cells", all);
+    for (std::size_t first = 0; first < all; first += round_cell_rays) {
+        const std::size_t count = std::min(round_cell_rays, all - first);
+        const auto rows = [&](std::size_t task) {
+            std::string text;
+            std::vector<CellOnRay> cells;
+            const std::size_t end = first + std::min(count, (task + 1) * task_cell_rays);
+            for (std::size_t i = first + task * task_cell_rays; i < end; ++i) {
+                cells.clear();
+                cells_along_ray(casting.octree, casting.rays[i],
+                                [&](const CellOnRay& at) { cells.push_back(at); });
+                text += cell_rows(writer->format(), i, cells);
+            }
+            return text;
+        };
+        const std::size_t tasks = (count + task_cell_rays - 1) / task_cell_rays;
+        if (Status status = writer->write_tasks(tasks, session.threads(), rows); !status)
+            return status;
+        session.progress().advance(count);
+        if (Status status = session.check_running(); !status) return status;
+    }
+    return writer->commit();
 }
 
 Status cast_at_cells(const RaycastOptions& options, Casting& casting, Session& session)
 {
-    const std::size_t tasks = (casting.rays.size() + task_rays - 1) / task_rays;
-    const bool wants_rows = !options.out.empty() && !is_picture(options);
-    const AnswerFormat format = wants_rows ? answer_format(options.out).value() : AnswerFormat::csv;
-    std::vector<std::string> texts(tasks);
-    std::vector<std::uint64_t> counts(tasks);
-    const Stopwatch watch;
-    {
-        const ProgressBar shown(session.progress(), session.bar());
-        session.progress().begin_stage("walking cells", casting.rays.size());
-        parallel_for(tasks, session.threads(), [&](std::size_t task) {
-            if (session.progress().cancelled()) return;
-            const std::size_t end = std::min(casting.rays.size(), (task + 1) * task_rays);
-            std::vector<CellOnRay> cells;
-            for (std::size_t i = task * task_rays; i < end; ++i) {
-                cells.clear();
-                cells_along_ray(casting.octree, casting.rays[i], [&](const CellOnRay& at) {
-                    ++counts[task];
-                    if (wants_rows) cells.push_back(at);
-                });
-                if (wants_rows) texts[task] += cell_rows(format, i, cells);
-            }
-            session.progress().advance(end - task * task_rays);
-        });
-    }
-    casting.seconds = watch.seconds();
-    for (const std::uint64_t count : counts) casting.cells += count;
-    if (Status status = session.check_running(); !status) return status;
-    if (options.out.empty()) return {};
-    if (wants_rows) return write_texts(options.out, cell_header(format, casting.cells), texts);
+    if (Status status = count_cells(casting, session); !status) return status;
+    if (!is_picture(options)) return write_cells(options, casting, session);
     const ProgressBar shown(session.progress(), session.bar());
     const Image image = draw_weights(casting.octree, casting.rays, casting.size, session.threads(),
                                      &session.progress());
@@ -215,7 +235,7 @@ Status run_raycast(const RaycastOptions& options, Session& session)
                           : cast_at_triangles(options, casting, session);
     if (!status) return status;
 
-    const std::size_t queries = casting.rays.size();
+    const std::size_t queries = casting.rays.count();
     const double each = 1e9 * casting.seconds / static_cast<double>(queries);
     const std::uint64_t bytes = cells ? casting.octree.bytes() : casting.index.bytes();
     if (options.out != to_stdout) {

@@ -26,6 +26,14 @@ std::string true_path(const std::string& path)
     return error ? path : whole.string();
 }
 
+/// What a file would be read as: "replay:session.pxt" reads session.pxt.
+std::string_view without_kind(std::string_view argument)
+{
+    constexpr std::string_view kind = "replay:";
+    if (argument.starts_with(kind)) argument.remove_prefix(kind.size());
+    return argument;
+}
+
 } // namespace
 
 void Session::print(std::string_view text) const
@@ -92,7 +100,26 @@ Status Session::check_outputs(const std::vector<std::string>& files) const
         }
         if (auto status = check(path); !status) return status;
     }
-    return options_.json == to_stdout ? Status{} : check(options_.json);
+    if (options_.json != to_stdout) {
+        if (auto status = check(options_.json); !status) return status;
+    }
+    return check_inputs(seen);
+}
+
+Status Session::check_inputs(const std::vector<std::string>& outputs) const
+{
+    std::error_code error;
+    for (const std::string& output : outputs) {
+        if (!std::filesystem::is_regular_file(output, error)) continue;
+        const auto is_it = [&](const std::string& argument) {
+            return !is_sample_mesh_name(argument) &&
+                   true_path(std::string(without_kind(argument))) == output;
+        };
+        if (std::ranges::count_if(options_.arguments, is_it) < 2) continue;
+        return fail(ErrorCode::invalid_argument,
+                    "would be read and written: name another file for what is written", output);
+    }
+    return {};
 }
 
 } // namespace proxima

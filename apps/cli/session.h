@@ -23,6 +23,7 @@ struct CommonOptions {
     std::string json;           ///< file for the JSON result, "-" for stdout, empty for none
     std::optional<int> threads; ///< 0 = all that the machine offers; none where not asked for
     bool quiet = false;         ///< nothing for people, neither text nor a progress bar
+    std::vector<std::string> arguments; ///< values of all options, as given: input files among them
 };
 
 /// One run of a subcommand.
@@ -65,11 +66,13 @@ public:
 
     /// What would go wrong with writing to --json and to `files`: to be asked before long work, so
     /// that a wrong folder does not cost its result. Empty names are left out. Errors:
-    /// invalid_argument (two outputs that are one file, or stdout for other than --json),
-    /// file_not_writable.
+    /// invalid_argument (two outputs that are one file, a file that another argument names as well,
+    /// or stdout for other than --json), file_not_writable.
     [[nodiscard]] Status check_outputs(const std::vector<std::string>& files) const;
 
 private:
+    [[nodiscard]] Status check_inputs(const std::vector<std::string>& outputs) const;
+
     CommonOptions options_;
     Progress progress_;
 };

@@ -1,11 +1,10 @@
 // proxima tables: every table of the thesis, ours beside its values, and why they differ.
 #include "cli/commands.h"
-#include "cli/names.h"
+#include "cli/only_option.h"
 #include "cli/thesis_comparison.h"
 #include "proxima/base/text.h"
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <filesystem>
 #include <fmt/core.h>
 #include <memory>
@@ -15,8 +14,15 @@ namespace proxima {
 
 namespace {
 
+std::vector<std::string_view> table_numbers()
+{
+    std::vector<std::string_view> numbers;
+    for (const ThesisTable& table : thesis_tables()) numbers.emplace_back(table.number);
+    return numbers;
+}
+
 struct TablesOptions {
-    std::vector<std::string> only;
+    OnlyOption only{"table", table_numbers()};
     ThesisComparisonOptions comparison;
 };
 
@@ -44,9 +50,7 @@ Status run_tables(const TablesOptions& options, Session& session)
     comparison.progress = &session.progress();
     nlohmann::ordered_json tables = nlohmann::ordered_json::array();
     for (const ThesisTable& table : thesis_tables()) {
-        const bool wanted = options.only.empty() ||
-                            std::ranges::find(options.only, table.number) != options.only.end();
-        if (!wanted) continue;
+        if (!options.only.wants(table.number)) continue;
         const auto result = [&] {
             const ProgressBar shown(session.progress(), session.bar());
             return table.compare(comparison);
@@ -67,16 +71,6 @@ Status run_tables(const TablesOptions& options, Session& session)
     return session.write_json({{"tables", tables}});
 }
 
-std::string table_numbers()
-{
-    std::string numbers;
-    for (const ThesisTable& table : thesis_tables()) {
-        if (!numbers.empty()) numbers += ", ";
-        numbers += table.number;
-    }
-    return numbers;
-}
-
 } // namespace
 
 Command add_tables_command(CLI::App& app)
@@ -84,27 +78,12 @@ Command add_tables_command(CLI::App& app)
     CLI::App* const parser =
         app.add_subcommand("tables", "Print every table of the thesis, ours beside its values");
     const auto options = std::make_shared<TablesOptions>();
-    parser
-        ->add_option_function<std::string>(
-            "--only",
-            [options](const std::string& text) {
-                options->only = split_list(text);
-                for (const std::string& number : options->only) {
-                    if (std::ranges::none_of(thesis_tables(), [&](const ThesisTable& table) {
-                            return table.number == number;
-                        })) {
-                        throw CLI::ValidationError(
-                            "--only",
-                            concat('"', number, "\" is no table here: they are ", table_numbers()));
-                    }
-                }
-            },
-            concat("Only these, of ", table_numbers()))
-        ->type_name("LIST");
+    options->only.add_to(*parser);
     parser
         ->add_option("--meshes", options->comparison.meshes,
                      "Folder with the Stanford models of Table 2.3 (default: shared/meshes beside "
                      "the checkout that the program was built in)")
+        ->check(CLI::ExistingDirectory)
         ->type_name("DIR");
     return {parser, [options](Session& session) { return run_tables(*options, session); }};
 }

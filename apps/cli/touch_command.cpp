@@ -11,11 +11,16 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <fmt/core.h>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace proxima {
 
@@ -47,7 +52,16 @@ struct TouchOptions {
     std::string patches; ///< kinds; "" for the direct mode
     double collision_rate = PatchSettings{}.collision_rate;
     double graphics_rate = TouchSettings{}.graphics_rate;
+    std::vector<std::string> given; ///< names of the options that were given
 };
+
+/// What a recording says of its own session.
+constexpr std::array recorded_options = {
+    "--seconds",        "--seed",    "--limits",         "--stiffness",     "--damping", "--radius",
+    "--friction",       "--shading", "--free-running",   "--scale",         "--axes",    "--clutch",
+    "--device-library", "--patch",   "--collision-rate", "--graphics-rate", "--record"};
+constexpr std::array hand_options = {"--seed", "--free-running"};
+constexpr std::array driver_options = {"--device-library"};
 
 std::string names_of_devices()
 {
@@ -88,6 +102,41 @@ SurfaceMaterial usual_material(const TouchOptions& options)
             .damping = options.damping,
             .static_friction = options.friction,
             .dynamic_friction = 0.75 * options.friction};
+}
+
+/// Error invalid_argument for an option that would be without any effect.
+Status check_options(const TouchOptions& options)
+{
+    const auto is_given = [&](std::string_view name) {
+        return std::ranges::find(options.given, name) != options.given.end();
+    };
+    const auto refuse = [&](std::span<const char* const> names, const char* why) -> Status {
+        const auto found = std::ranges::find_if(names, is_given);
+        if (found == names.end()) return {};
+        return fail(ErrorCode::invalid_argument, why, *found);
+    };
+    const std::string kind = options.device.substr(0, options.device.find(':'));
+    Status status;
+    if (kind == "replay")
+        return refuse(recorded_options, "a replay is felt as it was recorded: leave it out");
+    if (kind != "hand") {
+        status = refuse(hand_options,
+                        "is for a simulated hand: other devices go their own ways and keep time");
+    }
+    if (status && kind != "hd" && kind != "dhd")
+        status = refuse(driver_options, "is for hd and dhd: leave it out");
+    if (!status) return status;
+    if (is_given("--collision-rate") && !is_given("--patch")) {
+        return fail(ErrorCode::invalid_argument, "is of patches: give --patch, or leave it out",
+                    "--collision-rate");
+    }
+    if (is_given("--record") && is_given("--patch")) {
+        return fail(ErrorCode::invalid_argument,
+                    "is for sessions that touch the whole model: a replay cannot know which patch "
+                    "came when. Leave it or --patch out",
+                    "--record");
+    }
+    return {};
 }
 
 Status run_replay(const TouchOptions& options, Session& session)
@@ -150,31 +199,40 @@ Result<TouchResult> touch_with_patches(const TouchOptions& options, const TouchM
 
 Status run_device(const TouchOptions& options, Session& session)
 {
-    if (options.free_running && !options.device.starts_with("hand:")) {
-        return fail(ErrorCode::invalid_argument,
-                    "is for a simulated hand: other devices keep their own time", "--free-running");
-    }
     if (!options.record.empty()) {
         if (Status status = session.check_outputs({options.record}); !status) return status;
+        if (Status status = check_extension(options.record, ".pxt"); !status) return status;
+        const double bytes = recorded_bytes(settings_of(options));
+        if (bytes > most_recorded_bytes) {
+            return fail(ErrorCode::budget_exceeded,
+                        fmt::format("{:g} s would hold {:.1f} GB in memory, and a recording may "
+                                    "hold {:.1f}: give at most --seconds {:.0f}, or no --record",
+                                    options.seconds, 1e-9 * bytes, 1e-9 * most_recorded_bytes,
+                                    std::floor(options.seconds * most_recorded_bytes / bytes)),
+                        "--record");
+        }
     }
     const auto model = load_what_is_touched(options, session);
     if (!model) return tl::unexpected(model.error());
     std::vector<PatchAccount> patches;
     const auto result = touch_with_patches(options, **model, patches, session);
     if (!result) return tl::unexpected(result.error());
+    Status recorded;
     if (!options.record.empty()) {
         // An interrupted session is as good as any: its recording is written all the same.
         Progress* const progress = result->device->interrupted ? nullptr : &session.progress();
-        Status status = save_recording(result->recording, options.record, progress);
-        if (!status) return status;
+        recorded = save_recording(result->recording, options.record, progress);
     }
     const TouchReportOf of = {options.model, options.device, !options.free_running, std::nullopt};
     session.print(touch_text(of, **model, *result));
     if (!patches.empty()) session.print(patch_table(patches));
-    if (!options.record.empty()) session.print(fmt::format("wrote {}\n", options.record));
+    if (!options.record.empty() && recorded)
+        session.print(fmt::format("wrote {}\n", options.record));
     Json json = touch_json(of, **model, *result);
     if (!patches.empty()) json["patches"] = patch_json(patches);
-    return session.write_json(json);
+    // What was felt is said, whether it could be kept or not.
+    if (Status status = session.write_json(json); !status) return status;
+    return recorded;
 }
 
 Status list_devices(const TouchOptions& options, Session& session)
@@ -187,6 +245,7 @@ Status list_devices(const TouchOptions& options, Session& session)
 Status run_touch(const TouchOptions& options, Session& session)
 {
     if (options.list) return list_devices(options, session);
+    if (Status status = check_options(options); !status) return status;
     return options.device.starts_with(replay_prefix) ? run_replay(options, session)
                                                      : run_device(options, session);
 }
@@ -211,7 +270,10 @@ void add_settings(CLI::App& parser, TouchOptions& options)
         ->capture_default_str()
         ->type_name("S");
     parser.add_option("--seed", options.seed, "Of the hand's script")
-        ->check(CLI::NonNegativeNumber)
+        ->check([](const std::string& text) {
+            return parse_whole(text) ? std::string()
+                                     : concat(text, " is no whole number from 0 to 2^64 - 1");
+        })
         ->capture_default_str()
         ->type_name("N");
     parser
@@ -310,7 +372,11 @@ Command add_touch_command(CLI::App& app)
                 parser->get_option(name)->required(false);
         },
         "Print the devices that are there, and what is wrong with the others");
-    return {parser, [options](Session& session) { return run_touch(*options, session); }};
+    return {parser, [parser, options](Session& session) {
+                for (const CLI::Option* const option : parser->get_options())
+                    if (option->count() > 0) options->given.push_back(option->get_name());
+                return run_touch(*options, session);
+            }};
 }
 
 } // namespace proxima

@@ -59,7 +59,8 @@ Result<TouchDevice> ready(Result<std::unique_ptr<Device>> device,
     if (!device) return tl::unexpected(device.error());
     TouchDevice result;
     result.device = std::move(*device);
-    result.limits = settings.limits.value_or(result.device->info().limits);
+    result.limits = result.device->info().limits;
+    if (settings.limits) result.limits = within(result.limits, *settings.limits);
     result.map = map_of(box, result.limits, settings.scale);
     return result;
 }

@@ -26,11 +26,12 @@ namespace proxima {
 
 /// Which device, and what it needs to know.
 struct TouchDeviceSettings {
-    std::string device;                 ///< hand:SCRIPT, udp:[ADDRESS:]PORT, hd[:NAME], dhd[:INDEX]
-    std::string library;                ///< of hd and dhd; "" to search
-    std::optional<DeviceLimits> limits; ///< instead of its own; a hand and UDP have an omni's
-    double scale = 1;                   ///< motions in the model, over those that fit it in
-    std::uint64_t seed = 1;             ///< of a hand's script
+    std::string device;  ///< hand:SCRIPT, udp:[ADDRESS:]PORT, hd[:NAME], dhd[:INDEX]
+    std::string library; ///< of hd and dhd; "" to search
+    std::optional<DeviceLimits>
+        limits;             ///< none beyond them; a hand's and UDP's own, else an omni's
+    double scale = 1;       ///< motions in the model, over those that fit it in
+    std::uint64_t seed = 1; ///< of a hand's script
     HandModel hand;
 };
 

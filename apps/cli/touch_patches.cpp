@@ -1,5 +1,6 @@
 #include "cli/touch_patches.h"
 
+#include "cli/touch_report.h"
 #include "cli/touch_session.h"
 #include "proxima/base/text.h"
 
@@ -47,18 +48,15 @@ double mean_triangles(const PatchAccount& account)
 } // namespace
 
 PatchTouch::PatchTouch(const TouchModel& model, const PatchSettings& settings,
-                       const WorkspaceMap& map, const RenderOptions& render, double tick_seconds,
-                       Pace pace)
+                       const WorkspaceMap& map, const RenderOptions& render,
+                       const SurfaceFeel* feel, double tick_seconds, Pace pace)
     : whole_(*model.contact),
       map_(map), options_{.rate = settings.collision_rate,
                           .latency_seconds = 1 / settings.collision_rate,
                           .speed = settings.hand_speed * map.units_per_metre,
                           .proxy_radius = render.proxy_radius * map.units_per_metre},
       rings_(model.octree, model.surface.mesh, model.surface.topology), patch_(whole_.scale()),
-      expected_(whole_, {.radius = options_.proxy_radius,
-                         .static_friction = render.static_friction,
-                         .dynamic_friction = render.dynamic_friction,
-                         .max_moves = render.max_moves}),
+      expected_(whole_, proxy_options(render, map, feel)), near_(ContactPatch::most),
       exchange_(room_for(model)), due_(2, ContactPatch(room_for(model)))
 {
     account_.settings = settings;
@@ -103,14 +101,7 @@ void PatchTouch::make(ContactPatch& patch, const ServoPlace& place) noexcept
 
 Patch PatchTouch::begin_tick() noexcept
 {
-    if (collision_thread_.joinable()) {
-        used_ = exchange_.take();
-    } else if (tick_ > 0 && (tick_ - 1) % ticks_per_patch_ == 0) {
-        // The patch that was begun a period ago has come; the next one is begun.
-        used_ = tick_ > 1 ? &due_[making_] : nullptr;
-        making_ = 1 - making_;
-        make(due_[making_], place_);
-    }
+    if (collision_thread_.joinable()) used_ = exchange_.take();
     patch_.use(used_);
     const bool lost =
         used_ == nullptr || tick_ - used_->made_at > periods_to_loss * ticks_per_patch_;
@@ -118,11 +109,14 @@ Patch PatchTouch::begin_tick() noexcept
     return lost ? Patch::lost : Patch::at_hand;
 }
 
-bool PatchTouch::has(TriangleId triangle) const noexcept
+/// Whether the patch answers with the contact's triangle, asked where that is touched.
+bool PatchTouch::has(const Contact& contact) noexcept
 {
-    if (used_ == nullptr) return false;
-    return std::ranges::any_of(used_->triangles(),
-                               [&](const ContactTriangle& each) { return each.id == triangle; });
+    const double near = safety_gap(patch_.scale());
+    const std::size_t count = looked_up_.collect(patch_, contact.point, near, near_);
+    return std::ranges::any_of(
+        std::span(near_).first(std::min(count, near_.size())),
+        [&](const ContactTriangle& each) { return each.id == contact.triangle; });
 }
 
 void PatchTouch::compare(const RenderTick& felt) noexcept
@@ -138,7 +132,7 @@ void PatchTouch::compare(const RenderTick& felt) noexcept
     ++account_.touching_ticks;
     bool missed = false;
     for (std::size_t i = 0; i < should.slide.contact_count; ++i)
-        missed |= !has(should.slide.contacts[i].triangle);
+        missed |= !has(should.slide.contacts[i]);
     account_.missed_ticks += missed ? 1U : 0U;
     const double apart = (should.proxy - felt.proxy.proxy).norm();
     account_.apart_ticks += apart > apart_metres * map_.units_per_metre ? 1U : 0U;
@@ -148,7 +142,14 @@ void PatchTouch::end_tick(const RenderTick& felt) noexcept
 {
     compare(felt);
     place_ = {map_.to_model(felt.position), felt.proxy.proxy, tick_};
-    if (collision_thread_.joinable() && place_.device.allFinite()) exchange_.say(place_);
+    if (collision_thread_.joinable()) {
+        if (place_.device.allFinite()) exchange_.say(place_);
+    } else if (tick_ % ticks_per_patch_ == 0) {
+        // The patch that was begun a period ago has come; the next one is begun.
+        used_ = tick_ > 0 ? &due_[making_] : nullptr;
+        making_ = 1 - making_;
+        make(due_[making_], place_);
+    }
     ++tick_;
 }
 
@@ -193,15 +194,21 @@ Result<std::vector<PatchSettings>> parse_patch_kinds(const std::string& text)
 
 std::string patch_table(const std::vector<PatchAccount>& accounts)
 {
-    std::string text = fmt::format("{:<9} {:>8} {:>10} {:>8} {:>9} {:>9} {:>7} {:>7} {:>7} {:>5}\n",
-                                   "patch", "patches", "triangles", "largest", "sent down",
-                                   "touching", "missed", "apart", "oldest", "lost");
+    std::string text =
+        fmt::format("{:<9} {:>8} {:>10} {:>8} {:>9} {:>9} {:>7} {:>7} {:>7} {:>5} {:>8} {:>8}\n",
+                    "patch", "patches", "triangles", "largest", "sent down", "touching", "missed",
+                    "apart", "oldest", "lost", "p50 us", "p99.9 us");
     for (const PatchAccount& account : accounts) {
-        text += fmt::format("{:<9} {:>8} {:>10.1f} {:>8} {:>8.3f}% {:>9} {:>7} {:>7} {:>7} {:>5}\n",
-                            name_of(account.settings), account.patches, mean_triangles(account),
-                            account.largest, percent_sent(account), account.touching_ticks,
-                            account.missed_ticks, account.apart_ticks, account.oldest_ticks,
-                            account.lost_ticks);
+        const auto microseconds = [&](double part) {
+            return 1e-3 * static_cast<double>(account.tick.quantile(part));
+        };
+        text += fmt::format(
+            "{:<9} {:>8} {:>10.1f} {:>8} {:>8.3f}% {:>9} {:>7} {:>7} {:>7} {:>5} {:>8.2f} "
+            "{:>8.2f}\n",
+            name_of(account.settings), account.patches, mean_triangles(account), account.largest,
+            percent_sent(account), account.touching_ticks, account.missed_ticks,
+            account.apart_ticks, account.oldest_ticks, account.lost_ticks, microseconds(0.5),
+            microseconds(0.999));
     }
     return text;
 }
@@ -223,7 +230,8 @@ nlohmann::ordered_json patch_json(const std::vector<PatchAccount>& accounts)
                         {"oldest_ticks", account.oldest_ticks},
                         {"lost_ticks", account.lost_ticks},
                         {"incomplete", account.incomplete},
-                        {"late_collisions", account.late_collisions}});
+                        {"late_collisions", account.late_collisions},
+                        {"tick", latency_json(account.tick)}});
     }
     return rows;
 }

@@ -10,9 +10,11 @@
 
 #include "proxima/base/result.h"
 #include "proxima/haptics/collision_loop.h"
+#include "proxima/haptics/contact_cache.h"
 #include "proxima/haptics/contact_force.h"
 #include "proxima/haptics/contact_patch.h"
 #include "proxima/haptics/haptic_renderer.h"
+#include "proxima/haptics/latency_histogram.h"
 #include "proxima/haptics/proxy.h"
 #include "proxima/haptics/servo_loop.h"
 
@@ -48,6 +50,7 @@ struct PatchAccount {
     std::uint64_t oldest_ticks = 0; ///< the oldest patch that was touched
     std::uint64_t lost_ticks = 0;   ///< without a patch young enough: the force faded
     std::uint64_t late_collisions = 0; ///< deadlines that the collision loop missed
+    LatencyHistogram tick;             ///< of computing forces by these patches, ns
 };
 
 /// Patches of one session: the servo thread's, but for the constructor, finish() and the loop that
@@ -55,9 +58,10 @@ struct PatchAccount {
 class PatchTouch {
 public:
     /// Paced sessions have a collision thread; in others the servo thread makes each patch when it
-    /// is due, and touches it a period later.
+    /// is due, at the end of a tick, and touches it a period later. Refers to model and feel.
     PatchTouch(const TouchModel& model, const PatchSettings& settings, const WorkspaceMap& map,
-               const RenderOptions& render, double tick_seconds, Pace pace);
+               const RenderOptions& render, const SurfaceFeel* feel, double tick_seconds,
+               Pace pace);
     PatchTouch(const PatchTouch&) = delete;
     PatchTouch& operator=(const PatchTouch&) = delete;
     ~PatchTouch();
@@ -65,10 +69,11 @@ public:
     /// What the session's proxy touches.
     [[nodiscard]] const ContactSurface& surface() const noexcept { return patch_; }
 
-    /// Takes the newest patch. noexcept, no allocation.
+    /// Takes the newest patch: what patch mode adds to a tick's work. noexcept, no allocation.
     [[nodiscard]] Patch begin_tick() noexcept;
 
-    /// Says where device and proxy are, and keeps account. noexcept, no allocation.
+    /// Says where device and proxy are, keeps account and, without a collision thread, does its
+    /// work. noexcept, no allocation.
     void end_tick(const RenderTick& felt) noexcept;
 
     /// Ends the collision thread.
@@ -77,7 +82,7 @@ public:
 private:
     void make(ContactPatch& patch, const ServoPlace& place) noexcept;
     void compare(const RenderTick& felt) noexcept;
-    [[nodiscard]] bool has(TriangleId triangle) const noexcept;
+    [[nodiscard]] bool has(const Contact& contact) noexcept;
 
     const ContactSurface& whole_;
     WorkspaceMap map_;
@@ -86,6 +91,8 @@ private:
     RingPatches rings_;
     PatchContactSurface patch_;
     Proxy expected_;
+    ContactCache looked_up_; ///< of patches, for the account
+    std::vector<ContactTriangle> near_;
     bool placed_ = false;
     PatchExchange exchange_;
     std::vector<ContactPatch> due_; ///< unpaced: the one that is touched, and the next

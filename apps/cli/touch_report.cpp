@@ -22,6 +22,13 @@ std::string microseconds(const LatencyHistogram& histogram)
                        at(0.5), at(0.99), at(0.999), at(0.9999), at(1));
 }
 
+double percent(std::uint64_t part, std::uint64_t whole)
+{
+    return whole == 0 ? 0 : 100 * static_cast<double>(part) / static_cast<double>(whole);
+}
+
+} // namespace
+
 Json latency_json(const LatencyHistogram& histogram)
 {
     return {{"p50_ns", histogram.quantile(0.5)},
@@ -30,13 +37,6 @@ Json latency_json(const LatencyHistogram& histogram)
             {"p99_99_ns", histogram.quantile(0.9999)},
             {"max_ns", histogram.max()}};
 }
-
-double percent(std::uint64_t part, std::uint64_t whole)
-{
-    return whole == 0 ? 0 : 100 * static_cast<double>(part) / static_cast<double>(whole);
-}
-
-} // namespace
 
 std::string touch_text(const TouchReportOf& of, const TouchModel& model, const TouchResult& result)
 {
@@ -71,11 +71,15 @@ std::string touch_text(const TouchReportOf& of, const TouchModel& model, const T
         text += fmt::format("replayed: {} ticks differ from the recording\n", *of.differences);
     } else if (of.paced) {
         text += fmt::format(
-            "servo: {:.1f} Hz, {} deadlines missed, {} ticks left out; late by {}\n"
+            "servo: {:.1f} Hz, {} deadlines missed ({} woken up after them, {} by work), {} ticks "
+            "left out, {} page faults\n"
+            "late: {}\nwork: {}\n"
             "real-time priority: {}, locked memory: {}\n",
             static_cast<double>(result.servo.ticks) / std::max(result.servo.seconds, 1e-9),
-            result.servo.missed, result.servo.skipped, microseconds(result.servo.late),
-            result.servo.real_time_priority ? "yes" : "no",
+            result.servo.missed, result.servo.overslept,
+            result.servo.missed - result.servo.overslept, result.servo.skipped,
+            result.servo.page_faults, microseconds(result.servo.late),
+            microseconds(result.servo.work), result.servo.real_time_priority ? "yes" : "no",
             result.servo.locked_memory ? "yes" : "no");
         if (!result.servo.note.empty()) text += fmt::format("note: {}\n", result.servo.note);
     }
@@ -131,8 +135,11 @@ Json touch_json(const TouchReportOf& of, const TouchModel& model, const TouchRes
     } else if (of.paced) {
         json["servo"] = {{"seconds", result.servo.seconds},
                          {"missed_deadlines", result.servo.missed},
+                         {"overslept", result.servo.overslept},
+                         {"page_faults", result.servo.page_faults},
                          {"skipped_ticks", result.servo.skipped},
                          {"late", latency_json(result.servo.late)},
+                         {"work", latency_json(result.servo.work)},
                          {"real_time_priority", result.servo.real_time_priority},
                          {"locked_memory", result.servo.locked_memory},
                          {"note", result.servo.note}};

@@ -10,6 +10,9 @@
 
 namespace proxima {
 
+/// Quantiles of times: p50_ns and so on.
+[[nodiscard]] nlohmann::ordered_json latency_json(const LatencyHistogram& histogram);
+
 /// What the report is of.
 struct TouchReportOf {
     std::string model;

@@ -67,14 +67,22 @@ std::string_view word_of(const LiveTouch& now)
     return now.hold == Hold::sticking ? "sticking" : "sliding";
 }
 
+/// Of one model at rest that is shaded; a scene's objects have their own.
+std::unique_ptr<ShadingNormals> normals_for(const TouchModel& model, const RenderOptions& options)
+{
+    if (options.shading == ForceShading::off || model.scene != nullptr) return nullptr;
+    return std::make_unique<ShadingNormals>(model.surface.mesh, model.surface.topology);
+}
+
 /// Renders and keeps account; all that the loop calls is without allocation.
 class TouchRun {
 public:
-    /// In patch mode with patches, which must outlive it.
-    TouchRun(const TouchModel& model, const WorkspaceMap& map, const DeviceLimits& device,
-             const RenderOptions& options, PatchTouch* patches = nullptr)
-        : patches_(patches), scene_(model.scene.get()), normals_(normals_for(model, options)),
-          renderer_(renderer_of(model, patches, normals_.get(), map, device, options)),
+    /// With what normals_for() gave and, in patch mode, patches: both must outlive it.
+    TouchRun(const TouchModel& model, const SurfaceFeel* feel, const WorkspaceMap& map,
+             const DeviceLimits& device, const RenderOptions& options,
+             PatchTouch* patches = nullptr)
+        : patches_(patches), scene_(model.scene.get()),
+          renderer_(renderer_of(model, patches, feel, map, device, options)),
           meter_(scene_ != nullptr ? QualityMeter(scene_->scene(), map)
                                    : QualityMeter(*model.contact, map))
     {}
@@ -106,13 +114,6 @@ public:
     }
 
 private:
-    static std::unique_ptr<ShadingNormals> normals_for(const TouchModel& model,
-                                                       const RenderOptions& options)
-    {
-        if (options.shading == ForceShading::off || model.scene != nullptr) return nullptr;
-        return std::make_unique<ShadingNormals>(model.surface.mesh, model.surface.topology);
-    }
-
     static HapticRenderer renderer_of(const TouchModel& model, PatchTouch* patches,
                                       const SurfaceFeel* feel, const WorkspaceMap& map,
                                       const DeviceLimits& device, const RenderOptions& options)
@@ -125,7 +126,6 @@ private:
     PatchTouch* patches_;
     ScriptedScene* scene_;
     std::uint64_t ticks_ = 0;
-    std::unique_ptr<ShadingNormals> normals_;
     HapticRenderer renderer_;
     QualityMeter meter_;
     TouchResult result_;
@@ -184,6 +184,11 @@ std::uint64_t ticks_to_release(const DeviceInfo& info, const TouchSettings& sett
 
 } // namespace
 
+double recorded_bytes(const TouchSettings& settings)
+{
+    return settings.seconds / settings.input.tick_seconds * sizeof(RecordedTick);
+}
+
 Result<std::unique_ptr<TouchModel>> load_touch_model(const std::string& name, Session& session)
 {
     auto model = std::make_unique<TouchModel>();
@@ -205,12 +210,14 @@ Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings
     if (!opened) return tl::unexpected(opened.error());
     Device& device = *opened->device;
     const DeviceLimits& limits = opened->limits;
+    const std::unique_ptr<ShadingNormals> normals = normals_for(model, settings.render);
     std::optional<PatchTouch> patches;
     if (settings.patches) {
-        patches.emplace(model, *settings.patches, opened->map, settings.render,
+        patches.emplace(model, *settings.patches, opened->map, settings.render, normals.get(),
                         settings.input.tick_seconds, settings.pace);
     }
-    TouchRun run(model, opened->map, limits, settings.render, patches ? &*patches : nullptr);
+    TouchRun run(model, normals.get(), opened->map, limits, settings.render,
+                 patches ? &*patches : nullptr);
     DeviceInput input(device.info(), settings.input);
     const double tick_seconds = settings.input.tick_seconds;
     const auto ticks = static_cast<std::uint64_t>(std::llround(settings.seconds / tick_seconds));
@@ -248,7 +255,10 @@ Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings
 
     TouchResult result = std::move(run).finish();
     result.servo = std::move(servo);
-    if (patches) result.patches = patches->finish();
+    if (patches) {
+        result.patches = patches->finish();
+        result.patches->tick = result.render;
+    }
     result.device = DeviceAccount{.info = device.info(),
                                   .limits = limits,
                                   .input = input.report(),
@@ -286,7 +296,8 @@ Result<ReplayResult> replay_touch(const TouchModel& model, const Recording& reco
                                  .max_force = settings.max_force,
                                  .max_stiffness = settings.max_stiffness,
                                  .max_damping = settings.max_damping};
-    TouchRun run(model, settings.map, device, settings.render);
+    const std::unique_ptr<ShadingNormals> normals = normals_for(model, settings.render);
+    TouchRun run(model, normals.get(), settings.map, device, settings.render);
     ReplayResult result;
     for (const RecordedTick& tick : recording.ticks) {
         const DeviceState state = device_state(tick);

@@ -51,6 +51,12 @@ struct TouchSettings {
     double graphics_rate = 50;            ///< of what a terminal shows
 };
 
+/// A recording holds no more, some nine hours: it is in memory until the session ends.
+inline constexpr double most_recorded_bytes = 4e9;
+
+/// What a recording of the session holds in memory.
+[[nodiscard]] double recorded_bytes(const TouchSettings& settings);
+
 /// What became of a session's device.
 struct DeviceAccount {
     DeviceInfo info;

@@ -1,12 +1,11 @@
 // proxima figures: the figures of the thesis, as pictures with captions.
-#include "cli/names.h"
+#include "cli/only_option.h"
 #include "proxima/base/output_file.h"
 #include "proxima/base/text.h"
 #include "viewer/commands.h"
 #include "viewer/figures/figure_pages.h"
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <filesystem>
 #include <fmt/core.h>
 #include <memory>
@@ -15,24 +14,18 @@
 namespace proxima {
 namespace {
 
-struct FiguresOptions {
-    std::string out;
-    std::vector<std::string> only;
-    bool opengl = false;
-
-    [[nodiscard]] bool wants(std::string_view number) const
-    {
-        return only.empty() || std::ranges::find(only, number) != only.end();
-    }
-};
-
-std::string figure_numbers()
+std::vector<std::string_view> figure_numbers()
 {
-    std::string numbers;
-    for (const ThesisFigure& figure : thesis_figures())
-        numbers += fmt::format("{}{}", numbers.empty() ? "" : ", ", figure.number);
+    std::vector<std::string_view> numbers;
+    for (const ThesisFigure& figure : thesis_figures()) numbers.emplace_back(figure.number);
     return numbers;
 }
+
+struct FiguresOptions {
+    std::string out;
+    OnlyOption only{"figure", figure_numbers()};
+    bool opengl = false;
+};
 
 Status write_text(const std::string& text, const std::filesystem::path& path, Progress* progress)
 {
@@ -65,7 +58,7 @@ Status run_figures(const FiguresOptions& options, Session& session)
     std::vector<FigurePage> pages;
     nlohmann::ordered_json made = nlohmann::ordered_json::array();
     for (const ThesisFigure& figure : thesis_figures()) {
-        if (!options.wants(figure.number)) continue;
+        if (!options.only.wants(figure.number)) continue;
         auto page = [&] {
             const ProgressBar shown(session.progress(), session.bar());
             return write_figure_page(figure, folder, **renderer, context);
@@ -106,24 +99,7 @@ Command add_figures_command(CLI::App& app)
         ->add_option("--out", options->out, "Folder for pictures and figures.html; made if need be")
         ->required()
         ->type_name("DIR");
-    parser
-        ->add_option_function<std::string>(
-            "--only",
-            [options](const std::string& text) {
-                options->only = split_list(text);
-                for (const std::string& number : options->only) {
-                    if (std::ranges::none_of(thesis_figures(), [&](const ThesisFigure& figure) {
-                            return figure.number == number;
-                        })) {
-                        throw CLI::ValidationError("--only", concat('"', number,
-                                                                    "\" is no figure here: they "
-                                                                    "are ",
-                                                                    figure_numbers()));
-                    }
-                }
-            },
-            concat("Only these, of ", figure_numbers()))
-        ->type_name("LIST");
+    options->only.add_to(*parser);
     parser->add_flag("--opengl", options->opengl,
                      "Draw scenes by OpenGL, without a display; by software otherwise");
     return {parser, [options](Session& session) { return run_figures(*options, session); }};

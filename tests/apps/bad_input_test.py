@@ -199,6 +199,37 @@ class Outputs(ProgramTest):
             with self.subTest(first, second=second):
                 self.refuse("octree", "cube", first, path, second, same, says=("a.ply", "two outputs"))
 
+    def test_what_is_read_is_not_written(self):
+        mesh = self.file("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+        points = self.file("points.csv", "x,y,z\n1,2,3\n")
+        session = self.folder / "session.pxt"
+        self.succeed("touch", "cube", "--device", "hand:press", "--seconds", 0.1, "--free-running", "--record", session)
+        (self.folder / "folder").mkdir()
+        again = self.folder / "folder" / ".." / "a.obj"
+        kept = {path: path.read_bytes() for path in (mesh, points, session)}
+        for arguments in (("patch", mesh, "--point", "0,0,0", "--rings", 1, "--out", again),
+                          ("closest", mesh, "--points", points, "--out", points),
+                          ("octree", mesh, "--json", mesh), ("check", mesh, "--json", mesh),
+                          ("touch", "cube", "--device", f"replay:{session}", "--json", session),
+                          ("minkowski", mesh, "cube", "--out", mesh)):
+            with self.subTest(arguments):
+                self.refuse(*arguments, says="read and written")
+        for path, content in kept.items():
+            self.assertEqual(path.read_bytes(), content)
+
+    def test_own_files_have_their_extensions(self):
+        self.refuse("octree", "cube", "--save", self.folder / "a.obj", says=("a.obj", ".pxo"))
+        self.refuse("touch", "cube", "--device", "hand:press", "--record", self.folder / "a.obj", says=("a.obj", ".pxt"))
+
+    def test_advice_can_be_followed(self):
+        def little_memory():
+            resource.setrlimit(resource.RLIMIT_AS, (400_000_000, 400_000_000))
+        for arguments in (("raycast", "spaceship:1000000", "--camera", "10x10", "--shade", "--out", self.folder / "a.png"),
+                          ("check", "spaceship:1000000")):
+            with self.subTest(arguments):
+                said = self.refuse(*arguments, says="memory", preexec_fn=little_memory)
+                self.assertNotIn("raise", said)
+
     def test_unknown_extension_is_said_before_the_work(self):
         start = time.monotonic()
         self.refuse("octree", "spaceship:2000000", "--depth", 12, "--export", self.folder / "a.bmp",

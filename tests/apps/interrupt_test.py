@@ -67,6 +67,20 @@ class Building(InterruptTest):
         self.interrupt("octree", "spaceship:300000", "--depth", "10", "--method", "minkowski",
                        *self.outputs(), when=after(1), sent=signal.SIGTERM)
 
+    def test_rays(self):
+        self.interrupt("raycast", "cube", "--camera", "16384x16384", "--shade", "--out", self.folder / "a.png", when=after(2))
+        self.interrupt("raycast", "torus:200x100", "--camera", "4000x4000", "--depth", "8", "--cells", "--out", self.folder / "a.csv", when=after(1))
+
+    def test_closest_features(self):
+        self.interrupt("proximity", "sphere:300x300", "--save", self.folder / "a.pxp", when=after(1))
+
+    def test_pairs(self):
+        self.interrupt("check", "spaceship:2000000", when=after(4))
+
+    def test_a_closed_terminal(self):
+        self.interrupt("octree", "spaceship:300000", "--depth", "10", "--method", "pairwise", *self.outputs(),
+                       when=after(1), sent=signal.SIGHUP)
+
     def test_compare(self):
         self.interrupt("compare", "spaceship:300000", "--json", self.folder / "a.json", when=after(1))
 

@@ -41,7 +41,7 @@ class Opening(OctreeFileTest):
         self.succeed("octree", path, "--save", again)
         self.assertEqual(path.read_bytes(), again.read_bytes())
         before = path.read_bytes()
-        self.succeed("octree", path, "--save", path)
+        self.refuse("octree", path, "--save", path, says=("a.pxo", "read and written"))
         self.assertEqual(path.read_bytes(), before)
 
     def test_exports_are_those_of_the_mesh(self):

@@ -1,4 +1,5 @@
-"""Runs the program `proxima` as its users do; the path is in the environment variable PROXIMA."""
+"""Runs the program `proxima` as its users do; the path is in the environment variable PROXIMA, that of a library to be
+loaded before it, if any, in PROXIMA_PRELOAD."""
 import json
 import os
 import subprocess
@@ -10,9 +11,15 @@ PROXIMA = os.environ.get("PROXIMA", "proxima")
 SECONDS = 300
 
 
-def run(*arguments, **options):
+def environment_of_program(environment=os.environ):
+    """What the program is to see in an environment."""
+    preload = os.environ.get("PROXIMA_PRELOAD")
+    return {**environment, "LD_PRELOAD": preload} if preload else dict(environment)
+
+
+def run(*arguments, env=os.environ, **options):
     """Runs to the end with stdout and stderr caught as text."""
-    return subprocess.run([PROXIMA, *map(str, arguments)], text=True, timeout=SECONDS,
+    return subprocess.run([PROXIMA, *map(str, arguments)], text=True, timeout=SECONDS, env=environment_of_program(env),
                           **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **options})
 
 

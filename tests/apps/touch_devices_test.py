@@ -40,6 +40,15 @@ class Devices(ProgramTest):
         self.assertGreaterEqual(felt["ticks"], 1000)  # and those in which the force fades at the end
         self.assertLess(felt["ticks"], 1100)
 
+    def test_no_limits_are_beyond_the_driver_s(self):
+        for name, stiffest in (("falcon", 700), ("delta", 700), ("touch", 400)):
+            felt = json.loads(self.succeed("touch", "cube", "--device", "hd", "--device-library", STUB_HD, "--seconds", 0.5,
+                                           "--stiffness", 5000, "--limits", name, "--json", "-",
+                                           env={**os.environ, "PROXIMA_STUB": "press=100"}))
+            self.assertLessEqual(felt["max_force"], 3.3)
+            self.assertEqual(felt["device_info"]["max_force"], 3.3)
+            self.assertAlmostEqual(felt["device_info"]["max_stiffness"], stiffest)
+
     def test_hd_faults(self):
         felt = self.feel("hd", STUB_HD, "unplug=480 replug=630")
         self.assertEqual((felt["input"]["losses"], felt["input"]["recoveries"]), (1, 1))

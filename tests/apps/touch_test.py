@@ -37,6 +37,7 @@ class Touching(ProgramTest):
         self.assertGreater(one["missed_ticks"], three["missed_ticks"])
         self.assertGreater(three["mean_triangles"], one["mean_triangles"])
         for row in result["patches"]:
+            self.assertTrue(0 < row["tick"]["p50_ns"] <= row["tick"]["max_ns"])
             self.assertAlmostEqual(row["percent_sent"], 100 * row["mean_triangles"] / 19800, places=9)
             self.assertLessEqual(row["oldest_ticks"], 20)
         live = self.json_of("touch", "cube", "--device", "hand:slide", "--seconds", 1, "--patch", "metric",
@@ -48,6 +49,14 @@ class Touching(ProgramTest):
         self.assertIn("sent down", text)
         for wrong in ("", "some", "-1", "1,,2", "65", "1.5"):
             self.refuse("touch", "cube", "--device", "hand:slide", "--patch", wrong, status=2)
+
+    def test_shaded_patches_are_held_against_what_is_shaded(self):
+        for script in ("stroke", "walk"):
+            result = self.json_of("touch", "icosphere:3", "--device", "hand:" + script, "--seconds", 2, "--free-running",
+                                  "--shading", "--patch", "metric")
+            (row,) = result["patches"]
+            self.assertEqual((result["shading"], row["missed_ticks"], row["apart_ticks"]), (True, 0, 0), script)
+            self.assertGreater(row["touching_ticks"], 300)
 
     def test_shaded_forces_replay(self):
         recording = self.folder / "shaded.pxt"
@@ -62,6 +71,8 @@ class Touching(ProgramTest):
         servo = result["servo"]
         self.assertEqual(result["ticks"], 500)
         self.assertGreaterEqual(servo["seconds"], 0.499)
+        self.assertLessEqual(servo["overslept"], servo["missed_deadlines"])
+        self.assertGreater(servo["work"]["p50_ns"], result["tick"]["p50_ns"])
         self.assertEqual(servo["real_time_priority"] and servo["locked_memory"], servo["note"] == "")
         text = self.succeed("touch", "cube", "--device", "hand:press", "--seconds", 0.2)
         for part in ("cube: 12 triangles", "workspace: 1 m of the device is", "passed through: 0", "deadlines missed",
@@ -299,6 +310,22 @@ class Refusing(ProgramTest):
                        "--axes=y,x,z", "--clutch=0", "--clutch=33"):
             self.refuse(*good, option, status=2, says=option.split("=")[0])
         self.refuse("touch", "cube", "--device", "udp:9", "--free-running", says=("--free-running", "simulated hand"))
+
+    def test_options_without_effect(self):
+        session = self.folder / "session.pxt"
+        self.succeed("touch", "cube", "--device", "hand:press", "--seconds", 0.1, "--free-running", "--record", session)
+        for option, value in (("--record", "again.pxt"), ("--stiffness", 100), ("--seconds", 1), ("--patch", "metric"),
+                              ("--limits", "touch"), ("--free-running", None)):
+            extra = (option,) if value is None else (option, value)
+            self.refuse("touch", "cube", "--device", f"replay:{session}", *extra, says=(option, "as it was recorded"))
+        good = ("touch", "cube", "--device", "hand:press")
+        self.refuse(*good, "--collision-rate", 50, says=("--collision-rate", "--patch"))
+        self.refuse(*good, "--device-library", "libHD.so", says=("--device-library", "hd and dhd"))
+        self.refuse(*good, "--patch", "metric", "--record", self.folder / "a.pxt", says=("--record", "--patch"))
+        self.refuse(*good, "--seconds", 86400, "--record", self.folder / "a.pxt", says=("--record", "GB", "--seconds"))
+        self.refuse("touch", "cube", "--device", "udp:9", "--seed", 4, says=("--seed", "simulated hand"))
+        for seed in ("99999999999999999999999", "-1", "1.5"):
+            self.refuse(*good, "--seed", seed, status=2, says=("--seed", "whole number"))
 
     def test_models_and_outputs(self):
         self.refuse("touch", self.folder / "none.obj", "--device", "hand:press", says="none.obj")

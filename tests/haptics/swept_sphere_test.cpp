@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <random>
 
 namespace proxima {
@@ -65,6 +67,40 @@ TEST(SweptSphere, agrees_with_small_steps)
     }
     EXPECT_GT(hits, 2000);
     EXPECT_GT(misses, 2000);
+}
+
+// Spheres of many sizes that come upon triangles of many sizes, near and far from the origin.
+TEST(SweptSphere, is_not_touched_before_its_least_time)
+{
+    int told = 0;
+    int close = 0;
+    for (std::uint32_t seed = 0; seed < 40000; ++seed) {
+        std::mt19937 random(seed);
+        std::uniform_real_distribution<double> place(-1, 1);
+        const auto anywhere = [&] { return Vec3{place(random), place(random), place(random)}; };
+        const double size = std::pow(10.0, 3 * place(random));
+        const double radius = size * std::pow(10.0, 2 + 3 * place(random));
+        const Vec3 origin = seed % 3 == 0 ? Vec3(1e4 * size * anywhere()) : Vec3(Vec3::Zero());
+        const Triangle triangle{
+            {origin + size * anywhere(), origin + size * anywhere(), origin + size * anywhere()}};
+        const Vec3 away = anywhere().normalized();
+        const Vec3 p = triangle[0] + (radius + size * (0.2 + std::abs(place(random)))) * away;
+        const Vec3 motion = 2 * size * anywhere() - (seed % 2 == 0 ? size : 0) * away;
+        if (distance(triangle, p) <= radius) continue;
+        const double least = least_touch_time(triangle, radius, p, motion);
+        EXPECT_GE(least, 0) << "seed " << seed;
+        const auto t = touch_time(triangle, radius, p, motion);
+        if (t) {
+            ASSERT_LE(least, *t) << "seed " << seed;
+            close += *t - least < 0.2 ? 1 : 0;
+        } else if (least > 1) {
+            ++told;
+        }
+        const double until = std::min(least, 1.0) * (1 - 1e-9);
+        ASSERT_GE(distance(triangle, p + until * motion), radius * (1 - 1e-12)) << "seed " << seed;
+    }
+    EXPECT_GT(told, 5000);
+    EXPECT_GT(close, 3000);
 }
 
 TEST(SweptSphere, finds_a_radius_of_a_billionth)

@@ -1,73 +1,22 @@
-// Each figure shows what it must: its parts against the library and against slow oracles, and the
-// colours of those parts in the picture.
-#include "proxima/octree/traverse.h"
-#include "proxima/proximity/brute_force.h"
-#include "proxima/query/build_ray_index.h"
-#include "proxima/query/intersect_meshes.h"
+// Figures of octrees and sums show what they must: their parts against the library and against slow
+// oracles, and the colours of those parts in the picture. What figures there are.
+#include "viewer/figure_parts.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/figure_pages.h"
 #include "viewer/figures/minkowski_figures.h"
 #include "viewer/figures/octree_figures.h"
-#include "viewer/figures/query_figures.h"
-#include "viewer/figures/ray_figures.h"
+#include "viewer/figures/planar_panel.h"
 #include "viewer/figures/voronoi_figures.h"
 #include "viewer/query_shapes.h"
 
 #include <algorithm>
+#include <array>
 #include <gtest/gtest.h>
 #include <map>
-#include <random>
 #include <set>
 
 namespace proxima {
 namespace {
-
-using Pixel = std::array<std::uint8_t, 3>;
-
-Pixel pixel_of(unsigned hex)
-{
-    return {static_cast<std::uint8_t>(hex >> 16U), static_cast<std::uint8_t>(hex >> 8U & 0xFFU),
-            static_cast<std::uint8_t>(hex & 0xFFU)};
-}
-
-const ScenePanel& scene_of(const FigureContent& content, std::size_t panel = 0)
-{
-    return std::get<ScenePanel>(content.panels.at(panel));
-}
-
-Image picture_of(const ScenePanel& panel)
-{
-    return *make_software_renderer()->render(panel.scene, panel.camera, panel.size);
-}
-
-std::vector<const SceneSurface*> surfaces_named(const Scene& scene, const std::string& name)
-{
-    std::vector<const SceneSurface*> found;
-    for (const SceneSurface& surface : scene.surfaces)
-        if (surface.name == name) found.push_back(&surface);
-    return found;
-}
-
-std::map<Pixel, int> pixels_by_color(const Image& image)
-{
-    std::map<Pixel, int> counts;
-    for (int y = 0; y < image.height; ++y)
-        for (int x = 0; x < image.width; ++x) ++counts[image.pixel(x, y)];
-    return counts;
-}
-
-std::size_t boxes_of(const Figure& figure, unsigned color)
-{
-    return static_cast<std::size_t>(std::ranges::count(figure.boxes, color, &FigureBox::color));
-}
-
-std::size_t lines_of(const Figure& figure, unsigned color, double width)
-{
-    return static_cast<std::size_t>(
-        std::ranges::count_if(figure.lines, [&](const FigureLine& line) {
-            return line.color == color && line.width == width;
-        }));
-}
 
 TEST(Figures, CirclesShowTheLeavesOfTheirQuadtrees)
 {
@@ -148,6 +97,42 @@ TEST(Figures, IndexTrackingShowsTheSameNumbersTwice)
     for (int k = 0; k < 12; ++k) EXPECT_EQ(words[std::to_string(k)], 2) << k;
 }
 
+TEST(Figures, WordsStandClearOfStrongLines)
+{
+    const auto is_strong = [](const FigureLine& line) {
+        return line.color != figure_colors::faint && line.from != line.to;
+    };
+    for (const auto make : {figure_2_5, figure_3_1, figure_3_2, figure_3_3, figure_3_4, figure_3_5,
+                            figure_3_6, figure_3_14, figure_4_1, figure_4_7}) {
+        const auto content = make({});
+        ASSERT_TRUE(content && content->drawing);
+        const Figure& figure = *content->drawing;
+        EXPECT_GT(figure.texts.size(), 3U);
+        for (const FigureText& text : figure.texts) {
+            const PlanarBox box = box_of(text);
+            const auto through = std::ranges::count_if(figure.lines, [&](const FigureLine& line) {
+                return is_strong(line) && crosses(line, box);
+            });
+            EXPECT_EQ(through, 0) << '"' << text.text << "\" in: " << content->caption;
+        }
+    }
+}
+
+TEST(Figures, LinesCrossWordsByTheirWidth)
+{
+    const FigureText text = {{100, 50}, "xx", {20.0, 0, TextAnchor::middle}};
+    const PlanarBox box = box_of(text);
+    EXPECT_EQ(box.max().y(), 50.0);
+    EXPECT_EQ(box.min().y(), 30.0);
+    EXPECT_NEAR(box.center().x(), 100.0, 1e-9);
+    EXPECT_TRUE(crosses({{0, 40}, {200, 40}, 0, 1.0}, box));
+    EXPECT_TRUE(crosses({{0, 0}, {200, 80}, 0, 1.0}, box));
+    EXPECT_FALSE(crosses({{0, 53}, {200, 53}, 0, 4.0}, box));
+    EXPECT_TRUE(crosses({{0, 53}, {200, 53}, 0, 7.0}, box));
+    EXPECT_FALSE(crosses({{0, 0}, {50, 80}, 0, 1.0}, box)) << "ends before";
+    EXPECT_FALSE(crosses({{100, 60}, {100, 90}, 0, 1.0}, box));
+}
+
 TEST(Figures, SumsInSpaceShowFacetsByOrigin)
 {
     struct Expectation {
@@ -206,255 +191,6 @@ TEST(Figures, DegenerateTrianglesAreToldApartByTheirInside)
               std::string::npos);
     EXPECT_NE(words.find("stays outside: touches the closed cube, misses its inside"),
               std::string::npos);
-}
-
-TEST(Figures, ListedCellsAreThoseThatTheRegionMeets)
-{
-    const auto shown = sphere_with_listed_feature({});
-    ASSERT_TRUE(shown);
-    const auto topology = build_topology(shown->mesh);
-    std::set<std::uint64_t> listing;
-    for (const ThesisCell& cell : shown->listing) listing.insert(cell.key.bits);
-    // Points whose closest feature is the vertex lie in listed cells only.
-    std::mt19937_64 random(5);
-    std::uniform_real_distribution<double> place(-1.7, 1.7);
-    std::set<std::uint64_t> met;
-    for (int i = 0; i < 40000; ++i) {
-        const Vec3 point{place(random), place(random), place(random)};
-        const auto cell = shown->octree.locate(point);
-        if (!cell || shown->octree.type(*cell) != CellClass::outer) continue;
-        const auto closest = closest_feature_by_brute_force(shown->mesh, *topology, point);
-        if (closest.feature != shown->feature) continue;
-        EXPECT_TRUE(listing.contains(cell->key.bits));
-        met.insert(cell->key.bits);
-    }
-    EXPECT_GT(met.size(), listing.size() / 3);
-    const auto content = figure_4_2({});
-    ASSERT_TRUE(content);
-    EXPECT_EQ(surfaces_named(scene_of(*content, 1).scene, "cell").size(), listing.size());
-}
-
-TEST(Figures, VoronoiRegionsAreBoundedByTheirPlanes)
-{
-    struct Expectation {
-        Result<FigureContent> (*make)(const FigureContext&);
-        std::size_t planes;
-        std::size_t rays;
-    };
-    for (const auto& [make, planes, rays] :
-         {Expectation{figure_4_3, 3, 3}, Expectation{figure_4_4, 4, 4},
-          Expectation{figure_4_5, 4, 4}}) {
-        const auto content = make({});
-        ASSERT_TRUE(content) << content.error().message;
-        const Scene& scene = scene_of(*content).scene;
-        EXPECT_EQ(surfaces_named(scene, "normal").size(), planes);
-        EXPECT_EQ(surfaces_named(scene, "ray").size(), rays);
-    }
-    const auto bodies = figure_4_6({});
-    ASSERT_TRUE(bodies);
-    // The cube: 8 corners, 12 edges that are bent, 12 triangles.
-    const Scene& cube = scene_of(*bodies, 0).scene;
-    EXPECT_EQ(surfaces_named(cube, "vertex").size(), 8U);
-    EXPECT_EQ(surfaces_named(cube, "edge").size(), 12U);
-    EXPECT_EQ(surfaces_named(cube, "face").size(), 12U);
-}
-
-TEST(Figures, ObstructingFacetsAreThoseThatRaysLeadThrough)
-{
-    const auto content = figure_4_9({});
-    ASSERT_TRUE(content) << content.error().message;
-    for (std::size_t panel = 0; panel < 3; ++panel) {
-        const Scene& scene = scene_of(*content, panel).scene;
-        const auto normals = surfaces_named(scene, "normal");
-        const auto rays = surfaces_named(scene, "ray");
-        ASSERT_FALSE(normals.empty());
-        ASSERT_FALSE(rays.empty());
-        // Arrows begin with a vertex of the shaft and end at their tips.
-        for (const SceneSurface* const normal : normals) {
-            const auto direction = [](const SceneSurface& arrow) -> Vec3 {
-                return arrow.positions[6] - arrow.positions[0];
-            };
-            const bool along_a_ray = std::ranges::any_of(rays, [&](const SceneSurface* ray) {
-                return direction(*normal).dot(direction(*ray)) > 0.0;
-            });
-            EXPECT_TRUE(along_a_ray);
-        }
-    }
-}
-
-TEST(Figures, ListsGetShorterWithDepth)
-{
-    const auto content = figure_5_3({});
-    ASSERT_TRUE(content && content->drawing);
-    std::vector<double> means;
-    for (std::size_t at = content->caption.find(": "); at != std::string::npos;
-         at = content->caption.find(": ", at + 1)) {
-        means.push_back(std::stod(content->caption.substr(at + 2)));
-    }
-    ASSERT_EQ(means.size(), 4U);
-    EXPECT_TRUE(std::ranges::is_sorted(means, std::greater<>()));
-}
-
-/// Leaves in which a ray has a stretch of some length, by cutting it to each leaf's slabs.
-std::set<std::uint64_t> leaves_on_ray(const LitCells& lit)
-{
-    struct Collector {
-        const LitCells& lit;
-        std::set<std::uint64_t>& keys;
-
-        [[nodiscard]] bool should_enter(const Cell&) const { return true; }
-        Flow visit_leaf(const Cell& cell, std::span<const TriangleId>)
-        {
-            const Box box = lit.octree.box(cell);
-            double enter = lit.ray.t_min;
-            double exit = lit.ray.t_max;
-            for (int axis = 0; axis < 3; ++axis) {
-                const double start = lit.ray.origin[axis];
-                const double step = lit.ray.direction[axis];
-                if (step == 0.0) {
-                    if (start <= box.lower[axis] || start >= box.upper[axis]) exit = -1e300;
-                    continue;
-                }
-                const double one = (box.lower[axis] - start) / step;
-                const double other = (box.upper[axis] - start) / step;
-                enter = std::max(enter, std::min(one, other));
-                exit = std::min(exit, std::max(one, other));
-            }
-            if (exit - enter > 1e-9) keys.insert(cell.key.bits);
-            return Flow::proceed;
-        }
-    };
-    std::set<std::uint64_t> keys;
-    traverse(lit.octree, Collector{lit, keys});
-    return keys;
-}
-
-TEST(Figures, LitCellsAreThoseOfTheRayWithItsWeights)
-{
-    for (const bool fully : {true, false}) {
-        const auto lit = fully ? fully_lit_cells({}) : variously_lit_cells({});
-        const auto content = fully ? figure_5_5({}) : figure_5_6({});
-        ASSERT_TRUE(lit && content);
-        std::set<std::uint64_t> keys;
-        for (const CellOnRay& cell : lit->cells) keys.insert(cell.cell.key.bits);
-        EXPECT_EQ(keys, leaves_on_ray(*lit));
-        EXPECT_GE(keys.size(), 8U);
-        const ScenePanel& panel = scene_of(*content);
-        const auto shown = surfaces_named(panel.scene, "cell");
-        ASSERT_EQ(shown.size(), lit->cells.size());
-        // The picture has the colour of each cell.
-        const auto colors = pixels_by_color(picture_of(panel));
-        for (std::size_t i = 0; i < shown.size(); ++i) {
-            const double weight = lit->cells[i].penetration;
-            if (fully) {
-                EXPECT_NEAR(weight, 1.0, 1e-12);
-            }
-            const Color expected = intensity_color(weight);
-            EXPECT_TRUE((shown[i]->color == expected).all());
-            Canvas one(1, 1);
-            one.fill_background(expected, expected);
-            const auto found = colors.find(one.image().pixel(0, 0));
-            EXPECT_TRUE(found != colors.end() && found->second > 50) << "cell " << i;
-        }
-    }
-}
-
-TEST(Figures, TheTouchedPlaceIsThatOfBruteForce)
-{
-    const auto touched = touched_place({});
-    ASSERT_TRUE(touched);
-    const auto topology = build_topology(touched->mesh);
-    const auto closest = closest_feature_by_brute_force(touched->mesh, *topology, touched->cursor);
-    EXPECT_EQ(touched->closest.feature, closest.feature);
-    EXPECT_TRUE(touched->leaf.contains(touched->cursor));
-    std::vector<TriangleId> around;
-    const TriangleCorners own = touched->mesh.triangles()[closest.feature.id];
-    for (std::uint32_t i = 0; i < touched->mesh.triangle_count(); ++i) {
-        const bool shares = std::ranges::any_of(touched->mesh.triangles()[i], [&](auto corner) {
-            return std::ranges::find(own, corner) != own.end();
-        });
-        if (shares && i != closest.feature.id) around.push_back(TriangleId{i});
-    }
-    EXPECT_EQ(touched->around, around);
-    const auto content = figure_5_2({});
-    ASSERT_TRUE(content) << content.error().message;
-    const Scene& scene = scene_of(*content).scene;
-    EXPECT_EQ(surfaces_named(scene, "closest").at(0)->triangles.size(), 1U);
-    EXPECT_EQ(surfaces_named(scene, "around").at(0)->triangles.size(), around.size());
-    EXPECT_EQ(surfaces_named(scene, "mesh").at(0)->triangles.size(),
-              touched->mesh.triangle_count() - around.size() - 1);
-    EXPECT_EQ(surfaces_named(scene, "leaf").size(), 1U);
-}
-
-TEST(Figures, YellowTrianglesAreAllThatCanIntersect)
-{
-    const auto spheres = meeting_spheres({});
-    ASSERT_TRUE(spheres);
-    const auto index_a = build_ray_index(spheres->octree_a, spheres->a);
-    ASSERT_TRUE(index_a);
-    const auto pairs = intersecting_pairs(*index_a, *index_a, spheres->pose_b);
-    EXPECT_GT(pairs.size(), 50U);
-    for (const TrianglePair& pair : pairs) {
-        EXPECT_TRUE(std::ranges::binary_search(spheres->candidates.a, pair.a));
-        EXPECT_TRUE(std::ranges::binary_search(spheres->candidates.b, pair.b));
-    }
-    const auto content = figure_5_4({});
-    ASSERT_TRUE(content);
-    const Scene& scene = scene_of(*content).scene;
-    const auto yellow = surfaces_named(scene, "candidates");
-    ASSERT_EQ(yellow.size(), 2U);
-    EXPECT_EQ(yellow[0]->triangles.size(), spheres->candidates.a.size());
-    EXPECT_EQ(yellow[1]->triangles.size(), spheres->candidates.b.size());
-    for (const bool of_a : {true, false}) {
-        std::set<std::uint64_t> keys;
-        for (const LeafPair& pair : spheres->leaves) keys.insert((of_a ? pair.a : pair.b).key.bits);
-        const auto lines =
-            std::ranges::find(scene.lines, of_a ? "leaves of A" : "leaves of B", &SceneLines::name);
-        ASSERT_NE(lines, scene.lines.end());
-        EXPECT_EQ(lines->segments.size(), 12 * keys.size());
-    }
-}
-
-TEST(Figures, CulledCellsAreOutsideOfAPlane)
-{
-    const auto ship = culled_ship({});
-    ASSERT_TRUE(ship);
-    struct Collector {
-        const CulledShip& ship;
-        std::set<std::uint64_t>& keys;
-        std::set<TriangleId>& triangles;
-
-        [[nodiscard]] bool should_enter(const Cell&) const { return true; }
-        Flow visit_leaf(const Cell& cell, std::span<const TriangleId> held)
-        {
-            if (held.empty()) return Flow::proceed;
-            const Box box = ship.octree.box(cell);
-            for (const ViewPlane& plane : ship.volume.planes()) {
-                double most = plane.offset;
-                for (int k = 0; k < 3; ++k) {
-                    most +=
-                        std::max(plane.normal[k] * box.lower[k], plane.normal[k] * box.upper[k]);
-                }
-                if (most < 0.0) return Flow::proceed;
-            }
-            keys.insert(cell.key.bits);
-            triangles.insert(held.begin(), held.end());
-            return Flow::proceed;
-        }
-    };
-    std::set<std::uint64_t> keys;
-    std::set<TriangleId> triangles;
-    traverse(ship->octree, Collector{*ship, keys, triangles});
-    std::set<std::uint64_t> shown;
-    for (const Cell& cell : ship->cells) shown.insert(cell.key.bits);
-    EXPECT_EQ(shown, keys);
-    EXPECT_EQ(ship->triangles, std::vector<TriangleId>(triangles.begin(), triangles.end()));
-    const auto content = figure_5_7({});
-    ASSERT_TRUE(content);
-    const Scene& scene = scene_of(*content).scene;
-    EXPECT_EQ(surfaces_named(scene, "visible").at(0)->triangles.size(), triangles.size());
-    EXPECT_EQ(surfaces_named(scene, "culled").at(0)->triangles.size(),
-              ship->mesh.triangle_count() - triangles.size());
 }
 
 TEST(Figures, AreNumberedOnceAndInOrder)

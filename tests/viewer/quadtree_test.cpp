@@ -75,7 +75,7 @@ TEST(Quadtree, LeavesOfTheProximityQuadtreeListTheClosestFeatures)
     for (const QuadtreeLeaf& leaf : tree->leaves) {
         std::vector<int> seen;
         for (int i = 0; i < 400; ++i) {
-            const Vec2 point = leaf.center + leaf.half * Vec2(part(random), part(random));
+            const Vec2 point = leaf.center + leaf.half * Vec2{part(random), part(random)};
             if (is_inside(tree->polygon, point)) continue;
             ++points_outside;
             // Closest of all edges; at an end of one it is a corner.

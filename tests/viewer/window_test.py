@@ -191,10 +191,8 @@ class Panels(WindowTest):
         # A device that is not there: the panel says so, and the mouse has it again.
         window.choose("device", "hd")
         window.wait(lambda now: "libHD.so" in now["problem"], "what became of it")
-        window.frames(2)  # until the controls have made room for it
         window.type("library", "/nowhere/libHD.so")
         window.wait(lambda now: "/nowhere/libHD.so" in now["problem"], "the device's message")
-        window.frames(2)  # until the controls have made room for it
         window.choose("device", "mouse")
         window.wait(lambda now: now["problem"] == "" and "servo rate" in now["facts"], "the mouse's servo loop")
         self.close(window)
@@ -256,16 +254,24 @@ class Opening(WindowTest):
         window = self.open("icosphere:2", "--panel", "octree", "--budget-mb", 50)
         cells = window.settled()["facts"]["cells"]
         window.click("open...")
-        window.wait(lambda state: state["files"], "the panel that opens models")
+        window.wait(lambda state: state["files"] and "../" in state["controls"], "the panel that opens models")
+        window.frames(2)
+        before = window.places()
         for path, says in ((str(broken), "broken.obj:2"), (str(self.folder / "none.ply"), "none.ply"),
                            ("icosphere:8", "the budget is 50 MB")):
             window.type("path", path)
             said = window.wait(lambda state: says in state["problem"], f"the message about {path}")
             self.assertEqual((said["models"], said["files"]), (1, True))
         self.assertEqual(window.settled()["facts"]["cells"], cells)
+        self.assertIn("hide this", window.state()["controls"])
+        after = window.places()
+        for name in ("open...", "panel", "depth", "show all", "save picture", "path", "open", "../"):
+            self.assertEqual(after[name], before[name], f"the message moves {name}")
+        camera = window.state()["camera"]
         window.click("hide this")
-        window.wait(lambda state: state["problem"] == "", "no message")
-        window.frames(2)  # until all has moved to where the message was
+        window.wait(lambda state: state["problem"] == "" and "hide this" not in state["controls"], "no message")
+        self.assertEqual(window.state()["camera"], camera)
+        self.assertIsNone(window.state()["picked"], "a click on the message is none on the picture")
         self.slide(window, "depth", 0.8)
         window.click("beside those there are", 0.1)
         window.type("path", "cube")

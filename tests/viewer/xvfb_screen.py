@@ -9,7 +9,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from proxima_program import PROXIMA
+from proxima_program import PROXIMA, environment_of_program
 
 MISSING = [name for name in ("Xvfb", "xdotool", "xprop") if shutil.which(name) is None]
 PATIENCE = 120  # seconds: for slow machines; every wait ends with what it waits for
@@ -89,7 +89,7 @@ class Window:
         self._file = Path(folder) / "state.json"
         self._program = subprocess.Popen(
             [PROXIMA, "view", *map(str, arguments), "--state", str(self._file), "--gl-debug"],
-            env=screen.environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+            env=environment_of_program(screen.environment), text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
         self._clicked = 0.0  # when a click was seen last
         self.wait(lambda state: state["frames"] > 2, "the first frames")
 
@@ -122,6 +122,11 @@ class Window:
     def place(self, control, part=0.5):
         found = self.wait(lambda state: control in state["controls"], f"the control {control}")["controls"][control]
         return round(found["x"] + part * found["width"]), round(found["y"] + 0.5 * found["height"])
+
+    def places(self):
+        """Of all controls but the one that hides messages."""
+        return {name: (found["x"], found["y"], found["width"], found["height"])
+                for name, found in self.state()["controls"].items() if name != "hide this"}
 
     def click(self, control, part=0.5):
         """The mouse goes to a control, to that part of its width, and clicks."""

@@ -7,6 +7,35 @@
 
 namespace proxima {
 
+PlanarBox box_of(const FigureText& text)
+{
+    const double size = text.style.size;
+    const double length = text_length(text.text, size);
+    const double before = text.style.anchor == TextAnchor::start    ? 0.0
+                          : text.style.anchor == TextAnchor::middle ? 0.5 * length
+                                                                    : length;
+    return {text.at - Vec2(before, size), text.at + Vec2(length - before, 0.0)};
+}
+
+bool crosses(const FigureLine& line, const PlanarBox& box)
+{
+    // The part of the line within the box, widened by half the line's width, from 0 to 1.
+    double enter = 0.0;
+    double leave = 1.0;
+    for (int axis = 0; axis < 2; ++axis) {
+        const double lower = box.min()[axis] - 0.5 * line.width - line.from[axis];
+        const double upper = box.max()[axis] + 0.5 * line.width - line.from[axis];
+        const double along = line.to[axis] - line.from[axis];
+        if (along == 0.0) {
+            if (lower > 0.0 || upper < 0.0) return false;
+            continue;
+        }
+        enter = std::max(enter, std::min(lower / along, upper / along));
+        leave = std::min(leave, std::max(lower / along, upper / along));
+    }
+    return enter < leave;
+}
+
 PlanarPanel::PlanarPanel(Figure& figure, const PlanarBox& pixels, const PlanarBox& shown)
     : figure_(figure), pixels_(pixels), middle_(shown.center()),
       scale_((pixels.sizes().array() / shown.sizes().array()).minCoeff())
@@ -70,11 +99,23 @@ bool PlanarPanel::has_words_at(const Vec2& pixel) const
 {
     constexpr double room = 2.0; // pixels
     return std::ranges::any_of(figure_.texts, [&](const FigureText& text) {
-        const double size = text.style.size;
-        const Vec2 middle = text.at - Vec2(0.0, 0.5 * size); // words stand in the middle
-        const Vec2 half(0.5 * text_length(text.text, size) + room, 0.5 * size + room);
-        return ((pixel - middle).array().abs() < half.array()).all();
+        PlanarBox box = box_of(text);
+        box.extend(box.min() - Vec2::Constant(room)).extend(box.max() + Vec2::Constant(room));
+        return box.contains(pixel);
     });
+}
+
+bool PlanarPanel::has_room(const Vec2& at, const std::string& text, const Vec2& offset,
+                           double size) const
+{
+    const FigureText words = {baseline(at, offset, size), text, {size, 0, TextAnchor::middle}};
+    return std::ranges::none_of(
+        figure_.lines, [&](const FigureLine& line) { return crosses(line, box_of(words)); });
+}
+
+Vec2 PlanarPanel::baseline(const Vec2& at, const Vec2& offset, double size) const
+{
+    return pixel(at) + Vec2(offset.x(), 0.5 * size - offset.y());
 }
 
 void PlanarPanel::arrow(const Vec2& from, const Vec2& to, unsigned color, double width)
@@ -95,8 +136,7 @@ void PlanarPanel::dot(const Vec2& at, double diameter_pixels, unsigned color)
 void PlanarPanel::words(const Vec2& at, const std::string& text, const Vec2& offset, double size,
                         unsigned color)
 {
-    const Vec2 place = pixel(at) + Vec2(offset.x(), 0.5 * size - offset.y());
-    figure_.texts.push_back({place, text, {size, color, TextAnchor::middle}});
+    figure_.texts.push_back({baseline(at, offset, size), text, {size, color, TextAnchor::middle}});
 }
 
 void PlanarPanel::title(const std::string& text, double size)

@@ -11,6 +11,11 @@ namespace proxima {
 
 using PlanarBox = Eigen::AlignedBox2d;
 
+/// Where words stand, in pixels of the figure: from their baseline up to their size.
+[[nodiscard]] PlanarBox box_of(const FigureText& text);
+/// Whether a line with its width goes through a part of the figure.
+[[nodiscard]] bool crosses(const FigureLine& line, const PlanarBox& box);
+
 class PlanarPanel {
 public:
     /// Shows `shown` as large as fits the pixels, in their middle. \pre figure outlives the panel
@@ -32,11 +37,15 @@ public:
     /// Words whose middle stands `offset` pixels (right, up) from a point.
     void words(const Vec2& at, const std::string& text, const Vec2& offset, double size,
                unsigned color);
+    /// Whether they would stand clear of all lines that were drawn.
+    [[nodiscard]] bool has_room(const Vec2& at, const std::string& text, const Vec2& offset,
+                                double size) const;
     /// Above the panel's pixels.
     void title(const std::string& text, double size = 17.0);
 
 private:
     [[nodiscard]] bool has_words_at(const Vec2& pixel) const;
+    [[nodiscard]] Vec2 baseline(const Vec2& at, const Vec2& offset, double size) const;
 
     Figure& figure_;
     PlanarBox pixels_;

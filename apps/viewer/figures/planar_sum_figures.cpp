@@ -84,7 +84,7 @@ Result<FigureContent> pushing_figure(std::size_t number)
     PlanarPanel panel = whole_panel(figure);
     draw_copies(panel, *sum);
     panel.words(Vec2::Zero(), "0", {-14, -14}, 14, ink);
-    panel.words(0.55 * line.offset * line.normal, fmt::format("n{}", number + 1), {26, 4}, 16,
+    panel.words(0.4 * line.offset * line.normal, fmt::format("n{}", number + 1), {26, 4}, 16,
                 green);
     name_points(panel, *sum);
     const Vec2 along(-line.normal.y(), line.normal.x());
@@ -251,6 +251,22 @@ Result<FigureContent> figure_3_6(const FigureContext& /*context*/)
     return parallel_figure(FacetOrigin::a);
 }
 
+namespace {
+
+/// Of a point's number, in pixels: where no side of either size goes through it.
+Vec2 number_offset(const PlanarSum& sum, int point)
+{
+    const CornerPair pair = sum.pair(point);
+    const Vec2& of_rectangle = sum.a().corners[static_cast<std::size_t>(pair.a)];
+    const Vec2& of_triangle = sum.b().corners[static_cast<std::size_t>(pair.b)];
+    if (of_rectangle.x() > 0) return {16.0, of_rectangle.y() > 0 ? 14.0 : -14.0};
+    if (of_rectangle.y() > 0) return {-18.0, 14.0};
+    // Sides run to the left of the upper copy and below the others.
+    return of_triangle.y() > 0 ? Vec2(-2.0, -17.0) : Vec2(-18.0, 0.0);
+}
+
+} // namespace
+
 Result<FigureContent> figure_3_14(const FigureContext& /*context*/)
 {
     const auto sum = explained_planar_sum();
@@ -283,12 +299,8 @@ Result<FigureContent> figure_3_14(const FigureContext& /*context*/)
                    7.0);
         for (int k = 0; k < static_cast<int>(sum->points().size()); ++k) {
             const Vec2 point = sum->point(k, scales);
-            const Vec2& inner = sum->a().corners[static_cast<std::size_t>(sum->pair(k).a)];
             panel.dot(point, 8, k == followed->support ? purple : ink);
-            // At the left, beside the point: the violet edge runs below.
-            const double below = inner.x() > 0 ? -14.0 : -4.0;
-            panel.words(point, fmt::format("{}", k),
-                        {inner.x() > 0 ? 16.0 : -18.0, inner.y() > 0 ? 14.0 : below}, 13, ink);
+            panel.words(point, fmt::format("{}", k), number_offset(*sum, k), 13, ink);
         }
     }
     FigureContent content;

@@ -40,6 +40,28 @@ double length_in_root(const Vec2& from, const Vec2& along, double half)
     return length;
 }
 
+/// What a leaf lists, in its middle, or beside that where the polygon's boundary goes through it.
+void name_leaf(PlanarPanel& panel, const ProximityQuadtree& tree, const QuadtreeLeaf& leaf)
+{
+    // Inside the polygon its own names stand.
+    if (is_inside(tree.polygon, leaf.center)) return;
+    const std::size_t listed = leaf.sets.size();
+    const double room = 2.0 * panel.scale() * leaf.half;
+    const double size = std::min(15.0, 0.17 * room);
+    const std::string names =
+        listed > 2 ? fmt::format("{}", listed)
+                   : names_of(leaf.sets, static_cast<int>(tree.polygon.points().size()));
+    const unsigned color = listed > 2 ? red : ink;
+    constexpr double aside = 0.27;
+    for (const Vec2& step :
+         {Vec2(0, 0), Vec2(aside, 0), Vec2(-aside, 0), Vec2(0, aside), Vec2(0, -aside)}) {
+        const Vec2 offset = room * step;
+        if (!panel.has_room(leaf.center, names, offset, size)) continue;
+        panel.words(leaf.center, names, offset, size, color);
+        return;
+    }
+}
+
 void draw_regions(PlanarPanel& panel, const ConvexPolygon& polygon, double half)
 {
     const auto corners = polygon.points();
@@ -85,24 +107,16 @@ Result<FigureContent> figure_4_1(const FigureContext& /*context*/)
                                              : red_tint;
         panel.fill_square(leaf.center, leaf.half, color);
         panel.square(leaf.center, leaf.half, faint, 1.0);
-        if (is_inside(tree->polygon, leaf.center)) continue; // there the polygon's own names stand
-        const std::string names = names_of(leaf.sets, corners);
-        const double room = 2.0 * panel.scale() * leaf.half;
-        const double size = std::min(15.0, 0.17 * room);
-        if (listed > 2) {
-            panel.words(leaf.center, fmt::format("{}", listed), {0, 0}, size, red);
-        } else if (text_length(names, size) < room) {
-            panel.words(leaf.center, names, {0, 0}, size, ink);
-        }
     }
-    draw_regions(panel, tree->polygon, tree->half);
     const auto points = tree->polygon.points();
     panel.outline(points, ink, 4.0);
+    for (const QuadtreeLeaf& leaf : tree->leaves) name_leaf(panel, *tree, leaf);
+    draw_regions(panel, tree->polygon, tree->half);
     for (int i = 0; i < corners; ++i) {
         const Vec2& at = points[static_cast<std::size_t>(i)];
         const Vec2& next = points[static_cast<std::size_t>((i + 1) % corners)];
         panel.dot(at, 12, ink);
-        panel.words(at, fmt::format("c{}", i), -34.0 * Vec2(at.normalized()), 18, blue);
+        panel.words(at, fmt::format("c{}", i), -42.0 * Vec2(at.normalized()), 18, blue);
         const Vec2 middle = 0.5 * (at + next);
         panel.words(middle, fmt::format("e{}", i), -30.0 * Vec2(middle.normalized()), 18, red);
     }

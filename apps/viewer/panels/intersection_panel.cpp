@@ -33,6 +33,12 @@ RigidTransform pose_of(const IntersectionSettings& settings, const ViewModel& b)
     return pose;
 }
 
+/// The first one again where there is no other.
+const std::shared_ptr<const ViewModel>& second_of(const ViewModels& models)
+{
+    return models.size() > 1 ? models[1] : models.front();
+}
+
 SceneLines contour_lines(const IntersectionContour& contour)
 {
     SceneLines lines{"contour", {}, srgb(0x102A6B), 4.0};
@@ -75,13 +81,23 @@ public:
         controls.toggle("contour", settings_.contour);
     }
 
+    /// The second one where it stands.
+    [[nodiscard]] Box extent(const ViewModels& models) const override
+    {
+        if (models.empty()) return {};
+        Box all = models.front()->box;
+        const ViewModel& b = *second_of(models);
+        const RigidTransform pose = pose_of(settings_, b);
+        for (const Vec3& position : b.mesh.positions()) all.extend(pose(position));
+        return all;
+    }
+
     [[nodiscard]] std::vector<Vec3> handles() const override { return {settings_.place.at}; }
     void move_handle(std::size_t /*handle*/, const Vec3& to) override { settings_.place.set(to); }
 
     [[nodiscard]] PanelTask task(const ViewModels& models) const override
     {
-        return [a = models.front(), b = models.size() > 1 ? models[1] : models.front(),
-                settings = settings_, kept_a = kept_a_,
+        return [a = models.front(), b = second_of(models), settings = settings_, kept_a = kept_a_,
                 kept_b = kept_b_](const WorkContext& context) -> Result<PanelPicture> {
             const OctreeChoice choice = {1, settings.depth, settings.threshold};
             const auto octree_a = octree_of(*kept_a, choice, *a, context);

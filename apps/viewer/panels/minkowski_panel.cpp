@@ -89,9 +89,10 @@ Result<std::shared_ptr<const Scene>> facets_scene(const MinkowskiSum& sum,
         if (facets.empty()) continue;
         add_polygons(*scene, *surface, facets, {.name = name, .color = color_of(origin)});
         add_polygon_edges(*scene, *surface, facets, sum_edges);
-        if (settings.normals)
+        if (settings.normals) {
             add_normals(*scene, sum, *surface, facets, 0.45,
                         {.name = "normal", .color = color_of(origin)});
+        }
     }
     return std::shared_ptr<const Scene>(std::move(scene));
 }

@@ -4,6 +4,7 @@
 #include "viewer/figures/figure_colors.h"
 #include "viewer/panels/panels.h"
 #include "viewer/panels/placed_point.h"
+#include "viewer/panels/region_shape.h"
 #include "viewer/query_shapes.h"
 
 #include <algorithm>
@@ -16,8 +17,9 @@ struct VoronoiSettings {
     int model = 1;
     FeatureKind kind = FeatureKind::vertex;
     int number = 0;
-    bool is_set = false; ///< by a person
-    double length = 0.5; ///< of the region's rays, per diagonal
+    bool is_set = false;     ///< by a person
+    double length = 0.5;     ///< of the region, per diagonal, at most
+    bool has_length = false; ///< by a person
     bool region = true;
     bool leaf = true;
     PlacedPoint cursor;
@@ -37,32 +39,33 @@ Color color_of_kind(FeatureKind kind)
                                        : srgb(0xEBC23B);
 }
 
-/// How many leaves list how many triangles.
+/// How many leaves list how many triangles; the few longest lists, which would leave no room for
+/// the others, are left out.
 PanelPlot list_plot(const ProximityOctree& octree)
 {
+    constexpr double share = 0.999;
     const LeafLists lists = list_lengths(octree);
     const ListStatistics statistics = list_statistics(lists.lengths);
-    PanelPlot plot = {"leaves by triangles listed", {}, true};
-    for (const double weight : statistics.weights)
-        plot.values.push_back(static_cast<float>(weight));
+    std::uint32_t longest = 0;
+    while (longest < statistics.max && statistics.share_up_to(longest) < share) ++longest;
+    PanelPlot plot = {fmt::format("leaves that list 0, 1, ... {} triangles", longest), {}, true};
+    for (std::size_t length = 0; length < statistics.weights.size() && length <= longest; ++length)
+        plot.values.push_back(static_cast<float>(statistics.weights[length]));
     return plot;
 }
 
-void add_region(PanelPicture& picture, const ViewModel& model, const VoronoiSettings& settings,
-                Feature feature)
+void show_region(PanelPicture& picture, const ViewModel& model, const ProximityOctree& octree,
+                 const VoronoiSettings& settings, Feature feature)
 {
-    const double size = model.box.extent().norm();
     auto scene = std::make_shared<Scene>();
     add_feature(*scene, model, feature, mark_radius(model), srgb(figure_colors::red));
     if (settings.region) {
-        const auto region =
-            voronoi_region_mesh(model.mesh, model.topology, feature, settings.length * size);
+        const double length = settings.length * model.box.extent().norm();
+        const auto region = region_shape(model, octree, feature, length);
         if (region) {
-            add_mesh(*scene, *region,
-                     {.name = "region", .color = color_of_kind(feature.kind), .opacity = 0.55F});
-            add_mesh_edges(*scene, *region,
-                           {.name = "region's edges", .color = srgb(0x333333), .width = 1.6});
+            add_region(*scene, *region, color_of_kind(feature.kind));
             picture.facts.push_back({"region", "drawn"});
+            picture.facts.push_back({"its end", words_for_end(*region)});
         } else {
             picture.facts.push_back({"region", "none: " + region.error().message});
         }
@@ -115,11 +118,10 @@ int convex_feature(const ViewModel& model, FeatureKind kind, const Vec3& place)
         near.emplace_back((middle_of(model, {kind, id}) - place).squaredNorm(), id);
     const auto some = static_cast<std::ptrdiff_t>(std::min(near.size(), tried));
     std::ranges::partial_sort(near, near.begin() + some);
-    const double length = 0.5 * model.box.extent().norm();
     for (std::ptrdiff_t i = 0; i < some; ++i) {
         const std::uint32_t id = near[static_cast<std::size_t>(i)].second;
-        if (voronoi_region_mesh(model.mesh, model.topology, {kind, id}, length))
-            return static_cast<int>(id);
+        const auto region = voronoi_region_of(model.mesh, model.topology, {kind, id});
+        if (region && region->dimension() > 1) return static_cast<int>(id);
     }
     return near.empty() ? 0 : static_cast<int>(near.front().second);
 }
@@ -133,7 +135,9 @@ public:
     [[nodiscard]] std::string_view name() const override { return "voronoi"; }
     [[nodiscard]] std::string_view purpose() const override
     {
-        return "The Voronoi region of a feature: click near a corner, near a side or on a face. "
+        return "The Voronoi region of a feature, up to where another one is as near; it fades "
+               "where "
+               "it goes on: click near a corner, near a side or on a face. "
                "The leaf of the proximity octree under the cursor, with the triangles that it "
                "lists in orange; drag the ring.";
     }
@@ -144,6 +148,9 @@ public:
         settings_.model = std::clamp(settings_.model, 1, static_cast<int>(models.size()));
         settings_.cursor.place(seen_place(*model()).above(0.04 * model()->box.extent().norm()));
         settings_.number = settings_.is_set ? std::min(settings_.number, most_number()) : likely();
+        // At first all of the region is in the picture.
+        if (!settings_.has_length)
+            settings_.length = 0.5 * focus(models).extent().norm() / model()->box.extent().norm();
     }
 
     void offer(Controls& controls) override
@@ -157,7 +164,7 @@ public:
         }
         if (controls.number("number", settings_.number, 0, most_number())) settings_.is_set = true;
         controls.toggle("region", settings_.region);
-        controls.number("length", settings_.length, 0.05, 2.0);
+        if (controls.number("length", settings_.length, 0.01, 2.0)) settings_.has_length = true;
         controls.toggle("leaf", settings_.leaf);
         settings_.cursor.offer(controls, "cursor", models_);
     }
@@ -189,7 +196,7 @@ public:
             PanelPicture picture;
             picture.layers = model_layers(models, Smoothing::flat);
             picture.facts.push_back({"feature", words_for(feature)});
-            add_region(picture, *model, settings, feature);
+            show_region(picture, *model, **octree, settings, feature);
             if (settings.leaf) show_leaf(picture, *model, **octree, settings.cursor.at);
             const ProximityStatistics& s = (*octree)->statistics();
             picture.facts.push_back({"leaves", fmt::format("{}", s.leaves)});

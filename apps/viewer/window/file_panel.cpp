@@ -75,7 +75,6 @@ std::optional<std::string> FilePanel::chosen(const std::string& typed)
 }
 
 std::optional<std::string> FilePanel::draw(float x, float y, float width, float height,
-                                           const std::string& problem,
                                            std::vector<WidgetPlace>& places)
 {
     if (!is_open_) {
@@ -107,8 +106,6 @@ std::optional<std::string> FilePanel::draw(float x, float y, float width, float 
     add_place("beside those there are", beside_ ? "on" : "off", places);
     wrapped(concat("A file (", known_mesh_extensions(),
                    "), a folder, or a built-in: ", sample_mesh_names()));
-    for (const std::string& wrong : {problem, problem_})
-        if (!wrong.empty()) wrapped_problem(wrong);
     ImGui::Separator();
     wrapped(list_.folder.string());
     if (auto clicked = draw_list(-1.0F, places)) result = std::move(clicked);

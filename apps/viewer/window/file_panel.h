@@ -38,10 +38,13 @@ public:
         return beside_ ? Placing::beside : Placing::instead;
     }
 
+    /// Why the folder wanted last is not listed, in words; empty if it is, and in a closed panel.
+    [[nodiscard]] std::string problem() const { return is_open_ ? problem_ : std::string(); }
+    void forget_problem() { problem_.clear(); }
+
     /// Within a frame of ImGui, from (x, y) on, closed or not; places of widgets are added. What is
-    /// to be opened, if anything. `problem` is of what was opened last.
+    /// to be opened, if anything.
     [[nodiscard]] std::optional<std::string> draw(float x, float y, float width, float height,
-                                                  const std::string& problem,
                                                   std::vector<WidgetPlace>& places);
 
     /// Whether it lies over a place of the window.

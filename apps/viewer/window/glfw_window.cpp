@@ -102,6 +102,7 @@ void GlfwWindow::start_imgui()
     load_font(scale_);
     ImGui::GetStyle().ScaleAllSizes(static_cast<float>(scale_));
     ImGui::GetStyle().WindowRounding = 0.0F;
+    ImGui::GetStyle().FrameBorderSize = 1.0F; // boxes without a mark are seen on a light ground
     ImGui_ImplGlfw_InitForOpenGL(window_, true);
     ImGui_ImplOpenGL3_Init("#version 330 core");
     has_imgui_ = true;

@@ -3,7 +3,10 @@
 #include "proxima/base/text.h"
 #include "viewer/window/input_text.h"
 
+#include <algorithm>
+#include <fmt/core.h>
 #include <imgui.h>
+#include <utility>
 
 namespace proxima {
 namespace {
@@ -11,6 +14,8 @@ namespace {
 void draw_facts(const Viewer& viewer)
 {
     if (viewer.facts().empty() || !ImGui::BeginTable("facts", 2)) return;
+    ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthFixed);
+    ImGui::TableSetupColumn("value", ImGuiTableColumnFlags_WidthStretch);
     for (const PanelFact& fact : viewer.facts()) {
         ImGui::TableNextRow();
         ImGui::TableNextColumn();
@@ -21,20 +26,32 @@ void draw_facts(const Viewer& viewer)
     ImGui::EndTable();
 }
 
+/// From zero, or what is below it, up to the largest value.
+std::pair<float, float> range_of(const PanelPlot& plot)
+{
+    float least = 0.0F;
+    float most = 0.0F;
+    for (const float value : plot.values) {
+        least = std::min(least, value);
+        most = std::max(most, value);
+    }
+    return {least, most};
+}
+
 void draw_plots(const Viewer& viewer)
 {
     const ImVec2 size(ImGui::GetContentRegionAvail().x, 5.0F * ImGui::GetTextLineHeight());
     for (const PanelPlot& plot : viewer.plots()) {
-        ImGui::TextUnformatted(plot.name.c_str());
+        const auto [least, most] = range_of(plot);
+        wrapped(fmt::format("{}: {:.4g} to {:.4g}", plot.name, least, most));
         const std::string id = concat("##", plot.name);
         const auto count = static_cast<int>(plot.values.size());
-        constexpr float automatic = std::numeric_limits<float>::max();
+        const float top = most > least ? most : least + 1.0F;
         if (plot.bars) {
-            ImGui::PlotHistogram(id.c_str(), plot.values.data(), count, 0, nullptr, 0.0F, automatic,
+            ImGui::PlotHistogram(id.c_str(), plot.values.data(), count, 0, nullptr, least, top,
                                  size);
         } else {
-            ImGui::PlotLines(id.c_str(), plot.values.data(), count, 0, nullptr, automatic,
-                             automatic, size);
+            ImGui::PlotLines(id.c_str(), plot.values.data(), count, 0, nullptr, least, top, size);
         }
     }
 }
@@ -51,7 +68,7 @@ bool draw_file(const char* button, std::string& name, std::vector<WidgetPlace>& 
     return pressed && !name.empty();
 }
 
-/// What goes on, and what went wrong.
+/// What goes on.
 void draw_work(const Viewer& viewer, SidebarWishes& wishes, std::vector<WidgetPlace>& places)
 {
     if (ImGui::Button("open...")) wishes.open = true;
@@ -67,16 +84,11 @@ void draw_work(const Viewer& viewer, SidebarWishes& wishes, std::vector<WidgetPl
         ImGui::AlignTextToFramePadding();
         ImGui::TextUnformatted(viewer.models().empty() ? "no model yet" : "ready");
     }
-    const std::string problem = viewer.problem();
-    if (problem.empty()) return;
-    wrapped_problem(problem);
-    if (ImGui::SmallButton("hide this")) wishes.forget_problem = true;
-    add_place("hide this", {}, places);
 }
 
 } // namespace
 
-SidebarWishes Sidebar::draw(Viewer& viewer, float width, float height, const std::string& news,
+SidebarWishes Sidebar::draw(Viewer& viewer, float width, float height,
                             std::vector<WidgetPlace>& places)
 {
     SidebarWishes wishes;
@@ -91,16 +103,18 @@ SidebarWishes Sidebar::draw(Viewer& viewer, float width, float height, const std
     viewer.offer(controls);
     places.insert(places.end(), controls.places().begin(), controls.places().end());
     ImGui::Separator();
-    ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+    if (draw_file("save picture", picture_, places)) wishes.picture = picture_;
+    if (draw_file("export glb", glb_, places)) wishes.glb = glb_;
+    // Below all controls stands what grows and shrinks by itself.
+    ImGui::Separator();
+    ImVec4 quiet = ImGui::GetStyleColorVec4(ImGuiCol_Text);
+    quiet.w = 0.75F;
+    ImGui::PushStyleColor(ImGuiCol_Text, quiet);
     wrapped(viewer.panel().purpose());
     ImGui::PopStyleColor();
     ImGui::Separator();
     draw_facts(viewer);
     draw_plots(viewer);
-    ImGui::Separator();
-    if (draw_file("save picture", picture_, places)) wishes.picture = picture_;
-    if (draw_file("export glb", glb_, places)) wishes.glb = glb_;
-    if (!news.empty()) wrapped(news);
     ImGui::End();
     return wishes;
 }

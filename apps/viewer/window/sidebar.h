@@ -1,5 +1,5 @@
-// The strip at the window's left: the panel's controls, facts and plots, the work in progress, and
-// files to write.
+// The strip at the window's left: the work in progress, the panel's controls, files to write, facts
+// and plots.
 #pragma once
 
 #include "viewer/viewer.h"
@@ -14,16 +14,15 @@ namespace proxima {
 struct SidebarWishes {
     bool open = false; ///< the panel that opens models
     bool cancel = false;
-    bool forget_problem = false;
     std::string picture; ///< a file to write
     std::string glb;     ///< a file to write
 };
 
 class Sidebar {
 public:
-    /// Within a frame of ImGui; places of widgets are added. `news` is what was written or why not.
+    /// Within a frame of ImGui; places of widgets are added.
     [[nodiscard]] SidebarWishes draw(Viewer& viewer, float width, float height,
-                                     const std::string& news, std::vector<WidgetPlace>& places);
+                                     std::vector<WidgetPlace>& places);
 
 private:
     std::string picture_ = "view.png";

@@ -1,14 +1,12 @@
 #include "viewer/window/view_window.h"
 
-#include "cli/image.h"
 #include "proxima/base/text.h"
-#include "viewer/gl_layers.h"
-#include "viewer/gl_target.h"
-#include "viewer/layers_glb.h"
-#include "viewer/renderer.h"
 #include "viewer/window/file_panel.h"
 #include "viewer/window/glfw_window.h"
+#include "viewer/window/notice.h"
 #include "viewer/window/sidebar.h"
+#include "viewer/window/view_files.h"
+#include "viewer/window/view_picture.h"
 #include "viewer/window/window_state.h"
 
 #include <GLFW/glfw3.h>
@@ -33,43 +31,6 @@ double seconds_since(Clock::time_point begin)
     return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-/// What decides how the models' picture looks: drawn anew only where it differs.
-struct DrawnPicture {
-    std::vector<SceneLayer> layers;
-    OrbitCamera camera;
-    ViewSize size;
-    Theme theme = Theme::light;
-    int samples = 0;
-};
-
-bool same_camera(const OrbitCamera& a, const OrbitCamera& b)
-{
-    return a.target == b.target && a.distance == b.distance && a.azimuth == b.azimuth &&
-           a.elevation == b.elevation && a.up == b.up && a.zoom == b.zoom && a.shift == b.shift;
-}
-
-bool same_layer(const SceneLayer& a, const SceneLayer& b)
-{
-    const auto same_color = [&] {
-        return a.color.has_value() == b.color.has_value() &&
-               (!a.color || (*a.color == *b.color).all());
-    };
-    const auto same_cut = [&] {
-        return a.cut.has_value() == b.cut.has_value() &&
-               (!a.cut || (a.cut->normal == b.cut->normal && a.cut->offset == b.cut->offset));
-    };
-    return a.scene == b.scene && a.pose.rotation == b.pose.rotation &&
-           a.pose.translation == b.pose.translation && a.opacity == b.opacity && same_color() &&
-           same_cut();
-}
-
-/// The same layers from the same place; samples may differ.
-bool same_view(const DrawnPicture& a, const DrawnPicture& b)
-{
-    return a.size.width == b.size.width && a.size.height == b.size.height && a.theme == b.theme &&
-           same_camera(a.camera, b.camera) && std::ranges::equal(a.layers, b.layers, same_layer);
-}
-
 void count_message(GLenum /*source*/, GLenum type, GLuint /*id*/, GLenum severity,
                    GLsizei /*length*/, const GLchar* /*message*/, const void* count)
 {
@@ -80,17 +41,14 @@ void count_message(GLenum /*source*/, GLenum type, GLuint /*id*/, GLenum severit
 
 class ViewWindow {
 public:
-    ViewWindow(GlfwWindow window, GlPainter painter, GlTarget target, Viewer& viewer,
+    ViewWindow(GlfwWindow window, ViewPicture picture, std::string renderer, Viewer& viewer,
                const WindowOptions& options)
-        : window_(std::move(window)), painter_(std::move(painter)), target_(std::move(target)),
-          viewer_(viewer), options_(options)
+        : window_(std::move(window)), picture_(std::move(picture)), viewer_(viewer),
+          options_(options)
     {
         state_.scale = window_.scale();
-        if (const auto* const name = glGetString(GL_RENDERER); name != nullptr)
-            state_.renderer = reinterpret_cast<const char*>(name);
-        const std::string& renderer = state_.renderer;
-        draws_slowly_ = renderer.find("llvmpipe") != std::string::npos ||
-                        renderer.find("softpipe") != std::string::npos;
+        state_.renderer = std::move(renderer);
+        if (!options.state.empty()) picture_.measure();
         if (options.debug && epoxy_has_gl_extension("GL_KHR_debug")) {
             glEnable(GL_DEBUG_OUTPUT);
             glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
@@ -189,7 +147,7 @@ private:
     /// Whether the mouse is over the picture and no menu hangs over it.
     [[nodiscard]] bool is_over_view() const
     {
-        return mouse_.x() >= sidebar_width() && !files_.covers(mouse_) &&
+        return mouse_.x() >= sidebar_width() && !files_.covers(mouse_) && !notice_.covers(mouse_) &&
                !ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel);
     }
 
@@ -276,9 +234,9 @@ private:
             --frames_wanted_;
             glfwPollEvents();
         } else {
-            glfwWaitEventsTimeout(viewer_.is_moving() || needs_refining_       ? frame
-                                  : !viewer_.is_settled() || saving_.is_busy() ? watching
-                                                                               : idle);
+            glfwWaitEventsTimeout(viewer_.is_moving() || picture_.needs_refining() ? frame
+                                  : !viewer_.is_settled() || written_.is_busy()    ? watching
+                                                                                   : idle);
         }
         frames_wanted_ = std::max(frames_wanted_, 0);
     }
@@ -300,29 +258,17 @@ private:
         ImGui::NewFrame();
         apply_theme();
         std::vector<WidgetPlace> widgets;
-        const SidebarWishes wishes =
-            sidebar_.draw(viewer_, static_cast<float>(state_.view_x),
-                          static_cast<float>(state_.height), news_, widgets);
-        const std::string problem =
-            viewer_.loading_error() ? describe(*viewer_.loading_error()) : std::string();
-        const double margin = 12.0 * window_.scale();
-        auto chosen =
-            files_.draw(static_cast<float>(state_.view_x + margin), static_cast<float>(margin),
-                        static_cast<float>(std::clamp(state_.view_width - 2.0 * margin, 1.0,
-                                                      520.0 * window_.scale())),
-                        static_cast<float>(
-                            std::clamp(state_.height - 2.0 * margin, 1.0, 560.0 * window_.scale())),
-                        problem, widgets);
-        if (chosen) open({std::move(*chosen)});
+        follow(sidebar_.draw(viewer_, static_cast<float>(state_.view_x),
+                             static_cast<float>(state_.height), widgets));
+        draw_over_picture(widgets);
         draw_handles();
         ImGui::Render();
-        follow(wishes);
 
         const double ratio = static_cast<double>(pixels_wide) / state_.width;
         const int left = static_cast<int>(std::lround(ratio * state_.view_x));
-        if (Status status = draw_models({std::max(1, pixels_wide - left), pixels_high}); !status)
-            return status;
-        target_.show(0, left, 0);
+        const ViewSize size = {std::max(1, pixels_wide - left), pixels_high};
+        if (Status status = picture_.draw(viewer_, size); !status) return status;
+        picture_.show(left);
         glViewport(0, 0, pixels_wide, pixels_high);
         ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
         glfwSwapBuffers(window_.get());
@@ -330,30 +276,34 @@ private:
         return write_state(widgets);
     }
 
-    /// Many samples a pixel where that is cheap, or once nothing moves any more.
-    [[nodiscard]] Status draw_models(ViewSize size)
+    /// The panel that opens models, and below it, in a place of its own, what is to be read.
+    void draw_over_picture(std::vector<WidgetPlace>& widgets)
     {
-        constexpr int fine = 4;
-        DrawnPicture wanted = {viewer_.layers(), viewer_.camera(), size, viewer_.theme(), fine};
-        const bool moves = !same_view(wanted, drawn_);
-        if (moves) last_move_ = Clock::now();
-        if (draws_slowly_) {
-            constexpr double rest = 0.2;
-            const bool is_still = !moves && seconds_since(last_move_) > rest;
-            if (!is_still && !(drawn_.samples == fine && !moves)) wanted.samples = 1;
+        const double margin = 12.0 * window_.scale();
+        const double width = std::max(1.0, state_.view_width - 2.0 * margin);
+        const double words = std::min(110.0 * window_.scale(), 0.3 * state_.height);
+        const double list =
+            std::clamp(state_.height - words - 3.0 * margin, 1.0, 560.0 * window_.scale());
+        const auto left = static_cast<float>(state_.view_x + margin);
+        auto chosen = files_.draw(left, static_cast<float>(margin),
+                                  static_cast<float>(std::min(width, 520.0 * window_.scale())),
+                                  static_cast<float>(list), widgets);
+        if (chosen) open({std::move(*chosen)});
+        if (notice_.draw(left, static_cast<float>(state_.height - margin),
+                         static_cast<float>(std::min(width, 720.0 * window_.scale())),
+                         static_cast<float>(words), problem(), written_.news(), widgets)) {
+            viewer_.forget_problem();
+            files_.forget_problem();
+            written_.forget_news();
         }
-        needs_refining_ = wanted.samples != fine && !viewer_.is_moving();
-        if (!moves && wanted.samples == drawn_.samples) return {};
-        const auto begin = Clock::now();
-        if (Status status = gl_layers_.show(wanted.layers); !status) return status;
-        if (Status status = target_.bind(size, wanted.samples); !status) return status;
-        painter_.draw(gl_layers_.layers(), viewer_.backdrop(), wanted.camera, size);
-        if (!options_.state.empty()) {
-            glFinish();
-            if (wanted.samples == 1 || !draws_slowly_) state_.frame_seconds = seconds_since(begin);
-        }
-        drawn_ = std::move(wanted);
-        return {};
+    }
+
+    /// The first that somebody has to know of.
+    [[nodiscard]] std::string problem() const
+    {
+        if (std::string words = viewer_.problem(); !words.empty()) return words;
+        if (std::string words = files_.problem(); !words.empty()) return words;
+        return written_.problem();
     }
 
     void apply_theme()
@@ -387,61 +337,42 @@ private:
     {
         if (wishes.open) files_.open();
         if (wishes.cancel) viewer_.cancel();
-        if (wishes.forget_problem) viewer_.forget_problem();
-        if (saving_.is_finished()) {
-            const Status written = saving_.take();
-            news_ = written ? concat("wrote ", saving_as_) : describe(written.error());
-            redraw();
+        if (!wishes.picture.empty()) {
+            written_.write_picture(viewer_, {state_.view_width, state_.view_height},
+                                   wishes.picture);
+        } else if (!wishes.glb.empty()) {
+            written_.write_model(viewer_, wishes.glb);
         }
-        if (saving_.is_busy() || (wishes.picture.empty() && wishes.glb.empty())) return;
-        saving_as_ = wishes.picture.empty() ? wishes.glb : wishes.picture;
-        news_ = concat("writing ", saving_as_);
-        saving_.start(
-            [layers = viewer_.layers(), backdrop = viewer_.backdrop(), camera = viewer_.camera(),
-             size = ViewSize{state_.view_width, state_.view_height}, path = saving_as_,
-             is_picture = !wishes.picture.empty()](Progress& progress) -> Status {
-                const Scene scene = flattened(layers, backdrop);
-                if (!is_picture) return export_scene(scene, path, &progress);
-                const auto image = make_software_renderer(&progress)->render(scene, camera, size);
-                if (!image) return tl::unexpected(image.error());
-                return write_png(*image, path, &progress);
-            },
-            wake_window);
+        if (written_.follow()) redraw();
     }
 
     [[nodiscard]] Status write_state(const std::vector<WidgetPlace>& widgets)
     {
         if (options_.state.empty()) return {};
         state_.files_open = files_.is_open();
-        state_.uploads = gl_layers_.uploads();
-        state_.uploaded_bytes = gl_layers_.uploaded_bytes();
+        state_.frame_seconds = picture_.frame_seconds();
+        state_.uploads = picture_.uploads();
+        state_.uploaded_bytes = picture_.uploaded_bytes();
         return write_window_state(options_.state, state_, viewer_, widgets);
     }
 
     // The window is destroyed last: the others need its context.
     GlfwWindow window_;
-    GlPainter painter_;
-    GlTarget target_;
-    GlLayers gl_layers_;
+    ViewPicture picture_;
     Viewer& viewer_;
     const WindowOptions& options_;
     Sidebar sidebar_;
     FilePanel files_{wake_window};
+    ViewFiles written_{wake_window};
+    Notice notice_;
     bool awaits_models_ = false; ///< some are being loaded
     bool is_asked_for_ = false;  ///< by the command line
     WindowState state_;
-    DrawnPicture drawn_;
-    bool draws_slowly_ = false;
-    bool needs_refining_ = false;
     int frames_wanted_ = 3;
     std::optional<Theme> styled_;
-    Clock::time_point last_move_ = Clock::now();
     Vec2 mouse_ = Vec2::Zero();
     Clock::time_point last_press_;
     Vec2 last_press_at_ = Vec2::Zero();
-    std::string news_;
-    std::string saving_as_;
-    BackgroundWork<Status> saving_;
 };
 
 } // namespace
@@ -451,11 +382,12 @@ Status run_window(Viewer& viewer, const WindowOptions& options)
     auto window = GlfwWindow::create("Proxima", options.size,
                                      options.debug ? ContextKind::debug : ContextKind::usual);
     if (!window) return tl::unexpected(window.error());
-    auto painter = GlPainter::create();
-    if (!painter) return tl::unexpected(painter.error());
-    auto target = GlTarget::create();
-    if (!target) return tl::unexpected(target.error());
-    return ViewWindow(std::move(*window), std::move(*painter), std::move(*target), viewer, options)
+    std::string renderer;
+    if (const auto* const name = glGetString(GL_RENDERER); name != nullptr)
+        renderer = reinterpret_cast<const char*>(name);
+    auto picture = ViewPicture::create(renderer);
+    if (!picture) return tl::unexpected(picture.error());
+    return ViewWindow(std::move(*window), std::move(*picture), std::move(renderer), viewer, options)
         .run();
 }
 

@@ -51,7 +51,8 @@ public:
     {
         return std::span(ends_).first(count_);
     }
-    std::span<const MeetingParts> ends() const&& = delete; ///< of a temporary they would dangle
+    /// Of a temporary they would dangle.
+    [[nodiscard]] std::span<const MeetingParts> ends() const&& = delete;
     [[nodiscard]] bool empty() const noexcept { return count_ == 0; }
     [[nodiscard]] std::size_t size() const noexcept { return count_; }
 

@@ -92,7 +92,8 @@ private:
         std::size_t touched = 0;
         for (std::size_t i = 0; i < near.size(); ++i) {
             const ContactTriangle& triangle = near[i];
-            if (is_wall(scene_triangle(id, triangle.id))) continue;
+            const double least = least_touch_time(triangle.corners, radius_ + skin_, begin, way);
+            if (least > std::min(first, 1.0) || is_wall(scene_triangle(id, triangle.id))) continue;
             if (side_of(triangle.corners, begin).distance <= radius_ + skin_) {
                 if (count_ + touched == max_contact_planes) return false;
                 room_.touched_[touched++] = i;

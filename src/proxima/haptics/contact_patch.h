@@ -11,6 +11,7 @@
 #pragma once
 
 #include "proxima/haptics/contact_surface.h"
+#include "proxima/haptics/patch_groups.h"
 #include "proxima/mesh/topology.h"
 #include "proxima/proximity/neighbourhood.h"
 #include "proxima/proximity/proximity_octree.h"
@@ -30,13 +31,17 @@ public:
 
     ContactPatch() : ContactPatch(most) {}
     /// With room for so many triangles.
-    explicit ContactPatch(std::size_t triangles) : triangles_(triangles) {}
+    explicit ContactPatch(std::size_t triangles) : triangles_(triangles), groups_(triangles) {}
 
     [[nodiscard]] std::span<const ContactTriangle> triangles() const noexcept
     {
         return std::span(triangles_).first(count);
     }
     [[nodiscard]] std::span<ContactTriangle> room() noexcept { return triangles_; }
+
+    /// For questions: of the triangles that it has now. `extent` is the whole surface's.
+    void make_groups(double extent) noexcept { groups_.make(triangles(), extent); }
+    [[nodiscard]] const PatchGroups& groups() const noexcept { return groups_; }
 
     std::size_t count = 0;
     bool complete = true;       ///< all triangles that were asked for are there
@@ -48,6 +53,7 @@ public:
 
 private:
     std::vector<ContactTriangle> triangles_;
+    PatchGroups groups_;
 };
 
 /// How far a metric patch must reach, in the model's units. Lengths of the same unit, seconds.
@@ -60,7 +66,8 @@ private:
 
 /// Fills a patch with all triangles within a radius of the device, or of a shorter one where there
 /// are more than it has room for: then it is whole for slower hands. noexcept, no allocation, a few
-/// questions of the surface, each ended once the room is full. \pre finite, radius >= 0
+/// questions of the surface, each ended once the room is full, and its groups.
+/// \pre finite, radius >= 0
 void fill_metric_patch(ContactPatch& patch, const ContactSurface& surface, const Vec3& device,
                        double radius) noexcept;
 
@@ -78,11 +85,13 @@ private:
     const ProximityOctree& octree_;
     const TriangleMesh& mesh_;
     const Topology& topology_;
+    double extent_;
     NeighbourhoodScratch scratch_;
     std::vector<TriangleId> ids_;
 };
 
-/// The latest patch as a proxy's surface. Without one it is empty.
+/// The latest patch as a proxy's surface, whose questions cost what they cost of the octree's.
+/// Without one it is empty.
 class PatchContactSurface final : public ContactSurface {
 public:
     /// The scale is the whole surface's: proxies of both behave alike.
@@ -92,7 +101,7 @@ public:
     void use(const ContactPatch* patch) noexcept { patch_ = patch; }
 
     [[nodiscard]] const SurfaceScale& scale() const noexcept override { return scale_; }
-    /// O(triangles of the patch).
+    /// By boxes of groups, then of triangles.
     [[nodiscard]] std::size_t collect(const Vec3& p, double distance,
                                       std::span<ContactTriangle> buffer) const noexcept override;
     /// By the patch's clearance and the way from its centre.
@@ -101,8 +110,15 @@ public:
     {
         return patch_ == nullptr ? 0 : patch_->edition;
     }
+    [[nodiscard]] std::span<const TriangleGroup> groups() const noexcept override;
+    [[nodiscard]] GroupQuery group_query(const Vec3& p) const noexcept override;
+    void find_groups(const Vec3& p, double distance, GroupBoxes& boxes) const noexcept override;
+    void read_triangles(std::span<const std::uint32_t> ranks,
+                        std::span<ContactTriangle> triangles) const noexcept override;
 
 private:
+    [[nodiscard]] bool is_empty() const noexcept { return patch_ == nullptr || patch_->count == 0; }
+
     SurfaceScale scale_;
     const ContactPatch* patch_ = nullptr;
 };

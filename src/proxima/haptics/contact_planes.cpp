@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 namespace proxima {
 
@@ -17,40 +16,39 @@ constexpr double least_determinant = 1e-16;
 
 using Subset = std::array<std::uint8_t, 3>;
 
-/// The shift onto all planes of the subset, if they meet.
-std::optional<PlaneSolution> meet(std::span<const ContactPlane> planes, const Subset& subset,
-                                  std::size_t count) noexcept
+/// The shift onto all planes of the subset. False where they do not meet.
+bool meet(std::span<const ContactPlane> planes, const Subset& subset, std::size_t count,
+          PlaneSolution& result) noexcept
 {
-    PlaneSolution result;
     result.active = subset;
     result.count = count;
     const ContactPlane& a = planes[subset[0]];
     if (count == 1) {
         result.pressure[0] = -a.gap;
         result.shift = -a.gap * a.normal;
-        return result;
+        return true;
     }
     const ContactPlane& b = planes[subset[1]];
     const Vec3 ab = a.normal.cross(b.normal);
     if (count == 2) {
         const double sine_squared = ab.squaredNorm();
-        if (!(sine_squared > least_sine_squared)) return std::nullopt;
+        if (!(sine_squared > least_sine_squared)) return false;
         const double cosine = a.normal.dot(b.normal);
         result.pressure[0] = (cosine * b.gap - a.gap) / sine_squared;
         result.pressure[1] = (cosine * a.gap - b.gap) / sine_squared;
         // Along the dual of the normals: no difference of two large multiples of them.
         result.shift = (-a.gap * b.normal.cross(ab) + b.gap * a.normal.cross(ab)) / sine_squared;
-        return result;
+        return true;
     }
     const ContactPlane& c = planes[subset[2]];
     const double determinant = ab.dot(c.normal);
-    if (!(std::abs(determinant) > least_determinant)) return std::nullopt;
+    if (!(std::abs(determinant) > least_determinant)) return false;
     const Vec3 bc = b.normal.cross(c.normal);
     const Vec3 ca = c.normal.cross(a.normal);
     result.shift = -(a.gap * bc + b.gap * ca + c.gap * ab) / determinant;
     result.pressure = {result.shift.dot(bc) / determinant, result.shift.dot(ca) / determinant,
                        result.shift.dot(ab) / determinant};
-    return result;
+    return true;
 }
 
 double violation(const ContactPlane& plane, const Vec3& shift) noexcept
@@ -58,43 +56,60 @@ double violation(const ContactPlane& plane, const Vec3& shift) noexcept
     return -(plane.gap + plane.normal.dot(shift));
 }
 
-/// Of all subsets of up to three that have the last of `members`, the nearest that satisfies all
-/// members; where rounding leaves none, the one that violates least, marked infeasible.
+/// The best of some solutions: the nearest that satisfies all members; where rounding leaves none,
+/// the one that violates least, marked infeasible.
+class BestSubset {
+public:
+    BestSubset(std::span<const ContactPlane> planes, std::span<const std::uint8_t> members,
+               double tolerance) noexcept
+        : planes_(planes), members_(members), tolerance_(tolerance)
+    {}
+
+    void offer(const Subset& subset, std::size_t count) noexcept
+    {
+        PlaneSolution solution;
+        if (!meet(planes_, subset, count, solution)) return;
+        double worst = 0;
+        for (const std::uint8_t member : members_)
+            worst = std::max(worst, violation(planes_[member], solution.shift));
+        solution.feasible = worst <= tolerance_;
+        const double size = solution.shift.squaredNorm();
+        const bool better = solution.feasible == best_.feasible
+                                ? (solution.feasible ? size < size_ : worst < violation_)
+                                : solution.feasible;
+        if (!better) return;
+        best_ = solution;
+        size_ = size;
+        violation_ = worst;
+    }
+
+    [[nodiscard]] const PlaneSolution& best() const noexcept { return best_; }
+
+private:
+    std::span<const ContactPlane> planes_;
+    std::span<const std::uint8_t> members_;
+    double tolerance_;
+    PlaneSolution best_{.feasible = false};
+    double size_ = std::numeric_limits<double>::infinity();
+    double violation_ = std::numeric_limits<double>::infinity();
+};
+
+/// Of all subsets of up to three that have the last of `members`, the best.
+/// Those of fewer planes first: what satisfies all members on fewer planes is nearer than what does
+/// on more.
 PlaneSolution best_subset(std::span<const ContactPlane> planes,
                           std::span<const std::uint8_t> members, double tolerance) noexcept
 {
     const std::uint8_t added = members.back();
-    const std::size_t others = members.size() - 1;
-    PlaneSolution best;
-    best.feasible = false;
-    double best_size = std::numeric_limits<double>::infinity();
-    double best_violation = std::numeric_limits<double>::infinity();
-    for (std::uint32_t chosen = 0; chosen < (1U << others); ++chosen) {
-        Subset subset = {added};
-        std::size_t count = 1;
-        for (std::size_t i = 0; i < others && count <= subset.size(); ++i) {
-            if ((chosen >> i & 1U) == 0) continue;
-            if (count < subset.size()) subset[count] = members[i];
-            ++count;
-        }
-        if (count > subset.size()) continue;
-        auto solution = meet(planes, subset, count);
-        if (!solution) continue;
-        double worst = 0;
-        for (const std::uint8_t member : members)
-            worst = std::max(worst, violation(planes[member], solution->shift));
-        const bool feasible = worst <= tolerance;
-        const double size = solution->shift.squaredNorm();
-        const bool better = feasible == best.feasible
-                                ? (feasible ? size < best_size : worst < best_violation)
-                                : feasible;
-        if (!better) continue;
-        best = *solution;
-        best.feasible = feasible;
-        best_size = size;
-        best_violation = worst;
-    }
-    return best;
+    const auto others = members.first(members.size() - 1);
+    BestSubset best(planes, members, tolerance);
+    best.offer({added}, 1);
+    if (best.best().feasible) return best.best();
+    for (const std::uint8_t other : others) best.offer({added, other}, 2);
+    if (best.best().feasible) return best.best();
+    for (std::size_t i = 1; i < others.size(); ++i)
+        for (std::size_t k = 0; k < i; ++k) best.offer({added, others[k], others[i]}, 3);
+    return best.best();
 }
 
 } // namespace
@@ -103,6 +118,15 @@ PlaneSolution nearest_allowed(std::span<const ContactPlane> planes, double toler
 {
     PROXIMA_CHECK_LE(planes.size(), max_contact_planes);
     PlaneSolution solution;
+    if (planes.size() == 1) {
+        const ContactPlane& plane = planes.front();
+        if (!(-plane.gap > tolerance)) return solution;
+        solution.count = 1;
+        solution.pressure[0] = -plane.gap;
+        solution.shift = -plane.gap * plane.normal;
+        solution.feasible = violation(plane, solution.shift) <= tolerance;
+        return solution;
+    }
     // Every round raises |shift|, or rounding has the last word.
     for (std::size_t round = 0; round < 2 * max_contact_planes; ++round) {
         std::size_t worst = planes.size();

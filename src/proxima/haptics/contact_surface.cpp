@@ -1,6 +1,7 @@
 #include "proxima/haptics/contact_surface.h"
 
 #include "proxima/geometry/closest_point.h"
+#include "proxima/haptics/find_groups.h"
 #include "proxima/proximity/closest_feature.h"
 #include "proxima/proximity/triangle_lanes.h"
 #include "proxima/proximity/triangle_tree.h"
@@ -162,22 +163,7 @@ GroupQuery OctreeContactSurface::group_query(const Vec3& p) const noexcept
 void OctreeContactSurface::find_groups(const Vec3& p, double distance,
                                        GroupBoxes& boxes) const noexcept
 {
-    const TriangleTree& tree = octree_->tree();
-    const std::span<const TriangleTreeBlock> blocks =
-        tree.blocks().subspan(tree.levels().front().first_block);
-    boxes.count = 0;
-    visit_within(tree, {p, p}, distance * distance, [&](RankRange ranks) noexcept {
-        const std::size_t place = boxes.count++;
-        if (place >= GroupBoxes::room) return Flow::stop;
-        const std::uint32_t id = ranks.first / TriangleTree::width;
-        const TriangleTreeBlock& block = blocks[id / TriangleTree::width];
-        boxes.ids[place] = id;
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            boxes.lower[axis][place] = block.lower[axis][id % TriangleTree::width];
-            boxes.upper[axis][place] = block.upper[axis][id % TriangleTree::width];
-        }
-        return Flow::proceed;
-    });
+    proxima::find_groups(octree_->tree(), p, distance, boxes);
 }
 
 void OctreeContactSurface::read_triangles(std::span<const std::uint32_t> ranks,

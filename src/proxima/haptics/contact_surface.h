@@ -9,6 +9,7 @@
 
 #include "proxima/geometry/shapes.h"
 #include "proxima/geometry/vec.h"
+#include "proxima/haptics/contact_triangle.h"
 #include "proxima/haptics/triangle_groups.h"
 #include "proxima/mesh/topology.h"
 #include "proxima/mesh/triangle_mesh.h"
@@ -20,12 +21,6 @@
 #include <vector>
 
 namespace proxima {
-
-/// A triangle that may be met.
-struct ContactTriangle {
-    Triangle corners;
-    TriangleId id{};
-};
 
 /// The place and size of a surface, in its own unit.
 struct SurfaceScale {

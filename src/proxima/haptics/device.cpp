@@ -16,6 +16,14 @@ constexpr std::array<DeviceLimits, 6> devices = {{{"touch", 3.3, 400, 4, 0.075},
 
 } // namespace
 
+DeviceLimits within(const DeviceLimits& limits, const DeviceLimits& other) noexcept
+{
+    return {limits.name, std::min(limits.max_force, other.max_force),
+            std::min(limits.max_stiffness, other.max_stiffness),
+            std::min(limits.max_damping, other.max_damping),
+            std::min(limits.workspace_radius, other.workspace_radius)};
+}
+
 std::span<const DeviceLimits> known_devices() noexcept
 {
     return devices;

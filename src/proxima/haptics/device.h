@@ -37,6 +37,9 @@ struct DeviceLimits {
     double workspace_radius = 0.075; ///< m: of a ball that can be reached
 };
 
+/// The smaller of each limit, under the first one's name.
+[[nodiscard]] DeviceLimits within(const DeviceLimits& limits, const DeviceLimits& other) noexcept;
+
 /// The devices whose limits are known: touch, omni (the thesis's), desktop, falcon, omega, delta.
 [[nodiscard]] std::span<const DeviceLimits> known_devices() noexcept;
 

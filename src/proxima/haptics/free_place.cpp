@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 namespace proxima {
 
@@ -25,9 +26,9 @@ Vec3 direction(int i) noexcept
 /// Looks about for the nearest place.
 class FreePlaceSearch {
 public:
-    FreePlaceSearch(const ContactSurface& surface, double radius, const Vec3& p,
-                    SlideRoom& room) noexcept
-        : surface_(surface), radius_(radius), gap_(safety_gap(surface.scale())), p_(p), room_(room)
+    FreePlaceSearch(const ContactSurface& surface, double radius, Vec3 p, SlideRoom& room) noexcept
+        : surface_(surface), radius_(radius), gap_(safety_gap(surface.scale())), p_(std::move(p)),
+          room_(room)
     {}
 
     std::optional<Vec3> run() noexcept

@@ -6,13 +6,6 @@ namespace proxima {
 
 namespace {
 
-/// Shading slides twice.
-std::size_t moves_of(const RenderOptions& options)
-{
-    const std::size_t slides = options.shading == ForceShading::on ? 2 : 1;
-    return std::min(slides * options.max_moves, max_slide_moves);
-}
-
 RenderOptions limited_options(RenderOptions options, const DeviceLimits& device)
 {
     options.force = limited(options.force, device);
@@ -21,17 +14,25 @@ RenderOptions limited_options(RenderOptions options, const DeviceLimits& device)
 
 } // namespace
 
+ProxyOptions proxy_options(const RenderOptions& options, const WorkspaceMap& map,
+                           const SurfaceFeel* feel) noexcept
+{
+    // Shading slides twice.
+    const std::size_t slides = options.shading == ForceShading::on ? 2 : 1;
+    return {.radius = options.proxy_radius * map.units_per_metre,
+            .static_friction = options.static_friction,
+            .dynamic_friction = options.dynamic_friction,
+            .max_moves = std::min(slides * options.max_moves, max_slide_moves),
+            .shading = options.shading,
+            .feel = feel};
+}
+
 HapticRenderer::HapticRenderer(const ContactSurface& surface, const WorkspaceMap& map,
                                const DeviceLimits& device, const RenderOptions& options,
                                const SurfaceFeel* feel)
     : feel_(feel), device_(device), map_(map), options_(limited_options(options, device)),
-      proxy_(surface, {.radius = options.proxy_radius * map.units_per_metre,
-                       .static_friction = options.static_friction,
-                       .dynamic_friction = options.dynamic_friction,
-                       .max_moves = moves_of(options),
-                       .shading = options.shading,
-                       .feel = feel}),
-      guard_(options_.force, device.max_force), passivity_(device.max_damping)
+      proxy_(surface, proxy_options(options, map, feel)), guard_(options_.force, device.max_force),
+      passivity_(device.max_damping)
 {}
 
 HapticRenderer::HapticRenderer(TouchScene& scene, const WorkspaceMap& map,

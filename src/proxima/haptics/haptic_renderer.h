@@ -45,6 +45,10 @@ struct RenderOptions {
     ForceShading shading = ForceShading::off; ///< on: by the normals of the surface's feel
 };
 
+/// The proxy's part of the options, in the model's units. `feel` must outlive the proxy.
+[[nodiscard]] ProxyOptions proxy_options(const RenderOptions& options, const WorkspaceMap& map,
+                                         const SurfaceFeel* feel) noexcept;
+
 /// What was wrong with a tick's input.
 enum class InputFault : std::uint8_t { none, not_finite, jumped };
 

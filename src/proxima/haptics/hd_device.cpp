@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cmath>
 #include <thread>
+#include <utility>
 
 namespace proxima {
 
@@ -115,7 +116,7 @@ std::string hd_text(const char* text)
 
 /// What the callback works on.
 struct HdTicks {
-    explicit HdTicks(const detail::TickAccount& ticks) : account(ticks) {}
+    explicit HdTicks(detail::TickAccount ticks) : account(std::move(ticks)) {}
 
     detail::TickAccount account;
     std::atomic<std::uint64_t> called{0};
@@ -250,10 +251,9 @@ DeviceReading HdDevice::read() noexcept
     }
     // Column after column, as OpenGL has it.
     RigidTransform& pose = reading_.state.pose;
-    for (int column = 0; column < 3; ++column) {
-        for (int row = 0; row < 3; ++row)
-            pose.rotation(row, column) = transform[static_cast<std::size_t>(4 * column + row)];
-    }
+    auto at = transform.begin();
+    for (int column = 0; column < 3; ++column, ++at)
+        for (int row = 0; row < 3; ++row) pose.rotation(row, column) = *at++;
     pose.translation = millimetre * Vec3(transform[12], transform[13], transform[14]);
     reading_.state.velocity = millimetre * Vec3(velocity[0], velocity[1], velocity[2]);
     reading_.state.buttons = static_cast<std::uint32_t>(buttons);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 namespace proxima {
 
@@ -192,8 +193,23 @@ private:
         for (const Contact& contact : touched) {
             if (contact.normal.dot(way) < -3 * skin_) return 0;
         }
+        // A large sphere would touch hundreds on its way, and the first one ends it.
+        const std::span<SlideRoom::Soon> soon = room_.soon_;
+        std::size_t count = 0;
+        std::size_t soonest = 0;
+        for (std::size_t i = 0; i < near_count_; ++i) {
+            const double t = least_touch_time(room_.near_[i].corners, radius_, result_.center, way);
+            if (t > 1) continue;
+            soon[count] = {t, static_cast<std::uint32_t>(i)};
+            if (t < soon[soonest].t) soonest = count;
+            ++count;
+        }
+        if (count == 0) return 1;
+        std::swap(soon[0], soon[soonest]);
         double free = 1;
-        for (const ContactTriangle& near : std::span(room_.near_).first(near_count_)) {
+        for (const SlideRoom::Soon& next : soon.first(count)) {
+            if (next.t > free) continue;
+            const ContactTriangle& near = room_.near_[next.place];
             // What is touched already is left or gone along. Of contacts at one place one alone is
             // kept, and where two faces are all but flat the other may still be gone into.
             const double least = room_.touched_.has(near.id) ? radius_ - 4 * skin_ : radius_;

@@ -2,6 +2,7 @@
 
 #include "proxima/geometry/exact_predicates.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -26,10 +27,9 @@ double entry_time(const Vec3& from, const Vec3& motion, double radius) noexcept
 }
 
 /// Whether the product of two sides is right to some digits: little of it cancels.
-bool is_plump(const Triangle& triangle, const Vec3& scaled) noexcept
+bool is_plump(const Triangle& triangle, double squared) noexcept
 {
     constexpr double plump = 0x1p-16;
-    const double squared = scaled.squaredNorm();
     return squared > plump * (triangle[1] - triangle[0]).squaredNorm() *
                          (triangle[2] - triangle[0]).squaredNorm() &&
            squared > 1e-280;
@@ -64,27 +64,57 @@ double side_time(const Vec3& from, const Vec3& to, double radius, const Vec3& p,
 
 Vec3 unit_normal(const Triangle& triangle) noexcept
 {
-    const Vec3 scaled = scaled_normal(triangle);
-    if (is_plump(triangle, scaled)) return scaled / scaled.norm();
-    return unit_normal({triangle[0], triangle[1]}, {triangle[0], triangle[2]});
+    return TrianglePlane(triangle).normal();
+}
+
+TrianglePlane::TrianglePlane(const Triangle& triangle) noexcept
+    : triangle_(triangle), scaled_((triangle[1] - triangle[0]).cross(triangle[2] - triangle[0])),
+      squared_(scaled_.squaredNorm()), plump_(is_plump(triangle, squared_))
+{}
+
+bool TrianglePlane::is_beyond(const Vec3& p, const Vec3& motion, double distance) const noexcept
+{
+    const Vec3 from = p - triangle_[0];
+    const double start = scaled_.dot(from);
+    const double end = start + scaled_.dot(motion);
+    if (!plump_ || !(start * end > 0)) return false;
+    // A plump one's normal is off by less than 2^-42.
+    const double apart = distance + 0x1p-39 * (from.cwiseAbs().sum() + motion.cwiseAbs().sum());
+    const double least = apart * apart * squared_ * (1 + 0x1p-40);
+    return start * start > least && end * end > least;
+}
+
+Vec3 TrianglePlane::normal() const noexcept
+{
+    if (plump_) return scaled_ / std::sqrt(squared_);
+    return unit_normal({triangle_[0], triangle_[1]}, {triangle_[0], triangle_[2]});
+}
+
+double least_touch_time(const Triangle& triangle, double distance, const Vec3& p,
+                        const Vec3& motion) noexcept
+{
+    const Vec3 a = triangle[0] - p;
+    const Vec3 b = triangle[1] - p;
+    const Vec3 c = triangle[2] - p;
+    const Vec3 way = a + b + c;
+    const double sizes =
+        a.cwiseAbs().sum() + b.cwiseAbs().sum() + c.cwiseAbs().sum() + motion.cwiseAbs().sum();
+    const double nearest = std::min({way.dot(a), way.dot(b), way.dot(c)});
+    const double left = nearest - distance * way.norm() * (1 + 0x1p-40) - 0x1p-46 * sizes * sizes;
+    if (!(left > 0)) return 0;
+    const double swept = way.dot(motion) + 0x1p-46 * sizes * sizes;
+    return swept > 0 ? left / swept * (1 - 0x1p-40) : never;
 }
 
 std::optional<double> touch_time(const Triangle& triangle, double radius, const Vec3& p,
                                  const Vec3& motion) noexcept
 {
-    const Vec3 scaled = scaled_normal(triangle);
-    const double scaled_height = scaled.dot(p - triangle[0]);
-    const double scaled_end = scaled_height + scaled.dot(motion);
-    const double scaled_radius_squared =
-        1.01 * radius * radius * scaled.squaredNorm(); // more than rounding of plump ones
+    const TrianglePlane plane(triangle);
     // Most triangles: the whole way on one side of the offset planes.
-    if (scaled_height * scaled_end > 0 && is_plump(triangle, scaled) &&
-        scaled_height * scaled_height > scaled_radius_squared &&
-        scaled_end * scaled_end > scaled_radius_squared)
-        return std::nullopt;
+    if (plane.is_beyond(p, motion, radius)) return std::nullopt;
 
     // Outside of both planes, nothing else can be touched before them.
-    const Vec3 normal = unit_normal(triangle);
+    const Vec3 normal = plane.normal();
     const double height = normal.dot(p - triangle[0]);
     const double rise = normal.dot(motion);
     if (std::abs(height) > radius) {

@@ -40,7 +40,10 @@ constexpr std::size_t touched_triangles = 4096;
 std::optional<Contact> contact_with(const ContactTriangle& triangle, const Vec3& p, double limit,
                                     double rounding) noexcept
 {
-    const Vec3 face = unit_normal(triangle.corners);
+    if (least_touch_time(triangle.corners, limit, p, Vec3::Zero()) > 0) return std::nullopt;
+    const TrianglePlane plane(triangle.corners);
+    if (plane.is_beyond(p, Vec3::Zero(), limit)) return std::nullopt;
+    const Vec3 face = plane.normal();
     const double height = face.dot(p - triangle.corners[0]);
     if (std::abs(height) > limit) return std::nullopt;
     const TrianglePoint closest = closest_point(triangle.corners, p);

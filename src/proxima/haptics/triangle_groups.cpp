@@ -3,7 +3,6 @@
 #include "proxima/base/check.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #ifndef PROXIMA_HAPTICS_TRIANGLE_GROUPS_ONCE
@@ -105,30 +104,37 @@ HWY_INLINE auto are_beyond(NearFloats a, NearFloats b, NearFloats squared_length
                    hn::Gt(least, hn::Mul(hn::Mul(limit, limit), squared_length)));
 }
 
-/// Bits of those boxes, from `first` on, that may be within the distance.
-HWY_INLINE std::uint32_t near_boxes(const GroupBoxes& boxes, std::size_t first,
-                                    const LaneQuery& query)
+/// Writes the numbers of groups whose boxes may be within the distance, and calls them into the
+/// caches. Returns how many. \pre room for whole vectors
+HWY_INLINE std::size_t near_groups(const TriangleGroup* groups, const GroupBoxes& boxes,
+                                   const LaneQuery& query, std::uint32_t* ids)
 {
     const hn::CappedTag<float, 16> d;
+    const hn::Rebind<std::uint32_t, decltype(d)> di;
     static_assert(GroupBoxes::room % 16 == 0);
     const auto limit = hn::Set(d, query.distance + query.box_margin);
-    std::uint32_t bits = 0;
-    for (std::size_t lane = 0; lane < 16; lane += hn::Lanes(d)) {
-        auto near = hn::FirstN(d, boxes.count - HWY_MIN(boxes.count, first + lane));
+    std::size_t count = 0;
+    for (std::size_t first = 0; first < boxes.count; first += hn::Lanes(d)) {
+        auto near = hn::FirstN(d, HWY_MIN(hn::Lanes(d), boxes.count - first));
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const float end = query.place[axis] + query.way[axis];
             const auto low = hn::Set(d, HWY_MIN(query.place[axis], end));
             const auto high = hn::Set(d, HWY_MAX(query.place[axis], end));
-            const auto lower = hn::LoadU(d, boxes.lower[axis].data() + first + lane);
-            const auto upper = hn::LoadU(d, boxes.upper[axis].data() + first + lane);
+            const auto lower = hn::LoadU(d, boxes.lower[axis].data() + first);
+            const auto upper = hn::LoadU(d, boxes.upper[axis].data() + first);
             const auto apart = hn::Max(hn::Sub(lower, high), hn::Sub(low, upper));
             near = hn::And(near, hn::Le(apart, limit));
         }
-        std::uint8_t bytes[8] = {};
-        (void)hn::StoreMaskBits(d, near, bytes);
-        bits |= (bytes[0] | static_cast<std::uint32_t>(bytes[1]) << 8U) << lane;
+        // Not by a compressing store, which some processors are slow at.
+        const auto numbers = hn::LoadU(di, boxes.ids.data() + first);
+        hn::StoreU(hn::Compress(numbers, hn::RebindMask(di, near)), di, ids + count);
+        count += hn::CountTrue(d, near);
     }
-    return bits;
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto* const line = reinterpret_cast<const std::byte*>(&groups[ids[i]]);
+        for (std::size_t at = 0; at < sizeof(TriangleGroup); at += 64) hwy::Prefetch(line + at);
+    }
+    return count;
 }
 
 /// Corners of a group's triangles from `lane` on, as a place sees them.
@@ -152,6 +158,20 @@ HWY_INLINE LaneTriangles load_triangles(const TriangleGroup& group, std::size_t 
 HWY_INLINE auto near_ball(const LaneTriangles& t, NearFloats limit)
 {
     return hn::Le(triangle_distance(t.a, t.b, t.c), hn::Mul(limit, limit));
+}
+
+/// Whether the boxes of a way from the origin and of triangles are.
+HWY_INLINE auto near_boxes(const LaneTriangles& t, const NearVectors& way, NearFloats limit)
+{
+    const auto zero = hn::Zero(NearTag());
+    const auto near = [&](NearFloats a, NearFloats b, NearFloats c, NearFloats end) {
+        const auto low = hn::Sub(hn::Min(end, zero), limit);
+        const auto high = hn::Add(hn::Max(end, zero), limit);
+        return hn::And(hn::Le(hn::Min(hn::Min(a, b), c), high),
+                       hn::Ge(hn::Max(hn::Max(a, b), c), low));
+    };
+    return hn::And(hn::And(near(t.a.x, t.b.x, t.c.x, way.x), near(t.a.y, t.b.y, t.c.y, way.y)),
+                   near(t.a.z, t.b.z, t.c.z, way.z));
 }
 
 /// Neither the triangle's normal nor the products of its sides with the way separate them.
@@ -182,20 +202,25 @@ HWY_INLINE auto near_way(const LaneTriangles& t, const NearVectors& way, NearFlo
     return hn::Not(apart);
 }
 
-/// Bits of a group's triangles.
+/// Writes the ranks of a group's near triangles, by whole vectors. Returns how many.
 template <class Near>
-HWY_INLINE std::uint32_t near_triangles(const TriangleGroup& group, const float* place,
-                                        const Near& near)
+HWY_INLINE std::size_t near_triangles(const TriangleGroup& group, std::uint32_t id,
+                                      const float* place, const Near& near, std::uint32_t* ranks)
 {
+    constexpr std::size_t width = TriangleGroup::width;
     const NearTag d;
+    const hn::Rebind<std::uint32_t, NearTag> di;
     const NearVectors p = set_vector(place);
-    std::uint32_t bits = 0;
-    for (std::size_t lane = 0; lane < TriangleGroup::width; lane += hn::Lanes(d)) {
-        std::uint8_t bytes[8] = {};
-        (void)hn::StoreMaskBits(d, near(load_triangles(group, lane, p)), bytes);
-        bits |= static_cast<std::uint32_t>(bytes[0]) << lane;
+    std::size_t count = 0;
+    for (std::size_t lane = 0; lane < width; lane += hn::Lanes(d)) {
+        const std::size_t left = group.count - HWY_MIN(group.count, lane);
+        const auto found = hn::And(near(load_triangles(group, lane, p)),
+                                   hn::FirstN(d, HWY_MIN(hn::Lanes(d), left)));
+        const auto rank = static_cast<std::uint32_t>(width * id + lane);
+        hn::StoreU(hn::Compress(hn::Iota(di, rank), hn::RebindMask(di, found)), di, ranks + count);
+        count += hn::CountTrue(d, found);
     }
-    return bits & ((1U << group.count) - 1);
+    return count;
 }
 
 std::size_t scan_groups(const TriangleGroup* groups, const GroupBoxes& boxes,
@@ -205,17 +230,8 @@ std::size_t scan_groups(const TriangleGroup* groups, const GroupBoxes& boxes,
     const NearVectors way = set_vector(query.way);
     const float way_size = std::abs(query.way[0]) + std::abs(query.way[1]) + std::abs(query.way[2]);
     const auto rounding = static_cast<float>(asked.rounding * asked.scale);
-    std::uint32_t near_ids[GroupBoxes::room];
-    std::size_t near_count = 0;
-    for (std::size_t first = 0; first < boxes.count; first += 16) {
-        for (std::uint32_t left = near_boxes(boxes, first, query); left != 0; left &= left - 1) {
-            const std::uint32_t id =
-                boxes.ids[first + static_cast<std::size_t>(std::countr_zero(left))];
-            near_ids[near_count++] = id;
-            const auto* const line = reinterpret_cast<const std::byte*>(&groups[id]);
-            for (std::size_t at = 0; at < sizeof(TriangleGroup); at += 64) hwy::Prefetch(line + at);
-        }
-    }
+    std::uint32_t near_ids[GroupBoxes::room + 16];
+    const std::size_t near_count = near_groups(groups, boxes, query, near_ids);
     std::size_t written = 0;
     for (std::size_t i = 0; i < near_count; ++i) {
         const std::uint32_t id = near_ids[i];
@@ -229,16 +245,19 @@ std::size_t scan_groups(const TriangleGroup* groups, const GroupBoxes& boxes,
         // sharp by less than 2^8.
         const float size = group.size + query.distance + way_size;
         const auto limit = hn::Set(d, query.distance + 0x1p-14F * size + rounding);
-        std::uint32_t near =
-            way_size > 0
-                ? near_triangles(group, place,
-                                 [&](const LaneTriangles& t) { return near_way(t, way, limit); })
-                : near_triangles(group, place,
-                                 [&](const LaneTriangles& t) { return near_ball(t, limit); });
-        for (; near != 0; near &= near - 1) {
-            ranks[written++] = static_cast<std::uint32_t>(TriangleGroup::width) * id +
-                               static_cast<std::uint32_t>(std::countr_zero(near));
-        }
+        std::uint32_t* const to = ranks + written;
+        written += way_size > 0
+                       ? near_triangles(
+                             group, id, place,
+                             [&](const LaneTriangles& t) {
+                                 const auto boxes_near = near_boxes(t, way, limit);
+                                 if (hn::AllFalse(d, boxes_near)) return boxes_near;
+                                 return hn::And(boxes_near, near_way(t, way, limit));
+                             },
+                             to)
+                       : near_triangles(
+                             group, id, place,
+                             [&](const LaneTriangles& t) { return near_ball(t, limit); }, to);
     }
     return written;
 }

@@ -29,8 +29,8 @@ struct SurfacePart {
     FeatureKind kind = FeatureKind::vertex;
     std::array<std::uint32_t, 2> ids{};
     friend constexpr bool operator==(const SurfacePart&, const SurfacePart&) = default;
-    friend constexpr std::strong_ordering operator<=>(const SurfacePart&,
-                                                      const SurfacePart&) = default;
+    // NOLINTNEXTLINE(modernize-use-nullptr): of the defaulted comparison's own text
+    friend constexpr auto operator<=>(const SurfacePart&, const SurfacePart&) = default;
 };
 
 /// A point of both surfaces, in A's coordinates: the only common point of the insides of the two

@@ -13,7 +13,7 @@ endfunction()
 
 function(expect_answer program)
   run(${program})
-  if(NOT output STREQUAL "1 3 2\n")
+  if(NOT output STREQUAL "12 6 4 2 1 3\n")
     message(FATAL_ERROR "${program} printed: ${output}")
   endif()
 endfunction()

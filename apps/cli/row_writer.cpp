@@ -1,0 +1,40 @@
+#include "cli/row_writer.h"
+
+#include <cstdio>
+
+namespace proxima {
+
+Status check_rows(const std::string& path, const Session& session)
+{
+    if (path.empty()) return session.check_outputs({});
+    if (const auto format = answer_format(path); !format) return tl::unexpected(format.error());
+    if (path != to_stdout) return session.check_outputs({path});
+    if (session.options().json != to_stdout) return session.check_outputs({});
+    return fail(ErrorCode::invalid_argument,
+                "--json and --out would both write to stdout: give one of them a file", to_stdout);
+}
+
+Result<RowWriter> RowWriter::open(const std::string& path)
+{
+    RowWriter writer;
+    if (path.empty()) return writer;
+    const auto format = answer_format(path);
+    if (!format) return tl::unexpected(format.error());
+    writer.format_ = *format;
+    writer.wanted_ = true;
+    if (path == to_stdout) return writer;
+    auto file = OutputFile::create(path);
+    if (!file) return tl::unexpected(file.error());
+    writer.file_.emplace(std::move(*file));
+    return writer;
+}
+
+Status RowWriter::write(std::string_view text)
+{
+    if (!wanted_) return {};
+    if (file_) return file_->write(text);
+    std::fwrite(text.data(), 1, text.size(), stdout);
+    return {};
+}
+
+} // namespace proxima

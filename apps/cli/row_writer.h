@@ -1,0 +1,53 @@
+// Where the rows of answers go: a file that appears when it is whole, stdout, or nowhere.
+#pragma once
+
+#include "cli/answer_table.h"
+#include "cli/session.h"
+#include "proxima/base/output_file.h"
+#include "proxima/base/parallel.h"
+#include "proxima/base/result.h"
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace proxima {
+
+/// What would go wrong with rows to `path`: to be asked before long work. Errors: those of
+/// answer_format and Session::check_outputs; invalid_argument where --json goes to stdout too.
+[[nodiscard]] Status check_rows(const std::string& path, const Session& session);
+
+class RowWriter {
+public:
+    /// "-" is stdout, "" nowhere. Errors: those of answer_format, file_not_writable.
+    [[nodiscard]] static Result<RowWriter> open(const std::string& path);
+
+    [[nodiscard]] bool is_wanted() const noexcept { return wanted_; }
+    [[nodiscard]] AnswerFormat format() const noexcept { return format_; }
+
+    /// Nothing where no rows are wanted. What stdout did not take, Session::finish says.
+    [[nodiscard]] Status write(std::string_view text);
+
+    /// Writes texts one after the other, after threads have made them: make(task) gives a task's.
+    template <class Make>
+    [[nodiscard]] Status write_tasks(std::size_t tasks, Threads threads, const Make& make)
+    {
+        if (!wanted_) return {};
+        std::vector<std::string> texts(tasks);
+        parallel_for(tasks, threads, [&](std::size_t task) { texts[task] = make(task); });
+        for (const std::string& text : texts)
+            if (Status status = write(text); !status) return status;
+        return {};
+    }
+
+    [[nodiscard]] Status commit() { return file_ ? file_->commit() : Status{}; }
+
+private:
+    bool wanted_ = false;
+    AnswerFormat format_ = AnswerFormat::csv;
+    std::optional<OutputFile> file_;
+};
+
+} // namespace proxima

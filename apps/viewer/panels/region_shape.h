@@ -1,0 +1,53 @@
+// The Voronoi region of a feature of any mesh, as far as it is asked for: where another feature of
+// the mesh comes as near it ends, and where it goes on it fades.
+//
+//     region of the feature's own faces        a corner: a place of the feature and a direction;
+//     (feature_regions.h)                      a face's three have one direction, a vertex's one
+//          d0 ^     ^ d1                       place
+//             |_____|
+//            b0     b1                         a sample between the corners goes as far as the
+//                                              feature is the closest of all: an answer of the
+//                                              octree at every step of a search
+//
+// That is all of the region: with a point of it all between that point and the feature's is in it.
+#pragma once
+
+#include "proxima/base/result.h"
+#include "proxima/proximity/proximity_octree.h"
+#include "viewer/scene.h"
+#include "viewer/view_models.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace proxima {
+
+/// A half-line of the region, cut off.
+struct RegionSample {
+    Vec3 base = Vec3::Zero();      ///< of the feature
+    Vec3 direction = Vec3::Zero(); ///< of length 1
+    double reach = 0.0;            ///< so far the feature is the closest one
+    bool goes_on = true;           ///< farther than it was asked for
+
+    [[nodiscard]] Vec3 at(double length) const { return base + length * direction; }
+    [[nodiscard]] Vec3 end() const { return at(reach); }
+};
+
+struct RegionShape {
+    std::vector<RegionSample> samples;
+    std::vector<TriangleCorners> cap; ///< of samples: over the ends; none of flat regions
+    std::vector<std::vector<std::uint32_t>> sides; ///< samples in a row, from corner to corner
+};
+
+/// Of the feature's exterior region, at most `length` from it. Errors: those of voronoi_region_of;
+/// invalid_argument for a region that is but a line. \pre the octree is the model's, length > 0
+[[nodiscard]] Result<RegionShape>
+region_shape(const ViewModel& model, const ProximityOctree& octree, Feature feature, double length);
+
+/// The surfaces "region" and the lines "region's edges".
+void add_region(Scene& scene, const RegionShape& shape, const Color& color);
+
+/// "from 0.01 to 0.03 away another feature is as near", or that there is none.
+[[nodiscard]] std::string words_for_end(const RegionShape& shape);
+
+} // namespace proxima

@@ -1,0 +1,60 @@
+#include "viewer/window/view_files.h"
+
+#include "cli/image.h"
+#include "proxima/base/text.h"
+#include "viewer/layers_glb.h"
+#include "viewer/renderer.h"
+
+#include <utility>
+
+namespace proxima {
+
+void ViewFiles::begin(std::string path)
+{
+    path_ = std::move(path);
+    news_ = concat("writing ", path_);
+    problem_.clear();
+}
+
+void ViewFiles::write_picture(const Viewer& viewer, ViewSize size, std::string path)
+{
+    if (is_busy()) return;
+    begin(std::move(path));
+    writing_.start(
+        [layers = viewer.layers(), backdrop = viewer.backdrop(), camera = viewer.camera(), size,
+         path = path_](Progress& progress) -> Status {
+            const auto image = make_software_renderer(&progress)->render(
+                flattened(layers, backdrop), camera, size);
+            if (!image) return tl::unexpected(image.error());
+            return write_png(*image, path, &progress);
+        },
+        wake_);
+}
+
+void ViewFiles::write_model(const Viewer& viewer, std::string path)
+{
+    if (is_busy()) return;
+    begin(std::move(path));
+    writing_.start(
+        [layers = viewer.layers(), backdrop = viewer.backdrop(), path = path_](Progress& progress) {
+            return export_scene(flattened(layers, backdrop), path, &progress);
+        },
+        wake_);
+}
+
+bool ViewFiles::follow()
+{
+    if (!writing_.is_finished()) return false;
+    const Status written = writing_.take();
+    news_ = written ? concat("wrote ", path_) : std::string();
+    problem_ = written ? std::string() : describe(written.error());
+    return true;
+}
+
+void ViewFiles::forget_news()
+{
+    news_.clear();
+    problem_.clear();
+}
+
+} // namespace proxima

@@ -1,0 +1,14 @@
+// A triangle that a proxy may meet.
+#pragma once
+
+#include "proxima/geometry/shapes.h"
+#include "proxima/mesh/triangle_mesh.h"
+
+namespace proxima {
+
+struct ContactTriangle {
+    Triangle corners;
+    TriangleId id{};
+};
+
+} // namespace proxima
