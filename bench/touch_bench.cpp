@@ -6,6 +6,8 @@
 //     touch_bench --curve FILE.{csv,svg,png} ...      tick time by the number of triangles
 //     touch_bench --scenes                             several objects, at rest and moving
 //     touch_bench --patches [--mesh NAME]...           what patches miss, by the hand's speed
+//     touch_bench --stability                          stiffness limits beside theory, and the
+//                                                      guard beyond them
 //     touch_bench --loops SECONDS [--script NAME] [--touch direct|patches|both]
 //                                                      by the clock, with collision and graphics
 //                                                      loops
@@ -23,6 +25,7 @@
 #include "touch_loops.h"
 #include "touch_patch_table.h"
 #include "touch_scenes.h"
+#include "touch_stability.h"
 #include "touch_table.h"
 
 #include <CLI/CLI.hpp>
@@ -175,7 +178,11 @@ int main(int argc, char** argv)
     bool patches = false;
     app.add_flag("--scenes", scenes, "Only scenes of several objects, at rest and moving");
     app.add_flag("--patches", patches, "Only what patches miss, by the hand's speed");
+    bool stability = false;
+    app.add_flag("--stability", stability,
+                 "Only where walls begin to swing, beside theory, with and without the guard");
     CLI11_PARSE(app, argc, argv);
+    if (stability) return run_stability_table();
     if (!options.curves.empty()) return run_curve(options.meshes, options.race, options.curves);
     if (scenes) return run_scenes(options.race);
     const bool all = options.meshes.empty() && loops->count() == 0;

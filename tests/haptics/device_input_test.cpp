@@ -6,7 +6,9 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
 #include <thread>
+#include <vector>
 
 namespace proxima {
 namespace {
@@ -77,6 +79,83 @@ TEST(DeviceInput, velocities_that_are_none_count_as_rest)
     const SessionFelt felt = run_session(scene, device, ticks);
     EXPECT_EQ(felt.input.faulty_ticks, 0U);
     EXPECT_GT(felt.forces.back(), 1.0);
+}
+
+/// The largest change of the force between two ticks, N, from a tick on.
+double largest_step(const SessionFelt& felt, std::size_t from)
+{
+    double largest = 0;
+    for (std::size_t i = from; i < felt.recording.ticks.size(); ++i) {
+        const auto& a = felt.recording.ticks[i - 1].force;
+        const auto& b = felt.recording.ticks[i].force;
+        largest = std::max(largest, std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]));
+    }
+    return largest;
+}
+
+TEST(DeviceInput, velocities_that_places_do_not_bear_out_are_not_felt)
+{
+    const CubeScene scene;
+    PressingDevice honest(scene);
+    const SessionFelt good = run_session(scene, honest, ticks);
+    EXPECT_EQ(good.input.velocities, 0U);
+    const double most = largest_step(good, fault_begin) + 0.05;
+    EXPECT_LT(most, 0.1);
+    std::mt19937_64 random(4);
+    using Wrong = std::function<void(std::uint64_t, Vec3&)>;
+    const std::vector<Wrong> wrongs = {
+        [](std::uint64_t tick, Vec3& v) {
+            if (tick % 100 == 0) v.z() = -1000;
+        },
+        [](std::uint64_t, Vec3& v) { v *= 1000; }, // mm/s
+        [](std::uint64_t tick, Vec3& v) { v.setConstant(tick % 2 == 0 ? 1e300 : -1e300); },
+        [](std::uint64_t tick, Vec3& v) { v = Vec3(0, 0, tick % 2 == 0 ? nan : -50); },
+        [&](std::uint64_t, Vec3& v) {
+            v *= std::pow(10.0, static_cast<double>(random() % 12)) * (random() % 2 == 0 ? -1 : 1);
+        }};
+    for (std::size_t i = 0; i < wrongs.size(); ++i) {
+        PressingDevice device(scene, [&](std::uint64_t tick, DeviceReading& reading) {
+            if (tick >= fault_begin) wrongs[i](tick, reading.state.velocity);
+        });
+        const SessionFelt felt = run_session(scene, device, ticks);
+        EXPECT_GT(felt.input.velocities, 10U) << i;
+        EXPECT_EQ(felt.input.faulty_ticks, 0U) << i;
+        EXPECT_LE(largest_step(felt, fault_begin), most) << i;
+    }
+}
+
+TEST(DeviceInput, honest_velocities_are_believed)
+{
+    // Exact and by differences, with and without an encoder, thrown about and hit against a wall.
+    std::mt19937_64 random(8);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    for (const VelocityEstimate estimate :
+         {VelocityEstimate::exact, VelocityEstimate::backward_difference}) {
+        for (const double step : {0.0, 5e-5}) {
+            HandModel model;
+            model.velocity = estimate;
+            model.encoder_step = step;
+            SimulatedHand hand(model, Vec3::Zero());
+            VelocityBounds bounds;
+            double fastest = 0;
+            Vec3 target = Vec3::Zero();
+            int refused = 0;
+            for (int tick = 0; tick < 20000; ++tick) {
+                if (tick % 150 == 0) target = 0.1 * Vec3{unit(random), unit(random), unit(random)};
+                const DeviceState state = hand.state();
+                const double depth = std::max(-state.pose.translation.x(), 0.0);
+                bounds.add(state.pose.translation, 1e-3);
+                const Vec3 believed = bounds.believed(state.velocity);
+                // Two steps of the encoder along each axis, and a tick of 80 m/s^2.
+                EXPECT_LT((believed - state.velocity).norm(), 0.17 + 0.08);
+                refused += believed != state.velocity ? 1 : 0;
+                fastest = std::max(fastest, state.velocity.norm());
+                hand.step(Vec3(std::min(1000 * depth, 8.0), 0, 0), target);
+            }
+            EXPECT_GT(fastest, 0.5);
+            EXPECT_LE(refused, 2000) << static_cast<int>(estimate) << ' ' << step;
+        }
+    }
 }
 
 TEST(DeviceInput, vanishing_fades_the_force)

@@ -77,6 +77,7 @@ Session run(const Scene& scene, std::string_view script, std::uint64_t seed, int
         hand.step(felt.force, path->target(tick * tick_seconds));
     }
     EXPECT_EQ(testing::allocation_count(), allocations);
+    EXPECT_EQ(renderer.passivity().softened_ticks(), 0U) << script; // a hand that is damped
     session.quality = meter.report();
     return session;
 }

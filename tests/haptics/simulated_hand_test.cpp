@@ -183,6 +183,27 @@ TEST(PassivityGuard, catches_walls_that_are_too_stiff)
     EXPECT_LT(guarded_swing(model, {500, 0}, 30).largest, 1.5e-3);
 }
 
+TEST(PassivityGuard, catches_what_damping_that_a_device_bears_cannot)
+{
+    struct Setting {
+        double stiffness;
+        double b;
+        double max_damping;
+    };
+    for (const auto& [stiffness, b, max_damping] :
+         {Setting{700, 0.5, 5}, Setting{700, 0.5, 30}, Setting{400, 0.1, 4}, Setting{400, 0.1, 30},
+          Setting{5000, 0.1, 30}}) {
+        for (int delay = 1; delay <= 3; ++delay) {
+            HandModel model = without_hand();
+            model.device_damping = b;
+            model.delay_ticks = delay;
+            EXPECT_GT(swing(model, {stiffness, 0}, 20000), 1e-2);
+            EXPECT_LT(guarded_swing(model, {stiffness, 0}, max_damping).largest, 1e-3)
+                << stiffness << ' ' << b << ' ' << max_damping << ' ' << delay;
+        }
+    }
+}
+
 TEST(PassivityGuard, leaves_stable_walls_alone_but_for_the_first_swing)
 {
     const Guarded guarded = guarded_swing(without_hand(), {300, 0}, 30);

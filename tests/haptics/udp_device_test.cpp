@@ -165,6 +165,59 @@ TEST(UdpDevice, counts_what_the_line_does_to_packets)
     EXPECT_EQ(device->read().state.condition, InputCondition::gone);
 }
 
+TEST(UdpDevice, a_number_too_high_to_follow_locks_nobody_out)
+{
+    const auto device = listening();
+    const auto take = [&](std::uint64_t sequence, std::int64_t ms) {
+        StatePacket packet = state_packet(sequence);
+        packet.nanoseconds = static_cast<std::uint64_t>(ms * millisecond);
+        device->take(encode(packet), device_side, ms * millisecond);
+    };
+    const UdpReport& report = device->report();
+    take(1, 1001);
+    take(~std::uint64_t{0}, 1002); // refused
+    take(1 + 65537, 1002);         // and this
+    for (std::uint64_t i = 2; i < 100; ++i) take(i, 1001 + static_cast<std::int64_t>(i));
+    EXPECT_EQ(report.leapt, 2U);
+    EXPECT_EQ(report.accepted, 99U);
+    EXPECT_EQ(report.reordered + report.lost, 0U);
+    EXPECT_EQ(report.sessions, 1U);
+}
+
+TEST(UdpDevice, a_first_number_that_is_too_high_is_forgotten_after_a_second)
+{
+    const auto device = listening();
+    const auto take = [&](std::uint64_t sequence, std::int64_t ms) {
+        StatePacket packet = state_packet(sequence);
+        packet.nanoseconds = static_cast<std::uint64_t>(ms * millisecond);
+        device->take(encode(packet), device_side, ms * millisecond);
+    };
+    const UdpReport& report = device->report();
+    take(~std::uint64_t{0}, 1000);
+    for (std::uint64_t i = 1; i <= 2000; ++i) take(i, 1000 + static_cast<std::int64_t>(i));
+    EXPECT_EQ(report.reordered, 999U);
+    EXPECT_EQ(report.accepted, 1U + 1001U);
+    EXPECT_EQ(report.sessions, 2U);
+    EXPECT_EQ(report.lost, 0U);
+}
+
+TEST(UdpDevice, a_device_that_begins_anew_comes_back_after_a_second_of_silence)
+{
+    // Its program is started again, with the same port, session and numbers, and another clock.
+    const auto device = listening();
+    const auto take = [&](std::uint64_t sequence, std::int64_t ms) {
+        device->take(encode(state_packet(sequence)), device_side, ms * millisecond);
+    };
+    const UdpReport& report = device->report();
+    for (int i = 1; i <= 500; ++i) take(static_cast<std::uint64_t>(i), 1000 + i);
+    for (int i = 1; i <= 100; ++i) take(static_cast<std::uint64_t>(i), 2499 + i);
+    EXPECT_EQ(report.accepted, 600U);
+    EXPECT_EQ(report.reordered + report.late, 0U);
+    EXPECT_EQ(report.sessions, 2U);
+    EXPECT_EQ(report.lost, 0U);
+    EXPECT_EQ(device->read().sample, 600U);
+}
+
 TEST(UdpDevice, a_clock_that_is_put_back_is_believed_after_a_second)
 {
     const auto device = listening();

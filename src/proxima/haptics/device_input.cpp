@@ -78,6 +78,17 @@ InputCondition DeviceInput::condition_of(const DeviceReading& reading) noexcept
     return is_fault(state_.condition) ? state_.condition : InputCondition::well;
 }
 
+/// What is believed of the velocity of a good sample, in the device's axes.
+Vec3 DeviceInput::velocity_of(const DeviceState& said) noexcept
+{
+    const auto ticks = static_cast<double>(std::max<std::uint64_t>(tick_ - sampled_, 1));
+    sampled_ = tick_;
+    bounds_.add(said.pose.translation, ticks * options_.tick_seconds);
+    const Vec3 believed = bounds_.believed(said.velocity);
+    report_.velocities += believed != said.velocity ? 1U : 0U;
+    return believed;
+}
+
 void DeviceInput::count_buttons(std::uint32_t buttons) noexcept
 {
     for (std::uint32_t changed = buttons ^ buttons_; changed != 0; changed &= changed - 1) {
@@ -117,8 +128,7 @@ const DeviceState& DeviceInput::accept(const DeviceReading& reading) noexcept
         placed_ = true;
         if (said.pose.rotation.allFinite())
             state_.pose.rotation = options_.rotation * said.pose.rotation;
-        state_.velocity =
-            said.velocity.allFinite() ? Vec3(options_.rotation * said.velocity) : Vec3::Zero();
+        state_.velocity = options_.rotation * velocity_of(said);
         state_.buttons = said.buttons;
     }
     if (good && (state_.buttons & options_.clutch_buttons) != 0)
@@ -127,6 +137,7 @@ const DeviceState& DeviceInput::accept(const DeviceReading& reading) noexcept
     if (condition != InputCondition::well) state_.velocity = Vec3::Zero();
     count(condition);
     if (is_fault(condition)) {
+        bounds_.restart();
         fault_ =
             is_fault(state_.condition) ? fault_ + options_.tick_seconds : options_.tick_seconds;
         if (placed_) report_.longest_fault = std::max(report_.longest_fault, fault_);
@@ -159,8 +170,10 @@ DeviceCommand DeviceInput::command(const HapticRenderer& renderer) noexcept
     command.force = back * tick.force;
     command.condition = state_.condition;
     command.trust = renderer.guard().trust();
-    command.stiffness = options.force.stiffness;
-    command.damping = options.force.damping;
+    // As the guard has softened them: servo loops of their own must not swing either.
+    const double softness = renderer.passivity().softness();
+    command.stiffness = softness * options.force.stiffness;
+    command.damping = softness * options.force.damping + renderer.passivity().added_damping();
     // What slides sticks again later than what sticks begins to slide.
     const bool slides = tick.proxy.hold == Hold::sliding;
     const double restick = renderer.proxy().options().restick;

@@ -14,16 +14,22 @@
 // fade (ForceOptions::loss_seconds); once the device is well again the force comes back as slowly.
 // What comes out is all that the renderer sees: recordings hold it, and replay the same bits.
 //
-//     not a number, or metres away    unsure   until there is a good sample
-//     a jump that no hand makes       unsure   until settle_seconds of samples agree on the new
-//     place the same bits while pushed      frozen   until they change nothing new silent   after
-//     DeviceInfo::patience the driver says so              gone the clutch button clutched the
-//     device moves, what it holds does not
+//     not a number, or metres away          unsure    until there is a good sample
+//     a jump that no hand makes             unsure    until settle_seconds of samples agree on the
+//                                                     new place
+//     the same bits while pushed            frozen    until they change
+//     nothing new                           silent    after DeviceInfo::patience
+//     the driver says so                    gone
+//     the clutch button                     clutched  the device moves, what it holds does not
+//
+// A velocity that the places do not bear out (velocity_bounds.h) is replaced by one of their
+// differences, and nothing fades.
 #pragma once
 
 #include "proxima/haptics/button_queue.h"
 #include "proxima/haptics/device.h"
 #include "proxima/haptics/haptic_renderer.h"
+#include "proxima/haptics/velocity_bounds.h"
 
 #include <cstdint>
 
@@ -45,6 +51,7 @@ struct InputReport {
     std::uint64_t samples = 0;        ///< that were new
     std::uint64_t not_finite = 0;     ///< samples that were no place
     std::uint64_t jumps = 0;          ///< that no hand makes
+    std::uint64_t velocities = 0;     ///< samples whose velocity the places did not bear out
     std::uint64_t freezes = 0;        ///< times that it froze while pushed
     std::uint64_t silences = 0;       ///< times that nothing came for longer than its patience
     std::uint64_t losses = 0;         ///< times that the driver said it was gone
@@ -82,6 +89,7 @@ private:
     [[nodiscard]] InputCondition condition_of(const DeviceReading& reading) noexcept;
     [[nodiscard]] InputCondition judge(const DeviceState& said) noexcept;
     [[nodiscard]] bool same_as_before(const DeviceState& said) const noexcept;
+    [[nodiscard]] Vec3 velocity_of(const DeviceState& said) noexcept;
     void count_buttons(std::uint32_t buttons) noexcept;
     void count(InputCondition condition) noexcept;
     void watch_recovery(double trust) noexcept;
@@ -90,7 +98,9 @@ private:
     InputOptions options_;
     bool may_rest_;
     double patience_;
-    DeviceState state_;             ///< as given to the renderer
+    DeviceState state_; ///< as given to the renderer
+    VelocityBounds bounds_;
+    std::uint64_t sampled_ = 0;     ///< tick of the last good sample
     Vec3 good_ = Vec3::Zero();      ///< the device's last good place, in its axes
     Vec3 offset_ = Vec3::Zero();    ///< of the clutch
     Vec3 jumped_to_ = Vec3::Zero(); ///< where samples that are not believed are

@@ -208,11 +208,17 @@ const RenderTick& HapticRenderer::tick(const DeviceState& state, double seconds,
                                           tick_.proxy.normal, velocity)
                           : spring(device, velocity);
     Vec3 force = tick_.spring;
-    if (!touching) {
-        passivity_.restart();
-        ground_ = Vec3::Zero();
-    } else if (options_.passivity == Passivity::guarded) {
-        force = passivity_.pass(tick_.position - ground_, velocity, force, seconds);
+    if (options_.passivity == Passivity::guarded) {
+        const Vec3 relative = tick_.position - ground_;
+        if (touching) {
+            force = passivity_.pass(relative, velocity, force, seconds);
+        } else {
+            passivity_.leave(relative, seconds);
+            if (passivity_.is_away() && ground_ != Vec3::Zero()) {
+                passivity_.restart();
+                ground_ = Vec3::Zero();
+            }
+        }
     }
     const bool trusted = patch == Patch::at_hand && tick_.fault != InputFault::not_finite &&
                          state.condition == InputCondition::well;

@@ -12,6 +12,9 @@ namespace {
 
 constexpr int datagrams_per_tick = 64;
 
+/// A second of packets has no more: after one without any good packet all numbers are taken.
+constexpr std::uint64_t longest_leap = 65536;
+
 /// Clocks may drift apart by so much of the time: a tenth of a per mille.
 constexpr double clock_drift = 1e-4;
 
@@ -45,8 +48,11 @@ UdpDevice::UdpDevice(UdpSocket socket, const UdpOptions& options)
 bool UdpDevice::is_served(const StatePacket& packet, const UdpAddress& from,
                           std::int64_t nanoseconds) noexcept
 {
-    if (served_ && from == peer_ && packet.session == last_.session) return true;
     const double silent = 1e-9 * static_cast<double>(nanoseconds - last_heard_);
+    const bool same = served_ && from == peer_ && packet.session == last_.session;
+    const bool follows = first_ || (packet.sequence > last_.sequence &&
+                                    packet.sequence - last_.sequence <= longest_leap);
+    if (same && (follows || silent < options_.forget_seconds)) return true;
     // The same program, begun anew, need not wait for long: its port is its own.
     const double wait = from == peer_ ? options_.patience : options_.forget_seconds;
     if (served_ && silent < wait) return false;
@@ -89,6 +95,8 @@ void UdpDevice::take(std::span<const std::byte> datagram, const UdpAddress& from
         ++report_.duplicated;
     } else if (!first_ && packet.sequence < last_.sequence) {
         ++report_.reordered;
+    } else if (!first_ && packet.sequence - last_.sequence > longest_leap) {
+        ++report_.leapt;
     } else if (!is_in_time(packet, nanoseconds)) {
         ++report_.late;
     } else {

@@ -5,10 +5,11 @@
 //
 // Nothing of what comes is trusted. A tick takes at most 64 datagrams; only whole ones of our
 // version count, only of one device at a time (the first one's address and session, until it was
-// silent for a second), only newer samples than the last, and only such that were not longer on the
-// way than the quickest by more than the patience. What they say goes through DeviceInput like
-// every device's. After the patience (20 ms) without a good one the force fades within
-// ForceOptions::loss_seconds (50 ms).
+// silent for a second), only newer samples than the last, though no more than 65,536 newer, and
+// only such that were not longer on the way than the quickest by more than the patience. After a
+// second in which none was good the same device may begin anew with any number. What they say goes
+// through DeviceInput like every device's. After the patience (20 ms) without a good one the force
+// fades within ForceOptions::loss_seconds (50 ms).
 #pragma once
 
 #include "proxima/base/udp_socket.h"
@@ -37,9 +38,10 @@ struct UdpReport {
     std::uint64_t foreign = 0;    ///< of another device than the one that is served
     std::uint64_t duplicated = 0; ///< with the number of the last one
     std::uint64_t reordered = 0;  ///< with a lower number
-    std::uint64_t lost = 0;       ///< numbers left out
+    std::uint64_t leapt = 0;      ///< with a number that is too high to follow
+    std::uint64_t lost = 0;       ///< numbers left out, of each session from its first
     std::uint64_t late = 0;       ///< too long on the way
-    std::uint64_t sessions = 0;   ///< devices served, one after another
+    std::uint64_t sessions = 0;   ///< devices served, one after another, and begun anew
     std::uint64_t replies = 0;
     std::uint64_t unsent = 0; ///< replies that the system did not take
 };

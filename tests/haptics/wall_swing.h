@@ -1,0 +1,117 @@
+// A simulated hand against walls, through the whole renderer: what swings, and how far.
+#pragma once
+
+#include "octree/small_meshes.h"
+#include "proxima/haptics/haptic_renderer.h"
+#include "proxima/haptics/simulated_hand.h"
+#include "proxima/mesh/sample_meshes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace proxima::testing {
+
+/// The upper face of a cube, or a slot between two cubes that is as wide as the proxy.
+enum class WallSides : int { one = 1, two = 2 };
+
+/// A wall at z = 0 in the device's metres, which pushes along z.
+class SwingWall {
+public:
+    explicit SwingWall(WallSides sides) : sides_(sides), mesh_(make(sides)), surface_(mesh_) {}
+
+    [[nodiscard]] const ContactSurface& surface() const { return surface_; }
+    [[nodiscard]] WallSides sides() const { return sides_; }
+    [[nodiscard]] static WorkspaceMap map() { return {1, Vec3::Zero()}; }
+    /// Of the proxy: of a slot the half width but for a thousandth of a millimetre.
+    [[nodiscard]] double radius() const { return sides_ == WallSides::two ? ball : 0; }
+
+private:
+    static constexpr double ball = 0.005;
+    static constexpr double room = 1e-6;
+
+    static TriangleMesh make(WallSides sides)
+    {
+        const double half = 0.5;
+        const double gap = sides == WallSides::two ? ball + room : 0.0;
+        const TriangleMesh below = cube_mesh(Vec3(0, 0, -half - gap), half);
+        if (sides == WallSides::one) return below;
+        return joined(below, cube_mesh(Vec3(0, 0, half + gap), half));
+    }
+
+    WallSides sides_;
+    TriangleMesh mesh_;
+    MeshContactSurface surface_;
+};
+
+inline constexpr double far_away = 0.5; ///< m
+
+struct SwingSetting {
+    DeviceLimits device = *find_device("omni");
+    double stiffness = 500;
+    double damping = 0;
+    HandModel hand = {};
+    double target = 0; ///< m: height to which the hand pulls
+    Passivity passivity = Passivity::guarded;
+};
+
+struct SwingFelt {
+    double amplitude = 0; ///< m: half the way between the highest and the lowest place in half a
+                          ///< second of the end, the most of all
+    double greatest = 0;  ///< m: the same of all
+    double lowest_softness = 1;
+    std::uint64_t softened = 0;
+    std::uint64_t damped = 0;
+    double checksum = 0; ///< of all forces
+};
+
+/// Lets the device go 1 mm below z = 0, for some seconds; the end is the last of `last` seconds.
+inline SwingFelt swing(const SwingWall& wall, const SwingSetting& setting, double seconds,
+                       double last)
+{
+    RenderOptions options;
+    options.force.stiffness = setting.stiffness;
+    options.force.damping = setting.damping;
+    options.proxy_radius = wall.radius();
+    options.passivity = setting.passivity;
+    HapticRenderer renderer(wall.surface(), SwingWall::map(), setting.device, options);
+    const double tick_seconds = setting.hand.tick_seconds;
+    // The proxy begins outside, and the ramp of the start is over when the hand lets go.
+    DeviceState rest;
+    rest.pose.translation = Vec3(0, 0, wall.sides() == WallSides::one ? 1e-3 : 0.0);
+    for (int tick = 0; tick < 300; ++tick) renderer.tick(rest, tick_seconds);
+    SimulatedHand hand(setting.hand, Vec3(0, 0, -1e-3));
+    const Vec3 target(0, 0, setting.target);
+    const int ticks = static_cast<int>(std::lround(seconds / tick_seconds));
+    const int end = ticks - static_cast<int>(std::lround(last / tick_seconds));
+    SwingFelt felt;
+    double low = 0;
+    double high = 0;
+    double end_low = 0;
+    double end_high = 0;
+    const int part = static_cast<int>(std::lround(0.5 / tick_seconds));
+    for (int tick = 0; tick < ticks; ++tick) {
+        const RenderTick& result = renderer.tick(hand.state(), tick_seconds);
+        hand.step(result.force, target);
+        const double z = hand.position().z();
+        felt.checksum += result.force.z() * (tick % 1000 + 1);
+        low = std::min(low, z);
+        high = std::max(high, z);
+        if (!(std::abs(z) < far_away)) { // out of any hand
+            felt.amplitude = (high - low) / 2;
+            break;
+        }
+        if (tick < end) continue;
+        if ((tick - end) % part == 0) end_low = end_high = z;
+        end_low = std::min(end_low, z);
+        end_high = std::max(end_high, z);
+        felt.amplitude = std::max(felt.amplitude, (end_high - end_low) / 2);
+    }
+    felt.greatest = (high - low) / 2;
+    felt.lowest_softness = renderer.passivity().lowest_softness();
+    felt.softened = renderer.passivity().softened_ticks();
+    felt.damped = renderer.passivity().damped_ticks();
+    return felt;
+}
+
+} // namespace proxima::testing

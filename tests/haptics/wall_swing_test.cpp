@@ -1,0 +1,161 @@
+// What the passivity guard does to walls that are too stiff for a device, through the whole
+// renderer, and that it leaves the others alone.
+#include "haptics/wall_swing.h"
+
+#include "proxima/haptics/swing_watch.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <string>
+
+namespace proxima {
+namespace {
+
+using testing::swing;
+using testing::SwingFelt;
+using testing::SwingSetting;
+using testing::SwingWall;
+using testing::WallSides;
+
+/// How a hand stands before a wall.
+struct Stand {
+    WallSides sides;
+    double hand_stiffness;
+    double target; ///< m
+};
+
+constexpr std::array<Stand, 3> stands = {{{WallSides::two, 0, 0},
+                                          {WallSides::one, 150, 0},        // grazes it
+                                          {WallSides::one, 150, -0.005}}}; // presses
+
+std::string describe(const SwingSetting& setting, const Stand& stand)
+{
+    return std::string(setting.device.name) + " K " + std::to_string(setting.stiffness) + " B " +
+           std::to_string(setting.damping) + " b " + std::to_string(setting.hand.device_damping) +
+           " delay " + std::to_string(setting.hand.delay_ticks) + " stand " +
+           std::to_string(static_cast<int>(stand.sides)) + ' ' + std::to_string(stand.target);
+}
+
+/// Calls visit(setting, stand) for every device, with its greatest stiffness and 40 % of it.
+template <class Visit>
+void for_each_setting(Visit&& visit)
+{
+    for (const DeviceLimits& device : known_devices()) {
+        for (const double share : {1.0, 0.4}) {
+            for (const double damping : {0.0, device.max_damping}) {
+                for (const double b : {0.1, 0.5}) {
+                    for (int delay = 0; delay <= 3; ++delay) {
+                        for (const Stand& stand : stands) {
+                            SwingSetting setting;
+                            setting.device = device;
+                            setting.stiffness = share * device.max_stiffness;
+                            setting.damping = damping;
+                            setting.hand.device_damping = b;
+                            setting.hand.hand_damping = 0;
+                            setting.hand.hand_stiffness = stand.hand_stiffness;
+                            setting.hand.delay_ticks = delay;
+                            setting.target = stand.target;
+                            visit(setting, stand);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+const SwingWall& wall_of(const Stand& stand)
+{
+    static const SwingWall one(WallSides::one);
+    static const SwingWall two(WallSides::two);
+    return stand.sides == WallSides::one ? one : two;
+}
+
+TEST(WallSwing, every_setting_of_every_device_ends_below_a_millimetre)
+{
+    int diverging = 0;
+    for_each_setting([&](SwingSetting setting, const Stand& stand) {
+        const bool hardest = setting.stiffness == setting.device.max_stiffness &&
+                             setting.hand.device_damping < 0.5 && setting.hand.delay_ticks != 2;
+        if (!hardest) return;
+        const SwingFelt guarded = swing(wall_of(stand), setting, 12, 2);
+        EXPECT_LT(guarded.amplitude, 1e-3) << describe(setting, stand);
+        setting.passivity = Passivity::unguarded;
+        diverging += swing(wall_of(stand), setting, 4, 1).amplitude > 5e-3 ? 1 : 0;
+    });
+    EXPECT_GT(diverging, 40);
+}
+
+TEST(WallSwing, stable_settings_have_the_bits_that_they_have_without_the_guard)
+{
+    int stable = 0;
+    int same = 0;
+    for_each_setting([&](SwingSetting setting, const Stand& stand) {
+        const HandModel& hand = setting.hand;
+        const double late = hand.tick_seconds * (0.5 + hand.delay_ticks);
+        // By a third below the limit, and with damping that does not swing by itself.
+        const double whole = setting.stiffness + hand.hand_stiffness;
+        if (whole * late > 2.0 / 3 * (hand.device_damping + setting.damping) ||
+            setting.damping * (late + 0.5 * hand.tick_seconds) > 0.5 * hand.mass)
+            return;
+        ++stable;
+        const SwingFelt guarded = swing(wall_of(stand), setting, 4, 1);
+        EXPECT_EQ(guarded.softened, 0U) << describe(setting, stand);
+        if (guarded.damped != 0) return; // the observer's damping, as ever
+        setting.passivity = Passivity::unguarded;
+        EXPECT_EQ(swing(wall_of(stand), setting, 4, 1).checksum, guarded.checksum);
+        ++same;
+    });
+    EXPECT_GT(stable, 30);
+    EXPECT_GT(same, 10);
+    RecordProperty("stable_settings", stable);
+    RecordProperty("same_bits", same);
+}
+
+TEST(WallSwing, coarse_encoders_end_below_three_millimetres)
+{
+    for (const double b : {0.1, 0.5}) {
+        for (int delay = 0; delay <= 3; ++delay) {
+            SwingSetting setting;
+            setting.stiffness = 700;
+            setting.target = -0.01;
+            setting.hand.device_damping = b;
+            setting.hand.hand_damping = 0;
+            setting.hand.delay_ticks = delay;
+            setting.hand.encoder_step = 5e-5;
+            EXPECT_LT(swing(wall_of(stands[1]), setting, 15, 2).amplitude, 3e-3) << b << delay;
+        }
+    }
+}
+
+TEST(SwingWatch, tapping_and_pressing_hands_do_not_swing)
+{
+    // Presses of 3 mm that come back as fast as they went, or faster now and then; taps from above.
+    for (const double per_second : {0.5, 2.0, 4.0}) {
+        SwingWatch watch;
+        for (int tick = 0; tick < 20000; ++tick) {
+            const double phase = 2 * 3.14159265358979 * per_second * 1e-3 * tick;
+            const double above = 0.003 * std::cos(phase) - 0.001;
+            const double depth = std::max(-above, 0.0);
+            EXPECT_EQ(watch.watch(Vec3(0, 0, above), Vec3(0, 0, 500 * depth), 1e-3), 0) << tick;
+        }
+    }
+}
+
+TEST(SwingWatch, growing_swings_are_seen_within_a_few_turns)
+{
+    SwingWatch watch;
+    int seen = -1;
+    for (int tick = 0; tick < 2000 && seen < 0; ++tick) {
+        const double t = 1e-3 * tick;
+        const double x = 5e-4 * std::exp(3 * t) * std::sin(2 * 3.14159265358979 * 12 * t);
+        if (watch.watch(Vec3(x, 0, 0), Vec3(-500 * x, 0, 0), 1e-3) > 0) seen = tick;
+    }
+    EXPECT_GT(seen, 50);
+    EXPECT_LT(seen, 400);
+}
+
+} // namespace
+} // namespace proxima
