@@ -9,8 +9,9 @@
 // outside are passed or dropped by a few comparisons. Nothing is dropped for lying behind another
 // triangle.
 //
-// Nothing is kept from one query to the next: along smooth paths of a camera what was cut a frame ago
-// spares less than keeping it costs, but where it all but stands still (docs/benchmarks.md, Culling).
+// Nothing is kept from one query to the next: along smooth paths of a camera what was cut a frame
+// ago spares less than keeping it costs, but where it all but stands still (docs/benchmarks.md,
+// Culling).
 #pragma once
 
 #include "proxima/geometry/view_volume.h"
