@@ -28,6 +28,7 @@ Json input_json(const InputReport& input)
     return {{"samples", input.samples},
             {"not_finite", input.not_finite},
             {"jumps", input.jumps},
+            {"velocities", input.velocities},
             {"freezes", input.freezes},
             {"silences", input.silences},
             {"losses", input.losses},
@@ -46,6 +47,7 @@ Json network_json(const UdpReport& network)
             {"foreign", network.foreign},
             {"duplicated", network.duplicated},
             {"reordered", network.reordered},
+            {"leapt", network.leapt},
             {"lost", network.lost},
             {"late", network.late},
             {"sessions", network.sessions},
@@ -68,12 +70,12 @@ std::string device_text(const DeviceAccount& account)
     const InputReport& input = account.input;
     std::string text = fmt::format(
         "device: {}; {:g} N, {:g} N/m, {:g} N s/m, {:g} mm about its middle\n"
-        "input: {} samples; no place {}, jumps {}, frozen {}, silent {}, gone {} times; {} ticks "
-        "without trust, {:.3f} s at most\n",
+        "input: {} samples; no place {}, jumps {}, frozen {}, silent {}, gone {} times; {} "
+        "velocities put right; {} ticks without trust, {:.3f} s at most\n",
         info_text(account.info), account.limits.max_force, account.limits.max_stiffness,
         account.limits.max_damping, 1e3 * account.limits.workspace_radius, input.samples,
         input.not_finite, input.jumps, input.freezes, input.silences, input.losses,
-        input.faulty_ticks, input.longest_fault);
+        input.velocities, input.faulty_ticks, input.longest_fault);
     if (input.recoveries > 0) {
         text += fmt::format("recovered {} times: the whole force was back {:.3f} s after the first "
                             "good sample at most\n",
@@ -86,9 +88,9 @@ std::string device_text(const DeviceAccount& account)
     if (account.network) {
         const UdpReport& n = *account.network;
         text += fmt::format("packets: {} came, {} taken; malformed {}, foreign {}, duplicated {}, "
-                            "reordered {}, late {}, lost {}\n",
+                            "reordered {}, leapt {}, late {}, lost {}\n",
                             n.received, n.accepted, n.malformed, n.foreign, n.duplicated,
-                            n.reordered, n.late, n.lost);
+                            n.reordered, n.leapt, n.late, n.lost);
     }
     if (account.interrupted)
         text += "stopped on request: the report is of what was felt until then\n";

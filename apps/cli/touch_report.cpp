@@ -57,14 +57,15 @@ std::string touch_text(const TouchReportOf& of, const TouchModel& model, const T
         "m/s\n"
         "passed through: {}; slides cut short {}, overloaded {}, faulty input {}\n"
         "force step over K times the way: {:.3f}; turn {:.1f} degrees; energy taken {:.3g} J\n"
-        "guards: clamped {}, slewed {}, damped {} ticks; lowest energy {:.3g} J\n"
+        "guards: clamped {}, slewed {}, damped {}, softened {} ticks (to {:.3g} at least); lowest "
+        "energy {:.3g} J\n"
         "tick: {}\n",
         percent(quality.touching_ticks, quality.ticks),
         percent(quality.sticking_ticks, quality.ticks), quality.max_force, 1e3 * quality.max_depth,
         quality.max_speed, quality.passes, quality.limited_ticks, quality.overloaded_ticks,
         quality.faulty_ticks, quality.max_step_ratio, quality.max_turn_degrees,
-        quality.taken_energy, result.clamped, result.slewed, result.damped, result.lowest_energy,
-        microseconds(result.render));
+        quality.taken_energy, result.clamped, result.slewed, result.damped, result.softened,
+        result.lowest_softness, result.lowest_energy, microseconds(result.render));
     text += objects_text(model, quality);
     if (result.device) text += device_text(*result.device);
     if (of.differences) {
@@ -124,6 +125,8 @@ Json touch_json(const TouchReportOf& of, const TouchModel& model, const TouchRes
                  {"clamped_ticks", result.clamped},
                  {"slewed_ticks", result.slewed},
                  {"damped_ticks", result.damped},
+                 {"softened_ticks", result.softened},
+                 {"lowest_softness", result.lowest_softness},
                  {"lowest_energy", result.lowest_energy},
                  {"tick", latency_json(result.render)},
                  {"servo", nullptr},

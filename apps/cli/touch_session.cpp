@@ -123,6 +123,8 @@ public:
         result_.clamped = renderer_.guard().clamped();
         result_.slewed = renderer_.guard().slewed();
         result_.damped = renderer_.passivity().damped_ticks();
+        result_.softened = renderer_.passivity().softened_ticks();
+        result_.lowest_softness = renderer_.passivity().lowest_softness();
         result_.lowest_energy = renderer_.passivity().lowest_energy();
         result_.map = renderer_.map();
         result_.render_options = renderer_.options();

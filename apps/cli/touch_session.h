@@ -75,7 +75,9 @@ struct TouchResult {
     std::uint64_t clamped = 0; ///< ticks in which a guard changed the force
     std::uint64_t slewed = 0;
     std::uint64_t damped = 0;
-    double lowest_energy = 0; ///< J, of the passivity observer
+    std::uint64_t softened = 0;
+    double lowest_softness = 1; ///< the least part of a force that was given
+    double lowest_energy = 0;   ///< J, of the passivity observer
     WorkspaceMap map;
     RenderOptions render_options;        ///< as limited by the device
     Recording recording;                 ///< empty unless asked for

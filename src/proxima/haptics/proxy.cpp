@@ -83,7 +83,7 @@ Vec3 Proxy::lean_towards(const Vec3& p, ProxyTick& next) noexcept
 {
     if (tick_.hold == Hold::free) return Vec3::Zero();
     const SlideResult& slide = next.slide;
-    const Vec3 lean = shading_of(slide, next.normal, next.depth);
+    Vec3 lean = shading_of(slide, next.normal, next.depth);
     if (lean.isZero(0)) return lean;
     const SlideResult aside = slide_sphere(surface_, options_.radius, tick_.proxy, p + lean, room_,
                                            SlideStart::touching, moves_left(next.moves));
@@ -105,8 +105,8 @@ SlideResult Proxy::slide_easily(const Vec3& p) noexcept
     const Vec3& easy = tick_.slide.center;
     const std::size_t moves = options_.max_moves;
     if (tick_.hold != Hold::free && easy != start) {
-        const SlideResult slide = slide_sphere(surface_, options_.radius, easy, p, easy_room_,
-                                               SlideStart::touching, moves);
+        SlideResult slide = slide_sphere(surface_, options_.radius, easy, p, easy_room_,
+                                         SlideStart::touching, moves);
         // Where it has come loose or far away from the proxy, the proxy may still be held back.
         const double depth = (slide.held - p).norm();
         const double apart = (slide.center - start).norm();

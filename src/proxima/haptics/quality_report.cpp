@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace proxima {
 
@@ -18,8 +19,8 @@ double degrees_between(const Vec3& a, const Vec3& b) noexcept
 
 } // namespace
 
-QualityMeter::QualityMeter(const ContactSurface& surface, const WorkspaceMap& map)
-    : surface_(surface), map_(map), near_(SlideRoom::triangles)
+QualityMeter::QualityMeter(const ContactSurface& surface, WorkspaceMap map)
+    : surface_(surface), map_(std::move(map)), near_(SlideRoom::triangles)
 {}
 
 QualityMeter::QualityMeter(const TouchScene& scene, const WorkspaceMap& map)

@@ -48,7 +48,7 @@ struct QualityReport {
 class QualityMeter {
 public:
     /// The surface must outlive this: the proxy's moves are held against its triangles, exactly.
-    QualityMeter(const ContactSurface& surface, const WorkspaceMap& map);
+    QualityMeter(const ContactSurface& surface, WorkspaceMap map);
 
     /// The same of a scene whose bodies stay the same, held also against what moves: as each object
     /// sees it, the way from the last tick's place to where they have carried the proxy. Wants

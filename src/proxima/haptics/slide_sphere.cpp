@@ -32,9 +32,9 @@ double safety_gap(const SurfaceScale& scale) noexcept
 /// One slide: see slide_sphere.h.
 class Slide {
 public:
-    Slide(const ContactSurface& surface, double radius, const Vec3& to, SlideRoom& room) noexcept
+    Slide(const ContactSurface& surface, double radius, Vec3 to, SlideRoom& room) noexcept
         : surface_(surface), gap_(safety_gap(surface.scale())), radius_(std::max(radius, gap_)),
-          skin_(skin_of(surface.scale())), to_(to), room_(room)
+          skin_(skin_of(surface.scale())), to_(std::move(to)), room_(room)
     {}
 
     SlideResult run(const Vec3& from, SlideStart start, std::size_t max_moves) noexcept

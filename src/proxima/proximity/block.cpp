@@ -145,10 +145,11 @@ std::size_t append_block(std::span<const BlockTriangle> triangles, std::span<con
     for (const BlockTriangle& triangle : triangles) {
         const std::uint32_t difference = triangle.rank - base;
         const auto narrow = static_cast<std::uint16_t>(difference);
-        if (header.wide != 0)
+        if (header.wide != 0) {
             append(arena, &difference, 1);
-        else
+        } else {
             append(arena, &narrow, 1);
+        }
     }
     return begin;
 }

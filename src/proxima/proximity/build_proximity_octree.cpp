@@ -211,10 +211,11 @@ private:
                 const auto taken = sample_bytes(price_);
                 if (!taken || !find_price(*taken)) return std::nullopt;
             }
-            if (low > 0 && high < std::numeric_limits<double>::infinity())
+            if (low > 0 && high < std::numeric_limits<double>::infinity()) {
                 price_ = tries < 2 ? std::sqrt(low * high) : high;
-            else
-                price_ = std::max(price_, low * (1.1 + tries * tries)); // where the sample misleads
+            } else { // where the sample misleads
+                price_ = std::max(price_, low * (1.1 + tries * tries));
+            }
         }
     }
 

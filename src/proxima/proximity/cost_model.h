@@ -38,7 +38,8 @@ struct CostModel {
 
     [[nodiscard]] static double blocks(std::size_t triangles) noexcept
     {
-        return static_cast<double>((triangles + list_triangles - 1) / list_triangles);
+        const std::size_t whole = (triangles + list_triangles - 1) / list_triangles;
+        return static_cast<double>(whole);
     }
 
     /// Bytes of a leaf's list. The builder measures on a part of the mesh how far this is off.

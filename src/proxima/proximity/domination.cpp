@@ -27,9 +27,10 @@ struct CellCorners {
 HWY_INLINE CellCorners corners_of(const FrameCell& cell)
 {
     CellCorners corners;
-    for (int axis = 0; axis < 3; ++axis)
+    for (int axis = 0; axis < 3; ++axis) {
         corners.at[axis] =
             eight(cell.center[axis]) + eight(cell.half) * load_eight(corner_signs[axis]);
+    }
     return corners;
 }
 
@@ -63,8 +64,8 @@ HWY_INLINE Eight squared_to_segment(const CellCorners& x, const float* a, const 
 HWY_INLINE Eight squared_to_inside(const CellCorners& x, const float* planes, const float* face)
 {
     Eight outside = eight(-infinite);
-    for (int i = 0; i < 3; ++i) {
-        const float* const n = planes + plane_floats * i;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const float* const n = planes + std::size_t{plane_floats} * i;
         outside = maximum(outside, x.at[0] * eight(n[0]) + x.at[1] * eight(n[1]) +
                                        x.at[2] * eight(n[2]) - eight(n[3]));
     }
@@ -77,8 +78,8 @@ HWY_INLINE Eight squared_to_inside(const CellCorners& x, const float* planes, co
 /// The same for one point.
 HWY_INLINE float squared_to_inside(const float* x, const float* planes, const float* face)
 {
-    for (int i = 0; i < 3; ++i) {
-        const float* const n = planes + plane_floats * i;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const float* const n = planes + std::size_t{plane_floats} * i;
         if (n[0] * x[0] + n[1] * x[1] + n[2] * x[2] > n[3]) return infinite;
     }
     const float height = face[0] * x[0] + face[1] * x[1] + face[2] * x[2];

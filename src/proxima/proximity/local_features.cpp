@@ -37,8 +37,7 @@ public:
         std::vector<bool> vertex_seen(topology_.vertex_count());
         result_.features.reserve(order_.size() * 3);
         StageSteps steps(progress, "local regions", order_.size());
-        for (std::uint32_t rank = 0; rank < order_.size(); ++rank) {
-            const TriangleId triangle = order_[rank];
+        for (const TriangleId triangle : order_) {
             add_face(triangle);
             for (const EdgeId edge : topology_.edges(triangle)) {
                 if (edge == no_edge || edge_seen[index(edge)]) continue;
@@ -185,9 +184,10 @@ private:
         const std::span<const EdgeId> edges = topology_.edges(vertex);
         // Of very many neighbours some, evenly spread over their list.
         const std::size_t stride = (edges.size() + max_vertex_planes - 1) / max_vertex_planes;
-        for (std::size_t i = 0; i < edges.size(); i += std::max<std::size_t>(stride, 1))
+        for (std::size_t i = 0; i < edges.size(); i += std::max<std::size_t>(stride, 1)) {
             add_end_plane(index(vertex), index(topology_.other_end(edges[i], vertex)),
                           index(vertex));
+        }
         add_point(at(index(vertex)));
         end(topology_.triangles(vertex));
     }

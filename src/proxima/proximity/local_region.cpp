@@ -55,7 +55,7 @@ void find_children_in_reach(const LocalFeatures& features, const std::uint32_t* 
         std::uint32_t children = 0xFF;
         std::uint32_t beyond = 0;
         for (std::uint32_t i = 0; i < feature.planes; ++i) {
-            const float* const n = numbers + plane_floats * i;
+            const float* const n = numbers + std::size_t{plane_floats} * i;
             SeenPlane& plane = planes[i];
             for (int axis = 0; axis < 3; ++axis) plane.normal[axis] = n[axis];
             plane.excess =

@@ -134,10 +134,11 @@ public:
     {
         if (!status_) return;
         const auto section = file_.section<T>(id);
-        if (section)
+        if (section) {
             array = *section;
-        else
+        } else {
             status_ = tl::unexpected(section.error());
+        }
     }
 
     [[nodiscard]] const Status& status() const noexcept { return status_; }
