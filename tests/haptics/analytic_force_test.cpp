@@ -4,6 +4,7 @@
 // Seen from a room (the inside of a cube, of a sphere) the places that are free are convex: the
 // spring has a potential, and closed paths take nothing. Seen from outside, an edge lets go of a
 // device that goes round it under the surface: such paths take energy, and must never give any.
+#include "haptics/spring_alone.h"
 #include "haptics/touch_meshes.h"
 #include "proxima/haptics/haptic_renderer.h"
 
@@ -29,17 +30,11 @@ DeviceLimits strong_device()
     return limits;
 }
 
-RenderOptions spring_alone()
+RenderOptions spring_options()
 {
-    return {.force = {.stiffness = stiffness,
-                      .damping = 0,
-                      .max_slew = 1e9,
-                      .start_seconds = 0,
-                      .loss_seconds = 0},
-            .static_friction = 0,
-            .dynamic_friction = 0,
-            .passivity = Passivity::unguarded,
-            .max_moves = max_slide_moves};
+    RenderOptions options = testing::spring_alone(stiffness);
+    options.max_moves = max_slide_moves;
+    return options;
 }
 
 DeviceState at(const Vec3& p)
@@ -81,7 +76,7 @@ double relative_force_error(const TriangleMesh& mesh, std::uint64_t seed)
         // From above the face into it, in steps, and away again.
         const Vec3 over = map.to_device(on + 0.3 * edge * normal);
         const Vec3 within = map.to_device(on - depth * normal);
-        HapticRenderer fresh(surface, map, strong_device(), spring_alone());
+        HapticRenderer fresh(surface, map, strong_device(), spring_options());
         fresh.tick(at(over), tick_seconds);
         for (int step = 1; step <= 4; ++step)
             fresh.tick(at(over + step / 4.0 * (within - over)), tick_seconds);
@@ -142,7 +137,7 @@ private:
 PathEnergy energy_of(const ContactSurface& surface, const WorkspaceMap& map, const Vec3& from,
                      const Loop& loop, int ticks)
 {
-    HapticRenderer renderer(surface, map, strong_device(), spring_alone());
+    HapticRenderer renderer(surface, map, strong_device(), spring_options());
     renderer.tick(at(from), tick_seconds);
     for (int step = 1; step <= 1000; ++step)
         renderer.tick(at(from + step / 1000.0 * (loop.place(0) - from)), tick_seconds);

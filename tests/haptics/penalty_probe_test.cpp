@@ -4,6 +4,7 @@
 
 #include "counted_allocations.h"
 #include "folder_test.h"
+#include "haptics/spring_alone.h"
 #include "haptics/touch_meshes.h"
 #include "proxima/geometry/closest_point.h"
 #include "proxima/haptics/quality_report.h"
@@ -44,15 +45,9 @@ struct Inside {
 
 RenderOptions options_of(ForceLaw law)
 {
-    return {.force = {.stiffness = stiffness,
-                      .damping = 0,
-                      .max_slew = 1e9,
-                      .start_seconds = 0,
-                      .loss_seconds = 0},
-            .static_friction = 0,
-            .dynamic_friction = 0,
-            .passivity = Passivity::unguarded,
-            .law = law};
+    RenderOptions options = testing::spring_alone(stiffness);
+    options.law = law;
+    return options;
 }
 
 HapticRenderer renderer_of(const Inside& model, ForceLaw law)
