@@ -51,6 +51,7 @@ Status run_proximity(const ProximityCommandOptions& options, Session& session)
     outputs.insert(outputs.end(), options.exports.begin(), options.exports.end());
     outputs.push_back(options.save);
     if (Status status = session.check_outputs(outputs); !status) return status;
+    if (Status status = check_extension(options.save, ".pxp"); !status) return status;
     if (Status status = check_octree_outputs(options); !status) return status;
     if (!options.budget_curves.empty()) return run_budget_curve(options, session);
     return options.method == ProximityMethod::thesis ? run_thesis_proximity(options, session)
