@@ -11,12 +11,13 @@ constexpr double least_swing = 1.5e-4; ///< m: three steps of the coarsest encod
 constexpr double hand_swing = 3e-4;    ///< m: of slow ones, as trembling hands make
 constexpr double hand_seconds = 0.05;  ///< no hand goes in or out in less, and back again
 constexpr double memory_seconds = 0.5; ///< turns that are farther apart have nothing in common
-constexpr double hand_growth = 0.2;    ///< of a slow turn no more counts: a hand may have helped
+constexpr double most_growth = 0.2;    ///< of a turn no more counts: a hand may have helped
 constexpr double proof = 0.3;
 constexpr double hand_proof = 0.4;
-constexpr double fading = 0.01;        ///< swings that fade by less a turn are taken to last
-constexpr double one_turn_proof = 0.7; ///< twice as fast out as in
+constexpr double fading = 0.01; ///< swings that fade by less a turn are taken to last
 constexpr int least_turns = 2;
+constexpr double one_turn_proof = 0.7; ///< twice as fast out as in, and
+constexpr double fast = 0.1;           ///< m/s, faster in than hands tremble: no hand's release
 constexpr double same_direction = 0.8;
 
 } // namespace
@@ -43,16 +44,16 @@ double SwingWatch::judge(const Way& in, const Way& out, Way::State state) noexce
         turns_ = 0;
     }
     const double grown = std::log(out.peak / in.peak);
-    const double counted = slow ? std::min(grown, hand_growth) : grown + fading;
+    const double counted = std::min(grown, most_growth) + (slow ? 0 : fading);
     const double growth = std::max(growth_ + counted, 0.0);
     const int turns = growth > 0 ? turns_ + 1 : 0;
-    const bool blatant = !slow && grown > one_turn_proof;
+    const bool blatant = !slow && in.peak > fast && grown > one_turn_proof;
     const bool proves = blatant || (turns >= least_turns && growth > (slow ? hand_proof : proof));
     if (!proves && state == Way::State::going_on) return 0;
     since_turn_ = 0;
     turns_ = turns;
     growth_ = proves ? 0 : growth;
-    return proves ? growth : 0;
+    return proves ? std::max(growth, grown) : 0;
 }
 
 /// Speeds are means, so the fastest one of the way out may come after its end.

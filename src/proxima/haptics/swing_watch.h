@@ -6,8 +6,9 @@
 //     L     += log(v_out / v_in), not below 0      the growth of a swing, over successive ones
 //
 // What a hand holds loses speed at every turn. A hand that presses slowly and leaves fast gains
-// some once: only several turns in succession count, and of turns that a hand could make by itself,
-// each only little.
+// some once: several turns in succession count, each only so much, and of turns that a hand could
+// make by itself little; one alone counts that came in faster than hands tremble and goes out twice
+// as fast within a twentieth of a second.
 #pragma once
 
 #include "proxima/geometry/vec.h"
