@@ -126,8 +126,7 @@ int run_command_line(int argc, char** argv, const char* version,
         return parse_and_run(argc, argv, version, commands);
     } catch (const std::bad_alloc&) {
         report("out of memory: give it more, a smaller task, or, where there is one, a --budget-mb "
-               "that this "
-               "machine has");
+               "that this machine has");
     } catch (const std::exception& error) {
         report(error.what());
     }

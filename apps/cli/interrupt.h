@@ -5,8 +5,8 @@
 
 namespace proxima {
 
-/// While it lives, SIGINT, SIGTERM and SIGHUP cancel the work that `progress` watches. A second
-/// signal ends the program at once. One at a time.
+/// While it lives, SIGINT, SIGTERM and, unless it is ignored (nohup), SIGHUP cancel the work that
+/// `progress` watches. A second signal ends the program at once. One at a time.
 class InterruptGuard {
 public:
     explicit InterruptGuard(Progress& progress) noexcept;

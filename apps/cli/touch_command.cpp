@@ -170,8 +170,10 @@ Status run_replay(const TouchOptions& options, Session& session)
 Status check_penalty(const TouchOptions& options)
 {
     if (options.force != "penalty") return {};
-    const std::array<std::pair<const char*, bool>, 4> given = {
+    const bool has_friction = std::ranges::find(options.given, "--friction") != options.given.end();
+    const std::array<std::pair<const char*, bool>, 5> given = {
         {{"--radius", options.radius > 0},
+         {"--friction", has_friction && options.friction > 0},
          {"--shading", options.shading},
          {"--patch", !options.patches.empty()},
          {"--object, --pose, --motion and --material", options.objects.any()}}};
@@ -257,8 +259,8 @@ Status run_device(const TouchOptions& options, Session& session)
     Json json = touch_json(of, **model, *result);
     if (!patches.empty()) json["patches"] = patch_json(patches);
     // What was felt is said, whether it could be kept or not.
-    if (Status status = session.write_json(json); !status) return status;
-    return recorded;
+    const Status written = session.write_json(json);
+    return recorded ? written : recorded;
 }
 
 Status list_devices(const TouchOptions& options, Session& session)

@@ -74,7 +74,7 @@ class Touching(ProgramTest):
         again = self.json_of("touch", plate, "--device", f"replay:{recording}")
         self.assertEqual((again["force"], again["replay_differences"], again["passes"]), ("penalty", 0, felt["passes"]))
         self.assertIn("by penalty forces", self.succeed(*arguments, "--force", "penalty"))
-        for option in (("--radius", 0.001), ("--shading",), ("--patch", "metric"), ("--object", "cube")):
+        for option in (("--radius", 0.001), ("--friction", 0.5), ("--shading",), ("--patch", "metric"), ("--object", "cube")):
             self.refuse(*arguments, "--force", "penalty", *option, says=("--force", option[0]))
         self.refuse(*arguments, "--force", "spring", status=2, says="--force")
 

@@ -109,7 +109,7 @@ TEST(SlideSphere, sphere_to_a_billionth_of_the_depth)
     std::mt19937 random(3);
     std::uniform_real_distribution<double> place(-1, 1);
     for (int tick = 0; tick < 3000; ++tick) {
-        const Vec3 direction = Vec3(place(random), place(random), 1).normalized();
+        const Vec3 direction = Vec3{place(random), place(random), 1}.normalized();
         const Vec3 device = (0.1 + 0.39 * std::abs(place(random))) * direction;
         proxy.follow(device);
         const ProxyTick& result = proxy.follow(device);

@@ -135,8 +135,9 @@ TEST(LeafCandidates, HoldTheClosestFeatureOfEveryPointOfTheirBox)
                 expect_held(leaf->box.lower);
                 expect_held(leaf->box.upper);
                 for (int i = 0; i < 3; ++i)
-                    expect_held(leaf->box.lower + Vec3(part(random), part(random), part(random))
-                                                      .cwiseProduct(leaf->box.extent()));
+                    expect_held(leaf->box.lower +
+                                Vec3{part(random), part(random), part(random)}.cwiseProduct(
+                                    leaf->box.extent()));
                 // What does not fit is told by the count.
                 const auto first = leaf_candidates(octree, p, std::span(buffer).first(1));
                 EXPECT_EQ(first->count, leaf->count);

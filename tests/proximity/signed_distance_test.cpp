@@ -404,7 +404,7 @@ std::vector<Vec3> random_directions(int count, unsigned seed)
     std::normal_distribution<double> normal;
     std::vector<Vec3> directions = {Vec3(1, 1, 1), Vec3(-1, 1, 1), Vec3(0, 0, 1), Vec3(1, -1, 0)};
     for (int i = 0; i < count; ++i)
-        directions.push_back(Vec3(normal(random), normal(random), normal(random)));
+        directions.push_back(Vec3{normal(random), normal(random), normal(random)});
     for (Vec3& direction : directions) direction.normalize();
     return directions;
 }

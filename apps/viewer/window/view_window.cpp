@@ -278,8 +278,18 @@ private:
         if (notice_.draw(left, static_cast<float>(state_.height - margin),
                          static_cast<float>(std::min(width, 720.0 * window_.scale())),
                          static_cast<float>(words), problem(), written_.news(), widgets)) {
+            forget();
+        }
+    }
+
+    /// What was shown, and nothing that stands behind it.
+    void forget()
+    {
+        if (!viewer_.problem().empty()) {
             viewer_.forget_problem();
+        } else if (!files_.problem().empty()) {
             files_.forget_problem();
+        } else {
             written_.forget_news();
         }
     }

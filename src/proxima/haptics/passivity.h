@@ -9,8 +9,8 @@
 //                  scaled by s < 1, with B_max (1 - s) sqrt(s) of damping, and s comes back slowly
 //
 // Damping by softening, of wall and guard together, is never more than the device's: a wall has at
-// most s B_max of its own. Each time that a contact swings again, s takes twice as long to come
-// back, for what holds the device has not changed.
+// most s B_max of its own. Each time that a contact swings again before s is back, s takes twice
+// as long, for what holds the device has not changed.
 #pragma once
 
 #include "proxima/geometry/vec.h"

@@ -22,7 +22,7 @@ public:
     void add(const Vec3& place, double seconds) noexcept;
 
     /// The velocity as said where places bear it out, m/s; else the last difference,
-    /// rest before there are any. Any numbers.
+    /// rest before there are any, and for what is no number. Any numbers.
     [[nodiscard]] Vec3 believed(const Vec3& said) const noexcept;
 
     /// As new: the next place has nothing to do with the last.
