@@ -1,9 +1,11 @@
 // proxima check: what is wrong with a mesh, where, and what still works; whether an octree file is
 // sound.
 #include "cli/check_octree_file.h"
+#include "cli/check_proximity_file.h"
 #include "cli/commands.h"
 #include "cli/model_options.h"
 #include "cli/octree_file_model.h"
+#include "cli/proximity_file_model.h"
 #include "cli/text_table.h"
 #include "proxima/base/text.h"
 #include "proxima/mesh/mesh_report.h"
@@ -261,12 +263,15 @@ Command add_check_command(CLI::App& app)
     CLI::App* const parser =
         app.add_subcommand("check", "Say what is wrong with a mesh or a saved octree");
     const auto options = std::make_shared<CheckOptions>();
-    add_model_option(*parser, options->model, ModelKinds::meshes_and_octrees);
-    add_mesh_option(*parser, options->model, options->mesh, {});
+    constexpr ModelKinds kinds = ModelKinds::meshes_and_all_octrees;
+    add_model_option(*parser, options->model, kinds);
+    add_mesh_option(*parser, options->model, kinds, options->mesh, {});
     return {parser, [options](Session& session) {
-                return is_octree_file(options->model)
-                           ? check_octree_file(options->model, options->mesh, session)
-                           : check_mesh(options->model, session);
+                if (is_octree_file(options->model))
+                    return check_octree_file(options->model, options->mesh, session);
+                if (is_proximity_file(options->model))
+                    return check_proximity_file(options->model, options->mesh, session);
+                return check_mesh(options->model, session);
             }};
 }
 

@@ -6,18 +6,17 @@
 #include "proxima/mesh/sample_meshes.h"
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <utility>
 
 namespace proxima {
 
 void add_model_option(CLI::App& parser, std::string& model, ModelKinds kinds)
 {
-    const char* const saved = kinds == ModelKinds::meshes_and_octrees
-                                  ? "; .pxo for an octree that is saved"
-                              : kinds == ModelKinds::meshes_and_proximity_octrees
-                                  ? "; .pxp for a proximity octree that is "
-                                    "saved"
-                                  : "";
+    constexpr std::array saved_kinds = {
+        "", "; .pxo for an octree that is saved", "; .pxp for a proximity octree that is saved",
+        "; .pxo and .pxp for octrees and proximity octrees that are saved"};
+    const char* const saved = saved_kinds[static_cast<std::size_t>(kinds)];
     parser
         .add_option(
             "MODEL", model,

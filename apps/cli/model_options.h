@@ -14,7 +14,12 @@ class App;
 namespace proxima {
 
 /// What MODEL may be.
-enum class ModelKinds { meshes, meshes_and_octrees, meshes_and_proximity_octrees };
+enum class ModelKinds {
+    meshes,
+    meshes_and_octrees,
+    meshes_and_proximity_octrees,
+    meshes_and_all_octrees
+};
 
 /// MODEL, required: a file or a built-in.
 void add_model_option(CLI::App& parser, std::string& model, ModelKinds kinds = ModelKinds::meshes);

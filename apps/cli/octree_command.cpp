@@ -222,7 +222,7 @@ Command add_octree_command(CLI::App& app)
         ->add_option("--export", options->exports,
                      "Write a picture (.png), for ParaView (.vtu, .htg), or boxes (.glb, .ply)")
         ->type_name("FILE");
-    add_mesh_option(*parser, options->model, options->mesh,
+    add_mesh_option(*parser, options->model, ModelKinds::meshes_and_octrees, options->mesh,
                     {"--depth", "--threshold", "--method", "--exact", "--uniform", "--two-pass",
                      "--root", "--budget-mb"});
     return {parser, [options](Session& session) { return run_octree(*options, session); }};

@@ -1,5 +1,6 @@
 #include "cli/octree_file_model.h"
 
+#include "cli/proximity_file_model.h"
 #include "proxima/base/file_extension.h"
 #include "proxima/base/text.h"
 #include "proxima/octree/octree_file.h"
@@ -13,17 +14,19 @@ bool is_octree_file(const std::string& model)
     return lower_case_extension(model) == ".pxo";
 }
 
-void add_mesh_option(CLI::App& parser, const std::string& model, std::string& mesh,
-                     std::vector<std::string> not_for_files)
+void add_mesh_option(CLI::App& parser, const std::string& model, ModelKinds kinds,
+                     std::string& mesh, std::vector<std::string> not_for_files)
 {
     parser
         .add_option("--mesh", mesh,
                     "The mesh of an octree file: a file or a built-in, as MODEL may be")
         ->type_name("MODEL");
-    parser.parse_complete_callback([&parser, &model, names = std::move(not_for_files)] {
-        if (!is_octree_file(model)) {
+    const bool all = kinds == ModelKinds::meshes_and_all_octrees;
+    parser.parse_complete_callback([&parser, &model, all, names = std::move(not_for_files)] {
+        if (!is_octree_file(model) && !(all && is_proximity_file(model))) {
             if (parser.count("--mesh") == 0) return;
-            throw CLI::ValidationError("--mesh", "it goes with an octree file (.pxo) alone");
+            throw CLI::ValidationError("--mesh", concat("it goes with an octree file (",
+                                                        all ? ".pxo, .pxp" : ".pxo", ") alone"));
         }
         for (const std::string& name : names) {
             if (parser.count(name) == 0) continue;

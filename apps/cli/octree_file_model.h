@@ -1,6 +1,7 @@
 // A saved octree in the place of MODEL, and the mesh that may be named beside it.
 #pragma once
 
+#include "cli/model_options.h"
 #include "cli/session.h"
 #include "proxima/base/result.h"
 #include "proxima/octree/octree.h"
@@ -18,10 +19,10 @@ namespace proxima {
 /// Whether a MODEL is an octree file, by its extension.
 [[nodiscard]] bool is_octree_file(const std::string& model);
 
-/// --mesh MODEL, for octree files alone. Wrong usage where it stands beside another MODEL, or one
-/// of `not_for_files` beside an octree file. `model` and `mesh` outlive the parser.
-void add_mesh_option(CLI::App& parser, const std::string& model, std::string& mesh,
-                     std::vector<std::string> not_for_files);
+/// --mesh MODEL, for saved octrees of these kinds alone. Wrong usage where it stands beside another
+/// MODEL, or one of `not_for_files` beside a saved octree. `model` and `mesh` outlive the parser.
+void add_mesh_option(CLI::App& parser, const std::string& model, ModelKinds kinds,
+                     std::string& mesh, std::vector<std::string> not_for_files);
 
 /// The octree of the file. Errors as load_octree.
 [[nodiscard]] Result<Octree> load_octree_file(const std::string& path, Session& session);

@@ -303,6 +303,19 @@ class SavedOctrees(ProgramTest):
         self.assertEqual(result["bytes"], self.json_of("closest", octree, "--points", points, "--signed")["bytes"])
         self.assertIn("loaded in", self.succeed("closest", octree, "--points", points))
 
+    def test_checked(self):
+        """By `proxima check`: alone, with its mesh, with another one, damaged."""
+        model, octree = self.saved(bumpy_ball(random.Random(11)))
+        alone = self.json_of("check", octree)
+        self.assertEqual((alone["mesh"], alone["triangles"], alone["places"]), (None, 128, 3000))
+        self.assertEqual(self.json_of("check", octree, "--mesh", model), {**alone, "mesh": str(model)})
+        self.assertIn("answers at 3000 places are those of all triangles", self.succeed("check", octree))
+        other = self.file("other.off", bumpy_ball(random.Random(12)).text())
+        self.refuse("check", octree, "--mesh", other, says=("other.off", "another mesh"))
+        data = octree.read_bytes()
+        damaged = self.file("damaged.pxp", data[:5000] + bytes([data[5000] ^ 4]) + data[5001:])
+        self.refuse("check", damaged, says="damaged.pxp")
+
     def test_what_cannot_be(self):
         octree = self.saved(bumpy_ball(random.Random(10)))[1]
         points = self.file("points.csv", "1,2,3\n")

@@ -4,9 +4,12 @@
 #include "proxima/mesh/sample_meshes.h"
 #include "proxima/proximity/block.h"
 #include "proxima/proximity/build_proximity_octree.h"
+#include "proxima/proximity/check_answers.h"
+#include "proxima/proximity/query_sets.h"
 #include "proximity/test_meshes.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 #include <functional>
 #include <gtest/gtest.h>
@@ -31,14 +34,19 @@ struct EditableOctree {
     ProximityStatistics statistics = octree.statistics();
     int table_depth = octree.table_depth();
 
+    /// The octree of the edited arrays. \pre this outlives it
+    [[nodiscard]] ProximityOctree adopted() const
+    {
+        ProximityArrays arrays{table, nodes, runs, arena, rows, {}, vertex_places, edge_places};
+        arrays.double_rows = octree.arrays().double_rows;
+        return ProximityOctree::adopt(frame, table_depth, arrays, &octree.tree(), statistics,
+                                      octree.mesh_fingerprint(), nullptr);
+    }
+
     /// The message of the check, "" where it finds nothing: the same for any number of threads.
     [[nodiscard]] std::string fault() const
     {
-        const ProximityArrays arrays{table, nodes, runs,          arena,
-                                     rows,  {},    vertex_places, edge_places};
-        const ProximityOctree edited =
-            ProximityOctree::adopt(frame, table_depth, arrays, &octree.tree(), statistics,
-                                   octree.mesh_fingerprint(), nullptr);
+        const ProximityOctree edited = adopted();
         const auto message = [&](int threads) {
             const Status status = check_structure(edited, {.threads = {threads}});
             return status ? std::string() : describe(status.error());
@@ -231,6 +239,49 @@ TEST(ProximityStructure, NamesWhatIsBroken)
                 << "case " << i << ": expected \"" << cases[i].fault << "\", found " << found;
         }
     }
+}
+
+TEST(ProximityAnswers, AreThoseOfAllTrianglesUntilOneIsLeftOut)
+{
+    const TriangleMesh mesh = sample_mesh("torus:24x36").value();
+    const Topology topology = build_topology(mesh).value();
+    const ProximityOctree octree = build_proximity_octree(mesh, topology).value();
+    std::vector<Vec3> points;
+    for (const QuerySet& set : query_sets(mesh, 500, 3))
+        points.insert(points.end(), set.points.begin(), set.points.end());
+    const auto message = [&](const ProximityOctree& of, int threads) {
+        const Status status = check_answers(of, mesh, topology, points, {.threads = {threads}});
+        return status ? std::string() : describe(status.error());
+    };
+    EXPECT_EQ(message(octree, 1), "");
+    // In every leaf of one block the last of its triangles is forgotten: the structure is sound.
+    EditableOctree edited{octree};
+    for (std::vector<std::uint64_t>* const words : {&edited.table, &edited.nodes}) {
+        for (std::uint64_t& word : *words) {
+            const std::uint32_t mask = proximity_word::mask(word);
+            if (proximity_word::is_leaf(word) && proximity_word::is_block(word) &&
+                std::popcount(mask) > 1)
+                word = proximity_word::leaf(proximity_word::place(word), mask & (mask - 1));
+        }
+    }
+    const ProximityOctree broken = edited.adopted();
+    const std::string found = message(broken, 1);
+    EXPECT_NE(found.find("the octree answers"), std::string::npos) << found;
+    EXPECT_NE(found.find("the closest is"), std::string::npos) << found;
+    EXPECT_EQ(message(broken, 3), found);
+}
+
+TEST(ProximityAnswers, CanBeCancelled)
+{
+    const TriangleMesh mesh = sample_mesh("cube").value();
+    const Topology topology = build_topology(mesh).value();
+    const ProximityOctree octree = build_proximity_octree(mesh, topology).value();
+    Progress progress;
+    progress.cancel();
+    const std::vector<Vec3> points(10, Vec3::Ones());
+    const Status status = check_answers(octree, mesh, topology, points, {.progress = &progress});
+    ASSERT_FALSE(status);
+    EXPECT_EQ(status.error().code, ErrorCode::cancelled);
 }
 
 } // namespace

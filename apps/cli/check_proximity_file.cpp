@@ -1,0 +1,89 @@
+#include "cli/check_proximity_file.h"
+
+#include "cli/model_options.h"
+#include "cli/proximity_file_model.h"
+#include "cli/text_table.h"
+#include "proxima/proximity/check_answers.h"
+#include "proxima/proximity/proximity_file.h"
+#include "proxima/proximity/query_sets.h"
+
+#include <algorithm>
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+namespace proxima {
+
+namespace {
+
+constexpr std::uint64_t places_seed = 1;
+
+/// Near, on and about the surface; as many as take some seconds on one thread.
+std::vector<Vec3> places_to_ask(const ModelSurface& surface)
+{
+    constexpr std::size_t asked_features = 200'000'000; // 10 ns each
+    const std::size_t features = surface.topology.vertex_count() + surface.topology.edge_count() +
+                                 surface.topology.triangle_count();
+    const std::size_t count = std::clamp<std::size_t>(asked_features / 3 / features, 20, 1000);
+    std::vector<Vec3> places;
+    for (const QuerySet& set : query_sets(surface.mesh, count, places_seed))
+        places.insert(places.end(), set.points.begin(), set.points.end());
+    return places;
+}
+
+Status check_mesh_of(const ProximityOctree& octree, const std::string& mesh, Session& session)
+{
+    const auto loaded = session.load_model(mesh);
+    if (!loaded) return tl::unexpected(loaded.error());
+    if (const Status status = check_same_mesh(octree, *loaded); !status)
+        return at_model(status.error(), mesh);
+    return {};
+}
+
+} // namespace
+
+Status check_proximity_file(const std::string& path, const std::string& mesh, Session& session)
+{
+    const auto octree = load_proximity_file(path, session);
+    if (!octree) return tl::unexpected(octree.error());
+    const bool has_mesh = !mesh.empty();
+    if (has_mesh) {
+        if (Status status = check_mesh_of(*octree, mesh, session); !status) return status;
+    }
+    const auto surface = surface_of(*octree, path, session);
+    if (!surface) return tl::unexpected(surface.error());
+    const std::vector<Vec3> places = places_to_ask(*surface);
+    {
+        const ProgressBar shown(session.progress(), session.bar());
+        const Status status =
+            check_answers(*octree, surface->mesh, surface->topology, places,
+                          {.progress = &session.progress(), .threads = session.threads()});
+        if (!status) return at_model(status.error(), path);
+    }
+    const ProximityStatistics counts = octree->statistics();
+    TextTable table({"Nodes", "Leaves", "Without a list", "Triangles listed", "Deepest",
+                     "Longest list", "Bytes"});
+    table.add_row({std::to_string(counts.nodes), std::to_string(counts.leaves),
+                   std::to_string(counts.searched_leaves), std::to_string(counts.references),
+                   std::to_string(counts.max_depth), std::to_string(counts.max_list),
+                   std::to_string(octree->bytes())});
+    session.print(fmt::format(
+        "{}: proximity octree of {} triangles\n\nchecksums and structure are sound\n"
+        "answers at {} places are those of all triangles, up to rounding\n{}\n\n{}",
+        path, surface->mesh.triangle_count(), places.size(),
+        has_mesh ? fmt::format("it is of {}", mesh)
+                 : "whether it is of the mesh you mean was not asked: name it with --mesh",
+        table.text()));
+    return session.write_json({{"model", path},
+                               {"mesh", has_mesh ? nlohmann::ordered_json(mesh) : nullptr},
+                               {"triangles", surface->mesh.triangle_count()},
+                               {"places", places.size()},
+                               {"nodes", counts.nodes},
+                               {"leaves", counts.leaves},
+                               {"searched_leaves", counts.searched_leaves},
+                               {"references", counts.references},
+                               {"max_depth", counts.max_depth},
+                               {"max_list", counts.max_list},
+                               {"bytes", octree->bytes()}});
+}
+
+} // namespace proxima
