@@ -62,10 +62,14 @@ inline std::vector<std::string> meshes_of(const CommonOptions& options)
     return names;
 }
 
-/// Reads the command line and runs; the exit status of main.
-template <class Run>
-int run_program(CLI::App& app, int argc, char** argv, const Run& run)
+/// All of main: the options that `add_options` gives the parser are read, then `run` makes the exit
+/// status.
+template <class AddOptions, class Run>
+int run_program(int argc, char** argv, const char* title, const AddOptions& add_options,
+                const Run& run) noexcept
 try {
+    CLI::App app(title);
+    add_options(app);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

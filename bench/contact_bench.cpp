@@ -44,9 +44,10 @@ void pass(ContactPeer& peer, Question question, const PoseSet& set, SetResult& r
 {
     std::size_t sum = 0;
     const double start = processor_seconds();
-    for (const RigidTransform& pose : set.poses)
+    for (const RigidTransform& pose : set.poses) {
         sum +=
             question == Question::boolean ? (peer.intersects(pose) ? 1 : 0) : peer.find_pairs(pose);
+    }
     const double seconds = processor_seconds() - start;
     result.seconds[static_cast<std::size_t>(question)].push_back(seconds);
     (question == Question::boolean ? result.meeting : result.pairs) = sum;
@@ -167,8 +168,8 @@ int run(const BenchOptions& options)
 int main(int argc, char** argv)
 {
     proxima::bench::BenchOptions options;
-    CLI::App app("Meshes against themselves in many poses, ours beside FCL");
-    add_common_options(app, options);
-    return proxima::bench::run_program(app, argc, argv,
-                                       [&] { return proxima::bench::run(options); });
+    return proxima::bench::run_program(
+        argc, argv, "Meshes against themselves in many poses, ours beside FCL",
+        [&](CLI::App& app) { add_common_options(app, options); },
+        [&] { return proxima::bench::run(options); });
 }

@@ -348,9 +348,12 @@ int run(const BenchOptions& options)
 int main(int argc, char** argv)
 {
     proxima::bench::BenchOptions options;
-    CLI::App app("View-volume culling, ours beside brute force by vector lanes");
-    app.add_option("--views", options.views, "Cameras of each part")->check(CLI::Range(1, 1000));
-    add_common_options(app, options);
-    return proxima::bench::run_program(app, argc, argv,
-                                       [&] { return proxima::bench::run(options); });
+    return proxima::bench::run_program(
+        argc, argv, "View-volume culling, ours beside brute force by vector lanes",
+        [&](CLI::App& app) {
+            app.add_option("--views", options.views, "Cameras of each part")
+                ->check(CLI::Range(1, 1000));
+            add_common_options(app, options);
+        },
+        [&] { return proxima::bench::run(options); });
 }

@@ -31,11 +31,14 @@ HWY_INLINE void for_blocks(const float* const* coordinates, std::size_t count,
         }
         auto inside = hn::FirstN(d, count - first);
         for (std::size_t i = 0; i < plane_count; ++i) {
-            const auto& [a, b, c, e] = planes[i].numbers;
+            const auto& numbers = planes[i].numbers; // lambdas of C++20 see no parts of it by name
+            const auto a = hn::Set(d, numbers[0]);
+            const auto b = hn::Set(d, numbers[1]);
+            const auto c = hn::Set(d, numbers[2]);
+            const auto e = hn::Set(d, numbers[3]);
             const auto value = [&](std::size_t corner) HWY_ATTR {
-                return hn::MulAdd(hn::Set(d, a), x[corner],
-                                  hn::MulAdd(hn::Set(d, b), y[corner],
-                                             hn::MulAdd(hn::Set(d, c), z[corner], hn::Set(d, e))));
+                return hn::MulAdd(a, x[corner],
+                                  hn::MulAdd(b, y[corner], hn::MulAdd(c, z[corner], e)));
             };
             const auto most = hn::Max(hn::Max(value(0), value(1)), value(2));
             inside = hn::And(inside, hn::Ge(most, hn::Zero(d)));

@@ -239,9 +239,12 @@ int run(const BenchOptions& options)
 int main(int argc, char** argv)
 {
     proxima::bench::BenchOptions options;
-    CLI::App app("Distances between meshes, ours beside FCL");
-    app.add_option("--poses", options.poses, "Poses of each row")->check(CLI::Range(1, 1000000));
-    add_common_options(app, options);
-    return proxima::bench::run_program(app, argc, argv,
-                                       [&] { return proxima::bench::run(options); });
+    return proxima::bench::run_program(
+        argc, argv, "Distances between meshes, ours beside FCL",
+        [&](CLI::App& app) {
+            app.add_option("--poses", options.poses, "Poses of each row")
+                ->check(CLI::Range(1, 1000000));
+            add_common_options(app, options);
+        },
+        [&] { return proxima::bench::run(options); });
 }

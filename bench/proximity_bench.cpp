@@ -7,6 +7,7 @@
 // triangles where a folder shared/meshes lies beside this one, and PROXIMA_BENCH_MESH. With
 // --curve only ours, by its budget.
 
+#include "bench_program.h"
 #include "brute_force_peer.h"
 #include "proxima/base/text.h"
 #include "proxima/mesh/mesh_io.h"
@@ -217,25 +218,21 @@ int run(const BenchOptions& options)
 } // namespace proxima::bench
 
 int main(int argc, char** argv)
-try {
+{
     proxima::bench::BenchOptions options;
-    CLI::App app("The closest point of a mesh, ours beside Embree, CGAL and brute force");
-    app.add_option("--queries", options.queries, "Points of each set")
-        ->check(CLI::Range(1, 100000000));
-    app.add_option("--rounds", options.rounds, "Passes, of which medians are taken")
-        ->check(CLI::Range(1, 1000));
-    app.add_option("--seed", options.seed, "Seed of the sets");
-    app.add_option("--mesh", options.meshes, "A file or a built-in instead of the usual meshes")
-        ->allow_extra_args(false);
-    app.add_flag("--curve", options.curve, "Speed against budget, ours alone");
-    app.add_option("--out", options.out, "The report, as JSON");
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : 2;
-    }
-    return proxima::bench::run(options);
-} catch (const std::exception& error) {
-    (void)std::fprintf(stderr, "%s\n", error.what());
-    return 1;
+    return proxima::bench::run_program(
+        argc, argv, "The closest point of a mesh, ours beside Embree, CGAL and brute force",
+        [&](CLI::App& app) {
+            app.add_option("--queries", options.queries, "Points of each set")
+                ->check(CLI::Range(1, 100000000));
+            app.add_option("--rounds", options.rounds, "Passes, of which medians are taken")
+                ->check(CLI::Range(1, 1000));
+            app.add_option("--seed", options.seed, "Seed of the sets");
+            app.add_option("--mesh", options.meshes,
+                           "A file or a built-in instead of the usual meshes")
+                ->allow_extra_args(false);
+            app.add_flag("--curve", options.curve, "Speed against budget, ours alone");
+            app.add_option("--out", options.out, "The report, as JSON");
+        },
+        [&] { return proxima::bench::run(options); });
 }

@@ -144,9 +144,12 @@ int run(const BenchOptions& options)
 int main(int argc, char** argv)
 {
     proxima::bench::BenchOptions options;
-    CLI::App app("Rays against meshes, ours beside Embree");
-    app.add_option("--rays", options.rays, "Rays of each set")->check(CLI::Range(1, 100000000));
-    add_common_options(app, options);
-    return proxima::bench::run_program(app, argc, argv,
-                                       [&] { return proxima::bench::run(options); });
+    return proxima::bench::run_program(
+        argc, argv, "Rays against meshes, ours beside Embree",
+        [&](CLI::App& app) {
+            app.add_option("--rays", options.rays, "Rays of each set")
+                ->check(CLI::Range(1, 100000000));
+            add_common_options(app, options);
+        },
+        [&] { return proxima::bench::run(options); });
 }

@@ -127,23 +127,28 @@ Status run(const BenchOptions& options)
 int main(int argc, char** argv)
 {
     proxima::bench::BenchOptions options;
-    CLI::App app("How long the viewer's pictures take by software");
-    app.add_option("--frames", options.frames, "Of each mesh and kind")
-        ->check(CLI::Range(2, 100000))
-        ->capture_default_str();
-    app.add_option("--width", options.width, "Pixels")->check(CLI::Range(1, 8192));
-    app.add_option("--height", options.height, "Pixels")->check(CLI::Range(1, 8192));
-    app.add_option("--mesh", options.meshes, "A file or a built-in instead of the usual meshes")
-        ->allow_extra_args(false);
-    app.add_flag("--hardware", options.hardware, "By the graphics card, where there is one");
-    return proxima::bench::run_program(app, argc, argv, [&] {
-        if (options.meshes.empty()) {
-            options.meshes = {"torus:250x200", "spaceship:100000"};
-            if (const char* const own = std::getenv("PROXIMA_BENCH_MESH"); own != nullptr)
-                options.meshes.emplace_back(own);
-        }
-        const proxima::Status status = proxima::bench::run(options);
-        if (!status) (void)std::fprintf(stderr, "%s\n", describe(status.error()).c_str());
-        return status ? 0 : 1;
-    });
+    return proxima::bench::run_program(
+        argc, argv, "How long the viewer's pictures take by software",
+        [&](CLI::App& app) {
+            app.add_option("--frames", options.frames, "Of each mesh and kind")
+                ->check(CLI::Range(2, 100000))
+                ->capture_default_str();
+            app.add_option("--width", options.width, "Pixels")->check(CLI::Range(1, 8192));
+            app.add_option("--height", options.height, "Pixels")->check(CLI::Range(1, 8192));
+            app.add_option("--mesh", options.meshes,
+                           "A file or a built-in instead of the usual meshes")
+                ->allow_extra_args(false);
+            app.add_flag("--hardware", options.hardware,
+                         "By the graphics card, where there is one");
+        },
+        [&] {
+            if (options.meshes.empty()) {
+                options.meshes = {"torus:250x200", "spaceship:100000"};
+                if (const char* const own = std::getenv("PROXIMA_BENCH_MESH"); own != nullptr)
+                    options.meshes.emplace_back(own);
+            }
+            const proxima::Status status = proxima::bench::run(options);
+            if (!status) (void)std::fprintf(stderr, "%s\n", describe(status.error()).c_str());
+            return status ? 0 : 1;
+        });
 }
