@@ -25,6 +25,14 @@ bool replaces(const Contact& a, const Contact& b) noexcept
     return a_inside != b_inside ? a_inside : a.triangle < b.triangle;
 }
 
+/// Whether the face passes the side or corner so closely that a centre that goes along it comes no
+/// nearer than `least`.
+bool covers(const Contact& face, const Contact& edge, const Vec3& p, double least) noexcept
+{
+    return face.part == TrianglePart::inside && edge.part != TrianglePart::inside &&
+           face.normal.dot(p - edge.point) >= least;
+}
+
 /// Whether its box is. Differences of coordinates are rounded once, which `limit` has room for.
 bool is_beyond(const Triangle& triangle, const Vec3& p, double limit) noexcept
 {
@@ -34,6 +42,10 @@ bool is_beyond(const Triangle& triangle, const Vec3& p, double limit) noexcept
 }
 
 constexpr std::size_t touched_triangles = 4096;
+
+/// In roundings: limit less this is what a slide lets come near (slide_sphere.cpp) but for two of
+/// its skins.
+constexpr double cover = 12;
 
 } // namespace
 
@@ -96,6 +108,22 @@ bool TouchedPlaces::add(const Contact& contact, double rounding) noexcept
     return true;
 }
 
+/// A centre that is lower over a face than it should be, by rounding, meets the side of the next
+/// face aside of it, and by much more than rounding: by its root. Where the two are all but in one
+/// plane that side is no edge, and its normal, which leans, must not hold the centre back.
+void TouchedPlaces::drop_covered(const Vec3& p, double least) noexcept
+{
+    const auto all = std::span(contacts_).first(count_);
+    const auto is_covered = [&](const Contact& contact) {
+        return std::ranges::any_of(
+            all, [&](const Contact& face) { return covers(face, contact, p, least); });
+    };
+    // Faces, which cover, stay where they are until all sides and corners have been looked at.
+    const auto edges = std::ranges::partition(
+        all, [](const Contact& contact) { return contact.part == TrianglePart::inside; });
+    count_ -= std::ranges::remove_if(edges, is_covered).size();
+}
+
 bool TouchedPlaces::is_known(const ContactSurface& surface, const Vec3& p,
                              double limit) const noexcept
 {
@@ -129,6 +157,7 @@ bool TouchedPlaces::find_among(std::span<const ContactTriangle> near, const Cont
     std::ranges::sort(touched, {}, &Contact::triangle);
     for (const Contact& contact : touched)
         if (!add(contact, rounding)) return false;
+    drop_covered(p, limit - cover * rounding);
     std::ranges::sort(std::span(contacts_).first(count_), {}, &Contact::triangle);
     at_ = p;
     limit_ = limit;

@@ -62,6 +62,7 @@ private:
     [[nodiscard]] bool is_known(const ContactSurface& surface, const Vec3& p,
                                 double limit) const noexcept;
     [[nodiscard]] bool add(const Contact& contact, double rounding) noexcept;
+    void drop_covered(const Vec3& p, double least) noexcept;
 
     std::vector<Contact> contacts_;
     std::vector<Contact> touched_; ///< of each triangle, by id
