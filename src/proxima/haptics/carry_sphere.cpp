@@ -37,11 +37,6 @@ Side side_of(const Triangle& triangle, const Vec3& p) noexcept
     return side;
 }
 
-double squared_distance(const Box& box, const Box& other) noexcept
-{
-    return (box.lower - other.upper).cwiseMax(other.lower - box.upper).cwiseMax(0.0).squaredNorm();
-}
-
 } // namespace
 
 /// One carry: see carry_sphere.h.
@@ -75,16 +70,8 @@ private:
         const SceneObject object = scene_.object(id);
         const Vec3 begin = seen_from(object.before, from_);
         const Vec3 way = seen_from(object.now, place) - begin;
-        const double length = way.norm();
-        const double reach = radius_ + 2 * skin_;
-        Box swept;
-        swept.extend(begin);
-        swept.extend(begin + way);
-        if (squared_distance(swept, object.body->bounds()) > reach * reach) return true;
-
-        const ContactSurface& surface = object.body->surface();
-        const Vec3 middle = begin + 0.5 * way;
-        const std::size_t count = surface.collect(middle, 0.5 * length + reach, room_.near_);
+        const std::size_t count =
+            scene_.collect_of(id, begin, way, radius_ + 2 * skin_, room_.near_);
         if (count > room_.near_.size()) return false;
         const std::span<const ContactTriangle> near = std::span(room_.near_).first(count);
         double first = 2;

@@ -16,6 +16,9 @@ namespace {
 /// times over; a slide's skin is 2^-42 of it.
 constexpr double frame_rounding = 0x1p-47;
 
+/// More than the distance of a body and that of its box are off by, in parts of coordinates.
+constexpr double box_rounding = 0x1p-44;
+
 bool is_rigid(const RigidTransform& pose)
 {
     const Mat3& r = pose.rotation;
@@ -33,6 +36,11 @@ bool in_range(const ObjectMotion& motion)
 double squared_distance(const Box& box, const Vec3& p) noexcept
 {
     return (box.lower - p).cwiseMax(p - box.upper).cwiseMax(0.0).squaredNorm();
+}
+
+double squared_distance(const Box& box, const Box& other) noexcept
+{
+    return (box.lower - other.upper).cwiseMax(other.lower - box.upper).cwiseMax(0.0).squaredNorm();
 }
 
 } // namespace
@@ -152,6 +160,11 @@ Vec3 TouchScene::velocity_at(ObjectId id, const Vec3& p) const noexcept
     return (p - course.before()(seen_from(course.now(), p))) / tick_seconds_;
 }
 
+double TouchScene::frame_margin(const Vec3& p) const noexcept
+{
+    return rounding_ + frame_rounding * p.cwiseAbs().maxCoeff();
+}
+
 Vec3 TouchScene::way_out(const Vec3& p) const noexcept
 {
     Vec3 place = p;
@@ -176,22 +189,33 @@ Vec3 TouchScene::way_out(const Vec3& p) const noexcept
     return place;
 }
 
-std::size_t TouchScene::collect(const Vec3& p, double distance,
-                                std::span<ContactTriangle> buffer) const noexcept
+std::size_t TouchScene::collect_of(ObjectId id, const Vec3& p, const Vec3& way, double distance,
+                                   std::span<ContactTriangle> buffer) const noexcept
+{
+    Slot& slot = *objects_[index(id)];
+    const TouchBody& body = slot.body();
+    Box swept;
+    swept.extend(p);
+    swept.extend(p + way);
+    if (squared_distance(body.bounds(), swept) > distance * distance) return 0;
+    const ContactSurface& surface = body.surface();
+    if (slot.cache.is_known_free(surface, p, distance + way.norm())) return 0;
+    return slot.cache.collect_along(surface, p, way, distance, buffer);
+}
+
+std::size_t TouchScene::collect_along(const Vec3& p, const Vec3& way, double distance,
+                                      std::span<ContactTriangle> buffer) const noexcept
 {
     std::size_t count = 0;
-    const double near = distance + rounding_ + 0x1p-47 * p.cwiseAbs().maxCoeff();
-    for (std::size_t i = 0; i < objects_.size(); ++i) {
-        const Slot& slot = *objects_[i];
-        const RigidTransform& pose = slot.course.now();
+    const double near = distance + frame_margin(p) + frame_rounding * way.cwiseAbs().maxCoeff();
+    for (std::uint32_t i = 0; i < objects_.size(); ++i) {
+        const RigidTransform& pose = objects_[i]->course.now();
         const Vec3 local = seen_from(pose, p);
-        if (squared_distance(slot.body().bounds(), local) > near * near) continue;
+        const Vec3 local_way = pose.rotation.transpose() * way;
         const auto left = buffer.subspan(std::min(count, buffer.size()));
-        const std::size_t found = slot.body().surface().collect(local, near, left);
-        for (ContactTriangle& triangle : left.first(std::min(found, left.size()))) {
-            triangle = {pose(triangle.corners),
-                        scene_triangle(ObjectId{static_cast<std::uint32_t>(i)}, triangle.id)};
-        }
+        const std::size_t found = collect_of(ObjectId{i}, local, local_way, near, left);
+        for (ContactTriangle& triangle : left.first(std::min(found, left.size())))
+            triangle = {pose(triangle.corners), scene_triangle(ObjectId{i}, triangle.id)};
         count += found;
     }
     return count;
@@ -205,7 +229,34 @@ double TouchScene::clearance(const Vec3& p) const noexcept
         if (squared_distance(slot->body().bounds(), local) >= least * least) continue;
         least = std::min(least, slot->body().surface().clearance(local));
     }
-    return least - rounding_ - 0x1p-47 * p.cwiseAbs().maxCoeff();
+    return least - frame_margin(p);
+}
+
+double TouchScene::clearance_beyond(const Vec3& p, double wanted) const noexcept
+{
+    const double margin = frame_margin(p);
+    const double beyond = (wanted + margin) * (1 + 0x1p-50);
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto& slot : objects_) {
+        const Vec3 local = seen_from(slot->course.now(), p);
+        const double box = std::sqrt(squared_distance(slot->body().bounds(), local));
+        if (box >= least) continue;
+        const ContactSurface& surface = slot->body().surface();
+        // As far as its box, or farther, is enough to know.
+        const double rounding =
+            box_rounding * (surface.scale().reach + local.cwiseAbs().maxCoeff());
+        least = std::min(least, box - rounding > beyond
+                                    ? box - rounding
+                                    : slot->cache.clearance(surface, local, beyond));
+    }
+    return least - margin;
+}
+
+ContactWork TouchScene::work() const noexcept
+{
+    ContactWork sum;
+    for (const auto& slot : objects_) sum = sum + slot->cache.work();
+    return sum;
 }
 
 std::optional<SurfaceMaterial> TouchScene::material(TriangleId triangle) const noexcept
