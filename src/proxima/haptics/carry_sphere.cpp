@@ -67,11 +67,12 @@ private:
     /// Adds what an object holds against the way to `place`. False where there is no room.
     bool look_along(ObjectId id, const Vec3& place, bool& blocked) noexcept
     {
+        const double reach = radius_ + 2 * skin_;
+        if (scene_.keeps_clear(id, from_, place, reach)) return true;
         const SceneObject object = scene_.object(id);
         const Vec3 begin = seen_from(object.before, from_);
         const Vec3 way = seen_from(object.now, place) - begin;
-        const std::size_t count =
-            scene_.collect_of(id, begin, way, radius_ + 2 * skin_, room_.near_);
+        const std::size_t count = scene_.collect_of(id, begin, way, reach, room_.near_);
         if (count > room_.near_.size()) return false;
         const std::span<const ContactTriangle> near = std::span(room_.near_).first(count);
         double first = 2;

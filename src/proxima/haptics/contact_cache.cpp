@@ -116,28 +116,20 @@ std::size_t ContactCache::collect_along(const ContactSurface& surface, const Vec
     return scan(surface, query, buffer);
 }
 
-double ContactCache::known_clearance(const ContactSurface& surface, const Vec3& p) const noexcept
+double ContactCache::known_clearance(const ContactSurface& surface, const Vec3& p) noexcept
 {
+    if (!keeps(surface) || !(free_ > 0)) return -1;
     const double rounding = coordinate_rounding * (surface.scale().reach + p.cwiseAbs().maxCoeff());
     return free_ - (p - free_center_).norm() - rounding;
 }
 
-bool ContactCache::is_known_free(const ContactSurface& surface, const Vec3& p,
-                                 double wanted) noexcept
-{
-    return keeps(surface) && free_ > 0 && known_clearance(surface, p) > wanted;
-}
-
 double ContactCache::clearance(const ContactSurface& surface, const Vec3& p, double wanted) noexcept
 {
-    const bool kept = keeps(surface);
-    if (kept && free_ > 0) {
-        const double left = known_clearance(surface, p);
-        if (left > wanted) return left;
-    }
+    const double known = known_clearance(surface, p);
+    if (known > std::max(wanted, 0.0)) return known;
     ++work_.distances;
     const double clearance = surface.clearance_beyond(p, wanted);
-    if (kept) {
+    if (keeps(surface)) {
         free_center_ = p;
         free_ = clearance;
     }

@@ -59,16 +59,14 @@ public:
     [[nodiscard]] bool covers(const ContactSurface& surface, const Vec3& p,
                               double distance) noexcept;
 
-    /// Whether it is known, without asking, that the surface's clearance is more than `wanted`.
-    [[nodiscard]] bool is_known_free(const ContactSurface& surface, const Vec3& p,
-                                     double wanted) noexcept;
+    /// No part of the surface is nearer to p than this, as is known without asking. Negative where
+    /// nothing is.
+    [[nodiscard]] double known_clearance(const ContactSurface& surface, const Vec3& p) noexcept;
 
     [[nodiscard]] const ContactWork& work() const noexcept { return work_; }
 
 private:
     [[nodiscard]] bool keeps(const ContactSurface& surface) noexcept;
-    [[nodiscard]] double known_clearance(const ContactSurface& surface,
-                                         const Vec3& p) const noexcept;
     [[nodiscard]] bool fill(const ContactSurface& surface, const Vec3& p, double distance) noexcept;
     [[nodiscard]] std::size_t ask(const ContactSurface& surface, const Vec3& p, const Vec3& way,
                                   double distance, std::span<ContactTriangle> buffer) noexcept;

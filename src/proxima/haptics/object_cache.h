@@ -32,11 +32,11 @@ public:
         return balls_.front().clearance(surface, p, wanted);
     }
 
-    /// Whether it is known, without asking, that the surface's clearance is more than `wanted`.
-    [[nodiscard]] bool is_known_free(const ContactSurface& surface, const Vec3& p,
-                                     double wanted) noexcept
+    /// No part of the surface is nearer to p than this, as is known without asking. Negative where
+    /// nothing is.
+    [[nodiscard]] double known_clearance(const ContactSurface& surface, const Vec3& p) noexcept
     {
-        return balls_.front().is_known_free(surface, p, wanted);
+        return balls_.front().known_clearance(surface, p);
     }
 
     [[nodiscard]] ContactWork work() const noexcept;

@@ -38,11 +38,6 @@ double squared_distance(const Box& box, const Vec3& p) noexcept
     return (box.lower - p).cwiseMax(p - box.upper).cwiseMax(0.0).squaredNorm();
 }
 
-double squared_distance(const Box& box, const Box& other) noexcept
-{
-    return (box.lower - other.upper).cwiseMax(other.lower - box.upper).cwiseMax(0.0).squaredNorm();
-}
-
 } // namespace
 
 TouchScene::TouchScene(const Box& room) : room_(room)
@@ -139,8 +134,11 @@ SceneTick TouchScene::advance(double seconds) noexcept
     for (const auto& slot : objects_) {
         if (slot->motions.update()) slot->course.follow(slot->motions.reading());
         slot->course.advance(seconds);
+        const bool exchanged = slot->bodies.update();
+        if (slot->course.moved() || exchanged) slot->free_ball.reach = -1;
+        slot->free_way.reach = -1;
         tick.moved |= slot->course.moved();
-        tick.exchanged |= slot->bodies.update();
+        tick.exchanged |= exchanged;
     }
     if (tick.exchanged) measure();
     if (tick.moved || tick.exchanged) edition_ = new_edition();
@@ -189,28 +187,53 @@ Vec3 TouchScene::way_out(const Vec3& p) const noexcept
     return place;
 }
 
+double TouchScene::known_clearance(Slot& slot, const Vec3& local) const noexcept
+{
+    const ContactSurface& surface = slot.body().surface();
+    const double rounding = box_rounding * (surface.scale().reach + local.cwiseAbs().maxCoeff());
+    const double box = std::sqrt(squared_distance(slot.body().bounds(), local)) - rounding;
+    return std::max(box, slot.cache.known_clearance(surface, local));
+}
+
+bool TouchScene::keeps_clear(ObjectId id, const Vec3& from, const Vec3& to,
+                             double distance) const noexcept
+{
+    Slot& slot = *objects_[index(id)];
+    const double margin = 4 * frame_margin(from) + 4 * frame_margin(to);
+    const FreeWay& known = slot.free_way;
+    const double aside = (from - known.from).norm();
+    const double length = known.length + aside + (to - known.to).norm();
+    if (known.reach > distance + aside + length + margin) return true;
+    const Vec3 begin = seen_from(slot.course.before(), from);
+    const double way = (seen_from(slot.course.now(), to) - begin).norm();
+    const double reach = known_clearance(slot, begin);
+    slot.free_way = {from, to, way, reach};
+    slot.free_ball = {to, reach - way - margin};
+    return reach > distance + way + margin;
+}
+
 std::size_t TouchScene::collect_of(ObjectId id, const Vec3& p, const Vec3& way, double distance,
                                    std::span<ContactTriangle> buffer) const noexcept
 {
     Slot& slot = *objects_[index(id)];
-    const TouchBody& body = slot.body();
-    Box swept;
-    swept.extend(p);
-    swept.extend(p + way);
-    if (squared_distance(body.bounds(), swept) > distance * distance) return 0;
-    const ContactSurface& surface = body.surface();
-    if (slot.cache.is_known_free(surface, p, distance + way.norm())) return 0;
-    return slot.cache.collect_along(surface, p, way, distance, buffer);
+    return slot.cache.collect_along(slot.body().surface(), p, way, distance, buffer);
 }
 
 std::size_t TouchScene::collect_along(const Vec3& p, const Vec3& way, double distance,
                                       std::span<ContactTriangle> buffer) const noexcept
 {
     std::size_t count = 0;
-    const double near = distance + frame_margin(p) + frame_rounding * way.cwiseAbs().maxCoeff();
+    const double margin = frame_margin(p) + frame_margin(way);
+    const double near = distance + margin;
+    const double around = near + way.norm() + margin;
     for (std::uint32_t i = 0; i < objects_.size(); ++i) {
-        const RigidTransform& pose = objects_[i]->course.now();
+        Slot& slot = *objects_[i];
+        if (slot.free_ball.reach > around + (p - slot.free_ball.center).norm()) continue;
+        const RigidTransform& pose = slot.course.now();
         const Vec3 local = seen_from(pose, p);
+        const double known = known_clearance(slot, local);
+        slot.free_ball = {p, known - margin};
+        if (known > around) continue;
         const Vec3 local_way = pose.rotation.transpose() * way;
         const auto left = buffer.subspan(std::min(count, buffer.size()));
         const std::size_t found = collect_of(ObjectId{i}, local, local_way, near, left);
@@ -238,16 +261,16 @@ double TouchScene::clearance_beyond(const Vec3& p, double wanted) const noexcept
     const double beyond = (wanted + margin) * (1 + 0x1p-50);
     double least = std::numeric_limits<double>::infinity();
     for (const auto& slot : objects_) {
-        const Vec3 local = seen_from(slot->course.now(), p);
-        const double box = std::sqrt(squared_distance(slot->body().bounds(), local));
-        if (box >= least) continue;
-        const ContactSurface& surface = slot->body().surface();
-        // As far as its box, or farther, is enough to know.
-        const double rounding =
-            box_rounding * (surface.scale().reach + local.cwiseAbs().maxCoeff());
-        least = std::min(least, box - rounding > beyond
-                                    ? box - rounding
-                                    : slot->cache.clearance(surface, local, beyond));
+        // As far as is known, or farther, is enough.
+        double known = slot->free_ball.reach - (p - slot->free_ball.center).norm() - margin;
+        if (!(known > beyond)) {
+            const Vec3 local = seen_from(slot->course.now(), p);
+            known = known_clearance(*slot, local);
+            if (!(known > beyond))
+                known = slot->cache.clearance(slot->body().surface(), local, beyond);
+            slot->free_ball = {p, known - margin};
+        }
+        least = std::min(least, known);
     }
     return least - margin;
 }

@@ -106,6 +106,12 @@ public:
     /// inside of one still where many overlap.
     [[nodiscard]] Vec3 way_out(const Vec3& p) const noexcept;
 
+    /// As an object sees it, what goes from one place to another in the last tick goes straight
+    /// from where it stood to where it is. True only if no triangle of the object comes within the
+    /// distance of that way.
+    [[nodiscard]] bool keeps_clear(ObjectId id, const Vec3& from, const Vec3& to,
+                                   double distance) const noexcept;
+
     /// Of one object, in its own frame and with its own names: all triangles that come within
     /// `distance` of the straight way from p, and perhaps some that do not. Returns how many, or
     /// any number of more than the buffer's size where that is full.
@@ -139,11 +145,25 @@ public:
 
 private:
     using BodySnapshot = Snapshot<std::unique_ptr<const TouchBody>>;
+    /// What is known to be free of an object, in the scene's frame: round a place, as it stands.
+    struct FreeBall {
+        Vec3 center = Vec3::Zero();
+        double reach = -1;
+    };
+    /// The same of the last tick's motion: from where it stood to where it is.
+    struct FreeWay {
+        Vec3 from = Vec3::Zero();
+        Vec3 to = Vec3::Zero();
+        double length = 0; ///< as the object sees it
+        double reach = -1; ///< round the first place
+    };
     struct Slot {
         Snapshot<ObjectMotion> motions;
         BodySnapshot bodies;
-        ObjectCourse course;        ///< the servo thread's
-        ObjectCache cache;          ///< the servo thread's
+        ObjectCourse course; ///< this and the next three: the servo thread's
+        ObjectCache cache;
+        FreeBall free_ball;
+        FreeWay free_way;
         Box newest_bounds;          ///< the application's: of the body given last
         RigidTransform newest_pose; ///< the application's: where it is to go
 
@@ -152,6 +172,9 @@ private:
 
     [[nodiscard]] bool holds(const Box& bounds, const RigidTransform& pose) const;
     void measure() noexcept;
+    /// No part of the object is nearer to a place of its frame than this, as is known without
+    /// asking.
+    [[nodiscard]] double known_clearance(Slot& slot, const Vec3& local) const noexcept;
     /// What moving a place there is off by.
     [[nodiscard]] double frame_margin(const Vec3& p) const noexcept;
 
