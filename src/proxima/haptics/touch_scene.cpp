@@ -136,7 +136,7 @@ SceneTick TouchScene::advance(double seconds) noexcept
         slot->course.advance(seconds);
         const bool exchanged = slot->bodies.update();
         if (slot->course.moved() || exchanged) slot->free_ball.reach = -1;
-        slot->free_way.reach = -1;
+        slot->free_way = {};
         tick.moved |= slot->course.moved();
         tick.exchanged |= exchanged;
     }
@@ -199,17 +199,19 @@ bool TouchScene::keeps_clear(ObjectId id, const Vec3& from, const Vec3& to,
                              double distance) const noexcept
 {
     Slot& slot = *objects_[index(id)];
-    const double margin = 4 * frame_margin(from) + 4 * frame_margin(to);
     const FreeWay& known = slot.free_way;
+    if (known.is_near) return false;
+    const double margin = 4 * frame_margin(from) + 4 * frame_margin(to);
     const double aside = (from - known.from).norm();
     const double length = known.length + aside + (to - known.to).norm();
     if (known.reach > distance + aside + length + margin) return true;
     const Vec3 begin = seen_from(slot.course.before(), from);
     const double way = (seen_from(slot.course.now(), to) - begin).norm();
     const double reach = known_clearance(slot, begin);
-    slot.free_way = {from, to, way, reach};
+    const bool is_clear = reach > distance + way + margin;
+    slot.free_way = {from, to, way, reach, !is_clear};
     slot.free_ball = {to, reach - way - margin};
-    return reach > distance + way + margin;
+    return is_clear;
 }
 
 std::size_t TouchScene::collect_of(ObjectId id, const Vec3& p, const Vec3& way, double distance,

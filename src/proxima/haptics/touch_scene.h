@@ -154,8 +154,9 @@ private:
     struct FreeWay {
         Vec3 from = Vec3::Zero();
         Vec3 to = Vec3::Zero();
-        double length = 0; ///< as the object sees it
-        double reach = -1; ///< round the first place
+        double length = 0;    ///< as the object sees it
+        double reach = -1;    ///< round the first place
+        bool is_near = false; ///< something was in the way: not worth asking again in this tick
     };
     struct Slot {
         Snapshot<ObjectMotion> motions;
