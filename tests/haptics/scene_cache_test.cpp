@@ -378,6 +378,43 @@ TEST(SceneCache, no_way_that_is_said_to_be_clear_comes_near)
     EXPECT_GT(not_clear, 1000);
 }
 
+// At rest all is kept from tick to tick, until another body stands there.
+TEST(SceneCache, a_body_that_is_exchanged_is_asked_anew)
+{
+    const auto ball = [](double size) {
+        return body_of(
+            moved(*sample_mesh("icosphere:2"), [size](const Vec3& p) { return Vec3(size * p); }));
+    };
+    TouchScene scene(wide_room);
+    const auto object = scene.add(ball(1), at_place(Vec3(3, 0, 0)));
+    std::vector<ContactTriangle> buffer(4096);
+    const Vec3 p(3, 0, 1.3);
+    double size = 1;
+    for (int round = 0; round < 6; ++round) {
+        for (int tick = 0; tick < 3; ++tick) {
+            scene.advance(tick_seconds);
+            const bool is_larger = size > 1;
+            // Each of them first, in one round or another.
+            for (int question = 0; question < 3; ++question) {
+                bool is_near = false;
+                switch ((question + round / 2) % 3) {
+                case 0:
+                    is_near = !(scene.clearance_beyond(p, 0.2) > 0.2);
+                    break;
+                case 1:
+                    is_near = scene.collect(p, 0.2, buffer) > 0;
+                    break;
+                default:
+                    is_near = !scene.keeps_clear(*object, p, p, 0.2);
+                }
+                EXPECT_EQ(is_near, is_larger) << round << ' ' << tick << ' ' << question;
+            }
+        }
+        size = size > 1 ? 1 : 1.25;
+        EXPECT_TRUE(scene.exchange(*object, ball(size)));
+    }
+}
+
 // A proxy that lags behind by friction and the place that it would have without are asked about in
 // turn, each in a ball of its own.
 TEST(ObjectCache, two_places_in_turn_are_both_kept)
