@@ -133,14 +133,14 @@ public:
         SimulatedHand hand({}, script->target(0));
         for (std::uint64_t tick = 0; tick < options_.ticks; ++tick) {
             const DeviceState state = hand.state();
-            const ContactWork before = renderer.proxy().work();
+            const ContactWork before = scripted_.scene().work();
             scripted_.say(tick, tick_seconds);
             const RenderTick& felt = renderer.tick(state, tick_seconds);
             meter.add(felt, state.velocity, renderer.proxy().path());
             track.states.push_back(state);
             track.forces.push_back(felt.force);
             track.kinds.push_back(state_of(felt.proxy));
-            track.work.push_back(difference(renderer.proxy().work(), before));
+            track.work.push_back(difference(scripted_.scene().work(), before));
             hand.step(felt.force, script->target(static_cast<double>(tick) * tick_seconds));
         }
         passes_ += meter.report().passes;

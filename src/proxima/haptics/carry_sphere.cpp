@@ -14,33 +14,9 @@ namespace {
 /// As in slides.
 constexpr double skin_part = 0x1p-42;
 
-/// A triangle's side that the sphere is on, in the object's frame.
-struct Side {
-    Vec3 normal = Vec3::UnitZ();
-    Vec3 point = Vec3::Zero();
-    double distance = 0;
-};
-
-Side side_of(const Triangle& triangle, const Vec3& p) noexcept
-{
-    const TrianglePoint closest = closest_point(triangle, p);
-    const Vec3 away = p - closest.point;
-    Side side;
-    side.point = closest.point;
-    side.distance = away.norm();
-    if (closest.part == TrianglePart::inside || !(side.distance > 0)) {
-        side.normal = unit_normal(triangle);
-        if (side.normal.dot(away) < 0) side.normal = -side.normal;
-    } else {
-        side.normal = away / side.distance;
-    }
-    return side;
-}
-
-double squared_distance(const Box& box, const Box& other) noexcept
-{
-    return (box.lower - other.upper).cwiseMax(other.lower - box.upper).cwiseMax(0.0).squaredNorm();
-}
+/// Triangles are looked for so much farther round a way, in mean edges: the next way is about the
+/// same.
+constexpr double slack_in_edges = 0.05;
 
 } // namespace
 
@@ -72,32 +48,25 @@ private:
     /// Adds what an object holds against the way to `place`. False where there is no room.
     bool look_along(ObjectId id, const Vec3& place, bool& blocked) noexcept
     {
+        const double reach = radius_ + 2 * skin_;
+        if (scene_.keeps_clear(id, from_, place, reach)) return true;
         const SceneObject object = scene_.object(id);
         const Vec3 begin = seen_from(object.before, from_);
         const Vec3 way = seen_from(object.now, place) - begin;
-        const double length = way.norm();
-        const double reach = radius_ + 2 * skin_;
-        Box swept;
-        swept.extend(begin);
-        swept.extend(begin + way);
-        if (squared_distance(swept, object.body->bounds()) > reach * reach) return true;
-
-        const ContactSurface& surface = object.body->surface();
-        const Vec3 middle = begin + 0.5 * way;
-        const std::size_t count = surface.collect(middle, 0.5 * length + reach, room_.near_);
-        if (count > room_.near_.size()) return false;
-        const std::span<const ContactTriangle> near = std::span(room_.near_).first(count);
+        if (!collect(id, object, begin, way, reach)) return false;
         double first = 2;
         const ContactTriangle* wall = nullptr;
         std::size_t touched = 0;
-        for (std::size_t i = 0; i < near.size(); ++i) {
-            const ContactTriangle& triangle = near[i];
-            const double least = least_touch_time(triangle.corners, radius_ + skin_, begin, way);
+        for (const ContactTriangle& triangle : std::span(room_.near_).first(near_count_)) {
+            const double least = least_touch_time(triangle.corners, reach, begin, way);
             if (least > std::min(first, 1.0) || is_wall(scene_triangle(id, triangle.id))) continue;
-            if (side_of(triangle.corners, begin).distance <= radius_ + skin_) {
-                if (count_ + touched == max_contact_planes) return false;
-                room_.touched_[touched++] = i;
-                continue;
+            if (least == 0) {
+                const CarryRoom::Side side = side_of(triangle, begin);
+                if (side.distance <= radius_ + skin_) {
+                    if (count_ + touched == max_contact_planes) return false;
+                    room_.touched_[touched++] = side;
+                    continue;
+                }
             }
             const auto t = touch_time(triangle.corners, radius_, begin, way);
             if (!t || *t > first || (*t == first && wall->id < triangle.id)) continue;
@@ -106,16 +75,50 @@ private:
         }
         // Touched before anything moved: it is gone along or left. By id, for surfaces give their
         // triangles in any order and planes round by theirs.
-        const auto places = std::span(room_.touched_).first(touched);
-        std::ranges::sort(places, {}, [near](std::size_t i) { return near[i].id; });
-        for (const std::size_t i : places) {
-            if (!add_wall(id, near[i].id, object.now, side_of(near[i].corners, begin)))
-                return false;
+        const auto sides = std::span(room_.touched_).first(touched);
+        std::ranges::sort(sides, {}, &CarryRoom::Side::triangle);
+        for (const CarryRoom::Side& side : sides) {
+            if (!add_wall(id, object.now, side)) return false;
             blocked = true;
         }
         if (wall == nullptr) return true;
         blocked = true;
-        return add_wall(id, wall->id, object.now, side_of(wall->corners, begin + first * way));
+        return add_wall(id, object.now, side_of(*wall, begin + first * way));
+    }
+
+    /// All triangles within `reach` of the way, as the object sees it. False where there are too
+    /// many.
+    bool collect(ObjectId id, const SceneObject& object, const Vec3& begin, const Vec3& way,
+                 double reach) noexcept
+    {
+        const bool has_them = near_count_ <= room_.near_.size() && near_of_ == id &&
+                              (way - near_way_).norm() + reach <= near_reach_;
+        if (has_them) return true;
+        near_of_ = id;
+        near_way_ = way;
+        near_reach_ = reach + slack_in_edges * object.body->surface().scale().mean_edge;
+        near_count_ = scene_.collect_of(id, begin, way, near_reach_, room_.near_);
+        if (near_count_ <= room_.near_.size()) return true;
+        near_reach_ = reach;
+        near_count_ = scene_.collect_of(id, begin, way, reach, room_.near_);
+        return near_count_ <= room_.near_.size();
+    }
+
+    static CarryRoom::Side side_of(const ContactTriangle& triangle, const Vec3& p) noexcept
+    {
+        const TrianglePoint closest = closest_point(triangle.corners, p);
+        const Vec3 away = p - closest.point;
+        CarryRoom::Side side;
+        side.triangle = triangle.id;
+        side.point = closest.point;
+        side.distance = away.norm();
+        if (closest.part == TrianglePart::inside || !(side.distance > 0)) {
+            side.normal = unit_normal(triangle.corners);
+            if (side.normal.dot(away) < 0) side.normal = -side.normal;
+        } else {
+            side.normal = away / side.distance;
+        }
+        return side;
     }
 
     [[nodiscard]] bool is_wall(TriangleId triangle) const noexcept
@@ -124,12 +127,11 @@ private:
         return std::find(walls.begin(), walls.end(), triangle) != walls.end();
     }
 
-    bool add_wall(ObjectId id, TriangleId triangle, const RigidTransform& pose,
-                  const Side& side) noexcept
+    bool add_wall(ObjectId id, const RigidTransform& pose, const CarryRoom::Side& side) noexcept
     {
         if (count_ == max_contact_planes) return false;
         const Vec3 normal = pose.rotation * side.normal;
-        room_.walls_[count_] = scene_triangle(id, triangle);
+        room_.walls_[count_] = scene_triangle(id, side.triangle);
         room_.planes_[count_++] = {normal, normal.dot(goal_ - pose(side.point)) - radius_};
         return true;
     }
@@ -141,6 +143,10 @@ private:
     Vec3 goal_;
     CarryRoom& room_;
     std::size_t count_ = 0;
+    std::size_t near_count_ = 0; ///< of the object that was looked at last
+    ObjectId near_of_{max_scene_objects};
+    Vec3 near_way_ = Vec3::Zero();
+    double near_reach_ = 0;
 };
 
 std::optional<Vec3> carry_sphere(const TouchScene& scene, double radius, const Vec3& from,

@@ -32,10 +32,18 @@ public:
 
 private:
     friend class Carry;
+    /// A triangle's side that the sphere is on, in the object's frame.
+    struct Side {
+        TriangleId triangle{};
+        Vec3 normal = Vec3::UnitZ();
+        Vec3 point = Vec3::Zero();
+        double distance = 0;
+    };
+
     std::vector<ContactTriangle> near_;
     std::array<ContactPlane, max_contact_planes> planes_;
     std::array<TriangleId, max_contact_planes> walls_;
-    std::array<std::size_t, max_contact_planes> touched_; ///< places in near_
+    std::array<Side, max_contact_planes> touched_;
 };
 
 /// Where a sphere ends that would go to `goal` while the objects go from where they stood to where

@@ -65,10 +65,10 @@ bool ContactCache::covers(const ContactSurface& surface, const Vec3& p, double d
     return keeps(surface) && (p - center_).norm() + distance + rounding_ <= reach_;
 }
 
-std::size_t ContactCache::ask(const ContactSurface& surface, const Vec3& p, double distance,
-                              std::span<ContactTriangle> buffer) noexcept
+std::size_t ContactCache::ask(const ContactSurface& surface, const Vec3& p, const Vec3& way,
+                              double distance, std::span<ContactTriangle> buffer) noexcept
 {
-    const std::size_t count = surface.collect(p, distance, buffer);
+    const std::size_t count = surface.collect_along(p, way, distance, buffer);
     ++work_.gathers;
     work_.gathered += count;
     work_.passed += count;
@@ -99,7 +99,7 @@ std::size_t ContactCache::collect_along(const ContactSurface& surface, const Vec
 {
     const Vec3 middle = p + 0.5 * way;
     const double around = distance + 0.5 * way.norm();
-    if (!keeps(surface) || surface.groups().empty()) return ask(surface, middle, around, buffer);
+    if (!keeps(surface) || surface.groups().empty()) return ask(surface, p, way, distance, buffer);
     if (!covers(surface, middle, around)) {
         // Who is on the way goes on.
         const double length = way.norm();
@@ -107,7 +107,7 @@ std::size_t ContactCache::collect_along(const ContactSurface& surface, const Vec
             length > 0 ? Vec3(way * (part_ahead * margin_ / length)) : Vec3(Vec3::Zero());
         const bool filled = fill(surface, middle + ahead, around) &&
                             (covers(surface, middle, around) || fill(surface, middle, around));
-        if (!filled) return ask(surface, middle, around, buffer);
+        if (!filled) return ask(surface, p, way, distance, buffer);
     }
     GroupQuery query = surface.group_query(p);
     query.way = way;
@@ -116,19 +116,20 @@ std::size_t ContactCache::collect_along(const ContactSurface& surface, const Vec
     return scan(surface, query, buffer);
 }
 
+double ContactCache::known_clearance(const ContactSurface& surface, const Vec3& p) noexcept
+{
+    if (!keeps(surface) || !(free_ > 0)) return -1;
+    const double rounding = coordinate_rounding * (surface.scale().reach + p.cwiseAbs().maxCoeff());
+    return free_ - (p - free_center_).norm() - rounding;
+}
+
 double ContactCache::clearance(const ContactSurface& surface, const Vec3& p, double wanted) noexcept
 {
-    const bool kept = keeps(surface);
-    if (kept && free_ > 0) {
-        const double rounding =
-            coordinate_rounding * (surface.scale().reach + p.cwiseAbs().maxCoeff());
-        const double left = free_ - (p - free_center_).norm() - rounding;
-        if (left > wanted) return left;
-    }
+    const double known = known_clearance(surface, p);
+    if (known > std::max(wanted, 0.0)) return known;
     ++work_.distances;
-    double clearance = surface.least_clearance(p);
-    if (!(clearance > wanted)) clearance = surface.clearance(p);
-    if (kept) {
+    const double clearance = surface.clearance_beyond(p, wanted);
+    if (keeps(surface)) {
         free_center_ = p;
         free_ = clearance;
     }

@@ -55,15 +55,21 @@ public:
     [[nodiscard]] double clearance(const ContactSurface& surface, const Vec3& p,
                                    double wanted) noexcept;
 
+    /// Whether collect() would answer from what is kept.
+    [[nodiscard]] bool covers(const ContactSurface& surface, const Vec3& p,
+                              double distance) noexcept;
+
+    /// No part of the surface is nearer to p than this, as is known without asking. Negative where
+    /// nothing is.
+    [[nodiscard]] double known_clearance(const ContactSurface& surface, const Vec3& p) noexcept;
+
     [[nodiscard]] const ContactWork& work() const noexcept { return work_; }
 
 private:
     [[nodiscard]] bool keeps(const ContactSurface& surface) noexcept;
-    [[nodiscard]] bool covers(const ContactSurface& surface, const Vec3& p,
-                              double distance) noexcept;
     [[nodiscard]] bool fill(const ContactSurface& surface, const Vec3& p, double distance) noexcept;
-    [[nodiscard]] std::size_t ask(const ContactSurface& surface, const Vec3& p, double distance,
-                                  std::span<ContactTriangle> buffer) noexcept;
+    [[nodiscard]] std::size_t ask(const ContactSurface& surface, const Vec3& p, const Vec3& way,
+                                  double distance, std::span<ContactTriangle> buffer) noexcept;
     [[nodiscard]] std::size_t scan(const ContactSurface& surface, const GroupQuery& query,
                                    std::span<ContactTriangle> buffer) noexcept;
 

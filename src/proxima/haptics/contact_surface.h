@@ -42,11 +42,18 @@ public:
     [[nodiscard]] virtual const SurfaceScale& scale() const noexcept = 0;
 
     /// Writes all triangles within `distance` of p, in any order, and perhaps some that are
-    /// farther. Returns how many it wrote, or any number of more than the buffer's size where that is
-    /// full: then some are missing.
-    /// \pre p is finite, distance >= 0
+    /// farther. Returns how many it wrote, or any number of more than the buffer's size where that
+    /// is full: then some are missing. \pre p is finite, distance >= 0
     [[nodiscard]] virtual std::size_t collect(const Vec3& p, double distance,
                                               std::span<ContactTriangle> buffer) const noexcept = 0;
+
+    /// The same of all triangles that come within `distance` of the straight way from p.
+    [[nodiscard]] virtual std::size_t
+    collect_along(const Vec3& p, const Vec3& way, double distance,
+                  std::span<ContactTriangle> buffer) const noexcept
+    {
+        return collect(p + 0.5 * way, distance + 0.5 * way.norm(), buffer);
+    }
 
     /// No part of the surface is nearer to p than this. 0 says nothing. \pre p is finite
     [[nodiscard]] virtual double clearance(const Vec3& p) const noexcept = 0;
@@ -55,6 +62,14 @@ public:
     [[nodiscard]] virtual double least_clearance(const Vec3& p) const noexcept
     {
         return clearance(p);
+    }
+
+    /// Where it is more than `wanted`: some number that is, and no more than what clearance() says;
+    /// otherwise what that says. \pre p is finite
+    [[nodiscard]] virtual double clearance_beyond(const Vec3& p, double wanted) const noexcept
+    {
+        const double least = least_clearance(p);
+        return least > wanted ? least : clearance(p);
     }
 
     /// While this is the same, so are all answers: they may be kept (contact_cache.h). Of no other

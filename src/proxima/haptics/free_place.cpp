@@ -55,7 +55,7 @@ private:
 
     [[nodiscard]] bool is_free(const Vec3& p) const noexcept
     {
-        return surface_.clearance(p) > radius_;
+        return surface_.clearance_beyond(p, radius_) > radius_;
     }
 
     /// Away from the nearest triangle until nothing is near, or it goes to and fro.

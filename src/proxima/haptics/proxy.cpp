@@ -38,7 +38,7 @@ const ProxyTick& Proxy::wait(const Vec3& p) noexcept
 bool Proxy::find_room(const Vec3& p) noexcept
 {
     wait(p);
-    tick_.has_room = surface_.clearance(p) > radius_;
+    tick_.has_room = surface_.clearance_beyond(p, radius_) > radius_;
     return tick_.has_room;
 }
 

@@ -45,10 +45,22 @@ bool QualityMeter::passes(const ContactSurface& surface, const Vec3& from, const
     return false;
 }
 
+/// Objects where they stand are asked themselves: what their scene keeps of them is not.
+bool QualityMeter::passes_standing(const Vec3& from, const Vec3& to) noexcept
+{
+    if (scene_ == nullptr) return passes(surface_, from, to);
+    for (std::uint32_t i = 0; i < scene_->object_count(); ++i) {
+        const SceneObject object = scene_->object(ObjectId{i});
+        if (passes(object.body->surface(), seen_from(object.now, from), seen_from(object.now, to)))
+            return true;
+    }
+    return false;
+}
+
 void QualityMeter::count_passes(std::span<const Vec3> path) noexcept
 {
     for (std::size_t i = 1; i < path.size(); ++i)
-        report_.passes += passes(surface_, path[i - 1], path[i]) ? 1U : 0U;
+        report_.passes += passes_standing(path[i - 1], path[i]) ? 1U : 0U;
 }
 
 /// The way on which objects that move have carried the proxy, as each of them sees it.

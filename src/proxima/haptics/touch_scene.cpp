@@ -16,6 +16,9 @@ namespace {
 /// times over; a slide's skin is 2^-42 of it.
 constexpr double frame_rounding = 0x1p-47;
 
+/// More than the distance of a body and that of its box are off by, in parts of coordinates.
+constexpr double box_rounding = 0x1p-44;
+
 bool is_rigid(const RigidTransform& pose)
 {
     const Mat3& r = pose.rotation;
@@ -131,8 +134,11 @@ SceneTick TouchScene::advance(double seconds) noexcept
     for (const auto& slot : objects_) {
         if (slot->motions.update()) slot->course.follow(slot->motions.reading());
         slot->course.advance(seconds);
+        const bool exchanged = slot->bodies.update();
+        if (slot->course.moved() || exchanged) slot->free_ball.reach = -1;
+        slot->free_way = {};
         tick.moved |= slot->course.moved();
-        tick.exchanged |= slot->bodies.update();
+        tick.exchanged |= exchanged;
     }
     if (tick.exchanged) measure();
     if (tick.moved || tick.exchanged) edition_ = new_edition();
@@ -150,6 +156,11 @@ Vec3 TouchScene::velocity_at(ObjectId id, const Vec3& p) const noexcept
     const ObjectCourse& course = objects_[index(id)]->course;
     if (!course.moved()) return Vec3::Zero();
     return (p - course.before()(seen_from(course.now(), p))) / tick_seconds_;
+}
+
+double TouchScene::frame_margin(const Vec3& p) const noexcept
+{
+    return rounding_ + frame_rounding * p.cwiseAbs().maxCoeff();
 }
 
 Vec3 TouchScene::way_out(const Vec3& p) const noexcept
@@ -176,22 +187,60 @@ Vec3 TouchScene::way_out(const Vec3& p) const noexcept
     return place;
 }
 
-std::size_t TouchScene::collect(const Vec3& p, double distance,
-                                std::span<ContactTriangle> buffer) const noexcept
+double TouchScene::known_clearance(Slot& slot, const Vec3& local) const noexcept
+{
+    const ContactSurface& surface = slot.body().surface();
+    const double rounding = box_rounding * (surface.scale().reach + local.cwiseAbs().maxCoeff());
+    const double box = std::sqrt(squared_distance(slot.body().bounds(), local)) - rounding;
+    return std::max(box, slot.cache.known_clearance(surface, local));
+}
+
+bool TouchScene::keeps_clear(ObjectId id, const Vec3& from, const Vec3& to,
+                             double distance) const noexcept
+{
+    Slot& slot = *objects_[index(id)];
+    const FreeWay& known = slot.free_way;
+    if (known.is_near) return false;
+    const double margin = 4 * frame_margin(from) + 4 * frame_margin(to);
+    const double aside = (from - known.from).norm();
+    const double length = known.length + aside + (to - known.to).norm();
+    if (known.reach > distance + aside + length + margin) return true;
+    const Vec3 begin = seen_from(slot.course.before(), from);
+    const double way = (seen_from(slot.course.now(), to) - begin).norm();
+    const double reach = known_clearance(slot, begin);
+    const bool is_clear = reach > distance + way + margin;
+    slot.free_way = {from, to, way, reach, !is_clear};
+    slot.free_ball = {to, reach - way - margin};
+    return is_clear;
+}
+
+std::size_t TouchScene::collect_of(ObjectId id, const Vec3& p, const Vec3& way, double distance,
+                                   std::span<ContactTriangle> buffer) const noexcept
+{
+    Slot& slot = *objects_[index(id)];
+    return slot.cache.collect_along(slot.body().surface(), p, way, distance, buffer);
+}
+
+std::size_t TouchScene::collect_along(const Vec3& p, const Vec3& way, double distance,
+                                      std::span<ContactTriangle> buffer) const noexcept
 {
     std::size_t count = 0;
-    const double near = distance + rounding_ + 0x1p-47 * p.cwiseAbs().maxCoeff();
-    for (std::size_t i = 0; i < objects_.size(); ++i) {
-        const Slot& slot = *objects_[i];
+    const double margin = frame_margin(p) + frame_margin(way);
+    const double near = distance + margin;
+    const double around = near + way.norm() + margin;
+    for (std::uint32_t i = 0; i < objects_.size(); ++i) {
+        Slot& slot = *objects_[i];
+        if (slot.free_ball.reach > around + (p - slot.free_ball.center).norm()) continue;
         const RigidTransform& pose = slot.course.now();
         const Vec3 local = seen_from(pose, p);
-        if (squared_distance(slot.body().bounds(), local) > near * near) continue;
+        const double known = known_clearance(slot, local);
+        slot.free_ball = {p, known - margin};
+        if (known > around) continue;
+        const Vec3 local_way = pose.rotation.transpose() * way;
         const auto left = buffer.subspan(std::min(count, buffer.size()));
-        const std::size_t found = slot.body().surface().collect(local, near, left);
-        for (ContactTriangle& triangle : left.first(std::min(found, left.size()))) {
-            triangle = {pose(triangle.corners),
-                        scene_triangle(ObjectId{static_cast<std::uint32_t>(i)}, triangle.id)};
-        }
+        const std::size_t found = collect_of(ObjectId{i}, local, local_way, near, left);
+        for (ContactTriangle& triangle : left.first(std::min(found, left.size())))
+            triangle = {pose(triangle.corners), scene_triangle(ObjectId{i}, triangle.id)};
         count += found;
     }
     return count;
@@ -205,7 +254,34 @@ double TouchScene::clearance(const Vec3& p) const noexcept
         if (squared_distance(slot->body().bounds(), local) >= least * least) continue;
         least = std::min(least, slot->body().surface().clearance(local));
     }
-    return least - rounding_ - 0x1p-47 * p.cwiseAbs().maxCoeff();
+    return least - frame_margin(p);
+}
+
+double TouchScene::clearance_beyond(const Vec3& p, double wanted) const noexcept
+{
+    const double margin = frame_margin(p);
+    const double beyond = (wanted + margin) * (1 + 0x1p-50);
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto& slot : objects_) {
+        // As far as is known, or farther, is enough.
+        double known = slot->free_ball.reach - (p - slot->free_ball.center).norm() - margin;
+        if (!(known > beyond)) {
+            const Vec3 local = seen_from(slot->course.now(), p);
+            known = known_clearance(*slot, local);
+            if (!(known > beyond))
+                known = slot->cache.clearance(slot->body().surface(), local, beyond);
+            slot->free_ball = {p, known - margin};
+        }
+        least = std::min(least, known);
+    }
+    return least - margin;
+}
+
+ContactWork TouchScene::work() const noexcept
+{
+    ContactWork sum;
+    for (const auto& slot : objects_) sum = sum + slot->cache.work();
+    return sum;
 }
 
 std::optional<SurfaceMaterial> TouchScene::material(TriangleId triangle) const noexcept

@@ -9,12 +9,14 @@
 //     application ──motions, bodies──▶ snapshots ──▶ servo loop      neither waits for the other
 //
 // A proxy sees one surface: the triangles of all objects, where they stand in this tick, in the
-// scene's frame. So corners that different objects form are corners. Questions go to each object's
-// octree in the object's own frame; only what is near is moved into the scene's.
+// scene's frame. So corners that different objects form are corners. Questions go to each object in
+// the object's own frame, where what is near is kept from tick to tick (object_cache.h); only what
+// is near is moved into the scene's.
 #pragma once
 
 #include "proxima/base/result.h"
 #include "proxima/haptics/contact_surface.h"
+#include "proxima/haptics/object_cache.h"
 #include "proxima/haptics/object_motion.h"
 #include "proxima/haptics/snapshot.h"
 #include "proxima/haptics/surface_feel.h"
@@ -67,7 +69,8 @@ struct SceneTick {
     bool exchanged = false; ///< some object's body
 };
 
-/// Questions by the servo thread alone. move() and exchange() by one other thread for each object.
+/// Questions by the servo thread alone, for they keep what is near; what they answer does not
+/// depend on it. move() and exchange() by one other thread for each object.
 class TouchScene final : public ContactSurface, public SurfaceFeel {
 public:
     /// Objects stay within the room, whose size says how exact places of the scene are: gaps are
@@ -103,11 +106,34 @@ public:
     /// inside of one still where many overlap.
     [[nodiscard]] Vec3 way_out(const Vec3& p) const noexcept;
 
+    /// As an object sees it, what goes from one place to another in the last tick goes straight
+    /// from where it stood to where it is. True only if no triangle of the object comes within the
+    /// distance of that way.
+    [[nodiscard]] bool keeps_clear(ObjectId id, const Vec3& from, const Vec3& to,
+                                   double distance) const noexcept;
+
+    /// Of one object, in its own frame and with its own names: all triangles that come within
+    /// `distance` of the straight way from p, and perhaps some that do not. Returns how many, or
+    /// any number of more than the buffer's size where that is full.
+    [[nodiscard]] std::size_t collect_of(ObjectId id, const Vec3& p, const Vec3& way,
+                                         double distance,
+                                         std::span<ContactTriangle> buffer) const noexcept;
+
+    /// What the objects' surfaces were asked for, since they were added.
+    [[nodiscard]] ContactWork work() const noexcept;
+
     // Surface, as the objects stand now.
     [[nodiscard]] const SurfaceScale& scale() const noexcept override { return scale_; }
     [[nodiscard]] std::size_t collect(const Vec3& p, double distance,
-                                      std::span<ContactTriangle> buffer) const noexcept override;
+                                      std::span<ContactTriangle> buffer) const noexcept override
+    {
+        return collect_along(p, Vec3::Zero(), distance, buffer);
+    }
+    [[nodiscard]] std::size_t
+    collect_along(const Vec3& p, const Vec3& way, double distance,
+                  std::span<ContactTriangle> buffer) const noexcept override;
     [[nodiscard]] double clearance(const Vec3& p) const noexcept override;
+    [[nodiscard]] double clearance_beyond(const Vec3& p, double wanted) const noexcept override;
     /// Another one in each tick in which something moved or was exchanged.
     [[nodiscard]] std::uint64_t edition() const noexcept override { return edition_; }
 
@@ -119,10 +145,26 @@ public:
 
 private:
     using BodySnapshot = Snapshot<std::unique_ptr<const TouchBody>>;
+    /// What is known to be free of an object, in the scene's frame: round a place, as it stands.
+    struct FreeBall {
+        Vec3 center = Vec3::Zero();
+        double reach = -1;
+    };
+    /// The same of the last tick's motion: from where it stood to where it is.
+    struct FreeWay {
+        Vec3 from = Vec3::Zero();
+        Vec3 to = Vec3::Zero();
+        double length = 0;    ///< as the object sees it
+        double reach = -1;    ///< round the first place
+        bool is_near = false; ///< something was in the way: not worth asking again in this tick
+    };
     struct Slot {
         Snapshot<ObjectMotion> motions;
         BodySnapshot bodies;
-        ObjectCourse course;        ///< the servo thread's
+        ObjectCourse course; ///< this and the next three: the servo thread's
+        ObjectCache cache;
+        FreeBall free_ball;
+        FreeWay free_way;
         Box newest_bounds;          ///< the application's: of the body given last
         RigidTransform newest_pose; ///< the application's: where it is to go
 
@@ -131,6 +173,11 @@ private:
 
     [[nodiscard]] bool holds(const Box& bounds, const RigidTransform& pose) const;
     void measure() noexcept;
+    /// No part of the object is nearer to a place of its frame than this, as is known without
+    /// asking.
+    [[nodiscard]] double known_clearance(Slot& slot, const Vec3& local) const noexcept;
+    /// What moving a place there is off by.
+    [[nodiscard]] double frame_margin(const Vec3& p) const noexcept;
 
     Box room_;
     SurfaceScale scale_;
