@@ -129,15 +129,27 @@ TEST(Panels, VoronoiPanelBeginsWithARegionNearTheCursor)
     }
 }
 
-TEST(Panels, VoronoiPanelSaysWhereThereIsNoConvexRegion)
+TEST(Panels, VoronoiPanelShowsRegionsBehindTheSurfaceThroughIt)
 {
     Shown shown({"torus:24x12"}, "voronoi", {"feature=edge"});
-    bool refused = false;
-    for (int number = 0; number < 40 && !refused; ++number) {
+    const auto opacity = [&] { return shown.viewer.layers().front().opacity; };
+    EXPECT_EQ(opacity(), 1.0F);
+    bool is_behind = false;
+    for (int number = 0; number < 40 && !is_behind; ++number) {
         shown.set({"number=" + std::to_string(number)});
-        refused = shown.fact("region").starts_with("none: ");
+        is_behind = shown.fact("region").starts_with("drawn, behind the surface");
+        EXPECT_EQ(opacity() < 0.5F, is_behind);
+        EXPECT_GT(shown.triangles("region"), 0U);
     }
-    EXPECT_TRUE(refused) << "edges of the hole are bent inward";
+    EXPECT_TRUE(is_behind) << "edges of the hole are bent inward";
+    shown.set({"feature=vertex"});
+    bool is_empty = false;
+    for (int number = 0; number < 40 && !is_empty; ++number) {
+        shown.set({"number=" + std::to_string(number)});
+        is_empty = shown.fact("region").starts_with("empty: ");
+        EXPECT_EQ(shown.triangles("region") == 0U, is_empty);
+    }
+    EXPECT_TRUE(is_empty) << "the hole is a saddle";
 }
 
 TEST(Panels, VoronoiPanelShowsAsMuchOfTheRegionAsThePictureHolds)
