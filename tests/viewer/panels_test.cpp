@@ -213,37 +213,6 @@ TEST(Panels, CullingPanelShowsVisibleTrianglesAlone)
     EXPECT_EQ(shown.number("visible"), 0.0);
 }
 
-TEST(Panels, IntersectionPanelMovesTheSecondModel)
-{
-    Shown shown({"icosphere:3", "torus:32x16"}, "intersection");
-    EXPECT_EQ(shown.fact("meet"), "yes");
-    EXPECT_GT(shown.segments("contour"), 8U);
-    EXPECT_GT(shown.segments("leaves of A"), 0U);
-    shown.set({"place x=3"});
-    EXPECT_EQ(shown.fact("meet"), "no");
-    EXPECT_EQ(shown.segments("contour"), 0U);
-    const Box box = bounding_box(shown.viewer.layers());
-    EXPECT_GT(box.upper.x(), 3.5) << "the torus stands where it was put";
-}
-
-TEST(Panels, IntersectionPanelHasBothModelsInThePicture)
-{
-    for (const std::vector<std::string>& models :
-         {std::vector<std::string>{"icosphere:3", "torus:32x16"}, {"spaceship:2000"}}) {
-        Shown shown(models, "intersection");
-        const View view(shown.viewer.camera(), shown_size);
-        for (const SceneLayer& layer : shown.viewer.layers()) {
-            for (const SceneSurface& surface : layer.scene->surfaces) {
-                for (const Vec3& position : surface.positions) {
-                    const ScreenPoint at = view.project(layer.pose(position));
-                    ASSERT_TRUE(at.x > 0.0 && at.x < shown_size.width && at.y > 0.0 &&
-                                at.y < shown_size.height);
-                }
-            }
-        }
-    }
-}
-
 TEST(Panels, MinkowskiPanelPushesPlanesOutward)
 {
     Shown shown({"cube"}, "minkowski",
