@@ -128,12 +128,13 @@ std::vector<Leaf> occupied_leaves(const Octree& octree, const PictureOptions& op
 }
 
 void draw_leaves(Canvas& canvas, const Camera& camera, std::span<const Leaf> leaves,
-                 Progress* progress)
+                 const PictureOptions& options)
 {
-    StageSteps steps(progress, "drawing the cells", 2 * leaves.size(), cells_per_step);
+    StageSteps steps(options.progress, "drawing the cells", 2 * leaves.size(), cells_per_step);
     if (leaves.empty()) return;
-    const int coarsest = depth(leaves.back().key);
-    const int finest = std::max(depth(leaves.front().key), coarsest + 1);
+    const int coarsest = options.depths ? (*options.depths)[0] : depth(leaves.back().key);
+    const int finest =
+        std::max(options.depths ? (*options.depths)[1] : depth(leaves.front().key), coarsest + 1);
     // Cells are glass that hides lines of cells as coarse or coarser behind it: a large cell that
     // touches the surface with a corner lets the small ones behind it be seen.
     std::size_t paned = 0;
@@ -174,12 +175,16 @@ Result<Image> draw_octree(const Octree& octree, const TriangleMesh& mesh,
     // With a volume the whole mesh is shown, its leaves are not all there.
     for (int bits = 0; bits < 8 && options.volume != nullptr && !shown.empty(); ++bits)
         corners.push_back(box_corner(shown, bits));
+    if (options.frame) {
+        corners.clear();
+        for (int bits = 0; bits < 8; ++bits) corners.push_back(box_corner(*options.frame, bits));
+    }
     Camera camera(shown, options.up);
     camera.fit(corners, options.width, options.height);
     draw_mesh(canvas, camera, mesh, surface_color(mesh, options), options.progress);
     if (options.progress != nullptr) options.progress->begin_stage("shading", 1);
     canvas.darken_creases(14.0, 0.55F);
-    draw_leaves(canvas, camera, leaves, options.progress);
+    draw_leaves(canvas, camera, leaves, options);
     Image image = canvas.image();
     if (is_cancelled(options.progress)) {
         return fail(ErrorCode::cancelled, "drawing was stopped on request");

@@ -9,6 +9,9 @@
 #include "proxima/octree/octree.h"
 #include "proxima/query/cull_volume.h"
 
+#include <array>
+#include <optional>
+
 namespace proxima {
 
 enum class UpAxis { y, z };
@@ -21,6 +24,11 @@ struct PictureOptions {
     /// are left out.
     const ViewVolume* volume = nullptr;
     CullMode mode = CullMode::conservative;
+    /// For pictures to be compared: a box that fills each, and depths that have the first and the
+    /// last colour. Without them the leaves that hold triangles fill it, the coarsest and the
+    /// finest of them have these colours.
+    std::optional<Box> frame = {};
+    std::optional<std::array<int, 2>> depths = {};
     Progress* progress = nullptr; ///< stages "drawing the mesh", "shading" and "drawing the cells"
 };
 

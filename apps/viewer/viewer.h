@@ -114,6 +114,7 @@ public:
 private:
     enum class Drag : std::uint8_t { none, orbit, pan, handle };
 
+    void leave_for(std::size_t panel);
     void take_models();
     void take_picture();
     void frame();

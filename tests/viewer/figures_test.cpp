@@ -118,6 +118,23 @@ TEST(Figures, WordsStandClearOfStrongLines)
     }
 }
 
+TEST(Figures, EveryLeafThatListsFeaturesNamesThem)
+{
+    const auto tree = proximity_quadtree();
+    const auto content = figure_4_1({});
+    ASSERT_TRUE(tree && content);
+    const auto& texts = content->drawing->texts;
+    const std::size_t corners = tree->polygon.points().size();
+    std::size_t listing = 0;
+    for (const QuadtreeLeaf& leaf : tree->leaves) listing += leaf.sets.empty() ? 0 : 1;
+    EXPECT_EQ(texts.size(), listing + 2 * corners) << "and the polygon's own names";
+    for (std::size_t i = 0; i < texts.size(); ++i) {
+        for (std::size_t k = i + 1; k < texts.size(); ++k)
+            EXPECT_FALSE(box_of(texts[i]).intersects(box_of(texts[k])))
+                << texts[i].text << " over " << texts[k].text;
+    }
+}
+
 TEST(Figures, LinesCrossWordsByTheirWidth)
 {
     const FigureText text = {{100, 50}, "xx", {20.0, 0, TextAnchor::middle}};

@@ -129,15 +129,27 @@ TEST(Panels, VoronoiPanelBeginsWithARegionNearTheCursor)
     }
 }
 
-TEST(Panels, VoronoiPanelSaysWhereThereIsNoConvexRegion)
+TEST(Panels, VoronoiPanelShowsRegionsBehindTheSurfaceThroughIt)
 {
     Shown shown({"torus:24x12"}, "voronoi", {"feature=edge"});
-    bool refused = false;
-    for (int number = 0; number < 40 && !refused; ++number) {
+    const auto opacity = [&] { return shown.viewer.layers().front().opacity; };
+    EXPECT_EQ(opacity(), 1.0F);
+    bool is_behind = false;
+    for (int number = 0; number < 40 && !is_behind; ++number) {
         shown.set({"number=" + std::to_string(number)});
-        refused = shown.fact("region").starts_with("none: ");
+        is_behind = shown.fact("region").starts_with("drawn, behind the surface");
+        EXPECT_EQ(opacity() < 0.5F, is_behind);
+        EXPECT_GT(shown.triangles("region"), 0U);
     }
-    EXPECT_TRUE(refused) << "edges of the hole are bent inward";
+    EXPECT_TRUE(is_behind) << "edges of the hole are bent inward";
+    shown.set({"feature=vertex"});
+    bool is_empty = false;
+    for (int number = 0; number < 40 && !is_empty; ++number) {
+        shown.set({"number=" + std::to_string(number)});
+        is_empty = shown.fact("region").starts_with("empty: ");
+        EXPECT_EQ(shown.triangles("region") == 0U, is_empty);
+    }
+    EXPECT_TRUE(is_empty) << "the hole is a saddle";
 }
 
 TEST(Panels, VoronoiPanelShowsAsMuchOfTheRegionAsThePictureHolds)
@@ -199,37 +211,6 @@ TEST(Panels, CullingPanelShowsVisibleTrianglesAlone)
     EXPECT_LE(shown.number("visible"), visible);
     shown.set({"far=0.31"}); // a volume in front of the model
     EXPECT_EQ(shown.number("visible"), 0.0);
-}
-
-TEST(Panels, IntersectionPanelMovesTheSecondModel)
-{
-    Shown shown({"icosphere:3", "torus:32x16"}, "intersection");
-    EXPECT_EQ(shown.fact("meet"), "yes");
-    EXPECT_GT(shown.segments("contour"), 8U);
-    EXPECT_GT(shown.segments("leaves of A"), 0U);
-    shown.set({"place x=3"});
-    EXPECT_EQ(shown.fact("meet"), "no");
-    EXPECT_EQ(shown.segments("contour"), 0U);
-    const Box box = bounding_box(shown.viewer.layers());
-    EXPECT_GT(box.upper.x(), 3.5) << "the torus stands where it was put";
-}
-
-TEST(Panels, IntersectionPanelHasBothModelsInThePicture)
-{
-    for (const std::vector<std::string>& models :
-         {std::vector<std::string>{"icosphere:3", "torus:32x16"}, {"spaceship:2000"}}) {
-        Shown shown(models, "intersection");
-        const View view(shown.viewer.camera(), shown_size);
-        for (const SceneLayer& layer : shown.viewer.layers()) {
-            for (const SceneSurface& surface : layer.scene->surfaces) {
-                for (const Vec3& position : surface.positions) {
-                    const ScreenPoint at = view.project(layer.pose(position));
-                    ASSERT_TRUE(at.x > 0.0 && at.x < shown_size.width && at.y > 0.0 &&
-                                at.y < shown_size.height);
-                }
-            }
-        }
-    }
 }
 
 TEST(Panels, MinkowskiPanelPushesPlanesOutward)

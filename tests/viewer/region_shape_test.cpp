@@ -104,7 +104,7 @@ TEST(RegionShape, EndsWhereAnotherFeatureIsAsNear)
             for (std::uint32_t id = 0; id < shape_of.count(kind); id += 37) {
                 const auto shape =
                     region_shape(*shape_of.model, shape_of.octree, {kind, id}, length);
-                if (!shape) continue; // bent inward
+                ASSERT_TRUE(shape) << describe(shape.error());
                 for (std::size_t i = 0; i < shape->samples.size(); i += 5) {
                     const RegionSample& sample = shape->samples[i];
                     const double near = 0.97 * sample.reach;
@@ -158,17 +158,56 @@ TEST(RegionShape, IsDrawnOpenWhereItGoesOn)
     EXPECT_TRUE(has_gone_on);
 }
 
-TEST(RegionShape, RefusesWhatIsBentInward)
+TEST(RegionShape, LiesBehindWhatIsBentInward)
 {
     const Built torus = built(make_torus(24, 12));
-    std::size_t refused = 0;
-    for (std::uint32_t id = 0; id < torus.count(FeatureKind::edge); id += 7) {
-        const auto shape = region_shape(*torus.model, torus.octree, {FeatureKind::edge, id}, 1.0);
-        if (shape) continue;
-        ++refused;
-        EXPECT_EQ(shape.error().code, ErrorCode::invalid_mesh);
+    std::array<std::size_t, 3> found = {}; // outside, behind, empty
+    for (const FeatureKind kind : kinds) {
+        for (std::uint32_t id = 0; id < torus.count(kind); id += 5) {
+            const auto shape = region_shape(*torus.model, torus.octree, {kind, id}, 1.0);
+            ASSERT_TRUE(shape) << describe(shape.error());
+            const std::string words = words_for_region(*shape);
+            if (shape->shape == ConeShape::empty) {
+                EXPECT_TRUE(shape->samples.empty());
+                EXPECT_TRUE(words.starts_with("empty: ")) << words;
+                ++found[2];
+                continue;
+            }
+            const bool is_behind = shape->side == ConeSide::behind;
+            EXPECT_EQ(words.find("behind the surface") != std::string::npos, is_behind) << words;
+            ++found[is_behind ? 1 : 0];
+            for (const RegionSample& sample : shape->samples) {
+                // The ring round its middle line tells inside from outside.
+                const Vec3 at = sample.at(0.05);
+                const double from_line = std::hypot(std::hypot(at.x(), at.y()) - 1.0, at.z());
+                const Vec3 base = sample.base;
+                const double of_base = std::hypot(std::hypot(base.x(), base.y()) - 1.0, base.z());
+                if (sample.reach > 0.05) {
+                    EXPECT_EQ(from_line < of_base, is_behind);
+                }
+                const double near = 0.97 * sample.reach;
+                EXPECT_GE(torus.distance(sample.at(near)), near * (1.0 - 1e-7));
+            }
+        }
     }
-    EXPECT_GT(refused, 0U);
+    for (const std::size_t count : found) EXPECT_GT(count, 0U);
+}
+
+TEST(RegionShape, OfVerticesInFlatPartsIsALine)
+{
+    std::vector<Vec3> positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 0.5, 0}};
+    const Built square = built(
+        *make_triangle_mesh(std::move(positions), {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}));
+    const auto shape = region_shape(*square.model, square.octree, {FeatureKind::vertex, 4}, 0.3);
+    ASSERT_TRUE(shape) << describe(shape.error());
+    EXPECT_EQ(words_for_region(*shape), "drawn, a line");
+    Scene scene;
+    add_region(scene, *shape, srgb(0x4A7FD0));
+    EXPECT_TRUE(scene.surfaces.empty());
+    double length = 0.0;
+    for (const SceneLines& lines : scene.lines)
+        for (const auto& segment : lines.segments) length += (segment[1] - segment[0]).norm();
+    EXPECT_NEAR(length, 0.3, 1e-12);
 }
 
 } // namespace

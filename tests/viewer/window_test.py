@@ -209,6 +209,17 @@ class Files(WindowTest):
         self.close(window)
 
 
+    def test_a_file_is_finished_though_the_window_is_closed(self):
+        model = self.folder / "late.glb"
+        window = self.open("icosphere:6", "--panel", "octree", "--set", "depth=7")
+        window.settled()
+        window.type("export glb as", str(model))
+        window.click("export glb")
+        window.wait(lambda state: state["news"] != "", "its begin")
+        self.close(window)
+        self.assertEqual(model.read_bytes()[:4], b"glTF")
+
+
 class FineScreen(WindowTest):
     dpi = 192
 

@@ -5,6 +5,7 @@
 #include "proxima/mesh/mesh_io.h"
 #include "proxima/mesh/sample_meshes.h"
 #include "proxima/octree/build_octree.h"
+#include "proxima/octree/leaf_boxes.h"
 #include "proxima/octree/statistics.h"
 
 #include <array>
@@ -15,15 +16,13 @@ namespace proxima {
 namespace {
 
 constexpr ViewSize panel_size = {.width = 720, .height = 600};
+constexpr ViewSize flat_panel = {.width = 720, .height = 460}; // for what is wide and low
 
-Result<PicturePanel> picture_of(const Octree& octree, const TriangleMesh& mesh, UpAxis up,
-                                std::string title, const FigureContext& context)
+Result<PicturePanel> picture_of(const Octree& octree, const TriangleMesh& mesh, std::string title,
+                                PictureOptions options, const FigureContext& context)
 {
-    auto image = draw_octree(octree, mesh,
-                             {.width = panel_size.width,
-                              .height = panel_size.height,
-                              .up = up,
-                              .progress = context.progress});
+    options.progress = context.progress;
+    auto image = draw_octree(octree, mesh, options);
     if (!image) return tl::unexpected(image.error());
     return PicturePanel{std::move(title), std::move(*image)};
 }
@@ -39,21 +38,42 @@ std::string counted(std::uint64_t count, const char* one, const char* more)
     return fmt::format("{} {}", count, count == 1 ? one : more);
 }
 
-/// A panel for each depth, and what the leaves are in words.
+/// What holds the leaves that hold triangles.
+Result<Box> box_of_leaves(const Octree& octree, const FigureContext& context)
+{
+    const auto leaves = leaf_boxes(octree, LeafChoice::boundary, context.progress);
+    if (!leaves) return tl::unexpected(leaves.error());
+    Box box;
+    for (const LeafBox& leaf : *leaves) {
+        box.extend(corner_position(octree, leaf, 0));
+        box.extend(corner_position(octree, leaf, 7));
+    }
+    return box;
+}
+
+/// A panel for each depth, all seen from one place, and what the leaves are in words.
 Result<std::string> add_depths(FigureContent& content, const TriangleMesh& mesh,
-                               std::span<const int> depths, const FigureContext& context)
+                               std::span<const int> depths, ViewSize size,
+                               const FigureContext& context)
 {
     std::string counts;
+    PictureOptions options = {.width = size.width, .height = size.height, .up = UpAxis::z};
+    options.depths = {depths.front(), depths.back()};
     for (const int depth : depths) {
         const auto octree = build_octree(mesh, options_for(depth, context));
         if (!octree) return tl::unexpected(octree.error());
+        if (!options.frame) {
+            const auto frame = box_of_leaves(*octree, context);
+            if (!frame) return tl::unexpected(frame.error());
+            options.frame = *frame;
+        }
         const OctreeStatistics statistics = octree_statistics(*octree);
-        auto panel = picture_of(*octree, mesh, UpAxis::z,
+        auto panel = picture_of(*octree, mesh,
                                 fmt::format("depth {}: {}, {}", depth,
                                             counted(statistics.total, "cell", "cells"),
                                             counted(statistics.boundary, "leaf holds triangles",
                                                     "leaves hold triangles")),
-                                context);
+                                options, context);
         if (!panel) return tl::unexpected(panel.error());
         content.panels.emplace_back(std::move(*panel));
         counts += fmt::format("{}depth {}: {}, {}, {:.1f} % of them occupied, {} references",
@@ -105,7 +125,7 @@ Result<FigureContent> figure_2_6(const FigureContext& context)
     const auto mesh = sample_mesh("sphere:100x100", {.progress = context.progress});
     if (!mesh) return tl::unexpected(mesh.error());
     FigureContent content;
-    const auto counts = add_depths(content, *mesh, depths, context);
+    const auto counts = add_depths(content, *mesh, depths, panel_size, context);
     if (!counts) return tl::unexpected(counts.error());
     content.caption = fmt::format(
         "Adaptive subdivision of a sphere of {} triangles, threshold 1: the leaves that hold "
@@ -132,10 +152,11 @@ Result<FigureContent> figure_2_7(const FigureContext& context)
         const OctreeStatistics before = octree_statistics(*first);
         const OctreeStatistics after = octree_statistics(*octree);
         const std::uint32_t threshold = octree->parameters().threshold;
-        auto panel = picture_of(*octree, model->mesh, model->up,
-                                fmt::format("{}: threshold {}, {} leaves hold triangles",
-                                            model->name, threshold, after.boundary),
-                                context);
+        auto panel = picture_of(
+            *octree, model->mesh,
+            fmt::format("{}: threshold {}, {} leaves hold triangles", model->name, threshold,
+                        after.boundary),
+            {.width = panel_size.width, .height = panel_size.height, .up = model->up}, context);
         if (!panel) return tl::unexpected(panel.error());
         content.panels.emplace_back(std::move(*panel));
         content.caption += fmt::format(
@@ -158,11 +179,11 @@ Result<FigureContent> figure_3_16(const FigureContext& context)
     if (!mesh) return tl::unexpected(mesh.error());
     FigureContent content;
     content.columns = 2;
-    const auto counts = add_depths(content, *mesh, depths, context);
+    const auto counts = add_depths(content, *mesh, depths, flat_panel, context);
     if (!counts) return tl::unexpected(counts.error());
     content.caption = fmt::format(
         "A procedural spaceship of {} triangles, in the place of the thesis's model of as many, "
-        "and its octrees, threshold 1. {}.",
+        "and its octrees, threshold 1, leaves coloured by depth. {}.",
         mesh->triangle_count(), *counts);
     return content;
 }

@@ -108,9 +108,12 @@ bool PlanarPanel::has_words_at(const Vec2& pixel) const
 bool PlanarPanel::has_room(const Vec2& at, const std::string& text, const Vec2& offset,
                            double size) const
 {
-    const FigureText words = {baseline(at, offset, size), text, {size, 0, TextAnchor::middle}};
-    return std::ranges::none_of(
-        figure_.lines, [&](const FigureLine& line) { return crosses(line, box_of(words)); });
+    const PlanarBox box = box_of({baseline(at, offset, size), text, {size, 0, TextAnchor::middle}});
+    return std::ranges::none_of(figure_.lines,
+                                [&](const FigureLine& line) { return crosses(line, box); }) &&
+           std::ranges::none_of(figure_.texts, [&](const FigureText& other) {
+               return box.intersects(box_of(other));
+           });
 }
 
 Vec2 PlanarPanel::baseline(const Vec2& at, const Vec2& offset, double size) const

@@ -37,9 +37,9 @@ public:
     /// Words whose middle stands `offset` pixels (right, up) from a point.
     void words(const Vec2& at, const std::string& text, const Vec2& offset, double size,
                unsigned color);
-    /// Whether they would stand clear of all lines that were drawn.
+    /// Whether they would stand so many pixels clear of all lines and words that were drawn.
     [[nodiscard]] bool has_room(const Vec2& at, const std::string& text, const Vec2& offset,
-                                double size) const;
+                                double size, double clear) const;
     /// Above the panel's pixels.
     void title(const std::string& text, double size = 17.0);
 

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <fmt/core.h>
+#include <optional>
 
 namespace proxima {
 namespace {
@@ -40,25 +41,49 @@ double length_in_root(const Vec2& from, const Vec2& along, double half)
     return length;
 }
 
-/// What a leaf lists, in its middle, or beside that where the polygon's boundary goes through it.
+/// What a leaf lists, where there is room for it in the leaf: as near to its middle as can be, and
+/// outside of the polygon if that can be.
 void name_leaf(PlanarPanel& panel, const ProximityQuadtree& tree, const QuadtreeLeaf& leaf)
 {
-    // Inside the polygon its own names stand.
-    if (is_inside(tree.polygon, leaf.center)) return;
     const std::size_t listed = leaf.sets.size();
-    const double room = 2.0 * panel.scale() * leaf.half;
-    const double size = std::min(15.0, 0.17 * room);
+    if (listed == 0) return;
     const std::string names =
         listed > 2 ? fmt::format("{}", listed)
                    : names_of(leaf.sets, static_cast<int>(tree.polygon.points().size()));
     const unsigned color = listed > 2 ? red : ink;
-    constexpr double aside = 0.27;
-    for (const Vec2& step :
-         {Vec2(0, 0), Vec2(aside, 0), Vec2(-aside, 0), Vec2(0, aside), Vec2(0, -aside)}) {
-        const Vec2 offset = room * step;
-        if (!panel.has_room(leaf.center, names, offset, size)) continue;
-        panel.words(leaf.center, names, offset, size, color);
+    constexpr int steps = 8; // from the middle to each side
+    for (const auto& [share, clear] : std::array{std::pair(0.17, 3.0), {0.13, 2.0}, {0.13, 0.0}}) {
+        const double size = std::min(15.0, share * 2.0 * panel.scale() * leaf.half);
+        std::optional<Vec2> best;
+        double least = 0.0;
+        for (int x = -steps; x <= steps; ++x) {
+            for (int y = -steps; y <= steps; ++y) {
+                const Vec2 step = leaf.half / steps * Vec2(x, y);
+                const double price =
+                    step.norm() +
+                    (is_inside(tree.polygon, leaf.center + step) ? 4.0 * leaf.half : 0.0);
+                if (best && price >= least) continue;
+                if (!panel.has_room(leaf.center, names, panel.scale() * step, size, clear))
+                    continue;
+                best = panel.scale() * step;
+                least = price;
+            }
+        }
+        if (!best) continue;
+        panel.words(leaf.center, names, *best, size, color);
         return;
+    }
+}
+
+/// The polygon's own names, inside of it.
+void name_polygon(PlanarPanel& panel, const ConvexPolygon& polygon)
+{
+    const auto corners = polygon.points();
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        const Vec2& at = corners[i];
+        panel.words(at, fmt::format("c{}", i), -42.0 * Vec2(at.normalized()), 18, blue);
+        const Vec2 middle = 0.5 * (at + corners[(i + 1) % corners.size()]);
+        panel.words(middle, fmt::format("e{}", i), -30.0 * Vec2(middle.normalized()), 18, red);
     }
 }
 
@@ -110,16 +135,10 @@ Result<FigureContent> figure_4_1(const FigureContext& /*context*/)
     }
     const auto points = tree->polygon.points();
     panel.outline(points, ink, 4.0);
+    for (const Vec2& at : points) panel.dot(at, 12, ink);
+    name_polygon(panel, tree->polygon);
     for (const QuadtreeLeaf& leaf : tree->leaves) name_leaf(panel, *tree, leaf);
     draw_regions(panel, tree->polygon, tree->half);
-    for (int i = 0; i < corners; ++i) {
-        const Vec2& at = points[static_cast<std::size_t>(i)];
-        const Vec2& next = points[static_cast<std::size_t>((i + 1) % corners)];
-        panel.dot(at, 12, ink);
-        panel.words(at, fmt::format("c{}", i), -42.0 * Vec2(at.normalized()), 18, blue);
-        const Vec2 middle = 0.5 * (at + next);
-        panel.words(middle, fmt::format("e{}", i), -30.0 * Vec2(middle.normalized()), 18, red);
-    }
     FigureContent content;
     content.caption = fmt::format(
         "The quadtree of a polygon's exterior Voronoi regions (dashed borders), split while a cell "

@@ -1,6 +1,9 @@
 // Two meshes, one of them moved: leaves that meet, their triangles, and the contour: figure 5.4.
+#include "proxima/query/build_distance_index.h"
+#include "proxima/query/containment.h"
 #include "proxima/query/intersect_meshes.h"
 #include "proxima/query/intersection_contour.h"
+#include "proxima/query/mesh_distance.h"
 #include "viewer/panels/panels.h"
 #include "viewer/panels/placed_point.h"
 #include "viewer/panels/shared_octree.h"
@@ -22,13 +25,18 @@ struct IntersectionSettings {
     PlacedPoint place; ///< of B's centre
 };
 
-RigidTransform pose_of(const IntersectionSettings& settings, const ViewModel& b)
+Mat3 rotation_of(const IntersectionSettings& settings, const ViewModel& b)
 {
     constexpr double degree = std::numbers::pi / 180.0;
     const Eigen::AngleAxisd turn(settings.turn * degree, b.up);
     const Eigen::AngleAxisd tilt(settings.tilt * degree, b.up.unitOrthogonal());
+    return (turn * tilt).toRotationMatrix();
+}
+
+RigidTransform pose_of(const IntersectionSettings& settings, const ViewModel& b)
+{
     RigidTransform pose;
-    pose.rotation = (turn * tilt).toRotationMatrix();
+    pose.rotation = rotation_of(settings, b);
     pose.translation = settings.place.at - pose.rotation * b.box.center();
     return pose;
 }
@@ -38,6 +46,68 @@ const std::shared_ptr<const ViewModel>& second_of(const ViewModels& models)
 {
     return models.size() > 1 ? models[1] : models.front();
 }
+
+/// Where B's centre is at first: askew beside A's, so that they meet; of two of very different
+/// sizes the small one's is on the surface of the large one.
+Vec3 first_place(const IntersectionSettings& settings, const ViewModel& a, const ViewModel& b)
+{
+    constexpr double much = 2.0;
+    const double size_of_a = a.box.extent().norm();
+    const double size_of_b = b.box.extent().norm();
+    if (size_of_a > much * size_of_b) return seen_place(a).point;
+    if (size_of_b > much * size_of_a) {
+        const Vec3 from_center = seen_place(b).point - b.box.center();
+        return a.box.center() - rotation_of(settings, b) * from_center;
+    }
+    return place_by(a, 0.243, -0.144, 0.087);
+}
+
+/// How far apart two meshes are that do not meet, and whether one is inside of the other.
+class Separation {
+public:
+    [[nodiscard]] Status add(PanelPicture& picture, const ViewModel& a, const ViewModel& b,
+                             const RigidTransform& pose, const WorkContext& context)
+    {
+        const auto sides = sides_.get(0, [&]() -> Result<Sides> {
+            auto near_a = build_distance_index(a.rays, {context.budget, context.threads});
+            if (!near_a) return tl::unexpected(near_a.error());
+            auto near_b = build_distance_index(b.rays, {context.budget, context.threads});
+            if (!near_b) return tl::unexpected(near_b.error());
+            auto round_a = build_enclosure(a.mesh, {context.threads, context.progress});
+            if (!round_a) return tl::unexpected(round_a.error());
+            auto round_b = build_enclosure(b.mesh, {context.threads, context.progress});
+            if (!round_b) return tl::unexpected(round_b.error());
+            return Sides{std::move(*near_a), std::move(*near_b), std::move(*round_a),
+                         std::move(*round_b)};
+        });
+        if (!sides) return tl::unexpected(sides.error());
+        const Sides& of = **sides;
+        const MeshDistance apart = mesh_distance(of.near_a, of.near_b, pose);
+        picture.facts.push_back({"apart", fmt::format("{:.5g}", apart.distance)});
+        switch (find_containment(of.round_a, of.round_b, pose).containment) {
+        case Containment::none:
+            break;
+        case Containment::a_in_b:
+            picture.facts.push_back({"inside", "A is inside of B"});
+            break;
+        case Containment::b_in_a:
+            picture.facts.push_back({"inside", "B is inside of A"});
+            break;
+        }
+        auto scene = std::make_shared<Scene>();
+        scene->lines.push_back(
+            {"shortest way", {{apart.point_a, apart.point_b}}, srgb(0xD32F2F), 3.0});
+        picture.layers.push_back({std::move(scene)});
+        return {};
+    }
+
+private:
+    struct Sides {
+        DistanceIndex near_a, near_b;
+        Enclosure round_a, round_b;
+    };
+    Kept<int, Sides> sides_;
+};
 
 SceneLines contour_lines(const IntersectionContour& contour)
 {
@@ -58,8 +128,10 @@ public:
     [[nodiscard]] std::string_view purpose() const override
     {
         return "The first model and the second, or the first again, moved: leaves of their octrees "
-               "that meet, red and green, the triangles in them yellow, and the contour. Drag the "
-               "ring to move the second.";
+               "that meet, red and green, the triangles in them yellow, and the contour; where "
+               "they "
+               "do not meet, the shortest way between them in red. Drag the ring to move the "
+               "second.";
     }
 
     void models_changed(const ViewModels& models) override
@@ -67,7 +139,8 @@ public:
         models_ = models;
         kept_a_ = std::make_shared<KeptOctree>();
         kept_b_ = std::make_shared<KeptOctree>();
-        settings_.place.place(place_by(*models.front(), 0.243, -0.144, 0.087));
+        separation_ = std::make_shared<Separation>();
+        settings_.place.place(first_place(settings_, *models.front(), *second_of(models)));
     }
 
     void offer(Controls& controls) override
@@ -98,7 +171,8 @@ public:
     [[nodiscard]] PanelTask task(const ViewModels& models) const override
     {
         return [a = models.front(), b = second_of(models), settings = settings_, kept_a = kept_a_,
-                kept_b = kept_b_](const WorkContext& context) -> Result<PanelPicture> {
+                kept_b = kept_b_,
+                separation = separation_](const WorkContext& context) -> Result<PanelPicture> {
             const OctreeChoice choice = {1, settings.depth, settings.threshold};
             const auto octree_a = octree_of(*kept_a, choice, *a, context);
             if (!octree_a) return tl::unexpected(octree_a.error());
@@ -141,6 +215,10 @@ public:
                  fmt::format("{} of A, {} of B", candidates.a.size(), candidates.b.size())},
                 {"contour", fmt::format("{} lines, {} closed, {:.5g} long", contour.lines.size(),
                                         closed, contour.length())}};
+            if (pairs.empty()) {
+                if (Status status = separation->add(picture, *a, *b, pose, context); !status)
+                    return tl::unexpected(status.error());
+            }
             return picture;
         };
     }
@@ -150,6 +228,7 @@ private:
     ViewModels models_;
     std::shared_ptr<KeptOctree> kept_a_ = std::make_shared<KeptOctree>();
     std::shared_ptr<KeptOctree> kept_b_ = std::make_shared<KeptOctree>();
+    std::shared_ptr<Separation> separation_ = std::make_shared<Separation>();
 };
 
 } // namespace

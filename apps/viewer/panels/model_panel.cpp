@@ -3,13 +3,82 @@
 #include "proxima/mesh/mesh_report.h"
 #include "viewer/panels/panels.h"
 
+#include <algorithm>
+#include <array>
+
 namespace proxima {
 namespace {
 
 struct ModelSettings {
     bool smooth = true;
     bool edges = false;
+    bool flaws = true;
 };
+
+/// Edges that a closed surface does not have, by what is wrong with them.
+struct FlawColor {
+    FindingKind kind;
+    const char* color;
+    Color ink;
+};
+constexpr double flaw_width = 3.0;
+const std::array flaw_colors = {
+    FlawColor{FindingKind::boundary_edges, "red", srgb(0xD32F2F)},
+    FlawColor{FindingKind::non_manifold_edges, "violet", srgb(0x8E24AA)},
+    FlawColor{FindingKind::inconsistent_edges, "orange", srgb(0xEF7D00)}};
+
+/// Whether two triangles run along their common edge the same way: one of them faces inward.
+bool are_turned(const ViewModel& model, EdgeId edge)
+{
+    const auto low = model.topology.vertices(edge)[0];
+    const auto high = model.topology.vertices(edge)[1];
+    int forward = 0;
+    for (const TriangleId id : model.topology.triangles(edge)) {
+        const TriangleCorners& corners = model.mesh.triangles()[index(id)];
+        for (std::size_t k = 0; k < 3; ++k)
+            if (corners[k] == index(low) && corners[(k + 1) % 3] == index(high)) ++forward;
+    }
+    return forward != 1;
+}
+
+/// One of the lines for each colour; none without an edge of its kind.
+void add_flaws(Scene& scene, const ViewModel& model)
+{
+    std::array<SceneLines, flaw_colors.size()> lines;
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+        lines[i].name = name_of(flaw_colors[i].kind);
+        lines[i].color = flaw_colors[i].ink;
+        lines[i].width = flaw_width;
+    }
+    for (std::uint32_t e = 0; e < model.topology.edge_count(); ++e) {
+        const EdgeId edge{e};
+        const std::size_t sides = model.topology.triangles(edge).size();
+        const std::size_t flaw = sides == 1                ? 0U
+                                 : sides != 2              ? 1U
+                                 : are_turned(model, edge) ? 2U
+                                                           : lines.size();
+        if (flaw == lines.size()) continue;
+        const auto [a, b] = model.topology.vertices(edge);
+        lines[flaw].segments.push_back({model.mesh.position(a), model.mesh.position(b)});
+    }
+    for (SceneLines& of_kind : lines)
+        if (!of_kind.segments.empty()) scene.lines.push_back(std::move(of_kind));
+}
+
+/// "boundary edges", and the colour that they are drawn in.
+std::string words_for(FindingKind kind)
+{
+    std::string words(name_of(kind));
+    std::ranges::replace(words, '_', ' ');
+    return words;
+}
+
+std::string count_of(const MeshFinding& finding)
+{
+    const auto color = std::ranges::find(flaw_colors, finding.kind, &FlawColor::kind);
+    if (color == flaw_colors.end()) return concat(finding.count);
+    return concat(finding.count, " (", color->color, ")");
+}
 
 /// All edges, flat ones too.
 void add_all_edges(Scene& scene, const ViewModel& model)
@@ -25,14 +94,17 @@ void add_all_edges(Scene& scene, const ViewModel& model)
 
 struct Reports {
     std::vector<PanelFact> facts;
+    std::shared_ptr<const Scene> flaws;
 };
 
 Result<Reports> report(const ViewModels& models, const WorkContext& context)
 {
     Reports reports;
+    auto flaws = std::make_shared<Scene>();
     for (const auto& model : models) {
         auto& facts = reports.facts;
-        facts.push_back({"model", model->name});
+        // A file's name without its folders, which are too long for a line.
+        facts.push_back({"model", model->name.substr(model->name.find_last_of('/') + 1)});
         facts.push_back({"triangles", concat(model->mesh.triangle_count())});
         facts.push_back({"vertices", concat(model->mesh.vertex_count())});
         facts.push_back({"edges", concat(model->topology.edge_count())});
@@ -41,8 +113,10 @@ Result<Reports> report(const ViewModels& models, const WorkContext& context)
             {.threads = context.threads, .budget = context.budget, .progress = context.progress});
         if (!found) return tl::unexpected(found.error());
         for (const MeshFinding& finding : found->findings)
-            facts.push_back({std::string(name_of(finding.kind)), concat(finding.count)});
+            facts.push_back({words_for(finding.kind), count_of(finding)});
+        add_flaws(*flaws, *model);
     }
+    reports.flaws = std::move(flaws);
     return reports;
 }
 
@@ -51,7 +125,8 @@ public:
     [[nodiscard]] std::string_view name() const override { return "model"; }
     [[nodiscard]] std::string_view purpose() const override
     {
-        return "The models and what is wrong with them. Drag to turn, right drag to move, wheel to "
+        return "The models and what is wrong with them, edges in colour. Drag to turn, right drag "
+               "to move, wheel to "
                "go nearer, click to pick, double click to make a place the middle.";
     }
     void models_changed(const ViewModels& /*models*/) override
@@ -63,6 +138,7 @@ public:
     {
         controls.toggle("smooth", settings_.smooth);
         controls.toggle("edges", settings_.edges);
+        controls.toggle("flaws", settings_.flaws);
     }
 
     [[nodiscard]] PanelTask task(const ViewModels& models) const override
@@ -80,6 +156,7 @@ public:
             const auto found = reports->get(0, [&] { return report(models, context); });
             if (!found) return tl::unexpected(found.error());
             picture.facts = (*found)->facts;
+            if (settings.flaws) picture.layers.push_back({(*found)->flaws});
             return picture;
         };
     }

@@ -1,50 +1,18 @@
 #include "viewer/panels/region_shape.h"
 
 #include "proxima/proximity/closest_feature.h"
-#include "proxima/proximity/feature_regions.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <fmt/core.h>
+#include <limits>
+#include <span>
 
 namespace proxima {
 namespace {
 
 constexpr std::uint32_t steps = 8; // between a corner and the next
-
-/// The region's corners, in a circle.
-Result<std::vector<RegionSample>> corners_of(const ConvexPolyhedron& region)
-{
-    const auto points = region.points();
-    const auto rays = region.rays();
-    std::vector<RegionSample> corners;
-    if (points.size() == 1 && rays.size() > 1) {
-        // Round the middle of the cone.
-        Vec3 middle = Vec3::Zero();
-        for (const Vec3& ray : rays) middle += ray.normalized();
-        const Vec3 across = (rays[0] - rays[0].dot(middle) / middle.squaredNorm() * middle);
-        const Vec3 other = middle.cross(across);
-        std::vector<std::pair<double, Vec3>> around;
-        for (const Vec3& ray : rays) {
-            const double x = ray.dot(across) / across.norm();
-            const double y = ray.dot(other) / other.norm();
-            around.emplace_back(std::atan2(y, x), ray.normalized());
-        }
-        std::ranges::sort(around, {}, &std::pair<double, Vec3>::first);
-        for (const auto& [angle, ray] : around) corners.push_back({points[0], ray});
-    } else if (points.size() == 2 && rays.size() == 2) {
-        corners = {{points[0], rays[0].normalized()},
-                   {points[0], rays[1].normalized()},
-                   {points[1], rays[1].normalized()},
-                   {points[1], rays[0].normalized()}};
-    } else if (points.size() > 1 && rays.size() == 1) {
-        for (const Vec3& point : points) corners.push_back({point, rays[0].normalized()});
-    } else {
-        return fail(ErrorCode::invalid_argument, "the region is but a line");
-    }
-    return corners;
-}
 
 /// How far a half-line stays with its feature: a point of it is as far from the feature as from its
 /// base.
@@ -104,6 +72,28 @@ void add_fan(RegionShape& shape, const std::array<RegionSample, 3>& corners)
     for (std::uint32_t i = 0; i <= steps; ++i) side.push_back(number(steps, i));
 }
 
+/// The fans of all sides, and the borders between them.
+void add_fans(RegionShape& shape, std::span<const ConeCorner> corners)
+{
+    const std::size_t count = corners.size();
+    std::vector<RegionSample> around;
+    RegionSample middle;
+    for (const ConeCorner& corner : corners) {
+        around.push_back({corner.base, corner.direction});
+        middle.base += corner.base / static_cast<double>(count);
+        middle.direction += corner.direction;
+    }
+    middle.direction.normalize();
+    const bool is_row = shape.shape == ConeShape::flat;
+    for (std::size_t i = 0; i + (is_row ? 1 : 0) < count; ++i) {
+        add_fan(shape, {middle, around[i], around[(i + 1) % count]});
+        if (corners[i].is_border) shape.borders.push_back(shape.sides.back().front());
+    }
+    if (!is_row) return;
+    shape.cap.clear();
+    shape.borders.push_back(shape.sides.back().back());
+}
+
 /// One flat piece.
 void add_quad(SceneSurface& surface, const std::array<Vec3, 4>& corners)
 {
@@ -118,39 +108,35 @@ void add_quad(SceneSurface& surface, const std::array<Vec3, 4>& corners)
 Result<RegionShape> region_shape(const ViewModel& model, const ProximityOctree& octree,
                                  Feature feature, double length)
 {
-    const auto region = voronoi_region_of(model.mesh, model.topology, feature);
-    if (!region) return tl::unexpected(region.error());
-    const auto corners = corners_of(*region);
-    if (!corners) return tl::unexpected(corners.error());
-    const std::size_t count = corners->size();
+    const auto cone = local_cone(model.mesh, model.topology, feature);
+    if (!cone) return tl::unexpected(cone.error());
     RegionShape shape;
-    RegionSample middle;
-    for (const RegionSample& corner : *corners) {
-        middle.base += corner.base / static_cast<double>(count);
-        middle.direction += corner.direction;
+    shape.shape = cone->shape;
+    shape.side = cone->side;
+    if (cone->shape == ConeShape::line) {
+        shape.samples.push_back({cone->corners[0].base, cone->corners[0].direction});
+        shape.borders.push_back(0);
+    } else if (cone->shape != ConeShape::empty) {
+        add_fans(shape, cone->corners);
     }
-    middle.direction.normalize();
-    const std::size_t sides = count == 2 ? 1 : count; // two corners: a flat region
-    for (std::size_t i = 0; i < sides; ++i)
-        add_fan(shape, {middle, (*corners)[i], (*corners)[(i + 1) % count]});
-    if (count == 2) shape.cap.clear();
     for (RegionSample& sample : shape.samples) reach(sample, octree, length);
     return shape;
 }
 
 void add_region(Scene& scene, const RegionShape& shape, const Color& color)
 {
-    // What goes on fades towards where it is cut off.
+    // What goes on fades towards where it is cut off: the first half is one band.
     struct Band {
         double from, to;
         float opacity;
     };
-    constexpr std::array<Band, 6> bands = {{{0.0, 0.5, 1.0F},
-                                            {0.5, 0.6, 0.8F},
-                                            {0.6, 0.7, 0.6F},
-                                            {0.7, 0.8, 0.42F},
-                                            {0.8, 0.9, 0.26F},
-                                            {0.9, 1.0, 0.12F}}};
+    constexpr int fading = 8;
+    std::vector<Band> bands = {{0.0, 0.5, 1.0F}};
+    for (int i = 0; i < fading; ++i) {
+        const double from = bands.back().to;
+        bands.push_back(
+            {from, from + 0.5 / fading, 1.0F - (static_cast<float>(i) + 0.7F) / fading});
+    }
     constexpr float glass = 0.55F;
     const Color ink = srgb(0x333333);
     const auto& samples = shape.samples;
@@ -173,13 +159,13 @@ void add_region(Scene& scene, const RegionShape& shape, const Color& color)
                                    b.at(to * b.reach), a.at(to * a.reach)});
                 if (!fades) lines.segments.push_back({a.end(), b.end()});
             }
-            for (const std::uint32_t corner : {side.front(), side.back()}) {
-                const RegionSample& sample = samples[corner];
-                if (!sample.goes_on && !is_first) continue;
-                const double to = sample.goes_on ? band.to : 1.0;
-                lines.segments.push_back(
-                    {sample.at(band.from * sample.reach), sample.at(to * sample.reach)});
-            }
+        }
+        for (const std::uint32_t border : shape.borders) {
+            const RegionSample& sample = samples[border];
+            if (!sample.goes_on && !is_first) continue;
+            const double to = sample.goes_on ? band.to : 1.0;
+            lines.segments.push_back(
+                {sample.at(band.from * sample.reach), sample.at(to * sample.reach)});
         }
         if (is_first) {
             // Its end, where it has one.
@@ -196,6 +182,19 @@ void add_region(Scene& scene, const RegionShape& shape, const Color& color)
     }
 }
 
+std::string words_for_region(const RegionShape& shape)
+{
+    if (shape.shape == ConeShape::empty)
+        return "empty: from no other point it is the closest, for the surface bends both ways "
+               "there";
+    std::string words = shape.shape == ConeShape::line   ? "drawn, a line"
+                        : shape.shape == ConeShape::flat ? "drawn, flat"
+                                                         : "drawn";
+    if (shape.side == ConeSide::behind)
+        words += ", behind the surface: outside, where that bends inward, there is none";
+    return words;
+}
+
 std::string words_for_end(const RegionShape& shape)
 {
     double nearest = std::numeric_limits<double>::infinity();
@@ -206,6 +205,7 @@ std::string words_for_end(const RegionShape& shape)
         farthest = std::max(farthest, sample.reach);
         going_on += sample.goes_on ? 1 : 0;
     }
+    if (farthest <= 0.0) return "at once: other parts of the mesh are as near";
     if (going_on == shape.samples.size()) return "none as far as it is drawn";
     if (going_on > 0) return fmt::format("{:.4g} away and more", nearest);
     return fmt::format("{:.4g} to {:.4g} away", nearest, farthest);

@@ -1,8 +1,8 @@
 // The Voronoi region of a feature of any mesh, as far as it is asked for: where another feature of
 // the mesh comes as near it ends, and where it goes on it fades.
 //
-//     region of the feature's own faces        a corner: a place of the feature and a direction;
-//     (feature_regions.h)                      a face's three have one direction, a vertex's one
+//     cone of the feature's own faces          a corner: a place of the feature and a direction;
+//     (local_cone.h)                           a face's three have one direction, a vertex's one
 //          d0 ^     ^ d1                       place
 //             |_____|
 //            b0     b1                         a sample between the corners goes as far as the
@@ -10,10 +10,13 @@
 //                                              octree at every step of a search
 //
 // That is all of the region: with a point of it all between that point and the feature's is in it.
+// Where the surface bends inward the region lies behind it, and none outside; where it bends both
+// ways there is none.
 #pragma once
 
 #include "proxima/base/result.h"
 #include "proxima/proximity/proximity_octree.h"
+#include "viewer/panels/local_cone.h"
 #include "viewer/scene.h"
 #include "viewer/view_models.h"
 
@@ -34,20 +37,26 @@ struct RegionSample {
 };
 
 struct RegionShape {
-    std::vector<RegionSample> samples;
-    std::vector<TriangleCorners> cap; ///< of samples: over the ends; none of flat regions
+    ConeShape shape = ConeShape::empty;
+    ConeSide side = ConeSide::outside;
+    std::vector<RegionSample> samples;  ///< none of an empty region, one of a line
+    std::vector<std::uint32_t> borders; ///< samples where two sides meet, or a side ends
+    std::vector<TriangleCorners> cap;   ///< of samples: over the ends; none of flat regions
     std::vector<std::vector<std::uint32_t>> sides; ///< samples in a row, from corner to corner
 };
 
-/// Of the feature's exterior region, at most `length` from it. Errors: those of voronoi_region_of;
-/// invalid_argument for a region that is but a line. \pre the octree is the model's, length > 0
+/// Of the feature's region, at most `length` from it. Errors: those of local_cone. \pre the octree
+/// is the model's, length > 0
 [[nodiscard]] Result<RegionShape>
 region_shape(const ViewModel& model, const ProximityOctree& octree, Feature feature, double length);
 
 /// The surfaces "region" and the lines "region's edges".
 void add_region(Scene& scene, const RegionShape& shape, const Color& color);
 
-/// "from 0.01 to 0.03 away another feature is as near", or that there is none.
+/// "drawn", or what is to be known of it: that it is flat, behind the surface, or empty.
+[[nodiscard]] std::string words_for_region(const RegionShape& shape);
+
+/// "from 0.01 to 0.03 away another feature is as near", or that there is none. \pre it is not empty
 [[nodiscard]] std::string words_for_end(const RegionShape& shape);
 
 } // namespace proxima

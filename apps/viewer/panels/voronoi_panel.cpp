@@ -1,5 +1,4 @@
 // Voronoi regions of a model's features, and the proximity octree that stores them: chapter 4.
-#include "proxima/proximity/feature_regions.h"
 #include "proxima/proximity/list_statistics.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/panels/panels.h"
@@ -54,6 +53,8 @@ PanelPlot list_plot(const ProximityOctree& octree)
     return plot;
 }
 
+constexpr float glass = 0.3F; ///< the model's opacity where its region lies behind the surface
+
 void show_region(PanelPicture& picture, const ViewModel& model, const ProximityOctree& octree,
                  const VoronoiSettings& settings, Feature feature)
 {
@@ -64,8 +65,12 @@ void show_region(PanelPicture& picture, const ViewModel& model, const ProximityO
         const auto region = region_shape(model, octree, feature, length);
         if (region) {
             add_region(*scene, *region, color_of_kind(feature.kind));
-            picture.facts.push_back({"region", "drawn"});
-            picture.facts.push_back({"its end", words_for_end(*region)});
+            picture.facts.push_back({"region", words_for_region(*region)});
+            if (region->shape != ConeShape::empty)
+                picture.facts.push_back({"its end", words_for_end(*region)});
+            // What lies behind the surface is seen through it.
+            if (region->side == ConeSide::behind)
+                picture.layers[static_cast<std::size_t>(settings.model - 1)].opacity = glass;
         } else {
             picture.facts.push_back({"region", "none: " + region.error().message});
         }
@@ -107,9 +112,9 @@ Vec3 middle_of(const ViewModel& model, const Feature& feature)
     return (triangle[0] + triangle[1] + triangle[2]) / 3.0;
 }
 
-/// The feature of a kind nearest to a place among those that have a Voronoi region, of so many that
+/// The feature of a kind nearest to a place among those that have a region outside, of so many that
 /// are near; the nearest of all where none has one.
-int convex_feature(const ViewModel& model, FeatureKind kind, const Vec3& place)
+int feature_with_region(const ViewModel& model, FeatureKind kind, const Vec3& place)
 {
     constexpr std::size_t tried = 200;
     std::vector<std::pair<double, std::uint32_t>> near;
@@ -120,8 +125,9 @@ int convex_feature(const ViewModel& model, FeatureKind kind, const Vec3& place)
     std::ranges::partial_sort(near, near.begin() + some);
     for (std::ptrdiff_t i = 0; i < some; ++i) {
         const std::uint32_t id = near[static_cast<std::size_t>(i)].second;
-        const auto region = voronoi_region_of(model.mesh, model.topology, {kind, id});
-        if (region && region->dimension() > 1) return static_cast<int>(id);
+        const auto cone = local_cone(model.mesh, model.topology, {kind, id});
+        if (cone && cone->shape == ConeShape::solid && cone->side == ConeSide::outside)
+            return static_cast<int>(id);
     }
     return near.empty() ? 0 : static_cast<int>(near.front().second);
 }
@@ -136,8 +142,8 @@ public:
     [[nodiscard]] std::string_view purpose() const override
     {
         return "The Voronoi region of a feature, up to where another one is as near; it fades "
-               "where "
-               "it goes on: click near a corner, near a side or on a face. "
+               "where it goes on: click near a corner, near a side or on a face. Where the surface "
+               "bends inward it lies behind that, which turns to glass. "
                "The leaf of the proximity octree under the cursor, with the triangles that it "
                "lists in orange; drag the ring.";
     }
@@ -219,7 +225,8 @@ private:
     /// The feature that a person has not chosen.
     [[nodiscard]] int likely() const
     {
-        return models_.empty() ? 0 : convex_feature(*model(), settings_.kind, settings_.cursor.at);
+        return models_.empty() ? 0
+                               : feature_with_region(*model(), settings_.kind, settings_.cursor.at);
     }
     /// Before there are models any number will do.
     [[nodiscard]] int most_number() const

@@ -4,6 +4,7 @@
 #include "viewer/window/input_text.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/core.h>
 #include <imgui.h>
 #include <utility>
@@ -38,12 +39,20 @@ std::pair<float, float> range_of(const PanelPlot& plot)
     return {least, most};
 }
 
+/// Counts as they are, others to four digits.
+std::string words_for(float value)
+{
+    constexpr float exact = 1e7F;
+    const bool is_count = value == std::round(value) && std::abs(value) < exact;
+    return is_count ? fmt::format("{:.0f}", value) : fmt::format("{:.4g}", value);
+}
+
 void draw_plots(const Viewer& viewer)
 {
     const ImVec2 size(ImGui::GetContentRegionAvail().x, 5.0F * ImGui::GetTextLineHeight());
     for (const PanelPlot& plot : viewer.plots()) {
         const auto [least, most] = range_of(plot);
-        wrapped(fmt::format("{}: {:.4g} to {:.4g}", plot.name, least, most));
+        wrapped(fmt::format("{}: {} to {}", plot.name, words_for(least), words_for(most)));
         const std::string id = concat("##", plot.name);
         const auto count = static_cast<int>(plot.values.size());
         const float top = most > least ? most : least + 1.0F;

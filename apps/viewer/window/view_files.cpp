@@ -51,6 +51,11 @@ bool ViewFiles::follow()
     return true;
 }
 
+Status ViewFiles::finish()
+{
+    return is_busy() ? writing_.take() : Status{};
+}
+
 void ViewFiles::forget_news()
 {
     news_.clear();

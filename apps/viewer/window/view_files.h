@@ -22,6 +22,8 @@ public:
     [[nodiscard]] bool is_busy() const noexcept { return writing_.is_busy(); }
     /// Takes what is finished. True where there is news.
     bool follow();
+    /// Waits for the file that is being written. Error: it could not be.
+    [[nodiscard]] Status finish();
     /// What is written or was, in words; empty before the first.
     [[nodiscard]] const std::string& news() const noexcept { return news_; }
     /// Why the last one could not be written, in words; empty if it was.

@@ -81,6 +81,8 @@ public:
             if (Status status = follow_loading(); !status) return status;
             if (Status status = draw_frame(); !status) return status;
         }
+        glfwHideWindow(window_.get()); // a file that is being written is finished
+        if (Status status = written_.finish(); !status) return status;
         if (state_.gl_messages > 0) {
             return fail(ErrorCode::broken_invariant,
                         concat("OpenGL reported ", state_.gl_messages, " errors"), "OpenGL");

@@ -187,7 +187,7 @@ std::optional<GrownTop> grow_top(const LocalFeatures& features, const QueryDensi
     for (int depth = 0; depth < top_depth; ++depth) {
         drop_finished(depth);
         if (options.progress != nullptr)
-            options.progress->begin_stage("topmost cells", level.size());
+            options.progress->begin_stage("topmost cells", 9 * level.size());
         std::vector<std::array<OpenCell, 8>> next(level.size());
         parallel_for(level.size(), options.threads, [&](std::size_t i) {
             if (is_cancelled(options.progress)) return;
@@ -196,6 +196,7 @@ std::optional<GrownTop> grow_top(const LocalFeatures& features, const QueryDensi
             own.find_in_reach(level[i].cube, level[i].features, lists);
             next[i] = children_of(level[i], density);
             for (std::size_t k = 0; k < 8; ++k) next[i][k].features = std::move(lists[k]);
+            if (options.progress != nullptr) options.progress->advance(1);
         });
         // Child by child: there is work for several threads from the root on.
         std::vector<GrownTree> described(8 * level.size());
@@ -205,7 +206,7 @@ std::optional<GrownTop> grow_top(const LocalFeatures& features, const QueryDensi
             OpenCell& one = next[i / 8][i % 8];
             own.drop_farther(one.cube, one.features);
             described[i].cells.push_back(own.describe(one, one.features, described[i]));
-            if (options.progress != nullptr && i % 8 == 0) options.progress->advance(1);
+            if (options.progress != nullptr) options.progress->advance(1);
         });
         if (is_cancelled(options.progress)) return std::nullopt;
         std::vector<OpenCell> cells;
