@@ -185,11 +185,11 @@ private:
         lost_ += patch == Patch::lost ? 1U : 0U;
         if (newest == nullptr) return;
         oldest_ = std::max(oldest_, number - newest->made_at);
-        if (newest->edition == edition_) return;
-        edition_ = newest->edition;
+        if (newest->edition() == edition_) return;
+        edition_ = newest->edition();
         ++patches_;
-        triangles_ += newest->count;
-        largest_ = std::max<std::uint64_t>(largest_, newest->count);
+        triangles_ += newest->count();
+        largest_ = std::max<std::uint64_t>(largest_, newest->count());
         incomplete_ += newest->complete ? 0U : 1U;
     }
 
@@ -229,10 +229,7 @@ void print_servo(const ServoStatistics& servo)
 void run_once(const TouchModel& model, const RayIndex& index, const HandScript& script,
               Touched touched, double seconds)
 {
-    // As many triangles as a patch of a session has room for.
-    constexpr std::size_t most = std::size_t{1} << 17U;
-    const std::size_t triangles = model.mesh.triangle_count();
-    PatchExchange exchange(std::min(std::max(triangles, ContactPatch::most), most));
+    PatchExchange exchange(std::max(model.mesh.triangle_count(), ContactPatch::most));
     ServoSide side(model, exchange, touched);
     SimulatedHand hand({}, script.target(0));
     ServoStatistics servo;

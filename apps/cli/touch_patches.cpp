@@ -23,11 +23,10 @@ constexpr std::uint64_t periods_to_loss = 5;
 /// Where friction begins depends on the roundings of the way there.
 constexpr double apart_metres = 1e-6;
 
-/// A hand of 1 m/s can reach a third of a model before the next patch comes.
+/// A hand of 1 m/s can reach any part of a small model before the next patch comes.
 std::size_t room_for(const TouchModel& model)
 {
-    constexpr std::size_t most = std::size_t{1} << 17U;
-    return std::min(std::max(model.surface.mesh.triangle_count(), ContactPatch::most), most);
+    return std::max(model.surface.mesh.triangle_count(), ContactPatch::most);
 }
 
 double percent_sent(const PatchAccount& account)
@@ -95,8 +94,8 @@ void PatchTouch::make(ContactPatch& patch, const ServoPlace& place) noexcept
     }
     ++account_.patches;
     account_.incomplete += patch.complete ? 0U : 1U;
-    account_.triangles += patch.count;
-    account_.largest = std::max<std::uint64_t>(account_.largest, patch.count);
+    account_.triangles += patch.count();
+    account_.largest = std::max<std::uint64_t>(account_.largest, patch.count());
 }
 
 Patch PatchTouch::begin_tick() noexcept

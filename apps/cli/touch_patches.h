@@ -84,7 +84,7 @@ private:
     void compare(const RenderTick& felt) noexcept;
     [[nodiscard]] bool has(const Contact& contact) noexcept;
 
-    const ContactSurface& whole_;
+    const OctreeContactSurface& whole_;
     WorkspaceMap map_;
     CollisionOptions options_;
     PatchAccount account_;

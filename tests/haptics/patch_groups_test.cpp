@@ -1,6 +1,7 @@
 #include "proxima/haptics/patch_groups.h"
 
 #include "counted_allocations.h"
+#include "haptics/patch_triangles.h"
 #include "haptics/touch_meshes.h"
 #include "proxima/base/simd.h"
 #include "proxima/geometry/closest_point.h"
@@ -25,14 +26,18 @@ using testing::TouchMesh;
 class EveryTriangle final : public ContactSurface {
 public:
     explicit EveryTriangle(const SurfaceScale& scale) : scale_(scale) {}
-    void use(const ContactPatch* patch) { patch_ = patch; }
+    void use(const ContactPatch* patch)
+    {
+        patch_ = patch;
+        triangles_ = testing::triangles_of(*patch);
+    }
 
     [[nodiscard]] const SurfaceScale& scale() const noexcept override { return scale_; }
     [[nodiscard]] std::size_t collect(const Vec3& p, double distance,
                                       std::span<ContactTriangle> buffer) const noexcept override
     {
         std::size_t count = 0;
-        for (const ContactTriangle& triangle : patch_->triangles()) {
+        for (const ContactTriangle& triangle : triangles_) {
             const Vec3 closest = closest_point(triangle.corners, p).point;
             if ((closest - p).norm() > distance * (1 + 1e-12) + 1e-12 * scale_.reach) continue;
             if (count < buffer.size()) buffer[count] = triangle;
@@ -48,6 +53,7 @@ public:
 private:
     SurfaceScale scale_;
     const ContactPatch* patch_ = nullptr;
+    std::vector<ContactTriangle> triangles_;
 };
 
 /// Two proxies on the same late patches, by groups and by every triangle.
@@ -120,21 +126,20 @@ TEST(PatchGroups, nothing_near_is_missing)
         std::mt19937 random(5);
         std::uniform_real_distribution<double> unit(0, 1);
         for (int round = 0; round < 25; ++round) {
-            fill_metric_patch(patch, whole, path.next(), unit(random) * unit(random) * size);
-            if (round % 5 == 0) {
-                patch.count = std::min<std::size_t>(patch.count, 1 + random() % 20);
-                patch.make_groups(size);
-                patch.edition = new_edition();
-            }
+            const Vec3 center = path.next();
+            const double radius = unit(random) * unit(random) * size;
+            std::size_t held = whole.collect(center, radius, patch.room());
+            if (round % 5 == 0) held = std::min<std::size_t>(held, 1 + random() % 20);
+            patch.copied(held, size);
             const auto copy = std::make_unique<ContactPatch>(patch); // of its own groups
             surface.use(copy.get());
-            EXPECT_EQ(surface.groups().size(), (patch.count + 7) / 8);
-            patch.make_groups(2 * size);
+            EXPECT_EQ(surface.groups().size(), (held + 7) / 8);
+            patch.copied(held, 2 * size);
             ContactCache cache;
             for (int question = 0; question < 12; ++question) {
-                const Vec3 p = copy->center + 0.4 * size * unit(random) *
-                                                  Vec3(unit(random) - 0.5, unit(random) - 0.5,
-                                                       question % 3 == 0 ? 0.0 : 0.3);
+                const Vec3 p = center + 0.4 * size * unit(random) *
+                                            Vec3(unit(random) - 0.5, unit(random) - 0.5,
+                                                 question % 3 == 0 ? 0.0 : 0.3);
                 const double distance = 0.3 * size * unit(random);
                 const bool direct = question % 2 == 0;
                 const std::size_t count = direct ? surface.collect(p, distance, buffer)
@@ -147,13 +152,13 @@ TEST(PatchGroups, nothing_near_is_missing)
                 }
                 EXPECT_EQ(given.size(), count) << named.name;
                 given_in_all += count;
-                for (const ContactTriangle& each : copy->triangles()) {
+                for (const ContactTriangle& each : testing::triangles_of(*copy)) {
                     const Vec3 closest = closest_point(each.corners, p).point;
                     if ((closest - p).norm() > distance) continue;
                     ++needed;
                     EXPECT_TRUE(given.contains(each.id))
                         << named.name << ", round " << round << ", question " << question
-                        << ", triangle " << index(each.id) << " of " << copy->count;
+                        << ", triangle " << index(each.id) << " of " << held;
                 }
             }
         }
@@ -196,7 +201,7 @@ TEST(PatchGroups, are_made_and_asked_without_allocation)
         ASSERT_NE(patch, nullptr);
         surface.use(patch);
         touching += proxy.follow(places[tick]).hold != Hold::free ? 1U : 0U;
-        largest = std::max(largest, patch->count);
+        largest = std::max(largest, patch->count());
         if (tick % 10 != 0) continue;
         EXPECT_EQ(testing::allocation_count(), before) << tick;
         EXPECT_TRUE(editions.insert(surface.edition()).second) << tick;

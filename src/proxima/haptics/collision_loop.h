@@ -68,14 +68,14 @@ private:
 };
 
 /// Makes the metric patch for a place.
-void make_patch(ContactPatch& patch, const ContactSurface& surface, const ServoPlace& place,
+void make_patch(ContactPatch& patch, const OctreeContactSurface& surface, const ServoPlace& place,
                 const CollisionOptions& options) noexcept;
 
 /// Runs in a thread of its own from construction to destruction.
 class CollisionLoop {
 public:
     /// Refers to surface and exchange, which must outlive it.
-    CollisionLoop(const ContactSurface& surface, PatchExchange& exchange,
+    CollisionLoop(const OctreeContactSurface& surface, PatchExchange& exchange,
                   const CollisionOptions& options);
     CollisionLoop(const CollisionLoop&) = delete;
     CollisionLoop& operator=(const CollisionLoop&) = delete;

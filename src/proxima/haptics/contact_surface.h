@@ -117,6 +117,8 @@ public:
     {
         return groups_;
     }
+    /// Of the groups' boxes.
+    [[nodiscard]] const TriangleTree& tree() const noexcept { return octree_->tree(); }
     [[nodiscard]] GroupQuery group_query(const Vec3& p) const noexcept override;
     /// About 0.5 us.
     void find_groups(const Vec3& p, double distance, GroupBoxes& boxes) const noexcept override;

@@ -1,51 +1,17 @@
 #include "proxima/haptics/find_groups.h"
 
-#include <algorithm>
-
-#ifndef PROXIMA_HAPTICS_FIND_GROUPS_ONCE
-#define PROXIMA_HAPTICS_FIND_GROUPS_ONCE
-
-namespace proxima {
-
-/// A ball in the tree's units.
-struct BallQuery {
-    float place[3];
-    float squared; ///< of its radius, with more to spare than the lanes round
-};
-
-} // namespace proxima
-
-#endif
-
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "proxima/haptics/find_groups.cpp"
 #include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+// After foreach_target: once per target.
+#include "proxima/haptics/ball_gaps-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace proxima::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
-
-using BallTag = hn::CappedTag<float, TriangleTree::width>;
-
-/// Which of a block's boxes from `lane` on the ball meets; the `left` first ones exist.
-HWY_INLINE auto meets_ball(const TriangleTreeBlock& block, std::size_t lane, const BallQuery& query,
-                           std::size_t left)
-{
-    const BallTag d;
-    auto squared = hn::Zero(d);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto place = hn::Set(d, query.place[axis]);
-        const auto before = hn::Sub(hn::Load(d, block.lower[axis].data() + lane), place);
-        const auto behind = hn::Sub(place, hn::Load(d, block.upper[axis].data() + lane));
-        const auto gap = hn::Max(hn::Max(before, behind), hn::Zero(d));
-        squared = hn::MulAdd(gap, gap, squared);
-    }
-    const auto meets = hn::Le(squared, hn::Set(d, query.squared));
-    return left >= hn::Lanes(d) ? meets : hn::And(meets, hn::FirstN(d, left));
-}
 
 /// Stores a whole vector, those of the mask first. Returns how many these are. Not by compressing
 /// stores, which some processors are slow at.
@@ -79,8 +45,8 @@ void find_groups(const TriangleTree& tree, const BallQuery& query, GroupBoxes& b
             const std::uint32_t first = met[now][i] * width;
             for (std::size_t lane = 0; lane < width; lane += hn::Lanes(d)) {
                 const auto at = static_cast<std::uint32_t>(first + lane);
-                const auto near =
-                    meets_ball(blocks[met[now][i]], lane, query, entries - HWY_MIN(entries, at));
+                const auto near = meets_ball(squared_gaps(blocks[met[now][i]], lane, query), query,
+                                             entries - HWY_MIN(entries, at));
                 next += store_met(hn::Iota(di, at), hn::RebindMask(di, near), met[1 - now] + next);
             }
             if (next > room) {
@@ -107,7 +73,8 @@ void find_groups(const TriangleTree& tree, const BallQuery& query, GroupBoxes& b
                 return;
             }
             const auto at = static_cast<std::uint32_t>(met[now][i] * width + lane);
-            const auto near = meets_ball(block, lane, query, entries - HWY_MIN(entries, at));
+            const auto near =
+                meets_ball(squared_gaps(block, lane, query), query, entries - HWY_MIN(entries, at));
             for (std::size_t axis = 0; axis < 3; ++axis) {
                 store_met(hn::Load(d, block.lower[axis].data() + lane), near,
                           boxes.lower[axis].data() + found);
@@ -133,13 +100,7 @@ HWY_EXPORT(find_groups);
 void find_groups(const TriangleTree& tree, const Vec3& p, double distance,
                  GroupBoxes& boxes) noexcept
 {
-    const Vec3 place = (p - tree.origin()) * tree.scale();
-    BallQuery query{};
-    for (int axis = 0; axis < 3; ++axis) query.place[axis] = static_cast<float>(place[axis]);
-    // Of the place, of the boxes and of their differences as floats, along three axes.
-    const double rounding = 0x1p-21 * (2 + place.cwiseAbs().maxCoeff());
-    const double radius = distance * tree.scale() * (1 + 0x1p-20) + rounding;
-    query.squared = static_cast<float>(radius * radius * (1 + 0x1p-20));
+    const BallQuery query = ball_query(tree, p, distance);
     HWY_DYNAMIC_DISPATCH(find_groups)(tree, query, boxes);
 }
 

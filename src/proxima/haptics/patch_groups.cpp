@@ -5,20 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 namespace proxima {
 
 namespace {
-
-TriangleTreeBlock empty_block() noexcept
-{
-    constexpr float infinity = std::numeric_limits<float>::infinity();
-    TriangleTreeBlock block{};
-    for (auto& coordinates : block.lower) coordinates.fill(infinity);
-    for (auto& coordinates : block.upper) coordinates.fill(-infinity);
-    return block;
-}
 
 Box box_of(std::span<const Triangle> triangles) noexcept
 {
@@ -48,7 +38,7 @@ void PatchGroups::make(std::span<const ContactTriangle> triangles, double extent
     reach_ = std::max(all.lower.cwiseAbs().maxCoeff(), all.upper.cwiseAbs().maxCoeff()) * scale_;
     // More than coordinates up to 2 round as floats; and as in triangle_tree.cpp.
     const double margin = 0x1p-22 + 0x1p-48 * reach_;
-    std::fill_n(blocks_.begin(), TriangleTree::block_count(triangle_count_), empty_block());
+    std::fill_n(blocks_.begin(), TriangleTree::block_count(triangle_count_), detail::empty_block());
     std::array<Triangle, width> eight;
     for (std::size_t group = 0; group * width < triangles.size(); ++group) {
         const auto own = triangles.subspan(group * width)
@@ -58,7 +48,7 @@ void PatchGroups::make(std::span<const ContactTriangle> triangles, double extent
         groups_[group] = make_group(corners, scale_);
         set_box(group, box_of(corners), margin);
     }
-    set_parents();
+    detail::fill_parents(tree().levels(), 1, blocks_);
 }
 
 void PatchGroups::set_box(std::size_t group, const Box& box, double margin) noexcept
@@ -70,22 +60,6 @@ void PatchGroups::set_box(std::size_t group, const Box& box, double margin) noex
         const double high = (box.upper[k] - origin_[k]) * scale_ + margin;
         block.lower[axis][group % width] = static_cast<float>(low);
         block.upper[axis][group % width] = static_cast<float>(high);
-    }
-}
-
-void PatchGroups::set_parents() noexcept
-{
-    const TriangleTree laid_out = tree();
-    const std::span<const TriangleTree::Level> levels = laid_out.levels();
-    for (std::size_t level = 1; level < levels.size(); ++level) {
-        for (std::uint32_t entry = 0; entry < levels[level].entries; ++entry) {
-            const TriangleTreeBlock& below = blocks_[levels[level - 1].first_block + entry];
-            TriangleTreeBlock& here = blocks_[levels[level].first_block + entry / width];
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                here.lower[axis][entry % width] = *std::ranges::min_element(below.lower[axis]);
-                here.upper[axis][entry % width] = *std::ranges::max_element(below.upper[axis]);
-            }
-        }
     }
 }
 

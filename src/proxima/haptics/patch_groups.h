@@ -1,4 +1,5 @@
-// The groups of a patch: what lets a proxy ask it as quickly as the proximity octree.
+// The groups of a patch's own triangles: what lets a proxy ask it as quickly as the proximity
+// octree.
 //
 //     triangles   t0..t7   t8..t15  ...       in the order of the patch, in which neighbours are
 //     near groups      g0       g1       ...       corners as floats (triangle_groups.h) tree boxes
@@ -44,7 +45,6 @@ private:
     static_assert(width == TriangleTree::width);
 
     void set_box(std::size_t group, const Box& box, double margin) noexcept;
-    void set_parents() noexcept;
 
     std::vector<TriangleGroup> groups_;
     std::vector<TriangleTreeBlock> blocks_;

@@ -28,15 +28,14 @@ float rounded_up(double value) noexcept
     return -rounded_down(-value);
 }
 
-void set_entry(TriangleTreeBlock& block, std::size_t entry, const TriangleTreeBlock& boxes) noexcept
+std::uint32_t blocks_for(std::uint32_t entries) noexcept
 {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        block.lower[axis][entry] = *std::ranges::min_element(boxes.lower[axis]);
-        block.upper[axis][entry] = *std::ranges::max_element(boxes.upper[axis]);
-    }
+    return (entries + TriangleTree::width - 1) / TriangleTree::width;
 }
 
-TriangleTreeBlock empty_block() noexcept
+} // namespace
+
+TriangleTreeBlock detail::empty_block() noexcept
 {
     TriangleTreeBlock block{};
     for (auto& coordinates : block.lower) coordinates.fill(float_infinity);
@@ -44,12 +43,21 @@ TriangleTreeBlock empty_block() noexcept
     return block;
 }
 
-std::uint32_t blocks_for(std::uint32_t entries) noexcept
+void detail::fill_parents(std::span<const TriangleTree::Level> levels, std::size_t first,
+                          std::span<TriangleTreeBlock> blocks) noexcept
 {
-    return (entries + TriangleTree::width - 1) / TriangleTree::width;
+    constexpr std::uint32_t width = TriangleTree::width;
+    for (std::size_t level = first; level < levels.size(); ++level) {
+        for (std::uint32_t entry = 0; entry < levels[level].entries; ++entry) {
+            const TriangleTreeBlock& below = blocks[levels[level - 1].first_block + entry];
+            TriangleTreeBlock& here = blocks[levels[level].first_block + entry / width];
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                here.lower[axis][entry % width] = *std::ranges::min_element(below.lower[axis]);
+                here.upper[axis][entry % width] = *std::ranges::max_element(below.upper[axis]);
+            }
+        }
+    }
 }
-
-} // namespace
 
 std::uint32_t TriangleTree::lay_out(std::uint32_t triangles) noexcept
 {
@@ -93,7 +101,7 @@ public:
     {
         tree_.origin_ = bounds.center();
         const std::uint32_t count = tree_.lay_out(static_cast<std::uint32_t>(order.size()));
-        blocks_.assign(count, empty_block());
+        blocks_.assign(count, detail::empty_block());
         const double extent = bounds.extent().maxCoeff();
         if (extent > 0)
             tree_.scale_ = std::ldexp(1.0, std::clamp(-std::ilogb(extent), -1000, 1000));
@@ -129,17 +137,7 @@ public:
         }
     }
 
-    void fill_parents() noexcept
-    {
-        for (std::size_t level = 1; level < tree_.level_count_; ++level) {
-            const std::uint32_t below = tree_.levels_[level - 1].first_block;
-            const std::uint32_t here = tree_.levels_[level].first_block;
-            for (std::uint32_t entry = 0; entry < tree_.levels_[level].entries; ++entry) {
-                set_entry(blocks_[here + entry / TriangleTree::width], entry % TriangleTree::width,
-                          blocks_[below + entry]);
-            }
-        }
-    }
+    void fill_parents() noexcept { detail::fill_parents(tree_.levels(), 1, blocks_); }
 
     [[nodiscard]] std::uint32_t group_blocks() const noexcept
     {

@@ -112,6 +112,14 @@ private:
                                                        const TriangleTreeOptions& options = {});
 
 namespace detail {
+/// No entry anywhere.
+[[nodiscard]] TriangleTreeBlock empty_block() noexcept;
+
+/// Sets the entries' boxes of level `first` and of those above it from the level below each.
+/// \pre first > 0; `blocks` are those of all levels
+void fill_parents(std::span<const TriangleTree::Level> levels, std::size_t first,
+                  std::span<TriangleTreeBlock> blocks) noexcept;
+
 /// The mesh's box, where a tree can be built; its errors.
 [[nodiscard]] Result<Box> checked_tree_bounds(const TriangleMesh& mesh);
 
