@@ -347,7 +347,9 @@ TEST(ClosedPath, over_outer_edges_never_gives_any)
             }
             EXPECT_GE(taken, stored(last) - stored_before + least) << name << seed;
             // Of drops over edges, where the force jumps within a tick: next to nothing.
-            if (depth > 0) EXPECT_GE(least, -2e-3 * stiffness * depth * depth) << name << seed;
+            if (depth > 0) {
+                EXPECT_GE(least, -2e-3 * stiffness * depth * depth) << name << seed;
+            }
         }
     }
 }
