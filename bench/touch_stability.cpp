@@ -1,5 +1,6 @@
 #include "touch_stability.h"
 
+#include "haptics/theory_wall.h"
 #include "haptics/wall_swing.h"
 
 #include <cmath>
@@ -17,39 +18,10 @@ using testing::WallSides;
 
 HandModel free_device(double damping, int delay)
 {
-    HandModel model;
+    HandModel model = testing::without_hand();
     model.device_damping = damping;
     model.delay_ticks = delay;
-    model.hand_stiffness = 0;
-    model.hand_damping = 0;
     return model;
-}
-
-/// Whether a swing against a wall of theory, which fills all space, fades.
-bool fades(const HandModel& model, double stiffness, double damping)
-{
-    constexpr int ticks = 40000;
-    SimulatedHand hand(model, Vec3(1e-3, 0, 0));
-    for (int tick = 0; tick < ticks; ++tick) {
-        const DeviceState state = hand.state();
-        hand.step(-stiffness * state.pose.translation - damping * state.velocity, Vec3::Zero());
-        if (!(hand.position().norm() < 1)) return false;
-    }
-    const double speed = hand.velocity().norm();
-    const double stretch = hand.position().norm();
-    return 0.5 * (model.mass * speed * speed + stiffness * stretch * stretch) <
-           0.5 * stiffness * 1e-6;
-}
-
-double measured_limit(const HandModel& model, double damping)
-{
-    double stable = 1;
-    double unstable = 1e5;
-    while (unstable / stable > 1.0005) {
-        const double middle = std::sqrt(stable * unstable);
-        (fades(model, middle, damping) ? stable : unstable) = middle;
-    }
-    return stable;
 }
 
 /// Returns whether all limits are those of theory.
@@ -64,7 +36,7 @@ bool print_limits()
                 // Late damping is no longer all damping: theory's limit is for none, or no delay.
                 const bool exact = damping == 0 || delay == 0;
                 const double theory = (b + damping) / (1e-3 * (0.5 + delay));
-                const double limit = measured_limit(free_device(b, delay), damping);
+                const double limit = testing::stiffness_limit(free_device(b, delay), damping);
                 std::printf("%6.1f %6.1f %6d %10.1f %10.1f %8.3f%s\n", b, damping, delay, theory,
                             limit, limit / theory, exact ? "" : "  late damping");
                 right = right && (!exact || std::abs(limit / theory - 1) < 0.02);

@@ -3,6 +3,7 @@
 #include "proxima/base/text.h"
 #include "proxima/haptics/dhd_device.h"
 #include "proxima/haptics/hand_device.h"
+#include "proxima/haptics/hand_script.h"
 #include "proxima/haptics/hd_device.h"
 #include "proxima/haptics/udp_device.h"
 
@@ -113,8 +114,13 @@ Result<TouchDevice> open_touch_device(const TouchDeviceSettings& settings, const
     auto script = HandScript::make(rest, mesh, topology, map_of(box, limits, settings.scale),
                                    settings.seed, parts);
     if (!script) return tl::unexpected(script.error());
-    return ready(std::make_unique<HandDevice>(settings.hand, std::move(*script), limits), settings,
-                 box);
+    const Vec3 start = script->target(0);
+    HandTarget target = [path = std::move(*script)](double seconds) {
+        return path.target(seconds);
+    };
+    return ready(
+        std::make_unique<HandDevice>("hand", settings.hand, std::move(target), start, limits),
+        settings, box);
 }
 
 std::string_view word_of(InputCondition condition) noexcept

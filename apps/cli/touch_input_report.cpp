@@ -55,6 +55,35 @@ Json network_json(const UdpReport& network)
             {"unsent", network.unsent}};
 }
 
+/// Above this stiffness a wall of the session's damping swings by itself, as theory has it
+/// (simulated_hand.h), where the hand does not help.
+double stable_stiffness(const HandModel& hand, double damping)
+{
+    return (hand.device_damping + damping) / (hand.tick_seconds * (0.5 + hand.delay_ticks));
+}
+
+Json hand_json(const HandModel& hand, double damping)
+{
+    return {{"mass", hand.mass},
+            {"stiffness", hand.hand_stiffness},
+            {"damping", hand.hand_damping},
+            {"device_damping", hand.device_damping},
+            {"device_friction", hand.coulomb_friction},
+            {"encoder_step", hand.encoder_step},
+            {"delay", hand.delay_ticks},
+            {"stable_stiffness", stable_stiffness(hand, damping)}};
+}
+
+std::string hand_text(const HandModel& hand, double damping)
+{
+    return fmt::format("hand: {:g} kg, pulled by {:g} N/m and {:g} N s/m; its device {:g} N s/m, "
+                       "friction {:g} N, encoder step {:g} mm, forces late by {} ticks: without "
+                       "the hand's help a wall swings by itself from {:.4g} N/m on\n",
+                       hand.mass, hand.hand_stiffness, hand.hand_damping, hand.device_damping,
+                       hand.coulomb_friction, 1e3 * hand.encoder_step, hand.delay_ticks,
+                       stable_stiffness(hand, damping));
+}
+
 std::string info_text(const DeviceInfo& info)
 {
     std::string text = info.model;
@@ -65,7 +94,7 @@ std::string info_text(const DeviceInfo& info)
 
 } // namespace
 
-std::string device_text(const DeviceAccount& account)
+std::string device_text(const DeviceAccount& account, double damping)
 {
     const InputReport& input = account.input;
     std::string text = fmt::format(
@@ -81,6 +110,7 @@ std::string device_text(const DeviceAccount& account)
                             "good sample at most\n",
                             input.recoveries, input.longest_recovery);
     }
+    if (account.hand) text += hand_text(*account.hand, damping);
     if (account.button_events > 0 || input.clutched_ticks > 0) {
         text += fmt::format("buttons: {} events, clutch open in {} ticks\n", account.button_events,
                             input.clutched_ticks);
@@ -98,10 +128,11 @@ std::string device_text(const DeviceAccount& account)
     return text;
 }
 
-void add_device_json(Json& json, const DeviceAccount* account)
+void add_device_json(Json& json, const DeviceAccount* account, double damping)
 {
     const bool there = account != nullptr;
     json["device_info"] = there ? info_json(account->info, account->limits) : Json();
+    json["hand"] = there && account->hand ? hand_json(*account->hand, damping) : Json();
     json["input"] = there ? input_json(account->input) : Json();
     json["network"] = there && account->network ? network_json(*account->network) : Json();
     json["button_events"] = there ? Json(account->button_events) : Json();

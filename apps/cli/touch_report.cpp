@@ -67,7 +67,7 @@ std::string touch_text(const TouchReportOf& of, const TouchModel& model, const T
         quality.taken_energy, result.clamped, result.slewed, result.damped, result.softened,
         result.lowest_softness, result.lowest_energy, microseconds(result.render));
     text += objects_text(model, quality);
-    if (result.device) text += device_text(*result.device);
+    if (result.device) text += device_text(*result.device, render.force.damping);
     if (of.differences) {
         text += fmt::format("replayed: {} ticks differ from the recording\n", *of.differences);
     } else if (of.paced) {
@@ -133,7 +133,7 @@ Json touch_json(const TouchReportOf& of, const TouchModel& model, const TouchRes
                  {"replay_differences", nullptr},
                  {"patches", nullptr},
                  {"objects", objects_json(model, quality)}};
-    add_device_json(json, result.device ? &*result.device : nullptr);
+    add_device_json(json, result.device ? &*result.device : nullptr, render.force.damping);
     if (of.differences) {
         json["replay_differences"] = *of.differences;
     } else if (of.paced) {

@@ -2,6 +2,7 @@
 
 #include "cli/model_options.h"
 #include "cli/stopwatch.h"
+#include "proxima/haptics/hand_device.h"
 #include "proxima/haptics/shading_normals.h"
 #include "proxima/haptics/snapshot.h"
 #include "proxima/proximity/build_proximity_octree.h"
@@ -283,11 +284,14 @@ Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings
                                   .limits = limits,
                                   .input = input.report(),
                                   .network = {},
+                                  .hand = {},
                                   .button_events = events,
                                   .interrupted = last < ticks,
                                   .trouble = device.trouble()};
     if (const auto* const udp = dynamic_cast<const UdpDevice*>(&device))
         result.device->network = udp->report();
+    if (const auto* const held = dynamic_cast<const HandDevice*>(&device))
+        result.device->hand = held->hand().model();
     if (settings.record) {
         recorded_ticks.resize(count);
         result.recording.settings = {.mesh_fingerprint = fingerprint_of(model),

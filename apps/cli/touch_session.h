@@ -63,6 +63,7 @@ struct DeviceAccount {
     DeviceLimits limits; ///< as used
     InputReport input;
     std::optional<UdpReport> network; ///< of a device over UDP
+    std::optional<HandModel> hand;    ///< of a simulated one
     std::uint64_t button_events = 0;
     bool interrupted = false; ///< by the user, before its time
     std::string trouble;      ///< "" for none

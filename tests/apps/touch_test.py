@@ -108,6 +108,31 @@ class Touching(ProgramTest):
         self.assertEqual(feel(3), feel(3))
         self.assertNotEqual(feel(3), feel(4))
 
+    def test_the_hand_is_as_it_was_asked_for(self):
+        usual = ("touch", "cube", "--device", "hand:press", "--seconds", 2, "--free-running")
+        result = self.json_of(*usual)
+        self.assertEqual(result["hand"], {"mass": 0.1, "stiffness": 150, "damping": 5, "device_damping": 0.5, "device_friction": 0,
+                                          "encoder_step": 0, "delay": 0, "stable_stiffness": 3000})
+        other = self.json_of(*usual, "--hand-mass", 0.2, "--hand-stiffness", 80, "--hand-damping", 2, "--device-damping", 0.3,
+                             "--device-friction", 0.02, "--encoder-step", 2e-5, "--delay", 2)
+        self.assertEqual(other["hand"], {"mass": 0.2, "stiffness": 80, "damping": 2, "device_damping": 0.3, "device_friction": 0.02,
+                                         "encoder_step": 2e-5, "delay": 2, "stable_stiffness": 520})
+        # Half as stiff a hand presses about half as much; pulled by nothing it touches nothing.
+        self.assertTrue(0.35 * result["max_force"] < other["max_force"] < 0.8 * result["max_force"])
+        self.assertEqual(self.json_of(*usual, "--hand-stiffness", 0)["max_force"], 0)
+        self.assertIn("late by 1 ticks: without the hand's help a wall swings by itself from 1000 N/m on",
+                      self.succeed(*usual, "--delay", 1))
+
+    def test_late_forces_swing(self):
+        """What the stability table says of walls holds on the command line too."""
+        bare = ("touch", "cube", "--device", "hand:press", "--seconds", 4, "--free-running", "--damping", 0, "--hand-damping", 0,
+                "--friction", 0)
+        late = self.json_of(*bare, "--stiffness", 700, "--device-damping", 0.1, "--delay", 3)
+        fresh = self.json_of(*bare, "--stiffness", 300, "--device-damping", 0.5)
+        self.assertLess(late["hand"]["stable_stiffness"], 30)
+        self.assertGreater(late["softened_ticks"], 100)
+        self.assertEqual(fresh["softened_ticks"], 0)
+
     def test_limits_are_the_device_s(self):
         arguments = ("touch", "cube", "--device", "hand:press", "--seconds", 1, "--free-running", "--stiffness", 9000)
         for name, force, stiffness in (("touch", 3.3, 400), ("omni", 3.3, 700), ("falcon", 8, 3000)):
@@ -327,7 +352,9 @@ class Refusing(ProgramTest):
         good = ("touch", "cube", "--device", "hand:press")
         for option in ("--seconds=0", "--seconds=nan", "--seconds=-1", "--stiffness=-1", "--damping=-1", "--radius=-1",
                        "--friction=-0.1", "--limits=hammer", "--seed=-1", "--scale=0", "--axes=x,y", "--axes=x,x,z",
-                       "--axes=y,x,z", "--clutch=0", "--clutch=33"):
+                       "--axes=y,x,z", "--clutch=0", "--clutch=33", "--hand-mass=0", "--hand-mass=nan", "--hand-stiffness=-1",
+                       "--hand-damping=-1", "--device-damping=-1", "--device-friction=-1", "--encoder-step=-1", "--encoder-step=1",
+                       "--delay=-1", "--delay=65", "--delay=1.5"):
             self.refuse(*good, option, status=2, says=option.split("=")[0])
         self.refuse("touch", "cube", "--device", "udp:9", "--free-running", says=("--free-running", "simulated hand"))
 
@@ -335,7 +362,7 @@ class Refusing(ProgramTest):
         session = self.folder / "session.pxt"
         self.succeed("touch", "cube", "--device", "hand:press", "--seconds", 0.1, "--free-running", "--record", session)
         for option, value in (("--record", "again.pxt"), ("--stiffness", 100), ("--seconds", 1), ("--patch", "metric"),
-                              ("--limits", "touch"), ("--free-running", None)):
+                              ("--limits", "touch"), ("--free-running", None), ("--hand-mass", 0.2), ("--delay", 1)):
             extra = (option,) if value is None else (option, value)
             self.refuse("touch", "cube", "--device", f"replay:{session}", *extra, says=(option, "as it was recorded"))
         good = ("touch", "cube", "--device", "hand:press")
@@ -343,7 +370,8 @@ class Refusing(ProgramTest):
         self.refuse(*good, "--device-library", "libHD.so", says=("--device-library", "hd and dhd"))
         self.refuse(*good, "--patch", "metric", "--record", self.folder / "a.pxt", says=("--record", "--patch"))
         self.refuse(*good, "--seconds", 86400, "--record", self.folder / "a.pxt", says=("--record", "GB", "--seconds"))
-        self.refuse("touch", "cube", "--device", "udp:9", "--seed", 4, says=("--seed", "simulated hand"))
+        for option in ("--seed", "--hand-mass", "--hand-stiffness", "--hand-damping", "--device-damping", "--device-friction", "--delay"):
+            self.refuse("touch", "cube", "--device", "udp:9", option, 4, says=(option, "simulated hand"))
         for seed in ("99999999999999999999999", "-1", "1.5"):
             self.refuse(*good, "--seed", seed, status=2, says=("--seed", "whole number"))
 

@@ -1,5 +1,6 @@
 #include "proxima/haptics/simulated_hand.h"
 
+#include "haptics/theory_wall.h"
 #include "proxima/haptics/passivity.h"
 
 #include <gtest/gtest.h>
@@ -10,51 +11,10 @@
 namespace proxima {
 namespace {
 
-/// A wall of stiffness and damping that fills all space, as theory has it.
-struct Wall {
-    double stiffness = 0;
-    double damping = 0;
-
-    [[nodiscard]] Vec3 force(const DeviceState& state) const
-    {
-        return -stiffness * state.pose.translation - damping * state.velocity;
-    }
-};
-
-HandModel without_hand()
-{
-    HandModel model;
-    model.hand_stiffness = 0;
-    model.hand_damping = 0;
-    return model;
-}
-
-/// The largest |x| in the last tenth of some ticks, let go a millimetre away.
-double swing(const HandModel& model, const Wall& wall, int ticks)
-{
-    SimulatedHand hand(model, Vec3(1e-3, 0, 0));
-    double largest = 0;
-    for (int tick = 0; tick < ticks; ++tick) {
-        hand.step(wall.force(hand.state()), Vec3::Zero());
-        const double x = std::abs(hand.position().x());
-        if (!(x < 1)) return 1;
-        if (tick >= ticks - ticks / 10) largest = std::max(largest, x);
-    }
-    return largest;
-}
-
-/// The stiffness at which a swing neither grows nor fades, by halving.
-double stiffness_limit(const HandModel& model, double damping)
-{
-    double stable = 1;
-    double unstable = 1e5;
-    while (unstable / stable > 1.0005) {
-        const double middle = std::sqrt(stable * unstable);
-        const bool fades = swing(model, {middle, damping}, 40000) < 1e-3;
-        (fades ? stable : unstable) = middle;
-    }
-    return stable;
-}
+using testing::stiffness_limit;
+using testing::theory_swing;
+using testing::TheoryWall;
+using testing::without_hand;
 
 TEST(SimulatedHand, limits_of_stability_are_those_of_theory)
 {
@@ -80,10 +40,10 @@ TEST(SimulatedHand, friction_quiets_an_encoder_up_to_its_limit)
     model.coulomb_friction = 0.02;
     const double limit = 2 * model.coulomb_friction / model.encoder_step; // 800 N/m
     ASSERT_LT(limit, 2 * model.device_damping / model.tick_seconds);
-    EXPECT_LT(swing(model, {0.9 * limit, 0}, 20000), 2 * model.encoder_step);
+    EXPECT_LT(theory_swing(model, {0.9 * limit, 0}, 20000), 2 * model.encoder_step);
     SimulatedHand hand(model, Vec3(1e-3, 0, 0));
     for (int tick = 0; tick < 20000; ++tick)
-        hand.step(Wall{0.9 * limit, 0}.force(hand.state()), Vec3::Zero());
+        hand.step(TheoryWall{0.9 * limit, 0}.force(hand.state()), Vec3::Zero());
     EXPECT_EQ(hand.velocity(), Vec3::Zero()); // at rest, not in a cycle
 }
 
@@ -149,7 +109,7 @@ struct Guarded {
     std::uint64_t damped = 0;
 };
 
-Guarded guarded_swing(const HandModel& model, const Wall& wall, double max_damping)
+Guarded guarded_swing(const HandModel& model, const TheoryWall& wall, double max_damping)
 {
     SimulatedHand hand(model, Vec3(1e-3, 0, 0));
     PassivityGuard guard(max_damping);
@@ -172,14 +132,14 @@ TEST(PassivityGuard, catches_walls_that_are_too_stiff)
 {
     HandModel model = without_hand();
     for (const double factor : {1.2, 1.5, 2.0, 3.0}) {
-        const Wall wall{factor * 1000, 0};
-        EXPECT_GT(swing(model, wall, 20000), 1e-2) << factor; // it would have grown
+        const TheoryWall wall{factor * 1000, 0};
+        EXPECT_GT(theory_swing(model, wall, 20000), 1e-2) << factor; // it would have grown
         const Guarded guarded = guarded_swing(model, wall, 30);
         EXPECT_LT(guarded.largest, 1.5e-3) << factor;
         EXPECT_GT(guarded.damped, 0U) << factor;
     }
     model.delay_ticks = 1;
-    EXPECT_GT(swing(model, {500, 0}, 20000), 1e-2);
+    EXPECT_GT(theory_swing(model, {500, 0}, 20000), 1e-2);
     EXPECT_LT(guarded_swing(model, {500, 0}, 30).largest, 1.5e-3);
 }
 
@@ -197,7 +157,7 @@ TEST(PassivityGuard, catches_what_damping_that_a_device_bears_cannot)
             HandModel model = without_hand();
             model.device_damping = b;
             model.delay_ticks = delay;
-            EXPECT_GT(swing(model, {stiffness, 0}, 20000), 1e-2);
+            EXPECT_GT(theory_swing(model, {stiffness, 0}, 20000), 1e-2);
             EXPECT_LT(guarded_swing(model, {stiffness, 0}, max_damping).largest, 1e-3)
                 << stiffness << ' ' << b << ' ' << max_damping << ' ' << delay;
         }

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
@@ -165,17 +166,41 @@ TEST(SwingWatch, a_quick_release_is_no_swing)
     }
 }
 
-TEST(SwingWatch, growing_swings_are_seen_within_a_few_turns)
+/// The tick in which a swing of 0.5 mm is seen that grows by so much a turn, up to e^2; -1 for
+/// never.
+int seen_swing(double per_second, double growth, double encoder_step)
 {
     SwingWatch watch;
-    int seen = -1;
-    for (int tick = 0; tick < 2000 && seen < 0; ++tick) {
+    for (int tick = 0; tick < 2000; ++tick) {
         const double t = 1e-3 * tick;
-        const double x = 5e-4 * std::exp(3 * t) * std::sin(2 * 3.14159265358979 * 12 * t);
-        if (watch.watch(Vec3(x, 0, 0), Vec3(-500 * x, 0, 0), 1e-3) > 0) seen = tick;
+        const double size = 5e-4 * std::exp(std::clamp(2 * per_second * growth * t, -9.0, 2.0));
+        double x = size * std::sin(2 * 3.14159265358979 * per_second * t + 0.3);
+        if (encoder_step > 0) x = std::round(x / encoder_step) * encoder_step;
+        if (watch.watch(Vec3(x, 0, 0), Vec3(-500 * x, 0, 0), 1e-3) > 0) return tick;
     }
-    EXPECT_GT(seen, 50);
-    EXPECT_LT(seen, 400);
+    return -1;
+}
+
+TEST(SwingWatch, growing_swings_are_seen_within_a_few_turns_at_every_rate)
+{
+    // Up to nearly half the rate of the ticks.
+    for (double per_second = 10; per_second < 480; per_second *= 1.03) {
+        for (const double encoder_step : {0.0, 5e-5}) {
+            const int seen = seen_swing(per_second, 0.1, encoder_step);
+            EXPECT_GE(seen, 0) << per_second << ' ' << encoder_step;
+            // In turns; where speeds are means of many ticks of a turn, some more go by.
+            EXPECT_LT(seen * 2e-3 * per_second, 20) << per_second << ' ' << encoder_step;
+        }
+    }
+}
+
+TEST(SwingWatch, fading_swings_are_none_at_any_rate)
+{
+    // Nearer to half the rate of the ticks, what is seen of a swing beats, and rises now and then.
+    for (double per_second = 10; per_second < 400; per_second *= 1.03) {
+        for (const double encoder_step : {0.0, 5e-5})
+            EXPECT_EQ(seen_swing(per_second, -0.1, encoder_step), -1) << per_second;
+    }
 }
 
 } // namespace

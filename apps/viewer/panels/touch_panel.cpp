@@ -1,10 +1,11 @@
 // Touching a model with the mouse or a haptic device: device, proxy and force, as section 5.1 has
 // them.
 #include "proxima/base/text.h"
+#include "proxima/haptics/hand_device.h"
+#include "proxima/haptics/snapshot.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/panels/panels.h"
 #include "viewer/panels/placed_point.h"
-#include "viewer/panels/pulled_hand.h"
 #include "viewer/panels/touch_device_choice.h"
 #include "viewer/panels/touch_engine.h"
 #include "viewer/scene_shapes.h"
@@ -51,16 +52,23 @@ Vec3 start_of(const TouchPanelSettings& settings, const ViewModel& model)
     return settings.target.at + 0.3 * model.box.extent().norm() * outward.stableNormalized();
 }
 
+/// Where the mouse's hand wants to go, m of the device: from the window's thread to the device's.
+using MouseTarget = Snapshot<Vec3>;
+
 /// The mouse's hand, which wants to go to the target.
-TouchDevice pulled_hand(const std::shared_ptr<HandTarget>& target,
+TouchDevice pulled_hand(const std::shared_ptr<MouseTarget>& target,
                         const TouchPanelSettings& settings, const ViewModel& model)
 {
     TouchDevice made;
     made.limits = limits_of_mouse();
     made.map = fit_workspace(model.box, made.limits.workspace_radius);
-    made.device = std::make_unique<PulledHand>(
-        target, made.limits, HandModel{.tick_seconds = TouchSession::tick_seconds},
-        made.map.to_device(start_of(settings, model)));
+    made.device = std::make_unique<HandDevice>(
+        "mouse", HandModel{.tick_seconds = TouchSession::tick_seconds},
+        [target](double) {
+            target->update();
+            return target->reading();
+        },
+        made.map.to_device(start_of(settings, model)), made.limits);
     return made;
 }
 
@@ -186,7 +194,7 @@ public:
             picture.layers = model_layers(models, Smoothing::smooth);
             if (pictures == Pictures::still) {
                 constexpr int ticks = 1000;
-                const auto target = std::make_shared<HandTarget>(wanted_place(settings, *model));
+                const auto target = std::make_shared<MouseTarget>(wanted_place(settings, *model));
                 TouchSession session(*touchable->surface, pulled_hand(target, settings, *model),
                                      settings.touch);
                 for (int i = 0; i < ticks; ++i) session.tick();
@@ -259,7 +267,7 @@ private:
         problem_.clear();
         TouchOptions options = settings_.touch;
         if (settings_.by_mouse()) {
-            target_ = std::make_shared<HandTarget>(wanted_place(settings_, touched));
+            target_ = std::make_shared<MouseTarget>(wanted_place(settings_, touched));
             engine_ = std::make_unique<TouchEngine>(
                 *touched_->surface,
                 [target = target_, settings = settings_, model = touched_->model] {
@@ -286,7 +294,7 @@ private:
     Pictures pictures_;
     std::shared_ptr<TouchSlot> slot_ = std::make_shared<TouchSlot>();
     std::shared_ptr<const Touchable> touched_;
-    std::shared_ptr<HandTarget> target_;
+    std::shared_ptr<MouseTarget> target_;
     std::string problem_;                 ///< of the device's settings
     std::unique_ptr<TouchEngine> engine_; // uses what is touched
 };

@@ -1,19 +1,30 @@
-// The simulated hand (simulated_hand.h) that follows a script, as a device.
+// The simulated hand (simulated_hand.h) that is pulled somewhere, by a script or by a mouse, as a
+// device.
 #pragma once
 
 #include "proxima/haptics/device.h"
-#include "proxima/haptics/hand_script.h"
 #include "proxima/haptics/simulated_hand.h"
 
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <utility>
+
 namespace proxima {
+
+/// Where a hand wants to go, m, at a time of the session, s. Called by the device's thread in every
+/// tick: must neither throw nor allocate.
+using HandTarget = std::function<Vec3(double seconds)>;
 
 /// Each tick is one of the hand's model, whatever the clock says: the same forces paced or not.
 class HandDevice final : public Device {
 public:
-    HandDevice(const HandModel& model, HandScript script, const DeviceLimits& limits)
-        : script_(std::move(script)), hand_(model, script_.target(0))
+    /// At rest at `start`. \pre as SimulatedHand, and there is a target
+    HandDevice(std::string name, const HandModel& model, HandTarget target, const Vec3& start,
+               const DeviceLimits& limits)
+        : target_(std::move(target)), hand_(model, start)
     {
-        info_.name = "hand";
+        info_.name = std::move(name);
         info_.model = "a simulated hand";
         info_.limits = limits;
         info_.pushes = false;
@@ -28,11 +39,11 @@ public:
     void write(const DeviceCommand& command) noexcept override
     {
         const double seconds = static_cast<double>(tick_++) * hand_.model().tick_seconds;
-        hand_.step(command.force, script_.target(seconds));
+        hand_.step(command.force, target_(seconds));
     }
 
 private:
-    HandScript script_;
+    HandTarget target_;
     SimulatedHand hand_;
     DeviceInfo info_;
     std::uint64_t tick_ = 0;

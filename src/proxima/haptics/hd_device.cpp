@@ -35,7 +35,7 @@ constexpr HdEnum current_buttons = 0x2000;
 constexpr HdEnum current_velocity = 0x2051;
 constexpr HdEnum current_transform = 0x2052;
 constexpr HdEnum current_force = 0x2700;
-constexpr HdEnum version = 0x2500;
+constexpr HdEnum api_version = 0x2500;
 constexpr HdEnum model_type = 0x2501;
 constexpr HdEnum driver_version = 0x2502;
 constexpr HdEnum vendor = 0x2503;
@@ -193,7 +193,7 @@ void HdDevice::describe_device(const HdOptions& options)
     info_.model =
         concat(hd_text(api_.get_string(vendor)), " ", hd_text(api_.get_string(model_type)));
     info_.serial = hd_text(api_.get_string(serial_number));
-    info_.driver = concat(library_.path(), ", HD API ", hd_text(api_.get_string(version)),
+    info_.driver = concat(library_.path(), ", HD API ", hd_text(api_.get_string(api_version)),
                           ", driver ", hd_text(api_.get_string(driver_version)));
     const DeviceLimits touch = *find_device("touch");
     info_.limits.name = "hd";

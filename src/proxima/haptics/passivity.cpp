@@ -10,6 +10,7 @@ namespace {
 constexpr double least_softness = 1e-3;
 constexpr double first_recovery = 8; ///< s, in which s doubles after the first swing
 constexpr double longest_recovery = 512;
+constexpr double fading_damping = 3; ///< of all damping over sqrt(s): from s = 0.09 on it is less
 
 } // namespace
 
@@ -34,11 +35,13 @@ void PassivityGuard::recover(double seconds) noexcept
     if (softness_ >= 1) recovery_ = 0;
 }
 
-/// What the device bears beside a wall's damping and the softening's.
+/// What the device bears beside a wall's damping and the softening's. Where next to nothing of the
+/// wall is left and it swings all the same, held damping may be what swings: it goes as well.
 double PassivityGuard::most_alpha() const noexcept
 {
     if (softness_ >= 1) return max_damping_;
-    return max_damping_ * (1 - softness_) - added_damping();
+    const double bearable = std::min(1 - softness_, fading_damping * std::sqrt(softness_));
+    return std::max(max_damping_ * bearable - added_damping(), 0.0);
 }
 
 /// Never pulls against the force because of its own damping.

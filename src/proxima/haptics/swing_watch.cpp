@@ -81,6 +81,11 @@ double SwingWatch::watch(const Vec3& position, const Vec3& force, double seconds
     }
     const Vec3 velocity = (position - before) / (over * seconds);
     double proven = judge_last(velocity);
+    if (is_away()) {
+        quick_.restart();
+    } else {
+        proven = std::max(proven, quick_.watch(position));
+    }
     const double speed = velocity.dot(along_);
     if (leg_ == Leg::out && (is_away() || speed < 0)) {
         if (out_.length < least_swing / 2 && !is_away()) {

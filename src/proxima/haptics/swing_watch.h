@@ -9,9 +9,13 @@
 // some once: several turns in succession count, each only so much, and of turns that a hand could
 // make by itself little; one alone counts that came in faster than hands tremble and goes out twice
 // as fast within a twentieth of a second.
+//
+// Speeds are means of four ticks, for encoders have steps: swings of 12 ticks and less fade in
+// them, and are seen by where they turn (quick_swings.h).
 #pragma once
 
 #include "proxima/geometry/vec.h"
+#include "proxima/haptics/quick_swings.h"
 
 #include <array>
 #include <cstddef>
@@ -63,6 +67,7 @@ private:
     double since_turn_ = 0;   ///< s
     double growth_ = 0;       ///< L
     int turns_ = 0;           ///< in succession, with growth
+    QuickSwings quick_;
 };
 
 } // namespace proxima

@@ -1,0 +1,270 @@
+#include "cli/touch_options.h"
+
+#include "cli/names.h"
+#include "proxima/base/text.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <fmt/core.h>
+#include <span>
+#include <utility>
+
+namespace proxima {
+
+namespace {
+
+/// Of the hand:SCRIPT itself, and of the device that it holds.
+constexpr std::array hand_options = {
+    "--seed",           "--free-running",    "--hand-mass",    "--hand-stiffness", "--hand-damping",
+    "--device-damping", "--device-friction", "--encoder-step", "--delay"};
+
+/// What a recording says of its own session, beside these.
+constexpr std::array recorded_options = {
+    "--seconds", "--limits",         "--stiffness",     "--damping", "--radius", "--friction",
+    "--shading", "--force",          "--scale",         "--axes",    "--clutch", "--device-library",
+    "--patch",   "--collision-rate", "--graphics-rate", "--record"};
+constexpr std::array driver_options = {"--device-library"};
+
+std::string names_of_devices()
+{
+    std::string names;
+    for (const DeviceLimits& device : known_devices())
+        names += (names.empty() ? "" : ", ") + std::string(device.name);
+    return names;
+}
+
+/// Penalty forces have no proxy that any of this could be of.
+Status check_penalty(const TouchOptions& options)
+{
+    if (options.force != "penalty") return {};
+    const std::array<std::pair<const char*, bool>, 5> unfit = {
+        {{"--radius", options.radius > 0},
+         {"--friction", options.is_given("--friction") && options.friction > 0},
+         {"--shading", options.shading},
+         {"--patch", !options.patches.empty()},
+         {"--object, --pose, --motion and --material", options.objects.any()}}};
+    for (const auto& [option, is_there] : unfit) {
+        if (!is_there) continue;
+        return fail(ErrorCode::invalid_argument,
+                    concat("penalty is of a point and one model at rest: leave out ", option),
+                    "--force");
+    }
+    return {};
+}
+
+/// A finite number of a range: CLI::Range lets through what is no number.
+CLI::Validator number_from(double least, double most)
+{
+    const auto problem = [least, most](const std::string& text) {
+        const auto numbers = parse_finite_numbers(text);
+        const bool right = numbers && numbers->size() == 1 && numbers->front() >= least &&
+                           numbers->front() <= most;
+        return right ? std::string()
+                     : fmt::format("{} is no number from {:g} to {:g}", text, least, most);
+    };
+    return {problem, fmt::format("in [{:g} - {:g}]", least, most)};
+}
+
+/// The simulated hand and the device that it holds.
+void add_hand_options(CLI::App& parser, HandModel& hand)
+{
+    const auto add = [&](const char* name, double& value, const char* what, const char* unit,
+                         double least, double most) {
+        parser.add_option(name, value, what)
+            ->check(number_from(least, most))
+            ->capture_default_str()
+            ->type_name(unit);
+    };
+    add("--hand-mass", hand.mass, "Of a simulated hand and the device in it, kg", "M", 1e-3, 1e3);
+    add("--hand-stiffness", hand.hand_stiffness,
+        "Of the spring that pulls a simulated hand along its script, N/m; 0 lets go", "K", 0, 1e5);
+    add("--hand-damping", hand.hand_damping, "Beside that spring, N s/m", "B", 0, 1e3);
+    add("--device-damping", hand.device_damping,
+        "Of the device in a simulated hand, viscous, N s/m", "B", 0, 1e3);
+    add("--device-friction", hand.coulomb_friction, "Of the device in a simulated hand, dry, N",
+        "F", 0, 1e2);
+    add("--encoder-step", hand.encoder_step, "Of the device in a simulated hand, m; 0 for none",
+        "M", 0, 1e-2);
+    parser
+        .add_option("--delay", hand.delay_ticks,
+                    "Ticks by which a simulated hand feels forces late")
+        ->check(CLI::Range(0, max_hand_delay))
+        ->capture_default_str()
+        ->type_name("TICKS");
+}
+
+} // namespace
+
+bool TouchOptions::is_given(std::string_view name) const
+{
+    return std::ranges::find(given, name) != given.end();
+}
+
+TouchSettings settings_of(const TouchOptions& options)
+{
+    TouchSettings settings;
+    settings.device.device = options.device;
+    settings.device.library = options.library;
+    settings.device.limits = find_device(options.limits);
+    settings.device.scale = options.scale;
+    settings.device.seed = options.seed;
+    settings.device.hand = options.hand;
+    settings.input.clutch_buttons = options.clutch > 0 ? 1U << (options.clutch - 1) : 0U;
+    settings.input.tick_seconds = settings.device.hand.tick_seconds;
+    if (!options.axes.empty()) settings.input.rotation = *parse_axes(options.axes);
+    settings.seconds = options.seconds;
+    settings.render.force.stiffness = options.stiffness;
+    settings.render.force.damping = options.damping;
+    settings.render.proxy_radius = options.radius;
+    settings.render.static_friction = options.friction;
+    settings.render.dynamic_friction = 0.75 * options.friction;
+    settings.render.shading = options.shading ? ForceShading::on : ForceShading::off;
+    if (options.force == "penalty") {
+        settings.render.law = ForceLaw::penalty;
+        settings.render.static_friction = settings.render.dynamic_friction = 0;
+    }
+    settings.pace = options.free_running ? Pace::unpaced : Pace::real_time;
+    settings.record = !options.record.empty();
+    settings.graphics_rate = options.graphics_rate;
+    return settings;
+}
+
+SurfaceMaterial usual_material(const TouchOptions& options)
+{
+    return {.stiffness = options.stiffness,
+            .damping = options.damping,
+            .static_friction = options.friction,
+            .dynamic_friction = 0.75 * options.friction};
+}
+
+Status check_options(const TouchOptions& options)
+{
+    const auto refuse = [&](std::span<const char* const> names, const char* why) -> Status {
+        const auto found =
+            std::ranges::find_if(names, [&](const char* name) { return options.is_given(name); });
+        if (found == names.end()) return {};
+        return fail(ErrorCode::invalid_argument, why, *found);
+    };
+    const std::string kind = options.device.substr(0, options.device.find(':'));
+    Status status;
+    if (kind == "replay") {
+        const char* const why = "a replay is felt as it was recorded: leave it out";
+        status = refuse(recorded_options, why);
+        return status ? refuse(hand_options, why) : status;
+    }
+    if (kind != "hand") {
+        status = refuse(hand_options,
+                        "is for a simulated hand: other devices go their own ways and keep time");
+    }
+    if (status && kind != "hd" && kind != "dhd")
+        status = refuse(driver_options, "is for hd and dhd: leave it out");
+    if (!status) return status;
+    if (options.is_given("--collision-rate") && !options.is_given("--patch")) {
+        return fail(ErrorCode::invalid_argument, "is of patches: give --patch, or leave it out",
+                    "--collision-rate");
+    }
+    if (options.is_given("--record") && options.is_given("--patch")) {
+        return fail(ErrorCode::invalid_argument,
+                    "is for sessions that touch the whole model: a replay cannot know which patch "
+                    "came when. Leave it or --patch out",
+                    "--record");
+    }
+    return check_penalty(options);
+}
+
+void add_touch_options(CLI::App& parser, TouchOptions& options)
+{
+    parser.add_option("--seconds", options.seconds, "How long the device touches")
+        ->check(number_from(0.001, 86400.0))
+        ->capture_default_str()
+        ->type_name("S");
+    parser.add_option("--seed", options.seed, "Of the hand's script")
+        ->check([](const std::string& text) {
+            return parse_whole(text) ? std::string()
+                                     : concat(text, " is no whole number from 0 to 2^64 - 1");
+        })
+        ->capture_default_str()
+        ->type_name("N");
+    add_hand_options(parser, options.hand);
+    parser
+        .add_option("--limits", options.limits,
+                    "Whose force, stiffness, damping and workspace are the most: " +
+                        names_of_devices() + "; the device's own without it, an omni's of a hand")
+        ->check([](const std::string& name) {
+            return find_device(name) ? std::string()
+                                     : concat(name, " is no device: they are ", names_of_devices());
+        })
+        ->type_name("NAME");
+    parser.add_option("--stiffness", options.stiffness, "Of the surface, N/m")
+        ->check(number_from(0.0, 1e5))
+        ->capture_default_str()
+        ->type_name("K");
+    parser.add_option("--damping", options.damping, "Of the surface, N s/m")
+        ->check(number_from(0.0, 1e3))
+        ->capture_default_str()
+        ->type_name("B");
+    parser.add_option("--radius", options.radius, "Of the proxy, m; 0 is a point")
+        ->check(number_from(0.0, 0.1))
+        ->capture_default_str()
+        ->type_name("R");
+    parser
+        .add_option("--friction", options.friction,
+                    "Static friction; the dynamic one is three quarters of it")
+        ->check(number_from(0.0, 10.0))
+        ->capture_default_str()
+        ->type_name("MU");
+    parser.add_flag("--shading", options.shading,
+                    "Let forces lean along smooth normals, over edges that are not sharp");
+    parser
+        .add_option("--force", options.force,
+                    "What a spring pulls towards: a proxy that stays outside, or penalty, the "
+                    "baseline: the nearest place of the surface")
+        ->check(CLI::IsMember({"proxy", "penalty"}))
+        ->capture_default_str()
+        ->type_name("LAW");
+    parser.add_flag("--free-running", options.free_running,
+                    "Tick after tick without waiting: the same forces, sooner");
+    parser
+        .add_option("--scale", options.scale,
+                    "Motions in the model, over those that fit it into the workspace")
+        ->check(number_from(1e-3, 1e3))
+        ->capture_default_str()
+        ->type_name("F");
+    parser.add_option("--axes", options.axes, "What x, y and z are of the device's axes: x,-z,y")
+        ->check([](const std::string& text) {
+            const auto axes = parse_axes(text);
+            return axes ? std::string() : axes.error().message;
+        })
+        ->type_name("AXES");
+    parser
+        .add_option("--clutch", options.clutch,
+                    "The button (from 1) that lets the device move without what it holds")
+        ->check(CLI::Range(1, 32))
+        ->type_name("BUTTON");
+    parser
+        .add_option("--device-library", options.library,
+                    "The file of libHD.so or libdhd.so, for hd and dhd")
+        ->type_name("FILE");
+    parser
+        .add_option("--patch", options.patches,
+                    "Touch patches of a collision loop: metric, or the thesis's adjacency depth; "
+                    "several to compare: metric,1,2,3")
+        ->check([](const std::string& text) {
+            const auto kinds = parse_patch_kinds(text);
+            return kinds ? std::string() : kinds.error().message;
+        })
+        ->type_name("KINDS");
+    parser.add_option("--collision-rate", options.collision_rate, "Patches per second")
+        ->check(number_from(1.0, 1000.0))
+        ->capture_default_str()
+        ->type_name("HZ");
+    parser.add_option("--graphics-rate", options.graphics_rate, "Of what a terminal shows")
+        ->check(number_from(1.0, 1000.0))
+        ->capture_default_str()
+        ->type_name("HZ");
+    parser.add_option("--record", options.record, "Write the session, to be replayed (.pxt)")
+        ->type_name("FILE");
+}
+
+} // namespace proxima

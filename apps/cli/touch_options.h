@@ -1,0 +1,57 @@
+// What `proxima touch` is told on its command line, and what of it goes together.
+#pragma once
+
+#include "cli/touch_objects.h"
+#include "cli/touch_session.h"
+#include "proxima/base/result.h"
+
+#include <CLI/App.hpp>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace proxima {
+
+struct TouchOptions {
+    std::string model;
+    ObjectOptions objects;
+    std::string device;
+    std::string library; ///< of hd and dhd
+    std::string limits;  ///< "" for the device's own
+    std::string axes;    ///< "" for the device's own
+    double scale = 1;
+    int clutch = 0; ///< button from 1; 0 for none
+    bool list = false;
+    double seconds = 5;
+    std::uint64_t seed = 1;
+    HandModel hand; ///< of hand:SCRIPT, with the device that it holds
+    double stiffness = ForceOptions{}.stiffness;
+    double damping = ForceOptions{}.damping;
+    double radius = 0; ///< m
+    double friction = RenderOptions{}.static_friction;
+    bool shading = false;
+    std::string force = "proxy";
+    bool free_running = false;
+    std::string record;
+    std::string patches; ///< kinds; "" for the direct mode
+    double collision_rate = PatchSettings{}.collision_rate;
+    double graphics_rate = TouchSettings{}.graphics_rate;
+    std::vector<std::string> given; ///< names of the options that were given
+
+    [[nodiscard]] bool is_given(std::string_view name) const;
+};
+
+/// Adds all but MODEL, --device, --list-devices and those of objects. A value out of its range is
+/// wrong usage.
+void add_touch_options(CLI::App& parser, TouchOptions& options);
+
+/// Error invalid_argument for an option that would be without any effect.
+[[nodiscard]] Status check_options(const TouchOptions& options);
+
+[[nodiscard]] TouchSettings settings_of(const TouchOptions& options);
+
+/// What a material has that says less of itself.
+[[nodiscard]] SurfaceMaterial usual_material(const TouchOptions& options);
+
+} // namespace proxima
