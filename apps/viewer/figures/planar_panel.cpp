@@ -105,10 +105,11 @@ bool PlanarPanel::has_words_at(const Vec2& pixel) const
     });
 }
 
-bool PlanarPanel::has_room(const Vec2& at, const std::string& text, const Vec2& offset,
-                           double size) const
+bool PlanarPanel::has_room(const Vec2& at, const std::string& text, const Vec2& offset, double size,
+                           double clear) const
 {
-    const PlanarBox box = box_of({baseline(at, offset, size), text, {size, 0, TextAnchor::middle}});
+    PlanarBox box = box_of({baseline(at, offset, size), text, {size, 0, TextAnchor::middle}});
+    box.extend(box.min() - Vec2::Constant(clear)).extend(box.max() + Vec2::Constant(clear));
     return std::ranges::none_of(figure_.lines,
                                 [&](const FigureLine& line) { return crosses(line, box); }) &&
            std::ranges::none_of(figure_.texts, [&](const FigureText& other) {

@@ -52,8 +52,13 @@ void name_leaf(PlanarPanel& panel, const ProximityQuadtree& tree, const Quadtree
                    : names_of(leaf.sets, static_cast<int>(tree.polygon.points().size()));
     const unsigned color = listed > 2 ? red : ink;
     constexpr int steps = 8; // from the middle to each side
-    for (const auto& [share, clear] : std::array{std::pair(0.17, 3.0), {0.13, 2.0}, {0.13, 0.0}}) {
-        const double size = std::min(15.0, share * 2.0 * panel.scale() * leaf.half);
+    struct Try {
+        double share; // of the leaf: how high the words are
+        double clear; // pixels
+    };
+    constexpr std::array<Try, 3> tries = {{{0.17, 3.0}, {0.13, 2.0}, {0.13, 0.0}}};
+    for (const Try& now : tries) {
+        const double size = std::min(15.0, now.share * 2.0 * panel.scale() * leaf.half);
         std::optional<Vec2> best;
         double least = 0.0;
         for (int x = -steps; x <= steps; ++x) {
@@ -63,7 +68,7 @@ void name_leaf(PlanarPanel& panel, const ProximityQuadtree& tree, const Quadtree
                     step.norm() +
                     (is_inside(tree.polygon, leaf.center + step) ? 4.0 * leaf.half : 0.0);
                 if (best && price >= least) continue;
-                if (!panel.has_room(leaf.center, names, panel.scale() * step, size, clear))
+                if (!panel.has_room(leaf.center, names, panel.scale() * step, size, now.clear))
                     continue;
                 best = panel.scale() * step;
                 least = price;
