@@ -13,10 +13,12 @@
 #include "touch_track.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <limits>
 #include <thread>
 #include <vector>
@@ -127,6 +129,52 @@ double percent(std::uint64_t part, std::uint64_t whole)
     return whole == 0 ? 0 : 100 * static_cast<double>(part) / static_cast<double>(whole);
 }
 
+/// What the thread ran, without what held it up: other programs, the system, a machine about it.
+std::int64_t processor_time() noexcept
+{
+    timespec time{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+    return std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec;
+}
+
+/// A tick, from what the device says to the force.
+struct TimedTick {
+    std::uint64_t number = 0;
+    std::uint64_t took = 0; ///< ns by the clock
+    std::uint64_t ran = 0;  ///< ns of these that its thread was running
+    bool new_patch = false; ///< the first one with its patch
+    int moves = 0;          ///< of the proxy
+};
+
+/// The slowest ticks, and whether it was work: of ticks with a patch just come, and of others.
+class SlowTicks {
+public:
+    void add(const TimedTick& tick) noexcept
+    {
+        (tick.new_patch ? ran_first_ : ran_later_).add(static_cast<std::int64_t>(tick.ran));
+        const auto place = std::ranges::find_if(
+            slowest_, [&](const TimedTick& other) { return other.took < tick.took; });
+        if (place == slowest_.end()) return;
+        std::move_backward(place, slowest_.end() - 1, slowest_.end());
+        *place = tick;
+    }
+    void print() const
+    {
+        print_quantiles("processor time with a new patch", ran_first_);
+        print_quantiles("processor time of other ticks", ran_later_);
+        for (const TimedTick& tick : slowest_) {
+            std::printf("  tick %8llu took %8.2f us, of which its thread ran %8.2f; %2d moves%s\n",
+                        printable(tick.number), microseconds(tick.took), microseconds(tick.ran),
+                        tick.moves, tick.new_patch ? ", a new patch" : "");
+        }
+    }
+
+private:
+    std::array<TimedTick, 8> slowest_; ///< slowest first
+    LatencyHistogram ran_first_;
+    LatencyHistogram ran_later_;
+};
+
 /// What the servo loop touches.
 enum class Touched : bool { octree, patches };
 
@@ -144,6 +192,7 @@ public:
     /// From what the device says to the force.
     const RenderTick& tick(const DeviceState& state, std::uint64_t number) noexcept
     {
+        const std::int64_t ran = processor_time();
         const auto begin = std::chrono::steady_clock::now();
         Patch patch = Patch::at_hand;
         const ContactPatch* const newest = exchange_.take();
@@ -153,7 +202,14 @@ public:
             patch = young ? Patch::at_hand : Patch::lost;
         }
         const RenderTick& felt = renderer_.tick(state, tick_seconds, patch);
-        render_.add((std::chrono::steady_clock::now() - begin) / std::chrono::nanoseconds(1));
+        const auto took = (std::chrono::steady_clock::now() - begin) / std::chrono::nanoseconds(1);
+        render_.add(took);
+        const bool is_new = newest != nullptr && newest->edition() != edition_;
+        slow_.add({.number = number,
+                   .took = static_cast<std::uint64_t>(took),
+                   .ran = static_cast<std::uint64_t>(processor_time() - ran),
+                   .new_patch = is_new && touched_ == Touched::patches,
+                   .moves = static_cast<int>(felt.proxy.moves)});
         exchange_.say({map_.to_model(felt.position), felt.proxy.proxy, number});
         keep_account(felt, newest, patch, number);
         return felt;
@@ -164,6 +220,7 @@ public:
         std::printf("  touching in %.1f %% of ticks\n", percent(touching_, ticks));
         print_quantiles("from device to force", render_);
         print_histogram("from device to force", render_);
+        slow_.print();
         const double patches = std::max(1.0, static_cast<double>(patches_));
         std::printf(
             "  patches that came: %llu of %.0f triangles (%.3f %% of the model) in the mean, "
@@ -200,6 +257,7 @@ private:
     PatchContactSurface patch_;
     HapticRenderer renderer_;
     LatencyHistogram render_;
+    SlowTicks slow_;
     std::uint64_t touching_ = 0;
     std::uint64_t patches_ = 0;
     std::uint64_t triangles_ = 0;

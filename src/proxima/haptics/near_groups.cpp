@@ -87,8 +87,11 @@ HWY_INLINE void visit_blocks(const TriangleTree& tree, const BallQuery& query, c
 {
     constexpr std::uint32_t width = TriangleTree::width;
     const std::span<const TriangleTree::Level> levels = tree.levels();
-    if (levels.size() < 2) {
-        if (!levels.empty()) meet(MetBlock{0, 0.0F, nullptr, 0});
+    if (levels.empty()) return;
+    if (levels.size() == 1) { // nothing has its one block's box
+        float squared[width];
+        if (met_boxes(tree.blocks()[0], query, levels[0].entries, squared) != 0)
+            meet(MetBlock{0, *std::ranges::min_element(squared), nullptr, 0});
         return;
     }
     FixedStack<PendingBlock, (width - 1) * TriangleTree::max_levels + 1> pending;
