@@ -176,7 +176,8 @@ TEST(RegionShape, LiesBehindWhatIsBentInward)
             const bool is_behind = shape->side == ConeSide::behind;
             EXPECT_EQ(words.find("behind the surface") != std::string::npos, is_behind) << words;
             ++found[is_behind ? 1 : 0];
-            for (const RegionSample& sample : shape->samples) {
+            for (std::size_t i = 0; i < shape->samples.size(); i += 7) {
+                const RegionSample& sample = shape->samples[i];
                 // The ring round its middle line tells inside from outside.
                 const Vec3 at = sample.at(0.05);
                 const double from_line = std::hypot(std::hypot(at.x(), at.y()) - 1.0, at.z());

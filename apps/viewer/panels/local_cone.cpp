@@ -36,9 +36,8 @@ Result<LocalCone> cone_of_face(const TriangleMesh& mesh, TriangleId id)
                     concat("triangle ", index(id), " has no area, so it has no normal"));
     }
     const Vec3 normal = unit_normal({triangle[0], triangle[1]}, {triangle[0], triangle[2]});
-    std::vector<ConeCorner> corners;
-    for (const Vec3& corner : triangle.vertices) corners.push_back({corner, normal});
-    return cone_of(ConeShape::solid, std::move(corners), normal);
+    return cone_of(ConeShape::solid,
+                   {{triangle[0], normal}, {triangle[1], normal}, {triangle[2], normal}}, normal);
 }
 
 /// Directions across an edge, as angles.
@@ -194,6 +193,7 @@ Result<LocalCone> cone_of_vertex(const TriangleMesh& mesh, const Topology& topol
     if (directions.empty()) return LocalCone{};
     if (directions.size() > 2) sort_round(directions);
     std::vector<ConeCorner> corners;
+    corners.reserve(directions.size());
     for (const Vec3& direction : directions) corners.push_back({at, direction});
     const ConeShape shape = corners.size() == 1   ? ConeShape::line
                             : corners.size() == 2 ? ConeShape::flat

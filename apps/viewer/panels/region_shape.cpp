@@ -184,9 +184,10 @@ void add_region(Scene& scene, const RegionShape& shape, const Color& color)
 
 std::string words_for_region(const RegionShape& shape)
 {
-    if (shape.shape == ConeShape::empty)
+    if (shape.shape == ConeShape::empty) {
         return "empty: from no other point it is the closest, for the surface bends both ways "
                "there";
+    }
     std::string words = shape.shape == ConeShape::line   ? "drawn, a line"
                         : shape.shape == ConeShape::flat ? "drawn, flat"
                                                          : "drawn";
