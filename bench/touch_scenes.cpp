@@ -57,6 +57,11 @@ std::vector<BenchScene> bench_scenes()
                                       {"sphere:30x30", Vec3(0.9, 0, 0.2)},
                                       {"spaceship:33000", Vec3(0, 0.9, 0)}};
     if (std::filesystem::exists(bunny)) three.push_back({bunny, Vec3(0, 0, 0.9)});
+    std::vector<PlacedModel> herd;
+    for (int i = 0; i < 4; ++i) {
+        const Vec3 place(0.8 * (i % 2), 0.8 * (i / 2), 0.1 * i);
+        herd.push_back({std::filesystem::exists(bunny) ? bunny : "torus:200x175", place});
+    }
     std::vector<PlacedModel> many;
     for (int i = 0; i < 64; ++i) {
         const Vec3 place(0.9 * (i % 4), 0.9 * (i / 4 % 4), 0.9 * (i / 16));
@@ -66,6 +71,7 @@ std::vector<BenchScene> bench_scenes()
             {"one moves", {three.front()}, true},
             {"several at rest", three, false},
             {"several move", three, true},
+            {"4 large move", herd, true},
             {"64 at rest", many, false},
             {"64 move", many, true}};
 }
