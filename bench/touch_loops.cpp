@@ -160,7 +160,7 @@ public:
     }
     void print() const
     {
-        print_quantiles("processor time with a new patch", ran_first_);
+        if (ran_first_.count() > 0) print_quantiles("processor time with a new patch", ran_first_);
         print_quantiles("processor time of other ticks", ran_later_);
         for (const TimedTick& tick : slowest_) {
             std::printf("  tick %8llu took %8.2f us, of which its thread ran %8.2f; %2d moves%s\n",
@@ -199,6 +199,7 @@ public:
         if (touched_ == Touched::patches) {
             patch_.use(newest);
             const bool young = newest != nullptr && number - newest->made_at <= oldest_patch;
+            waited_ += newest == nullptr ? 1U : 0U;
             patch = young ? Patch::at_hand : Patch::lost;
         }
         const RenderTick& felt = renderer_.tick(state, tick_seconds, patch);
@@ -228,8 +229,9 @@ public:
             printable(patches_), static_cast<double>(triangles_) / patches,
             percent(triangles_, patches_ * model_triangles_), printable(largest_),
             printable(incomplete_));
-        std::printf("  oldest patch %llu ticks; ticks without a young one %llu\n",
-                    printable(oldest_), printable(lost_));
+        std::printf("  oldest patch %llu ticks; ticks without a young one %llu, before the first "
+                    "%llu\n",
+                    printable(oldest_), printable(lost_), printable(waited_));
     }
 
 private:
@@ -239,8 +241,8 @@ private:
                       std::uint64_t number) noexcept
     {
         touching_ += felt.proxy.hold != Hold::free ? 1U : 0U;
-        lost_ += patch == Patch::lost ? 1U : 0U;
         if (newest == nullptr) return;
+        lost_ += patch == Patch::lost ? 1U : 0U;
         oldest_ = std::max(oldest_, number - newest->made_at);
         if (newest->edition() == edition_) return;
         edition_ = newest->edition();
@@ -265,6 +267,7 @@ private:
     std::uint64_t incomplete_ = 0;
     std::uint64_t oldest_ = 0;
     std::uint64_t lost_ = 0;
+    std::uint64_t waited_ = 0;
     std::uint64_t edition_ = 0;
 };
 

@@ -102,8 +102,11 @@ Patch PatchTouch::begin_tick() noexcept
 {
     if (collision_thread_.joinable()) used_ = exchange_.take();
     patch_.use(used_);
-    const bool lost =
-        used_ == nullptr || tick_ - used_->made_at > periods_to_loss * ticks_per_patch_;
+    if (used_ == nullptr) {
+        ++account_.waited_ticks;
+        return Patch::lost;
+    }
+    const bool lost = tick_ - used_->made_at > periods_to_loss * ticks_per_patch_;
     account_.lost_ticks += lost ? 1U : 0U;
     return lost ? Patch::lost : Patch::at_hand;
 }
@@ -227,6 +230,7 @@ nlohmann::ordered_json patch_json(const std::vector<PatchAccount>& accounts)
                         {"missed_ticks", account.missed_ticks},
                         {"apart_ticks", account.apart_ticks},
                         {"oldest_ticks", account.oldest_ticks},
+                        {"waited_ticks", account.waited_ticks},
                         {"lost_ticks", account.lost_ticks},
                         {"incomplete", account.incomplete},
                         {"late_collisions", account.late_collisions},

@@ -48,6 +48,7 @@ struct PatchAccount {
     std::uint64_t missed_ticks = 0;   ///< in which it touched a triangle that the patch lacks
     std::uint64_t apart_ticks = 0;  ///< in which the two proxies were more than a micrometre apart
     std::uint64_t oldest_ticks = 0; ///< the oldest patch that was touched
+    std::uint64_t waited_ticks = 0; ///< before the first patch came: nothing was felt
     std::uint64_t lost_ticks = 0;   ///< without a patch young enough: the force faded
     std::uint64_t late_collisions = 0; ///< deadlines that the collision loop missed
     LatencyHistogram tick;             ///< of computing forces by these patches, ns
