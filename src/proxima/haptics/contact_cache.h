@@ -11,6 +11,7 @@
 #pragma once
 
 #include "proxima/haptics/contact_surface.h"
+#include "proxima/haptics/groups_on_way.h"
 #include "proxima/haptics/triangle_groups.h"
 
 #include <cstddef>

@@ -12,10 +12,8 @@ namespace proxima {
 
 /// What is asked for, in units.
 struct LaneQuery {
-    float place[3]; ///< from the boxes' origin
     float way[3];
     float distance;
-    float box_margin;
 };
 
 } // namespace proxima
@@ -102,48 +100,6 @@ HWY_INLINE auto are_beyond(NearFloats a, NearFloats b, NearFloats squared_length
     const auto least = hn::Min(hn::Mul(a, a), hn::Mul(b, b));
     return hn::And(hn::Gt(hn::Mul(a, b), hn::Zero(NearTag())),
                    hn::Gt(least, hn::Mul(hn::Mul(limit, limit), squared_length)));
-}
-
-/// Writes the numbers of groups whose boxes may be within the distance of the way, and before which
-/// part of it none is. Returns how many. \pre room for whole vectors
-std::size_t groups_on_way(const GroupBoxes& boxes, const LaneQuery& query, std::uint32_t* ids,
-                          float* times)
-{
-    const hn::CappedTag<float, 16> d;
-    const hn::Rebind<std::uint32_t, decltype(d)> di;
-    static_assert(GroupBoxes::room % 16 == 0);
-    constexpr float short_way = 1e-20F; // beyond it nothing is divided by it
-    const auto limit = hn::Set(d, query.distance + query.box_margin);
-    std::size_t count = 0;
-    for (std::size_t first = 0; first < boxes.count; first += hn::Lanes(d)) {
-        auto near = hn::FirstN(d, HWY_MIN(hn::Lanes(d), boxes.count - first));
-        auto enter = hn::Zero(d);
-        auto leave = hn::Set(d, 2.0F);
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const auto place = hn::Set(d, query.place[axis]);
-            const auto lower = hn::Sub(hn::LoadU(d, boxes.lower[axis].data() + first), place);
-            const auto upper = hn::Sub(hn::LoadU(d, boxes.upper[axis].data() + first), place);
-            const float way = query.way[axis];
-            const float size = std::abs(way);
-            const auto ahead = hn::Sub(way < 0 ? hn::Neg(upper) : lower, limit);
-            const auto behind = hn::Add(way < 0 ? hn::Neg(lower) : upper, limit);
-            if (size > short_way) {
-                const auto parts = hn::Set(d, 1 / size);
-                enter = hn::Max(enter, hn::Mul(ahead, parts));
-                leave = hn::Min(leave, hn::Mul(behind, parts));
-            } else {
-                near = hn::And(near, hn::And(hn::Le(ahead, hn::Zero(d)), //
-                                             hn::Ge(behind, hn::Zero(d))));
-            }
-        }
-        near = hn::And(near, hn::And(hn::Le(enter, hn::Set(d, 1.0F)), hn::Le(enter, leave)));
-        // Not by a compressing store, which some processors are slow at.
-        const auto numbers = hn::LoadU(di, boxes.ids.data() + first);
-        hn::StoreU(hn::Compress(numbers, hn::RebindMask(di, near)), di, ids + count);
-        hn::StoreU(hn::Compress(enter, near), d, times + count);
-        count += hn::CountTrue(d, near);
-    }
-    return count;
 }
 
 /// Corners of a group's triangles from `lane` on, as a place sees them.
@@ -328,29 +284,7 @@ HWY_AFTER_NAMESPACE();
 
 namespace proxima {
 
-HWY_EXPORT(groups_on_way);
 HWY_EXPORT(scan_groups);
-
-namespace {
-
-LaneQuery lanes_of(const GroupQuery& query) noexcept
-{
-    const Vec3 place = (query.place - query.origin) * query.scale;
-    const Vec3 way = query.way * query.scale;
-    LaneQuery lanes{};
-    for (int axis = 0; axis < 3; ++axis) {
-        lanes.place[axis] = static_cast<float>(place[axis]);
-        lanes.way[axis] = static_cast<float>(way[axis]);
-    }
-    lanes.distance = static_cast<float>(query.distance * query.scale);
-    // Of the place, the way and the distance as floats, and of what is done with them.
-    const double size =
-        place.cwiseAbs().maxCoeff() + way.cwiseAbs().maxCoeff() + query.distance * query.scale;
-    lanes.box_margin = static_cast<float>(0x1p-20 * size + query.rounding * query.scale);
-    return lanes;
-}
-
-} // namespace
 
 TriangleGroup make_group(std::span<const Triangle> triangles, double scale) noexcept
 {
@@ -375,21 +309,18 @@ TriangleGroup make_group(std::span<const Triangle> triangles, double scale) noex
     return group;
 }
 
-void groups_on_way(const GroupBoxes& boxes, const GroupQuery& query, GroupsOnWay& near) noexcept
-{
-    PROXIMA_CHECK_LE(boxes.count, GroupBoxes::room);
-    near.count = HWY_DYNAMIC_DISPATCH(groups_on_way)(boxes, lanes_of(query), near.ids.data(),
-                                                     near.times.data());
-}
-
 std::size_t scan_groups(std::span<const TriangleGroup> groups, std::span<const std::uint32_t> ids,
                         const GroupQuery& query, std::span<std::uint32_t> ranks,
                         std::span<float> times) noexcept
 {
     PROXIMA_CHECK_LE(ids.size() * TriangleGroup::width, ranks.size());
     PROXIMA_CHECK_LE(ranks.size(), times.size());
-    return HWY_DYNAMIC_DISPATCH(scan_groups)(groups.data(), ids, query, lanes_of(query),
-                                             ranks.data(), times.data());
+    LaneQuery lanes{};
+    for (int axis = 0; axis < 3; ++axis)
+        lanes.way[axis] = static_cast<float>(query.way[axis] * query.scale);
+    lanes.distance = static_cast<float>(query.distance * query.scale);
+    return HWY_DYNAMIC_DISPATCH(scan_groups)(groups.data(), ids, query, lanes, ranks.data(),
+                                             times.data());
 }
 
 } // namespace proxima

@@ -29,19 +29,11 @@ struct alignas(64) TriangleGroup {
 
 /// Boxes of groups, from the surface's origin, rounded outward.
 struct GroupBoxes {
-    static constexpr std::size_t room = 256;
+    static constexpr std::size_t room = 512;
     std::size_t count = 0; ///< more than there is room for means that some are missing
     std::array<std::uint32_t, room> ids = {};
     std::array<std::array<float, room>, 3> lower = {};
     std::array<std::array<float, room>, 3> upper = {};
-};
-
-/// Groups that a way may meet, and before which part of it, 0 to 1, nothing of each is near.
-struct GroupsOnWay {
-    static constexpr std::size_t room = GroupBoxes::room + 16; ///< whole vectors are written
-    std::size_t count = 0;
-    std::array<std::uint32_t, room> ids = {};
-    std::array<float, room> times = {};
 };
 
 /// A place and a way from it, zero for a ball, in the surface's own unit.
@@ -56,10 +48,6 @@ struct GroupQuery {
 
 /// \pre 1 to 8 triangles
 [[nodiscard]] TriangleGroup make_group(std::span<const Triangle> triangles, double scale) noexcept;
-
-/// The groups whose boxes are within the distance of the place, or of the way if there is one, and
-/// some that are a little farther. 20 ns. \pre boxes.count <= GroupBoxes::room
-void groups_on_way(const GroupBoxes& boxes, const GroupQuery& query, GroupsOnWay& near) noexcept;
 
 /// The ranks, eight times a group's number and on, of all triangles of these groups that are within
 /// the distance of the place, or of the way if there is one, and of some that are a little farther.
