@@ -11,7 +11,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
+#include <string>
 
 namespace proxima {
 namespace {
@@ -46,24 +48,25 @@ std::vector<TouchMesh> cache_meshes()
     return meshes;
 }
 
-/// The least distance of a triangle from a way, as near as many steps tell: never too small by more
-/// than the steps' length.
-double distance_from_way(const Triangle& triangle, const Vec3& p, const Vec3& way)
+/// The first part of a way, 0 to 1, at which a triangle is within the distance, as many steps tell:
+/// never too soon. Infinity for never.
+double first_near(const Triangle& triangle, const Vec3& p, const Vec3& way, double distance)
 {
     constexpr int steps = 64;
-    double least = INFINITY;
     for (int i = 0; i <= steps; ++i) {
-        const Vec3 at = p + way * (static_cast<double>(i) / steps);
-        least = std::min(least, (closest_point(triangle, at).point - at).norm());
+        const double part = static_cast<double>(i) / steps;
+        const Vec3 at = p + part * way;
+        if ((closest_point(triangle, at).point - at).norm() <= distance) return part;
         if (way.isZero()) break;
     }
-    return least;
+    return INFINITY;
 }
 
 struct CacheCheck {
     std::uint64_t answers = 0;
     std::uint64_t given = 0;
     std::uint64_t needed = 0;
+    std::uint64_t timed = 0; ///< of these, with a time
 };
 
 /// What a walk asks for, near and far, slow and fast: nothing is missing, and little is too much.
@@ -76,6 +79,7 @@ CacheCheck check_answers(const TouchMesh& named, std::uint32_t seed, int questio
     const double edge = surface.scale().mean_edge;
     ContactCache cache;
     std::vector<ContactTriangle> buffer(4096);
+    std::vector<double> times(4096);
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> unit(0, 1);
     HandPath path(mesh, seed);
@@ -88,13 +92,26 @@ CacheCheck check_answers(const TouchMesh& named, std::uint32_t seed, int questio
         const double length = std::array{0.0, 1e-4 * edge, 2 * edge}[random() % 3];
         const Vec3 way =
             length * Vec3(unit(random) - 0.5, unit(random) - 0.5, random() % 4 == 0 ? 0.0 : 0.5);
-        const std::size_t count = way.isZero()
-                                      ? cache.collect(surface, p, distance, buffer)
-                                      : cache.collect_along(surface, p, way, distance, buffer);
+        // In two parts, as who ends where something is met asks for it.
+        const double part = random() % 4 == 0 ? 1 : 0.5 * unit(random);
+        std::size_t soon = 0;
+        std::size_t count = 0;
+        if (way.isZero()) {
+            soon = count = cache.collect(surface, p, distance, buffer);
+            std::ranges::fill(times, 0.0);
+        } else {
+            cache.look_along(surface, p, way, distance);
+            soon = cache.collect_before(surface, part, buffer, times);
+            const auto left = std::span(buffer).subspan(std::min(soon, buffer.size()));
+            count = soon + cache.collect_before(surface, 1, left, std::span(times).subspan(soon));
+            EXPECT_EQ(cache.collect_before(surface, 1, buffer, times), 0U);
+        }
         EXPECT_LE(count, buffer.size());
         if (count > buffer.size()) break;
         std::set<TriangleId> given;
+        std::map<TriangleId, std::size_t> places;
         for (const ContactTriangle& triangle : std::span(buffer).first(count)) {
+            places[triangle.id] = given.size();
             given.insert(triangle.id);
             for (int k = 0; k < 3; ++k)
                 EXPECT_EQ(triangle.corners[k], mesh.triangle(triangle.id)[k]) << named.name;
@@ -103,11 +120,19 @@ CacheCheck check_answers(const TouchMesh& named, std::uint32_t seed, int questio
         ++check.answers;
         check.given += count;
         for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
-            if (!(distance_from_way(mesh.triangle(TriangleId{id}), p, way) <= distance)) continue;
+            const double first = first_near(mesh.triangle(TriangleId{id}), p, way, distance);
+            if (first > 1) continue;
             ++check.needed;
-            EXPECT_TRUE(given.contains(TriangleId{id}))
-                << named.name << ", seed " << seed << ", question " << question << ", triangle "
-                << id;
+            const std::string what = named.name + ", seed " + std::to_string(seed) + ", question " +
+                                     std::to_string(question) + ", triangle " + std::to_string(id);
+            EXPECT_TRUE(given.contains(TriangleId{id})) << what;
+            if (!given.contains(TriangleId{id})) continue;
+            const std::size_t place = places[TriangleId{id}];
+            EXPECT_LE(times[place], first) << what;
+            if (first <= part) {
+                EXPECT_LT(place, soon) << what;
+            }
+            if (times[place] > 0) ++check.timed;
         }
     }
     return check;
@@ -123,8 +148,10 @@ TEST(ContactCache, nothing_near_is_missing)
         sum.answers += check.answers;
         sum.given += check.given;
         sum.needed += check.needed;
+        sum.timed += check.timed;
     }
-    EXPECT_GT(sum.needed, sum.answers);   // it was worth asking
+    EXPECT_GT(sum.needed, sum.answers); // it was worth asking
+    EXPECT_GT(20 * sum.timed, sum.needed); // with times that say something
     EXPECT_LT(sum.given, 2 * sum.needed); // and it sorts out
 }
 
@@ -212,7 +239,7 @@ TEST(ContactCache, crowds_are_answered_too)
     for (const ContactTriangle& triangle : std::span(buffer).first(count))
         given.insert(triangle.id);
     for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
-        if (distance_from_way(mesh.triangle(TriangleId{id}), Vec3::Zero(), Vec3::Zero()) > 1.0)
+        if (first_near(mesh.triangle(TriangleId{id}), Vec3::Zero(), Vec3::Zero(), 1.0) > 0)
             continue;
         EXPECT_TRUE(given.contains(TriangleId{id}));
     }
@@ -227,13 +254,16 @@ TEST(ContactCache, does_not_allocate)
     const OctreeContactSurface surface(*octree);
     ContactCache cache;
     std::vector<ContactTriangle> buffer(4096);
+    std::vector<double> times(4096);
     HandPath path(mesh, 3);
     std::vector<Vec3> places;
     for (int i = 0; i < 300; ++i) places.push_back(path.next());
     const std::size_t before = testing::allocation_count();
     for (const Vec3& p : places) {
         (void)cache.collect(surface, p, 0.02, buffer);
-        (void)cache.collect_along(surface, p, Vec3(0.01, 0.02, 0), 0.001, buffer);
+        cache.look_along(surface, p, Vec3(0.01, 0.02, 0), 0.001);
+        (void)cache.collect_before(surface, 0.1, buffer, times);
+        (void)cache.collect_before(surface, 1, buffer, times);
         (void)cache.clearance(surface, p, 0.1);
     }
     EXPECT_EQ(testing::allocation_count(), before);

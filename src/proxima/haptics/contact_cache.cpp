@@ -1,5 +1,7 @@
 #include "proxima/haptics/contact_cache.h"
 
+#include "proxima/haptics/swept_sphere.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -21,7 +23,9 @@ constexpr double coordinate_rounding = 0x1p-44;
 
 } // namespace
 
-ContactCache::ContactCache() : boxes_(1), ranks_(GroupBoxes::room * TriangleGroup::width) {}
+ContactCache::ContactCache()
+    : boxes_(1), near_(1), ranks_(GroupBoxes::room * TriangleGroup::width), times_(ranks_.size())
+{}
 
 bool ContactCache::keeps(const ContactSurface& surface) noexcept
 {
@@ -75,16 +79,28 @@ std::size_t ContactCache::ask(const ContactSurface& surface, const Vec3& p, cons
     return count;
 }
 
-std::size_t ContactCache::scan(const ContactSurface& surface, const GroupQuery& query,
+std::size_t ContactCache::scan(const ContactSurface& surface, std::span<const std::uint32_t> groups,
                                std::span<ContactTriangle> buffer) noexcept
 {
-    const GroupBoxes& boxes = boxes_.front();
-    const std::size_t count = scan_groups(surface.groups(), boxes, query, ranks_);
+    const std::size_t count = scan_groups(surface.groups(), groups, query_, ranks_, times_);
     surface.read_triangles(std::span(ranks_).first(std::min(count, buffer.size())), buffer);
-    ++work_.scans;
-    work_.scanned += boxes.count;
     work_.passed += count;
     return count;
+}
+
+/// Sees to it that the ball has all that is near a way. False where there is too much.
+bool ContactCache::reach_out(const ContactSurface& surface, const Vec3& p, const Vec3& way,
+                             double distance) noexcept
+{
+    const double length = way.norm();
+    const Vec3 middle = p + 0.5 * way;
+    const double around = distance + 0.5 * length;
+    if (covers(surface, middle, around)) return true;
+    // Who is on the way goes on.
+    const Vec3 ahead =
+        length > 0 ? Vec3(way * (part_ahead * margin_ / length)) : Vec3(Vec3::Zero());
+    return fill(surface, middle + ahead, around) &&
+           (covers(surface, middle, around) || fill(surface, middle, around));
 }
 
 std::size_t ContactCache::collect(const ContactSurface& surface, const Vec3& p, double distance,
@@ -97,23 +113,55 @@ std::size_t ContactCache::collect_along(const ContactSurface& surface, const Vec
                                         const Vec3& way, double distance,
                                         std::span<ContactTriangle> buffer) noexcept
 {
-    const Vec3 middle = p + 0.5 * way;
-    const double around = distance + 0.5 * way.norm();
-    if (!keeps(surface) || surface.groups().empty()) return ask(surface, p, way, distance, buffer);
-    if (!covers(surface, middle, around)) {
-        // Who is on the way goes on.
-        const double length = way.norm();
-        const Vec3 ahead =
-            length > 0 ? Vec3(way * (part_ahead * margin_ / length)) : Vec3(Vec3::Zero());
-        const bool filled = fill(surface, middle + ahead, around) &&
-                            (covers(surface, middle, around) || fill(surface, middle, around));
-        if (!filled) return ask(surface, p, way, distance, buffer);
+    look_along(surface, p, way, distance);
+    if (asks_) return ask(surface, p, way, distance, buffer);
+    const GroupsOnWay& near = near_.front();
+    return scan(surface, std::span(near.ids).first(near.count), buffer);
+}
+
+void ContactCache::look_along(const ContactSurface& surface, const Vec3& p, const Vec3& way,
+                              double distance) noexcept
+{
+    query_ = surface.group_query(p);
+    query_.way = way;
+    query_.distance = distance;
+    asks_ = !keeps(surface) || surface.groups().empty() || !reach_out(surface, p, way, distance);
+    if (asks_) return;
+    query_.rounding = rounding_;
+    groups_on_way(boxes_.front(), query_, near_.front());
+    ++work_.scans;
+    work_.scanned += boxes_.front().count;
+}
+
+std::size_t ContactCache::collect_before(const ContactSurface& surface, double part,
+                                         std::span<ContactTriangle> buffer,
+                                         std::span<double> times) noexcept
+{
+    GroupsOnWay& near = near_.front();
+    if (asks_) {
+        near.count = 0;
+        asks_ = false;
+        const std::size_t count = ask(surface, query_.place, query_.way, query_.distance, buffer);
+        for (std::size_t i = 0; i < std::min(count, buffer.size()); ++i) {
+            times[i] =
+                least_touch_time(buffer[i].corners, query_.distance, query_.place, query_.way);
+        }
+        return count;
     }
-    GroupQuery query = surface.group_query(p);
-    query.way = way;
-    query.distance = distance;
-    query.rounding = rounding_;
-    return scan(surface, query, buffer);
+    // Those that are looked at now first.
+    std::size_t now = 0;
+    for (std::size_t i = 0; i < near.count; ++i) {
+        if (near.times[i] > part) continue;
+        std::swap(near.ids[i], near.ids[now]);
+        std::swap(near.times[i], near.times[now++]);
+    }
+    if (now == 0) return 0;
+    const std::size_t count = scan(surface, std::span(near.ids).first(now), buffer);
+    std::copy_n(times_.begin(), std::min(count, buffer.size()), times.begin());
+    near.count -= now;
+    std::copy_n(near.ids.begin() + now, near.count, near.ids.begin());
+    std::copy_n(near.times.begin() + now, near.count, near.times.begin());
+    return count;
 }
 
 double ContactCache::known_clearance(const ContactSurface& surface, const Vec3& p) noexcept

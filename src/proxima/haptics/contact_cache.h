@@ -11,6 +11,7 @@
 #pragma once
 
 #include "proxima/haptics/contact_surface.h"
+#include "proxima/haptics/groups_on_way.h"
 #include "proxima/haptics/triangle_groups.h"
 
 #include <cstddef>
@@ -50,6 +51,20 @@ public:
                                             const Vec3& way, double distance,
                                             std::span<ContactTriangle> buffer) noexcept;
 
+    /// The same by and by, for who goes until something is met: begins to look along the straight
+    /// way from p.
+    void look_along(const ContactSurface& surface, const Vec3& p, const Vec3& way,
+                    double distance) noexcept;
+
+    /// The triangles along that way which were not given yet and may be so near before `part` of
+    /// it, 0 to 1, and perhaps some more. Also before which part of it nothing of each is: 0 where
+    /// that is not known. Returns how many, or any number of more than the buffer's size where that
+    /// is full: then some are missing. \pre the surface is the same, there is a time for each place
+    /// of the buffer
+    [[nodiscard]] std::size_t collect_before(const ContactSurface& surface, double part,
+                                             std::span<ContactTriangle> buffer,
+                                             std::span<double> times) noexcept;
+
     /// Where it is more than `wanted`: some number that is, and no more than what
     /// surface.clearance() says; otherwise what that says.
     [[nodiscard]] double clearance(const ContactSurface& surface, const Vec3& p,
@@ -70,7 +85,10 @@ private:
     [[nodiscard]] bool fill(const ContactSurface& surface, const Vec3& p, double distance) noexcept;
     [[nodiscard]] std::size_t ask(const ContactSurface& surface, const Vec3& p, const Vec3& way,
                                   double distance, std::span<ContactTriangle> buffer) noexcept;
-    [[nodiscard]] std::size_t scan(const ContactSurface& surface, const GroupQuery& query,
+    [[nodiscard]] bool reach_out(const ContactSurface& surface, const Vec3& p, const Vec3& way,
+                                 double distance) noexcept;
+    [[nodiscard]] std::size_t scan(const ContactSurface& surface,
+                                   std::span<const std::uint32_t> groups,
                                    std::span<ContactTriangle> buffer) noexcept;
 
     std::uint64_t edition_ = 0;
@@ -79,7 +97,11 @@ private:
     double margin_ = 0; ///< a new ball's reach beyond what is asked for
     double rounding_ = 0;
     std::vector<GroupBoxes> boxes_;    ///< one: of the ball
+    GroupQuery query_;                 ///< what is looked for
+    std::vector<GroupsOnWay> near_;    ///< one: groups that may have it and were not looked at yet
+    bool asks_ = false;                ///< of the surface itself
     std::vector<std::uint32_t> ranks_; ///< of triangles found
+    std::vector<float> times_;         ///< of these, on a way
     Vec3 free_center_ = Vec3::Zero();
     double free_ = -1; ///< negative: not known
     ContactWork work_;

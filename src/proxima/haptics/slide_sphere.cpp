@@ -22,6 +22,9 @@ double skin_of(const SurfaceScale& scale) noexcept
 /// A move is at most so long, in mean edges: a few dozen triangles are along it.
 constexpr double reach_in_edges = 2;
 
+/// Most moves end within this part of it: what lies beyond is looked at where they do not.
+constexpr double first_part = 0.125;
+
 } // namespace
 
 double safety_gap(const SurfaceScale& scale) noexcept
@@ -45,6 +48,7 @@ public:
             result_.end = SlideEnd::limited;
             while (result_.moves < max_moves && move()) {
             }
+            if (result_.contact_count > 0 && !(radius_ > gap_)) result_.held = held_at_surface();
         }
         return result_;
     }
@@ -115,12 +119,15 @@ private:
                                    0.25 * skin_, room_.near_);
     }
 
-    /// Triangles along the first `reach` of a direction; a shorter reach where there are too many.
+    /// Triangles along the first part of the first `reach` of a direction; a shorter reach where
+    /// there are too many.
     bool collect_way(const Vec3& direction, double& reach) noexcept
     {
         for (int attempt = 0; attempt < 12; ++attempt) {
-            near_count_ = room_.cache_.collect_along(surface_, result_.center, reach * direction,
-                                                     radius_ + 2 * skin_, room_.near_);
+            room_.cache_.look_along(surface_, result_.center, reach * direction,
+                                    radius_ + 2 * skin_);
+            near_count_ =
+                room_.cache_.collect_before(surface_, first_part, room_.near_, room_.times_);
             if (near_count_ <= room_.near_.size()) return true;
             reach /= 2;
         }
@@ -140,6 +147,7 @@ private:
         result_.contact_count = 0;
         result_.held = to_;
         const auto used = std::span(room_.planes_).first(touched.size());
+        plane_count_ = touched.size();
         for (std::size_t i = 0; i < touched.size(); ++i) {
             const Contact& contact = touched[i];
             used[i] = {contact.normal, contact.normal.dot(to_ - contact.point) - radius_};
@@ -153,7 +161,7 @@ private:
         }
         result_.contact_count = solution.count;
         Vec3 goal = to_ + solution.shift;
-        result_.held = radius_ > gap_ ? goal : held_at_surface(used);
+        result_.held = goal;
         if (!has_contact_) {
             has_contact_ = true;
             result_.first_contact = result_.moves;
@@ -163,9 +171,10 @@ private:
         return goal;
     }
 
-    /// What the planes allow without the safety gap.
-    [[nodiscard]] Vec3 held_at_surface(std::span<ContactPlane> planes) const noexcept
+    /// What the last planes allow without the safety gap.
+    [[nodiscard]] Vec3 held_at_surface() const noexcept
     {
+        const auto planes = std::span(room_.planes_).first(plane_count_);
         for (ContactPlane& plane : planes) plane.gap += radius_;
         return to_ + nearest_allowed(planes, skin_).shift;
     }
@@ -193,30 +202,47 @@ private:
         for (const Contact& contact : touched) {
             if (contact.normal.dot(way) < -3 * skin_) return 0;
         }
-        // A large sphere would touch hundreds on its way, and the first one ends it.
-        const std::span<SlideRoom::Soon> soon = room_.soon_;
-        std::size_t count = 0;
-        std::size_t soonest = 0;
-        for (std::size_t i = 0; i < near_count_; ++i) {
-            const double t = least_touch_time(room_.near_[i].corners, radius_, result_.center, way);
-            if (t > 1) continue;
-            soon[count] = {t, static_cast<std::uint32_t>(i)};
-            if (t < soon[soonest].t) soonest = count;
-            ++count;
-        }
-        if (count == 0) return 1;
-        std::swap(soon[0], soon[soonest]);
         double free = 1;
-        for (const SlideRoom::Soon& next : soon.first(count)) {
-            if (next.t > free) continue;
-            const ContactTriangle& near = room_.near_[next.place];
-            // What is touched already is left or gone along. Of contacts at one place one alone is
-            // kept, and where two faces are all but flat the other may still be gone into.
-            const double least = room_.touched_.has(near.id) ? radius_ - 4 * skin_ : radius_;
-            const auto t = touch_time(near.corners, least, result_.center, way);
-            if (t && *t < free) free = *t;
+        sweep_from(0, way, free);
+        if (free > first_part) {
+            const std::size_t before = near_count_;
+            near_count_ +=
+                room_.cache_.collect_before(surface_, free, std::span(room_.near_).subspan(before),
+                                            std::span(room_.times_).subspan(before));
+            sweep_from(before, way, free);
         }
+        // What may be near at the end of the way.
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < near_count_; ++i) {
+            if (room_.times_[i] <= free) room_.near_[kept++] = room_.near_[i];
+        }
+        near_count_ = kept;
         return free;
+    }
+
+    /// Of triangles that were collected from `first` on.
+    void sweep_from(std::size_t first, const Vec3& way, double& free) noexcept
+    {
+        // What may be touched soonest mostly is, and nothing else before it.
+        const auto times = std::span<const double>(room_.times_).first(near_count_);
+        std::size_t soonest = near_count_;
+        for (std::size_t i = first; i < near_count_; ++i) {
+            if (times[i] > 0 && (soonest == near_count_ || times[i] < times[soonest])) soonest = i;
+        }
+        if (soonest < near_count_) look_at(soonest, way, free);
+        for (std::size_t i = first; i < near_count_; ++i)
+            if (times[i] <= free && i != soonest) look_at(i, way, free);
+    }
+
+    /// Ends the free part of the way where a triangle is touched.
+    void look_at(std::size_t i, const Vec3& way, double& free) noexcept
+    {
+        const ContactTriangle& near = room_.near_[i];
+        // What is touched already is left or gone along. Of contacts at one place one alone is
+        // kept, and where two faces are all but flat the other may still be gone into.
+        const double least = room_.touched_.has(near.id) ? radius_ - 4 * skin_ : radius_;
+        const auto t = touch_time(near.corners, least, result_.center, way);
+        if (t && *t < free) free = *t;
     }
 
     const ContactSurface& surface_;
@@ -226,6 +252,7 @@ private:
     Vec3 to_;
     SlideRoom& room_;
     std::size_t near_count_ = 0;
+    std::size_t plane_count_ = 0; ///< of the last goal
     bool touches_nothing_ = false;
     bool has_contact_ = false;
     SlideResult result_;

@@ -55,7 +55,7 @@ class SlideRoom {
 public:
     static constexpr std::size_t triangles = 4096; ///< near at a time
 
-    SlideRoom() : near_(triangles), soon_(triangles), planes_(max_contact_planes) {}
+    SlideRoom() : near_(triangles), times_(triangles), planes_(max_contact_planes) {}
 
     /// The centre's places in the last slide, from its start on, straight moves between.
     [[nodiscard]] std::span<const Vec3> path() const noexcept
@@ -82,11 +82,7 @@ private:
                                                   double distance, SlideRoom& room) noexcept;
     ContactCache cache_;
     std::vector<ContactTriangle> near_;
-    struct Soon {
-        double t = 0; ///< not touched before
-        std::uint32_t place = 0;
-    };
-    std::vector<Soon> soon_; ///< of near_: what may be touched on the way
+    std::vector<double> times_; ///< of near_: nothing of it is touched before
     TouchedPlaces touched_;
     std::vector<ContactPlane> planes_;
     std::array<Vec3, max_slide_moves + 1> path_;

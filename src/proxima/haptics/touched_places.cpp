@@ -52,9 +52,9 @@ constexpr double cover = 12;
 std::optional<Contact> contact_with(const ContactTriangle& triangle, const Vec3& p, double limit,
                                     double rounding) noexcept
 {
-    if (least_touch_time(triangle.corners, limit, p, Vec3::Zero()) > 0) return std::nullopt;
     const TrianglePlane plane(triangle.corners);
     if (plane.is_beyond(p, Vec3::Zero(), limit)) return std::nullopt;
+    if (least_touch_time(triangle.corners, limit, p, Vec3::Zero()) > 0) return std::nullopt;
     const Vec3 face = plane.normal();
     const double height = face.dot(p - triangle.corners[0]);
     if (std::abs(height) > limit) return std::nullopt;

@@ -12,10 +12,8 @@ namespace proxima {
 
 /// What is asked for, in units.
 struct LaneQuery {
-    float place[3]; ///< from the boxes' origin
     float way[3];
     float distance;
-    float box_margin;
 };
 
 } // namespace proxima
@@ -104,39 +102,6 @@ HWY_INLINE auto are_beyond(NearFloats a, NearFloats b, NearFloats squared_length
                    hn::Gt(least, hn::Mul(hn::Mul(limit, limit), squared_length)));
 }
 
-/// Writes the numbers of groups whose boxes may be within the distance, and calls them into the
-/// caches. Returns how many. \pre room for whole vectors
-HWY_INLINE std::size_t near_groups(const TriangleGroup* groups, const GroupBoxes& boxes,
-                                   const LaneQuery& query, std::uint32_t* ids)
-{
-    const hn::CappedTag<float, 16> d;
-    const hn::Rebind<std::uint32_t, decltype(d)> di;
-    static_assert(GroupBoxes::room % 16 == 0);
-    const auto limit = hn::Set(d, query.distance + query.box_margin);
-    std::size_t count = 0;
-    for (std::size_t first = 0; first < boxes.count; first += hn::Lanes(d)) {
-        auto near = hn::FirstN(d, HWY_MIN(hn::Lanes(d), boxes.count - first));
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const float end = query.place[axis] + query.way[axis];
-            const auto low = hn::Set(d, HWY_MIN(query.place[axis], end));
-            const auto high = hn::Set(d, HWY_MAX(query.place[axis], end));
-            const auto lower = hn::LoadU(d, boxes.lower[axis].data() + first);
-            const auto upper = hn::LoadU(d, boxes.upper[axis].data() + first);
-            const auto apart = hn::Max(hn::Sub(lower, high), hn::Sub(low, upper));
-            near = hn::And(near, hn::Le(apart, limit));
-        }
-        // Not by a compressing store, which some processors are slow at.
-        const auto numbers = hn::LoadU(di, boxes.ids.data() + first);
-        hn::StoreU(hn::Compress(numbers, hn::RebindMask(di, near)), di, ids + count);
-        count += hn::CountTrue(d, near);
-    }
-    for (std::size_t i = 0; i < count; ++i) {
-        const auto* const line = reinterpret_cast<const std::byte*>(&groups[ids[i]]);
-        for (std::size_t at = 0; at < sizeof(TriangleGroup); at += 64) hwy::Prefetch(line + at);
-    }
-    return count;
-}
-
 /// Corners of a group's triangles from `lane` on, as a place sees them.
 struct LaneTriangles {
     NearVectors a, b, c;
@@ -202,6 +167,35 @@ HWY_INLINE auto near_way(const LaneTriangles& t, const NearVectors& way, NearFlo
     return hn::Not(apart);
 }
 
+/// Before which part of the way nothing of a triangle is within the limit, as far as a plane
+/// across an axis tells: 0 where it does not.
+HWY_INLINE NearFloats time_along(const NearVectors& axis, const LaneTriangles& t,
+                                 const NearVectors& way, NearFloats limit)
+{
+    const NearTag d;
+    const auto nearest = hn::Min(hn::Min(dot(axis, t.a), dot(axis, t.b)), dot(axis, t.c));
+    const auto squared = dot(axis, axis);
+    const auto left = hn::Sub(nearest, hn::Mul(limit, hn::Sqrt(squared)));
+    const auto swept = hn::Max(dot(axis, way), hn::Mul(left, hn::Set(d, 0.5F)));
+    const auto time = hn::Mul(hn::Div(left, swept), hn::Set(d, 1 - 0x1p-18F));
+    // Of an axis too short its length is not known.
+    const auto tells = hn::And(hn::Gt(left, hn::Zero(d)), hn::Gt(squared, hn::Set(d, 1e-30F)));
+    return hn::IfThenElseZero(tells, time);
+}
+
+/// The latest of what planes across the triangle's normal, the way and the middle tell.
+HWY_INLINE NearFloats least_time(const LaneTriangles& t, const NearVectors& way, NearFloats limit)
+{
+    const NearVectors n = cross(difference(t.b, t.a), difference(t.c, t.a));
+    const auto side = hn::And(dot(n, t.a), hn::SignBit(NearTag()));
+    const NearVectors towards = {hn::Xor(n.x, side), hn::Xor(n.y, side), hn::Xor(n.z, side)};
+    const NearVectors middle = {hn::Add(hn::Add(t.a.x, t.b.x), t.c.x),
+                                hn::Add(hn::Add(t.a.y, t.b.y), t.c.y),
+                                hn::Add(hn::Add(t.a.z, t.b.z), t.c.z)};
+    return hn::Max(time_along(towards, t, way, limit),
+                   hn::Max(time_along(middle, t, way, limit), time_along(way, t, way, limit)));
+}
+
 /// Writes the ranks of a group's near triangles, by whole vectors. Returns how many.
 template <class Near>
 HWY_INLINE std::size_t near_triangles(const TriangleGroup& group, std::uint32_t id,
@@ -223,18 +217,45 @@ HWY_INLINE std::size_t near_triangles(const TriangleGroup& group, std::uint32_t 
     return count;
 }
 
-std::size_t scan_groups(const TriangleGroup* groups, const GroupBoxes& boxes,
-                        const GroupQuery& asked, const LaneQuery& query, std::uint32_t* ranks)
+/// The same of those on a way, and when each can be met.
+HWY_INLINE std::size_t triangles_on_way(const TriangleGroup& group, std::uint32_t id,
+                                        const float* place, const NearVectors& way,
+                                        NearFloats limit, std::uint32_t* ranks, float* times)
+{
+    constexpr std::size_t width = TriangleGroup::width;
+    const NearTag d;
+    const hn::Rebind<std::uint32_t, NearTag> di;
+    const NearVectors p = set_vector(place);
+    std::size_t count = 0;
+    for (std::size_t lane = 0; lane < width; lane += hn::Lanes(d)) {
+        const std::size_t left = group.count - HWY_MIN(group.count, lane);
+        const LaneTriangles t = load_triangles(group, lane, p);
+        auto found = hn::And(near_boxes(t, way, limit), hn::FirstN(d, HWY_MIN(hn::Lanes(d), left)));
+        if (hn::AllFalse(d, found)) continue;
+        const auto time = least_time(t, way, limit);
+        found = hn::And(hn::And(found, near_way(t, way, limit)), hn::Le(time, hn::Set(d, 1.0F)));
+        const auto rank = static_cast<std::uint32_t>(width * id + lane);
+        hn::StoreU(hn::Compress(hn::Iota(di, rank), hn::RebindMask(di, found)), di, ranks + count);
+        hn::StoreU(hn::Compress(time, found), d, times + count);
+        count += hn::CountTrue(d, found);
+    }
+    return count;
+}
+
+std::size_t scan_groups(const TriangleGroup* groups, std::span<const std::uint32_t> ids,
+                        const GroupQuery& asked, const LaneQuery& query, std::uint32_t* ranks,
+                        float* times)
 {
     const NearTag d;
     const NearVectors way = set_vector(query.way);
     const float way_size = std::abs(query.way[0]) + std::abs(query.way[1]) + std::abs(query.way[2]);
     const auto rounding = static_cast<float>(asked.rounding * asked.scale);
-    std::uint32_t near_ids[GroupBoxes::room + 16];
-    const std::size_t near_count = near_groups(groups, boxes, query, near_ids);
+    for (const std::uint32_t id : ids) {
+        const auto* const line = reinterpret_cast<const std::byte*>(&groups[id]);
+        for (std::size_t at = 0; at < sizeof(TriangleGroup); at += 64) hwy::Prefetch(line + at);
+    }
     std::size_t written = 0;
-    for (std::size_t i = 0; i < near_count; ++i) {
-        const std::uint32_t id = near_ids[i];
+    for (const std::uint32_t id : ids) {
         const TriangleGroup& group = groups[id];
         float place[3];
         for (int axis = 0; axis < 3; ++axis) {
@@ -246,18 +267,12 @@ std::size_t scan_groups(const TriangleGroup* groups, const GroupBoxes& boxes,
         const float size = group.size + query.distance + way_size;
         const auto limit = hn::Set(d, query.distance + 0x1p-14F * size + rounding);
         std::uint32_t* const to = ranks + written;
-        written += way_size > 0
-                       ? near_triangles(
-                             group, id, place,
-                             [&](const LaneTriangles& t) {
-                                 const auto boxes_near = near_boxes(t, way, limit);
-                                 if (hn::AllFalse(d, boxes_near)) return boxes_near;
-                                 return hn::And(boxes_near, near_way(t, way, limit));
-                             },
-                             to)
-                       : near_triangles(
-                             group, id, place,
-                             [&](const LaneTriangles& t) { return near_ball(t, limit); }, to);
+        if (way_size > 0) {
+            written += triangles_on_way(group, id, place, way, limit, to, times + written);
+        } else {
+            written += near_triangles(
+                group, id, place, [&](const LaneTriangles& t) { return near_ball(t, limit); }, to);
+        }
     }
     return written;
 }
@@ -294,23 +309,18 @@ TriangleGroup make_group(std::span<const Triangle> triangles, double scale) noex
     return group;
 }
 
-std::size_t scan_groups(std::span<const TriangleGroup> groups, const GroupBoxes& boxes,
-                        const GroupQuery& query, std::span<std::uint32_t> ranks) noexcept
+std::size_t scan_groups(std::span<const TriangleGroup> groups, std::span<const std::uint32_t> ids,
+                        const GroupQuery& query, std::span<std::uint32_t> ranks,
+                        std::span<float> times) noexcept
 {
-    PROXIMA_CHECK_LE(boxes.count * TriangleGroup::width, ranks.size());
-    const Vec3 place = (query.place - query.origin) * query.scale;
-    const Vec3 way = query.way * query.scale;
+    PROXIMA_CHECK_LE(ids.size() * TriangleGroup::width, ranks.size());
+    PROXIMA_CHECK_LE(ranks.size(), times.size());
     LaneQuery lanes{};
-    for (int axis = 0; axis < 3; ++axis) {
-        lanes.place[axis] = static_cast<float>(place[axis]);
-        lanes.way[axis] = static_cast<float>(way[axis]);
-    }
+    for (int axis = 0; axis < 3; ++axis)
+        lanes.way[axis] = static_cast<float>(query.way[axis] * query.scale);
     lanes.distance = static_cast<float>(query.distance * query.scale);
-    // Of the place, the way's end and the distance as floats.
-    const double size =
-        place.cwiseAbs().maxCoeff() + way.cwiseAbs().maxCoeff() + query.distance * query.scale;
-    lanes.box_margin = static_cast<float>(0x1p-21 * size + query.rounding * query.scale);
-    return HWY_DYNAMIC_DISPATCH(scan_groups)(groups.data(), boxes, query, lanes, ranks.data());
+    return HWY_DYNAMIC_DISPATCH(scan_groups)(groups.data(), ids, query, lanes, ranks.data(),
+                                             times.data());
 }
 
 } // namespace proxima
