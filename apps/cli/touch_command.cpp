@@ -29,7 +29,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::string_view replay_prefix = "replay:";
 
-Status run_replay(const TouchOptions& options, Session& session)
+Status run_replay(const TouchCommandOptions& options, Session& session)
 {
     const std::string path = options.device.substr(replay_prefix.size());
     const auto recording = load_recording(path, &session.progress());
@@ -50,7 +50,7 @@ Status run_replay(const TouchOptions& options, Session& session)
 }
 
 /// MODEL at rest, or the scene that options ask for.
-Result<std::unique_ptr<TouchModel>> load_what_is_touched(const TouchOptions& options,
+Result<std::unique_ptr<TouchModel>> load_what_is_touched(const TouchCommandOptions& options,
                                                          Session& session)
 {
     if (!options.objects.any()) return load_touch_model(options.model, session);
@@ -66,7 +66,7 @@ Result<std::unique_ptr<TouchModel>> load_what_is_touched(const TouchOptions& opt
 }
 
 /// Feels the model once, or once with each kind of patch; the first is the one that is reported.
-Result<TouchResult> touch_with_patches(const TouchOptions& options, const TouchModel& model,
+Result<TouchResult> touch_with_patches(const TouchCommandOptions& options, const TouchModel& model,
                                        std::vector<PatchAccount>& patches, Session& session)
 {
     TouchSettings settings = settings_of(options);
@@ -87,7 +87,7 @@ Result<TouchResult> touch_with_patches(const TouchOptions& options, const TouchM
     return std::move(*first);
 }
 
-Status run_device(const TouchOptions& options, Session& session)
+Status run_device(const TouchCommandOptions& options, Session& session)
 {
     if (!options.record.empty()) {
         if (Status status = session.check_outputs({options.record}); !status) return status;
@@ -125,14 +125,14 @@ Status run_device(const TouchOptions& options, Session& session)
     return recorded ? written : recorded;
 }
 
-Status list_devices(const TouchOptions& options, Session& session)
+Status list_devices(const TouchCommandOptions& options, Session& session)
 {
     const std::vector<FoundDevice> devices = look_for_devices(options.library);
     session.print(device_list_text(devices));
     return session.write_json(device_list_json(devices));
 }
 
-Status run_touch(const TouchOptions& options, Session& session)
+Status run_touch(const TouchCommandOptions& options, Session& session)
 {
     if (options.list) return list_devices(options, session);
     if (Status status = check_options(options); !status) return status;
@@ -146,7 +146,7 @@ Command add_touch_command(CLI::App& app)
 {
     CLI::App* const parser = app.add_subcommand(
         "touch", "Feel models at 1,000 Hz with a haptic device or a simulated hand");
-    const auto options = std::make_shared<TouchOptions>();
+    const auto options = std::make_shared<TouchCommandOptions>();
     add_model_option(*parser, options->model, ModelKinds::meshes_and_proximity_octrees);
     parser->add_option("--device", options->device, touch_device_names())
         ->required()

@@ -35,7 +35,7 @@ std::string names_of_devices()
 }
 
 /// Penalty forces have no proxy that any of this could be of.
-Status check_penalty(const TouchOptions& options)
+Status check_penalty(const TouchCommandOptions& options)
 {
     if (options.force != "penalty") return {};
     const std::array<std::pair<const char*, bool>, 5> unfit = {
@@ -96,12 +96,12 @@ void add_hand_options(CLI::App& parser, HandModel& hand)
 
 } // namespace
 
-bool TouchOptions::is_given(std::string_view name) const
+bool TouchCommandOptions::is_given(std::string_view name) const
 {
     return std::ranges::find(given, name) != given.end();
 }
 
-TouchSettings settings_of(const TouchOptions& options)
+TouchSettings settings_of(const TouchCommandOptions& options)
 {
     TouchSettings settings;
     settings.device.device = options.device;
@@ -130,7 +130,7 @@ TouchSettings settings_of(const TouchOptions& options)
     return settings;
 }
 
-SurfaceMaterial usual_material(const TouchOptions& options)
+SurfaceMaterial usual_material(const TouchCommandOptions& options)
 {
     return {.stiffness = options.stiffness,
             .damping = options.damping,
@@ -138,7 +138,7 @@ SurfaceMaterial usual_material(const TouchOptions& options)
             .dynamic_friction = 0.75 * options.friction};
 }
 
-Status check_options(const TouchOptions& options)
+Status check_options(const TouchCommandOptions& options)
 {
     const auto refuse = [&](std::span<const char* const> names, const char* why) -> Status {
         const auto found =
@@ -173,7 +173,7 @@ Status check_options(const TouchOptions& options)
     return check_penalty(options);
 }
 
-void add_touch_options(CLI::App& parser, TouchOptions& options)
+void add_touch_options(CLI::App& parser, TouchCommandOptions& options)
 {
     parser.add_option("--seconds", options.seconds, "How long the device touches")
         ->check(number_from(0.001, 86400.0))

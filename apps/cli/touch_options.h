@@ -13,7 +13,7 @@
 
 namespace proxima {
 
-struct TouchOptions {
+struct TouchCommandOptions {
     std::string model;
     ObjectOptions objects;
     std::string device;
@@ -44,14 +44,14 @@ struct TouchOptions {
 
 /// Adds all but MODEL, --device, --list-devices and those of objects. A value out of its range is
 /// wrong usage.
-void add_touch_options(CLI::App& parser, TouchOptions& options);
+void add_touch_options(CLI::App& parser, TouchCommandOptions& options);
 
 /// Error invalid_argument for an option that would be without any effect.
-[[nodiscard]] Status check_options(const TouchOptions& options);
+[[nodiscard]] Status check_options(const TouchCommandOptions& options);
 
-[[nodiscard]] TouchSettings settings_of(const TouchOptions& options);
+[[nodiscard]] TouchSettings settings_of(const TouchCommandOptions& options);
 
 /// What a material has that says less of itself.
-[[nodiscard]] SurfaceMaterial usual_material(const TouchOptions& options);
+[[nodiscard]] SurfaceMaterial usual_material(const TouchCommandOptions& options);
 
 } // namespace proxima
