@@ -48,7 +48,7 @@ private:
 
 /// Where a sphere ends that would go to `goal` while the objects go from where they stood to where
 /// they are; nothing where they leave it no room, or more planes or triangles are near than there
-/// is room for. noexcept, no allocation; a microsecond per object nearby.
+/// is room for. noexcept, no allocation; half a microsecond per object nearby.
 /// \pre where the objects stood, nothing was nearer to `from` than the radius, up to a skin;
 /// radius >= safety_gap(scene.scale()); all finite
 [[nodiscard]] std::optional<Vec3> carry_sphere(const TouchScene& scene, double radius,

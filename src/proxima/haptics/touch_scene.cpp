@@ -260,7 +260,7 @@ double TouchScene::clearance(const Vec3& p) const noexcept
 double TouchScene::clearance_beyond(const Vec3& p, double wanted) const noexcept
 {
     const double margin = frame_margin(p);
-    const double beyond = (wanted + margin) * (1 + 0x1p-50);
+    const double beyond = wanted + margin + 0x1p-50 * std::abs(wanted + margin);
     double least = std::numeric_limits<double>::infinity();
     for (const auto& slot : objects_) {
         // As far as is known, or farther, is enough.
