@@ -45,6 +45,7 @@ public:
             result_.end = SlideEnd::limited;
             while (result_.moves < max_moves && move()) {
             }
+            if (result_.end == SlideEnd::limited) hold_where_it_is();
         }
         return result_;
     }
@@ -61,6 +62,14 @@ private:
         result_.held = to_;
         if (way > 0) go(to_);
         return true;
+    }
+
+    /// Out of moves: what it touches there holds it back, and there it is. The last goal, of planes
+    /// that a sphere among details has left behind, may be anywhere.
+    void hold_where_it_is() noexcept
+    {
+        if (find_touches()) (void)choose_goal(room_.touched_.contacts());
+        result_.held = result_.center;
     }
 
     void go(const Vec3& place) noexcept
