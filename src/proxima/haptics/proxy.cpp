@@ -117,14 +117,15 @@ SlideResult Proxy::slide_easily(const Vec3& p) noexcept
             return slide;
         }
     }
-    const SlideStart known = tick_.hold == Hold::free ? SlideStart::anywhere : SlideStart::touching;
+    const bool held = tick_.hold != Hold::free && tick_.slide.contact_count > 0;
+    const SlideStart known = held ? SlideStart::touching : SlideStart::anywhere;
     return slide_sphere(surface_, options_.radius, start, p, room_, known, moves);
 }
 
 const ProxyTick& Proxy::follow(const Vec3& p) noexcept
 {
     if (!tick_.has_room && !find_room(p)) return tick_;
-    const Hold before = tick_.hold;
+    const Hold before = tick_.slide.contact_count > 0 ? tick_.hold : Hold::free;
     const Vec3 start = tick_.proxy;
     const SlideResult slide = slide_easily(p);
     ProxyTick next;
@@ -134,12 +135,19 @@ const ProxyTick& Proxy::follow(const Vec3& p) noexcept
     next.moves = slide.moves;
     const Vec3 back = slide.held - p;
     next.depth = back.norm();
-    if (slide.contact_count == 0 || !(next.depth > 0)) {
+    // Out of moves on a free way it is on its way: the spring eases as it comes.
+    const bool touching = slide.contact_count > 0;
+    const bool late = !touching && slide.end == SlideEnd::limited;
+    if (!(next.depth > 0) || !(touching || late)) {
         tick_ = next;
         return tick_;
     }
     next.normal = back / next.depth;
     next.hold = Hold::sliding;
+    if (late) {
+        tick_ = next;
+        return tick_;
+    }
     // Friction begins where the surface was met first.
     const std::size_t met = before == Hold::free ? slide.first_contact : 0;
     const Vec3 anchor = room_.path()[met];

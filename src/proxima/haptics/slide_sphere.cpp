@@ -48,7 +48,11 @@ public:
             result_.end = SlideEnd::limited;
             while (result_.moves < max_moves && move()) {
             }
-            if (result_.contact_count > 0 && !(radius_ > gap_)) result_.held = held_at_surface();
+            if (result_.end == SlideEnd::limited) {
+                hold_where_it_is();
+            } else if (result_.contact_count > 0 && !(radius_ > gap_)) {
+                result_.held = held_at_surface();
+            }
         }
         return result_;
     }
@@ -65,6 +69,14 @@ private:
         result_.held = to_;
         if (way > 0) go(to_);
         return true;
+    }
+
+    /// Out of moves: what it touches there holds it back, and there it is. The last goal, of planes
+    /// that a sphere among details has left behind, may be anywhere.
+    void hold_where_it_is() noexcept
+    {
+        if (find_touches()) (void)choose_goal(room_.touched_.contacts());
+        result_.held = result_.center;
     }
 
     void go(const Vec3& place) noexcept

@@ -41,9 +41,9 @@ enum class SlideEnd : std::uint8_t {
 
 struct SlideResult {
     Vec3 center = Vec3::Zero();
-    Vec3 held = Vec3::Zero();        ///< where the wanted place is held back to: the centre, or,
-                                     ///< of a sphere no larger than the safety gap, the surface
-    std::array<Contact, 3> contacts; ///< that hold it back
+    Vec3 held = Vec3::Zero();        ///< where the wanted place is held back to: the centre; of
+                                     ///< a sphere no larger than the gap, once settled, the surface
+    std::array<Contact, 3> contacts; ///< that hold it back; none on a free way, out of moves
     std::size_t contact_count = 0;
     std::size_t moves = 0;         ///< places on the path without the first
     std::size_t first_contact = 0; ///< the first of them at which something held it back
