@@ -89,6 +89,25 @@ TEST(WallSwing, the_hardest_settings_of_every_device_end_below_a_millimetre)
     EXPECT_GT(diverging, 40);
 }
 
+TEST(WallSwing, what_a_device_cannot_give_keeps_no_swing_alive)
+{
+    // A part of a force far above the device's greatest may still be all that it can give: a swing
+    // went on at 80 mm.
+    SwingSetting setting;
+    setting.device = *find_device("delta");
+    setting.hand.device_damping = 0.1;
+    setting.hand.hand_damping = 0;
+    setting.hand.hand_stiffness = 0;
+    for (setting.hand.delay_ticks = 0; setting.hand.delay_ticks <= 3; ++setting.hand.delay_ticks) {
+        for (const double share : {0.6, 0.8, 0.9, 1.0}) {
+            setting.stiffness = share * setting.device.max_stiffness;
+            const SwingFelt felt = swing(wall_of(stands[0]), setting, 4, 2);
+            EXPECT_LT(felt.greatest, 0.01) << describe(setting, stands[0]);
+            EXPECT_LT(felt.amplitude, 1e-4) << describe(setting, stands[0]);
+        }
+    }
+}
+
 TEST(WallSwing, stable_settings_have_the_bits_that_they_have_without_the_guard)
 {
     int stable = 0;

@@ -211,6 +211,10 @@ const RenderTick& HapticRenderer::tick(const DeviceState& state, double seconds,
     if (options_.passivity == Passivity::guarded) {
         const Vec3 relative = tick_.position - ground_;
         if (touching) {
+            // Of what is more than the device can give, a part may still be all that it can.
+            const double size = force.norm();
+            if (passivity_.softness() < 1 && size > device_.max_force)
+                force *= device_.max_force / size;
             force = passivity_.pass(relative, velocity, force, seconds);
         } else {
             passivity_.leave(relative, seconds);
