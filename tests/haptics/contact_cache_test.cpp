@@ -228,11 +228,11 @@ TEST(ContactCache, another_surface_is_asked_anew)
 // More triangles within what is asked for than are ever kept: the surface itself answers.
 TEST(ContactCache, crowds_are_answered_too)
 {
-    const TriangleMesh mesh = testing::triangle_soup(5, 4000);
+    const TriangleMesh mesh = testing::triangle_soup(5, 8000);
     const auto octree = build_proximity_octree(mesh);
     const OctreeContactSurface surface(*octree);
     ContactCache cache;
-    std::vector<ContactTriangle> buffer(4096);
+    std::vector<ContactTriangle> buffer(8192);
     const std::size_t count = cache.collect(surface, Vec3::Zero(), 1.0, buffer);
     EXPECT_GT(count, GroupBoxes::room * TriangleGroup::width);
     std::set<TriangleId> given;

@@ -25,6 +25,9 @@ constexpr double reach_in_edges = 2;
 /// Most moves end within this part of it: what lies beyond is looked at where they do not.
 constexpr double first_part = 0.125;
 
+// What is kept and looked at later always has room.
+static_assert(SlideRoom::triangles >= GroupBoxes::room * TriangleGroup::width);
+
 } // namespace
 
 double safety_gap(const SurfaceScale& scale) noexcept

@@ -106,9 +106,8 @@ double least_touch_time(const Triangle& triangle, double distance, const Vec3& p
     return swept > 0 ? left / swept * (1 - 0x1p-40) : never;
 }
 
-// Flat: nine calls cost as much as what they do.
-[[gnu::flatten]] std::optional<double> touch_time(const Triangle& triangle, double radius,
-                                                  const Vec3& p, const Vec3& motion) noexcept
+std::optional<double> touch_time(const Triangle& triangle, double radius, const Vec3& p,
+                                 const Vec3& motion) noexcept
 {
     const TrianglePlane plane(triangle);
     // Most triangles: the whole way on one side of the offset planes.
