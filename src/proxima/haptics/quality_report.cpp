@@ -45,13 +45,21 @@ bool QualityMeter::passes(const ContactSurface& surface, const Vec3& from, const
     return false;
 }
 
-/// Objects where they stand are asked themselves: what their scene keeps of them is not.
+/// The same in the frame of an object, which is asked itself: not what its scene keeps of it.
+bool QualityMeter::passes(const TouchBody& body, const Vec3& from, const Vec3& to) noexcept
+{
+    const Box& bounds = body.bounds();
+    const bool is_aside = (from.cwiseMax(to).array() < bounds.lower.array()).any() ||
+                          (from.cwiseMin(to).array() > bounds.upper.array()).any();
+    return !is_aside && passes(body.surface(), from, to);
+}
+
 bool QualityMeter::passes_standing(const Vec3& from, const Vec3& to) noexcept
 {
     if (scene_ == nullptr) return passes(surface_, from, to);
     for (std::uint32_t i = 0; i < scene_->object_count(); ++i) {
         const SceneObject object = scene_->object(ObjectId{i});
-        if (passes(object.body->surface(), seen_from(object.now, from), seen_from(object.now, to)))
+        if (passes(*object.body, seen_from(object.now, from), seen_from(object.now, to)))
             return true;
     }
     return false;
@@ -73,7 +81,7 @@ void QualityMeter::count_carried(const RenderTick& tick, std::span<const Vec3> p
         const SceneObject object = scene_->object(ObjectId{i});
         const Vec3 from = seen_from(object.before, last_.proxy.proxy);
         const Vec3 to = seen_from(object.now, path.front());
-        report_.passes += passes(object.body->surface(), from, to) ? 1U : 0U;
+        report_.passes += passes(*object.body, from, to) ? 1U : 0U;
     }
 }
 

@@ -62,6 +62,7 @@ public:
 private:
     [[nodiscard]] bool passes(const ContactSurface& surface, const Vec3& from,
                               const Vec3& to) noexcept;
+    [[nodiscard]] bool passes(const TouchBody& body, const Vec3& from, const Vec3& to) noexcept;
     [[nodiscard]] bool passes_standing(const Vec3& from, const Vec3& to) noexcept;
     void count_passes(std::span<const Vec3> path) noexcept;
     void count_carried(const RenderTick& tick, std::span<const Vec3> path) noexcept;
