@@ -39,7 +39,9 @@ KERNELS = {f"src/proxima/octree/{name}" for name in (
     f"src/proxima/query/{name}" for name in (
         "ask_triangle-inl.h", "box_pairs-inl.h", "cast_ray.cpp", "cull_volume.cpp", "eight_points-inl.h",
         "intersect_meshes.cpp", "leaf_pairs-inl.h", "mesh_distance.cpp", "open_ray-inl.h", "pair_bounds-inl.h",
-        "walk_pairs-inl.h", "walk_ray-inl.h")} | {"src/proxima/haptics/find_groups.cpp", "src/proxima/haptics/triangle_groups.cpp"}
+        "walk_pairs-inl.h", "walk_ray-inl.h")} | {
+        "src/proxima/haptics/" + name for name in ("ball_gaps-inl.h", "find_groups.cpp", "near_groups.cpp",
+                                                   "triangle_groups.cpp")}
 
 # Headers of one processor: immintrin.h, x86intrin.h, arm_neon.h, riscv_vector.h and their like.
 INTRINSICS = re.compile(r"^(\w*intrin|cpuid|(arm|riscv)_\w+|altivec|wasm_simd128|msa)\.h$")
