@@ -60,7 +60,7 @@ struct MetBlock {
     std::size_t lane;
 };
 
-struct PendingGroups {
+struct LevelBlock {
     std::uint32_t level;
     std::uint32_t block; ///< of its level
 };
@@ -94,10 +94,10 @@ HWY_INLINE void visit_blocks(const TriangleTree& tree, const BallQuery& query, c
             meet(MetBlock{0, *std::ranges::min_element(squared), nullptr, 0});
         return;
     }
-    FixedStack<PendingGroups, (width - 1) * TriangleTree::max_levels + 1> pending;
+    FixedStack<LevelBlock, (width - 1) * TriangleTree::max_levels + 1> pending;
     pending.push({static_cast<std::uint32_t>(levels.size() - 1), 0});
     while (!pending.empty()) {
-        const PendingGroups at = pending.pop();
+        const LevelBlock at = pending.pop();
         const TriangleTree::Level& level = levels[at.level];
         const TriangleTreeBlock& boxes = tree.blocks()[level.first_block + at.block];
         const std::uint32_t first = at.block * width;
