@@ -77,7 +77,7 @@ TEST_F(OctreePicture, ComparesDepthsFromOnePlace)
     options.depths = {0, 3};
     const auto last = pixels_of_color(coarse, options);
     EXPECT_GT(last[0], 100) << "the last of these depths is red";
-    options.frame = mesh_frame(4.0);
+    options.frame = mesh_frame(2.0);
     const auto small = pixels_of_color(coarse, options);
     EXPECT_LT(small[0], last[0]) << "in a large frame it is small";
     EXPECT_GT(small[0], 10);

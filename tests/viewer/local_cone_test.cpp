@@ -58,10 +58,10 @@ Shape book()
 Shape bracket()
 {
     std::vector<Vec3> positions;
+    constexpr std::array<std::array<double, 2>, 6> outline = {
+        {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}}};
     for (const double z : {0.0, 1.0})
-        for (const auto& [x, y] : std::initializer_list<std::pair<double, double>>{
-                 {0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}})
-            positions.emplace_back(x, y, z);
+        for (const auto& at : outline) positions.emplace_back(at[0], at[1], z);
     std::vector<TriangleCorners> triangles;
     for (std::uint32_t i = 0; i < 6; ++i) {
         const std::uint32_t next = (i + 1) % 6;
