@@ -27,6 +27,15 @@ double percent(std::uint64_t part, std::uint64_t whole)
     return whole == 0 ? 0 : 100 * static_cast<double>(part) / static_cast<double>(whole);
 }
 
+/// Where a device does not have what was asked for.
+std::string less_text(const char* what, const char* unit, double asked, double used)
+{
+    if (!(used < asked)) return {};
+    return fmt::format("{}: {:g} {} of the {:g} asked for, which is more than the device bears: "
+                       "--limits names a stronger one for a hand\n",
+                       what, used, unit, asked);
+}
+
 } // namespace
 
 Json latency_json(const LatencyHistogram& histogram)
@@ -67,6 +76,8 @@ std::string touch_text(const TouchReportOf& of, const TouchModel& model, const T
         quality.taken_energy, result.clamped, result.slewed, result.damped, result.softened,
         result.lowest_softness, result.lowest_energy, microseconds(result.render));
     text += objects_text(model, quality);
+    text += less_text("stiffness", "N/m", of.asked.stiffness, render.force.stiffness);
+    text += less_text("damping", "N s/m", of.asked.damping, render.force.damping);
     if (result.device) text += device_text(*result.device, render.force.damping);
     if (of.differences) {
         text += fmt::format("replayed: {} ticks differ from the recording\n", *of.differences);

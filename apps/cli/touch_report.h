@@ -19,6 +19,7 @@ struct TouchReportOf {
     std::string device;
     bool paced = true;                        ///< by the clock: with an account of the servo loop
     std::optional<std::uint64_t> differences; ///< of a replay
+    ForceOptions asked;                       ///< by options: what a device has less of is less
 };
 
 /// Lines; the last ends with a line break.

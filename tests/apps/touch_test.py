@@ -126,6 +126,14 @@ class Touching(ProgramTest):
         self.assertIn("late by 1 ticks: without the hand's help a wall swings by itself from 1000 N/m on",
                       self.succeed(*usual, "--delay", 1))
 
+    def test_more_than_the_device_bears_is_said(self):
+        free = ("touch", "cube", "--device", "hand:press", "--seconds", 0.1, "--free-running")
+        text = self.succeed(*free, "--stiffness", 2000, "--damping", 9)
+        self.assertIn("stiffness: 700 N/m of the 2000 asked for", text)
+        self.assertIn("damping: 5 N s/m of the 9 asked for", text)
+        for enough in (free, (*free, "--stiffness", 700), (*free, "--stiffness", 2000, "--limits", "delta")):
+            self.assertNotIn("asked for", self.succeed(*enough))
+
     def test_late_forces_swing(self):
         """What the stability table says of walls holds on the command line too."""
         bare = ("touch", "cube", "--device", "hand:press", "--seconds", 4, "--free-running", "--damping", 0, "--hand-damping", 0,

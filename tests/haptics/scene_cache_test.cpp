@@ -267,113 +267,106 @@ EveryDistance every_distance(const TouchScene& scene, const Vec3& p, const Vec3&
     return all;
 }
 
-TEST(SceneCache, nothing_near_is_missing_while_objects_move)
+/// All sessions, from tick to tick: `ask` in each of them, about what is near the hand. The seed is
+/// traced.
+template <class Ask>
+void ask_in_every_session(std::uint32_t seed, int ticks, const Ask& ask)
 {
-    std::uint32_t seed = 900;
-    std::size_t needed = 0;
     for (const Session& session : sessions()) {
         TwinScenes scenes(session, ++seed);
         SCOPED_TRACE(session.name + ", seed " + std::to_string(seed));
         HandOnObjects hand(session, seed);
-        std::vector<ContactTriangle> buffer(4096);
-        const TouchScene& scene = scenes.fast();
-        for (int tick = 0; tick < 40; ++tick) {
+        for (int tick = 0; tick < ticks; ++tick) {
+            SCOPED_TRACE(tick);
             scenes.say();
             scenes.fast().advance(tick_seconds);
             scenes.slow().advance(tick_seconds);
-            const Vec3 at = hand.next(scenes);
-            for (int question = 0; question < 4; ++question) {
-                const Vec3 p = at + 0.02 * scenes.vector();
-                const double distance = 0.05 * std::abs(scenes.number());
-                const Vec3 way = question % 2 == 0 ? Vec3(Vec3::Zero()) : 0.1 * scenes.vector();
-                const EveryDistance all = every_distance(scene, p, way, distance);
-                const std::size_t count = scene.collect_along(p, way, distance, buffer);
-                ASSERT_LE(count, buffer.size());
-                std::set<TriangleId> given;
-                for (const ContactTriangle& triangle : std::span(buffer).first(count))
-                    given.insert(triangle.id);
-                EXPECT_EQ(given.size(), count);
-                needed += all.near.size();
-                for (const TriangleId id : all.near) ASSERT_TRUE(given.contains(id)) << tick;
-            }
+            ask(scenes, hand.next(scenes));
+            if (::testing::Test::HasFatalFailure()) return;
         }
     }
+}
+
+TEST(SceneCache, nothing_near_is_missing_while_objects_move)
+{
+    std::size_t needed = 0;
+    std::vector<ContactTriangle> buffer(4096);
+    ask_in_every_session(900, 40, [&](TwinScenes& scenes, const Vec3& at) {
+        const TouchScene& scene = scenes.fast();
+        for (int question = 0; question < 4; ++question) {
+            const Vec3 p = at + 0.02 * scenes.vector();
+            const double distance = 0.05 * std::abs(scenes.number());
+            const Vec3 way = question % 2 == 0 ? Vec3(Vec3::Zero()) : 0.1 * scenes.vector();
+            const EveryDistance all = every_distance(scene, p, way, distance);
+            const std::size_t count = scene.collect_along(p, way, distance, buffer);
+            ASSERT_LE(count, buffer.size());
+            std::set<TriangleId> given;
+            for (const ContactTriangle& triangle : std::span(buffer).first(count))
+                given.insert(triangle.id);
+            EXPECT_EQ(given.size(), count);
+            needed += all.near.size();
+            for (const TriangleId id : all.near) ASSERT_TRUE(given.contains(id));
+        }
+    });
     EXPECT_GT(needed, 500U);
 }
 
 TEST(SceneCache, knows_how_far_objects_are_that_move)
 {
-    std::uint32_t seed = 300;
     int beyond = 0;
     int within = 0;
-    for (const Session& session : sessions()) {
-        TwinScenes scenes(session, ++seed);
-        SCOPED_TRACE(session.name + ", seed " + std::to_string(seed));
-        HandOnObjects hand(session, seed);
+    ask_in_every_session(300, 150, [&](TwinScenes& scenes, const Vec3& at) {
         const TouchScene& scene = scenes.fast();
-        for (int tick = 0; tick < 150; ++tick) {
-            scenes.say();
-            scenes.fast().advance(tick_seconds);
-            scenes.slow().advance(tick_seconds);
-            const Vec3 at = hand.next(scenes);
-            for (int question = 0; question < 3; ++question) {
-                const Vec3 p = at + 0.1 * scenes.vector();
-                const double wanted = 0.2 * std::abs(scenes.number());
-                const double exact = scene.clearance(p);
-                const double said = scene.clearance_beyond(p, wanted);
-                ASSERT_LE(said, exact) << tick;
-                ASSERT_EQ(said > wanted, exact > wanted) << tick;
-                if (said <= wanted) {
-                    ASSERT_EQ(said, exact) << tick;
-                }
-                (exact > wanted ? beyond : within) += 1;
+        for (int question = 0; question < 3; ++question) {
+            const Vec3 p = at + 0.1 * scenes.vector();
+            const double wanted = 0.2 * std::abs(scenes.number());
+            const double exact = scene.clearance(p);
+            const double said = scene.clearance_beyond(p, wanted);
+            ASSERT_LE(said, exact);
+            ASSERT_EQ(said > wanted, exact > wanted);
+            if (said <= wanted) {
+                ASSERT_EQ(said, exact);
             }
+            (exact > wanted ? beyond : within) += 1;
         }
-    }
+    });
     EXPECT_GT(beyond, 1000);
     EXPECT_GT(within, 1000);
 }
 
-TEST(SceneCache, no_way_that_is_said_to_be_clear_comes_near)
+/// Whether no triangle of the object is within the distance of the way, at five places of it.
+void expect_clear(const SceneObject& object, const Vec3& from, const Vec3& to, double distance)
 {
-    std::uint32_t seed = 500;
-    int clear = 0;
-    int not_clear = 0;
-    for (const Session& session : sessions()) {
-        TwinScenes scenes(session, ++seed);
-        SCOPED_TRACE(session.name + ", seed " + std::to_string(seed));
-        HandOnObjects hand(session, seed);
-        const TouchScene& scene = scenes.fast();
-        for (int tick = 0; tick < 40; ++tick) {
-            scenes.say();
-            scenes.fast().advance(tick_seconds);
-            scenes.slow().advance(tick_seconds);
-            const Vec3 at = hand.next(scenes);
-            (void)scene.clearance_beyond(at, 0.1);
-            for (int question = 0; question < 4; ++question) {
-                const Vec3 from = at + 0.1 * scenes.vector();
-                const Vec3 to = from + 0.05 * scenes.vector();
-                const double distance = 0.05 * std::abs(scenes.number());
-                for (const ObjectId id : scenes.objects()) {
-                    const bool said = scene.keeps_clear(id, from, to, distance);
-                    (said ? clear : not_clear) += 1;
-                    if (!said) continue;
-                    const SceneObject object = scene.object(id);
-                    const Vec3 begin = seen_from(object.before, from);
-                    const Vec3 way = seen_from(object.now, to) - begin;
-                    const TriangleMesh& mesh = object.body->mesh();
-                    for (std::uint32_t k = 0; k < mesh.triangle_count(); ++k) {
-                        for (const double part : {0.0, 0.25, 0.5, 0.75, 1.0}) {
-                            const Vec3 place = begin + part * way;
-                            const TrianglePoint closest =
-                                closest_point(mesh.triangle(TriangleId{k}), place);
-                            ASSERT_GT((closest.point - place).norm(), distance) << tick;
-                        }
-                    }
-                }
-            }
+    const Vec3 begin = seen_from(object.before, from);
+    const Vec3 way = seen_from(object.now, to) - begin;
+    const TriangleMesh& mesh = object.body->mesh();
+    for (std::uint32_t k = 0; k < mesh.triangle_count(); ++k) {
+        for (const double part : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+            const Vec3 place = begin + part * way;
+            const TrianglePoint closest = closest_point(mesh.triangle(TriangleId{k}), place);
+            ASSERT_GT((closest.point - place).norm(), distance);
         }
     }
+}
+
+TEST(SceneCache, no_way_that_is_said_to_be_clear_comes_near)
+{
+    int clear = 0;
+    int not_clear = 0;
+    ask_in_every_session(500, 40, [&](TwinScenes& scenes, const Vec3& at) {
+        const TouchScene& scene = scenes.fast();
+        (void)scene.clearance_beyond(at, 0.1);
+        for (int question = 0; question < 4; ++question) {
+            const Vec3 from = at + 0.1 * scenes.vector();
+            const Vec3 to = from + 0.05 * scenes.vector();
+            const double distance = 0.05 * std::abs(scenes.number());
+            for (const ObjectId id : scenes.objects()) {
+                const bool said = scene.keeps_clear(id, from, to, distance);
+                (said ? clear : not_clear) += 1;
+                if (said) expect_clear(scene.object(id), from, to, distance);
+            }
+        }
+    });
     EXPECT_GT(clear, 1000);
     EXPECT_GT(not_clear, 1000);
 }

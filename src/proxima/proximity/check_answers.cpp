@@ -3,11 +3,9 @@
 #include "proxima/base/text.h"
 #include "proxima/proximity/brute_force.h"
 #include "proxima/proximity/check_work.h"
-#include "proxima/proximity/closest_feature.h"
 
 #include <array>
 #include <cmath>
-#include <string>
 
 namespace proxima {
 
@@ -40,6 +38,8 @@ bool is_right(const ClosestFeature& found, const ClosestFeature& right, double r
            (found.feature != right.feature || found.triangle == right.triangle);
 }
 
+} // namespace
+
 std::string text_of(const ClosestFeature& answer)
 {
     constexpr std::array names = {"vertex ", "edge ", "face "};
@@ -47,8 +47,6 @@ std::string text_of(const ClosestFeature& answer)
                   " of triangle ", index(answer.triangle), " at ",
                   std::sqrt(answer.squared_distance));
 }
-
-} // namespace
 
 Status check_answers(const ProximityOctree& octree, const TriangleMesh& mesh,
                      const Topology& topology, std::span<const Vec3> points,

@@ -7,11 +7,16 @@
 #include "proxima/geometry/vec.h"
 #include "proxima/mesh/topology.h"
 #include "proxima/mesh/triangle_mesh.h"
+#include "proxima/proximity/closest_feature.h"
 #include "proxima/proximity/proximity_octree.h"
 
 #include <span>
+#include <string>
 
 namespace proxima {
+
+/// What was found, for messages: "face 7 of triangle 7 at 0.25". \pre is_found(answer)
+[[nodiscard]] std::string text_of(const ClosestFeature& answer);
 
 struct CheckAnswersOptions {
     Progress* progress = nullptr; ///< stage "asking every triangle", steps are points

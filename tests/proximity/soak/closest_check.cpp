@@ -3,6 +3,7 @@
 #include "oracles/quad_distance.h"
 #include "proxima/base/text.h"
 #include "proxima/proximity/brute_force.h"
+#include "proxima/proximity/check_answers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,14 +20,6 @@ bool same_bits(const ClosestFeature& a, const ClosestFeature& b)
 {
     return a.feature == b.feature && a.triangle == b.triangle && a.point == b.point &&
            a.barycentric == b.barycentric && a.squared_distance == b.squared_distance;
-}
-
-std::string described(const ClosestFeature& answer)
-{
-    constexpr std::array names = {"vertex ", "edge ", "face "};
-    return concat(names[static_cast<std::size_t>(answer.feature.kind)], answer.feature.id,
-                  " of triangle ", index(answer.triangle), " at ",
-                  std::sqrt(answer.squared_distance));
 }
 
 } // namespace
@@ -138,12 +131,12 @@ ClosestTally ClosestCheck::check(std::span<const Vec3> points) const
                 const ClosestFeature truth = truth_at(p, i, tally);
                 wrong = problem(found, truth, p, tally);
                 if (!wrong.empty())
-                    wrong = concat(wrong, ": ", described(found), ", not ", described(truth));
+                    wrong = concat(wrong, ": ", text_of(found), ", not ", text_of(truth));
             } else if (!same_bits(found, first[i])) {
-                wrong = concat("budget: ", described(found), ", not ", described(first[i]));
+                wrong = concat("budget: ", text_of(found), ", not ", text_of(first[i]));
             }
             if (!batch_ended || !same_bits(found, batch[i])) {
-                wrong = concat("batch: ", described(batch[i]), ", not ", described(found));
+                wrong = concat("batch: ", text_of(batch[i]), ", not ", text_of(found));
             }
             std::array<std::uint32_t, 3> at{};
             if (octree.locate(octree.frame().to_frame(p), at)) {
