@@ -118,10 +118,12 @@ void TouchedPlaces::drop_covered(const Vec3& p, double least) noexcept
         return std::ranges::any_of(
             all, [&](const Contact& face) { return covers(face, contact, p, least); });
     };
-    // Faces, which cover, stay where they are until all sides and corners have been looked at.
-    const auto edges = std::ranges::partition(
-        all, [](const Contact& contact) { return contact.part == TrianglePart::inside; });
-    count_ -= std::ranges::remove_if(edges, is_covered).size();
+    // Faces, which cover, stay where they are until all sides and corners have been looked at. (The
+    // algorithms of ranges that return subranges do not go through clang 14.)
+    const auto edges = std::partition(all.begin(), all.end(), [](const Contact& contact) {
+        return contact.part == TrianglePart::inside;
+    });
+    count_ = static_cast<std::size_t>(std::remove_if(edges, all.end(), is_covered) - all.begin());
 }
 
 bool TouchedPlaces::is_known(const ContactSurface& surface, const Vec3& p,
