@@ -76,7 +76,7 @@ Status write_outputs(const OctreeCommandOptions& options, const OctreeAndMesh& m
 {
     Progress* const progress = &session.progress();
     const auto write = [&](const std::string& path, const auto& write_file) -> Status {
-        const Status status = [&] {
+        Status status = [&] {
             const ProgressBar shown(session.progress(), session.bar());
             return write_file();
         }();

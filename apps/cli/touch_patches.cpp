@@ -31,7 +31,7 @@ std::size_t room_for(const TouchModel& model)
 
 double percent_sent(const PatchAccount& account)
 {
-    const double sent = static_cast<double>(account.triangles);
+    const auto sent = static_cast<double>(account.triangles);
     const double all =
         static_cast<double>(account.patches) * static_cast<double>(account.model_triangles);
     return all > 0 ? 100 * sent / all : 0;

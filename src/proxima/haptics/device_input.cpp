@@ -20,7 +20,7 @@ bool is_fault(InputCondition condition) noexcept
 } // namespace
 
 DeviceInput::DeviceInput(const DeviceInfo& info, const InputOptions& options) noexcept
-    : options_(options), may_rest_(info.stillness == Stillness::usual), patience_(info.patience)
+    : options_(options), patience_(info.patience), may_rest_(info.stillness == Stillness::usual)
 {
     PROXIMA_CHECK_GT(options.tick_seconds, 0);
     PROXIMA_CHECK_LT((options.rotation.transpose() * options.rotation - Mat3::Identity()).norm(),

@@ -96,7 +96,6 @@ private:
 
     ButtonQueue events_;
     InputOptions options_;
-    bool may_rest_;
     double patience_;
     DeviceState state_; ///< as given to the renderer
     VelocityBounds bounds_;
@@ -108,17 +107,18 @@ private:
     double unchanged_ = 0;          ///< s: of the same bits while pushed
     double waited_ = 0;             ///< s: since the last new sample
     double force_ = 0;              ///< N: of the last tick
-    bool placed_ = false;
-    bool jumping_ = false;
-    bool released_ = false;
-    bool heard_ = false;
     std::uint64_t sample_ = 0;
     std::uint64_t tick_ = 0;
-    std::uint32_t buttons_ = 0;
     DeviceState last_said_;
     double fault_ = 0;       ///< s: of the fault in progress
     double recovering_ = -1; ///< s: since it is well again; negative where it never was unwell
     InputReport report_;
+    std::uint32_t buttons_ = 0;
+    bool may_rest_;
+    bool placed_ = false;
+    bool jumping_ = false;
+    bool released_ = false;
+    bool heard_ = false;
 };
 
 } // namespace proxima
