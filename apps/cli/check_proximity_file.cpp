@@ -20,7 +20,7 @@ constexpr std::uint64_t places_seed = 1;
 /// Near, on and about the surface; as many as take some seconds on one thread.
 std::vector<Vec3> places_to_ask(const ModelSurface& surface)
 {
-    constexpr std::size_t asked_features = 200'000'000; // 10 ns each
+    constexpr std::size_t asked_features = 200'000'000; // 5 ns each
     const std::size_t features = surface.topology.vertex_count() + surface.topology.edge_count() +
                                  surface.topology.triangle_count();
     const std::size_t count = std::clamp<std::size_t>(asked_features / 3 / features, 20, 1000);

@@ -85,7 +85,7 @@ void add_hand_options(CLI::App& parser, HandModel& hand)
     add("--device-friction", hand.coulomb_friction, "Of the device in a simulated hand, dry, N",
         "F", 0, 1e2);
     add("--encoder-step", hand.encoder_step, "Of the device in a simulated hand, m; 0 for none",
-        "M", 0, 1e-2);
+        "M", 0, 1e-4);
     parser
         .add_option("--delay", hand.delay_ticks,
                     "Ticks by which a simulated hand feels forces late")

@@ -67,14 +67,15 @@ private:
     bool has_patch_ = false; ///< the servo thread's
 };
 
-/// Makes the metric patch for a place.
+/// Makes the metric patch for a place. It refers to the surface, which must outlive it.
 void make_patch(ContactPatch& patch, const OctreeContactSurface& surface, const ServoPlace& place,
                 const CollisionOptions& options) noexcept;
 
 /// Runs in a thread of its own from construction to destruction.
 class CollisionLoop {
 public:
-    /// Refers to surface and exchange, which must outlive it.
+    /// Refers to surface and exchange, which must outlive it; the surface also every patch that is
+    /// still touched, those in the exchange among them.
     CollisionLoop(const OctreeContactSurface& surface, PatchExchange& exchange,
                   const CollisionOptions& options);
     CollisionLoop(const CollisionLoop&) = delete;

@@ -107,8 +107,8 @@ private:
 }
 
 /// Fills a patch with all triangles within a radius of the device, or of a shorter one where there
-/// are more than it has room for: then it is whole for slower hands. noexcept, no allocation; 2 us
-/// and a nanosecond per triangle.
+/// are more than it has room for: then it is whole for slower hands. It refers to the surface,
+/// which must outlive it. noexcept, no allocation; half a nanosecond per triangle.
 /// \pre finite, radius >= 0
 void fill_metric_patch(ContactPatch& patch, const OctreeContactSurface& surface, const Vec3& device,
                        double radius) noexcept;

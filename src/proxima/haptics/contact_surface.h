@@ -4,7 +4,8 @@
 //     patch mode    the triangles handed over by the collision loop (contact_patch.h)
 //     brute force   all triangles of the mesh: slow, what the others are held against
 //
-// All members are noexcept, do not allocate, and may be called from any thread.
+// All members are noexcept, do not allocate, and may be called from any thread, but for those of a
+// scene (touch_scene.h), which keeps what is near, and of a patch's surface: by one thread.
 #pragma once
 
 #include "proxima/geometry/shapes.h"

@@ -15,7 +15,7 @@
 
 namespace proxima {
 
-/// Of a thread; 46 KB. All places are in the object's frame. All but the constructor are noexcept
+/// Of a thread; 154 KB. All places are in the object's frame. All but the constructor are noexcept
 /// and do not allocate.
 class ObjectCache {
 public:

@@ -81,7 +81,7 @@ Vec3 Proxy::shading_of(const SlideResult& slide, const Vec3& normal, double dept
 /// of the first touch it does not lean yet.
 Vec3 Proxy::lean_towards(const Vec3& p, ProxyTick& next) noexcept
 {
-    if (tick_.hold == Hold::free) return Vec3::Zero();
+    if (tick_.hold == Hold::free || tick_.slide.contact_count == 0) return Vec3::Zero();
     const SlideResult& slide = next.slide;
     Vec3 lean = shading_of(slide, next.normal, next.depth);
     if (lean.isZero(0)) return lean;
