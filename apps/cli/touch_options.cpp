@@ -157,6 +157,10 @@ Status check_options(const TouchCommandOptions& options)
         status = refuse(hand_options,
                         "is for a simulated hand: other devices go their own ways and keep time");
     }
+    if (kind == "hand" && options.is_given("--clutch")) {
+        return fail(ErrorCode::invalid_argument, "a simulated hand has no buttons: leave it out",
+                    "--clutch");
+    }
     if (status && kind != "hd" && kind != "dhd")
         status = refuse(driver_options, "is for hd and dhd: leave it out");
     if (!status) return status;

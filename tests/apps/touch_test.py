@@ -126,6 +126,9 @@ class Touching(ProgramTest):
         self.assertIn("late by 1 ticks: without the hand's help a wall swings by itself from 1000 N/m on",
                       self.succeed(*usual, "--delay", 1))
 
+    def test_a_simulated_hand_has_no_buttons(self):
+        self.refuse("touch", "cube", "--device", "hand:press", "--seconds", 0.1, "--clutch", 1, says=("--clutch", "no buttons"))
+
     def test_more_than_the_device_bears_is_said(self):
         free = ("touch", "cube", "--device", "hand:press", "--seconds", 0.1, "--free-running")
         text = self.succeed(*free, "--stiffness", 2000, "--damping", 9)
