@@ -3,8 +3,8 @@
 // first, then the nine edge axes, then the plane.
 #pragma once
 
-#include "proxima/mesh/triangle_mesh.h"
-#include "proxima/octree/cell.h"
+#include "mesh/triangle_mesh.h"
+#include "octree/cell.h"
 
 #include <algorithm>
 #include <array>

@@ -1,9 +1,9 @@
 // What intersects a mesh with itself in contact_bench: ours and FCL.
 #pragma once
 
-#include "proxima/geometry/rigid_transform.h"
-#include "proxima/mesh/triangle_mesh.h"
-#include "proxima/query/intersect_meshes.h"
+#include "geometry/rigid_transform.h"
+#include "mesh/triangle_mesh.h"
+#include "query/contact/intersect_meshes.h"
 
 #include <memory>
 #include <string>

@@ -1,6 +1,6 @@
 #include "contact_poses.h"
 
-#include "proxima/query/intersect_meshes.h"
+#include "query/contact/intersect_meshes.h"
 
 #include <Eigen/Geometry>
 
@@ -15,7 +15,7 @@ constexpr double gap = 1e-3; // of the mesh's size
 
 class PoseMaker {
 public:
-    PoseMaker(const TriangleMesh& mesh, const RayIndex& index, std::uint64_t seed)
+    PoseMaker(const TriangleMesh& mesh, const MeshIndex& index, std::uint64_t seed)
         : index_(index), box_(bounding_box(mesh)), random_(seed)
     {}
 
@@ -75,14 +75,14 @@ private:
         return pose;
     }
 
-    const RayIndex& index_;
+    const MeshIndex& index_;
     Box box_;
     std::mt19937_64 random_;
 };
 
 } // namespace
 
-std::vector<PoseSet> contact_poses(const TriangleMesh& mesh, const RayIndex& index,
+std::vector<PoseSet> contact_poses(const TriangleMesh& mesh, const MeshIndex& index,
                                    std::uint64_t seed)
 {
     PoseMaker make(mesh, index, seed);

@@ -8,11 +8,11 @@
 #include "bench_program.h"
 #include "cull_by_lanes.h"
 #include "cull_path.h"
-#include "proxima/mesh/mesh_io.h"
-#include "proxima/mesh/sample_meshes.h"
-#include "proxima/octree/build_octree.h"
-#include "proxima/query/build_ray_index.h"
-#include "proxima/query/cull_volume.h"
+#include "index/build_mesh_index.h"
+#include "mesh/mesh_io.h"
+#include "mesh/sample_meshes.h"
+#include "octree/build_octree.h"
+#include "query/culling/cull_volume.h"
 
 #include <CLI/CLI.hpp>
 
@@ -35,7 +35,7 @@ struct BenchOptions : CommonOptions {
 /// A mesh, and all that is culled with.
 struct Scene {
     TriangleMesh mesh;
-    RayIndex index;
+    MeshIndex index;
     std::vector<TriangleCorners> sorted; ///< corners in the index's order
     TriangleArrays by_id;
     TriangleArrays by_row;
@@ -59,7 +59,7 @@ Result<std::unique_ptr<Scene>> make_scene(TriangleMesh mesh)
     const auto octree = build_octree(
         mesh, {.max_depth = 5, .classification = Classification::none, .threads = {1}});
     if (!octree) return tl::unexpected(octree.error());
-    auto index = build_ray_index(*octree, mesh, {.threads = {1}});
+    auto index = build_mesh_index(*octree, mesh, {.threads = {1}});
     if (!index) return tl::unexpected(index.error());
     const double seconds = processor_seconds() - start;
     std::vector<TriangleCorners> sorted;

@@ -12,7 +12,7 @@ struct UnitPlane {
     double offset;
 };
 
-std::vector<UnitPlane> planes_of(const RayIndex& index, const ViewVolume& volume)
+std::vector<UnitPlane> planes_of(const MeshIndex& index, const ViewVolume& volume)
 {
     std::vector<UnitPlane> planes;
     for (const ViewPlane& plane : volume.planes()) {
@@ -41,7 +41,7 @@ struct CutBlocks {
     std::vector<std::uint32_t> leaves; ///< ascending
 };
 
-CutBlocks cut_blocks(const RayIndex& index, std::span<const UnitPlane> planes, double band)
+CutBlocks cut_blocks(const MeshIndex& index, std::span<const UnitPlane> planes, double band)
 {
     struct Pending {
         std::uint32_t reference;
@@ -52,13 +52,13 @@ CutBlocks cut_blocks(const RayIndex& index, std::span<const UnitPlane> planes, d
     while (!pending.empty()) {
         const Pending at = pending.back();
         pending.pop_back();
-        const std::uint32_t block = at.reference & ~ray_leaf_bit;
-        if ((at.reference & ray_leaf_bit) != 0) {
+        const std::uint32_t block = at.reference & ~index_leaf_bit;
+        if ((at.reference & index_leaf_bit) != 0) {
             cut.leaves.push_back(block);
             continue;
         }
         ++cut.nodes;
-        const RayNode& node = index.blocks()[block].node;
+        const IndexNode& node = index.blocks()[block].node;
         for (std::size_t slot = 0; slot < 8; ++slot) {
             Box box;
             for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -88,7 +88,7 @@ CutBlocks cut_blocks(const RayIndex& index, std::span<const UnitPlane> planes, d
 
 } // namespace
 
-PathCounts count_path(const RayIndex& index, std::span<const ViewVolume> frames)
+PathCounts count_path(const MeshIndex& index, std::span<const ViewVolume> frames)
 {
     std::vector<std::vector<UnitPlane>> planes;
     for (const ViewVolume& frame : frames) planes.push_back(planes_of(index, frame));

@@ -5,8 +5,8 @@
 //              leaves; the frames between look at these alone
 #pragma once
 
-#include "proxima/geometry/view_volume.h"
-#include "proxima/query/ray_index.h"
+#include "geometry/view_volume.h"
+#include "index/mesh_index.h"
 
 #include <array>
 #include <span>
@@ -28,6 +28,6 @@ struct PathCounts {
 };
 
 /// \pre all volumes have the same number of planes, in the same order
-[[nodiscard]] PathCounts count_path(const RayIndex& index, std::span<const ViewVolume> frames);
+[[nodiscard]] PathCounts count_path(const MeshIndex& index, std::span<const ViewVolume> frames);
 
 } // namespace proxima::bench

@@ -13,12 +13,12 @@
 // Every distance is compared with ours. Prints tables; one thread.
 #include "bench_program.h"
 #include "fcl_distance_peer.h"
-#include "proxima/mesh/mesh_io.h"
-#include "proxima/mesh/sample_meshes.h"
-#include "proxima/octree/build_octree.h"
-#include "proxima/query/build_distance_index.h"
-#include "proxima/query/build_ray_index.h"
-#include "proxima/query/mesh_distance.h"
+#include "index/build_mesh_index.h"
+#include "index/slabs/build_distance_index.h"
+#include "mesh/mesh_io.h"
+#include "mesh/sample_meshes.h"
+#include "octree/build_octree.h"
+#include "query/distance/mesh_distance.h"
 
 #include <CLI/CLI.hpp>
 
@@ -45,7 +45,7 @@ public:
         const auto start = std::chrono::steady_clock::now();
         const auto octree =
             build_octree(mesh, {.classification = Classification::none, .threads = {1}});
-        const auto triangles = build_ray_index(octree.value(), mesh, {.threads = {1}});
+        const auto triangles = build_mesh_index(octree.value(), mesh, {.threads = {1}});
         index_ = build_distance_index(triangles.value(), {.threads = {1}}).value();
         seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     }

@@ -1,7 +1,7 @@
 #include "embree_peer.h"
 
+#include "base/check.h"
 #include "morton_order.h"
-#include "proxima/base/check.h"
 #include "triangle_distance.h"
 
 #include <embree3/rtcore.h>

@@ -1,4 +1,4 @@
-#include "proxima/base/check.h"
+#include "base/check.h"
 #include "ray_peers.h"
 
 #include <embree3/rtcore.h>

@@ -9,8 +9,8 @@
 // triangles that face the proxy and are not too thin for its offset from them.
 #pragma once
 
-#include "proxima/geometry/shapes.h"
-#include "proxima/mesh/triangle_mesh.h"
+#include "geometry/shapes.h"
+#include "mesh/triangle_mesh.h"
 
 #include <cstdint>
 #include <optional>

@@ -6,8 +6,8 @@
 // Without the variable a procedural mesh of 871,200 triangles stands in. It is written to every
 // format first, so each row reads one mesh: vertices, triangles and a hash of the positions in file
 // order are printed, and a faster wrong answer shows. Assimp's are floats, so its hash is its own.
-#include "proxima/base/text.h"
-#include "proxima/mesh/mesh_io.h"
+#include "base/text.h"
+#include "mesh/mesh_io.h"
 
 #include <assimp/Importer.hpp>
 #include <assimp/postprocess.h>

@@ -5,10 +5,10 @@
 // cells, references and a hash of the lists: a faster wrong answer would show.
 
 #include "akenine_moller.h"
-#include "proxima/mesh/mesh_io.h"
-#include "proxima/mesh/sample_meshes.h"
-#include "proxima/octree/build_octree.h"
-#include "proxima/octree/statistics.h"
+#include "mesh/mesh_io.h"
+#include "mesh/sample_meshes.h"
+#include "octree/build_octree.h"
+#include "octree/statistics.h"
 
 #include <benchmark/benchmark.h>
 #include <malloc.h>

@@ -1,9 +1,9 @@
 #include "partition_workload.h"
 
-#include "proxima/mesh/mesh_io.h"
-#include "proxima/mesh/sample_meshes.h"
-#include "proxima/octree/build_octree.h"
-#include "proxima/octree/octree.h"
+#include "mesh/mesh_io.h"
+#include "mesh/sample_meshes.h"
+#include "octree/build_octree.h"
+#include "octree/octree.h"
 
 #include <algorithm>
 #include <cmath>

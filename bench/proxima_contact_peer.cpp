@@ -1,6 +1,6 @@
 #include "contact_peers.h"
-#include "proxima/octree/build_octree.h"
-#include "proxima/query/build_ray_index.h"
+#include "index/build_mesh_index.h"
+#include "octree/build_octree.h"
 
 #include <chrono>
 
@@ -14,7 +14,7 @@ public:
         const auto start = std::chrono::steady_clock::now();
         const auto octree =
             build_octree(mesh, {.classification = Classification::none, .threads = {1}});
-        index_ = build_ray_index(octree.value(), mesh, {.threads = {1}}).value();
+        index_ = build_mesh_index(octree.value(), mesh, {.threads = {1}}).value();
         seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     }
     [[nodiscard]] std::string name() const override { return "proxima"; }
@@ -31,7 +31,7 @@ public:
     [[nodiscard]] std::vector<TrianglePair> sorted_pairs() const override { return pairs_; }
 
 private:
-    RayIndex index_;
+    MeshIndex index_;
     double seconds_ = 0;
     std::vector<TrianglePair> pairs_;
 };

@@ -1,8 +1,8 @@
 #include "proxima_peer.h"
 
-#include "proxima/base/check.h"
-#include "proxima/proximity/build_proximity_octree.h"
-#include "proxima/proximity/closest_feature.h"
+#include "base/check.h"
+#include "index/lists/build_proximity_octree.h"
+#include "query/closest/closest_feature.h"
 
 #include <vector>
 

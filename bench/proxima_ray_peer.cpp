@@ -1,6 +1,6 @@
-#include "proxima/octree/build_octree.h"
-#include "proxima/query/build_ray_index.h"
-#include "proxima/query/cast_ray.h"
+#include "index/build_mesh_index.h"
+#include "octree/build_octree.h"
+#include "query/rays/cast_ray.h"
 #include "ray_peers.h"
 
 #include <chrono>
@@ -15,7 +15,7 @@ public:
         const auto octree =
             build_octree(mesh, {.classification = Classification::none, .threads = {1}});
         const auto start = std::chrono::steady_clock::now();
-        index_ = build_ray_index(octree.value(), mesh, {.threads = {1}}).value();
+        index_ = build_mesh_index(octree.value(), mesh, {.threads = {1}}).value();
         seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     }
     [[nodiscard]] std::string name() const override { return "proxima"; }
@@ -48,7 +48,7 @@ public:
     [[nodiscard]] bool was_hit(std::size_t ray) const override { return any_[ray]; }
 
 private:
-    RayIndex index_;
+    MeshIndex index_;
     double seconds_ = 0;
     std::span<const Ray> rays_;
     std::vector<std::optional<RayHit>> hits_;

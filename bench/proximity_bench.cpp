@@ -7,11 +7,11 @@
 // triangles where a folder shared/meshes lies beside this one, and PROXIMA_BENCH_MESH. With
 // --curve only ours, by its budget.
 
+#include "base/text.h"
 #include "bench_program.h"
 #include "brute_force_peer.h"
-#include "proxima/base/text.h"
-#include "proxima/mesh/mesh_io.h"
-#include "proxima/mesh/sample_meshes.h"
+#include "mesh/mesh_io.h"
+#include "mesh/sample_meshes.h"
 #include "proxima_peer.h"
 #include "proximity_race.h"
 #ifdef PROXIMA_BENCH_CGAL

@@ -1,6 +1,6 @@
 #include "proximity_race.h"
 
-#include "proxima/geometry/closest_point.h"
+#include "geometry/closest_point.h"
 
 #include <algorithm>
 #include <bit>

@@ -6,7 +6,7 @@
 // Passes are timed by the processor time of this process, single queries by the steady clock.
 #pragma once
 
-#include "proxima/proximity/query_sets.h"
+#include "lab/query_sets.h"
 #include "proximity_peers.h"
 #include "query_sample.h"
 

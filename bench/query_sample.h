@@ -1,7 +1,7 @@
 // Some of a set of queries, for slow peers.
 #pragma once
 
-#include "proxima/geometry/vec.h"
+#include "geometry/vec.h"
 
 #include <cstddef>
 #include <cstdint>

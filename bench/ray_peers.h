@@ -1,8 +1,8 @@
 // What casts rays in ray_bench: ours and Embree 3, fast and robust, single rays and batches.
 #pragma once
 
-#include "proxima/geometry/ray.h"
-#include "proxima/mesh/triangle_mesh.h"
+#include "geometry/ray.h"
+#include "mesh/triangle_mesh.h"
 
 #include <cstdint>
 #include <limits>

@@ -6,8 +6,8 @@
 // All numbers are floats, so that every peer casts the same rays.
 #pragma once
 
-#include "proxima/geometry/ray.h"
-#include "proxima/mesh/triangle_mesh.h"
+#include "geometry/ray.h"
+#include "mesh/triangle_mesh.h"
 #include "ray_peers.h"
 
 #include <array>

@@ -5,12 +5,12 @@
 //     together    as many about one place
 //     pays        queries of set a after which building again would have been cheaper
 
-#include "proxima/mesh/mesh_io.h"
-#include "proxima/mesh/sample_meshes.h"
-#include "proxima/proximity/build_proximity_octree.h"
-#include "proxima/proximity/closest_feature.h"
-#include "proxima/proximity/query_sets.h"
-#include "proxima/proximity/refit_proximity_octree.h"
+#include "index/lists/build_proximity_octree.h"
+#include "lab/query_sets.h"
+#include "mesh/mesh_io.h"
+#include "mesh/sample_meshes.h"
+#include "query/closest/closest_feature.h"
+#include "query/closest/refit_proximity_octree.h"
 
 #include <benchmark/benchmark.h>
 

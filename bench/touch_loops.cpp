@@ -1,14 +1,14 @@
 #include "touch_loops.h"
 
-#include "proxima/haptics/collision_loop.h"
-#include "proxima/haptics/hand_script.h"
-#include "proxima/haptics/haptic_renderer.h"
-#include "proxima/haptics/quality_report.h"
-#include "proxima/haptics/servo_loop.h"
-#include "proxima/haptics/simulated_hand.h"
-#include "proxima/octree/build_octree.h"
-#include "proxima/query/build_ray_index.h"
-#include "proxima/query/cast_ray.h"
+#include "haptics/device/hand_script.h"
+#include "haptics/device/simulated_hand.h"
+#include "haptics/force/haptic_renderer.h"
+#include "haptics/loop/collision_loop.h"
+#include "haptics/loop/quality_report.h"
+#include "haptics/loop/servo_loop.h"
+#include "index/build_mesh_index.h"
+#include "octree/build_octree.h"
+#include "query/rays/cast_ray.h"
 #include "touch_model.h"
 #include "touch_track.h"
 
@@ -34,7 +34,7 @@ constexpr int picture_height = 150;
 /// Pictures of the model by a ray per pixel, from a camera that goes round it.
 class GraphicsLoop {
 public:
-    GraphicsLoop(const RayIndex& index, const Box& box)
+    GraphicsLoop(const MeshIndex& index, const Box& box)
         : index_(index), center_(box.center()), size_(box.extent().norm()),
           pixels_(std::size_t{picture_width} * picture_height), thread_([this] {
               statistics_ = run_servo_loop({.rate = graphics_rate,
@@ -81,7 +81,7 @@ private:
         }
     }
 
-    const RayIndex& index_;
+    const MeshIndex& index_;
     Vec3 center_;
     double size_;
     std::vector<float> pixels_;
@@ -194,13 +194,13 @@ public:
     {
         const std::int64_t ran = processor_time();
         const auto begin = std::chrono::steady_clock::now();
-        Patch patch = Patch::at_hand;
+        Patch patch = Patch::available;
         const ContactPatch* const newest = exchange_.take();
         if (touched_ == Touched::patches) {
             patch_.use(newest);
             const bool young = newest != nullptr && number - newest->made_at <= oldest_patch;
             waited_ += newest == nullptr ? 1U : 0U;
-            patch = young ? Patch::at_hand : Patch::lost;
+            patch = young ? Patch::available : Patch::lost;
         }
         const RenderTick& felt = renderer_.tick(state, tick_seconds, patch);
         const auto took = (std::chrono::steady_clock::now() - begin) / std::chrono::nanoseconds(1);
@@ -287,7 +287,7 @@ void print_servo(const ServoStatistics& servo)
 }
 
 /// All three loops at once.
-void run_once(const TouchModel& model, const RayIndex& index, const HandScript& script,
+void run_once(const TouchModel& model, const MeshIndex& index, const HandScript& script,
               Touched touched, double seconds)
 {
     PatchExchange exchange(std::max(model.mesh.triangle_count(), ContactPatch::most));
@@ -339,8 +339,8 @@ int run_loops(const std::string& mesh, const TouchLoopOptions& options)
     }
     const TouchModel& model = **loaded;
     const auto octree = build_octree(model.mesh);
-    const auto index = octree ? build_ray_index(*octree, model.mesh)
-                              : Result<RayIndex>(tl::unexpected(octree.error()));
+    const auto index = octree ? build_mesh_index(*octree, model.mesh)
+                              : Result<MeshIndex>(tl::unexpected(octree.error()));
     const auto script = HandScript::make(options.script, model.mesh, model.topology, model.map, 1);
     if (!index || !script) {
         const Error& error = index ? script.error() : index.error();

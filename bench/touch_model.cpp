@@ -1,10 +1,10 @@
 #include "touch_model.h"
 
-#include "proxima/mesh/mesh_io.h"
-#include "proxima/mesh/sample_meshes.h"
-#include "proxima/proximity/build_proximity_octree.h"
-#include "proxima/proximity/octree_mesh.h"
-#include "proxima/proximity/proximity_file.h"
+#include "index/file/proximity_file.h"
+#include "index/lists/build_proximity_octree.h"
+#include "index/lists/octree_mesh.h"
+#include "mesh/mesh_io.h"
+#include "mesh/sample_meshes.h"
 
 #include <algorithm>
 #include <filesystem>

@@ -1,12 +1,12 @@
 // A model to be touched by benchmarks: a mesh, or the saved octree of one.
 #pragma once
 
-#include "proxima/base/result.h"
-#include "proxima/haptics/contact_surface.h"
-#include "proxima/haptics/workspace_map.h"
-#include "proxima/mesh/topology.h"
-#include "proxima/mesh/triangle_mesh.h"
-#include "proxima/proximity/proximity_octree.h"
+#include "base/result.h"
+#include "haptics/device/workspace_map.h"
+#include "haptics/surface/contact_surface.h"
+#include "index/lists/proximity_octree.h"
+#include "mesh/topology.h"
+#include "mesh/triangle_mesh.h"
 
 #include <memory>
 #include <string>

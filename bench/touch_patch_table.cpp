@@ -2,8 +2,8 @@
 
 #include "cli/touch_patches.h"
 #include "cli/touch_session.h"
-#include "proxima/haptics/hand_script.h"
-#include "proxima/haptics/haptic_renderer.h"
+#include "haptics/device/hand_script.h"
+#include "haptics/force/haptic_renderer.h"
 #include "touch_curve.h"
 #include "touch_model.h"
 #include "touch_table.h"

@@ -1,11 +1,11 @@
 #include "touch_scenes.h"
 
-#include "proxima/haptics/hand_script.h"
-#include "proxima/haptics/quality_report.h"
-#include "proxima/haptics/scripted_scene.h"
-#include "proxima/haptics/simulated_hand.h"
-#include "proxima/mesh/mesh_io.h"
-#include "proxima/mesh/sample_meshes.h"
+#include "haptics/device/hand_script.h"
+#include "haptics/device/simulated_hand.h"
+#include "haptics/loop/quality_report.h"
+#include "haptics/scene/scripted_scene.h"
+#include "mesh/mesh_io.h"
+#include "mesh/sample_meshes.h"
 #include "touch_table.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #include "touch_track.h"
 
-#include "proxima/haptics/hand_script.h"
-#include "proxima/haptics/simulated_hand.h"
+#include "haptics/device/hand_script.h"
+#include "haptics/device/simulated_hand.h"
 
 #include <algorithm>
 #include <chrono>

@@ -9,9 +9,9 @@
 #pragma once
 
 #include "god_object_peer.h"
-#include "proxima/haptics/contact_cache.h"
-#include "proxima/haptics/device.h"
-#include "proxima/haptics/haptic_renderer.h"
+#include "haptics/device/device.h"
+#include "haptics/force/haptic_renderer.h"
+#include "haptics/proxy/contact_cache.h"
 #include "touch_model.h"
 
 #include <array>

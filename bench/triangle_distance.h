@@ -5,8 +5,8 @@
 // more than rounding. is_thin() tells which those are; proxima::closest_point takes them.
 #pragma once
 
-#include "proxima/geometry/closest_point.h"
-#include "proxima/mesh/triangle_mesh.h"
+#include "geometry/closest_point.h"
+#include "mesh/triangle_mesh.h"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 #include <iostream>
-#include <proxima/minkowski/make_polyhedron.h>
-#include <proxima/minkowski/minkowski_sum.h>
-#include <proxima/minkowski/sum_queries.h>
+#include <minkowski/make_polyhedron.h>
+#include <minkowski/minkowski_sum.h>
+#include <minkowski/sum_queries.h>
 
 int main()
 {

@@ -1,9 +1,9 @@
 #include <filesystem>
+#include <index/file/proximity_file.h>
+#include <index/lists/build_proximity_octree.h>
 #include <iostream>
-#include <proxima/mesh/sample_meshes.h>
-#include <proxima/proximity/build_proximity_octree.h>
-#include <proxima/proximity/closest_feature.h>
-#include <proxima/proximity/proximity_file.h>
+#include <mesh/sample_meshes.h>
+#include <query/closest/closest_feature.h>
 
 namespace {
 

@@ -1,9 +1,9 @@
+#include <index/lists/build_proximity_octree.h>
 #include <iostream>
-#include <proxima/mesh/sample_meshes.h>
-#include <proxima/mesh/topology.h>
-#include <proxima/proximity/build_proximity_octree.h>
-#include <proxima/proximity/closest_feature.h>
-#include <proxima/proximity/signed_distance.h>
+#include <mesh/sample_meshes.h>
+#include <mesh/topology.h>
+#include <query/closest/closest_feature.h>
+#include <query/closest/signed_distance.h>
 
 namespace {
 

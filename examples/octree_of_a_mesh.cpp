@@ -1,7 +1,7 @@
 #include <iostream>
-#include <proxima/mesh/mesh_io.h>
-#include <proxima/octree/build_octree.h>
-#include <proxima/octree/statistics.h>
+#include <mesh/mesh_io.h>
+#include <octree/build_octree.h>
+#include <octree/statistics.h>
 
 int main(int argc, char** argv)
 {

@@ -1,12 +1,12 @@
 // A device in a program of its own: sends where its hand is to `proxima touch MODEL --device
 // udp:PORT`, a thousand times a second, and makes the force from the contact planes that come back.
+#include <base/udp_socket.h>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <haptics/device/remote_servo.h>
+#include <haptics/device/simulated_hand.h>
 #include <iostream>
-#include <proxima/base/udp_socket.h>
-#include <proxima/haptics/remote_servo.h>
-#include <proxima/haptics/simulated_hand.h>
 #include <thread>
 
 int main(int argc, char** argv)

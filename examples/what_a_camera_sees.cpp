@@ -1,8 +1,8 @@
+#include <index/build_mesh_index.h>
 #include <iostream>
-#include <proxima/mesh/sample_meshes.h>
-#include <proxima/octree/build_octree.h>
-#include <proxima/query/build_ray_index.h>
-#include <proxima/query/cull_volume.h>
+#include <mesh/sample_meshes.h>
+#include <octree/build_octree.h>
+#include <query/culling/cull_volume.h>
 #include <vector>
 
 namespace {
@@ -22,7 +22,7 @@ int main()
     if (!mesh) return failed(mesh.error());
     const auto octree = build_octree(*mesh, {.max_depth = 4});
     if (!octree) return failed(octree.error());
-    const auto index = build_ray_index(*octree, *mesh);
+    const auto index = build_mesh_index(*octree, *mesh);
     if (!index) return failed(index.error());
 
     // Ranges of the index's own order of triangles, as an index buffer laid out like that is drawn:

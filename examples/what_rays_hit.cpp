@@ -1,9 +1,9 @@
+#include <index/build_mesh_index.h>
 #include <iostream>
+#include <mesh/sample_meshes.h>
+#include <octree/build_octree.h>
 #include <optional>
-#include <proxima/mesh/sample_meshes.h>
-#include <proxima/octree/build_octree.h>
-#include <proxima/query/build_ray_index.h>
-#include <proxima/query/cast_ray.h>
+#include <query/rays/cast_ray.h>
 #include <vector>
 
 namespace {
@@ -23,7 +23,7 @@ int main()
     if (!mesh) return failed(mesh.error());
     const auto octree = build_octree(*mesh, {.max_depth = 8, .threshold = 8});
     if (!octree) return failed(octree.error());
-    const auto index = build_ray_index(*octree, *mesh);
+    const auto index = build_mesh_index(*octree, *mesh);
     if (!index) return failed(index.error());
 
     // One ray, real-time safe. Between neighbouring triangles none is lost: this one goes straight

@@ -1,12 +1,12 @@
+#include <geometry/rigid_transform.h>
+#include <index/build_mesh_index.h>
+#include <index/slabs/build_distance_index.h>
 #include <iostream>
-#include <proxima/geometry/rigid_transform.h>
-#include <proxima/mesh/sample_meshes.h>
-#include <proxima/octree/build_octree.h>
-#include <proxima/query/build_distance_index.h>
-#include <proxima/query/build_ray_index.h>
-#include <proxima/query/intersect_meshes.h>
-#include <proxima/query/intersection_contour.h>
-#include <proxima/query/mesh_distance.h>
+#include <mesh/sample_meshes.h>
+#include <octree/build_octree.h>
+#include <query/contact/intersect_meshes.h>
+#include <query/contact/intersection_contour.h>
+#include <query/distance/mesh_distance.h>
 
 namespace {
 
@@ -25,7 +25,7 @@ int main()
     if (!ball) return failed(ball.error());
     const auto octree = build_octree(*ball, {.max_depth = 6, .threshold = 8});
     if (!octree) return failed(octree.error());
-    const auto triangles = build_ray_index(*octree, *ball);
+    const auto triangles = build_mesh_index(*octree, *ball);
     if (!triangles) return failed(triangles.error());
     const auto distances = build_distance_index(*triangles);
     if (!distances) return failed(distances.error());

@@ -2,10 +2,10 @@
 // it accepts, and makes its mesh again. Seeds are octrees of the cube, the octahedron (one leaf)
 // and torus:8x6 to depth 2.
 #include "exact_copy.h"
-#include "proxima/mesh/topology.h"
-#include "proxima/proximity/closest_feature.h"
-#include "proxima/proximity/octree_mesh.h"
-#include "proxima/proximity/proximity_file.h"
+#include "index/file/proximity_file.h"
+#include "index/lists/octree_mesh.h"
+#include "mesh/topology.h"
+#include "query/closest/closest_feature.h"
 
 #include <cstddef>
 #include <cstdint>

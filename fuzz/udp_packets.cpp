@@ -1,12 +1,12 @@
 // Feeds any datagrams to a UDP device and to the servo of the other side: whatever they hold,
 // forces are finite and within the limit. The bytes are a datagram of each kind after the other,
 // each after its length in a byte; seeds are a state and a reply of a contact.
+#include "base/check.h"
 #include "exact_copy.h"
-#include "proxima/base/check.h"
-#include "proxima/haptics/device_input.h"
-#include "proxima/haptics/remote_servo.h"
-#include "proxima/haptics/udp_device.h"
-#include "proxima/mesh/sample_meshes.h"
+#include "haptics/device/device_input.h"
+#include "haptics/device/remote_servo.h"
+#include "haptics/device/udp_device.h"
+#include "mesh/sample_meshes.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,8 +1,8 @@
 // Cancelling work at moments that can be repeated.
 #pragma once
 
-#include "proxima/base/progress.h"
-#include "proxima/base/result.h"
+#include "base/progress.h"
+#include "base/result.h"
 
 #include <cstdint>
 #include <filesystem>

@@ -1,7 +1,7 @@
 // Files that are damaged in every place: each has to be refused.
 #pragma once
 
-#include "proxima/base/binary_file.h"
+#include "base/binary_file.h"
 
 #include <cstddef>
 #include <gtest/gtest.h>

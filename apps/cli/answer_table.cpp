@@ -1,7 +1,7 @@
 #include "cli/answer_table.h"
 
+#include "base/file_extension.h"
 #include "cli/npy_header.h"
-#include "proxima/base/file_extension.h"
 
 #include <array>
 #include <cmath>

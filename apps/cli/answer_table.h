@@ -7,9 +7,9 @@
 // (on_surface), 1 (pseudonormal), 2 (winding_number).
 #pragma once
 
-#include "proxima/base/result.h"
-#include "proxima/proximity/closest_feature.h"
-#include "proxima/proximity/signed_distance.h"
+#include "base/result.h"
+#include "query/closest/closest_feature.h"
+#include "query/closest/signed_distance.h"
 
 #include <cstdint>
 #include <span>

@@ -1,5 +1,6 @@
 // proxima proximity --budget-curve: how quick queries are by the budget that the octree was built
 // with.
+#include "base/text.h"
 #include "cli/log_plot.h"
 #include "cli/model_options.h"
 #include "cli/plot_file.h"
@@ -7,9 +8,8 @@
 #include "cli/query_timing.h"
 #include "cli/stopwatch.h"
 #include "cli/text_table.h"
-#include "proxima/base/text.h"
-#include "proxima/proximity/build_proximity_octree.h"
-#include "proxima/proximity/query_sets.h"
+#include "index/lists/build_proximity_octree.h"
+#include "lab/query_sets.h"
 
 #include <array>
 #include <filesystem>

@@ -7,9 +7,9 @@
 //     const Image image = canvas.image();
 #pragma once
 
+#include "base/progress.h"
 #include "cli/image.h"
-#include "proxima/base/progress.h"
-#include "proxima/geometry/vec.h"
+#include "geometry/vec.h"
 
 #include <array>
 #include <vector>

@@ -1,5 +1,6 @@
 // proxima check: what is wrong with a mesh, where, and what still works; whether an octree file is
 // sound.
+#include "base/text.h"
 #include "cli/check_octree_file.h"
 #include "cli/check_proximity_file.h"
 #include "cli/commands.h"
@@ -7,11 +8,10 @@
 #include "cli/octree_file_model.h"
 #include "cli/proximity_file_model.h"
 #include "cli/text_table.h"
-#include "proxima/base/text.h"
-#include "proxima/mesh/mesh_report.h"
-#include "proxima/octree/build_octree.h"
-#include "proxima/query/build_ray_index.h"
-#include "proxima/query/self_intersection.h"
+#include "index/build_mesh_index.h"
+#include "mesh/mesh_report.h"
+#include "octree/build_octree.h"
+#include "query/contact/self_intersection.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -220,7 +220,7 @@ Result<std::optional<SelfIntersections>> intersections_of(const TriangleMesh& me
                                             .progress = progress});
     if (!octree) return tl::unexpected(octree.error());
     const auto index =
-        build_ray_index(*octree, mesh, {.threads = session.threads(), .progress = progress});
+        build_mesh_index(*octree, mesh, {.threads = session.threads(), .progress = progress});
     if (!index) return tl::unexpected(index.error());
     auto found =
         find_self_intersections(*index, {.threads = session.threads(), .progress = progress});

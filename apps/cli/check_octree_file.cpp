@@ -4,7 +4,7 @@
 #include "cli/names.h"
 #include "cli/octree_file_model.h"
 #include "cli/statistics_text.h"
-#include "proxima/octree/check_octree.h"
+#include "octree/check_octree.h"
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>

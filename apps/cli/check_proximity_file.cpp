@@ -3,9 +3,9 @@
 #include "cli/model_options.h"
 #include "cli/proximity_file_model.h"
 #include "cli/text_table.h"
-#include "proxima/proximity/check_answers.h"
-#include "proxima/proximity/proximity_file.h"
-#include "proxima/proximity/query_sets.h"
+#include "index/file/proximity_file.h"
+#include "lab/query_sets.h"
+#include "query/closest/check_answers.h"
 
 #include <algorithm>
 #include <fmt/core.h>

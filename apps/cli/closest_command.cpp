@@ -7,7 +7,7 @@
 #include "cli/proximity_file_model.h"
 #include "cli/row_writer.h"
 #include "cli/stopwatch.h"
-#include "proxima/proximity/closest_feature.h"
+#include "query/closest/closest_feature.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>

@@ -2,7 +2,7 @@
 
 #include "cli/model_options.h"
 #include "cli/stopwatch.h"
-#include "proxima/proximity/build_proximity_octree.h"
+#include "index/lists/build_proximity_octree.h"
 
 #include <utility>
 

@@ -3,8 +3,8 @@
 
 #include "cli/proximity_file_model.h"
 #include "cli/session.h"
-#include "proxima/proximity/proximity_octree.h"
-#include "proxima/proximity/signed_distance.h"
+#include "index/lists/proximity_octree.h"
+#include "query/closest/signed_distance.h"
 
 #include <cstdint>
 #include <memory>

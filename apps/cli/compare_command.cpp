@@ -1,10 +1,10 @@
 // proxima compare: thesis Table 3.3 on this machine, the overlap methods against each other.
+#include "base/text.h"
 #include "cli/commands.h"
 #include "cli/method_race.h"
 #include "cli/model_options.h"
 #include "cli/names.h"
 #include "cli/text_table.h"
-#include "proxima/base/text.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>

@@ -1,15 +1,15 @@
 // proxima cull: the triangles and cells within a view volume (thesis section 5.4).
+#include "base/file_extension.h"
 #include "cli/commands.h"
 #include "cli/model_options.h"
 #include "cli/number_table.h"
 #include "cli/octree_picture.h"
 #include "cli/stopwatch.h"
 #include "cli/triangle_file.h"
-#include "proxima/base/file_extension.h"
-#include "proxima/octree/build_octree.h"
-#include "proxima/query/build_ray_index.h"
-#include "proxima/query/cull_cells.h"
-#include "proxima/query/cull_volume.h"
+#include "index/build_mesh_index.h"
+#include "octree/build_octree.h"
+#include "query/culling/cull_cells.h"
+#include "query/culling/cull_volume.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
@@ -63,7 +63,7 @@ Status check_options(const CullOptions& options, const Session& session)
 struct Culled {
     TriangleMesh mesh;
     Octree octree;
-    RayIndex index;
+    MeshIndex index;
     ViewVolume volume;
     double build_seconds = 0;
     std::vector<TriangleRange> ranges;
@@ -92,8 +92,8 @@ Result<std::unique_ptr<Culled>> prepare(const CullOptions& options, Session& ses
                                               .progress = &session.progress()});
     if (!octree) return at_model(octree.error(), options.model);
     culled->octree = std::move(*octree);
-    auto index = build_ray_index(culled->octree, culled->mesh,
-                                 {.threads = session.threads(), .progress = &session.progress()});
+    auto index = build_mesh_index(culled->octree, culled->mesh,
+                                  {.threads = session.threads(), .progress = &session.progress()});
     if (!index) return at_model(index.error(), options.model);
     culled->index = std::move(*index);
     culled->build_seconds = watch.seconds();

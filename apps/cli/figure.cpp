@@ -1,9 +1,9 @@
 #include "cli/figure.h"
 
+#include "base/file_extension.h"
+#include "base/output_file.h"
 #include "cli/canvas.h"
 #include "cli/names.h"
-#include "proxima/base/file_extension.h"
-#include "proxima/base/output_file.h"
 
 #include <fmt/core.h>
 

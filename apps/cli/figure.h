@@ -5,11 +5,11 @@
 //     write_figure(figure, "plot.svg");
 #pragma once
 
+#include "base/progress.h"
+#include "base/result.h"
 #include "cli/image.h"
 #include "cli/lettering.h"
-#include "proxima/base/progress.h"
-#include "proxima/base/result.h"
-#include "proxima/geometry/vec.h"
+#include "geometry/vec.h"
 
 #include <string>
 #include <vector>

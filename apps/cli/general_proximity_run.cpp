@@ -1,5 +1,6 @@
 // proxima proximity --method general: the proximity octree of any mesh, what queries of it cost at
 // most, and the lengths of its lists.
+#include "base/text.h"
 #include "cli/list_histogram.h"
 #include "cli/model_options.h"
 #include "cli/peak_memory.h"
@@ -7,10 +8,9 @@
 #include "cli/query_timing.h"
 #include "cli/stopwatch.h"
 #include "cli/text_table.h"
-#include "proxima/base/text.h"
-#include "proxima/proximity/build_proximity_octree.h"
-#include "proxima/proximity/export_proximity.h"
-#include "proxima/proximity/proximity_file.h"
+#include "index/file/proximity_file.h"
+#include "index/lists/build_proximity_octree.h"
+#include "index/lists/export_proximity.h"
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>

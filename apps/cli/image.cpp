@@ -1,7 +1,7 @@
 #include "cli/image.h"
 
-#include "proxima/base/output_file.h"
-#include "proxima/base/text.h"
+#include "base/output_file.h"
+#include "base/text.h"
 
 #include <png.h>
 #include <span>

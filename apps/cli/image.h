@@ -1,8 +1,8 @@
 // A picture in memory, and how it becomes a PNG file.
 #pragma once
 
-#include "proxima/base/progress.h"
-#include "proxima/base/result.h"
+#include "base/progress.h"
+#include "base/result.h"
 
 #include <array>
 #include <cstdint>

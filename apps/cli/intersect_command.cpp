@@ -1,4 +1,6 @@
 // proxima intersect: where two meshes meet, in any rigid poses of the second one.
+#include "base/file_extension.h"
+#include "base/output_file.h"
 #include "cli/answer_table.h"
 #include "cli/commands.h"
 #include "cli/intersection_files.h"
@@ -6,15 +8,13 @@
 #include "cli/model_options.h"
 #include "cli/pose_file.h"
 #include "cli/stopwatch.h"
-#include "proxima/base/file_extension.h"
-#include "proxima/base/output_file.h"
-#include "proxima/geometry/triangle_intersection.h"
-#include "proxima/octree/build_octree.h"
-#include "proxima/query/build_distance_index.h"
-#include "proxima/query/build_ray_index.h"
-#include "proxima/query/containment.h"
-#include "proxima/query/intersect_octrees.h"
-#include "proxima/query/mesh_distance.h"
+#include "geometry/triangle_intersection.h"
+#include "index/build_mesh_index.h"
+#include "index/slabs/build_distance_index.h"
+#include "octree/build_octree.h"
+#include "query/contact/containment.h"
+#include "query/distance/mesh_distance.h"
+#include "thesis/intersect_octrees.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -47,7 +47,7 @@ struct Body {
     std::string model;
     TriangleMesh mesh;
     Octree octree;
-    RayIndex index;
+    MeshIndex index;
     Enclosure enclosure;
     DistanceIndex distances; ///< where asked for
 };
@@ -98,8 +98,8 @@ Status prepare(Body& body, const std::string& model, const IntersectOptions& opt
                                            .progress = &session.progress()});
     if (!octree) return at_model(octree.error(), model);
     body.octree = std::move(*octree);
-    auto index = build_ray_index(body.octree, body.mesh,
-                                 {.threads = session.threads(), .progress = &session.progress()});
+    auto index = build_mesh_index(body.octree, body.mesh,
+                                  {.threads = session.threads(), .progress = &session.progress()});
     if (!index) return at_model(index.error(), model);
     body.index = std::move(*index);
     auto enclosure =

@@ -5,8 +5,8 @@
 #pragma once
 
 #include "cli/answer_table.h"
-#include "proxima/query/intersect_meshes.h"
-#include "proxima/query/intersection_contour.h"
+#include "query/contact/intersect_meshes.h"
+#include "query/contact/intersection_contour.h"
 
 #include <cstdint>
 #include <span>

@@ -4,8 +4,8 @@
 
 #include "cli/image.h"
 #include "cli/octree_picture.h"
-#include "proxima/query/intersect_octrees.h"
-#include "proxima/query/intersection_contour.h"
+#include "query/contact/intersection_contour.h"
+#include "thesis/intersect_octrees.h"
 
 #include <vector>
 

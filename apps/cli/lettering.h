@@ -2,7 +2,7 @@
 #pragma once
 
 #include "cli/canvas.h"
-#include "proxima/geometry/vec.h"
+#include "geometry/vec.h"
 
 #include <array>
 #include <string_view>

@@ -1,10 +1,10 @@
 #include "cli/method_race.h"
 
+#include "base/text.h"
 #include "cli/stopwatch.h"
 #include "cli/text_table.h"
-#include "proxima/base/text.h"
-#include "proxima/octree/same_cells.h"
-#include "proxima/octree/statistics.h"
+#include "octree/same_cells.h"
+#include "octree/statistics.h"
 
 #include <algorithm>
 #include <fmt/core.h>

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "cli/names.h"
-#include "proxima/octree/build_octree.h"
+#include "octree/build_octree.h"
 
 #include <cstdint>
 #include <optional>

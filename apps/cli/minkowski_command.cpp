@@ -1,14 +1,14 @@
 // proxima minkowski: the sum of two convex models, and what it costs by each method.
+#include "base/text.h"
 #include "cli/commands.h"
 #include "cli/model_options.h"
 #include "cli/names.h"
 #include "cli/stopwatch.h"
 #include "cli/text_table.h"
-#include "proxima/base/text.h"
-#include "proxima/mesh/mesh_format.h"
-#include "proxima/mesh/sample_meshes.h"
-#include "proxima/minkowski/export_sum.h"
-#include "proxima/minkowski/make_polyhedron.h"
+#include "mesh/mesh_format.h"
+#include "mesh/sample_meshes.h"
+#include "minkowski/export_sum.h"
+#include "minkowski/make_polyhedron.h"
 
 #include <CLI/CLI.hpp>
 #include <array>

@@ -1,9 +1,9 @@
 #include "cli/model_options.h"
 
+#include "base/text.h"
 #include "cli/names.h"
-#include "proxima/base/text.h"
-#include "proxima/mesh/mesh_format.h"
-#include "proxima/mesh/sample_meshes.h"
+#include "mesh/mesh_format.h"
+#include "mesh/sample_meshes.h"
 
 #include <CLI/CLI.hpp>
 #include <array>

@@ -1,9 +1,9 @@
 // The options that several subcommands have in the same words.
 #pragma once
 
+#include "base/result.h"
 #include "cli/octree_picture.h"
-#include "proxima/base/result.h"
-#include "proxima/octree/octree.h"
+#include "octree/octree.h"
 
 #include <string>
 

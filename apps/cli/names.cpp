@@ -1,7 +1,7 @@
 #include "cli/names.h"
 
-#include "proxima/base/file_extension.h"
-#include "proxima/base/text.h"
+#include "base/file_extension.h"
+#include "base/text.h"
 
 #include <algorithm>
 #include <charconv>

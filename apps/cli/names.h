@@ -2,8 +2,8 @@
 // text that a terminal can show.
 #pragma once
 
-#include "proxima/base/result.h"
-#include "proxima/octree/octree.h"
+#include "base/result.h"
+#include "octree/octree.h"
 
 #include <array>
 #include <cstddef>

@@ -1,6 +1,6 @@
 #include "cli/npy_header.h"
 
-#include "proxima/base/text.h"
+#include "base/text.h"
 
 #include <charconv>
 #include <optional>

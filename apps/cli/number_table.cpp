@@ -1,9 +1,9 @@
 #include "cli/number_table.h"
 
+#include "base/file_extension.h"
+#include "base/text.h"
 #include "cli/npy_header.h"
-#include "proxima/base/file_extension.h"
-#include "proxima/base/text.h"
-#include "proxima/mesh/io/number_text.h"
+#include "mesh/io/number_text.h"
 
 #include <algorithm>
 #include <bit>

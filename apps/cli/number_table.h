@@ -6,9 +6,9 @@
 // A .npy file holds one array of shape (rows, columns), float32 or float64, in C or Fortran order.
 #pragma once
 
-#include "proxima/base/memory_budget.h"
-#include "proxima/base/progress.h"
-#include "proxima/base/result.h"
+#include "base/memory_budget.h"
+#include "base/progress.h"
+#include "base/result.h"
 
 #include <cstddef>
 #include <string>

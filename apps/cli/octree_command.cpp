@@ -1,5 +1,7 @@
 // proxima octree: builds the octree of a mesh or opens a saved one, counts it, saves and exports
 // it.
+#include "base/file_extension.h"
+#include "base/text.h"
 #include "cli/commands.h"
 #include "cli/model_options.h"
 #include "cli/names.h"
@@ -7,12 +9,10 @@
 #include "cli/octree_picture.h"
 #include "cli/statistics_text.h"
 #include "cli/stopwatch.h"
-#include "proxima/base/file_extension.h"
-#include "proxima/base/text.h"
-#include "proxima/octree/build_octree.h"
-#include "proxima/octree/export.h"
-#include "proxima/octree/octree_file.h"
-#include "proxima/octree/statistics.h"
+#include "octree/build_octree.h"
+#include "octree/export.h"
+#include "octree/octree_file.h"
+#include "octree/statistics.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>

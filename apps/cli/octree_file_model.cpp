@@ -1,9 +1,9 @@
 #include "cli/octree_file_model.h"
 
+#include "base/file_extension.h"
+#include "base/text.h"
 #include "cli/proximity_file_model.h"
-#include "proxima/base/file_extension.h"
-#include "proxima/base/text.h"
-#include "proxima/octree/octree_file.h"
+#include "octree/octree_file.h"
 
 #include <CLI/CLI.hpp>
 

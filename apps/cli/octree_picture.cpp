@@ -2,9 +2,9 @@
 
 #include "cli/canvas.h"
 #include "cli/picture_scene.h"
-#include "proxima/geometry/view_contact.h"
-#include "proxima/octree/traverse.h"
-#include "proxima/query/cull_cells.h"
+#include "geometry/view_contact.h"
+#include "octree/traverse.h"
+#include "query/culling/cull_cells.h"
 
 #include <algorithm>
 #include <cmath>

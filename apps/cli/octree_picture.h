@@ -2,12 +2,12 @@
 // or with the part that a camera sees set off.
 #pragma once
 
+#include "base/progress.h"
+#include "base/result.h"
 #include "cli/image.h"
-#include "proxima/base/progress.h"
-#include "proxima/base/result.h"
-#include "proxima/mesh/triangle_mesh.h"
-#include "proxima/octree/octree.h"
-#include "proxima/query/cull_volume.h"
+#include "mesh/triangle_mesh.h"
+#include "octree/octree.h"
+#include "query/culling/cull_volume.h"
 
 #include <array>
 #include <optional>

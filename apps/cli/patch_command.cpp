@@ -1,5 +1,6 @@
 // proxima patch: the triangles round the place of a mesh that is closest to a point, by rings of
 // neighbours (thesis 5.1.1) or by distance.
+#include "base/text.h"
 #include "cli/answer_table.h"
 #include "cli/commands.h"
 #include "cli/model_options.h"
@@ -7,9 +8,8 @@
 #include "cli/proximity_file_model.h"
 #include "cli/stopwatch.h"
 #include "cli/triangle_file.h"
-#include "proxima/base/text.h"
-#include "proxima/proximity/neighbourhood.h"
-#include "proxima/proximity/surface_search.h"
+#include "query/closest/surface_search.h"
+#include "query/neighbourhood/neighbourhood.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>

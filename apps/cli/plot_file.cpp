@@ -1,7 +1,7 @@
 #include "cli/plot_file.h"
 
-#include "proxima/base/file_extension.h"
-#include "proxima/base/output_file.h"
+#include "base/file_extension.h"
+#include "base/output_file.h"
 
 namespace proxima {
 

@@ -1,9 +1,9 @@
 // Poses that a command reads: rows of 12 numbers, the 3 x 4 matrix (R | t) row by row.
 #pragma once
 
-#include "proxima/base/progress.h"
-#include "proxima/base/result.h"
-#include "proxima/geometry/rigid_transform.h"
+#include "base/progress.h"
+#include "base/result.h"
+#include "geometry/rigid_transform.h"
 
 #include <string>
 #include <vector>

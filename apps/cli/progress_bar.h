@@ -1,7 +1,7 @@
 // A line on the terminal that shows how far long work is; nothing where stderr is no terminal.
 #pragma once
 
-#include "proxima/base/progress.h"
+#include "base/progress.h"
 
 #include <condition_variable>
 #include <mutex>

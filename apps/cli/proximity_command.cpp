@@ -1,14 +1,14 @@
 // proxima proximity: builds the proximity octree of a mesh and counts it.
+#include "base/file_extension.h"
+#include "base/text.h"
 #include "cli/commands.h"
 #include "cli/model_options.h"
 #include "cli/names.h"
 #include "cli/plot_file.h"
 #include "cli/proximity_command_options.h"
-#include "proxima/base/file_extension.h"
-#include "proxima/base/text.h"
-#include "proxima/octree/cell.h"
-#include "proxima/proximity/build_proximity_octree.h"
-#include "proxima/proximity/grow_cells.h"
+#include "index/lists/build_proximity_octree.h"
+#include "index/lists/grow_cells.h"
+#include "octree/cell.h"
 
 #include <CLI/CLI.hpp>
 #include <limits>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "cli/session.h"
-#include "proxima/proximity/thesis_labels.h"
+#include "thesis/thesis_proximity_octree.h"
 
 #include <cstdint>
 #include <string>

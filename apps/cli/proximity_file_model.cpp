@@ -1,10 +1,10 @@
 #include "cli/proximity_file_model.h"
 
+#include "base/file_extension.h"
+#include "base/text.h"
 #include "cli/model_options.h"
-#include "proxima/base/file_extension.h"
-#include "proxima/base/text.h"
-#include "proxima/proximity/octree_mesh.h"
-#include "proxima/proximity/proximity_file.h"
+#include "index/file/proximity_file.h"
+#include "index/lists/octree_mesh.h"
 
 #include <CLI/CLI.hpp>
 #include <utility>

@@ -1,11 +1,11 @@
 // A saved proximity octree in the place of MODEL, and the surface that it was built of.
 #pragma once
 
+#include "base/result.h"
 #include "cli/session.h"
-#include "proxima/base/result.h"
-#include "proxima/mesh/topology.h"
-#include "proxima/mesh/triangle_mesh.h"
-#include "proxima/proximity/proximity_octree.h"
+#include "index/lists/proximity_octree.h"
+#include "mesh/topology.h"
+#include "mesh/triangle_mesh.h"
 
 #include <string>
 #include <vector>

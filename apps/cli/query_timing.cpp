@@ -1,7 +1,7 @@
 #include "cli/query_timing.h"
 
-#include "proxima/proximity/closest_feature.h"
-#include "proxima/proximity/query_sets.h"
+#include "lab/query_sets.h"
+#include "query/closest/closest_feature.h"
 
 #include <algorithm>
 #include <array>

@@ -1,8 +1,8 @@
 // How long single queries take, measured on this machine.
 #pragma once
 
-#include "proxima/mesh/triangle_mesh.h"
-#include "proxima/proximity/proximity_octree.h"
+#include "index/lists/proximity_octree.h"
+#include "mesh/triangle_mesh.h"
 
 #include <cstddef>
 #include <span>

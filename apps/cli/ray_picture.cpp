@@ -1,7 +1,7 @@
 #include "cli/ray_picture.h"
 
 #include "cli/canvas.h"
-#include "proxima/query/cells_along_ray.h"
+#include "query/rays/cells_along_ray.h"
 
 #include <algorithm>
 #include <array>

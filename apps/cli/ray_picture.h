@@ -2,11 +2,11 @@
 // of the thesis, for every pixel), or the triangle that it hits first, shaded.
 #pragma once
 
+#include "base/parallel.h"
 #include "cli/image.h"
 #include "cli/ray_sources.h"
-#include "proxima/base/parallel.h"
-#include "proxima/octree/octree.h"
-#include "proxima/query/ray_hit.h"
+#include "octree/octree.h"
+#include "query/rays/ray_hit.h"
 
 #include <cstddef>
 #include <optional>

@@ -1,8 +1,8 @@
 #include "cli/ray_sources.h"
 
+#include "base/file_extension.h"
+#include "base/text.h"
 #include "cli/number_table.h"
-#include "proxima/base/file_extension.h"
-#include "proxima/base/text.h"
 
 #include <algorithm>
 #include <charconv>

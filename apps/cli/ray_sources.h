@@ -1,11 +1,11 @@
 // Where the rays of proxima raycast come from: a file, or a camera in front of the model.
 #pragma once
 
+#include "base/progress.h"
+#include "base/result.h"
 #include "cli/octree_picture.h"
-#include "proxima/base/progress.h"
-#include "proxima/base/result.h"
-#include "proxima/geometry/ray.h"
-#include "proxima/geometry/shapes.h"
+#include "geometry/ray.h"
+#include "geometry/shapes.h"
 
 #include <cstddef>
 #include <optional>

@@ -7,8 +7,8 @@
 #pragma once
 
 #include "cli/answer_table.h"
-#include "proxima/query/cells_along_ray.h"
-#include "proxima/query/ray_hit.h"
+#include "query/rays/cells_along_ray.h"
+#include "query/rays/ray_hit.h"
 
 #include <optional>
 #include <span>

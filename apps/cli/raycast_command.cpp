@@ -1,4 +1,5 @@
 // proxima raycast: what rays hit, or which cells of the octree they go through.
+#include "base/file_extension.h"
 #include "cli/commands.h"
 #include "cli/model_options.h"
 #include "cli/ray_picture.h"
@@ -6,10 +7,9 @@
 #include "cli/ray_table.h"
 #include "cli/row_writer.h"
 #include "cli/stopwatch.h"
-#include "proxima/base/file_extension.h"
-#include "proxima/octree/build_octree.h"
-#include "proxima/query/build_ray_index.h"
-#include "proxima/query/cast_ray.h"
+#include "index/build_mesh_index.h"
+#include "octree/build_octree.h"
+#include "query/rays/cast_ray.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -70,7 +70,7 @@ Status check_options(const RaycastOptions& options, const Session& session)
 struct Casting {
     TriangleMesh mesh;
     Octree octree;
-    RayIndex index; ///< empty where cells are asked for
+    MeshIndex index; ///< empty where cells are asked for
     RayList rays;
     PictureSize size;
     double build_seconds = 0;
@@ -106,8 +106,8 @@ Result<std::unique_ptr<Casting>> prepare(const RaycastOptions& options, Session&
     casting->octree = std::move(*octree);
     if (!wants_cells(options)) {
         auto index =
-            build_ray_index(casting->octree, casting->mesh,
-                            {.threads = session.threads(), .progress = &session.progress()});
+            build_mesh_index(casting->octree, casting->mesh,
+                             {.threads = session.threads(), .progress = &session.progress()});
         if (!index) return at_model(index.error(), options.model);
         casting->index = std::move(*index);
     }
@@ -243,7 +243,7 @@ Status run_raycast(const RaycastOptions& options, Session& session)
             fmt::format("{}: {} triangles, {} of {:.2f} MB built in {:.3f} s\n"
                         "{} rays in {:.3g} ms, {:.0f} ns each; ",
                         options.model, casting.mesh.triangle_count(),
-                        cells ? "octree" : "ray index", 1e-6 * static_cast<double>(bytes),
+                        cells ? "octree" : "mesh index", 1e-6 * static_cast<double>(bytes),
                         casting.build_seconds, queries, 1e3 * casting.seconds, each);
         text += cells ? fmt::format("{} cells\n", casting.cells)
                       : fmt::format("{} hit\n", casting.hits);

@@ -1,11 +1,11 @@
 // Where the rows of answers go: a file that appears when it is whole, stdout, or nowhere.
 #pragma once
 
+#include "base/output_file.h"
+#include "base/parallel.h"
+#include "base/result.h"
 #include "cli/answer_table.h"
 #include "cli/session.h"
-#include "proxima/base/output_file.h"
-#include "proxima/base/parallel.h"
-#include "proxima/base/result.h"
 
 #include <cstddef>
 #include <optional>

@@ -1,9 +1,9 @@
 #include "cli/session.h"
 
-#include "proxima/base/output_file.h"
-#include "proxima/base/text.h"
-#include "proxima/mesh/mesh_io.h"
-#include "proxima/mesh/sample_meshes.h"
+#include "base/output_file.h"
+#include "base/text.h"
+#include "mesh/mesh_io.h"
+#include "mesh/sample_meshes.h"
 
 #include <algorithm>
 #include <cerrno>

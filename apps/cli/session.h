@@ -1,11 +1,11 @@
 // What every subcommand has: the common options, progress that Ctrl-C stops, and where output goes.
 #pragma once
 
+#include "base/parallel.h"
+#include "base/progress.h"
+#include "base/result.h"
 #include "cli/progress_bar.h"
-#include "proxima/base/parallel.h"
-#include "proxima/base/progress.h"
-#include "proxima/base/result.h"
-#include "proxima/mesh/triangle_mesh.h"
+#include "mesh/triangle_mesh.h"
 
 #include <nlohmann/json_fwd.hpp>
 #include <optional>

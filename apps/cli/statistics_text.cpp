@@ -1,7 +1,7 @@
 #include "cli/statistics_text.h"
 
+#include "base/text.h"
 #include "cli/text_table.h"
-#include "proxima/base/text.h"
 
 #include <fmt/core.h>
 

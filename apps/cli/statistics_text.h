@@ -1,8 +1,8 @@
 // An octree's statistics as the tables that people read.
 #pragma once
 
-#include "proxima/octree/octree.h"
-#include "proxima/octree/statistics.h"
+#include "octree/octree.h"
+#include "octree/statistics.h"
 
 #include <string>
 

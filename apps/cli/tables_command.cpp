@@ -1,8 +1,8 @@
 // proxima tables: every table of the thesis, ours beside its values, and why they differ.
+#include "base/text.h"
 #include "cli/commands.h"
 #include "cli/only_option.h"
 #include "cli/thesis_comparison.h"
-#include "proxima/base/text.h"
 
 #include <CLI/CLI.hpp>
 #include <filesystem>

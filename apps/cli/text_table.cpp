@@ -1,6 +1,6 @@
 #include "cli/text_table.h"
 
-#include "proxima/base/check.h"
+#include "base/check.h"
 
 #include <algorithm>
 #include <string_view>

@@ -1,9 +1,9 @@
 // The thesis's tables, measured here and set beside its values.
 #pragma once
 
-#include "proxima/base/parallel.h"
-#include "proxima/base/progress.h"
-#include "proxima/base/result.h"
+#include "base/parallel.h"
+#include "base/progress.h"
+#include "base/result.h"
 
 #include <nlohmann/json.hpp>
 #include <span>

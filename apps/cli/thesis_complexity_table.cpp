@@ -1,8 +1,8 @@
 // Table 3.2: what the methods cost at worst, counted while their code runs on counting numbers.
+#include "base/text.h"
 #include "cli/text_table.h"
 #include "cli/thesis_comparison.h"
-#include "proxima/base/text.h"
-#include "proxima/octree/operation_table.h"
+#include "octree/operation_table.h"
 
 namespace proxima {
 

@@ -1,12 +1,12 @@
 // Tables 2.1 to 2.3: what the octrees of the sphere and of the benchmark models consist of.
+#include "base/text.h"
 #include "cli/text_table.h"
 #include "cli/thesis_comparison.h"
 #include "cli/thesis_tables.h"
-#include "proxima/base/text.h"
-#include "proxima/mesh/mesh_io.h"
-#include "proxima/mesh/sample_meshes.h"
-#include "proxima/octree/build_octree.h"
-#include "proxima/octree/statistics.h"
+#include "mesh/mesh_io.h"
+#include "mesh/sample_meshes.h"
+#include "octree/build_octree.h"
+#include "octree/statistics.h"
 
 #include <cmath>
 #include <filesystem>

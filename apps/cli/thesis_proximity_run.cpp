@@ -1,11 +1,11 @@
 // proxima proximity --method thesis: the thesis's proximity octree of a convex model, and the
 // lengths of its lists (thesis 5.1.2, figure 5.3).
+#include "base/text.h"
 #include "cli/list_histogram.h"
 #include "cli/model_options.h"
 #include "cli/proximity_command_options.h"
 #include "cli/stopwatch.h"
 #include "cli/text_table.h"
-#include "proxima/base/text.h"
 
 #include <algorithm>
 #include <array>

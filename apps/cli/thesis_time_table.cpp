@@ -1,10 +1,10 @@
 // Table 3.3: how long the methods take, on this machine and on the thesis's.
+#include "base/text.h"
 #include "cli/method_race.h"
 #include "cli/text_table.h"
 #include "cli/thesis_comparison.h"
 #include "cli/thesis_tables.h"
-#include "proxima/base/text.h"
-#include "proxima/mesh/sample_meshes.h"
+#include "mesh/sample_meshes.h"
 
 #include <algorithm>
 #include <fmt/core.h>

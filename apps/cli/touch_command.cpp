@@ -1,5 +1,6 @@
 // proxima touch: feels a model with a simulated hand or a recording, and reports how good it was
 // (thesis section 5.1).
+#include "base/text.h"
 #include "cli/commands.h"
 #include "cli/model_options.h"
 #include "cli/names.h"
@@ -8,7 +9,6 @@
 #include "cli/touch_options.h"
 #include "cli/touch_report.h"
 #include "cli/touch_session.h"
-#include "proxima/base/text.h"
 
 #include <CLI/CLI.hpp>
 #include <cmath>

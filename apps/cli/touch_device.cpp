@@ -1,11 +1,11 @@
 #include "cli/touch_device.h"
 
-#include "proxima/base/text.h"
-#include "proxima/haptics/dhd_device.h"
-#include "proxima/haptics/hand_device.h"
-#include "proxima/haptics/hand_script.h"
-#include "proxima/haptics/hd_device.h"
-#include "proxima/haptics/udp_device.h"
+#include "base/text.h"
+#include "haptics/device/dhd_device.h"
+#include "haptics/device/hand_device.h"
+#include "haptics/device/hand_script.h"
+#include "haptics/device/hd_device.h"
+#include "haptics/device/udp_device.h"
 
 #include <algorithm>
 #include <charconv>

@@ -1,12 +1,12 @@
 // The devices that a model can be touched with, by the names of the command line.
 #pragma once
 
-#include "proxima/base/result.h"
-#include "proxima/haptics/device.h"
-#include "proxima/haptics/simulated_hand.h"
-#include "proxima/haptics/workspace_map.h"
-#include "proxima/mesh/topology.h"
-#include "proxima/mesh/triangle_mesh.h"
+#include "base/result.h"
+#include "haptics/device/device.h"
+#include "haptics/device/simulated_hand.h"
+#include "haptics/device/workspace_map.h"
+#include "mesh/topology.h"
+#include "mesh/triangle_mesh.h"
 
 #include <cstdint>
 #include <memory>

@@ -1,8 +1,8 @@
 #include "cli/touch_objects.h"
 
+#include "base/text.h"
 #include "cli/model_options.h"
 #include "cli/stopwatch.h"
-#include "proxima/base/text.h"
 
 #include <array>
 #include <fmt/core.h>

@@ -1,7 +1,7 @@
 #include "cli/touch_options.h"
 
+#include "base/text.h"
 #include "cli/names.h"
-#include "proxima/base/text.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>

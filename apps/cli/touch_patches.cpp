@@ -1,8 +1,8 @@
 #include "cli/touch_patches.h"
 
+#include "base/text.h"
 #include "cli/touch_report.h"
 #include "cli/touch_session.h"
-#include "proxima/base/text.h"
 
 #include <algorithm>
 #include <charconv>
@@ -108,7 +108,7 @@ Patch PatchTouch::begin_tick() noexcept
     }
     const bool lost = tick_ - used_->made_at > periods_to_loss * ticks_per_patch_;
     account_.lost_ticks += lost ? 1U : 0U;
-    return lost ? Patch::lost : Patch::at_hand;
+    return lost ? Patch::lost : Patch::available;
 }
 
 /// Whether the patch answers with the contact's triangle, asked where that is touched.

@@ -8,15 +8,15 @@
 // Beside it, for the account, a proxy that touches the whole model follows the same device.
 #pragma once
 
-#include "proxima/base/result.h"
-#include "proxima/haptics/collision_loop.h"
-#include "proxima/haptics/contact_cache.h"
-#include "proxima/haptics/contact_force.h"
-#include "proxima/haptics/contact_patch.h"
-#include "proxima/haptics/haptic_renderer.h"
-#include "proxima/haptics/latency_histogram.h"
-#include "proxima/haptics/proxy.h"
-#include "proxima/haptics/servo_loop.h"
+#include "base/result.h"
+#include "haptics/force/contact_force.h"
+#include "haptics/force/haptic_renderer.h"
+#include "haptics/loop/collision_loop.h"
+#include "haptics/loop/latency_histogram.h"
+#include "haptics/loop/servo_loop.h"
+#include "haptics/proxy/contact_cache.h"
+#include "haptics/proxy/proxy.h"
+#include "haptics/surface/contact_patch.h"
 
 #include <atomic>
 #include <cstdint>

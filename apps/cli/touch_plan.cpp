@@ -1,8 +1,8 @@
 #include "cli/touch_plan.h"
 
+#include "base/text.h"
 #include "cli/names.h"
-#include "proxima/base/text.h"
-#include "proxima/geometry/rigid_transform.h"
+#include "geometry/rigid_transform.h"
 
 #include <CLI/CLI.hpp>
 #include <Eigen/Geometry>

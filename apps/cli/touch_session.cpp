@@ -2,11 +2,11 @@
 
 #include "cli/model_options.h"
 #include "cli/stopwatch.h"
-#include "proxima/haptics/hand_device.h"
-#include "proxima/haptics/shading_normals.h"
-#include "proxima/haptics/snapshot.h"
-#include "proxima/proximity/build_proximity_octree.h"
-#include "proxima/proximity/signed_distance.h"
+#include "haptics/device/hand_device.h"
+#include "haptics/loop/snapshot.h"
+#include "haptics/surface/shading_normals.h"
+#include "index/lists/build_proximity_octree.h"
+#include "query/closest/signed_distance.h"
 
 #include <algorithm>
 #include <atomic>
@@ -108,7 +108,7 @@ public:
     {
         if (scene_ != nullptr) scene_->say(ticks_++, seconds);
         const std::int64_t begin = nanoseconds_now();
-        const Patch patch = patches_ == nullptr ? Patch::at_hand : patches_->begin_tick();
+        const Patch patch = patches_ == nullptr ? Patch::available : patches_->begin_tick();
         const RenderTick& felt = renderer_.tick(state, seconds, patch);
         result_.render.add(nanoseconds_now() - begin);
         if (patches_ != nullptr) patches_->end_tick(felt);

@@ -1,20 +1,20 @@
 // A session of touching: a device, real or simulated, a model, and the loop between them.
 #pragma once
 
+#include "base/result.h"
 #include "cli/proximity_file_model.h"
 #include "cli/session.h"
 #include "cli/touch_device.h"
 #include "cli/touch_patches.h"
-#include "proxima/base/result.h"
-#include "proxima/haptics/contact_surface.h"
-#include "proxima/haptics/device_input.h"
-#include "proxima/haptics/hand_script.h"
-#include "proxima/haptics/haptic_renderer.h"
-#include "proxima/haptics/quality_report.h"
-#include "proxima/haptics/recording.h"
-#include "proxima/haptics/scripted_scene.h"
-#include "proxima/haptics/servo_loop.h"
-#include "proxima/haptics/udp_device.h"
+#include "haptics/device/device_input.h"
+#include "haptics/device/hand_script.h"
+#include "haptics/device/udp_device.h"
+#include "haptics/force/haptic_renderer.h"
+#include "haptics/loop/quality_report.h"
+#include "haptics/loop/recording.h"
+#include "haptics/loop/servo_loop.h"
+#include "haptics/scene/scripted_scene.h"
+#include "haptics/surface/contact_surface.h"
 
 #include <cstdint>
 #include <memory>

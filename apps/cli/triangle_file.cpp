@@ -1,11 +1,11 @@
 #include "cli/triangle_file.h"
 
+#include "base/file_extension.h"
+#include "base/output_file.h"
+#include "base/text.h"
 #include "cli/npy_header.h"
-#include "proxima/base/file_extension.h"
-#include "proxima/base/output_file.h"
-#include "proxima/base/text.h"
-#include "proxima/mesh/mesh_io.h"
-#include "proxima/mesh/sub_mesh.h"
+#include "mesh/mesh_io.h"
+#include "mesh/sub_mesh.h"
 
 #include <algorithm>
 #include <array>

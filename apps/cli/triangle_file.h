@@ -5,9 +5,9 @@
 //     .obj .ply .stl      the mesh, triangles in the given order
 #pragma once
 
-#include "proxima/base/progress.h"
-#include "proxima/base/result.h"
-#include "proxima/mesh/triangle_mesh.h"
+#include "base/progress.h"
+#include "base/result.h"
+#include "mesh/triangle_mesh.h"
 
 #include <span>
 #include <string>

@@ -6,7 +6,7 @@
 //     const auto octree = work.take();
 #pragma once
 
-#include "proxima/base/progress.h"
+#include "base/progress.h"
 
 #include <atomic>
 #include <functional>

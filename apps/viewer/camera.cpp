@@ -1,6 +1,6 @@
 #include "viewer/camera.h"
 
-#include "proxima/geometry/shapes.h"
+#include "geometry/shapes.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "cli/canvas.h"
-#include "proxima/geometry/shapes.h"
-#include "proxima/geometry/vec.h"
+#include "geometry/shapes.h"
+#include "geometry/vec.h"
 
 #include <span>
 

@@ -1,7 +1,7 @@
 // proxima figures: the figures of the thesis, as pictures with captions.
+#include "base/output_file.h"
+#include "base/text.h"
 #include "cli/only_option.h"
-#include "proxima/base/output_file.h"
-#include "proxima/base/text.h"
 #include "viewer/commands.h"
 #include "viewer/figures/figure_pages.h"
 

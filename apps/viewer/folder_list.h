@@ -1,8 +1,8 @@
 // What a folder offers to somebody who looks for a model: folders, and files that can be read.
 #pragma once
 
-#include "proxima/base/progress.h"
-#include "proxima/base/result.h"
+#include "base/progress.h"
+#include "base/result.h"
 
 #include <cstdint>
 #include <filesystem>

@@ -6,8 +6,8 @@
 //     cells     pose I     ───┘
 #pragma once
 
-#include "proxima/geometry/rigid_transform.h"
-#include "proxima/minkowski/convex_polyhedron.h"
+#include "geometry/rigid_transform.h"
+#include "minkowski/convex_polyhedron.h"
 #include "viewer/scene.h"
 
 #include <memory>

@@ -1,6 +1,6 @@
 #include "viewer/layers_glb.h"
 
-#include "proxima/mesh/io/glb_file.h"
+#include "mesh/io/glb_file.h"
 
 #include <algorithm>
 

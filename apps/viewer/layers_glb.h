@@ -1,8 +1,8 @@
 // What is shown as binary glTF, for other programs.
 #pragma once
 
-#include "proxima/base/progress.h"
-#include "proxima/base/result.h"
+#include "base/progress.h"
+#include "base/result.h"
 #include "viewer/scene.h"
 
 #include <filesystem>

@@ -1,6 +1,6 @@
 #include "viewer/named_settings.h"
 
-#include "proxima/base/text.h"
+#include "base/text.h"
 
 #include <algorithm>
 #include <charconv>

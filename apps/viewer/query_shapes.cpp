@@ -1,6 +1,6 @@
 #include "viewer/query_shapes.h"
 
-#include "proxima/mesh/sub_mesh.h"
+#include "mesh/sub_mesh.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
 // Shapes that show what queries answer: figures and panels draw them alike.
 #pragma once
 
-#include "proxima/geometry/view_volume.h"
-#include "proxima/minkowski/minkowski_sum.h"
-#include "proxima/octree/octree.h"
-#include "proxima/query/cells_along_ray.h"
-#include "proxima/query/intersect_octrees.h"
+#include "geometry/view_volume.h"
+#include "minkowski/minkowski_sum.h"
+#include "octree/octree.h"
+#include "query/rays/cells_along_ray.h"
+#include "thesis/intersect_octrees.h"
 #include "viewer/scene_shapes.h"
 
 #include <array>

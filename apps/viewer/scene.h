@@ -9,8 +9,8 @@
 
 #include "cli/canvas.h"
 #include "cli/lettering.h"
-#include "proxima/geometry/shapes.h"
-#include "proxima/mesh/triangle_mesh.h"
+#include "geometry/shapes.h"
+#include "mesh/triangle_mesh.h"
 
 #include <array>
 #include <string>

@@ -1,7 +1,7 @@
 #include "viewer/scene_shapes.h"
 
-#include "proxima/mesh/sample_meshes.h"
-#include "proxima/mesh/topology.h"
+#include "mesh/sample_meshes.h"
+#include "mesh/topology.h"
 
 #include <cmath>
 #include <numbers>

@@ -1,7 +1,7 @@
 // Meshes, boxes, arrows and balls for scenes.
 #pragma once
 
-#include "proxima/minkowski/drawn_surface.h"
+#include "minkowski/drawn_surface.h"
 #include "viewer/scene.h"
 
 #include <array>

@@ -1,7 +1,7 @@
 // proxima view: models and what the library computes of them, in a window or as a picture.
+#include "base/text.h"
 #include "cli/image.h"
 #include "cli/names.h"
-#include "proxima/base/text.h"
 #include "viewer/commands.h"
 #include "viewer/layers_glb.h"
 #include "viewer/named_settings.h"

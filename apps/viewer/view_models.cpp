@@ -1,13 +1,13 @@
 #include "viewer/view_models.h"
 
+#include "base/memory_budget.h"
+#include "base/text.h"
 #include "cli/model_options.h"
-#include "proxima/base/memory_budget.h"
-#include "proxima/base/text.h"
-#include "proxima/mesh/mesh_io.h"
-#include "proxima/mesh/sample_meshes.h"
-#include "proxima/octree/build_octree.h"
-#include "proxima/query/build_ray_index.h"
-#include "proxima/query/cast_ray.h"
+#include "index/build_mesh_index.h"
+#include "mesh/mesh_io.h"
+#include "mesh/sample_meshes.h"
+#include "octree/build_octree.h"
+#include "query/rays/cast_ray.h"
 #include "viewer/scene_shapes.h"
 
 #include <algorithm>
@@ -18,7 +18,7 @@
 namespace proxima {
 namespace {
 
-/// Bytes that showing a triangle takes at most: mesh, topology, ray index with its octree, two
+/// Bytes that showing a triangle takes at most: mesh, topology, mesh index with its octree, two
 /// scenes, and the larger of their buffers.
 constexpr std::uint64_t bytes_per_triangle = 1100;
 
@@ -87,7 +87,7 @@ Result<std::shared_ptr<const ViewModel>> make_view_model(std::string name, Trian
                                             .progress = context.progress});
     if (!octree) return at_model(octree.error(), name);
     auto rays =
-        build_ray_index(*octree, mesh, {.threads = context.threads, .progress = context.progress});
+        build_mesh_index(*octree, mesh, {.threads = context.threads, .progress = context.progress});
     if (!rays) return at_model(rays.error(), name);
     auto model = std::make_shared<ViewModel>();
     for (const Vec3& position : mesh.positions()) model->box.extend(position);

@@ -1,14 +1,14 @@
 // The models that a window shows, with what every panel needs of them.
 #pragma once
 
-#include "proxima/base/memory_budget.h"
-#include "proxima/base/parallel.h"
-#include "proxima/base/progress.h"
-#include "proxima/base/result.h"
-#include "proxima/geometry/ray.h"
-#include "proxima/mesh/feature.h"
-#include "proxima/mesh/topology.h"
-#include "proxima/query/ray_index.h"
+#include "base/memory_budget.h"
+#include "base/parallel.h"
+#include "base/progress.h"
+#include "base/result.h"
+#include "geometry/ray.h"
+#include "index/mesh_index.h"
+#include "mesh/feature.h"
+#include "mesh/topology.h"
 #include "viewer/layers.h"
 
 #include <memory>
@@ -31,7 +31,7 @@ struct ViewModel {
     std::string name;
     TriangleMesh mesh;
     Topology topology;
-    RayIndex rays; ///< for picking
+    MeshIndex rays; ///< for picking
     Box box;
     double edge = 0.0; ///< about as long as its edges are
     Vec3 up = Vec3::UnitZ();

@@ -1,6 +1,6 @@
 #include "viewer/viewer.h"
 
-#include "proxima/base/text.h"
+#include "base/text.h"
 
 #include <algorithm>
 #include <cmath>

@@ -9,7 +9,7 @@
 //     }
 #pragma once
 
-#include "proxima/base/result.h"
+#include "base/result.h"
 #include "viewer/background_work.h"
 #include "viewer/camera.h"
 #include "viewer/controls.h"

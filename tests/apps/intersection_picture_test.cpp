@@ -1,8 +1,8 @@
 #include "cli/intersection_picture.h"
 
 #include "cancellation.h"
-#include "proxima/mesh/sample_meshes.h"
-#include "proxima/octree/build_octree.h"
+#include "mesh/sample_meshes.h"
+#include "octree/build_octree.h"
 
 #include <gtest/gtest.h>
 

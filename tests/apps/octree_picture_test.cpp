@@ -2,8 +2,8 @@
 
 #include "cancellation.h"
 #include "folder_test.h"
-#include "proxima/mesh/sample_meshes.h"
-#include "proxima/octree/build_octree.h"
+#include "mesh/sample_meshes.h"
+#include "octree/build_octree.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "proxima/base/disjoint_sets.h"
+#include "base/disjoint_sets.h"
 
 #include <gtest/gtest.h>
 

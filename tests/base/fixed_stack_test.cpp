@@ -1,4 +1,4 @@
-#include "proxima/base/fixed_stack.h"
+#include "base/fixed_stack.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "proxima/base/grow_buffer.h"
+#include "base/grow_buffer.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "proxima/base/hilbert_code.h"
+#include "base/hilbert_code.h"
 
 #include <algorithm>
 #include <cstdlib>

@@ -1,4 +1,4 @@
-#include "proxima/base/morton_code.h"
+#include "base/morton_code.h"
 
 #include <gtest/gtest.h>
 #include <random>

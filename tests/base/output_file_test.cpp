@@ -1,4 +1,4 @@
-#include "proxima/base/output_file.h"
+#include "base/output_file.h"
 
 #include "folder_test.h"
 

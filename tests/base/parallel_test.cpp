@@ -1,5 +1,5 @@
-#include "proxima/base/parallel.h"
-#include "proxima/base/progress.h"
+#include "base/parallel.h"
+#include "base/progress.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "proxima/base/progress.h"
+#include "base/progress.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "proxima/base/simd.h"
+#include "base/simd.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "proxima/geometry/closest_point.h"
+#include "geometry/closest_point.h"
 
 #include "oracles/quad_distance.h"
 

@@ -1,8 +1,8 @@
-#include "proxima/geometry/exact_predicates.h"
+#include "geometry/exact_predicates.h"
 
+#include "geometry/expansion.h"
+#include "geometry/wide_integer.h"
 #include "oracles/integer_overlap.h"
-#include "proxima/geometry/expansion.h"
-#include "proxima/geometry/wide_integer.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

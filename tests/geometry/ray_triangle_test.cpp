@@ -1,4 +1,4 @@
-#include "proxima/geometry/ray_triangle.h"
+#include "geometry/ray_triangle.h"
 
 #include "oracles/integer_overlap.h"
 

@@ -1,4 +1,4 @@
-#include "proxima/geometry/rigid_transform.h"
+#include "geometry/rigid_transform.h"
 
 #include <gtest/gtest.h>
 

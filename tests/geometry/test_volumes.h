@@ -3,9 +3,9 @@
 // planes, of any scale.
 #pragma once
 
-#include "proxima/geometry/view_volume.h"
+#include "geometry/view_volume.h"
 
-#include "proxima/geometry/shapes.h"
+#include "geometry/shapes.h"
 
 #include <cmath>
 #include <cstdint>

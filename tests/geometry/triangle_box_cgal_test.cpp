@@ -1,6 +1,6 @@
 // The exact predicates against CGAL's exact kernel, on doubles that no integer grid reaches.
-#include "proxima/geometry/exact_predicates.h"
-#include "proxima/geometry/triangle_box.h"
+#include "geometry/exact_predicates.h"
+#include "geometry/triangle_box.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "proxima/geometry/triangle_box.h"
+#include "geometry/triangle_box.h"
 
 #include "oracles/integer_overlap.h"
 

@@ -1,8 +1,8 @@
 // Where triangles meet against CGAL's exact kernel: the same ends, and their places to an ulp or
 // two.
-#include "proxima/geometry/exact_predicates.h"
-#include "proxima/geometry/triangle_contact.h"
-#include "proxima/geometry/triangle_intersection.h"
+#include "geometry/exact_predicates.h"
+#include "geometry/triangle_contact.h"
+#include "geometry/triangle_intersection.h"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
-#include "proxima/geometry/triangle_contact.h"
+#include "geometry/triangle_contact.h"
 
+#include "geometry/closest_point.h"
+#include "geometry/exact_predicates.h"
+#include "geometry/triangle_intersection.h"
 #include "oracles/integer_contact.h"
-#include "proxima/geometry/closest_point.h"
-#include "proxima/geometry/exact_predicates.h"
-#include "proxima/geometry/triangle_intersection.h"
 
 #include <algorithm>
 #include <array>

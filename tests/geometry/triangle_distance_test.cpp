@@ -1,7 +1,7 @@
-#include "proxima/geometry/triangle_distance.h"
+#include "geometry/triangle_distance.h"
 
+#include "geometry/triangle_contact.h"
 #include "oracles/quad_distance.h"
-#include "proxima/geometry/triangle_contact.h"
 
 #include <gtest/gtest.h>
 

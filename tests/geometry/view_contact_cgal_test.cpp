@@ -1,6 +1,6 @@
 // View volumes against elimination in rational numbers of any size, on doubles that no grid
 // reaches.
-#include "proxima/geometry/view_contact.h"
+#include "geometry/view_contact.h"
 
 #include "geometry/test_volumes.h"
 #include "oracles/half_space_system.h"

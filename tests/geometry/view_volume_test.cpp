@@ -1,4 +1,4 @@
-#include "proxima/geometry/view_volume.h"
+#include "geometry/view_volume.h"
 
 #include "geometry/test_volumes.h"
 #include "oracles/half_space_system.h"

@@ -1,7 +1,7 @@
 // The renderer's force against walls of which it is known: the spring's law to the last digits.
+#include "haptics/force/haptic_renderer.h"
 #include "haptics/spring_alone.h"
 #include "haptics/touch_meshes.h"
-#include "proxima/haptics/haptic_renderer.h"
 
 #include <gtest/gtest.h>
 

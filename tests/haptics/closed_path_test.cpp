@@ -14,10 +14,10 @@
 //
 // Seen from outside, an edge lets go of a device that goes round it under the surface: such paths
 // take energy, and must never give any.
+#include "haptics/force/haptic_renderer.h"
 #include "haptics/spring_alone.h"
 #include "haptics/touch_meshes.h"
-#include "proxima/haptics/haptic_renderer.h"
-#include "proxima/proximity/brute_force.h"
+#include "query/closest/brute_force.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
-#include "proxima/haptics/contact_cache.h"
+#include "haptics/proxy/contact_cache.h"
 
+#include "base/simd.h"
 #include "counted_allocations.h"
+#include "geometry/closest_point.h"
+#include "haptics/proxy/proxy.h"
 #include "haptics/touch_meshes.h"
-#include "proxima/base/simd.h"
-#include "proxima/geometry/closest_point.h"
-#include "proxima/haptics/proxy.h"
-#include "proxima/proximity/build_proximity_octree.h"
+#include "index/lists/build_proximity_octree.h"
 
 #include <gtest/gtest.h>
 
@@ -100,11 +100,11 @@ CacheCheck check_answers(const TouchMesh& named, std::uint32_t seed, int questio
             soon = count = cache.collect(surface, p, distance, buffer);
             std::ranges::fill(times, 0.0);
         } else {
-            cache.look_along(surface, p, way, distance);
-            soon = cache.collect_before(surface, part, buffer, times);
+            cache.begin_sweep(surface, p, way, distance);
+            soon = cache.next_before(surface, part, buffer, times);
             const auto left = std::span(buffer).subspan(std::min(soon, buffer.size()));
-            count = soon + cache.collect_before(surface, 1, left, std::span(times).subspan(soon));
-            EXPECT_EQ(cache.collect_before(surface, 1, buffer, times), 0U);
+            count = soon + cache.next_before(surface, 1, left, std::span(times).subspan(soon));
+            EXPECT_EQ(cache.next_before(surface, 1, buffer, times), 0U);
         }
         EXPECT_LE(count, buffer.size());
         if (count > buffer.size()) break;
@@ -150,9 +150,9 @@ TEST(ContactCache, nothing_near_is_missing)
         sum.needed += check.needed;
         sum.timed += check.timed;
     }
-    EXPECT_GT(sum.needed, sum.answers); // it was worth asking
+    EXPECT_GT(sum.needed, sum.answers);    // it was worth asking
     EXPECT_GT(20 * sum.timed, sum.needed); // with times that say something
-    EXPECT_LT(sum.given, 2 * sum.needed); // and it sorts out
+    EXPECT_LT(sum.given, 2 * sum.needed);  // and it sorts out
 }
 
 TEST(ContactCache, knows_how_far_the_surface_is_without_asking)
@@ -261,9 +261,9 @@ TEST(ContactCache, does_not_allocate)
     const std::size_t before = testing::allocation_count();
     for (const Vec3& p : places) {
         (void)cache.collect(surface, p, 0.02, buffer);
-        cache.look_along(surface, p, Vec3(0.01, 0.02, 0), 0.001);
-        (void)cache.collect_before(surface, 0.1, buffer, times);
-        (void)cache.collect_before(surface, 1, buffer, times);
+        cache.begin_sweep(surface, p, Vec3(0.01, 0.02, 0), 0.001);
+        (void)cache.next_before(surface, 0.1, buffer, times);
+        (void)cache.next_before(surface, 1, buffer, times);
         (void)cache.clearance(surface, p, 0.1);
     }
     EXPECT_EQ(testing::allocation_count(), before);

@@ -1,4 +1,4 @@
-#include "proxima/haptics/contact_force.h"
+#include "haptics/force/contact_force.h"
 
 #include <gtest/gtest.h>
 
@@ -52,7 +52,7 @@ TEST(ForceGuard, whatever_comes_in_what_goes_out_is_finite_and_within_limits)
             const double seconds =
                 random() % 20 == 0 ? special[random() % special.size()] : tick * normal(random);
             const Vec3 force =
-                guard.pass(wanted, seconds, random() % 5 == 0 ? Patch::lost : Patch::at_hand);
+                guard.pass(wanted, seconds, random() % 5 == 0 ? Patch::lost : Patch::available);
             ASSERT_TRUE(force.allFinite());
             ASSERT_LE(force.norm(), most);
             if (std::isfinite(seconds) && seconds < 1) {

@@ -1,4 +1,4 @@
-#include "proxima/haptics/contact_planes.h"
+#include "haptics/proxy/contact_planes.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "proxima/haptics/cursor_device.h"
+#include "haptics/device/cursor_device.h"
 
 #include "counted_allocations.h"
 

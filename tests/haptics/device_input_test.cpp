@@ -1,4 +1,4 @@
-#include "proxima/haptics/device_input.h"
+#include "haptics/device/device_input.h"
 
 #include "haptics/device_session.h"
 

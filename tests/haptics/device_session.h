@@ -2,11 +2,11 @@
 #pragma once
 
 #include "counted_allocations.h"
-#include "proxima/haptics/device_input.h"
-#include "proxima/haptics/quality_report.h"
-#include "proxima/haptics/recording.h"
-#include "proxima/haptics/simulated_hand.h"
-#include "proxima/mesh/sample_meshes.h"
+#include "haptics/device/device_input.h"
+#include "haptics/device/simulated_hand.h"
+#include "haptics/loop/quality_report.h"
+#include "haptics/loop/recording.h"
+#include "mesh/sample_meshes.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
-#include "proxima/haptics/free_place.h"
+#include "haptics/proxy/free_place.h"
 
+#include "haptics/device/hand_script.h"
+#include "haptics/device/simulated_hand.h"
+#include "haptics/force/haptic_renderer.h"
 #include "haptics/scenes_to_touch.h"
-#include "proxima/haptics/hand_script.h"
-#include "proxima/haptics/haptic_renderer.h"
-#include "proxima/haptics/simulated_hand.h"
-#include "proxima/proximity/build_proximity_octree.h"
+#include "index/lists/build_proximity_octree.h"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,13 @@
-#include "proxima/haptics/haptic_renderer.h"
+#include "haptics/force/haptic_renderer.h"
 
 #include "counted_allocations.h"
 #include "folder_test.h"
+#include "haptics/device/hand_script.h"
+#include "haptics/device/simulated_hand.h"
+#include "haptics/loop/quality_report.h"
+#include "haptics/loop/recording.h"
 #include "haptics/touch_meshes.h"
-#include "proxima/haptics/hand_script.h"
-#include "proxima/haptics/quality_report.h"
-#include "proxima/haptics/recording.h"
-#include "proxima/haptics/simulated_hand.h"
-#include "proxima/proximity/build_proximity_octree.h"
+#include "index/lists/build_proximity_octree.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // The place that a spring pulls the device to: as steady as proxy and device are.
+#include "haptics/proxy/proxy.h"
 #include "haptics/touch_meshes.h"
-#include "proxima/haptics/proxy.h"
 
 #include <gtest/gtest.h>
 

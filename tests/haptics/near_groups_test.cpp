@@ -1,12 +1,12 @@
-#include "proxima/haptics/near_groups.h"
+#include "haptics/surface/near_groups.h"
 
+#include "base/simd.h"
+#include "geometry/closest_point.h"
 #include "haptics/patch_triangles.h"
+#include "haptics/proxy/contact_cache.h"
+#include "haptics/surface/contact_patch.h"
 #include "haptics/touch_meshes.h"
-#include "proxima/base/simd.h"
-#include "proxima/geometry/closest_point.h"
-#include "proxima/haptics/contact_cache.h"
-#include "proxima/haptics/contact_patch.h"
-#include "proxima/proximity/build_proximity_octree.h"
+#include "index/lists/build_proximity_octree.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "proxima/haptics/object_motion.h"
+#include "haptics/scene/object_motion.h"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,13 @@
-#include "proxima/haptics/patch_groups.h"
+#include "haptics/surface/patch_groups.h"
 
+#include "base/simd.h"
 #include "counted_allocations.h"
+#include "geometry/closest_point.h"
+#include "haptics/loop/collision_loop.h"
 #include "haptics/patch_triangles.h"
+#include "haptics/proxy/proxy.h"
 #include "haptics/touch_meshes.h"
-#include "proxima/base/simd.h"
-#include "proxima/geometry/closest_point.h"
-#include "proxima/haptics/collision_loop.h"
-#include "proxima/haptics/proxy.h"
-#include "proxima/proximity/build_proximity_octree.h"
+#include "index/lists/build_proximity_octree.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // What is in a patch, for tests.
 #pragma once
 
-#include "proxima/haptics/contact_patch.h"
+#include "haptics/surface/contact_patch.h"
 
 #include <vector>
 

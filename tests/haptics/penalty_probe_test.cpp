@@ -1,16 +1,16 @@
 // Penalty forces are what they are said to be, and have the faults that they are known for; a proxy
 // on the same ways has none of these.
-#include "proxima/haptics/penalty_probe.h"
+#include "haptics/force/penalty_probe.h"
 
 #include "counted_allocations.h"
 #include "folder_test.h"
+#include "geometry/closest_point.h"
+#include "haptics/loop/quality_report.h"
+#include "haptics/loop/recording.h"
 #include "haptics/spring_alone.h"
 #include "haptics/touch_meshes.h"
-#include "proxima/geometry/closest_point.h"
-#include "proxima/haptics/quality_report.h"
-#include "proxima/haptics/recording.h"
-#include "proxima/octree/winding_number.h"
-#include "proxima/proximity/build_proximity_octree.h"
+#include "index/lists/build_proximity_octree.h"
+#include "octree/winding_number.h"
 
 #include <gtest/gtest.h>
 

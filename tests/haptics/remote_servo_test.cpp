@@ -1,4 +1,4 @@
-#include "proxima/haptics/remote_servo.h"
+#include "haptics/device/remote_servo.h"
 
 #include "haptics/device_session.h"
 

@@ -1,10 +1,10 @@
 // What a scene keeps of its objects from tick to tick changes no answer: sessions of octrees, whose
 // surfaces are kept, beside sessions of bodies that look at every triangle in every question.
 #include "counted_allocations.h"
+#include "haptics/force/haptic_renderer.h"
+#include "haptics/scene/object_cache.h"
 #include "haptics/scenes_to_touch.h"
-#include "proxima/haptics/haptic_renderer.h"
-#include "proxima/haptics/object_cache.h"
-#include "proxima/proximity/build_proximity_octree.h"
+#include "index/lists/build_proximity_octree.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // Objects that move and change while they are touched.
 #include "counted_allocations.h"
+#include "haptics/force/haptic_renderer.h"
+#include "haptics/loop/servo_loop.h"
 #include "haptics/scenes_to_touch.h"
-#include "proxima/haptics/haptic_renderer.h"
-#include "proxima/haptics/servo_loop.h"
 
 #include <gtest/gtest.h>
 
@@ -322,7 +322,7 @@ TEST(SceneRenderer, bodies_are_exchanged_without_a_spike)
         ASSERT_LE(felt.force.norm(), omni.max_force);
         ASSERT_TRUE(felt.proxy.has_room) << tick;
         // Outside of every body, also of those that swallowed it.
-        ASSERT_LT((scene.way_out(felt.proxy.proxy) - felt.proxy.proxy).norm(), 1e-12) << tick;
+        ASSERT_LT((scene.nearest_exit(felt.proxy.proxy) - felt.proxy.proxy).norm(), 1e-12) << tick;
         largest_step = std::max(largest_step, (felt.force - last).norm());
         largest = std::max(largest, felt.force.norm());
         last = felt.force;

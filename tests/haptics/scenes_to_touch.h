@@ -1,11 +1,11 @@
 // Scenes that tests touch, their triangles as one mesh, and motions checked against every triangle.
 #pragma once
 
+#include "geometry/closest_point.h"
+#include "geometry/exact_predicates.h"
+#include "geometry/triangle_contact.h"
+#include "haptics/scene/touch_scene.h"
 #include "haptics/touch_meshes.h"
-#include "proxima/geometry/closest_point.h"
-#include "proxima/geometry/exact_predicates.h"
-#include "proxima/geometry/triangle_contact.h"
-#include "proxima/haptics/touch_scene.h"
 
 #include <Eigen/Geometry>
 

@@ -1,10 +1,10 @@
 // Objects that move by scripts, and what a session says of them.
 #include "counted_allocations.h"
+#include "haptics/force/haptic_renderer.h"
+#include "haptics/loop/quality_report.h"
+#include "haptics/loop/recording.h"
+#include "haptics/scene/scripted_scene.h"
 #include "haptics/scenes_to_touch.h"
-#include "proxima/haptics/haptic_renderer.h"
-#include "proxima/haptics/quality_report.h"
-#include "proxima/haptics/recording.h"
-#include "proxima/haptics/scripted_scene.h"
 
 #include <gtest/gtest.h>
 

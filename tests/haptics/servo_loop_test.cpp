@@ -1,4 +1,4 @@
-#include "proxima/haptics/servo_loop.h"
+#include "haptics/loop/servo_loop.h"
 
 #include "counted_allocations.h"
 

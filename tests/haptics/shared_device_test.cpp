@@ -1,8 +1,8 @@
 // The makers' libraries, by stubs that behave like them (stubs/).
+#include "base/shared_library.h"
+#include "haptics/device/dhd_device.h"
+#include "haptics/device/hd_device.h"
 #include "haptics/device_session.h"
-#include "proxima/base/shared_library.h"
-#include "proxima/haptics/dhd_device.h"
-#include "proxima/haptics/hd_device.h"
 #include "stubs/stub_hand.h"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
-#include "proxima/haptics/simulated_hand.h"
+#include "haptics/device/simulated_hand.h"
 
+#include "haptics/force/passivity.h"
 #include "haptics/theory_wall.h"
-#include "proxima/haptics/passivity.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
-#include "proxima/haptics/slide_sphere.h"
+#include "haptics/proxy/slide_sphere.h"
 
 #include "counted_allocations.h"
+#include "geometry/exact_predicates.h"
+#include "geometry/triangle_contact.h"
+#include "haptics/proxy/proxy.h"
 #include "haptics/touch_meshes.h"
-#include "proxima/geometry/exact_predicates.h"
-#include "proxima/geometry/triangle_contact.h"
-#include "proxima/haptics/proxy.h"
-#include "proxima/proximity/build_proximity_octree.h"
+#include "index/lists/build_proximity_octree.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "proxima/haptics/snapshot.h"
+#include "haptics/loop/snapshot.h"
 
 #include <gtest/gtest.h>
 

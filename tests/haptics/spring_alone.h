@@ -1,7 +1,7 @@
 // The spring of a contact and nothing else: neither ramps nor damping, friction or guard.
 #pragma once
 
-#include "proxima/haptics/haptic_renderer.h"
+#include "haptics/force/haptic_renderer.h"
 
 namespace proxima::testing {
 

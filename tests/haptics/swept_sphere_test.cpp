@@ -1,6 +1,6 @@
-#include "proxima/haptics/swept_sphere.h"
+#include "haptics/surface/swept_sphere.h"
 
-#include "proxima/geometry/closest_point.h"
+#include "geometry/closest_point.h"
 
 #include <gtest/gtest.h>
 

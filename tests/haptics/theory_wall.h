@@ -2,7 +2,7 @@
 // holds swings in it.
 #pragma once
 
-#include "proxima/haptics/simulated_hand.h"
+#include "haptics/device/simulated_hand.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
-#include "proxima/haptics/touch_scene.h"
+#include "haptics/scene/touch_scene.h"
 
+#include "haptics/proxy/proxy.h"
 #include "haptics/scenes_to_touch.h"
-#include "proxima/haptics/proxy.h"
 
 #include <gtest/gtest.h>
 

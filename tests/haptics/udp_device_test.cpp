@@ -1,7 +1,7 @@
-#include "proxima/haptics/udp_device.h"
+#include "haptics/device/udp_device.h"
 
+#include "haptics/device/remote_servo.h"
 #include "haptics/device_session.h"
-#include "proxima/haptics/remote_servo.h"
 
 #include <gtest/gtest.h>
 

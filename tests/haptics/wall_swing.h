@@ -1,10 +1,10 @@
 // A simulated hand against walls, through the whole renderer: what swings, and how far.
 #pragma once
 
+#include "haptics/device/simulated_hand.h"
+#include "haptics/force/haptic_renderer.h"
+#include "mesh/sample_meshes.h"
 #include "octree/small_meshes.h"
-#include "proxima/haptics/haptic_renderer.h"
-#include "proxima/haptics/simulated_hand.h"
-#include "proxima/mesh/sample_meshes.h"
 
 #include <algorithm>
 #include <cmath>

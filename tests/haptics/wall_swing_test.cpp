@@ -2,7 +2,7 @@
 // renderer, and that it leaves the others alone.
 #include "haptics/wall_swing.h"
 
-#include "proxima/haptics/swing_watch.h"
+#include "haptics/force/oscillation_detector.h"
 
 #include <gtest/gtest.h>
 
@@ -150,11 +150,11 @@ TEST(WallSwing, coarse_encoders_end_below_three_millimetres)
     }
 }
 
-TEST(SwingWatch, tapping_and_pressing_hands_do_not_swing)
+TEST(OscillationDetector, tapping_and_pressing_hands_do_not_swing)
 {
     // Presses of 3 mm that come back as fast as they went, and taps from above.
     for (const double per_second : {0.5, 2.0, 4.0}) {
-        SwingWatch watch;
+        OscillationDetector watch;
         for (int tick = 0; tick < 20000; ++tick) {
             const double phase = 2 * 3.14159265358979 * per_second * 1e-3 * tick;
             const double above = 0.003 * std::cos(phase) - 0.001;
@@ -164,13 +164,13 @@ TEST(SwingWatch, tapping_and_pressing_hands_do_not_swing)
     }
 }
 
-TEST(SwingWatch, a_quick_release_is_no_swing)
+TEST(OscillationDetector, a_quick_release_is_no_swing)
 {
     // A hand rests on the wall for a fifth of a second, trembling, and is drawn back fast.
     for (const double tremor : {1e-4, 2e-4, 3e-4}) {
         for (const double per_second : {8.0, 10.0, 12.0}) {
             for (const double acceleration : {3.0, 10.0, 30.0}) {
-                SwingWatch watch;
+                OscillationDetector watch;
                 for (int tick = 0; tick < 400; ++tick) {
                     const double t = 1e-3 * tick;
                     const double left = std::max(t - 0.2, 0.0);
@@ -189,7 +189,7 @@ TEST(SwingWatch, a_quick_release_is_no_swing)
 /// never.
 int seen_swing(double per_second, double growth, double encoder_step)
 {
-    SwingWatch watch;
+    OscillationDetector watch;
     for (int tick = 0; tick < 2000; ++tick) {
         const double t = 1e-3 * tick;
         const double size = 5e-4 * std::exp(std::clamp(2 * per_second * growth * t, -9.0, 2.0));
@@ -200,7 +200,7 @@ int seen_swing(double per_second, double growth, double encoder_step)
     return -1;
 }
 
-TEST(SwingWatch, growing_swings_are_seen_within_a_few_turns_at_every_rate)
+TEST(OscillationDetector, growing_swings_are_seen_within_a_few_turns_at_every_rate)
 {
     // Up to nearly half the rate of the ticks.
     for (double per_second = 10; per_second < 480; per_second *= 1.03) {
@@ -213,7 +213,7 @@ TEST(SwingWatch, growing_swings_are_seen_within_a_few_turns_at_every_rate)
     }
 }
 
-TEST(SwingWatch, fading_swings_are_none_at_any_rate)
+TEST(OscillationDetector, fading_swings_are_none_at_any_rate)
 {
     // Nearer to half the rate of the ticks, what is seen of a swing beats, and rises now and then.
     for (double per_second = 10; per_second < 400; per_second *= 1.03) {

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """The include rule: who may include whom.
 
-    base  geometry  mesh  minkowski  octree  {proximity query}  haptics  apps
+    base  geometry  mesh  minkowski  octree  index  query  haptics  thesis  lab  apps
     <------------------------------------ a file includes its own folder and those to its left
 
-proximity and query do not see each other; an app sees only itself among the apps, the viewer also the
+An app sees only itself among the apps, the viewer also the
 command line, and the program's main file all. Includes are
 written as the path below src/ or apps/, files never include each other in a circle, and foreign
 headers stay in the layers that may use them. Nobody, tests and benchmarks neither, writes for one
@@ -18,7 +18,7 @@ from pathlib import Path
 
 # Layers by rank: a layer may include layers of lower rank, and itself.
 RANK = {"base": 0, "geometry": 1, "mesh": 2, "minkowski": 3, "octree": 4,
-        "proximity": 5, "query": 5, "haptics": 6, "apps": 7}
+        "index": 5, "query": 6, "haptics": 7, "thesis": 8, "lab": 9, "apps": 10}
 
 # Apps stand beside each other, but for those that may include another one. The program's main file
 # knows the commands of all.
@@ -31,17 +31,19 @@ FOREIGN = {"Eigen": None, "hwy": {"base"}, "tl": None, "xxhash.h": None, "sys": 
 FOREIGN_TO_ALL_BUT_APPS = {"CLI", "fmt", "nlohmann", "png.h", "GLFW", "epoxy", "imgui.h", "pybind11", "gtest"}
 
 # Files outside base that are compiled once per instruction set.
-KERNELS = {f"src/proxima/octree/{name}" for name in (
+KERNELS = {f"src/octree/{name}" for name in (
     "distribute_children.cpp", "snapped_boxes.cpp", "snapped_lanes-inl.h", "snapped_overlap.cpp")} | {
-    f"src/proxima/proximity/{name}" for name in (
-        "block_scan-inl.h", "closest_feature.cpp", "closest_features.cpp", "domination.cpp", "eight_corners-inl.h",
-        "local_region.cpp", "row_distance-inl.h", "search_octree-inl.h", "triangle_lanes.cpp", "triangle_tree_search.cpp")} | {
-    f"src/proxima/query/{name}" for name in (
-        "ask_triangle-inl.h", "box_pairs-inl.h", "cast_ray.cpp", "cull_volume.cpp", "eight_points-inl.h",
-        "intersect_meshes.cpp", "leaf_pairs-inl.h", "mesh_distance.cpp", "open_ray-inl.h", "pair_bounds-inl.h",
-        "walk_pairs-inl.h", "walk_ray-inl.h")} | {
-    f"src/proxima/haptics/{name}" for name in (
-        "ball_gaps-inl.h", "find_groups.cpp", "groups_on_way.cpp", "near_groups.cpp", "triangle_groups.cpp")}
+    f"src/index/{name}" for name in (
+        "lists/block_scan-inl.h", "lists/domination.cpp", "lists/eight_corners-inl.h", "lists/local_region.cpp",
+        "triangle_lanes.cpp", "triangle_tree_search.cpp")} | {
+    f"src/query/{name}" for name in (
+        "closest/closest_feature.cpp", "closest/closest_features.cpp", "closest/row_distance-inl.h",
+        "closest/search_octree-inl.h", "contact/box_pairs-inl.h", "contact/eight_points-inl.h",
+        "contact/intersect_meshes.cpp", "contact/leaf_intersection-inl.h", "contact/walk_pairs-inl.h",
+        "culling/cull_volume.cpp", "distance/mesh_distance.cpp", "distance/pair_bounds-inl.h", "rays/cast_ray.cpp",
+        "rays/intersect_exact-inl.h", "rays/prepare_ray-inl.h", "rays/walk_ray-inl.h")} | {
+    f"src/haptics/surface/{name}" for name in (
+        "ball_gaps-inl.h", "find_groups.cpp", "groups_along_segment.cpp", "near_groups.cpp", "triangle_groups.cpp")}
 
 # Headers of one processor: immintrin.h, x86intrin.h, arm_neon.h, riscv_vector.h and their like.
 INTRINSICS = re.compile(r"^(\w*intrin|cpuid|(arm|riscv)_\w+|altivec|wasm_simd128|msa)\.h$")
@@ -51,14 +53,14 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
 
 
 def layer_of(path):
-    """Layer of a path below the root, such as src/proxima/mesh/x.h or apps/cli/x.h."""
+    """Layer of a path below the root, such as src/mesh/x.h or apps/cli/x.h."""
     parts = path.parts
-    return "apps" if parts[0] == "apps" else parts[2] if len(parts) > 3 else None
+    return "apps" if parts[0] == "apps" else parts[1] if len(parts) > 2 else None
 
 
 def room_of(path):
     """What a file may always include: its layer, or for an app its own folder."""
-    return path.parts[:2] if path.parts[0] == "apps" else path.parts[:3]
+    return path.parts[:2]
 
 
 def intrinsics_problem(name):
@@ -125,7 +127,7 @@ def problems_of_file(root, source, targets):
     """Broken rules of one file; adds the project's files that it includes to `targets`."""
     layer = layer_of(source)
     if layer not in RANK:
-        yield f"{source}:1: {layer or 'src/proxima'} is no layer: they are {', '.join(RANK)}"
+        yield f"{source}:1: {layer or 'src'} is no layer: they are {', '.join(RANK)}"
         return
     for number, line in enumerate((root / source).read_text().splitlines(), 1):
         match = INCLUDE.match(line)
@@ -156,7 +158,7 @@ def intrinsics_in(root, source):
 
 def problems(root):
     graph, found = {}, []
-    files = [path.relative_to(root) for folder in ("src/proxima", "apps") for path in (root / folder).rglob("*")
+    files = [path.relative_to(root) for folder in ("src", "apps") for path in (root / folder).rglob("*")
              if path.suffix in (".h", ".cpp")]
     for source in sorted(files):
         graph[source] = set()

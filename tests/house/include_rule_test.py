@@ -6,13 +6,13 @@ from pathlib import Path
 import include_rule
 
 GOOD = {
-    "src/proxima/base/result.h": "#include <tl/expected.hpp>\n",
-    "src/proxima/base/parallel.cpp": '#include "proxima/base/result.h"\n#include <tbb/parallel_for.h>\n',
-    "src/proxima/mesh/mesh.h": '#include "proxima/base/result.h"\n#include <Eigen/Core>\n#include <vector>\n',
-    "src/proxima/proximity/region.h": '#include "proxima/mesh/mesh.h"\n',
-    "src/proxima/query/ray.h": '#include "proxima/mesh/mesh.h"\n',
-    "apps/cli/main.cpp": '#include "cli/model.h"\n#include "proxima/query/ray.h"\n#include <CLI/CLI.hpp>\n',
-    "apps/cli/model.h": '#include "proxima/mesh/mesh.h"\n',
+    "src/base/result.h": "#include <tl/expected.hpp>\n",
+    "src/base/parallel.cpp": '#include "base/result.h"\n#include <tbb/parallel_for.h>\n',
+    "src/mesh/mesh.h": '#include "base/result.h"\n#include <Eigen/Core>\n#include <vector>\n',
+    "src/index/region.h": '#include "mesh/mesh.h"\n',
+    "src/query/ray.h": '#include "mesh/mesh.h"\n',
+    "apps/cli/main.cpp": '#include "cli/model.h"\n#include "query/ray.h"\n#include <CLI/CLI.hpp>\n',
+    "apps/cli/model.h": '#include "mesh/mesh.h"\n',
     "apps/viewer/scene.h": "#include <epoxy/gl.h>\n",
 }
 
@@ -38,17 +38,14 @@ class IncludeRule(unittest.TestCase):
         self.assertEqual(problems_with({}), [])
 
     def test_catches_a_layer_to_the_right(self):
-        self.check("src/proxima/base/wrong.h", '\n#include "proxima/mesh/mesh.h"\n', ":2:",
+        self.check("src/base/wrong.h", '\n#include "mesh/mesh.h"\n', ":2:",
                    "base must not include mesh")
 
-    def test_catches_siblings_that_see_each_other(self):
-        self.check("src/proxima/proximity/wrong.h", '#include "proxima/query/ray.h"\n',
-                   "proximity must not include query")
-        self.check("src/proxima/query/wrong.h", '#include "proxima/proximity/region.h"\n',
-                   "query must not include proximity")
+    def test_catches_the_index_including_a_query(self):
+        self.check("src/index/wrong.h", '#include "query/ray.h"\n', "index must not include query")
 
     def test_catches_the_library_including_an_app(self):
-        self.check("src/proxima/query/wrong.h", '#include "cli/model.h"\n', "query must not include apps")
+        self.check("src/query/wrong.h", '#include "cli/model.h"\n', "query must not include apps")
 
     def test_catches_an_app_including_another(self):
         self.check("apps/cli/wrong.h", '#include "viewer/scene.h"\n', "another app")
@@ -59,36 +56,36 @@ class IncludeRule(unittest.TestCase):
         self.assertEqual(problems_with({"apps/cli/main.cpp": '#include "viewer/scene.h"\n'}), [])
 
     def test_catches_an_unknown_layer(self):
-        self.check("src/proxima/utils/wrong.h", "", "utils is no layer")
-        self.check("src/proxima/wrong.h", "", "src/proxima is no layer")
+        self.check("src/utils/wrong.h", "", "utils is no layer")
+        self.check("src/wrong.h", "", "src is no layer")
 
     def test_catches_paths_that_are_not_from_the_root(self):
-        self.check("src/proxima/mesh/wrong.h", '#include "mesh.h"\n', "no path below")
-        self.check("src/proxima/mesh/wrong.h", '#include "../base/result.h"\n', "no path below")
-        self.check("src/proxima/mesh/wrong.h", "#  include <proxima/base/result.h>\n", "our own")
+        self.check("src/mesh/wrong.h", '#include "mesh.h"\n', "no path below")
+        self.check("src/mesh/wrong.h", '#include "../base/result.h"\n', "no path below")
+        self.check("src/mesh/wrong.h", "#  include <base/result.h>\n", "our own")
 
     def test_catches_foreign_headers_out_of_place(self):
-        self.check("src/proxima/mesh/wrong.h", "#include <tbb/parallel_for.h>\n", "for base only")
-        self.check("src/proxima/mesh/wrong.h", "#include <fmt/format.h>\n", "for apps only")
-        self.check("src/proxima/mesh/wrong.h", "#include <boost/array.hpp>\n", "no library the core may use")
+        self.check("src/mesh/wrong.h", "#include <tbb/parallel_for.h>\n", "for base only")
+        self.check("src/mesh/wrong.h", "#include <fmt/format.h>\n", "for apps only")
+        self.check("src/mesh/wrong.h", "#include <boost/array.hpp>\n", "no library the core may use")
 
     def test_catches_vector_code_out_of_place(self):
-        self.check("src/proxima/octree/wrong.cpp", "#include <hwy/highway.h>\n", "for base only")
+        self.check("src/octree/wrong.cpp", "#include <hwy/highway.h>\n", "for base only")
         self.check("apps/cli/wrong.cpp", "#include <hwy/highway.h>\n", "kernels only")
-        for name in ("src/proxima/base/wrong.h", "src/proxima/octree/snapped_overlap.cpp", "apps/cli/wrong.cpp",
+        for name in ("src/base/wrong.h", "src/octree/snapped_overlap.cpp", "apps/cli/wrong.cpp",
                      "tests/octree/wrong_test.cpp", "bench/wrong.h", "fuzz/wrong.cpp", "examples/wrong.cpp"):
             for header in ("immintrin.h", "x86intrin.h", "xmmintrin.h", "arm_neon.h"):
                 self.check(name, f"#include <vector>\n#include <{header}>\n", ":2:", "one processor")
 
     def test_accepts_vector_code_where_it_belongs(self):
-        for name in ("src/proxima/base/simd.cpp", "src/proxima/octree/snapped_overlap.cpp"):
+        for name in ("src/base/simd.cpp", "src/octree/snapped_overlap.cpp"):
             self.assertEqual(problems_with({name: "#include <hwy/highway.h>\n"}), [])
 
     def test_catches_circles(self):
         found = problems_with({
-            "src/proxima/mesh/one.h": '#include "proxima/mesh/two.h"\n',
-            "src/proxima/mesh/two.h": '#include "proxima/mesh/three.h"\n',
-            "src/proxima/mesh/three.h": '#include "proxima/mesh/one.h"\n',
+            "src/mesh/one.h": '#include "mesh/two.h"\n',
+            "src/mesh/two.h": '#include "mesh/three.h"\n',
+            "src/mesh/three.h": '#include "mesh/one.h"\n',
         })
         self.assertEqual(len(found), 1, found)
         self.assertIn("circle", found[0])

@@ -1,7 +1,7 @@
 // A race on purpose: two threads add to plain counters (many, for the sanitizer looks at each place
 // once). Built only with the thread sanitizer, whose report the test expects: were our suppressions
 // to hide real races, this would be hidden too.
-#include "proxima/base/parallel.h"
+#include "base/parallel.h"
 
 #include <array>
 #include <cstddef>

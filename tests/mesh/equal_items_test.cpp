@@ -1,4 +1,4 @@
-#include "proxima/mesh/equal_items.h"
+#include "mesh/equal_items.h"
 
 #include "mesh/random_soups.h"
 

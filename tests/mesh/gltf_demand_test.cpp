@@ -1,6 +1,6 @@
 // Small scenes that ask for much are refused before assimp reads them; honest ones are read.
+#include "base/text.h"
 #include "mesh/mesh_files.h"
-#include "proxima/base/text.h"
 
 namespace proxima {
 namespace {

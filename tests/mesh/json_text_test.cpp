@@ -1,6 +1,6 @@
 // The JSON reader against a writer of random texts, and what it refuses.
-#include "proxima/base/text.h"
-#include "proxima/mesh/io/json_text.h"
+#include "base/text.h"
+#include "mesh/io/json_text.h"
 
 #include <gtest/gtest.h>
 #include <random>

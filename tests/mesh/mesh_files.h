@@ -3,7 +3,7 @@
 #pragma once
 
 #include "folder_test.h"
-#include "proxima/mesh/mesh_io.h"
+#include "mesh/mesh_io.h"
 
 #include <algorithm>
 #include <cstdlib>

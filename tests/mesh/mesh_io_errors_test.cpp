@@ -1,6 +1,6 @@
 // What the readers say about files that they refuse, and when they stop.
+#include "base/text.h"
 #include "mesh/mesh_files.h"
-#include "proxima/base/text.h"
 
 namespace proxima {
 namespace {

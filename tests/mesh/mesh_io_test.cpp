@@ -1,7 +1,7 @@
 // What the readers make of well-formed files.
+#include "base/text.h"
 #include "mesh/mesh_files.h"
-#include "proxima/base/text.h"
-#include "proxima/mesh/weld_vertices.h"
+#include "mesh/weld_vertices.h"
 
 #include <cmath>
 #include <map>

@@ -1,8 +1,8 @@
 // The mesh report against definitions taken literally: all pairs, breadth-first search.
-#include "proxima/mesh/mesh_report.h"
+#include "mesh/mesh_report.h"
 
 #include "mesh/random_soups.h"
-#include "proxima/mesh/topology.h"
+#include "mesh/topology.h"
 
 #include <gtest/gtest.h>
 

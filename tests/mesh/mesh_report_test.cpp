@@ -1,8 +1,8 @@
-#include "proxima/mesh/mesh_report.h"
+#include "mesh/mesh_report.h"
 
 #include "mesh/mesh_drafts.h"
-#include "proxima/mesh/sample_meshes.h"
-#include "proxima/mesh/topology.h"
+#include "mesh/sample_meshes.h"
+#include "mesh/topology.h"
 
 #include <gtest/gtest.h>
 

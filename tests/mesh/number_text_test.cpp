@@ -1,4 +1,4 @@
-#include "proxima/mesh/io/number_text.h"
+#include "mesh/io/number_text.h"
 
 #include <bit>
 #include <cmath>

@@ -2,7 +2,7 @@
 // small integer grid, duplicates, branching edges, unused vertices.
 #pragma once
 
-#include "proxima/mesh/triangle_mesh.h"
+#include "mesh/triangle_mesh.h"
 
 #include <random>
 

@@ -1,8 +1,8 @@
-#include "proxima/mesh/sample_meshes.h"
+#include "mesh/sample_meshes.h"
 
-#include "proxima/geometry/exact_predicates.h"
-#include "proxima/mesh/topology.h"
-#include "proxima/mesh/unit_circle.h"
+#include "geometry/exact_predicates.h"
+#include "mesh/topology.h"
+#include "mesh/unit_circle.h"
 
 #include <gtest/gtest.h>
 #include <xxhash.h>

@@ -1,6 +1,6 @@
-#include "proxima/mesh/sub_mesh.h"
+#include "mesh/sub_mesh.h"
 
-#include "proxima/mesh/sample_meshes.h"
+#include "mesh/sample_meshes.h"
 
 #include <gtest/gtest.h>
 #include <random>

@@ -1,7 +1,7 @@
-#include "proxima/mesh/topology.h"
+#include "mesh/topology.h"
 
 #include "mesh/random_soups.h"
-#include "proxima/mesh/sample_meshes.h"
+#include "mesh/sample_meshes.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
-#include "proxima/mesh/triangle_order.h"
+#include "mesh/triangle_order.h"
 
-#include "proxima/base/hilbert_code.h"
-#include "proxima/base/morton_code.h"
-#include "proxima/mesh/sample_meshes.h"
+#include "base/hilbert_code.h"
+#include "base/morton_code.h"
+#include "mesh/sample_meshes.h"
 
 #include <cmath>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "proxima/mesh/triangulate_polygon.h"
+#include "mesh/triangulate_polygon.h"
 
 #include <algorithm>
 #include <cmath>

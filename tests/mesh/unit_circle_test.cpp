@@ -1,4 +1,4 @@
-#include "proxima/mesh/unit_circle.h"
+#include "mesh/unit_circle.h"
 
 #include <gtest/gtest.h>
 

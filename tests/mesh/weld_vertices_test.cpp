@@ -1,4 +1,4 @@
-#include "proxima/mesh/weld_vertices.h"
+#include "mesh/weld_vertices.h"
 
 #include <bit>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Hulls against a brute force over all triples of whole points, in exact arithmetic.
-#include "proxima/minkowski/convex_hull.h"
+#include "minkowski/convex_hull.h"
 
 #include "polytopes.h"
 

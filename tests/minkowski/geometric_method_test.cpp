@@ -1,5 +1,5 @@
-#include "proxima/minkowski/geometric_method.h"
-#include "proxima/minkowski/incremental_hull.h"
+#include "minkowski/geometric_method.h"
+#include "minkowski/incremental_hull.h"
 
 #include <gtest/gtest.h>
 

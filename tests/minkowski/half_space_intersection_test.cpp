@@ -1,7 +1,7 @@
-#include "proxima/minkowski/half_space_intersection.h"
+#include "minkowski/half_space_intersection.h"
 
+#include "minkowski/unbounded_sum.h"
 #include "polytopes.h"
-#include "proxima/minkowski/unbounded_sum.h"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "proxima/minkowski/incremental_hull.h"
+#include "minkowski/incremental_hull.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
-#include "proxima/minkowski/make_polyhedron.h"
+#include "minkowski/make_polyhedron.h"
 
+#include "mesh/sample_meshes.h"
+#include "minkowski/drawn_surface.h"
+#include "minkowski/half_space_intersection.h"
+#include "minkowski/unbounded_sum.h"
+#include "minkowski/voronoi_region.h"
 #include "polytopes.h"
-#include "proxima/mesh/sample_meshes.h"
-#include "proxima/minkowski/drawn_surface.h"
-#include "proxima/minkowski/half_space_intersection.h"
-#include "proxima/minkowski/unbounded_sum.h"
-#include "proxima/minkowski/voronoi_region.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Minkowski sums by arcs against a brute force in whole numbers: all candidate normals, all pairs.
+#include "minkowski/minkowski_sum.h"
 #include "polytopes.h"
-#include "proxima/minkowski/minkowski_sum.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "proxima/minkowski/operation_counts.h"
+#include "minkowski/operation_counts.h"
 
 #include <gtest/gtest.h>
 

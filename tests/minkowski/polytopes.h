@@ -1,7 +1,7 @@
 // Polyhedra for the tests: of whole coordinates, nasty and plain, from a seed.
 #pragma once
 
-#include "proxima/minkowski/convex_hull.h"
+#include "minkowski/convex_hull.h"
 
 #include <cstdint>
 #include <random>

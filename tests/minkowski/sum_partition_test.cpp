@@ -1,5 +1,5 @@
 // Partitions of sums against all of the sum's half-spaces, one after the other.
-#include "proxima/minkowski/sum_partition.h"
+#include "minkowski/sum_partition.h"
 
 #include "polytopes.h"
 

@@ -1,7 +1,7 @@
-#include "proxima/minkowski/sum_queries.h"
+#include "minkowski/sum_queries.h"
 
+#include "minkowski/make_polyhedron.h"
 #include "polytopes.h"
-#include "proxima/minkowski/make_polyhedron.h"
 
 #include <gtest/gtest.h>
 

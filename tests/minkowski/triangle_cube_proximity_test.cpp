@@ -1,10 +1,10 @@
 // Depths and distances of triangles and boxes against 113-bit numbers over all axes and features,
 // and against the exact overlap test: the motion returned frees, a shorter one does not.
-#include "proxima/minkowski/triangle_cube_proximity.h"
+#include "minkowski/triangle_cube_proximity.h"
 
+#include "geometry/triangle_box.h"
 #include "oracles/integer_overlap.h"
 #include "oracles/quad_distance.h"
-#include "proxima/geometry/triangle_box.h"
 
 #include <gtest/gtest.h>
 

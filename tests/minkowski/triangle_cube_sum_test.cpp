@@ -1,8 +1,8 @@
-#include "proxima/minkowski/triangle_cube_sum.h"
+#include "minkowski/triangle_cube_sum.h"
 
+#include "geometry/triangle_box.h"
 #include "minkowski/counting_number.h"
 #include "oracles/integer_overlap.h"
-#include "proxima/geometry/triangle_box.h"
 
 #include <gtest/gtest.h>
 

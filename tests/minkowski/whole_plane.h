@@ -1,7 +1,7 @@
 // Whole numbers of 128 bits for tests of planar sums, and sums that must be there.
 #pragma once
 
-#include "proxima/minkowski/planar_sum.h"
+#include "minkowski/planar_sum.h"
 
 #include <array>
 #include <stdexcept>

@@ -1,10 +1,10 @@
 // The thesis's four overlap tests as types for typed tests.
 #pragma once
 
-#include "proxima/octree/overlap_index_tracking.h"
-#include "proxima/octree/overlap_minkowski.h"
-#include "proxima/octree/overlap_pairwise.h"
-#include "proxima/octree/overlap_separating_axis.h"
+#include "octree/overlap_index_tracking.h"
+#include "octree/overlap_minkowski.h"
+#include "octree/overlap_pairwise.h"
+#include "octree/overlap_separating_axis.h"
 
 #include <gtest/gtest.h>
 #include <string>

@@ -1,15 +1,15 @@
-#include "proxima/octree/build_octree.h"
+#include "octree/build_octree.h"
 
+#include "base/simd.h"
+#include "geometry/triangle_box.h"
+#include "mesh/sample_meshes.h"
+#include "octree/check_octree.h"
+#include "octree/check_structure.h"
 #include "octree/nasty_meshes.h"
+#include "octree/same_cells.h"
 #include "octree/same_octree.h"
 #include "octree/slow_builder.h"
-#include "proxima/base/simd.h"
-#include "proxima/geometry/triangle_box.h"
-#include "proxima/mesh/sample_meshes.h"
-#include "proxima/octree/check_octree.h"
-#include "proxima/octree/check_structure.h"
-#include "proxima/octree/same_cells.h"
-#include "proxima/octree/statistics.h"
+#include "octree/statistics.h"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
 // Everything in this layer that takes long stops when asked to, and leaves nothing behind.
 #include "cancellation.h"
 #include "folder_test.h"
-#include "proxima/mesh/sample_meshes.h"
-#include "proxima/octree/build_octree.h"
-#include "proxima/octree/check_octree.h"
-#include "proxima/octree/classify_cells.h"
-#include "proxima/octree/export.h"
-#include "proxima/octree/octree_file.h"
+#include "mesh/sample_meshes.h"
+#include "octree/build_octree.h"
+#include "octree/check_octree.h"
+#include "octree/classify_cells.h"
+#include "octree/export.h"
+#include "octree/octree_file.h"
 
 #include <algorithm>
 

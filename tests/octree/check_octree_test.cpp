@@ -1,9 +1,9 @@
-#include "proxima/octree/check_octree.h"
+#include "octree/check_octree.h"
 
+#include "octree/check_structure.h"
 #include "octree/editable_octree.h"
 #include "octree/slow_builder.h"
 #include "octree/small_meshes.h"
-#include "proxima/octree/check_structure.h"
 
 #include <gtest/gtest.h>
 #include <random>

@@ -1,11 +1,11 @@
-#include "proxima/octree/classify_cells.h"
+#include "octree/classify_cells.h"
 
+#include "octree/check_structure.h"
 #include "octree/slow_builder.h"
 #include "octree/small_meshes.h"
-#include "proxima/octree/check_structure.h"
-#include "proxima/octree/statistics.h"
-#include "proxima/octree/traverse.h"
-#include "proxima/octree/winding_number.h"
+#include "octree/statistics.h"
+#include "octree/traverse.h"
+#include "octree/winding_number.h"
 
 #include <gtest/gtest.h>
 #include <random>

@@ -1,11 +1,11 @@
-#include "proxima/octree/export.h"
+#include "octree/export.h"
 
+#include "base/text.h"
+#include "octree/classify_cells.h"
 #include "octree/exported_leaves.h"
 #include "octree/slow_builder.h"
 #include "octree/small_meshes.h"
-#include "proxima/base/text.h"
-#include "proxima/octree/classify_cells.h"
-#include "proxima/octree/traverse.h"
+#include "octree/traverse.h"
 
 #include <algorithm>
 #include <filesystem>

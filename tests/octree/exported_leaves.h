@@ -1,7 +1,7 @@
 // What other software finds in exported files.
 #pragma once
 
-#include "proxima/base/text.h"
+#include "base/text.h"
 
 #include <array>
 #include <cmath>

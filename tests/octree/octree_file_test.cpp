@@ -1,12 +1,12 @@
-#include "proxima/octree/octree_file.h"
+#include "octree/octree_file.h"
 
 #include "damaged_files.h"
 #include "exact_copy.h"
 
+#include "octree/classify_cells.h"
 #include "octree/slow_builder.h"
 #include "octree/small_meshes.h"
-#include "proxima/octree/classify_cells.h"
-#include "proxima/octree/statistics.h"
+#include "octree/statistics.h"
 
 #include <cstring>
 #include <filesystem>

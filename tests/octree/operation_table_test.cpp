@@ -1,4 +1,4 @@
-#include "proxima/octree/operation_table.h"
+#include "octree/operation_table.h"
 
 #include <gtest/gtest.h>
 

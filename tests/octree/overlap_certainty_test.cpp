@@ -1,8 +1,8 @@
 // Where rounding matters: certain answers of the four overlap tests are those for the exact boxes
 // of cells in awkward places, however their centres and half sizes were rounded.
+#include "geometry/triangle_box.h"
 #include "octree/all_overlap_tests.h"
-#include "proxima/geometry/triangle_box.h"
-#include "proxima/octree/cell.h"
+#include "octree/cell.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
-#include "proxima/octree/region_rays.h"
+#include "octree/region_rays.h"
 
+#include "mesh/sample_meshes.h"
+#include "octree/build_octree.h"
+#include "octree/hole_caps.h"
 #include "octree/small_meshes.h"
-#include "proxima/mesh/sample_meshes.h"
-#include "proxima/octree/build_octree.h"
-#include "proxima/octree/hole_caps.h"
-#include "proxima/octree/winding_number.h"
+#include "octree/winding_number.h"
 
 #include <gtest/gtest.h>
 #include <random>

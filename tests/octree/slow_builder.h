@@ -4,8 +4,8 @@
 // given overlap test, thirteen separating axes in long double if none is given.
 #pragma once
 
-#include "proxima/octree/build_octree.h"
-#include "proxima/octree/octree.h"
+#include "octree/build_octree.h"
+#include "octree/octree.h"
 
 #include <cmath>
 #include <memory>

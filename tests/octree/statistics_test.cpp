@@ -1,4 +1,4 @@
-#include "proxima/octree/statistics.h"
+#include "octree/statistics.h"
 
 #include "octree/slow_builder.h"
 #include "octree/small_meshes.h"

@@ -1,4 +1,4 @@
-#include "proxima/octree/winding_number.h"
+#include "octree/winding_number.h"
 
 #include "octree/small_meshes.h"
 

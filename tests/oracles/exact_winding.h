@@ -2,8 +2,8 @@
 // signs of determinants that do not round.
 #pragma once
 
-#include "proxima/geometry/exact_predicates.h"
-#include "proxima/mesh/triangle_mesh.h"
+#include "geometry/exact_predicates.h"
+#include "mesh/triangle_mesh.h"
 
 #include <array>
 #include <optional>

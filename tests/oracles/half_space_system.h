@@ -6,8 +6,8 @@
 // of any size. It knows nothing of corners, lines or signs of determinants.
 #pragma once
 
-#include "proxima/geometry/shapes.h"
-#include "proxima/geometry/view_plane.h"
+#include "geometry/shapes.h"
+#include "geometry/view_plane.h"
 
 #include <array>
 #include <cstddef>

@@ -1,8 +1,8 @@
 // Distances and depths in 113-bit numbers, by trying all pairs of features and all axes.
 #pragma once
 
-#include "proxima/geometry/closest_point.h"
-#include "proxima/geometry/shapes.h"
+#include "geometry/closest_point.h"
+#include "geometry/shapes.h"
 
 #include <algorithm>
 #include <array>

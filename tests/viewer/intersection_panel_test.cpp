@@ -1,7 +1,7 @@
 // Two meshes that meet, or do not, without a window.
-#include "proxima/mesh/mesh_io.h"
-#include "proxima/mesh/sample_meshes.h"
-#include "proxima/query/brute_force.h"
+#include "mesh/mesh_io.h"
+#include "mesh/sample_meshes.h"
+#include "query/rays/brute_force.h"
 #include "viewer/shown_viewer.h"
 
 #include <filesystem>

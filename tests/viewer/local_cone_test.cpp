@@ -1,6 +1,6 @@
 // Cones of features, held against a search over all features of the mesh.
-#include "proxima/mesh/sample_meshes.h"
-#include "proxima/proximity/brute_force.h"
+#include "mesh/sample_meshes.h"
+#include "query/closest/brute_force.h"
 #include "viewer/panels/local_cone.h"
 
 #include <Eigen/LU>

@@ -1,5 +1,5 @@
 // What is wrong with a model, drawn and counted.
-#include "proxima/mesh/mesh_io.h"
+#include "mesh/mesh_io.h"
 #include "viewer/shown_viewer.h"
 
 #include <filesystem>

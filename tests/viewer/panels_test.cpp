@@ -1,7 +1,7 @@
 // What panels show without a window, held against slow oracles.
-#include "proxima/octree/build_octree.h"
-#include "proxima/octree/statistics.h"
-#include "proxima/proximity/brute_force.h"
+#include "octree/build_octree.h"
+#include "octree/statistics.h"
+#include "query/closest/brute_force.h"
 #include "viewer/shown_viewer.h"
 
 namespace proxima {

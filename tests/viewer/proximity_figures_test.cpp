@@ -1,5 +1,5 @@
 // Figures of Voronoi regions and proximity octrees show what they must.
-#include "proxima/proximity/brute_force.h"
+#include "query/closest/brute_force.h"
 #include "viewer/figure_parts.h"
 #include "viewer/figures/voronoi_figures.h"
 #include "viewer/query_shapes.h"

@@ -1,8 +1,8 @@
 // Figures of queries show what those answer, and what slow oracles do.
-#include "proxima/octree/traverse.h"
-#include "proxima/proximity/brute_force.h"
-#include "proxima/query/build_ray_index.h"
-#include "proxima/query/intersect_meshes.h"
+#include "index/build_mesh_index.h"
+#include "octree/traverse.h"
+#include "query/closest/brute_force.h"
+#include "query/contact/intersect_meshes.h"
 #include "viewer/figure_parts.h"
 #include "viewer/figures/query_figures.h"
 #include "viewer/figures/ray_figures.h"
@@ -110,7 +110,7 @@ TEST(QueryFigures, YellowTrianglesAreAllThatCanIntersect)
 {
     const auto spheres = meeting_spheres({});
     ASSERT_TRUE(spheres);
-    const auto index_a = build_ray_index(spheres->octree_a, spheres->a);
+    const auto index_a = build_mesh_index(spheres->octree_a, spheres->a);
     ASSERT_TRUE(index_a);
     const auto pairs = intersecting_pairs(*index_a, *index_a, spheres->pose_b);
     EXPECT_GT(pairs.size(), 50U);

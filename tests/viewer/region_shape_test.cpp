@@ -1,7 +1,7 @@
 // Voronoi regions as far as they are true, held against distances to all features of the mesh.
-#include "proxima/mesh/sample_meshes.h"
-#include "proxima/proximity/brute_force.h"
-#include "proxima/proximity/build_proximity_octree.h"
+#include "index/lists/build_proximity_octree.h"
+#include "mesh/sample_meshes.h"
+#include "query/closest/brute_force.h"
 #include "viewer/panels/region_shape.h"
 
 #include <algorithm>

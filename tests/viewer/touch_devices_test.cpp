@@ -1,6 +1,6 @@
 // The touch panel by devices: over UDP on this machine, and by the makers' libraries' stand-ins.
-#include "proxima/base/udp_socket.h"
-#include "proxima/haptics/udp_packets.h"
+#include "base/udp_socket.h"
+#include "haptics/device/udp_packets.h"
 #include "viewer/named_settings.h"
 #include "viewer/viewer.h"
 

@@ -1,8 +1,8 @@
 // Figures 5.2 and 5.4: what lies near a cursor, and where two meshes meet.
-#include "proxima/mesh/sample_meshes.h"
-#include "proxima/octree/build_octree.h"
-#include "proxima/proximity/neighbourhood.h"
-#include "proxima/proximity/thesis_closest.h"
+#include "mesh/sample_meshes.h"
+#include "octree/build_octree.h"
+#include "query/neighbourhood/neighbourhood.h"
+#include "thesis/thesis_closest.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/query_figures.h"
 #include "viewer/figures/scene_figure.h"

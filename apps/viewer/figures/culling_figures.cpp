@@ -1,8 +1,8 @@
 // Figures 5.7 and 5.8: culling by a view volume.
-#include "proxima/mesh/sample_meshes.h"
-#include "proxima/mesh/sub_mesh.h"
-#include "proxima/octree/build_octree.h"
-#include "proxima/query/cull_cells.h"
+#include "mesh/sample_meshes.h"
+#include "mesh/sub_mesh.h"
+#include "octree/build_octree.h"
+#include "query/culling/cull_cells.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/query_figures.h"
 #include "viewer/figures/scene_figure.h"

@@ -2,7 +2,7 @@
 // thesis has them.
 #pragma once
 
-#include "proxima/octree/octree.h"
+#include "octree/octree.h"
 
 namespace proxima::figure_colors {
 

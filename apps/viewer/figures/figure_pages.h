@@ -1,8 +1,8 @@
 // Figures as files: pictures, drawings, and the sheet that shows all of them.
 #pragma once
 
-#include "proxima/base/progress.h"
-#include "proxima/base/result.h"
+#include "base/progress.h"
+#include "base/result.h"
 #include "viewer/figures/thesis_figure.h"
 #include "viewer/renderer.h"
 

@@ -1,7 +1,7 @@
 // Figure 2.5: the octree as a data structure, drawn from one that was built.
-#include "proxima/mesh/sample_meshes.h"
-#include "proxima/octree/build_octree.h"
-#include "proxima/octree/statistics.h"
+#include "mesh/sample_meshes.h"
+#include "octree/build_octree.h"
+#include "octree/statistics.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/octree_figures.h"
 

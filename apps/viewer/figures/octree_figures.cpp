@@ -2,11 +2,11 @@
 #include "viewer/figures/octree_figures.h"
 
 #include "cli/octree_picture.h"
-#include "proxima/mesh/mesh_io.h"
-#include "proxima/mesh/sample_meshes.h"
-#include "proxima/octree/build_octree.h"
-#include "proxima/octree/leaf_boxes.h"
-#include "proxima/octree/statistics.h"
+#include "mesh/mesh_io.h"
+#include "mesh/sample_meshes.h"
+#include "octree/build_octree.h"
+#include "octree/leaf_boxes.h"
+#include "octree/statistics.h"
 
 #include <array>
 #include <filesystem>

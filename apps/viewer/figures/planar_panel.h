@@ -2,7 +2,7 @@
 #pragma once
 
 #include "cli/figure.h"
-#include "proxima/geometry/vec.h"
+#include "geometry/vec.h"
 
 #include <span>
 #include <string>

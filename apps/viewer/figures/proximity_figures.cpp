@@ -1,8 +1,8 @@
 // Figures 4.1, 4.2 and 5.3: proximity quadtrees and octrees, and their lists.
 #include "cli/list_histogram.h"
-#include "proxima/mesh/sample_meshes.h"
-#include "proxima/proximity/feature_regions.h"
-#include "proxima/proximity/list_statistics.h"
+#include "mesh/sample_meshes.h"
+#include "thesis/feature_regions.h"
+#include "thesis/list_statistics.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/planar_panel.h"
 #include "viewer/figures/scene_figure.h"

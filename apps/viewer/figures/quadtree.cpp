@@ -1,6 +1,6 @@
 #include "viewer/figures/quadtree.h"
 
-#include "proxima/minkowski/planar_sum.h"
+#include "minkowski/planar_sum.h"
 
 #include <array>
 

@@ -6,10 +6,10 @@
 //     the square around c meets the set       where c lies in that sum
 #pragma once
 
-#include "proxima/base/result.h"
-#include "proxima/geometry/vec.h"
-#include "proxima/minkowski/convex_polygon.h"
-#include "proxima/octree/octree.h"
+#include "base/result.h"
+#include "geometry/vec.h"
+#include "minkowski/convex_polygon.h"
+#include "octree/octree.h"
 
 #include <span>
 #include <vector>

@@ -2,12 +2,12 @@
 // and culling by a view volume.
 #pragma once
 
-#include "proxima/geometry/rigid_transform.h"
-#include "proxima/geometry/view_volume.h"
-#include "proxima/mesh/triangle_mesh.h"
-#include "proxima/octree/octree.h"
-#include "proxima/proximity/closest_feature.h"
-#include "proxima/query/intersect_octrees.h"
+#include "geometry/rigid_transform.h"
+#include "geometry/view_volume.h"
+#include "mesh/triangle_mesh.h"
+#include "octree/octree.h"
+#include "query/closest/closest_feature.h"
+#include "thesis/intersect_octrees.h"
 #include "viewer/figures/thesis_figure.h"
 
 #include <vector>

@@ -1,9 +1,9 @@
 // Figures of thesis section 5.3: cells along a ray.
 #pragma once
 
-#include "proxima/mesh/triangle_mesh.h"
-#include "proxima/octree/octree.h"
-#include "proxima/query/cells_along_ray.h"
+#include "mesh/triangle_mesh.h"
+#include "octree/octree.h"
+#include "query/rays/cells_along_ray.h"
 #include "viewer/figures/thesis_figure.h"
 
 #include <vector>

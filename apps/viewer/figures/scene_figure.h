@@ -1,7 +1,7 @@
 // What figures of scenes have in common.
 #pragma once
 
-#include "proxima/minkowski/minkowski_sum.h"
+#include "minkowski/minkowski_sum.h"
 #include "viewer/figures/thesis_figure.h"
 #include "viewer/scene_shapes.h"
 

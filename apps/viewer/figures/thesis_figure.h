@@ -6,11 +6,11 @@
 //     }
 #pragma once
 
+#include "base/parallel.h"
+#include "base/progress.h"
+#include "base/result.h"
 #include "cli/figure.h"
 #include "cli/image.h"
-#include "proxima/base/parallel.h"
-#include "proxima/base/progress.h"
-#include "proxima/base/result.h"
 #include "viewer/camera.h"
 #include "viewer/scene.h"
 

@@ -1,8 +1,8 @@
 // Figures 4.7 to 4.9: Minkowski sums of unbounded Voronoi regions, cut, summed and opened again.
-#include "proxima/minkowski/make_polyhedron.h"
-#include "proxima/minkowski/planar_sum.h"
-#include "proxima/minkowski/unbounded_sum.h"
-#include "proxima/proximity/feature_regions.h"
+#include "minkowski/make_polyhedron.h"
+#include "minkowski/planar_sum.h"
+#include "minkowski/unbounded_sum.h"
+#include "thesis/feature_regions.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/minkowski_figures.h"
 #include "viewer/figures/planar_panel.h"

@@ -1,8 +1,8 @@
 // Leaves of octrees as shapes: edges that neighbours share once, and the slice that a plane cuts.
 #pragma once
 
-#include "proxima/octree/leaf_boxes.h"
-#include "proxima/octree/octree.h"
+#include "octree/leaf_boxes.h"
+#include "octree/octree.h"
 #include "viewer/scene_shapes.h"
 
 #include <span>

@@ -1,6 +1,6 @@
 // The feature of a model closest to a cursor, its neighbours, and the leaf that knew: figure 5.2.
-#include "proxima/proximity/closest_feature.h"
-#include "proxima/proximity/neighbourhood.h"
+#include "query/closest/closest_feature.h"
+#include "query/neighbourhood/neighbourhood.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/panels/panels.h"
 #include "viewer/panels/placed_point.h"

@@ -1,7 +1,7 @@
 // Culling by the volume of a second camera: figures 5.7 and 5.8.
-#include "proxima/geometry/view_volume.h"
-#include "proxima/query/cull_cells.h"
-#include "proxima/query/cull_volume.h"
+#include "geometry/view_volume.h"
+#include "query/culling/cull_cells.h"
+#include "query/culling/cull_volume.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/panels/panels.h"
 #include "viewer/panels/placed_point.h"

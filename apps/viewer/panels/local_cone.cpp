@@ -1,8 +1,8 @@
 #include "viewer/panels/local_cone.h"
 
-#include "proxima/base/text.h"
-#include "proxima/geometry/exact_predicates.h"
-#include "proxima/geometry/shapes.h"
+#include "base/text.h"
+#include "geometry/exact_predicates.h"
+#include "geometry/shapes.h"
 
 #include <algorithm>
 #include <cmath>

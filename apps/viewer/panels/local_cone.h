@@ -10,10 +10,10 @@
 //     outside                behind
 #pragma once
 
-#include "proxima/base/result.h"
-#include "proxima/mesh/feature.h"
-#include "proxima/mesh/topology.h"
-#include "proxima/mesh/triangle_mesh.h"
+#include "base/result.h"
+#include "mesh/feature.h"
+#include "mesh/topology.h"
+#include "mesh/triangle_mesh.h"
 
 #include <cstdint>
 #include <vector>

@@ -1,6 +1,6 @@
 // The models as they are: surface, edges, and what is wrong with them.
-#include "proxima/base/text.h"
-#include "proxima/mesh/mesh_report.h"
+#include "base/text.h"
+#include "mesh/mesh_report.h"
 #include "viewer/panels/panels.h"
 
 #include <algorithm>

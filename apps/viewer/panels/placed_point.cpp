@@ -1,7 +1,7 @@
 #include "viewer/panels/placed_point.h"
 
-#include "proxima/base/text.h"
-#include "proxima/query/cast_ray.h"
+#include "base/text.h"
+#include "query/rays/cast_ray.h"
 #include "viewer/camera.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include "viewer/panels/region_shape.h"
 
-#include "proxima/proximity/closest_feature.h"
+#include "query/closest/closest_feature.h"
 
 #include <algorithm>
 #include <array>

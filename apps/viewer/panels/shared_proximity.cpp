@@ -1,8 +1,8 @@
 #include "viewer/panels/shared_proximity.h"
 
-#include "proxima/base/text.h"
-#include "proxima/proximity/build_proximity_octree.h"
-#include "proxima/proximity/leaf_candidates.h"
+#include "base/text.h"
+#include "index/lists/build_proximity_octree.h"
+#include "query/closest/leaf_candidates.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/query_shapes.h"
 

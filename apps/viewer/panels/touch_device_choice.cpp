@@ -1,6 +1,6 @@
 #include "viewer/panels/touch_device_choice.h"
 
-#include "proxima/base/text.h"
+#include "base/text.h"
 
 namespace proxima {
 namespace {

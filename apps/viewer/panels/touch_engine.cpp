@@ -1,6 +1,6 @@
 #include "viewer/panels/touch_engine.h"
 
-#include "proxima/base/text.h"
+#include "base/text.h"
 
 #include <algorithm>
 #include <chrono>

@@ -7,10 +7,10 @@
 #pragma once
 
 #include "cli/touch_device.h"
-#include "proxima/haptics/contact_surface.h"
-#include "proxima/haptics/device_input.h"
-#include "proxima/haptics/haptic_renderer.h"
-#include "proxima/haptics/snapshot.h"
+#include "haptics/device/device_input.h"
+#include "haptics/force/haptic_renderer.h"
+#include "haptics/loop/snapshot.h"
+#include "haptics/surface/contact_surface.h"
 
 #include <array>
 #include <atomic>

@@ -1,8 +1,8 @@
 // Touching a model with the mouse or a haptic device: device, proxy and force, as section 5.1 has
 // them.
-#include "proxima/base/text.h"
-#include "proxima/haptics/hand_device.h"
-#include "proxima/haptics/snapshot.h"
+#include "base/text.h"
+#include "haptics/device/hand_device.h"
+#include "haptics/loop/snapshot.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/panels/panels.h"
 #include "viewer/panels/placed_point.h"

@@ -1,8 +1,8 @@
 #include "viewer/window/file_panel.h"
 
-#include "proxima/base/text.h"
-#include "proxima/mesh/mesh_format.h"
-#include "proxima/mesh/sample_meshes.h"
+#include "base/text.h"
+#include "mesh/mesh_format.h"
+#include "mesh/sample_meshes.h"
 #include "viewer/window/input_text.h"
 
 #include <algorithm>

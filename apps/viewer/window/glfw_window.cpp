@@ -1,6 +1,6 @@
 #include "viewer/window/glfw_window.h"
 
-#include "proxima/base/text.h"
+#include "base/text.h"
 
 #include <GLFW/glfw3.h>
 #include <algorithm>

@@ -8,7 +8,7 @@
 //     └───────┴─┴────────────────────────┴─┘
 #pragma once
 
-#include "proxima/geometry/vec.h"
+#include "geometry/vec.h"
 #include "viewer/window/imgui_controls.h"
 
 #include <string>

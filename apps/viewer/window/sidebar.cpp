@@ -1,6 +1,6 @@
 #include "viewer/window/sidebar.h"
 
-#include "proxima/base/text.h"
+#include "base/text.h"
 #include "viewer/window/input_text.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #include "viewer/window/view_files.h"
 
+#include "base/text.h"
 #include "cli/image.h"
-#include "proxima/base/text.h"
 #include "viewer/layers_glb.h"
 #include "viewer/renderer.h"
 

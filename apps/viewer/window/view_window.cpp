@@ -1,6 +1,6 @@
 #include "viewer/window/view_window.h"
 
-#include "proxima/base/text.h"
+#include "base/text.h"
 #include "viewer/window/file_panel.h"
 #include "viewer/window/glfw_window.h"
 #include "viewer/window/mouse_presses.h"

@@ -1,6 +1,6 @@
 #include "haptics/soak/every_triangle.h"
 
-#include "proxima/geometry/closest_point.h"
+#include "geometry/closest_point.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,7 +6,7 @@
 //     then     the triangles whose boxes are near enough, in doubles, as MeshContactSurface does
 #pragma once
 
-#include "proxima/haptics/contact_surface.h"
+#include "haptics/surface/contact_surface.h"
 
 #include <array>
 #include <vector>

@@ -1,12 +1,12 @@
 #include "haptics/soak/scene_soak.h"
 
+#include "haptics/device/hand_script.h"
+#include "haptics/device/simulated_hand.h"
+#include "haptics/force/haptic_renderer.h"
+#include "haptics/scene/scripted_scene.h"
 #include "haptics/scenes_to_touch.h"
-#include "proxima/haptics/hand_script.h"
-#include "proxima/haptics/haptic_renderer.h"
-#include "proxima/haptics/scripted_scene.h"
-#include "proxima/haptics/simulated_hand.h"
-#include "proxima/mesh/sample_meshes.h"
-#include "proxima/mesh/topology.h"
+#include "mesh/sample_meshes.h"
+#include "mesh/topology.h"
 
 #include <algorithm>
 #include <array>

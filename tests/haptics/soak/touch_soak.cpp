@@ -14,15 +14,15 @@
 //
 // Exit status 1 if anything passed, was over or wrong.
 
+#include "haptics/device/hand_script.h"
+#include "haptics/device/simulated_hand.h"
+#include "haptics/force/haptic_renderer.h"
+#include "haptics/loop/quality_report.h"
 #include "haptics/soak/every_triangle.h"
 #include "haptics/soak/scene_soak.h"
 #include "haptics/touch_meshes.h"
-#include "proxima/haptics/hand_script.h"
-#include "proxima/haptics/haptic_renderer.h"
-#include "proxima/haptics/quality_report.h"
-#include "proxima/haptics/simulated_hand.h"
-#include "proxima/mesh/mesh_io.h"
-#include "proxima/proximity/build_proximity_octree.h"
+#include "index/lists/build_proximity_octree.h"
+#include "mesh/mesh_io.h"
 
 #include <CLI/CLI.hpp>
 

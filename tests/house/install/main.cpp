@@ -1,16 +1,16 @@
 // Uses something of each layer from the installed package: header-only, compiled, in lanes,
 // parallel.
-#include "proxima/base/parallel.h"
-#include "proxima/haptics/contact_surface.h"
-#include "proxima/haptics/proxy.h"
-#include "proxima/mesh/sample_meshes.h"
-#include "proxima/minkowski/make_polyhedron.h"
-#include "proxima/minkowski/minkowski_sum.h"
-#include "proxima/octree/build_octree.h"
-#include "proxima/proximity/build_proximity_octree.h"
-#include "proxima/proximity/closest_feature.h"
-#include "proxima/query/build_ray_index.h"
-#include "proxima/query/cast_ray.h"
+#include "base/parallel.h"
+#include "haptics/proxy/proxy.h"
+#include "haptics/surface/contact_surface.h"
+#include "index/build_mesh_index.h"
+#include "index/lists/build_proximity_octree.h"
+#include "mesh/sample_meshes.h"
+#include "minkowski/make_polyhedron.h"
+#include "minkowski/minkowski_sum.h"
+#include "octree/build_octree.h"
+#include "query/closest/closest_feature.h"
+#include "query/rays/cast_ray.h"
 
 #include <atomic>
 #include <iostream>
@@ -23,7 +23,7 @@ int main()
                                    *polyhedron_of_box({Vec3(0, 0, 0), Vec3(1, 1, 1)}));
     const auto octree = build_octree(*mesh, {.max_depth = 3});
     const auto proximity = build_proximity_octree(*mesh, {.budget_bytes = 1'000'000});
-    const auto rays = build_ray_index(*octree, *mesh);
+    const auto rays = build_mesh_index(*octree, *mesh);
     if (!sum || !octree || !proximity || !rays) return 1;
     const ClosestFeature closest = closest_feature(*proximity, Vec3(0, 0, 3));
     const auto hit = closest_hit(*rays, {Vec3(0.1, 0.2, 3), Vec3(0, 0, -1)});

@@ -1,0 +1,257 @@
+#include "base/binary_file.h"
+
+#include "base/mapped_file.h"
+#include "base/text.h"
+
+#include <algorithm>
+#include <cstring>
+// The state of a running checksum lies on the stack.
+#define XXH_STATIC_LINKING_ONLY
+#include <xxhash.h>
+
+namespace proxima {
+
+namespace {
+
+constexpr std::uint32_t byte_order_mark = 0x01020304;
+constexpr std::uint32_t swapped_byte_order_mark = 0x04030201;
+constexpr std::uint64_t alignment = 64;
+constexpr std::uint32_t max_sections = 256;
+
+struct Header {
+    std::array<char, 8> magic{};
+    std::uint32_t byte_order = byte_order_mark;
+    std::uint32_t version = 0;
+    std::uint32_t sections = 0;
+    std::uint32_t reserved = 0;
+    std::uint64_t file_bytes = 0;
+    std::uint64_t checksum = 0; ///< of header and table, this field zero
+};
+static_assert(sizeof(Header) == 40);
+
+struct TableEntry {
+    std::uint32_t id = 0;
+    std::uint32_t element_bytes = 0;
+    std::uint64_t offset = 0;
+    std::uint64_t bytes = 0;
+    std::uint64_t checksum = 0;
+};
+static_assert(sizeof(TableEntry) == 32);
+
+std::uint64_t aligned(std::uint64_t offset) noexcept
+{
+    return (offset + alignment - 1) / alignment * alignment;
+}
+
+/// Of a section. Once `progress` is cancelled, any number.
+std::uint64_t checksum(std::span<const std::byte> bytes, Progress* progress) noexcept
+{
+    constexpr std::size_t block = std::size_t{1} << 22U;
+    if (bytes.size() <= block) {
+        if (progress != nullptr) progress->advance(bytes.size());
+        return XXH3_64bits(bytes.data(), bytes.size());
+    }
+    XXH3_state_t state;
+    XXH3_64bits_reset(&state);
+    while (!bytes.empty() && !is_cancelled(progress)) {
+        const auto part = bytes.first(std::min(block, bytes.size()));
+        XXH3_64bits_update(&state, part.data(), part.size());
+        bytes = bytes.subspan(part.size());
+        if (progress != nullptr) progress->advance(part.size());
+    }
+    return XXH3_64bits_digest(&state);
+}
+
+void begin_checksums(Progress* progress, std::uint64_t bytes) noexcept
+{
+    if (progress != nullptr) progress->begin_stage("checksums", bytes);
+}
+
+/// Of header and table as they lie in the file, but with zeros for the checksum itself.
+std::uint64_t head_checksum(Header header, std::span<const std::byte> table) noexcept
+{
+    header.checksum = 0;
+    XXH3_state_t state;
+    XXH3_64bits_reset(&state);
+    XXH3_64bits_update(&state, &header, sizeof header);
+    XXH3_64bits_update(&state, table.data(), table.size());
+    return XXH3_64bits_digest(&state);
+}
+
+bool all_zero(std::span<const std::byte> bytes) noexcept
+{
+    for (const std::byte byte : bytes) {
+        if (byte != std::byte{0}) return false;
+    }
+    return true;
+}
+
+} // namespace
+
+Status write_binary_file(const std::filesystem::path& path, const FileFormat& format,
+                         std::span<const BinarySection> sections, Progress* progress)
+{
+    if (sections.size() > max_sections) {
+        return fail(ErrorCode::limit_exceeded, "too many sections", path.string());
+    }
+    Header header;
+    header.magic = format.magic;
+    header.version = format.version;
+    header.sections = static_cast<std::uint32_t>(sections.size());
+    std::vector<TableEntry> table;
+    std::uint64_t content = 0;
+    for (const BinarySection& section : sections) content += section.bytes.size();
+    begin_checksums(progress, content);
+    std::uint64_t end = sizeof header + sections.size() * sizeof(TableEntry);
+    for (const BinarySection& section : sections) {
+        const std::uint64_t offset = aligned(end);
+        table.push_back({section.id, section.element_bytes, offset, section.bytes.size(),
+                         checksum(section.bytes, progress)});
+        end = offset + section.bytes.size();
+    }
+    header.file_bytes = end;
+    header.checksum = head_checksum(header, std::as_bytes(std::span(table)));
+
+    auto file = OutputFile::create(path, {progress, header.file_bytes});
+    if (!file) return tl::unexpected<Error>(file.error());
+    constexpr std::array<std::byte, alignment> zeros{};
+    if (auto status = file->write(std::as_bytes(std::span(&header, 1))); !status) return status;
+    if (auto status = file->write(std::as_bytes(std::span(table))); !status) return status;
+    std::uint64_t written = sizeof header + table.size() * sizeof(TableEntry);
+    for (std::size_t i = 0; i < sections.size(); ++i) {
+        const auto gap = static_cast<std::size_t>(table[i].offset - written);
+        if (auto status = file->write(std::span(zeros).first(gap)); !status) return status;
+        if (auto status = file->write(sections[i].bytes); !status) return status;
+        written = table[i].offset + table[i].bytes;
+    }
+    return file->commit();
+}
+
+void reseal_binary_file(std::span<std::byte> bytes) noexcept
+{
+    Header header;
+    if (bytes.size() < sizeof header) return;
+    std::memcpy(&header, bytes.data(), sizeof header);
+    const std::uint64_t table_bytes = std::uint64_t{header.sections} * sizeof(TableEntry);
+    if (table_bytes > bytes.size() - sizeof header) return;
+    const auto table = bytes.subspan(sizeof header, table_bytes);
+    for (std::size_t at = 0; at < table.size(); at += sizeof(TableEntry)) {
+        TableEntry entry;
+        std::memcpy(&entry, &table[at], sizeof entry);
+        if (entry.offset > bytes.size() || entry.bytes > bytes.size() - entry.offset) continue;
+        entry.checksum = checksum(bytes.subspan(entry.offset, entry.bytes), nullptr);
+        std::memcpy(&table[at], &entry, sizeof entry);
+    }
+    header.checksum = head_checksum(header, table);
+    std::memcpy(bytes.data(), &header, sizeof header);
+}
+
+Result<BinaryFile> BinaryFile::open(const std::filesystem::path& path, const FileFormat& format,
+                                    Verification verification, Progress* progress)
+{
+    auto mapped = MappedFile::open(path);
+    if (!mapped) return tl::unexpected<Error>(mapped.error());
+    auto storage = std::make_shared<MappedFile>(std::move(*mapped));
+    const auto bytes = storage->bytes();
+    return read(bytes, std::move(storage), path.string(), format, verification, progress);
+}
+
+Result<BinaryFile> BinaryFile::read(std::span<const std::byte> bytes,
+                                    std::shared_ptr<const void> storage, const std::string& name,
+                                    const FileFormat& format, Verification verification,
+                                    Progress* progress)
+{
+    const auto refuse = [&](ErrorCode code, std::string message) {
+        return fail(code, std::move(message), name);
+    };
+    Header header;
+    if (bytes.size() < sizeof header.magic ||
+        std::memcmp(bytes.data(), format.magic.data(), sizeof header.magic) != 0) {
+        return refuse(ErrorCode::unsupported_format, concat("this is no ", format.name));
+    }
+    if (bytes.size() < sizeof header) {
+        return refuse(ErrorCode::malformed_file, "the file ends within its header");
+    }
+    std::memcpy(&header, bytes.data(), sizeof header);
+    if (header.byte_order == swapped_byte_order_mark) {
+        return refuse(ErrorCode::unsupported_format,
+                      "written by a machine of the other byte order: convert it there");
+    }
+    if (header.byte_order != byte_order_mark) {
+        return refuse(ErrorCode::malformed_file, "the byte order mark is damaged");
+    }
+    if (header.version > format.version || header.version == 0) {
+        return refuse(ErrorCode::unsupported_format,
+                      concat("version ", header.version,
+                             " of the format, this program reads up to ", format.version));
+    }
+    if (header.file_bytes != bytes.size()) {
+        return refuse(ErrorCode::malformed_file,
+                      concat("the file should have ", header.file_bytes, " bytes and has ",
+                             bytes.size(), ": it is damaged or cut off"));
+    }
+    if (header.sections > max_sections ||
+        sizeof header + header.sections * sizeof(TableEntry) > bytes.size()) {
+        return refuse(ErrorCode::malformed_file, "the table of sections is damaged");
+    }
+    std::vector<TableEntry> table(header.sections);
+    if (!table.empty()) {
+        std::memcpy(table.data(), bytes.data() + sizeof header, table.size() * sizeof(TableEntry));
+    }
+    if (head_checksum(header, std::as_bytes(std::span(table))) != header.checksum ||
+        header.reserved != 0) {
+        return refuse(ErrorCode::malformed_file, "the checksum of the header is wrong: damaged");
+    }
+
+    BinaryFile file;
+    file.storage_ = std::move(storage);
+    file.name_ = name;
+    file.version_ = header.version;
+    begin_checksums(progress, verification == Verification::full ? bytes.size() : 0);
+    std::uint64_t end = sizeof header + table.size() * sizeof(TableEntry);
+    for (const TableEntry& entry : table) {
+        if (entry.offset != aligned(end) || entry.offset > bytes.size() ||
+            entry.bytes > bytes.size() - entry.offset || entry.element_bytes == 0 ||
+            entry.bytes % entry.element_bytes != 0) {
+            return refuse(ErrorCode::malformed_file,
+                          concat("section ", entry.id, " has an impossible place or size"));
+        }
+        const auto content = bytes.subspan(entry.offset, entry.bytes);
+        if (!all_zero(bytes.subspan(end, entry.offset - end))) {
+            return refuse(ErrorCode::malformed_file, "bytes between sections are damaged");
+        }
+        const bool is_damaged =
+            verification == Verification::full && checksum(content, progress) != entry.checksum;
+        if (is_cancelled(progress)) {
+            return refuse(ErrorCode::cancelled, "reading was stopped on request");
+        }
+        if (is_damaged) {
+            return refuse(ErrorCode::malformed_file,
+                          concat("the checksum of section ", entry.id, " is wrong: damaged"));
+        }
+        file.entries_.push_back({entry.id, entry.element_bytes, content});
+        end = entry.offset + entry.bytes;
+    }
+    if (end != bytes.size()) {
+        return refuse(ErrorCode::malformed_file, "bytes behind the last section");
+    }
+    return file;
+}
+
+Result<std::span<const std::byte>> BinaryFile::section_bytes(std::uint32_t id,
+                                                             std::size_t element_bytes) const
+{
+    for (const Entry& entry : entries_) {
+        if (entry.id != id) continue;
+        if (entry.element_bytes != element_bytes) {
+            return fail(ErrorCode::malformed_file,
+                        concat("section ", id, " has elements of ", entry.element_bytes,
+                               " bytes instead of ", element_bytes),
+                        name_);
+        }
+        return entry.bytes;
+    }
+    return fail(ErrorCode::malformed_file, concat("section ", id, " is missing"), name_);
+}
+
+} // namespace proxima

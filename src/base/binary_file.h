@@ -1,0 +1,120 @@
+// Files of named arrays that are used in place: versioned, checksummed, memory-mapped.
+//
+//     header   magic 8 | byte order mark 4 | version 4 | section count 4 | 0 4 | file bytes 8 |
+//              checksum of header and table 8
+//     table    per section: id 4 | element bytes 4 | offset 8 | bytes 8 | checksum 8
+//     sections each at a multiple of 64 bytes, zeros between
+//
+// Numbers are in the byte order of the writer, which a reader of the other order refuses. Checksums
+// are XXH3 64 bits: they find damage, not malice; who uses the arrays checks what they say.
+#pragma once
+
+#include "base/output_file.h"
+#include "base/progress.h"
+#include "base/result.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace proxima {
+
+/// What a file says it is: eight characters, and the newest version that can be read.
+struct FileFormat {
+    std::array<char, 8> magic{};
+    std::uint32_t version = 1;
+    const char* name = ""; ///< in messages: "octree file"
+};
+
+/// One array to be written. The bytes are not copied.
+struct BinarySection {
+    std::uint32_t id = 0;
+    std::uint32_t element_bytes = 1;
+    std::span<const std::byte> bytes;
+};
+
+/// The array as a section. T has no padding, so that equal arrays make equal files.
+template <class T>
+requires std::has_unique_object_representations_v<T> || std::is_floating_point_v<T>
+[[nodiscard]] BinarySection binary_section(std::uint32_t id, std::span<const T> array) noexcept
+{
+    return {id, static_cast<std::uint32_t>(sizeof(T)), std::as_bytes(array)};
+}
+
+/// Writes the sections in order, whole or not at all. Same sections, same bytes.
+/// `progress` sees the stages "checksums" and "writing", steps are bytes. Errors:
+/// file_not_writable, cancelled.
+[[nodiscard]] Status write_binary_file(const std::filesystem::path& path, const FileFormat& format,
+                                       std::span<const BinarySection> sections,
+                                       Progress* progress = nullptr);
+
+/// Sets a file's checksums to those of its bytes, as far as it has a table; what a crafted file has
+/// done. For tests of readers, whose damaged files checksums would refuse before anything else.
+void reseal_binary_file(std::span<std::byte> bytes) noexcept;
+
+/// How far a file is checked when it is opened.
+enum class Verification : std::uint8_t {
+    full,     ///< checksums of all sections: reads the whole file
+    structure ///< header and table only: time independent of the file's size
+};
+
+/// An open file of sections, memory-mapped and read-only; copies share the mapping. The file must
+/// not be changed by others while it is open. Thread safe.
+class BinaryFile {
+public:
+    /// Maps the file and checks it. Errors: file_not_found; unsupported_format for a foreign
+    /// file, a newer version or the other byte order; malformed_file where it is truncated, longer
+    /// than it says, or a checksum or an offset is wrong; cancelled by `progress`, which sees the
+    /// stage "checksums", steps are bytes.
+    [[nodiscard]] static Result<BinaryFile> open(const std::filesystem::path& path,
+                                                 const FileFormat& format,
+                                                 Verification verification,
+                                                 Progress* progress = nullptr);
+
+    /// The same for a file already in memory, which `storage` keeps alive and which is aligned to
+    /// 64 bytes. `name` stands for the path in messages.
+    [[nodiscard]] static Result<BinaryFile> read(std::span<const std::byte> bytes,
+                                                 std::shared_ptr<const void> storage,
+                                                 const std::string& name, const FileFormat& format,
+                                                 Verification verification,
+                                                 Progress* progress = nullptr);
+
+    /// The array in place. Error malformed_file where it is missing or has other elements.
+    template <class T>
+    requires std::is_trivially_copyable_v<T>
+    [[nodiscard]] Result<std::span<const T>> section(std::uint32_t id) const
+    {
+        auto bytes = section_bytes(id, sizeof(T));
+        if (!bytes) return tl::unexpected<Error>(bytes.error());
+        return std::span<const T>(static_cast<const T*>(static_cast<const void*>(bytes->data())),
+                                  bytes->size() / sizeof(T));
+    }
+
+    [[nodiscard]] std::uint32_t version() const noexcept { return version_; }
+
+    /// Keeps the mapping alive.
+    [[nodiscard]] std::shared_ptr<const void> storage() const noexcept { return storage_; }
+
+private:
+    struct Entry {
+        std::uint32_t id = 0;
+        std::uint32_t element_bytes = 0;
+        std::span<const std::byte> bytes;
+    };
+
+    [[nodiscard]] Result<std::span<const std::byte>> section_bytes(std::uint32_t id,
+                                                                   std::size_t element_bytes) const;
+
+    std::shared_ptr<const void> storage_;
+    std::string name_;
+    std::uint32_t version_ = 0;
+    std::vector<Entry> entries_;
+};
+
+} // namespace proxima

@@ -1,0 +1,64 @@
+// Files that appear whole or not at all: written under a temporary name beside the destination and
+// renamed over it when everything is on its way to the disk.
+//
+//     auto file = OutputFile::create("mesh.ply");
+//     if (!file) return tl::unexpected(file.error());
+//     if (auto status = file->write(text); !status) return status;   // errors may also wait for
+//     return file->commit();                                         // commit, which repeats them
+#pragma once
+
+#include "base/progress.h"
+#include "base/result.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string_view>
+
+namespace proxima {
+
+struct OutputOptions {
+    Progress* progress = nullptr; ///< stage "writing", steps are bytes
+    std::uint64_t bytes = 0;      ///< about how many there will be, for the stage alone
+};
+
+/// A file being written. Until commit() succeeds the destination keeps what it had; the destructor
+/// throws away what was not committed and leaves no temporary behind. An existing file keeps its
+/// permissions, and one that may not be written is refused although its folder would allow the
+/// rename; a symbolic link stays a link and its target is replaced. A destination that is no
+/// regular file (/dev/full, a pipe), and anything under /dev and /proc (/dev/stdout is a file when
+/// redirected), is appended to directly: there commit() only tells whether all of it arrived.
+/// Writes go through a buffer. Not thread safe; two objects for one destination may live at the
+/// same time, the last commit wins.
+class OutputFile {
+public:
+    /// Error file_not_writable with the reason: folder missing or read-only, destination is a
+    /// folder or read-only, disk full.
+    [[nodiscard]] static Result<OutputFile> create(const std::filesystem::path& path,
+                                                   const OutputOptions& options = {});
+
+    OutputFile(OutputFile&&) noexcept;
+    OutputFile& operator=(OutputFile&&) noexcept;
+    OutputFile(const OutputFile&) = delete;
+    OutputFile& operator=(const OutputFile&) = delete;
+    ~OutputFile();
+
+    /// Appends. Error file_not_writable where the system refuses bytes (disk full, file-size
+    /// limit), cancelled where options.progress asks to stop; from then on every call returns the
+    /// same error. A file-size limit raises no signal.
+    [[nodiscard]] Status write(std::span<const std::byte> bytes);
+    [[nodiscard]] Status write(std::string_view text);
+
+    /// Writes what is still buffered, closes, and renames over the destination. The object is empty
+    /// afterwards, on success and on failure. \pre called once
+    [[nodiscard]] Status commit();
+
+private:
+    struct State;
+    explicit OutputFile(std::unique_ptr<State> state) noexcept;
+    std::unique_ptr<State> state_;
+};
+
+} // namespace proxima

@@ -1,0 +1,76 @@
+#include "base/parallel.h"
+
+#include <optional>
+#include <tbb/global_control.h>
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#if defined(__SANITIZE_THREAD__)
+#define PROXIMA_THREAD_SANITIZER 1
+#elif defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define PROXIMA_THREAD_SANITIZER 1
+#endif
+#endif
+
+#ifdef PROXIMA_THREAD_SANITIZER
+#include <sanitizer/tsan_interface.h>
+#endif
+
+namespace proxima {
+
+namespace {
+
+// The sanitizer cannot see into the uninstrumented thread library: these tell it that work handed
+// over happens after the hand-over, and the caller goes on after all work. The flags have fixed
+// addresses, because a task must acquire before it reads anything, its own captures included.
+char fork_flag = 0;
+char join_flag = 0;
+
+void release([[maybe_unused]] char* flag)
+{
+#ifdef PROXIMA_THREAD_SANITIZER
+    __tsan_release(flag);
+#endif
+}
+
+void acquire([[maybe_unused]] char* flag)
+{
+#ifdef PROXIMA_THREAD_SANITIZER
+    __tsan_acquire(flag);
+#endif
+}
+
+} // namespace
+
+int thread_count(Threads threads) noexcept
+{
+    return threads.count > 0 ? threads.count : tbb::this_task_arena::max_concurrency();
+}
+
+void detail::parallel_for(std::size_t count, int threads, LoopBody body, void* context)
+{
+    if (threads <= 1 || count <= 1) {
+        for (std::size_t index = 0; index < count; ++index) body(context, index);
+        return;
+    }
+    const auto task = [body, context](std::size_t index) {
+        acquire(&fork_flag);
+        body(context, index);
+        release(&join_flag);
+    };
+    // More threads than processors are given only on demand, and refused with a line on stderr.
+    std::optional<tbb::global_control> demand;
+    if (threads > tbb::info::default_concurrency()) {
+        demand.emplace(tbb::global_control::max_allowed_parallelism,
+                       static_cast<std::size_t>(threads));
+    }
+    release(&fork_flag);
+    tbb::task_arena arena(threads);
+    arena.execute(
+        [&] { tbb::parallel_for(std::size_t{0}, count, task, tbb::simple_partitioner()); });
+    acquire(&join_flag);
+}
+
+} // namespace proxima

@@ -1,0 +1,156 @@
+#include "haptics/device/udp_device.h"
+
+#include "base/text.h"
+
+#include <algorithm>
+#include <array>
+#include <ctime>
+
+namespace proxima {
+
+namespace {
+
+constexpr int datagrams_per_tick = 64;
+
+/// A second of packets has no more: after one without any good packet all numbers are taken.
+constexpr std::uint64_t longest_leap = 65536;
+
+/// Clocks may drift apart by so much of the time: a tenth of a per mille.
+constexpr double clock_drift = 1e-4;
+
+std::int64_t clock_now() noexcept
+{
+    timespec time{};
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    return time.tv_sec * 1'000'000'000 + time.tv_nsec;
+}
+
+} // namespace
+
+Result<std::unique_ptr<UdpDevice>> UdpDevice::open(const UdpOptions& options)
+{
+    auto socket = UdpSocket::listen(options.address);
+    if (!socket) return tl::unexpected(socket.error());
+    return std::unique_ptr<UdpDevice>(new UdpDevice(std::move(*socket), options));
+}
+
+UdpDevice::UdpDevice(UdpSocket socket, const UdpOptions& options)
+    : socket_(std::move(socket)), options_(options)
+{
+    info_.name = concat("udp:", to_text(socket_.address()));
+    info_.model = "a program over UDP";
+    info_.limits = options.limits;
+    info_.buttons = 32;
+    info_.rotates = true;
+    info_.patience = options.patience;
+}
+
+bool UdpDevice::is_served(const StatePacket& packet, const UdpAddress& from,
+                          std::int64_t nanoseconds) noexcept
+{
+    const double silent = 1e-9 * static_cast<double>(nanoseconds - last_heard_);
+    const bool same = served_ && from == peer_ && packet.session == last_.session;
+    const bool follows = first_ || (packet.sequence > last_.sequence &&
+                                    packet.sequence - last_.sequence <= longest_leap);
+    if (same && (follows || silent < options_.forget_seconds)) return true;
+    // The same program, begun anew, need not wait for long: its port is its own.
+    const double wait = from == peer_ ? options_.patience : options_.forget_seconds;
+    if (served_ && silent < wait) return false;
+    served_ = true;
+    first_ = true;
+    peer_ = from;
+    last_ = {};
+    last_.session = packet.session;
+    ++report_.sessions;
+    return true;
+}
+
+bool UdpDevice::is_in_time(const StatePacket& packet, std::int64_t nanoseconds) noexcept
+{
+    // In doubles: stamps are any numbers.
+    const double difference =
+        static_cast<double>(nanoseconds) - static_cast<double>(packet.nanoseconds);
+    const auto passed = static_cast<double>(nanoseconds - quickest_at_);
+    // Where all are late, their clock was put back.
+    const bool anew =
+        first_ || 1e-9 * static_cast<double>(nanoseconds - last_heard_) > options_.forget_seconds;
+    if (anew || difference < quickest_ + clock_drift * passed) {
+        quickest_ = difference;
+        quickest_at_ = nanoseconds;
+        return true;
+    }
+    return difference - (quickest_ + clock_drift * passed) <= 1e9 * options_.patience;
+}
+
+void UdpDevice::take(std::span<const std::byte> datagram, const UdpAddress& from,
+                     std::int64_t nanoseconds) noexcept
+{
+    ++report_.received;
+    StatePacket packet;
+    if (decode(datagram, packet) != PacketFault::none) {
+        ++report_.malformed;
+    } else if (!is_served(packet, from, nanoseconds)) {
+        ++report_.foreign;
+    } else if (!first_ && packet.sequence == last_.sequence) {
+        ++report_.duplicated;
+    } else if (!first_ && packet.sequence < last_.sequence) {
+        ++report_.reordered;
+    } else if (!first_ && packet.sequence - last_.sequence > longest_leap) {
+        ++report_.leapt;
+    } else if (!is_in_time(packet, nanoseconds)) {
+        ++report_.late;
+    } else {
+        if (!first_) report_.lost += packet.sequence - last_.sequence - 1;
+        first_ = false;
+        ++report_.accepted;
+        last_ = packet;
+        last_heard_ = nanoseconds;
+        reading_.state = device_state(packet);
+        ++reading_.sample;
+        unanswered_ = true;
+    }
+}
+
+DeviceReading UdpDevice::read() noexcept
+{
+    // One byte more than a state: longer ones are seen to be so.
+    std::array<std::byte, state_packet_size + 1> buffer;
+    for (int i = 0; i < datagrams_per_tick; ++i) {
+        const auto received = socket_.receive(buffer);
+        if (!received) break;
+        const std::size_t size = std::min(received->size, buffer.size());
+        take(std::span(buffer).first(size), received->from, clock_now());
+    }
+    return reading_;
+}
+
+void UdpDevice::write(const DeviceCommand& command) noexcept
+{
+    if (!unanswered_) return;
+    unanswered_ = false;
+    ReplyPacket reply;
+    reply.session = last_.session;
+    reply.sequence = last_.sequence;
+    reply.nanoseconds = last_.nanoseconds;
+    reply.command = command;
+    reply.max_force = options_.limits.max_force;
+    reply.hold_seconds = options_.patience;
+    reply.fade_seconds = options_.fade_seconds;
+    reply.recovery_seconds = options_.recovery_seconds;
+    const bool sent = socket_.send(encode(reply), peer_);
+    report_.replies += sent ? 1U : 0U;
+    report_.unsent += sent ? 0U : 1U;
+}
+
+std::string UdpDevice::trouble() const
+{
+    if (report_.accepted > 0) return {};
+    if (report_.received > 0) {
+        return concat("none of ", report_.received, " packets was a state of version ", udp_version,
+                      ": docs/devices.md has the format");
+    }
+    return concat("no packet came to ", to_text(socket_.address()),
+                  ": start the program that has the device, and let it send there");
+}
+
+} // namespace proxima

@@ -1,0 +1,53 @@
+#include "haptics/device/velocity_bounds.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace proxima {
+
+namespace {
+
+constexpr double least_room = 0.005;  ///< m/s
+constexpr double longest_step = 1e-4; ///< m: no encoder is coarser
+
+} // namespace
+
+void VelocityBounds::add(const Vec3& place, double seconds) noexcept
+{
+    if (placed_) {
+        const Vec3 way = place - last_place_;
+        for (const double moved : {std::abs(way.x()), std::abs(way.y()), std::abs(way.z())}) {
+            if (moved > 0) step_ = std::min(step_ > 0 ? step_ : longest_step, moved);
+        }
+        velocities_[count_ % samples] = way / seconds;
+        ++count_;
+    }
+    seconds_ = seconds;
+    placed_ = true;
+    last_place_ = place;
+}
+
+Vec3 VelocityBounds::believed(const Vec3& said) const noexcept
+{
+    if (!said.allFinite()) return Vec3::Zero();
+    Vec3 low = Vec3::Zero();
+    Vec3 high = Vec3::Zero();
+    Vec3 room = Vec3::Constant(least_room + 3 * step_ / seconds_);
+    const std::size_t known = std::min(count_, samples);
+    if (known > 0) low = high = velocities_[0];
+    Vec3 change = Vec3::Zero();
+    if (known > 0 && count_ <= samples) change = velocities_[0].cwiseAbs();
+    for (std::size_t i = 1; i < known; ++i) {
+        low = low.cwiseMin(velocities_[i]);
+        high = high.cwiseMax(velocities_[i]);
+        const Vec3& before = velocities_[(count_ - 1 - i) % samples];
+        change = change.cwiseMax((velocities_[(count_ - i) % samples] - before).cwiseAbs());
+    }
+    room += change;
+    const bool borne = (said.array() >= (low - room).array()).all() &&
+                       (said.array() <= (high + room).array()).all();
+    if (borne) return said;
+    return known > 0 ? velocities_[(count_ - 1) % samples] : Vec3(Vec3::Zero());
+}
+
+} // namespace proxima

@@ -1,0 +1,90 @@
+// From what the proxy says to what the device gets: a spring, a damper, and guards.
+//
+//     spring    F = K (held - device)                 from the surface to the device
+//     damper    F += -B (v . n) n                     along the contact's normal; never pulls
+//     inward guards    in this order: not finite -> zero; ramps; clamp to |F|max; slew limit
+//
+// Whatever comes in, what goes out is finite and within the device's limit. Ramps: up at the start,
+// for a device that begins deep inside must not be kicked out of it, and down to nothing while the
+// patch is lost.
+#pragma once
+
+#include "geometry/vec.h"
+#include "haptics/device/device.h"
+
+#include <cstdint>
+
+namespace proxima {
+
+struct ForceOptions {
+    double stiffness = 500;      ///< K, N/m; at most the device's
+    double damping = 1;          ///< B, N s/m; at most the device's
+    double max_slew = 2000;      ///< N/s: from nothing to a Phantom Omni's 3.3 N in 1.65 ms
+    double start_seconds = 0.25; ///< ramp up from the first tick
+    double loss_seconds = 0.05;  ///< ramp down once the patch is lost, and up when it is back
+};
+
+/// The options within a device's limits.
+[[nodiscard]] ForceOptions limited(ForceOptions options, const DeviceLimits& limits) noexcept;
+
+/// A contact as the force sees it, in the device's metres.
+struct SpringContact {
+    bool touching = false;
+    Vec3 stretch = Vec3::Zero(); ///< from the device to where it is held
+    Vec3 normal = Vec3::Zero();  ///< of length 1, outward
+};
+
+/// Spring and damper. Never pulls against the contact's normal because of damping.
+[[nodiscard]] Vec3 spring_force(const ForceOptions& options, const SpringContact& contact,
+                                const Vec3& velocity) noexcept;
+
+/// The baseline without a proxy: F = K d n - B (v . n) n for a depth d > 0 below the closest
+/// feature. Jumps where the feature switches, and passes through thin walls.
+[[nodiscard]] Vec3 penalty_force(const ForceOptions& options, double depth, const Vec3& normal,
+                                 const Vec3& velocity) noexcept;
+
+/// Whether the surface that the contact was computed with is the one at hand.
+enum class Patch : bool { available, lost };
+
+/// The guards; one per device. noexcept, no allocation.
+class ForceGuard {
+public:
+    /// \pre max_force > 0
+    ForceGuard(const ForceOptions& options, double max_force) noexcept;
+
+    /// What the device gets in this tick of `seconds`: finite, at most max_force long, and at most
+    /// max_slew * seconds away from the last one.
+    [[nodiscard]] Vec3 pass(const Vec3& wanted, double seconds,
+                            Patch patch = Patch::available) noexcept;
+
+    /// As new: the next force ramps up from nothing.
+    void restart() noexcept;
+
+    /// What is touched is another thing now: the last force fades away in loss_seconds, while what
+    /// is wanted from now on rises as at the start.
+    void cross_over() noexcept;
+
+    [[nodiscard]] const Vec3& last() const noexcept { return last_; }
+
+    /// The ramps' factor of the last force: 1 but after a start or a loss.
+    [[nodiscard]] double trust() const noexcept { return start_ * patch_; }
+
+    /// Ticks in which a guard changed the force.
+    [[nodiscard]] std::uint64_t clamped() const noexcept { return clamped_; }
+    [[nodiscard]] std::uint64_t slewed() const noexcept { return slewed_; }
+    [[nodiscard]] std::uint64_t refused() const noexcept { return refused_; } ///< not finite
+
+private:
+    ForceOptions options_;
+    double max_force_;
+    double start_ = 0; ///< 0 to 1
+    double patch_ = 1; ///< 0 to 1
+    double fade_ = 0;  ///< 1 to 0: the part of what faded away from
+    Vec3 fading_ = Vec3::Zero();
+    Vec3 last_ = Vec3::Zero();
+    std::uint64_t clamped_ = 0;
+    std::uint64_t slewed_ = 0;
+    std::uint64_t refused_ = 0;
+};
+
+} // namespace proxima

@@ -1,0 +1,51 @@
+#include "haptics/force/penalty_probe.h"
+
+#include "base/check.h"
+
+namespace proxima {
+
+PenaltyProbe::PenaltyProbe(const PenaltySurface& surface) : surface_(surface)
+{
+    PROXIMA_CHECK(surface.octree != nullptr);
+    PROXIMA_CHECK(surface.sign != nullptr);
+}
+
+void PenaltyProbe::place(const Vec3& p) noexcept
+{
+    tick_ = {};
+    tick_.proxy = tick_.held = p;
+    popped_ = false;
+    path_size_ = 0;
+}
+
+const ProxyTick& PenaltyProbe::follow(const Vec3& p) noexcept
+{
+    const ProxyTick last = tick_;
+    place(p);
+    const SignedDistance at = sign_of(*surface_.sign, closest_feature(*surface_.octree, p), p);
+    const Vec3 out = at.closest.point - p;
+    const double depth = out.norm();
+    if (!(at.distance < 0) || !(depth > 0)) {
+        if (last.hold == Hold::free) {
+            path_ = {last.proxy, p};
+            path_size_ = 2;
+        }
+        return tick_;
+    }
+    tick_.hold = Hold::sliding;
+    tick_.held = at.closest.point;
+    tick_.normal = out / depth;
+    tick_.depth = depth;
+    Contact& contact = tick_.slide.contacts[0];
+    contact.normal = tick_.normal;
+    contact.point = at.closest.point;
+    contact.triangle = at.closest.triangle;
+    contact.pressure = depth;
+    tick_.slide.contact_count = 1;
+    tick_.slide.center = p;
+    tick_.slide.held = at.closest.point;
+    popped_ = last.hold != Hold::free && tick_.normal.dot(last.normal) < 0;
+    return tick_;
+}
+
+} // namespace proxima

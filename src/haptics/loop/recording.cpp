@@ -1,0 +1,328 @@
+#include "haptics/loop/recording.h"
+
+#include "base/binary_file.h"
+#include "mesh/topology.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <utility>
+
+namespace proxima {
+
+namespace {
+
+constexpr FileFormat format = {{'P', 'X', 'T', 'O', 'U', 'C', 'H', '\n'}, 4, "recording"};
+
+enum Section : std::uint32_t {
+    fingerprint_section = 1,
+    settings_section = 2,
+    ticks_section = 3,
+    objects_section = 4, ///< since version 3
+    fingerprints_of_objects_section = 5,
+    force_law_section = 6 ///< since version 4
+};
+constexpr std::uint32_t first_version_with_objects = 3;
+constexpr std::uint32_t first_version_with_force_laws = 4;
+
+/// The settings as numbers, in the order of the file.
+struct SettingNumbers {
+    double tick_seconds;
+    double units_per_metre;
+    double center[3];
+    double stiffness;
+    double damping;
+    double max_slew;
+    double start_seconds;
+    double loss_seconds;
+    double proxy_radius;
+    double static_friction;
+    double dynamic_friction;
+    double passivity;
+    double max_jump;
+    double max_force;
+    double max_stiffness;
+    double max_damping;
+    double shading;
+};
+static_assert(sizeof(SettingNumbers) == 19 * sizeof(double));
+static_assert(sizeof(RecordedTick) == 13 * sizeof(double) + 4 * sizeof(std::uint32_t));
+
+/// An object of a scene, in the order of the file.
+struct ObjectNumbers {
+    double pose[12]; ///< (R | t) row by row
+    double kind;     ///< ObjectMotionKind
+    double along[3];
+    double angle;
+    double seconds;
+    double has_material; ///< 0 or 1
+    double stiffness;
+    double damping;
+    double static_friction;
+    double dynamic_friction;
+};
+static_assert(sizeof(ObjectNumbers) == 23 * sizeof(double));
+
+std::array<double, 3> numbers(const Vec3& v) noexcept
+{
+    return {v.x(), v.y(), v.z()};
+}
+Vec3 vector(const std::array<double, 3>& v) noexcept
+{
+    return {v[0], v[1], v[2]};
+}
+
+SettingNumbers numbers(const RecordingSettings& settings)
+{
+    const RenderOptions& render = settings.render;
+    const Vec3& center = settings.map.center;
+    return {settings.tick_seconds,
+            settings.map.units_per_metre,
+            {center.x(), center.y(), center.z()},
+            render.force.stiffness,
+            render.force.damping,
+            render.force.max_slew,
+            render.force.start_seconds,
+            render.force.loss_seconds,
+            render.proxy_radius,
+            render.static_friction,
+            render.dynamic_friction,
+            render.passivity == Passivity::guarded ? 1.0 : 0.0,
+            render.max_jump,
+            settings.max_force,
+            settings.max_stiffness,
+            settings.max_damping,
+            render.shading == ForceShading::on ? 1.0 : 0.0};
+}
+
+RecordingSettings settings_of(const SettingNumbers& numbers, std::uint64_t fingerprint)
+{
+    RecordingSettings settings;
+    settings.mesh_fingerprint = fingerprint;
+    settings.tick_seconds = numbers.tick_seconds;
+    settings.map = {numbers.units_per_metre,
+                    Vec3(numbers.center[0], numbers.center[1], numbers.center[2])};
+    settings.render = {.force = {.stiffness = numbers.stiffness,
+                                 .damping = numbers.damping,
+                                 .max_slew = numbers.max_slew,
+                                 .start_seconds = numbers.start_seconds,
+                                 .loss_seconds = numbers.loss_seconds},
+                       .proxy_radius = numbers.proxy_radius,
+                       .static_friction = numbers.static_friction,
+                       .dynamic_friction = numbers.dynamic_friction,
+                       .passivity =
+                           numbers.passivity != 0 ? Passivity::guarded : Passivity::unguarded,
+                       .max_jump = numbers.max_jump,
+                       .shading = numbers.shading != 0 ? ForceShading::on : ForceShading::off};
+    settings.max_force = numbers.max_force;
+    settings.max_stiffness = numbers.max_stiffness;
+    settings.max_damping = numbers.max_damping;
+    return settings;
+}
+
+/// Whether a renderer can be made with them.
+bool in_range(const SettingNumbers& n)
+{
+    const auto bytes = std::bit_cast<std::array<double, 19>>(n);
+    const bool finite = std::ranges::all_of(bytes, [](double x) { return std::isfinite(x); });
+    return finite && n.tick_seconds > 0 && n.units_per_metre > 0 && n.stiffness >= 0 &&
+           n.damping >= 0 && n.max_slew >= 0 && n.proxy_radius >= 0 && n.dynamic_friction >= 0 &&
+           n.dynamic_friction <= n.static_friction && n.max_jump >= 0 && n.max_force > 0 &&
+           n.max_stiffness >= 0 && n.max_damping >= 0;
+}
+
+ObjectNumbers numbers(const ScriptedObject& object)
+{
+    ObjectNumbers result{};
+    for (int row = 0; row < 3; ++row) {
+        for (int column = 0; column < 3; ++column)
+            result.pose[4 * row + column] = object.pose.rotation(row, column);
+        result.pose[4 * row + 3] = object.pose.translation[row];
+        result.along[row] = object.script.along[row];
+    }
+    result.kind = static_cast<double>(object.script.kind);
+    result.angle = object.script.angle;
+    result.seconds = object.script.seconds;
+    if (!object.material) return result;
+    result.has_material = 1;
+    result.stiffness = object.material->stiffness;
+    result.damping = object.material->damping;
+    result.static_friction = object.material->static_friction;
+    result.dynamic_friction = object.material->dynamic_friction;
+    return result;
+}
+
+/// Error where no scene can be made of it.
+Result<ScriptedObject> object_of(const ObjectNumbers& numbers, std::uint64_t fingerprint)
+{
+    const auto pose = make_rigid_transform(numbers.pose);
+    if (!pose) return tl::unexpected(pose.error());
+    ScriptedObject object;
+    object.mesh_fingerprint = fingerprint;
+    object.pose = *pose;
+    for (const ObjectMotionKind kind : {ObjectMotionKind::rest, ObjectMotionKind::spin,
+                                        ObjectMotionKind::rock, ObjectMotionKind::swing}) {
+        if (numbers.kind == static_cast<double>(kind)) object.script.kind = kind;
+    }
+    if (numbers.kind != static_cast<double>(object.script.kind))
+        return fail(ErrorCode::malformed_file, "no such motion");
+    object.script.along = Vec3(numbers.along[0], numbers.along[1], numbers.along[2]);
+    object.script.angle = numbers.angle;
+    object.script.seconds = numbers.seconds;
+    if (Status status = check_script(object.script); !status) return tl::unexpected(status.error());
+    if (numbers.has_material != 0) {
+        object.material = SurfaceMaterial{.stiffness = numbers.stiffness,
+                                          .damping = numbers.damping,
+                                          .static_friction = numbers.static_friction,
+                                          .dynamic_friction = numbers.dynamic_friction};
+    }
+    return object;
+}
+
+/// None of files that are older.
+Result<std::vector<ScriptedObject>> objects_of(const BinaryFile& file, const std::string& path)
+{
+    std::vector<ScriptedObject> objects;
+    if (file.version() < first_version_with_objects) return objects;
+    const auto rows = file.section<ObjectNumbers>(objects_section);
+    if (!rows) return tl::unexpected(rows.error());
+    const auto fingerprints = file.section<std::uint64_t>(fingerprints_of_objects_section);
+    if (!fingerprints) return tl::unexpected(fingerprints.error());
+    if (rows->size() > max_scene_objects || fingerprints->size() != rows->size()) {
+        return fail(ErrorCode::malformed_file,
+                    "objects of the recording do not fit: record it again", path);
+    }
+    for (std::size_t i = 0; i < rows->size(); ++i) {
+        auto object = object_of((*rows)[i], (*fingerprints)[i]);
+        if (!object) {
+            return fail(ErrorCode::malformed_file,
+                        "an object of the recording is out of range: record it again", path);
+        }
+        objects.push_back(*object);
+    }
+    return objects;
+}
+
+/// Proxies in files that are older.
+Result<ForceLaw> force_law_of(const BinaryFile& file, const std::string& path)
+{
+    if (file.version() < first_version_with_force_laws) return ForceLaw::proxy;
+    const auto law = file.section<std::uint32_t>(force_law_section);
+    if (!law) return tl::unexpected(law.error());
+    for (const ForceLaw known : {ForceLaw::proxy, ForceLaw::penalty}) {
+        if (law->size() == 1 && law->front() == static_cast<std::uint32_t>(known)) return known;
+    }
+    return fail(ErrorCode::malformed_file, "no such forces: record it again", path);
+}
+
+bool same_bits(const std::array<double, 3>& a, const std::array<double, 3>& b) noexcept
+{
+    for (std::size_t i = 0; i < 3; ++i) {
+        if (std::bit_cast<std::uint64_t>(a[i]) != std::bit_cast<std::uint64_t>(b[i])) return false;
+    }
+    return true;
+}
+
+} // namespace
+
+RecordedTick recorded(double seconds, const DeviceState& state, const RenderTick& tick) noexcept
+{
+    RecordedTick result;
+    result.seconds = seconds;
+    result.position = numbers(state.pose.translation);
+    result.velocity = numbers(state.velocity);
+    result.force = numbers(tick.force);
+    result.proxy = numbers(tick.proxy.proxy);
+    result.buttons = state.buttons;
+    const SlideResult& slide = tick.proxy.slide;
+    result.triangle = index(slide.contact_count > 0 ? slide.contacts[0].triangle : no_triangle);
+    result.hold = static_cast<std::uint32_t>(tick.proxy.hold);
+    result.fault = static_cast<std::uint16_t>(tick.fault);
+    result.condition = static_cast<std::uint16_t>(state.condition);
+    return result;
+}
+
+DeviceState device_state(const RecordedTick& tick) noexcept
+{
+    DeviceState state;
+    state.pose.translation = vector(tick.position);
+    state.velocity = vector(tick.velocity);
+    state.buttons = tick.buttons;
+    state.condition = tick.condition < input_conditions
+                          ? static_cast<InputCondition>(tick.condition)
+                          : InputCondition::unsure;
+    return state;
+}
+
+bool same_feeling(const RecordedTick& a, const RecordedTick& b) noexcept
+{
+    return same_bits(a.force, b.force) && same_bits(a.proxy, b.proxy);
+}
+
+Status save_recording(const Recording& recording, const std::filesystem::path& path,
+                      Progress* progress)
+{
+    const SettingNumbers settings = numbers(recording.settings);
+    const std::uint64_t fingerprint = recording.settings.mesh_fingerprint;
+    std::vector<ObjectNumbers> objects;
+    std::vector<std::uint64_t> fingerprints;
+    for (const ScriptedObject& object : recording.settings.objects) {
+        objects.push_back(numbers(object));
+        fingerprints.push_back(object.mesh_fingerprint);
+    }
+    const auto law = static_cast<std::uint32_t>(recording.settings.render.law);
+    const std::array<BinarySection, 6> sections = {
+        {{fingerprint_section, sizeof fingerprint, std::as_bytes(std::span(&fingerprint, 1))},
+         {settings_section, sizeof settings, std::as_bytes(std::span(&settings, 1))},
+         {ticks_section, sizeof(RecordedTick), std::as_bytes(std::span(recording.ticks))},
+         {objects_section, sizeof(ObjectNumbers), std::as_bytes(std::span(objects))},
+         {fingerprints_of_objects_section, sizeof(std::uint64_t),
+          std::as_bytes(std::span(fingerprints))},
+         {force_law_section, sizeof law, std::as_bytes(std::span(&law, 1))}}};
+    return write_binary_file(path, format, sections, progress);
+}
+
+Result<Recording> load_recording(const std::filesystem::path& path, Progress* progress)
+{
+    const auto file = BinaryFile::open(path, format, Verification::full, progress);
+    if (!file) return tl::unexpected(file.error());
+    const auto fingerprint = file->section<std::uint64_t>(fingerprint_section);
+    if (!fingerprint) return tl::unexpected(fingerprint.error());
+    const auto settings = file->section<SettingNumbers>(settings_section);
+    if (!settings) return tl::unexpected(settings.error());
+    const auto ticks = file->section<RecordedTick>(ticks_section);
+    if (!ticks) return tl::unexpected(ticks.error());
+    if (fingerprint->size() != 1 || settings->size() != 1 || !in_range(settings->front())) {
+        return fail(ErrorCode::malformed_file,
+                    "settings of the recording are missing or out of range: record it again",
+                    path.string());
+    }
+    Recording recording;
+    recording.settings = settings_of(settings->front(), fingerprint->front());
+    const auto law = force_law_of(*file, path.string());
+    if (!law) return tl::unexpected(law.error());
+    recording.settings.render.law = *law;
+    auto objects = objects_of(*file, path.string());
+    if (!objects) return tl::unexpected(objects.error());
+    if (*law == ForceLaw::penalty && !objects->empty()) {
+        return fail(ErrorCode::malformed_file,
+                    "penalty forces of a scene, which there are not: record it again",
+                    path.string());
+    }
+    recording.settings.objects = std::move(*objects);
+    recording.ticks.assign(ticks->begin(), ticks->end());
+    return recording;
+}
+
+std::uint64_t count_differences(const Recording& recording, HapticRenderer& renderer) noexcept
+{
+    std::uint64_t differences = 0;
+    for (const RecordedTick& tick : recording.ticks) {
+        const DeviceState state = device_state(tick);
+        const RenderTick& felt = renderer.tick(state, recording.settings.tick_seconds);
+        if (!same_feeling(recorded(tick.seconds, state, felt), tick)) ++differences;
+    }
+    return differences;
+}
+
+} // namespace proxima

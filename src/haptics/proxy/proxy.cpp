@@ -1,0 +1,194 @@
+#include "haptics/proxy/proxy.h"
+
+#include "base/check.h"
+#include "haptics/proxy/free_place.h"
+
+#include <algorithm>
+
+namespace proxima {
+
+Proxy::Proxy(const ContactSurface& surface, const ProxyOptions& options)
+    : surface_(surface), options_(options),
+      radius_(std::max(options.radius, safety_gap(surface.scale())))
+{
+    PROXIMA_CHECK_GE(options.radius, 0);
+    PROXIMA_CHECK_GE(options.dynamic_friction, 0);
+    PROXIMA_CHECK_LE(options.dynamic_friction, options.static_friction);
+    PROXIMA_CHECK_GE(options.max_moves, 4U);
+    PROXIMA_CHECK_LE(options.max_moves, max_slide_moves);
+}
+
+void Proxy::place(const Vec3& p) noexcept
+{
+    tick_ = {};
+    const auto free = find_free_place(surface_, radius_, p, room_);
+    tick_.proxy = tick_.held = free.value_or(p);
+    tick_.has_room = free.has_value();
+}
+
+const ProxyTick& Proxy::wait(const Vec3& p) noexcept
+{
+    tick_ = {};
+    tick_.proxy = tick_.held = p;
+    tick_.has_room = false;
+    return tick_;
+}
+
+/// Whether there is room now, after there was none: where the device itself is.
+bool Proxy::find_room(const Vec3& p) noexcept
+{
+    wait(p);
+    tick_.has_room = surface_.clearance_beyond(p, radius_) > radius_;
+    return tick_.has_room;
+}
+
+Proxy::Friction Proxy::friction_of(const SlideResult& slide) const noexcept
+{
+    const Friction own = {options_.static_friction, options_.dynamic_friction};
+    if (options_.feel == nullptr) return own;
+    Friction sum;
+    double pressures = 0;
+    for (const Contact& contact : std::span(slide.contacts).first(slide.contact_count)) {
+        Friction friction = own;
+        if (const auto material = options_.feel->material(contact.triangle))
+            friction = {material->static_friction, material->dynamic_friction};
+        sum.fixed += contact.pressure * friction.fixed;
+        sum.sliding += contact.pressure * friction.sliding;
+        pressures += contact.pressure;
+    }
+    if (!(pressures > 0)) return own;
+    return {sum.fixed / pressures, sum.sliding / pressures};
+}
+
+/// How far aside the goal is moved, for the spring to lean along the smooth normal.
+Vec3 Proxy::shading_of(const SlideResult& slide, const Vec3& normal, double depth) const noexcept
+{
+    if (options_.shading == ForceShading::off || options_.feel == nullptr) return Vec3::Zero();
+    Vec3 smooth = Vec3::Zero();
+    for (const Contact& contact : std::span(slide.contacts).first(slide.contact_count)) {
+        const Vec3 shaded = options_.feel->shaded_normal(contact.triangle, contact.point);
+        if (shaded.isZero(0)) return Vec3::Zero();
+        // Surfaces have two sides.
+        smooth += contact.pressure * (shaded.dot(contact.normal) < 0 ? Vec3(-shaded) : shaded);
+    }
+    const double rise = smooth.dot(normal);
+    constexpr double least = 0.5; // beyond 60 degrees it says nothing of this surface
+    if (!(rise > least * smooth.norm())) return Vec3::Zero();
+    return depth * (smooth / rise - normal);
+}
+
+/// Slides aside, and says how far the spring leans: as far as no wall keeps the proxy. In the tick
+/// of the first touch it does not lean yet.
+Vec3 Proxy::lean_towards(const Vec3& p, ProxyTick& next) noexcept
+{
+    if (tick_.hold == Hold::free || tick_.slide.contact_count == 0) return Vec3::Zero();
+    const SlideResult& slide = next.slide;
+    Vec3 lean = shading_of(slide, next.normal, next.depth);
+    if (lean.isZero(0)) return lean;
+    const SlideResult aside = slide_sphere(surface_, options_.radius, tick_.proxy, p + lean, room_,
+                                           SlideStart::touching, moves_left(next.moves));
+    next.moves += aside.moves;
+    next.proxy = aside.center;
+    const double part = (aside.center - slide.center).dot(lean) / lean.squaredNorm();
+    return std::clamp(part, 0.0, 1.0) * lean;
+}
+
+std::size_t Proxy::moves_left(std::size_t made) const noexcept
+{
+    return std::max(options_.max_moves - std::min(made, options_.max_moves),
+                    options_.max_moves / 4);
+}
+
+SlideResult Proxy::slide_easily(const Vec3& p) noexcept
+{
+    const Vec3& start = tick_.proxy;
+    const Vec3& easy = tick_.slide.center;
+    const std::size_t moves = options_.max_moves;
+    if (tick_.hold != Hold::free && easy != start) {
+        SlideResult slide = slide_sphere(surface_, options_.radius, easy, p, easy_room_,
+                                         SlideStart::touching, moves);
+        // Where it has come loose or far away from the proxy, the proxy may still be held back.
+        const double depth = (slide.held - p).norm();
+        const double apart = (slide.center - start).norm();
+        const double leaning = options_.shading == ForceShading::on ? 2 : 0;
+        if (slide.contact_count > 0 && depth > 0 &&
+            apart <= (2 * options_.static_friction + leaning) * depth) {
+            room_.begin_path(start);
+            return slide;
+        }
+    }
+    const bool held = tick_.hold != Hold::free && tick_.slide.contact_count > 0;
+    const SlideStart known = held ? SlideStart::touching : SlideStart::anywhere;
+    return slide_sphere(surface_, options_.radius, start, p, room_, known, moves);
+}
+
+const ProxyTick& Proxy::follow(const Vec3& p) noexcept
+{
+    if (!tick_.has_room && !find_room(p)) return tick_;
+    const Hold before = tick_.slide.contact_count > 0 ? tick_.hold : Hold::free;
+    const Vec3 start = tick_.proxy;
+    const SlideResult slide = slide_easily(p);
+    ProxyTick next;
+    next.slide = slide;
+    next.proxy = slide.center;
+    next.held = slide.held;
+    next.moves = slide.moves;
+    const Vec3 back = slide.held - p;
+    next.depth = back.norm();
+    // Out of moves on a free way it is on its way: the spring eases as it comes.
+    const bool touching = slide.contact_count > 0;
+    const bool late = !touching && slide.end == SlideEnd::limited;
+    if (!(next.depth > 0) || !(touching || late)) {
+        tick_ = next;
+        return tick_;
+    }
+    next.normal = back / next.depth;
+    next.hold = Hold::sliding;
+    if (late) {
+        tick_ = next;
+        return tick_;
+    }
+    // Friction begins where the surface was met first.
+    const std::size_t met = before == Hold::free ? slide.first_contact : 0;
+    const Vec3 anchor = room_.path()[met];
+    const Vec3 lean = lean_towards(p, next);
+    next.held += lean;
+    const Friction friction = friction_of(slide);
+    const Vec3 goal = slide.center + lean;
+    if (friction.fixed > 0) {
+        Vec3 aside = anchor - goal;
+        aside -= next.normal * next.normal.dot(aside);
+        const double distance = aside.norm();
+        const double part = before == Hold::sliding ? options_.restick : 1;
+        if (distance <= part * friction.fixed * next.depth) next.hold = Hold::sticking;
+        const double trail = friction.sliding * next.depth;
+        if (next.hold == Hold::sticking || distance <= trail) {
+            room_.cut_path(met);
+            next.proxy = anchor;
+            next.held += anchor - goal;
+        } else {
+            const Vec3 lag = aside * (trail / distance);
+            const std::size_t moves = moves_left(next.moves);
+            const SlideResult dragged =
+                slide_sphere(surface_, options_.radius, start, p + lean + lag, room_,
+                             SlideStart::touching, moves);
+            next.moves += dragged.moves;
+            next.proxy = dragged.center;
+            if (!lean.isZero(0)) {
+                next.held += lag;
+            } else {
+                next.held = dragged.contact_count > 0 ? dragged.held : dragged.center;
+            }
+        }
+    } else if (room_.path().back() != next.proxy) {
+        // It goes there by itself where nothing keeps it back any longer.
+        const SlideResult freed = slide_sphere(surface_, options_.radius, start, p, room_,
+                                               SlideStart::touching, moves_left(next.moves));
+        next.moves += freed.moves;
+        next.proxy = freed.center;
+    }
+    tick_ = next;
+    return tick_;
+}
+
+} // namespace proxima

@@ -1,0 +1,120 @@
+// The proxy: where the finger would be if it could not enter the object.
+//
+//     Proxy proxy(surface, {.radius = 0.002});
+//     proxy.place(device);                            // once: where it begins
+//     const ProxyTick& tick = proxy.follow(device);   // every tick
+//     force = stiffness * (tick.held - device)
+//
+// A point (god-object, [zilles-1995]) or a sphere ([ruspini-1997]) that slides over the surface as
+// near to the device as it can come (slide_sphere.h), with a friction cone ([melder-2004]): while
+// the way to the frictionless place is less than mu_s times the depth it stays where it is, else it
+// follows to mu_d times the depth. The frictionless place goes on from where it was in the tick
+// before, not from the proxy, which lags behind by many triangles: a short way instead of a long
+// one. All in the surface's own unit.
+//
+// Force shading [ruspini-1997]: the goal is moved aside until the spring leans along the smooth
+// surface's normal, and the proxy slides towards it over the true one: it never enters, and where
+// a wall keeps it the spring leans less. The part of the spring along the true normal stays.
+#pragma once
+
+#include "haptics/proxy/slide_sphere.h"
+#include "haptics/surface/surface_feel.h"
+
+#include <cstdint>
+
+namespace proxima {
+
+struct ProxyOptions {
+    double radius = 0;           ///< 0 = a point
+    double static_friction = 0;  ///< mu_s
+    double dynamic_friction = 0; ///< mu_d, at most mu_s
+    double restick = 0.6;        ///< sliding ends below this part of mu_s
+    /// Of a tick's first slide, and at least a quarter of it for another one: what is left of a
+    /// way goes on in the next tick.
+    std::size_t max_moves = max_slide_moves;
+    ForceShading shading = ForceShading::off;
+    const SurfaceFeel* feel =
+        nullptr; ///< frictions and normals by triangle; must outlive the proxy
+};
+
+/// How the proxy is held.
+enum class Hold : std::uint8_t { free, sliding, sticking };
+
+struct ProxyTick {
+    Vec3 proxy = Vec3::Zero(); ///< the centre
+    Vec3 held = Vec3::Zero();  ///< what a spring pulls the device to; the device where free
+    Hold hold = Hold::free;
+    Vec3 normal = Vec3::Zero(); ///< of all contacts together, of length 1; zero where free
+    double depth = 0;           ///< of the device below the frictionless place
+    bool has_room = true;  ///< false: no free place is near, and nothing is felt until there is
+    SlideResult slide;     ///< without friction
+    std::size_t moves = 0; ///< of all slides of this tick
+};
+
+/// Refers to the surface, which must outlive it. One thread at a time. All but the constructor are
+/// noexcept, without allocation, and take a few questions of the surface.
+class Proxy {
+public:
+    /// \pre radius >= 0, 0 <= dynamic_friction <= static_friction, all finite, 4 <= max_moves <=
+    /// max_slide_moves
+    Proxy(const ContactSurface& surface, const ProxyOptions& options);
+
+    [[nodiscard]] const ProxyOptions& options() const noexcept { return options_; }
+
+    /// The sphere's radius: never less than the safety gap.
+    [[nodiscard]] double radius() const noexcept { return radius_; }
+
+    /// Begins at the device, or at the free place nearest to it (free_place.h), in up to 0.2 ms.
+    /// Where there is none within four radii it has no room: it is wherever the device is, without
+    /// touching anything, until the device comes where it has. \pre p is finite
+    void place(const Vec3& p) noexcept;
+
+    /// Taken along by objects that moved: from there on, and the place without friction
+    /// (last().slide.center) from there. \pre placed, and nothing was passed on both ways
+    /// (move_with_objects.h)
+    void carry(const Vec3& to, const Vec3& without_friction) noexcept
+    {
+        tick_.proxy = to;
+        tick_.slide.center = without_friction;
+    }
+
+    /// Without room, in this tick too. \pre p is finite
+    const ProxyTick& wait(const Vec3& p) noexcept;
+
+    /// Follows the device by one tick. \pre placed; p is finite
+    const ProxyTick& follow(const Vec3& p) noexcept;
+
+    [[nodiscard]] const ProxyTick& last() const noexcept { return tick_; }
+
+    /// The centre's places in the last tick, straight moves between them.
+    [[nodiscard]] std::span<const Vec3> path() const noexcept
+    {
+        return tick_.has_room ? room_.path() : std::span<const Vec3>();
+    }
+
+    /// What all ticks asked the surface for.
+    [[nodiscard]] ContactWork work() const noexcept { return room_.work() + easy_room_.work(); }
+
+private:
+    struct Friction {
+        double fixed = 0;
+        double sliding = 0;
+    };
+
+    [[nodiscard]] Friction friction_of(const SlideResult& slide) const noexcept;
+    [[nodiscard]] Vec3 shading_of(const SlideResult& slide, const Vec3& normal,
+                                  double depth) const noexcept;
+    [[nodiscard]] bool find_room(const Vec3& p) noexcept;
+    [[nodiscard]] std::size_t moves_left(std::size_t made) const noexcept;
+    [[nodiscard]] SlideResult slide_easily(const Vec3& p) noexcept;
+    [[nodiscard]] Vec3 lean_towards(const Vec3& p, ProxyTick& next) noexcept;
+
+    const ContactSurface& surface_;
+    ProxyOptions options_;
+    double radius_;
+    SlideRoom room_;
+    SlideRoom easy_room_; ///< of the frictionless place, where that is another
+    ProxyTick tick_;
+};
+
+} // namespace proxima

@@ -1,0 +1,173 @@
+#include "haptics/scene/move_with_objects.h"
+
+#include "geometry/closest_point.h"
+#include "haptics/surface/swept_sphere.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace proxima {
+
+namespace {
+
+/// As in slides.
+constexpr double skin_part = 0x1p-42;
+
+/// Triangles are looked for so much farther round a way, in mean edges: the next way is about the
+/// same.
+constexpr double slack_in_edges = 0.05;
+
+} // namespace
+
+/// One carry: see move_with_objects.h.
+class Carry {
+public:
+    Carry(const TouchScene& scene, double radius, Vec3 from, Vec3 goal, CarryRoom& room) noexcept
+        : scene_(scene), radius_(radius), skin_(skin_part * scene.scale().reach),
+          from_(std::move(from)), goal_(std::move(goal)), room_(room)
+    {}
+
+    std::optional<Vec3> run() noexcept
+    {
+        for (std::size_t round = 0; round < max_contact_planes; ++round) {
+            const auto planes = std::span(room_.planes_).first(count_);
+            const PlaneSolution solution = nearest_allowed(planes, skin_ / 8);
+            if (!solution.feasible) return std::nullopt;
+            const Vec3 place = goal_ + solution.shift;
+            bool blocked = false;
+            for (std::uint32_t i = 0; i < scene_.object_count(); ++i) {
+                if (!begin_sweep(ObjectId{i}, place, blocked)) return std::nullopt;
+            }
+            if (!blocked) return place;
+        }
+        return std::nullopt;
+    }
+
+private:
+    /// Adds what an object holds against the way to `place`. False where there is no room.
+    bool begin_sweep(ObjectId id, const Vec3& place, bool& blocked) noexcept
+    {
+        const double reach = radius_ + 2 * skin_;
+        if (scene_.keeps_clear(id, from_, place, reach)) return true;
+        const SceneObject object = scene_.object(id);
+        const Vec3 begin = seen_from(object.before, from_);
+        const Vec3 way = seen_from(object.now, place) - begin;
+        if (!collect(id, object, begin, way, reach)) return false;
+        double first = 2;
+        const ContactTriangle* wall = nullptr;
+        std::size_t touched = 0;
+        for (const ContactTriangle& triangle : std::span(room_.near_).first(near_count_)) {
+            const double least = least_touch_time(triangle.corners, reach, begin, way);
+            if (least > std::min(first, 1.0) || is_wall(scene_triangle(id, triangle.id))) continue;
+            if (least == 0) {
+                const CarryRoom::Side side = side_of(triangle, begin);
+                if (side.distance <= radius_ + skin_) {
+                    if (count_ + touched == max_contact_planes) return false;
+                    room_.touched_[touched++] = side;
+                    continue;
+                }
+            }
+            const auto t = touch_time(triangle.corners, radius_, begin, way);
+            if (!t || *t > first || (*t == first && wall->id < triangle.id)) continue;
+            first = *t;
+            wall = &triangle;
+        }
+        // Touched before anything moved: it is gone along or left. By id, for surfaces give their
+        // triangles in any order and planes round by theirs.
+        const auto sides = std::span(room_.touched_).first(touched);
+        std::ranges::sort(sides, {}, &CarryRoom::Side::triangle);
+        for (const CarryRoom::Side& side : sides) {
+            if (!add_wall(id, object.now, side)) return false;
+            blocked = true;
+        }
+        if (wall == nullptr) return true;
+        blocked = true;
+        return add_wall(id, object.now, side_of(*wall, begin + first * way));
+    }
+
+    /// All triangles within `reach` of the way, as the object sees it. False where there are too
+    /// many.
+    bool collect(ObjectId id, const SceneObject& object, const Vec3& begin, const Vec3& way,
+                 double reach) noexcept
+    {
+        const bool has_them = near_count_ <= room_.near_.size() && near_of_ == id &&
+                              (way - near_way_).norm() + reach <= near_reach_;
+        if (has_them) return true;
+        near_of_ = id;
+        near_way_ = way;
+        near_reach_ = reach + slack_in_edges * object.body->surface().scale().mean_edge;
+        near_count_ = scene_.collect_of(id, begin, way, near_reach_, room_.near_);
+        if (near_count_ <= room_.near_.size()) return true;
+        near_reach_ = reach;
+        near_count_ = scene_.collect_of(id, begin, way, reach, room_.near_);
+        return near_count_ <= room_.near_.size();
+    }
+
+    static CarryRoom::Side side_of(const ContactTriangle& triangle, const Vec3& p) noexcept
+    {
+        const TrianglePoint closest = closest_point(triangle.corners, p);
+        const Vec3 away = p - closest.point;
+        CarryRoom::Side side;
+        side.triangle = triangle.id;
+        side.point = closest.point;
+        side.distance = away.norm();
+        if (closest.part == TrianglePart::inside || !(side.distance > 0)) {
+            side.normal = unit_normal(triangle.corners);
+            if (side.normal.dot(away) < 0) side.normal = -side.normal;
+        } else {
+            side.normal = away / side.distance;
+        }
+        return side;
+    }
+
+    [[nodiscard]] bool is_wall(TriangleId triangle) const noexcept
+    {
+        const auto walls = std::span(room_.walls_).first(count_);
+        return std::find(walls.begin(), walls.end(), triangle) != walls.end();
+    }
+
+    bool add_wall(ObjectId id, const RigidTransform& pose, const CarryRoom::Side& side) noexcept
+    {
+        if (count_ == max_contact_planes) return false;
+        const Vec3 normal = pose.rotation * side.normal;
+        room_.walls_[count_] = scene_triangle(id, side.triangle);
+        room_.planes_[count_++] = {normal, normal.dot(goal_ - pose(side.point)) - radius_};
+        return true;
+    }
+
+    const TouchScene& scene_;
+    double radius_;
+    double skin_;
+    Vec3 from_;
+    Vec3 goal_;
+    CarryRoom& room_;
+    std::size_t count_ = 0;
+    std::size_t near_count_ = 0; ///< of the object that was looked at last
+    ObjectId near_of_{max_scene_objects};
+    Vec3 near_way_ = Vec3::Zero();
+    double near_reach_ = 0;
+};
+
+std::optional<Vec3> move_with_objects(const TouchScene& scene, double radius, const Vec3& from,
+                                      const Vec3& goal, CarryRoom& room) noexcept
+{
+    return Carry(scene, radius, from, goal, room).run();
+}
+
+Vec3 carried_place(const TouchScene& scene, std::span<const Contact> contacts,
+                   const Vec3& p) noexcept
+{
+    Vec3 sum = Vec3::Zero();
+    double pressures = 0;
+    for (const Contact& contact : contacts) {
+        const SceneObject object = scene.object(object_of(contact.triangle));
+        if (object.moved) {
+            sum += contact.pressure * (object.now(seen_from(object.before, p)) - p);
+        }
+        pressures += contact.pressure;
+    }
+    return pressures > 0 ? Vec3(p + sum / pressures) : p;
+}
+
+} // namespace proxima

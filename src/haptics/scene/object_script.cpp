@@ -1,0 +1,114 @@
+#include "haptics/scene/object_script.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
+
+namespace proxima {
+
+namespace {
+
+/// 0 at the beginning, 1 after half the time, 0 again: at rest at both ends.
+double to_and_fro(double seconds, double period) noexcept
+{
+    const double part = std::fmod(seconds, period) / period;
+    return 0.5 * (1 - std::cos(2 * std::numbers::pi * part));
+}
+
+/// Radians per second.
+double fastest_of(const ObjectScript& script) noexcept
+{
+    switch (script.kind) {
+    case ObjectMotionKind::spin:
+        return std::abs(script.angle);
+    case ObjectMotionKind::rock:
+        return std::abs(script.angle) * 2 * std::numbers::pi / script.seconds;
+    case ObjectMotionKind::rest:
+    case ObjectMotionKind::swing:
+        break;
+    }
+    return 0;
+}
+
+RigidTransform turned(const RigidTransform& begin, const Vec3& middle, const Vec3& axis,
+                      double angle) noexcept
+{
+    const Mat3 turn = Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();
+    const Vec3 center = begin(middle);
+    return {turn * begin.rotation, center + turn * (begin.translation - center)};
+}
+
+} // namespace
+
+Status check_script(const ObjectScript& script)
+{
+    if (script.kind == ObjectMotionKind::rest) return {};
+    const bool finite =
+        script.along.allFinite() && std::isfinite(script.angle) && std::isfinite(script.seconds);
+    if (!finite) return fail(ErrorCode::invalid_argument, "a motion's numbers are finite");
+    const bool turns = script.kind != ObjectMotionKind::swing;
+    if (!(script.along.norm() > 0) || !std::isfinite(script.along.norm())) {
+        return fail(ErrorCode::invalid_argument,
+                    turns ? "a motion's axis has a length" : "a motion's way has a length");
+    }
+    if (script.kind != ObjectMotionKind::spin && !(script.seconds > 0))
+        return fail(ErrorCode::invalid_argument, "a motion there and back takes time");
+    if (!(fastest_of(script) <= fastest_turn)) {
+        return fail(ErrorCode::invalid_argument,
+                    "an object turns by at most 25 radians (1,432 degrees) a second");
+    }
+    return {};
+}
+
+RigidTransform pose_at(const ObjectScript& script, const RigidTransform& begin, const Vec3& middle,
+                       double seconds) noexcept
+{
+    switch (script.kind) {
+    case ObjectMotionKind::rest:
+        break;
+    case ObjectMotionKind::spin: {
+        const double angle = std::fmod(script.angle * seconds, 2 * std::numbers::pi);
+        return turned(begin, middle, script.along, angle);
+    }
+    case ObjectMotionKind::rock: {
+        const double part = std::fmod(seconds, script.seconds) / script.seconds;
+        return turned(begin, middle, script.along,
+                      script.angle * std::sin(2 * std::numbers::pi * part));
+    }
+    case ObjectMotionKind::swing:
+        return {begin.rotation,
+                begin.translation + to_and_fro(seconds, script.seconds) * script.along};
+    }
+    return begin;
+}
+
+Box reach_of(const ObjectScript& script, const RigidTransform& begin, const Box& bounds) noexcept
+{
+    Box reach;
+    for (unsigned corner = 0; corner < 8; ++corner) {
+        Vec3 p;
+        for (unsigned axis = 0; axis < 3; ++axis) {
+            const auto i = static_cast<Eigen::Index>(axis);
+            p[i] = (corner >> axis & 1U) != 0 ? bounds.upper[i] : bounds.lower[i];
+        }
+        reach.extend(begin(p));
+    }
+    const double turn = fastest_of(script);
+    if (turn > 0) {
+        // From word to word its origin goes straight: so far the middle comes off its place.
+        const Vec3 center = begin(bounds.center());
+        const double aside = (begin.translation - center).norm();
+        const double off = aside * (1 - std::cos(turn * seconds_per_word / 2));
+        const double size = bounds.extent().norm() / 2 + off;
+        reach.extend(center - Vec3::Constant(size));
+        reach.extend(center + Vec3::Constant(size));
+    }
+    if (script.kind == ObjectMotionKind::swing) {
+        const Box there = reach;
+        reach.extend(there.lower + script.along);
+        reach.extend(there.upper + script.along);
+    }
+    return reach;
+}
+
+} // namespace proxima

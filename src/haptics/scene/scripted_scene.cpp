@@ -1,0 +1,110 @@
+#include "haptics/scene/scripted_scene.h"
+
+#include "base/check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace proxima {
+
+namespace {
+
+/// The room is so much larger than what objects reach: more than rounding.
+constexpr double room_margin = 1e-6;
+
+/// Squares and products of distances are still finite.
+constexpr double farthest_reach = 1e100;
+
+Box room_of(const Box& reach)
+{
+    const double margin = room_margin * std::max({reach.lower.cwiseAbs().maxCoeff(),
+                                                  reach.upper.cwiseAbs().maxCoeff(), 1e-300});
+    return {reach.lower - Vec3::Constant(margin), reach.upper + Vec3::Constant(margin)};
+}
+
+std::uint64_t ticks_per_word(double tick_seconds) noexcept
+{
+    return static_cast<std::uint64_t>(std::max(1LL, std::llround(seconds_per_word / tick_seconds)));
+}
+
+} // namespace
+
+ScriptedScene::ScriptedScene(const Box& reach, std::span<const ScriptedObject> objects)
+    : reach_(reach), scene_(room_of(reach)), objects_(objects.begin(), objects.end())
+{}
+
+Result<std::unique_ptr<ScriptedScene>>
+ScriptedScene::make(std::vector<std::unique_ptr<const TouchBody>> bodies,
+                    std::span<const ScriptedObject> objects)
+{
+    PROXIMA_CHECK_EQ(bodies.size(), objects.size());
+    PROXIMA_CHECK(!bodies.empty());
+    Box reach;
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+        const ScriptedObject& object = objects[i];
+        if (Status status = check_script(object.script); !status)
+            return tl::unexpected(status.error());
+        const Box box = reach_of(object.script, object.pose, bodies[i]->bounds());
+        reach.extend(box.lower);
+        reach.extend(box.upper);
+    }
+    const double farthest =
+        std::max(reach.lower.cwiseAbs().maxCoeff(), reach.upper.cwiseAbs().maxCoeff());
+    if (!(farthest <= farthest_reach)) {
+        return fail(
+            ErrorCode::invalid_argument,
+            "an object stands or goes too far away for doubles to say how far: at most 1e100");
+    }
+    std::unique_ptr<ScriptedScene> scripted(new ScriptedScene(reach, objects));
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+        const auto added = scripted->scene_.add(std::move(bodies[i]), objects[i].pose);
+        if (!added) return tl::unexpected(added.error());
+    }
+    return scripted;
+}
+
+void ScriptedScene::say(std::uint64_t tick, double tick_seconds) noexcept
+{
+    const std::uint64_t ticks = ticks_per_word(tick_seconds);
+    if (tick % ticks != 0) return;
+    const double there = static_cast<double>(tick + ticks) * tick_seconds;
+    for (std::uint32_t i = 0; i < objects_.size(); ++i) {
+        const ScriptedObject& object = objects_[i];
+        if (object.script.kind == ObjectMotionKind::rest) continue;
+        const Vec3 middle = scene_.object(ObjectId{i}).body->bounds().center();
+        const Status status =
+            scene_.move(ObjectId{i}, {.pose = pose_at(object.script, object.pose, middle, there),
+                                      .seconds = static_cast<double>(ticks) * tick_seconds});
+        PROXIMA_CHECK(status.has_value()); // the room holds what scripts reach
+    }
+}
+
+void ScriptedScene::rewind() noexcept
+{
+    for (std::uint32_t i = 0; i < objects_.size(); ++i) {
+        const Status status = scene_.move(ObjectId{i}, {.pose = objects_[i].pose});
+        PROXIMA_CHECK(status.has_value());
+    }
+    // One tick to get there, one at rest.
+    constexpr double seconds = 1e-3;
+    (void)scene_.advance(seconds);
+    (void)scene_.advance(seconds);
+}
+
+Result<TriangleMesh> standing_mesh(const TouchScene& scene)
+{
+    std::vector<Vec3> positions;
+    std::vector<TriangleCorners> triangles;
+    for (std::uint32_t i = 0; i < scene.object_count(); ++i) {
+        const SceneObject object = scene.object(ObjectId{i});
+        const TriangleMesh& mesh = object.body->mesh();
+        const auto shift = static_cast<std::uint32_t>(positions.size());
+        for (const Vec3& p : mesh.positions()) positions.push_back(object.now(p));
+        for (const TriangleCorners& t : mesh.triangles())
+            triangles.push_back({t[0] + shift, t[1] + shift, t[2] + shift});
+    }
+    return make_triangle_mesh(std::move(positions), std::move(triangles));
+}
+
+} // namespace proxima

@@ -1,0 +1,82 @@
+// A mesh with all that touching it takes: made once, by any thread, and never changed.
+//
+//     auto body = build_touch_body(std::move(mesh), {.material = {.stiffness = 300}});
+#pragma once
+
+#include "base/parallel.h"
+#include "base/progress.h"
+#include "base/result.h"
+#include "haptics/surface/contact_surface.h"
+#include "haptics/surface/shading_normals.h"
+#include "haptics/surface/surface_feel.h"
+#include "index/lists/proximity_octree.h"
+#include "mesh/topology.h"
+#include "mesh/triangle_mesh.h"
+#include "query/closest/signed_distance.h"
+
+#include <memory>
+#include <optional>
+
+namespace proxima {
+
+/// What a body's questions are answered by.
+enum class BodySearch : bool {
+    octree,
+    every_triangle ///< slow: what the other is held against
+};
+
+struct TouchBodyOptions {
+    std::optional<SurfaceMaterial> material;  ///< none: the renderer's own settings
+    ForceShading shading = ForceShading::off; ///< on: with normals for it
+    BodySearch search = BodySearch::octree;
+    Threads threads = {};
+    Progress* progress = nullptr;
+};
+
+/// Immutable. Questions are noexcept and without allocation.
+class TouchBody {
+public:
+    TouchBody(const TouchBody&) = delete;
+    TouchBody& operator=(const TouchBody&) = delete;
+
+    [[nodiscard]] const TriangleMesh& mesh() const noexcept { return mesh_; }
+    [[nodiscard]] const ProximityOctree& octree() const noexcept { return octree_; }
+    [[nodiscard]] const ContactSurface& surface() const noexcept { return *surface_; }
+    [[nodiscard]] const Box& bounds() const noexcept { return bounds_; }
+    [[nodiscard]] const std::optional<SurfaceMaterial>& material() const noexcept
+    {
+        return material_;
+    }
+    /// Null where none were asked for.
+    [[nodiscard]] const ShadingNormals* normals() const noexcept { return normals_.get(); }
+
+    /// The place of the surface nearest to p where p is inside of a closed mesh; nothing outside,
+    /// and where the mesh does not separate its inside everywhere. \pre p is finite
+    [[nodiscard]] std::optional<Vec3> nearest_exit(const Vec3& p) const noexcept;
+
+private:
+    friend class TouchBodyBuilder;
+    TouchBody() = default;
+
+    TriangleMesh mesh_;
+    Topology topology_;
+    ProximityOctree octree_;
+    Box bounds_;
+    std::unique_ptr<ContactSurface> surface_;
+    std::unique_ptr<ShadingNormals> normals_;
+    std::optional<SurfaceSign> sign_; ///< of meshes that are closed
+    std::optional<SurfaceMaterial> material_;
+};
+
+/// Errors: those of build_topology, build_proximity_octree and build_surface_sign;
+/// invalid_argument for materials that are not finite, negative, or of more dynamic than static
+/// friction.
+[[nodiscard]] Result<std::unique_ptr<const TouchBody>>
+build_touch_body(TriangleMesh mesh, const TouchBodyOptions& options = {});
+
+/// The same of an octree that is built or was saved, with the mesh that it has. Errors also those
+/// of mesh_of and check_edges.
+[[nodiscard]] Result<std::unique_ptr<const TouchBody>>
+build_touch_body(ProximityOctree octree, const TouchBodyOptions& options = {});
+
+} // namespace proxima

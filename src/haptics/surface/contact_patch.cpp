@@ -1,0 +1,146 @@
+#include "haptics/surface/contact_patch.h"
+
+#include "base/check.h"
+#include "haptics/surface/find_groups.h"
+#include "query/closest/closest_feature.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace proxima {
+
+void ContactPatch::refer(const OctreeContactSurface& surface, const Vec3& p,
+                         double distance) noexcept
+{
+    const NearGroups::Found found = near_.find(surface.tree(), p, distance);
+    surface_ = &surface;
+    count_ = near_.triangle_count();
+    complete = found.complete;
+    reach = found.reach;
+    edition_ = new_edition();
+}
+
+void ContactPatch::copied(std::size_t triangles, double extent) noexcept
+{
+    PROXIMA_CHECK_LE(triangles, copies_.size());
+    groups_.make(std::span<const ContactTriangle>(copies_).first(triangles), extent);
+    surface_ = nullptr;
+    count_ = triangles;
+    edition_ = new_edition();
+}
+
+void ContactPatch::read_triangles(std::span<const std::uint32_t> ranks,
+                                  std::span<ContactTriangle> triangles) const noexcept
+{
+    if (surface_ != nullptr) {
+        surface_->read_triangles(ranks, triangles);
+        return;
+    }
+    // Another processor wrote them: all are sent for before the first is read.
+    for (const std::uint32_t rank : ranks) {
+        __builtin_prefetch(&copies_[rank]);
+        __builtin_prefetch(reinterpret_cast<const std::byte*>(&copies_[rank]) + 64);
+    }
+    for (std::size_t i = 0; i < ranks.size(); ++i) triangles[i] = copies_[ranks[i]];
+}
+
+void ContactPatch::read(std::span<ContactTriangle> triangles) const noexcept
+{
+    constexpr std::uint32_t width = TriangleTree::width;
+    for (std::size_t first = 0; first < count_; first += width) {
+        const std::uint32_t group_of = group(static_cast<std::uint32_t>(first / width));
+        std::array<std::uint32_t, width> ranks{};
+        for (std::uint32_t i = 0; i < width; ++i) ranks[i] = group_of * width + i;
+        const std::size_t left = std::min<std::size_t>(width, count_ - first);
+        read_triangles(std::span(ranks).first(left), triangles.subspan(first));
+    }
+}
+
+void fill_metric_patch(ContactPatch& patch, const OctreeContactSurface& surface, const Vec3& device,
+                       double radius) noexcept
+{
+    patch.refer(surface, device, radius);
+    patch.center = device;
+    patch.clearance = surface.clearance(device);
+}
+
+RingPatches::RingPatches(const ProximityOctree& octree, const TriangleMesh& mesh,
+                         const Topology& topology)
+    : octree_(octree), mesh_(mesh), topology_(topology),
+      extent_(bounding_box(mesh).extent().maxCoeff()), scratch_(mesh), ids_(ContactPatch::most)
+{}
+
+void RingPatches::fill(ContactPatch& patch, const Vec3& device, int depth) noexcept
+{
+    const ClosestFeature closest = closest_feature(octree_, device);
+    const Neighbourhood found =
+        collect_rings(mesh_, topology_, closest.feature, depth, scratch_, ids_);
+    const std::size_t count = std::min(found.count, patch.room().size());
+    for (std::size_t i = 0; i < count; ++i) patch.room()[i] = {mesh_.triangle(ids_[i]), ids_[i]};
+    patch.copied(count, extent_);
+    patch.complete = found.complete && count == found.count;
+    patch.reach = 0;
+    patch.center = device;
+    patch.clearance = std::sqrt(closest.squared_distance) * (1 - 0x1p-40);
+}
+
+std::size_t PatchContactSurface::collect(const Vec3& p, double distance,
+                                         std::span<ContactTriangle> buffer) const noexcept
+{
+    if (is_empty()) return 0;
+    std::size_t count = 0;
+    const double squared = distance * distance;
+    visit_within(patch_->tree(), {p, p}, squared, [&](RankRange found) noexcept {
+        constexpr std::uint32_t width = TriangleTree::width;
+        std::array<std::uint32_t, width> ranks{};
+        std::array<ContactTriangle, width> triangles;
+        for (std::uint32_t i = 0; i < found.count; ++i)
+            ranks[i] = patch_->group(found.first / width) * width + i;
+        patch_->read_triangles(std::span(ranks).first(found.count), triangles);
+        for (const ContactTriangle& triangle : std::span(triangles).first(found.count)) {
+            const Box box = bounding_box(triangle.corners);
+            const Vec3 gap = (box.lower - p).cwiseMax(p - box.upper).cwiseMax(0.0);
+            if (gap.squaredNorm() > squared) continue;
+            if (count < buffer.size()) buffer[count] = triangle;
+            ++count;
+        }
+    });
+    return count;
+}
+
+std::span<const TriangleGroup> PatchContactSurface::groups() const noexcept
+{
+    if (is_empty()) return {};
+    return patch_->groups();
+}
+
+GroupQuery PatchContactSurface::group_query(const Vec3& p) const noexcept
+{
+    if (is_empty()) return {.place = p};
+    return patch_->group_query(p);
+}
+
+void PatchContactSurface::find_groups(const Vec3& p, double distance,
+                                      GroupBoxes& boxes) const noexcept
+{
+    boxes.count = 0;
+    if (is_empty()) return;
+    proxima::find_groups(patch_->tree(), p, distance, boxes);
+    if (boxes.count > GroupBoxes::room) return; // some are missing: nobody looks at the others
+    for (std::uint32_t& id : std::span(boxes.ids).first(boxes.count)) id = patch_->group(id);
+}
+
+void PatchContactSurface::read_triangles(std::span<const std::uint32_t> ranks,
+                                         std::span<ContactTriangle> triangles) const noexcept
+{
+    patch_->read_triangles(ranks, triangles);
+}
+
+double PatchContactSurface::clearance(const Vec3& p) const noexcept
+{
+    if (patch_ == nullptr) return std::numeric_limits<double>::infinity();
+    return patch_->clearance - (p - patch_->center).norm() * (1 + 0x1p-50);
+}
+
+} // namespace proxima

@@ -1,0 +1,171 @@
+// The triangles that the collision loop hands to the servo loop (thesis 5.1.1), and a proxy's view
+// of them.
+//
+//     metric   all triangles within R of the device:
+//              R >= 2 v (T + latency) + |device - proxy| + proxy radius       v: fastest hand
+//     rings    triangles within so many rings of the closest feature          the thesis's
+//
+// With the metric patch nothing that a proxy can meet before the next patch comes is missing: the
+// proxy stays as near to the device as it was, give or take the device's way, there and back. Rings
+// promise nothing on meshes of uneven triangles: a hand may leave them within a collision tick.
+//
+// A metric patch says which groups of the surface's triangles these are and has a tree over their
+// boxes: what it refers to is never written, so that making one is quick, of however many
+// triangles, and who touches it reads no more than of the surface itself. Rings are copied.
+#pragma once
+
+#include "haptics/surface/contact_surface.h"
+#include "haptics/surface/near_groups.h"
+#include "haptics/surface/patch_groups.h"
+#include "index/lists/proximity_octree.h"
+#include "mesh/topology.h"
+#include "query/neighbourhood/neighbourhood.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace proxima {
+
+/// Triangles round a place: some of a surface's, or copies. Its room is allocated once: it can be
+/// filled in a loop. A copy of it is whole.
+class ContactPatch {
+public:
+    static constexpr std::size_t most = 8192; ///< triangles, where nothing else is said
+
+    ContactPatch() : ContactPatch(most) {}
+    /// With room for so many triangles of a surface, in whole blocks of 64, 4 bytes each; and for
+    /// as many copies up to `most`, 124 bytes each.
+    explicit ContactPatch(std::size_t triangles)
+        : near_(triangles), copies_(std::min(triangles, most)), groups_(copies_.size())
+    {}
+
+    /// All triangles of a surface within `distance` of p and their neighbours, or within the reach
+    /// that there is room for. The surface must stay as long as the patch is used.
+    /// noexcept, no allocation. \pre p is finite, distance >= 0
+    void refer(const OctreeContactSurface& surface, const Vec3& p, double distance) noexcept;
+
+    /// Where copies are written, for copied().
+    [[nodiscard]] std::span<ContactTriangle> room() noexcept { return copies_; }
+    /// The first ones of room(). `extent` is the whole surface's. noexcept, no allocation.
+    /// \pre there is room
+    void copied(std::size_t triangles, double extent) noexcept;
+
+    [[nodiscard]] std::size_t count() const noexcept { return count_; }
+    /// New whenever it was filled: as ContactSurface::edition().
+    [[nodiscard]] std::uint64_t edition() const noexcept { return edition_; }
+
+    /// For questions, by ranks and groups of its own or of the surface. \pre count() > 0
+    [[nodiscard]] TriangleTree tree() const noexcept
+    {
+        return surface_ != nullptr ? near_.tree() : groups_.tree();
+    }
+    /// The number among groups() of a group of tree().
+    [[nodiscard]] std::uint32_t group(std::uint32_t of_tree) const noexcept
+    {
+        return surface_ != nullptr ? near_.group(of_tree) : of_tree;
+    }
+    [[nodiscard]] std::span<const TriangleGroup> groups() const noexcept
+    {
+        return surface_ != nullptr ? surface_->groups() : groups_.groups();
+    }
+    [[nodiscard]] GroupQuery group_query(const Vec3& p) const noexcept
+    {
+        return surface_ != nullptr ? surface_->group_query(p) : groups_.query(p);
+    }
+    /// The triangles of these ranks among groups(). \pre there is room
+    void read_triangles(std::span<const std::uint32_t> ranks,
+                        std::span<ContactTriangle> triangles) const noexcept;
+
+    /// All of them. \pre there is room
+    void read(std::span<ContactTriangle> triangles) const noexcept;
+
+    bool complete = true;       ///< all triangles that were asked for are there
+    double reach = 0;           ///< of a metric patch: all that are so near to the centre are there
+    Vec3 center = Vec3::Zero(); ///< the device's place that it was made for
+    double clearance = 0;       ///< no part of the whole surface is nearer to the centre
+    std::uint64_t made_at = 0;  ///< the servo tick whose state it was made for
+
+private:
+    const OctreeContactSurface* surface_ = nullptr; ///< null where triangles are copies
+    NearGroups near_;
+    std::vector<ContactTriangle> copies_;
+    PatchGroups groups_; ///< of the copies
+    std::size_t count_ = 0;
+    std::uint64_t edition_ = 0;
+};
+
+/// How far a metric patch must reach, in the model's units. Lengths of the same unit, seconds.
+[[nodiscard]] constexpr double patch_radius(double speed, double collision_seconds,
+                                            double latency_seconds, double device_to_proxy,
+                                            double proxy_radius) noexcept
+{
+    return 2 * speed * (collision_seconds + latency_seconds) + device_to_proxy + proxy_radius;
+}
+
+/// Fills a patch with all triangles within a radius of the device, or of a shorter one where there
+/// are more than it has room for: then it is whole for slower hands. It refers to the surface,
+/// which must outlive it. noexcept, no allocation; half a nanosecond per triangle.
+/// \pre finite, radius >= 0
+void fill_metric_patch(ContactPatch& patch, const OctreeContactSurface& surface, const Vec3& device,
+                       double radius) noexcept;
+
+/// Makes patches of rings, the thesis's; one thread.
+class RingPatches {
+public:
+    /// Refers to all three, which must outlive it.
+    RingPatches(const ProximityOctree& octree, const TriangleMesh& mesh, const Topology& topology);
+
+    /// Fills a patch with the triangles within `depth` rings of the device's closest feature.
+    /// noexcept, no allocation. \pre device is finite, depth >= 0
+    void fill(ContactPatch& patch, const Vec3& device, int depth) noexcept;
+
+private:
+    const ProximityOctree& octree_;
+    const TriangleMesh& mesh_;
+    const Topology& topology_;
+    double extent_;
+    NeighbourhoodScratch scratch_;
+    std::vector<TriangleId> ids_;
+};
+
+/// The latest patch as a proxy's surface, whose questions cost what they cost of the octree's.
+/// Without one it is empty.
+class PatchContactSurface final : public ContactSurface {
+public:
+    /// The scale is the whole surface's: proxies of both behave alike.
+    explicit PatchContactSurface(const SurfaceScale& scale) : scale_(scale) {}
+
+    /// From now on this patch, which must stay as it is until the next call. One thread.
+    void use(const ContactPatch* patch) noexcept { patch_ = patch; }
+
+    [[nodiscard]] const SurfaceScale& scale() const noexcept override { return scale_; }
+    /// By boxes of groups, then of triangles.
+    [[nodiscard]] std::size_t collect(const Vec3& p, double distance,
+                                      std::span<ContactTriangle> buffer) const noexcept override;
+    /// By the patch's clearance and the way from its centre.
+    [[nodiscard]] double clearance(const Vec3& p) const noexcept override;
+    [[nodiscard]] std::uint64_t edition() const noexcept override
+    {
+        return patch_ == nullptr ? 0 : patch_->edition();
+    }
+    [[nodiscard]] std::span<const TriangleGroup> groups() const noexcept override;
+    [[nodiscard]] GroupQuery group_query(const Vec3& p) const noexcept override;
+    void find_groups(const Vec3& p, double distance, GroupBoxes& boxes) const noexcept override;
+    void read_triangles(std::span<const std::uint32_t> ranks,
+                        std::span<ContactTriangle> triangles) const noexcept override;
+
+private:
+    [[nodiscard]] bool is_empty() const noexcept
+    {
+        return patch_ == nullptr || patch_->count() == 0;
+    }
+
+    SurfaceScale scale_;
+    const ContactPatch* patch_ = nullptr;
+};
+
+} // namespace proxima

@@ -1,0 +1,243 @@
+#include "haptics/surface/contact_surface.h"
+
+#include "geometry/closest_point.h"
+#include "haptics/surface/find_groups.h"
+#include "index/triangle_lanes.h"
+#include "index/triangle_tree.h"
+#include "query/closest/closest_feature.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <limits>
+
+namespace proxima {
+
+namespace {
+
+/// Distances as computed are off by less than this part of the coordinates.
+constexpr double distance_rounding = 0x1p-46;
+
+double less_rounding(double distance, const SurfaceScale& scale, const Vec3& p) noexcept
+{
+    return distance - distance_rounding * (scale.reach + p.cwiseAbs().maxCoeff());
+}
+
+/// Adds triangles up, to their scale.
+class ScaleSum {
+public:
+    void add(const Triangle& triangle)
+    {
+        for (const Vec3& corner : triangle.vertices) box_.extend(corner);
+        doubled_area_ += scaled_normal(triangle).norm();
+        ++count_;
+    }
+    [[nodiscard]] SurfaceScale scale() const
+    {
+        if (count_ == 0) return {};
+        const double extent = box_.extent().maxCoeff();
+        const double reach =
+            std::max(box_.lower.cwiseAbs().maxCoeff(), box_.upper.cwiseAbs().maxCoeff());
+        const double area = doubled_area_ / 2 / static_cast<double>(count_);
+        return {extent, std::max(reach, std::numeric_limits<double>::min()),
+                std::sqrt(area * 4 / std::sqrt(3.0))};
+    }
+
+private:
+    Box box_;
+    double doubled_area_ = 0;
+    std::size_t count_ = 0;
+};
+
+template <class Scalar>
+Triangle triangle_of(const TriangleRow<Scalar>& row) noexcept
+{
+    return {{row.corner(0), row.corner(1), row.corner(2)}};
+}
+
+template <class Scalar>
+ContactTriangle contact_triangle(const TriangleRow<Scalar>& row) noexcept
+{
+    return {triangle_of(row), TriangleId{row.triangle_id()}};
+}
+
+/// Of one kind of rows, by the tree over them.
+template <class Scalar>
+std::size_t collect_rows(const TriangleTree& tree, std::span<const TriangleRow<Scalar>> rows,
+                         const Vec3& p, double distance, std::span<ContactTriangle> buffer) noexcept
+{
+    const double unit = tree.scale() * tree.scale();
+    const double limit = triangle_distance_limit(distance * distance * unit, tree.reach());
+    std::size_t count = 0;
+    visit_within(tree, {p, p}, distance * distance, [&](RankRange ranks) noexcept {
+        const auto group = rows.subspan(ranks.first, ranks.count);
+        std::array<double, TriangleTree::width> squared;
+        triangle_distances(group, p, tree.scale(), squared);
+        for (std::size_t i = 0; i < group.size(); ++i) {
+            if (squared[i] > limit) continue;
+            if (count < buffer.size()) buffer[count] = contact_triangle(group[i]);
+            ++count;
+        }
+        return count > buffer.size() ? Flow::stop : Flow::proceed;
+    });
+    return count;
+}
+
+/// Eights of rows.
+template <class Scalar>
+void make_groups(std::span<const TriangleRow<Scalar>> rows, double scale,
+                 std::vector<TriangleGroup>& groups)
+{
+    std::array<Triangle, TriangleGroup::width> triangles;
+    for (std::size_t first = 0; first < rows.size(); first += TriangleGroup::width) {
+        const std::size_t count = std::min(TriangleGroup::width, rows.size() - first);
+        for (std::size_t i = 0; i < count; ++i) triangles[i] = triangle_of(rows[first + i]);
+        groups.push_back(make_group(std::span(triangles).first(count), scale));
+    }
+}
+
+/// Whether the octree lists the triangles that can be nearest to a point.
+bool has_list(const ProximityOctree& octree, const Vec3& p) noexcept
+{
+    std::array<std::uint32_t, 3> at{};
+    if (!octree.locate(octree.frame().to_frame(p), at)) return false;
+    const int depth = octree.table_depth();
+    int shift = static_cast<int>(ProximityOctree::location_bits) - depth;
+    std::uint64_t word =
+        octree.arrays().table[(std::size_t{at[2] >> shift} << depth | at[1] >> shift) << depth |
+                              at[0] >> shift];
+    while (!proximity_word::is_leaf(word)) {
+        --shift;
+        word = octree.arrays().nodes[word + ((at[0] >> shift & 1U) | (at[1] >> shift & 1U) << 1U |
+                                             (at[2] >> shift & 1U) << 2U)];
+    }
+    return word != proximity_word::search;
+}
+
+} // namespace
+
+std::uint64_t new_edition() noexcept
+{
+    static std::atomic<std::uint64_t> last{0};
+    return last.fetch_add(1, std::memory_order_relaxed) + 1;
+}
+
+SurfaceScale scale_of(const TriangleMesh& mesh)
+{
+    ScaleSum sum;
+    for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id)
+        sum.add(mesh.triangle(TriangleId{id}));
+    return sum.scale();
+}
+
+OctreeContactSurface::OctreeContactSurface(const ProximityOctree& octree) : octree_(&octree)
+{
+    // In the order of ids, so that the sums are those of the mesh.
+    const ProximityArrays& arrays = octree.arrays();
+    std::vector<Triangle> triangles(octree.triangle_count());
+    for (const auto& row : arrays.float_rows) triangles[row.triangle_id()] = triangle_of(row);
+    for (const auto& row : arrays.double_rows) triangles[row.triangle_id()] = triangle_of(row);
+    ScaleSum sum;
+    for (const Triangle& triangle : triangles) sum.add(triangle);
+    scale_ = sum.scale();
+    groups_.reserve(search_groups(octree.triangle_count()));
+    make_groups(arrays.float_rows, octree.tree().scale(), groups_);
+    make_groups(arrays.double_rows, octree.tree().scale(), groups_);
+}
+
+std::size_t OctreeContactSurface::collect(const Vec3& p, double distance,
+                                          std::span<ContactTriangle> buffer) const noexcept
+{
+    const ProximityArrays& arrays = octree_->arrays();
+    const TriangleTree& tree = octree_->tree();
+    return arrays.double_rows.empty() ? collect_rows(tree, arrays.float_rows, p, distance, buffer)
+                                      : collect_rows(tree, arrays.double_rows, p, distance, buffer);
+}
+
+GroupQuery OctreeContactSurface::group_query(const Vec3& p) const noexcept
+{
+    return {.origin = octree_->tree().origin(), .scale = octree_->tree().scale(), .place = p};
+}
+
+void OctreeContactSurface::find_groups(const Vec3& p, double distance,
+                                       GroupBoxes& boxes) const noexcept
+{
+    proxima::find_groups(octree_->tree(), p, distance, boxes);
+}
+
+void OctreeContactSurface::read_triangles(std::span<const std::uint32_t> ranks,
+                                          std::span<ContactTriangle> triangles) const noexcept
+{
+    const ProximityArrays& arrays = octree_->arrays();
+    for (const std::uint32_t rank : ranks) {
+        const auto* const row = arrays.double_rows.empty()
+                                    ? static_cast<const void*>(&arrays.float_rows[rank])
+                                    : static_cast<const void*>(&arrays.double_rows[rank]);
+        __builtin_prefetch(row);
+        __builtin_prefetch(static_cast<const std::byte*>(row) + 64);
+    }
+    for (std::size_t i = 0; i < ranks.size(); ++i) {
+        triangles[i] = arrays.double_rows.empty() ? contact_triangle(arrays.float_rows[ranks[i]])
+                                                  : contact_triangle(arrays.double_rows[ranks[i]]);
+    }
+}
+
+double OctreeContactSurface::clearance(const Vec3& p) const noexcept
+{
+    return less_rounding(std::sqrt(closest_feature(*octree_, p).squared_distance), scale_, p);
+}
+
+std::size_t MeshContactSurface::collect(const Vec3& p, double distance,
+                                        std::span<ContactTriangle> buffer) const noexcept
+{
+    std::size_t count = 0;
+    for (std::uint32_t id = 0; id < mesh_->triangle_count(); ++id) {
+        const Triangle triangle = mesh_->triangle(TriangleId{id});
+        const Box box = bounding_box(triangle);
+        const Vec3 gap = (box.lower - p).cwiseMax(p - box.upper).cwiseMax(0.0);
+        if (gap.squaredNorm() > distance * distance) continue;
+        if (count < buffer.size()) buffer[count] = {triangle, TriangleId{id}};
+        ++count;
+    }
+    return count;
+}
+
+double OctreeContactSurface::least_clearance(const Vec3& p) const noexcept
+{
+    if (has_list(*octree_, p)) return clearance(p);
+    // Of boxes no nearer than two thirds of the nearest one found, none is looked into.
+    const TriangleTree& tree = octree_->tree();
+    const std::span<const TriangleTreeBlock> blocks =
+        tree.blocks().subspan(tree.levels().front().first_block);
+    const Vec3 at = (p - tree.origin()) * tree.scale();
+    double least = std::numeric_limits<double>::infinity();
+    visit_nearest(tree, p, least, [&](RankRange ranks) noexcept {
+        const std::uint32_t id = ranks.first / TriangleTree::width;
+        const TriangleTreeBlock& block = blocks[id / TriangleTree::width];
+        double squared = 0;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const double place = at[static_cast<Eigen::Index>(axis)];
+            const auto lower = static_cast<double>(block.lower[axis][id % TriangleTree::width]);
+            const auto upper = static_cast<double>(block.upper[axis][id % TriangleTree::width]);
+            const double gap = std::max({lower - place, place - upper, 0.0});
+            squared += gap * gap;
+        }
+        constexpr double part = 4.0 / 9;
+        least = std::min(least, part * squared / (tree.scale() * tree.scale()));
+        return least;
+    });
+    return less_rounding(std::sqrt(least), scale_, p);
+}
+
+double MeshContactSurface::clearance(const Vec3& p) const noexcept
+{
+    double least = std::numeric_limits<double>::infinity();
+    for (std::uint32_t id = 0; id < mesh_->triangle_count(); ++id) {
+        const TrianglePoint closest = closest_point(mesh_->triangle(TriangleId{id}), p);
+        least = std::min(least, (closest.point - p).squaredNorm());
+    }
+    return less_rounding(std::sqrt(least), scale_, p);
+}
+
+} // namespace proxima

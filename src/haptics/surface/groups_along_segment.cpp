@@ -1,0 +1,137 @@
+#include "haptics/surface/groups_along_segment.h"
+
+#include "base/check.h"
+
+#include <cmath>
+
+#ifndef PROXIMA_HAPTICS_GROUPS_ON_WAY_ONCE
+#define PROXIMA_HAPTICS_GROUPS_ON_WAY_ONCE
+
+namespace proxima {
+
+/// A way in units, and how far from it, with room for rounding.
+struct BoxQuery {
+    float place[3]; ///< from the boxes' origin
+    float way[3];
+    float limit;
+};
+
+} // namespace proxima
+
+#endif
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "haptics/surface/groups_along_segment.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace proxima::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// Before which part of a way nothing of boxes is within the limit of it: as a plane across the way
+/// from the place to their middles tells, 0 where it does not.
+template <class Lanes>
+HWY_INLINE Lanes box_time(const Lanes (&lower)[3], const Lanes (&upper)[3], const float* way,
+                          Lanes limit)
+{
+    const hn::DFromV<Lanes> d;
+    auto squared = hn::Zero(d);
+    auto aside = hn::Zero(d);
+    auto swept = hn::Zero(d);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto middle = hn::Add(lower[axis], upper[axis]);
+        squared = hn::MulAdd(middle, middle, squared);
+        aside = hn::MulAdd(hn::Abs(middle), hn::Sub(upper[axis], lower[axis]), aside);
+        swept = hn::MulAdd(middle, hn::Set(d, 2 * way[axis]), swept);
+    }
+    // Twice everything. Less what the sums are off by.
+    const auto rounding = hn::Mul(hn::Add(squared, aside), hn::Set(d, 0x1p-20F));
+    const auto length = hn::Sqrt(squared);
+    const auto left =
+        hn::Sub(hn::Sub(hn::Sub(squared, aside), rounding), hn::Mul(hn::Add(limit, limit), length));
+    const auto least = hn::Max(swept, hn::Mul(left, hn::Set(d, 0.5F)));
+    const auto time = hn::Mul(hn::Div(left, least), hn::Set(d, 1 - 0x1p-18F));
+    const auto tells = hn::And(hn::Gt(left, hn::Zero(d)), hn::Gt(squared, hn::Set(d, 1e-30F)));
+    return hn::IfThenElseZero(tells, time);
+}
+
+/// Writes the numbers of groups whose boxes may be within the distance of the way, and before which
+/// part of it none is. Returns how many. \pre room for whole vectors
+std::size_t groups_along_segment(const GroupBoxes& boxes, const BoxQuery& query, std::uint32_t* ids,
+                                 float* times)
+{
+    const hn::CappedTag<float, 16> d;
+    const hn::Rebind<std::uint32_t, decltype(d)> di;
+    using Lanes = hn::Vec<decltype(d)>;
+    static_assert(GroupBoxes::room % 16 == 0);
+    constexpr float short_way = 1e-20F; // beyond it nothing is divided by it
+    const auto limit = hn::Set(d, query.limit);
+    std::size_t count = 0;
+    for (std::size_t first = 0; first < boxes.count; first += hn::Lanes(d)) {
+        auto near = hn::FirstN(d, HWY_MIN(hn::Lanes(d), boxes.count - first));
+        auto enter = hn::Zero(d);
+        auto leave = hn::Set(d, 2.0F);
+        Lanes lower[3];
+        Lanes upper[3];
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const auto place = hn::Set(d, query.place[axis]);
+            lower[axis] = hn::Sub(hn::LoadU(d, boxes.lower[axis].data() + first), place);
+            upper[axis] = hn::Sub(hn::LoadU(d, boxes.upper[axis].data() + first), place);
+            const float way = query.way[axis];
+            const float size = std::abs(way);
+            const auto ahead = hn::Sub(way < 0 ? hn::Neg(upper[axis]) : lower[axis], limit);
+            const auto behind = hn::Add(way < 0 ? hn::Neg(lower[axis]) : upper[axis], limit);
+            if (size > short_way) {
+                const auto parts = hn::Set(d, 1 / size);
+                enter = hn::Max(enter, hn::Mul(ahead, parts));
+                leave = hn::Min(leave, hn::Mul(behind, parts));
+            } else {
+                near = hn::And(near, hn::And(hn::Le(ahead, hn::Zero(d)), //
+                                             hn::Ge(behind, hn::Zero(d))));
+            }
+        }
+        near = hn::And(near, hn::Le(enter, leave));
+        enter = hn::Max(enter, box_time(lower, upper, query.way, limit));
+        near = hn::And(near, hn::Le(enter, hn::Set(d, 1.0F)));
+        // Not by a compressing store, which some processors are slow at.
+        const auto numbers = hn::LoadU(di, boxes.ids.data() + first);
+        hn::StoreU(hn::Compress(numbers, hn::RebindMask(di, near)), di, ids + count);
+        hn::StoreU(hn::Compress(enter, near), d, times + count);
+        count += hn::CountTrue(d, near);
+    }
+    return count;
+}
+
+} // namespace proxima::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+namespace proxima {
+
+HWY_EXPORT(groups_along_segment);
+
+void groups_along_segment(const GroupBoxes& boxes, const GroupQuery& query,
+                          GroupsOnWay& groups) noexcept
+{
+    PROXIMA_CHECK_LE(boxes.count, GroupBoxes::room);
+    const Vec3 place = (query.place - query.origin) * query.scale;
+    const Vec3 way = query.way * query.scale;
+    const double distance = query.distance * query.scale;
+    BoxQuery lanes{};
+    for (int axis = 0; axis < 3; ++axis) {
+        lanes.place[axis] = static_cast<float>(place[axis]);
+        lanes.way[axis] = static_cast<float>(way[axis]);
+    }
+    // Of the place, the way and the distance as floats, and of what is done with them.
+    const double size = place.cwiseAbs().maxCoeff() + way.cwiseAbs().maxCoeff() + distance;
+    lanes.limit = static_cast<float>(distance + 0x1p-20 * size + query.rounding * query.scale);
+    groups.count = HWY_DYNAMIC_DISPATCH(groups_along_segment)(boxes, lanes, groups.ids.data(),
+                                                              groups.times.data());
+}
+
+} // namespace proxima
+
+#endif

@@ -1,0 +1,48 @@
+// Normals that vary smoothly over a mesh, for force shading ([ruspini-1997]): what Phong's are to
+// light.
+//
+//     corner    mean of the normals round a vertex, weighted by angle, of the triangles that hang
+//               together there over edges that are not sharp
+//     inside    corners' normals, weighted by place
+//
+// So a coarse sphere feels round, and the edges of a cube stay edges.
+#pragma once
+
+#include "haptics/surface/surface_feel.h"
+#include "mesh/topology.h"
+#include "mesh/triangle_mesh.h"
+
+#include <array>
+#include <vector>
+
+namespace proxima {
+
+struct ShadingOptions {
+    double sharp_angle = 0.75; ///< radians: edges where normals differ by more stay edges
+};
+
+/// Refers to the mesh, which must outlive it. Immutable; 72 bytes per triangle.
+class ShadingNormals final : public SurfaceFeel {
+public:
+    /// O(triangles); round a vertex the square of how many meet there. Edges of one triangle, or of
+    /// more than two, are sharp. Triangles without an area have no say.
+    ShadingNormals(const TriangleMesh& mesh, const Topology& topology,
+                   const ShadingOptions& options = {});
+
+    /// None: the renderer's own.
+    [[nodiscard]] std::optional<SurfaceMaterial>
+    material(TriangleId /*triangle*/) const noexcept override
+    {
+        return std::nullopt;
+    }
+
+    /// 30 ns.
+    [[nodiscard]] Vec3 shaded_normal(TriangleId triangle,
+                                     const Vec3& point) const noexcept override;
+
+private:
+    const TriangleMesh& mesh_;
+    std::vector<std::array<Vec3, 3>> corners_; ///< by triangle
+};
+
+} // namespace proxima

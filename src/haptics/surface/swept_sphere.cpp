@@ -1,0 +1,137 @@
+#include "haptics/surface/swept_sphere.h"
+
+#include "geometry/exact_predicates.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace proxima {
+
+namespace {
+
+constexpr double never = std::numeric_limits<double>::infinity();
+
+/// The first t at which |from + t motion| = radius, where that is in [0, 1]; never otherwise.
+double entry_time(const Vec3& from, const Vec3& motion, double radius) noexcept
+{
+    const double speed_squared = motion.squaredNorm();
+    if (!(speed_squared > 0)) return never;
+    const double nearest = -from.dot(motion) / speed_squared;
+    if (!(nearest > 0)) return never; // it moves away
+    const Vec3 perpendicular = from + nearest * motion;
+    const double left = radius * radius - perpendicular.squaredNorm();
+    if (!(left > 0)) return never;
+    const double t = nearest - std::sqrt(left / speed_squared);
+    return t >= 0 && t <= 1 ? t : never;
+}
+
+/// Whether the product of two sides is right to some digits: little of it cancels.
+bool is_well_shaped(const Triangle& triangle, double squared) noexcept
+{
+    constexpr double plump = 0x1p-16;
+    return squared > plump * (triangle[1] - triangle[0]).squaredNorm() *
+                         (triangle[2] - triangle[0]).squaredNorm() &&
+           squared > 1e-280;
+}
+
+bool is_above(const Triangle& triangle, const Vec3& normal, const Vec3& x) noexcept
+{
+    for (int k = 0; k < 3; ++k) {
+        const Vec3& from = triangle[k];
+        const Vec3 side = triangle[(k + 1) % 3] - from;
+        if (!(side.cross(x - from).dot(normal) >= 0)) return false;
+    }
+    return true;
+}
+
+double side_time(const Vec3& from, const Vec3& to, double radius, const Vec3& p,
+                 const Vec3& motion) noexcept
+{
+    const Vec3 side = to - from;
+    const double length_squared = side.squaredNorm();
+    if (!(length_squared > 0)) return never;
+    const Vec3 at = p - from;
+    const double start = at.dot(side) / length_squared;
+    const double pace = motion.dot(side) / length_squared;
+    const double t = entry_time(at - start * side, motion - pace * side, radius);
+    if (t == never) return never;
+    const double along = start + t * pace;
+    return along >= 0 && along <= 1 ? t : never;
+}
+
+} // namespace
+
+Vec3 unit_normal(const Triangle& triangle) noexcept
+{
+    return TrianglePlane(triangle).normal();
+}
+
+TrianglePlane::TrianglePlane(const Triangle& triangle) noexcept
+    : triangle_(triangle), scaled_((triangle[1] - triangle[0]).cross(triangle[2] - triangle[0])),
+      squared_(scaled_.squaredNorm()), plump_(is_well_shaped(triangle, squared_))
+{}
+
+bool TrianglePlane::is_beyond(const Vec3& p, const Vec3& motion, double distance) const noexcept
+{
+    const Vec3 from = p - triangle_[0];
+    const double start = scaled_.dot(from);
+    const double end = start + scaled_.dot(motion);
+    if (!plump_ || !(start * end > 0)) return false;
+    // A plump one's normal is off by less than 2^-42.
+    const double apart = distance + 0x1p-39 * (from.cwiseAbs().sum() + motion.cwiseAbs().sum());
+    const double least = apart * apart * squared_ * (1 + 0x1p-40);
+    return start * start > least && end * end > least;
+}
+
+Vec3 TrianglePlane::normal() const noexcept
+{
+    if (plump_) return scaled_ / std::sqrt(squared_);
+    return unit_normal({triangle_[0], triangle_[1]}, {triangle_[0], triangle_[2]});
+}
+
+double least_touch_time(const Triangle& triangle, double distance, const Vec3& p,
+                        const Vec3& motion) noexcept
+{
+    const Vec3 a = triangle[0] - p;
+    const Vec3 b = triangle[1] - p;
+    const Vec3 c = triangle[2] - p;
+    const Vec3 way = a + b + c;
+    const double sizes =
+        a.cwiseAbs().sum() + b.cwiseAbs().sum() + c.cwiseAbs().sum() + motion.cwiseAbs().sum();
+    const double nearest = std::min({way.dot(a), way.dot(b), way.dot(c)});
+    const double left = nearest - distance * way.norm() * (1 + 0x1p-40) - 0x1p-46 * sizes * sizes;
+    if (!(left > 0)) return 0;
+    const double swept = way.dot(motion) + 0x1p-46 * sizes * sizes;
+    return swept > 0 ? left / swept * (1 - 0x1p-40) : never;
+}
+
+std::optional<double> touch_time(const Triangle& triangle, double radius, const Vec3& p,
+                                 const Vec3& motion) noexcept
+{
+    const TrianglePlane plane(triangle);
+    // Most triangles: the whole way on one side of the offset planes.
+    if (plane.is_beyond(p, motion, radius)) return std::nullopt;
+
+    // Outside of both planes, nothing else can be touched before them.
+    const Vec3 normal = plane.normal();
+    const double height = normal.dot(p - triangle[0]);
+    const double rise = normal.dot(motion);
+    if (std::abs(height) > radius) {
+        const double towards = height > 0 ? -rise : rise;
+        const double left = std::abs(height) - radius;
+        if (!(towards >= left)) return std::nullopt;
+        const double t = left / towards;
+        if (is_above(triangle, normal, p + t * motion)) return t;
+    }
+    double first = never;
+    for (int k = 0; k < 3; ++k) {
+        const Vec3& corner = triangle[k];
+        first = std::min(first, side_time(corner, triangle[(k + 1) % 3], radius, p, motion));
+        first = std::min(first, entry_time(p - corner, motion, radius));
+    }
+    if (first == never) return std::nullopt;
+    return first;
+}
+
+} // namespace proxima

@@ -1,0 +1,52 @@
+// When a moving sphere first touches a triangle: faces, sides and corners as offset planes,
+// cylinders and spheres.
+//
+//     the centre goes   p + t motion,  0 <= t <= 1
+//     it touches        where the centre is `radius` from the triangle: a convex set, entered once
+//
+// Written so that a radius of a billionth of the coordinates still works: distances of lines are
+// lengths of perpendiculars, not differences of squares.
+#pragma once
+
+#include "geometry/shapes.h"
+#include "geometry/vec.h"
+
+#include <optional>
+
+namespace proxima {
+
+/// The direction of the triangle's normal, of length 1 and right up to a few roundings also for
+/// slivers; zero for a triangle without an area. 10 ns.
+[[nodiscard]] Vec3 unit_normal(const Triangle& triangle) noexcept;
+
+/// The plane of a triangle, which must outlive this. 5 ns.
+class TrianglePlane {
+public:
+    explicit TrianglePlane(const Triangle& triangle) noexcept;
+
+    /// True only if p and p + motion are on one side of it, both farther than the distance by more
+    /// than all rounding of their heights. Never for slivers.
+    [[nodiscard]] bool is_beyond(const Vec3& p, const Vec3& motion, double distance) const noexcept;
+
+    /// As unit_normal.
+    [[nodiscard]] Vec3 normal() const noexcept;
+
+private:
+    const Triangle& triangle_;
+    Vec3 scaled_;
+    double squared_;
+    bool plump_;
+};
+
+/// No place of the triangle is within the distance before this t of the way p + t motion: as a
+/// plane across the way from p to its middle tells, with room for rounding. 0 where that tells
+/// nothing; infinity for never. For large spheres what planes of triangles are for points. 5 ns.
+[[nodiscard]] double least_touch_time(const Triangle& triangle, double distance, const Vec3& p,
+                                      const Vec3& motion) noexcept;
+
+/// The first t at which the sphere touches, or nothing. noexcept, no allocation, 5 to 50 ns.
+/// \pre at t = 0 the centre is farther than the radius; radius > 0
+[[nodiscard]] std::optional<double> touch_time(const Triangle& triangle, double radius,
+                                               const Vec3& p, const Vec3& motion) noexcept;
+
+} // namespace proxima

@@ -1,0 +1,51 @@
+// How a check goes through large arrays: in tasks on several threads, watched, and such that the
+// fault it names is the first one.
+#pragma once
+
+#include "base/parallel.h"
+#include "base/progress.h"
+#include "base/result.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace proxima {
+
+class CheckWork {
+public:
+    /// Bytes of a task, and between looks at whether to stop.
+    static constexpr std::uint64_t task_bytes = std::uint64_t{1} << 18U;
+
+    CheckWork(Threads threads, Progress* progress) noexcept : threads_(threads), progress_(progress)
+    {}
+
+    /// For one task's steps, in bytes.
+    [[nodiscard]] StageSteps steps() const noexcept { return {progress_, task_bytes}; }
+
+    [[nodiscard]] static tl::unexpected<Error> stopped()
+    {
+        return fail(ErrorCode::cancelled, "checking was stopped on request");
+    }
+
+    /// Calls check(task), which returns a Status, for all tasks; the error of the lowest that has
+    /// one.
+    template <class Check>
+    [[nodiscard]] Status run(std::size_t tasks, Check&& check) const
+    {
+        std::vector<Status> found(tasks);
+        parallel_for(tasks, threads_, [&](std::size_t task) {
+            found[task] = is_cancelled(progress_) ? Status(stopped()) : check(task);
+        });
+        for (const Status& status : found) {
+            if (!status) return status;
+        }
+        return {};
+    }
+
+private:
+    Threads threads_;
+    Progress* progress_;
+};
+
+} // namespace proxima

@@ -1,0 +1,47 @@
+// Joins trees that were emitted on their own into the arrays of one octree.
+#pragma once
+
+#include "index/lists/emit_octree.h"
+#include "index/lists/emit_tree.h"
+#include "index/lists/rank_blocks.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace proxima {
+
+/// Joins trees into one.
+class OctreeJoiner {
+public:
+    /// Room for all at once: what moves while it grows loses its huge pages.
+    OctreeJoiner(EmittedOctree& octree, std::span<const EmittedTree> trees,
+                 const RankBlocks& by_rank);
+
+    /// Copies the tree's arrays to the end. Returns the word of its root.
+    std::uint64_t join(const EmittedTree& tree);
+
+private:
+    static constexpr std::size_t usual_block_bytes = 384;
+
+    static std::uint32_t block_at(const EmittedTree& tree, std::size_t first_byte,
+                                  std::uint32_t number);
+
+    static std::uint32_t place_of(std::size_t byte);
+    /// Written when it is first met.
+    std::uint32_t block_by_rank(std::uint32_t block);
+
+    [[nodiscard]] std::size_t aligned_end() const;
+    void append_bytes(std::size_t first_byte, std::span<const std::byte> bytes);
+    void count(const ProximityStatistics& more);
+
+    static constexpr std::uint32_t no_place = 0xFFFFFFFF;
+
+    EmittedOctree& octree_;
+    const RankBlocks& by_rank_;
+    std::vector<std::uint32_t> places_by_rank_; ///< in the arena
+    std::vector<std::byte> bytes_;
+};
+
+} // namespace proxima

@@ -1,0 +1,96 @@
+#include "mesh/coincidence.h"
+
+#include "mesh/equal_items.h"
+#include "mesh/surface_parts.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace proxima::detail {
+
+namespace {
+
+TriangleCorners sorted(TriangleCorners corners) noexcept
+{
+    std::sort(corners.begin(), corners.end());
+    return corners;
+}
+
+std::uint64_t hash_of(const TriangleCorners& corners) noexcept
+{
+    return mix_bits(mix_bits(corners[0], corners[1]), corners[2]);
+}
+
+std::uint64_t hash_of(const Vec3& position) noexcept
+{
+    std::uint64_t hash = 0;
+    for (const double coordinate : position) {
+        hash = mix_bits(hash, std::bit_cast<std::uint64_t>(coordinate + 0.0)); // -0 becomes 0
+    }
+    return hash;
+}
+
+TriangleCorners welded(const TriangleCorners& corners,
+                       std::span<const std::uint32_t> same_position) noexcept
+{
+    return {same_position[corners[0]], same_position[corners[1]], same_position[corners[2]]};
+}
+
+} // namespace
+
+std::vector<std::uint32_t> first_at_position(const TriangleMesh& mesh)
+{
+    const std::span<const Vec3> positions = mesh.positions();
+    return first_equal_items(
+        static_cast<std::uint32_t>(positions.size()),
+        [&](std::uint32_t vertex) { return positions[vertex].allFinite(); },
+        [&](std::uint32_t vertex) { return hash_of(positions[vertex]); },
+        [&](std::uint32_t a, std::uint32_t b) { return positions[a] == positions[b]; });
+}
+
+std::vector<std::uint32_t> first_coincident(const TriangleMesh& mesh,
+                                            std::span<const std::uint32_t> same_position)
+{
+    // Where ids differ and places do not, some corner has its place in common with another vertex.
+    std::vector<bool> shares_place(mesh.vertex_count(), false);
+    for (std::uint32_t vertex = 0; vertex < mesh.vertex_count(); ++vertex) {
+        if (same_position[vertex] == vertex) continue;
+        shares_place[vertex] = shares_place[same_position[vertex]] = true;
+    }
+    const auto key = [&](std::uint32_t triangle) {
+        return sorted(welded(mesh.triangles()[triangle], same_position));
+    };
+    const auto takes_part = [&](std::uint32_t triangle) {
+        const TriangleCorners& corners = mesh.triangles()[triangle];
+        return std::any_of(corners.begin(), corners.end(),
+                           [&](std::uint32_t corner) { return shares_place[corner]; }) &&
+               is_proper(key(triangle));
+    };
+    return first_equal_items(
+        static_cast<std::uint32_t>(mesh.triangle_count()), takes_part,
+        [&](std::uint32_t triangle) { return hash_of(key(triangle)); },
+        [&](std::uint32_t a, std::uint32_t b) { return key(a) == key(b); });
+}
+
+Result<bool> is_closed_if_welded(const TriangleMesh& mesh,
+                                 std::span<const std::uint32_t> same_position,
+                                 const TopologyOptions& options)
+{
+    std::vector<TriangleCorners> triangles;
+    for (const TriangleCorners& corners : mesh.triangles()) {
+        const TriangleCorners one = welded(corners, same_position);
+        if (is_proper(one)) triangles.push_back(one);
+    }
+    const Result<TriangleMesh> one_mesh = make_triangle_mesh(
+        {mesh.positions().begin(), mesh.positions().end()}, std::move(triangles));
+    if (!one_mesh) return tl::unexpected(one_mesh.error());
+    const Result<Topology> topology = build_topology(*one_mesh, options);
+    if (!topology) return tl::unexpected(topology.error());
+    bool closed = topology->edge_count() > 0;
+    for (std::uint32_t id = 0; id < topology->edge_count(); ++id) {
+        closed = closed && topology->triangles(EdgeId{id}).size() % 2 == 0;
+    }
+    return closed;
+}
+
+} // namespace proxima::detail

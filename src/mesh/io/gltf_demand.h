@@ -1,0 +1,17 @@
+// What a glTF would make assimp allocate, found out from its JSON before assimp reads it: a few
+// hundred bytes can ask for any amount of memory, or for recursion deeper than the stack.
+#pragma once
+
+#include "mesh/io/mesh_source.h"
+
+#include <string_view>
+
+namespace proxima::detail {
+
+/// Refuses a glTF 1 or 2 whose scene needs more than the budget, by an estimate from above, or
+/// whose nodes lie too deep in each other. `json` is a part of source.text.
+/// Errors: malformed_file, limit_exceeded, budget_exceeded. O(json).
+[[nodiscard]] Status check_gltf_demand(const MeshSource& source, std::string_view json,
+                                       MemoryBudget budget);
+
+} // namespace proxima::detail

@@ -1,0 +1,76 @@
+// The bytes of a mesh file, and how messages name a place in them.
+#pragma once
+
+#include "base/grow_buffer.h"
+#include "base/memory_budget.h"
+#include "base/progress.h"
+#include "base/result.h"
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace proxima::detail {
+
+/// What a reader reads. The bytes belong to someone else.
+struct MeshSource {
+    std::string name; ///< for messages
+    std::string_view text;
+
+    /// "name:12" for a place in line 12. O(place).
+    [[nodiscard]] std::string at_line(const char* place) const;
+    /// "name, byte 84", counted from 0.
+    [[nodiscard]] std::string at_byte(const char* place) const;
+};
+
+/// The whole content of a file.
+struct FileBytes {
+    GrowBuffer<char> bytes;
+
+    [[nodiscard]] std::string_view text() const noexcept { return {bytes.data(), bytes.size()}; }
+};
+
+/// Reads a regular file at once (a memory map would end the process by SIGBUS if the file shrank
+/// meanwhile). `progress` sees the stage "loading file", steps are bytes. Errors: file_not_found,
+/// budget_exceeded, malformed_file if it is empty, cancelled.
+[[nodiscard]] Result<FileBytes> read_file(const std::filesystem::path& path, MemoryBudget budget,
+                                          Progress* progress);
+
+/// Tells the watcher how far the reader is and the reader whether to stop. One comparison per call,
+/// but once per MiB.
+class ReadProgress {
+public:
+    ReadProgress(Progress* progress, std::string_view text) noexcept
+        : progress_(progress), reported_(text.data()), next_(text.data())
+    {
+        if (progress_ != nullptr) progress_->begin_stage("reading mesh", text.size());
+    }
+
+    /// False where the reader shall stop.
+    [[nodiscard]] bool may_continue(const char* place) noexcept
+    {
+        return place < next_ || report(place);
+    }
+
+private:
+    static constexpr std::ptrdiff_t interval = std::ptrdiff_t{1} << 20;
+
+    [[nodiscard]] bool report(const char* place) noexcept
+    {
+        next_ = place + interval;
+        if (progress_ == nullptr) return true;
+        progress_->advance(static_cast<std::uint64_t>(place - reported_));
+        reported_ = place;
+        return !progress_->cancelled();
+    }
+
+    Progress* progress_;
+    const char* reported_;
+    const char* next_;
+};
+
+/// The error of a cancelled reader of the file or data of this name.
+[[nodiscard]] Error reading_cancelled(const std::string& name);
+
+} // namespace proxima::detail

@@ -1,0 +1,84 @@
+#include "mesh/io/number_text.h"
+
+#include <algorithm>
+#include <charconv>
+#include <limits>
+
+namespace proxima::detail {
+
+namespace {
+
+bool starts_with_any_case(const char* begin, const char* end, std::string_view word) noexcept
+{
+    if (end - begin < static_cast<std::ptrdiff_t>(word.size())) return false;
+    return std::equal(word.begin(), word.end(), begin, [](char expected, char letter) {
+        return expected == (letter >= 'a' && letter <= 'z' ? letter - 'a' + 'A' : letter);
+    });
+}
+
+// What "1.#INF" and its relatives stand for, as the C library of old Windows compilers wrote them.
+const char* parse_windows_special(const char* begin, const char* end, double& value) noexcept
+{
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    const struct {
+        std::string_view word;
+        double value;
+    } specials[] = {{"1.#INF", infinity}, {"1.#QNAN", nan}, {"1.#SNAN", nan}, {"1.#IND", nan}};
+    for (const auto& special : specials) {
+        if (!starts_with_any_case(begin, end, special.word)) continue;
+        const char* place = begin + special.word.size();
+        while (place < end && is_digit(*place)) ++place; // "1.#INF00"
+        value = special.value;
+        return place;
+    }
+    return nullptr;
+}
+
+// Whether a decimal number that does not fit a double is too large rather than too small.
+bool is_huge(const char* begin, const char* end) noexcept
+{
+    const char* exponent_mark =
+        std::find_if(begin, end, [](char letter) { return letter == 'e' || letter == 'E'; });
+    const char* point = std::find(begin, exponent_mark, '.');
+    const char* first_nonzero = std::find_if(
+        begin, exponent_mark, [](char letter) { return letter >= '1' && letter <= '9'; });
+    // Decimal place of the leading digit: 0.001 has -2, 100 has 3.
+    const std::ptrdiff_t leading =
+        first_nonzero < point ? point - first_nonzero : point + 1 - first_nonzero;
+    if (exponent_mark == end) return leading > 0;
+    const char* power = exponent_mark + 1;
+    const bool shrinks = power < end && *power == '-';
+    if (power < end && (*power == '-' || *power == '+')) ++power;
+    std::int64_t power_value = 0;
+    for (; power < end && is_digit(*power); ++power) {
+        power_value = std::min<std::int64_t>(power_value * 10 + (*power - '0'), 1'000'000'000'000);
+    }
+    return leading + (shrinks ? -power_value : power_value) > 0;
+}
+
+} // namespace
+
+const char* parse_real_slowly(const char* begin, const char* end, double& value) noexcept
+{
+    const char* place = begin;
+    const bool negative = place < end && *place == '-';
+    if (place < end && (*place == '-' || *place == '+')) ++place;
+    // A second sign would be taken by from_chars.
+    if (place == end || *place == '-' || *place == '+') return nullptr;
+    double magnitude = 0;
+    const char* stop = parse_windows_special(place, end, magnitude);
+    if (stop == nullptr) {
+        const auto parsed = std::from_chars(place, end, magnitude);
+        if (parsed.ec == std::errc::invalid_argument) return nullptr;
+        if (parsed.ec == std::errc::result_out_of_range) {
+            magnitude = is_huge(place, parsed.ptr) ? std::numeric_limits<double>::infinity() : 0.0;
+        }
+        stop = parsed.ptr;
+    }
+    if (stop < end && *stop == '#') return nullptr;
+    value = negative ? -magnitude : magnitude;
+    return stop;
+}
+
+} // namespace proxima::detail

@@ -1,0 +1,257 @@
+#include "mesh/io/read_with_assimp.h"
+
+#include "base/text.h"
+#include "mesh/io/gltf_demand.h"
+
+#include <assimp/Importer.hpp>
+#include <assimp/scene.h>
+#include <exception>
+#include <string_view>
+#include <vector>
+
+namespace proxima::detail {
+
+namespace {
+
+using Transform = Eigen::Matrix4d;
+
+Transform transform_of(const aiNode& node)
+{
+    const aiMatrix4x4& m = node.mTransformation;
+    Transform transform;
+    transform << m.a1, m.a2, m.a3, m.a4, m.b1, m.b2, m.b3, m.b4, m.c1, m.c2, m.c3, m.c4, m.d1, m.d2,
+        m.d3, m.d4;
+    return transform;
+}
+
+std::uint32_t glb_number(std::string_view text, std::size_t place)
+{
+    std::uint32_t value = 0;
+    for (std::size_t i = 4; i > 0; --i) {
+        value = value << 8U | static_cast<unsigned char>(text[place + i - 1]);
+    }
+    return value;
+}
+
+// Assimp takes the lengths of a GLB's parts at their word and allocates by them.
+//
+//     "glTF" | version | length of all | then parts: length, kind, content
+//     version 1: length and kind of the JSON follow the header as a first part would
+Status check_glb_lengths(const MeshSource& source)
+{
+    const std::string_view text = source.text;
+    constexpr std::size_t header_bytes = 12;
+    constexpr std::size_t part_header_bytes = 8;
+    const auto number = [&](std::size_t place) { return glb_number(text, place); };
+    if (text.size() < header_bytes + part_header_bytes || !text.starts_with("glTF")) {
+        return fail(ErrorCode::malformed_file, "this is no GLB file: its header is missing",
+                    source.name);
+    }
+    if (number(8) != text.size()) {
+        return fail(ErrorCode::malformed_file,
+                    concat("the header promises ", number(8), " bytes, the file has ", text.size(),
+                           ": it is cut off or damaged"),
+                    source.name);
+    }
+    const bool has_one_part = number(4) == 1; // what follows its JSON has no header
+    for (std::size_t place = header_bytes; place < text.size();) {
+        const std::size_t left = text.size() - place;
+        if (left < part_header_bytes || number(place) > left - part_header_bytes) {
+            return fail(ErrorCode::malformed_file,
+                        "a part is longer than what is left of the file: it is damaged",
+                        source.at_byte(text.data() + place));
+        }
+        if (has_one_part) break;
+        place += part_header_bytes + number(place);
+    }
+    return {};
+}
+
+// The JSON of a glTF, or of a GLB whose lengths are right.
+std::string_view json_of(const MeshSource& source, MeshFormat format)
+{
+    constexpr std::size_t glb_json_begin = 20;
+    if (format == MeshFormat::glb) {
+        return source.text.substr(glb_json_begin, glb_number(source.text, 12));
+    }
+    constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+    const bool has_mark = source.text.starts_with(byte_order_mark);
+    return source.text.substr(has_mark ? byte_order_mark.size() : 0);
+}
+
+Status check_before_reading(const MeshSource& source, MeshFormat format, MemoryBudget budget)
+{
+    if (format == MeshFormat::three_ds) return {};
+    if (format == MeshFormat::glb) {
+        if (auto status = check_glb_lengths(source); !status) return status;
+    }
+    const std::string_view json = json_of(source, format);
+    // What its glTF readers do not know, assimp would give to readers that are not safe.
+    const std::size_t first = json.find_first_not_of(" \t\r\n");
+    if (first == std::string_view::npos || json[first] != '{') {
+        return fail(ErrorCode::malformed_file,
+                    concat("this is no ", format_name(format), " file: it has no JSON object"),
+                    source.name);
+    }
+    return check_gltf_demand(source, json, budget);
+}
+
+// One mesh of the scene in one place.
+struct Instance {
+    const aiMesh* mesh = nullptr;
+    Transform transform;
+};
+
+class SceneReader {
+public:
+    SceneReader(const MeshSource& source, const ReadOptions& options, const aiScene& scene)
+        : source_(source), options_(options), scene_(scene), mesh_(source, options)
+    {}
+
+    Result<TriangleMesh> read(Vertices vertices)
+    {
+        if (!find_instances()) return tl::unexpected(error_);
+        // All together, before any is taken: one mesh may stand in a million places.
+        std::uint64_t vertex_count = 0;
+        std::uint64_t face_count = 0;
+        for (const Instance& instance : instances_) {
+            vertex_count += instance.mesh->mNumVertices;
+            face_count += instance.mesh->mNumFaces;
+        }
+        if (!mesh_.reserve_vertices(vertex_count) || !mesh_.reserve_triangles(face_count)) {
+            return tl::unexpected(mesh_.error());
+        }
+        for (const Instance& instance : instances_) {
+            if (is_cancelled(options_.progress))
+                return tl::unexpected(reading_cancelled(source_.name));
+            if (!add(instance)) return tl::unexpected(error_);
+        }
+        return mesh_.finish(vertices);
+    }
+
+private:
+    bool find_instances()
+    {
+        struct Pending {
+            const aiNode* node = nullptr;
+            Transform parent;
+        };
+        std::vector<Pending> pending{{scene_.mRootNode, Transform::Identity()}};
+        while (!pending.empty()) {
+            const Pending next = pending.back();
+            pending.pop_back();
+            const Transform transform = next.parent * transform_of(*next.node);
+            for (unsigned i = 0; i < next.node->mNumMeshes; ++i) {
+                const unsigned mesh = next.node->mMeshes[i];
+                if (mesh >= scene_.mNumMeshes) {
+                    return refuse(concat("a node uses mesh ", mesh, " of ", scene_.mNumMeshes));
+                }
+                instances_.push_back({scene_.mMeshes[mesh], transform});
+            }
+            // Last child first onto the stack, so that meshes come in the order of the file.
+            for (unsigned i = next.node->mNumChildren; i > 0; --i) {
+                pending.push_back({next.node->mChildren[i - 1], transform});
+            }
+        }
+        return true;
+    }
+
+    bool add(const Instance& instance)
+    {
+        const aiMesh& mesh = *instance.mesh;
+        const auto first = static_cast<std::uint32_t>(mesh_.vertex_count());
+        const Eigen::Matrix3d linear = instance.transform.topLeftCorner<3, 3>();
+        const Vec3 translation = instance.transform.topRightCorner<3, 1>();
+        for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
+            const aiVector3D& v = mesh.mVertices[i];
+            if (!mesh_.add_vertex(linear * Vec3(v.x, v.y, v.z) + translation)) {
+                return refused_by_mesh();
+            }
+        }
+        // A mirror turns the inside out unless the corners change their order.
+        const bool mirrored = linear.determinant() < 0;
+        std::vector<std::uint32_t> corners;
+        for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
+            const aiFace& face = mesh.mFaces[i];
+            if (face.mNumIndices < 3) continue;
+            if (face.mNumIndices > max_face_corners) {
+                return refuse(concat("face ", i, " has ", face.mNumIndices,
+                                     " corners, the limit is ", max_face_corners));
+            }
+            corners.clear();
+            for (unsigned corner = 0; corner < face.mNumIndices; ++corner) {
+                const unsigned index =
+                    face.mIndices[mirrored ? face.mNumIndices - 1 - corner : corner];
+                if (index >= mesh.mNumVertices) {
+                    return refuse(concat("face ", i, " of mesh ", mesh.mName.C_Str(),
+                                         " uses vertex ", index, " of ", mesh.mNumVertices));
+                }
+                corners.push_back(first + index);
+            }
+            if (!mesh_.add_face(corners)) return refused_by_mesh();
+        }
+        return true;
+    }
+
+    bool refuse(std::string message)
+    {
+        error_ = {ErrorCode::malformed_file, std::move(message), source_.name};
+        return false;
+    }
+
+    bool refused_by_mesh()
+    {
+        error_ = mesh_.error();
+        return false;
+    }
+
+    const MeshSource& source_;
+    const ReadOptions& options_;
+    const aiScene& scene_;
+    MeshAssembler mesh_;
+    std::vector<Instance> instances_;
+    Error error_;
+};
+
+const char* hint_of(MeshFormat format) noexcept
+{
+    if (format == MeshFormat::three_ds) return "3ds";
+    return format == MeshFormat::gltf ? "gltf" : "glb";
+}
+
+} // namespace
+
+Result<TriangleMesh> read_with_assimp(const MeshSource& source, const std::filesystem::path& path,
+                                      MeshFormat format, const ReadOptions& options,
+                                      Vertices vertices)
+{
+    ReadProgress progress(options.progress, source.text);
+    if (auto status = check_before_reading(source, format, options.budget); !status) {
+        return tl::unexpected(status.error());
+    }
+    try {
+        // No post-processing: joining vertices and finding degenerates go by tolerances.
+        Assimp::Importer importer;
+        constexpr unsigned no_steps = 0;
+        const aiScene* scene =
+            path.empty() ? importer.ReadFileFromMemory(source.text.data(), source.text.size(),
+                                                       no_steps, hint_of(format))
+                         : importer.ReadFile(path.string(), no_steps);
+        if (scene == nullptr || scene->mRootNode == nullptr ||
+            (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) != 0U) {
+            return fail(ErrorCode::malformed_file,
+                        concat("this is no complete ", format_name(format),
+                               " file, assimp says: ", importer.GetErrorString()),
+                        source.name);
+        }
+        if (!progress.may_continue(source.text.data() + source.text.size())) {
+            return tl::unexpected(reading_cancelled(source.name));
+        }
+        return SceneReader(source, options, *scene).read(vertices);
+    } catch (const std::exception& exception) {
+        return fail(ErrorCode::malformed_file,
+                    concat("assimp cannot read this file: ", exception.what()), source.name);
+    }
+}
+
+} // namespace proxima::detail

@@ -1,0 +1,17 @@
+// Reads 3DS, glTF and GLB through assimp; part of the library only where it was built with it.
+#pragma once
+
+#include "mesh/io/mesh_assembler.h"
+
+#include <filesystem>
+
+namespace proxima::detail {
+
+/// Reads source.text, or `path` where it is given: a glTF may lie in several files. All meshes of
+/// the scene, placed by its nodes in double, polygons of fewer than three corners left out.
+[[nodiscard]] Result<TriangleMesh> read_with_assimp(const MeshSource& source,
+                                                    const std::filesystem::path& path,
+                                                    MeshFormat format, const ReadOptions& options,
+                                                    Vertices vertices);
+
+} // namespace proxima::detail

@@ -1,0 +1,58 @@
+// What the readers of text formats share: a place in the text, the mesh so far, and one error.
+#pragma once
+
+#include "mesh/io/mesh_assembler.h"
+
+#include <string>
+#include <utility>
+
+namespace proxima::detail {
+
+/// Base of one reading of one text. Steps return false where the reading ends; error() says why.
+template <class Cursor>
+class TextMeshReader {
+protected:
+    TextMeshReader(const MeshSource& source, const ReadOptions& options)
+        : source_(source), cursor_(source.text), mesh_(source, options),
+          progress_(options.progress, source.text)
+    {}
+
+    [[nodiscard]] const Error& error() const noexcept { return error_; }
+
+    /// False, with an error, where the watcher asks to stop.
+    [[nodiscard]] bool may_continue()
+    {
+        if (progress_.may_continue(cursor_.place())) return true;
+        error_ = reading_cancelled(source_.name);
+        return false;
+    }
+
+    /// An error at the line of `place`.
+    bool refuse_at(const char* place, ErrorCode code, std::string message)
+    {
+        error_ = {code, std::move(message), source_.at_line(place)};
+        return false;
+    }
+
+    /// An error at the line where reading is.
+    bool refuse(std::string message, ErrorCode code = ErrorCode::malformed_file)
+    {
+        return refuse_at(cursor_.place(), code, std::move(message));
+    }
+
+    bool refused_by_mesh()
+    {
+        error_ = mesh_.error();
+        return false;
+    }
+
+    const MeshSource& source_;
+    Cursor cursor_;
+    MeshAssembler mesh_;
+
+private:
+    ReadProgress progress_;
+    Error error_;
+};
+
+} // namespace proxima::detail

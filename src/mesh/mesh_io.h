@@ -1,0 +1,68 @@
+// Reading and writing mesh files.
+//
+//     auto mesh = read_mesh("bunny.obj");
+//     if (!mesh) { std::cerr << describe(mesh.error()); ... }   // bunny.obj:12: vertex 9 ... of 8
+//     auto status = write_mesh(*mesh, "bunny.ply");
+//
+// OBJ, PLY, STL and OFF are read by readers of our own, in double: vertices and faces keep the
+// order of the file. 3DS, glTF and GLB, whose numbers are float32, come through assimp where the
+// library was built with PROXIMA_WITH_ASSIMP.
+#pragma once
+
+#include "base/memory_budget.h"
+#include "base/progress.h"
+#include "mesh/mesh_format.h"
+#include "mesh/triangle_mesh.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+
+namespace proxima {
+
+/// Whether vertices at exactly the same position become one. by_format: for STL, which has no
+/// indices, and for 3DS, which repeats vertices along its smoothing groups.
+enum class Weld : std::uint8_t { by_format, never, exact_positions };
+
+struct ReadOptions {
+    Weld weld = Weld::by_format;
+    Progress* progress = nullptr; ///< stages "loading file", "reading mesh": steps are bytes
+    MemoryBudget budget = {};     ///< the file, the mesh and the scratch together
+};
+
+/// Reads the mesh of a file, its format told by the extension. All objects and groups become one
+/// mesh; normals, texture coordinates, colours and unknown PLY elements are passed over, and so are
+/// points and lines. Polygons of n corners become n - 2 triangles: a fan where that is right, ears
+/// where it is not; degenerate triangles are kept. NaN and infinite coordinates are values here;
+/// checked_bounding_box() refuses them later. A file whose records end early, promise more than
+/// there is, or are followed by something that does not belong to them is refused: nothing is lost
+/// silently. Errors: file_not_found, unsupported_format, malformed_file (with file and line, or
+/// byte), limit_exceeded (a face of more than 2^20 corners, or a concave one of more than 2^14),
+/// budget_exceeded (before the memory is taken), cancelled.
+[[nodiscard]] Result<TriangleMesh> read_mesh(const std::filesystem::path& path,
+                                             const ReadOptions& options = {});
+
+/// The same from memory, with "OBJ data" and the like as the name in messages. A glTF that refers
+/// to other files is refused.
+[[nodiscard]] Result<TriangleMesh> read_mesh_from_memory(std::span<const std::byte> bytes,
+                                                         MeshFormat format,
+                                                         const ReadOptions& options = {});
+
+enum class PlyEncoding : std::uint8_t { ascii, binary };
+enum class StlEncoding : std::uint8_t { ascii, binary };
+
+struct WriteOptions {
+    PlyEncoding ply = PlyEncoding::binary; ///< binary: little-endian, float64
+    StlEncoding stl = StlEncoding::binary; ///< binary: float32, the format has no other
+    Progress* progress = nullptr;          ///< stage "writing mesh", steps are triangles
+};
+
+/// Writes OBJ, PLY or STL, told by the extension, as OutputFile does: whole or not at all.
+/// Positions read back to the same bits, except through binary STL, which rounds to float32. STL
+/// keeps neither vertex order nor unused vertices. Errors: unsupported_format, file_not_writable,
+/// limit_exceeded (a finite coordinate that binary STL would turn into infinity), cancelled.
+[[nodiscard]] Status write_mesh(const TriangleMesh& mesh, const std::filesystem::path& path,
+                                const WriteOptions& options = {});
+
+} // namespace proxima

@@ -1,0 +1,401 @@
+#include "mesh/mesh_report.h"
+
+#include "base/text.h"
+#include "geometry/exact_predicates.h"
+#include "mesh/coincidence.h"
+#include "mesh/mesh_report_texts.h"
+#include "mesh/surface_parts.h"
+#include "mesh/topology.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace proxima {
+
+namespace {
+
+using detail::boundary_loops;
+using detail::edge_uses;
+using detail::EdgeUse;
+using detail::fan_counts;
+using detail::first_at_position;
+using detail::first_coincident;
+using detail::first_duplicates;
+using detail::is_closed_if_welded;
+using detail::is_finite;
+using detail::is_proper;
+using detail::surface_components;
+using detail::SurfaceComponent;
+
+constexpr std::size_t triangles_per_task = 8192;
+constexpr std::uint64_t stage_count = 5;
+
+// Products of three lengths stay in double's range between these.
+constexpr double smallest_safe_extent = 1e-100;
+constexpr double largest_safe_coordinate = 1e100;
+
+// A volume below this part of the sum of its absolute terms may be rounding.
+constexpr double smallest_volume_ratio = 1e-12;
+
+bool is_finite(const Vec3& position) noexcept
+{
+    return position.allFinite();
+}
+
+// Counts elements and remembers the first.
+class Tally {
+public:
+    explicit Tally(std::size_t max_ids) : max_ids_(max_ids) {}
+
+    void add(std::uint32_t id)
+    {
+        if (ids_.size() < max_ids_) ids_.push_back(id);
+        ++count_;
+    }
+    [[nodiscard]] std::uint64_t count() const noexcept { return count_; }
+    [[nodiscard]] const std::vector<std::uint32_t>& ids() const noexcept { return ids_; }
+
+private:
+    std::size_t max_ids_;
+    std::uint64_t count_ = 0;
+    std::vector<std::uint32_t> ids_;
+};
+
+} // namespace
+
+// The steps of report_mesh; each fills its part of the report.
+class MeshExaminer {
+public:
+    MeshExaminer(const TriangleMesh& mesh, const Topology& topology,
+                 const MeshReportOptions& options)
+        : mesh_(mesh), topology_(topology), options_(options)
+    {}
+
+    Result<MeshReport> examine()
+    {
+        if (const Status fits = check_bytes(); !fits) return tl::unexpected(fits.error());
+        if (options_.progress != nullptr) {
+            options_.progress->begin_stage("mesh report", stage_count);
+        }
+        for (const auto step : {&MeshExaminer::examine_positions, &MeshExaminer::examine_triangles,
+                                &MeshExaminer::examine_edges, &MeshExaminer::examine_components}) {
+            (this->*step)();
+            if (options_.progress != nullptr) options_.progress->advance(1);
+            if (is_cancelled(options_.progress)) {
+                return fail(ErrorCode::cancelled, "mesh report: stopped on request");
+            }
+        }
+        if (const Status welded = examine_welded(); !welded) return tl::unexpected(welded.error());
+        std::sort(report_.findings.begin(), report_.findings.end(),
+                  [](const MeshFinding& a, const MeshFinding& b) { return a.kind < b.kind; });
+        report_.outlook = detail::outlook_of(report_);
+        return std::move(report_);
+    }
+
+private:
+    [[nodiscard]] Status check_bytes() const
+    {
+        constexpr std::uint64_t per_item = 5 * sizeof(std::uint32_t); // of first_equal_items
+        constexpr std::uint64_t per_triangle = per_item + 5 * sizeof(std::uint32_t) + 1;
+        constexpr std::uint64_t per_edge = sizeof(EdgeUse);
+        return check_budget(options_.budget,
+                            topology_.bytes() + per_edge * topology_.edge_count() +
+                                per_item * mesh_.vertex_count() +
+                                per_triangle * mesh_.triangle_count(),
+                            "the mesh report", "raise the budget");
+    }
+
+    void examine_positions()
+    {
+        report_.vertices = mesh_.vertex_count();
+        report_.triangles = mesh_.triangle_count();
+        report_.edges = topology_.edge_count();
+        if (mesh_.triangle_count() == 0) report_whole(FindingKind::no_triangles);
+
+        Tally unreferenced(options_.max_ids);
+        Tally broken(options_.max_ids);
+        bool broken_in_use = false;
+        for (std::uint32_t id = 0; id < mesh_.vertex_count(); ++id) {
+            const Vec3& position = mesh_.positions()[id];
+            const bool in_use = !topology_.triangles(VertexId{id}).empty();
+            if (!in_use) unreferenced.add(id);
+            if (!is_finite(position)) {
+                broken.add(id);
+                broken_in_use = broken_in_use || in_use;
+            } else if (in_use) {
+                report_.bounds.extend(position);
+            }
+        }
+        report_elements(FindingKind::unreferenced_vertices, ElementKind::vertex, unreferenced);
+        report_elements(FindingKind::non_finite_positions, ElementKind::vertex, broken,
+                        broken_in_use ? Severity::error : Severity::note,
+                        broken_in_use
+                            ? "these vertices have a NaN or infinite coordinate and triangles use "
+                              "them: no octree can be built and every query refuses the mesh"
+                            : "these vertices have a NaN or infinite coordinate, but no triangle "
+                              "uses them: no query ever sees them");
+        examine_scale();
+        find_equal_positions();
+    }
+
+    void examine_scale()
+    {
+        if (report_.bounds.empty()) return;
+        const double extent = report_.bounds.extent().maxCoeff();
+        const double reach = std::max(report_.bounds.lower.cwiseAbs().maxCoeff(),
+                                      report_.bounds.upper.cwiseAbs().maxCoeff());
+        extent_ = extent;
+        if (reach > largest_safe_coordinate || (extent > 0.0 && extent < smallest_safe_extent)) {
+            report_whole(FindingKind::extreme_scale, Severity::warning,
+                         concat("the mesh is ", extent, " large with coordinates up to ", reach,
+                                ": areas and volumes leave the range of double, so normals, signs "
+                                "and distances may be lost; scale it towards size 1"));
+        }
+        if (extent > 0.0 && reach >= far_from_origin_ratio * extent) {
+            const int lost = static_cast<int>(std::log10(reach / extent));
+            report_whole(FindingKind::far_from_origin, Severity::warning,
+                         concat("coordinates reach ", reach, " but the mesh is only ", extent,
+                                " large: about ", std::max(0, 15 - lost),
+                                " of double's 16 digits are left for its shape, and all answers "
+                                "are as coarse as that; move it towards the origin, best before "
+                                "it was rounded"));
+        }
+    }
+
+    void find_equal_positions()
+    {
+        same_position_ = first_at_position(mesh_);
+        Tally duplicates(options_.max_ids);
+        for (std::uint32_t vertex = 0; vertex < mesh_.vertex_count(); ++vertex) {
+            if (same_position_[vertex] != vertex) duplicates.add(vertex);
+        }
+        report_elements(FindingKind::duplicate_vertices, ElementKind::vertex, duplicates);
+    }
+
+    void examine_triangles()
+    {
+        std::vector<std::uint8_t> without_area(mesh_.triangle_count(), 0);
+        parallel_for((mesh_.triangle_count() + triangles_per_task - 1) / triangles_per_task,
+                     options_.threads, [&](std::size_t task) {
+                         const std::size_t begin = task * triangles_per_task;
+                         const std::size_t end =
+                             std::min(begin + triangles_per_task, mesh_.triangle_count());
+                         for (std::size_t id = begin; id < end; ++id) {
+                             const Triangle triangle =
+                                 mesh_.triangle(TriangleId{static_cast<std::uint32_t>(id)});
+                             without_area[id] =
+                                 is_finite(triangle) && is_degenerate(triangle) ? 1 : 0;
+                         }
+                     });
+        Tally degenerate(options_.max_ids);
+        Tally zero_area(options_.max_ids);
+        for (std::uint32_t id = 0; id < mesh_.triangle_count(); ++id) {
+            const Triangle triangle = mesh_.triangle(TriangleId{id});
+            if (is_finite(triangle)) report_.area += 0.5 * scaled_normal(triangle).norm();
+            if (!is_proper(mesh_.triangles()[id])) {
+                degenerate.add(id);
+                continue;
+            }
+            ++proper_triangles_;
+            if (without_area[id] != 0) zero_area.add(id);
+        }
+        report_elements(FindingKind::degenerate_triangles, ElementKind::triangle, degenerate);
+        report_elements(FindingKind::zero_area_triangles, ElementKind::triangle, zero_area);
+        find_equal_triangles();
+    }
+
+    void find_equal_triangles()
+    {
+        const std::vector<std::uint32_t> same_ids = first_duplicates(mesh_, topology_);
+        const std::vector<std::uint32_t> same_places = first_coincident(mesh_, same_position_);
+        Tally duplicate(options_.max_ids);
+        Tally coincident(options_.max_ids);
+        for (std::uint32_t id = 0; id < mesh_.triangle_count(); ++id) {
+            if (same_ids[id] != id) {
+                duplicate.add(id);
+            } else if (same_places[id] != id) {
+                coincident.add(id);
+            }
+        }
+        report_elements(FindingKind::duplicate_triangles, ElementKind::triangle, duplicate);
+        report_elements(FindingKind::coincident_triangles, ElementKind::triangle, coincident);
+    }
+
+    void examine_edges()
+    {
+        uses_ = edge_uses(mesh_, topology_);
+        Tally boundary(options_.max_ids);
+        Tally branching(options_.max_ids);
+        Tally inconsistent(options_.max_ids);
+        double shortest = std::numeric_limits<double>::infinity();
+        for (std::uint32_t id = 0; id < topology_.edge_count(); ++id) {
+            const EdgeUse use = uses_[id];
+            if (use.total() == 1) boundary.add(id);
+            if (use.total() > 2) branching.add(id);
+            if (use.is_inconsistent()) inconsistent.add(id);
+            open_edges_ += use.is_open() ? 1U : 0U;
+            proper_edges_ += use.total() > 0 ? 1U : 0U;
+
+            const auto [low, high] = topology_.vertices(EdgeId{id});
+            const double length = (mesh_.position(high) - mesh_.position(low)).norm();
+            if (!std::isfinite(length)) continue;
+            shortest = std::min(shortest, length);
+            report_.max_edge_length = std::max(report_.max_edge_length, length);
+        }
+        if (std::isfinite(shortest)) report_.min_edge_length = shortest;
+        report_.closed = open_edges_ == 0 && proper_edges_ > 0;
+        report_.consistently_oriented = inconsistent.count() == 0;
+        report_elements(FindingKind::boundary_edges, ElementKind::edge, boundary);
+        report_elements(FindingKind::non_manifold_edges, ElementKind::edge, branching);
+        report_elements(FindingKind::inconsistent_edges, ElementKind::edge, inconsistent);
+        if (boundary.count() > 0) report_.boundary_loops = boundary_loops(topology_, uses_);
+        examine_fans();
+    }
+
+    void examine_fans()
+    {
+        const std::vector<std::uint8_t> fans = fan_counts(mesh_, topology_);
+        Tally touching(options_.max_ids);
+        for (std::uint32_t vertex = 0; vertex < mesh_.vertex_count(); ++vertex) {
+            if (fans[vertex] > 0) ++proper_vertices_;
+            if (fans[vertex] > 1) touching.add(vertex);
+        }
+        report_elements(FindingKind::non_manifold_vertices, ElementKind::vertex, touching);
+    }
+
+    void examine_components()
+    {
+        const std::vector<SurfaceComponent> components =
+            surface_components(mesh_, topology_, uses_, report_.bounds);
+        report_.components = components.size();
+        Tally inward(options_.max_ids);
+        std::uint64_t outward = 0;
+        bool sealed = report_.closed;
+        double volume = 0.0;
+        for (const SurfaceComponent& component : components) {
+            sealed = sealed && component.sealed;
+            volume += component.volume;
+            if (!component.sealed ||
+                std::abs(component.volume) <= smallest_volume_ratio * component.magnitude) {
+                continue;
+            }
+            if (component.volume > 0.0) {
+                ++outward;
+            } else {
+                inward.add(component.first_triangle);
+            }
+        }
+        if (sealed) {
+            report_.signed_volume = volume * extent_ * extent_ * extent_;
+            report_.orientation = inward.count() == 0 ? Orientation::outward
+                                  : outward == 0      ? Orientation::inward
+                                                      : Orientation::mixed;
+            if (inward.count() + outward < components.size()) {
+                report_.orientation = Orientation::undefined;
+            }
+        }
+        const bool cavities = volume > 0.0;
+        report_elements(
+            FindingKind::inward_components, ElementKind::component, inward,
+            cavities ? Severity::note : Severity::warning,
+            cavities ? "these closed parts face inwards: right for cavities inside of another "
+                       "part, else they are inside out and signs and inner cells are wrong there"
+                     : "these closed parts are inside out: octree, closest features, rays and "
+                       "intersection do not mind, but signs and inner and outer cells are the "
+                       "wrong way round; turn their triangles");
+
+        report_.euler_characteristic = proper_vertices_ - proper_edges_ + proper_triangles_;
+        const bool manifold = report_.find(FindingKind::non_manifold_edges) == nullptr &&
+                              report_.find(FindingKind::non_manifold_vertices) == nullptr;
+        if (report_.closed && report_.consistently_oriented && manifold) {
+            report_.genus =
+                static_cast<std::int64_t>(report_.components) - report_.euler_characteristic / 2;
+        }
+    }
+
+    // Would the mesh be closed if vertices at one position were one?
+    Status examine_welded()
+    {
+        if (report_.closed || report_.find(FindingKind::duplicate_vertices) == nullptr) return {};
+        const Result<bool> closed = is_closed_if_welded(mesh_, same_position_,
+                                                        {.threads = options_.threads,
+                                                         .budget = options_.budget,
+                                                         .progress = options_.progress});
+        if (!closed) return tl::unexpected(closed.error());
+        report_.closed_if_welded = *closed;
+        return {};
+    }
+
+    void report_whole(FindingKind kind)
+    {
+        report_whole(kind, detail::usual_severity(kind), detail::usual_meaning(kind));
+    }
+
+    void report_whole(FindingKind kind, Severity severity, std::string meaning)
+    {
+        report_.findings.push_back(
+            {kind, severity, ElementKind::mesh, 1, {}, {}, std::move(meaning)});
+    }
+
+    void report_elements(FindingKind kind, ElementKind element, const Tally& tally)
+    {
+        report_elements(kind, element, tally, detail::usual_severity(kind),
+                        detail::usual_meaning(kind));
+    }
+
+    void report_elements(FindingKind kind, ElementKind element, const Tally& tally,
+                         Severity severity, std::string meaning)
+    {
+        if (tally.count() == 0) return;
+        std::vector<Vec3> places;
+        for (const std::uint32_t id : tally.ids()) places.push_back(place_of(element, id));
+        report_.findings.push_back({kind, severity, element, tally.count(), tally.ids(),
+                                    std::move(places), std::move(meaning)});
+    }
+
+    [[nodiscard]] Vec3 place_of(ElementKind element, std::uint32_t id) const noexcept
+    {
+        if (element == ElementKind::vertex) return mesh_.positions()[id];
+        if (element == ElementKind::edge) {
+            const auto [low, high] = topology_.vertices(EdgeId{id});
+            return 0.5 * mesh_.position(low) + 0.5 * mesh_.position(high);
+        }
+        const Triangle triangle = mesh_.triangle(TriangleId{id});
+        return triangle[0] / 3.0 + triangle[1] / 3.0 + triangle[2] / 3.0;
+    }
+
+    const TriangleMesh& mesh_;
+    const Topology& topology_;
+    const MeshReportOptions& options_;
+    MeshReport report_;
+    double extent_ = 0.0;
+    std::vector<std::uint32_t> same_position_; ///< the first vertex at the position of each
+    std::vector<EdgeUse> uses_;
+    std::uint64_t open_edges_ = 0;
+    std::int64_t proper_edges_ = 0;
+    std::int64_t proper_vertices_ = 0;
+    std::int64_t proper_triangles_ = 0;
+};
+
+const MeshFinding* MeshReport::find(FindingKind kind) const noexcept
+{
+    const auto found = std::find_if(findings.begin(), findings.end(),
+                                    [&](const MeshFinding& each) { return each.kind == kind; });
+    return found == findings.end() ? nullptr : &*found;
+}
+
+Result<MeshReport> report_mesh(const TriangleMesh& mesh, const MeshReportOptions& options)
+{
+    const Result<Topology> topology = build_topology(
+        mesh, {.threads = options.threads, .budget = options.budget, .progress = options.progress});
+    if (!topology) return tl::unexpected(topology.error());
+    return report_mesh(mesh, *topology, options);
+}
+
+Result<MeshReport> report_mesh(const TriangleMesh& mesh, const Topology& topology,
+                               const MeshReportOptions& options)
+{
+    return MeshExaminer(mesh, topology, options).examine();
+}
+
+} // namespace proxima

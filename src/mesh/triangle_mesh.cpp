@@ -1,0 +1,83 @@
+#include "mesh/triangle_mesh.h"
+
+#include "base/text.h"
+
+#include <limits>
+
+namespace proxima {
+
+Result<TriangleMesh> make_triangle_mesh(std::vector<Vec3> positions,
+                                        std::vector<TriangleCorners> triangles)
+{
+    if (positions.size() >= std::numeric_limits<std::uint32_t>::max()) {
+        return fail(ErrorCode::limit_exceeded,
+                    concat("a mesh has at most 2^32 - 2 vertices, this one ", positions.size()));
+    }
+    if (triangles.size() > std::numeric_limits<std::int32_t>::max()) {
+        return fail(ErrorCode::limit_exceeded,
+                    concat("a mesh has at most 2^31 - 1 triangles, this one ", triangles.size()));
+    }
+    for (std::size_t triangle = 0; triangle < triangles.size(); ++triangle) {
+        for (const std::uint32_t corner : triangles[triangle]) {
+            if (corner >= positions.size()) {
+                return fail(ErrorCode::invalid_mesh,
+                            concat("triangle ", triangle, " uses vertex ", corner,
+                                   " but there are only ", positions.size(), " vertices"));
+            }
+        }
+    }
+    TriangleMesh mesh;
+    mesh.positions_ = std::move(positions);
+    mesh.triangles_ = std::move(triangles);
+    return mesh;
+}
+
+namespace {
+
+/// One byte per vertex, 1 where a triangle uses it: a pass over vertices in order is then cheaper
+/// than visiting them by triangles.
+std::vector<std::uint8_t> find_used_vertices(const TriangleMesh& mesh)
+{
+    std::vector<std::uint8_t> is_used(mesh.vertex_count(), 0);
+    for (const TriangleCorners& corners : mesh.triangles()) {
+        for (const std::uint32_t corner : corners) is_used[corner] = 1;
+    }
+    return is_used;
+}
+
+} // namespace
+
+Box bounding_box(const TriangleMesh& mesh)
+{
+    const auto is_used = find_used_vertices(mesh);
+    Box box;
+    for (std::size_t vertex = 0; vertex < is_used.size(); ++vertex) {
+        if (is_used[vertex] != 0) box.extend(mesh.positions()[vertex]);
+    }
+    return box;
+}
+
+Result<Box> checked_bounding_box(const TriangleMesh& mesh)
+{
+    if (mesh.triangle_count() == 0) {
+        return fail(ErrorCode::invalid_mesh,
+                    "the mesh has no triangles: there is nothing to build");
+    }
+    const auto is_used = find_used_vertices(mesh);
+    Box box;
+    for (std::size_t vertex = 0; vertex < is_used.size(); ++vertex) {
+        if (is_used[vertex] == 0) continue;
+        const Vec3& position = mesh.positions()[vertex];
+        box.extend(position);
+        // Zero times infinity or NaN is NaN.
+        if (!((position * 0.0).sum() == 0.0)) {
+            return fail(ErrorCode::invalid_mesh,
+                        concat("vertex ", vertex,
+                               ", which triangles use, has a NaN or infinite "
+                               "coordinate: repair or remove it"));
+        }
+    }
+    return box;
+}
+
+} // namespace proxima

@@ -1,0 +1,47 @@
+#include "mesh/weld_vertices.h"
+
+#include "mesh/vertex_table.h"
+
+#include <algorithm>
+#include <array>
+
+namespace proxima {
+
+bool weld_vertices(std::vector<Vec3>& positions, std::vector<TriangleCorners>& triangles,
+                   Progress* progress)
+{
+    StageSteps steps(progress, "welding vertices", positions.size() + triangles.size());
+    VertexTable table(positions.size());
+    std::vector<std::uint32_t> new_ids(positions.size());
+    constexpr std::size_t block = 256;
+    std::array<std::uint64_t, block> hashes{};
+    for (std::size_t begin = 0; begin < positions.size(); begin += block) {
+        const std::size_t count = std::min(block, positions.size() - begin);
+        for (std::size_t i = 0; i < count; ++i) {
+            hashes[i] = VertexTable::hash(positions[begin + i]);
+            table.prefetch(hashes[i]);
+        }
+        for (std::size_t i = 0; i < count; ++i) {
+            // What is kept moves to the front, never past the vertex that is looked at.
+            const Vec3 position = positions[begin + i];
+            const std::uint32_t next = table.size();
+            const std::uint32_t id = table.find_or_add(hashes[i], position, positions.data());
+            if (id == next) positions[id] = position;
+            new_ids[begin + i] = id;
+        }
+        if (!steps.done(count)) return false;
+    }
+    positions.resize(table.size());
+    for (TriangleCorners& corners : triangles) {
+        for (std::uint32_t& corner : corners) corner = new_ids[corner];
+        if (!steps.done(1)) return false;
+    }
+    return true;
+}
+
+std::uint64_t weld_scratch_bytes(std::uint64_t vertex_count) noexcept
+{
+    return VertexTable::bytes_for(vertex_count) + vertex_count * sizeof(std::uint32_t);
+}
+
+} // namespace proxima

@@ -1,0 +1,42 @@
+// Sorts triangles into the cells of one coarse level, where most of them lie in one cell.
+//
+//     first   0    0    3    7 ...        one entry per cell in Morton order, and an end
+//     ids     4 9 11 | 0 4 8 9 | ...      triangles that touch the cell, ascending
+#pragma once
+
+#include "base/parallel.h"
+#include "octree/snapped_mesh.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace proxima {
+
+/// Triangles per coarse cell.
+struct CoarseBins {
+    int depth = 0; ///< of the coarse cells; 8^depth of them
+    std::vector<std::uint32_t> first;
+    GrowBuffer<std::uint32_t> ids;
+
+    [[nodiscard]] std::size_t cell_count() const noexcept { return first.size() - 1; }
+    [[nodiscard]] std::uint32_t count(std::size_t cell) const noexcept
+    {
+        return first[cell + 1] - first[cell];
+    }
+    [[nodiscard]] std::span<const std::uint32_t> triangles(std::size_t cell) const noexcept
+    {
+        return ids.span().subspan(first[cell], count(cell));
+    }
+};
+
+/// A good depth for the bins: a few dozen to a few hundred triangles a cell, cells no smaller than
+/// most triangles, at most max_depth.
+[[nodiscard]] int choose_bin_depth(const SnappedMesh& mesh, int max_depth);
+
+/// Bins all triangles; the result does not depend on the threads. Not to be used once `progress` is
+/// cancelled; two steps per triangle.
+[[nodiscard]] CoarseBins bin_triangles(const SnappedMesh& mesh, int depth, Threads threads,
+                                       Progress* progress);
+
+} // namespace proxima

@@ -1,0 +1,138 @@
+#include "octree/octree_file.h"
+
+#include "base/text.h"
+#include "octree/check_structure.h"
+
+#include <bit>
+#include <cmath>
+#include <utility>
+
+namespace proxima {
+
+namespace {
+
+constexpr FileFormat octree_format{{'P', 'r', 'o', 'x', 'i', 'm', 'a', 'O'}, 1, "octree file"};
+
+enum SectionId : std::uint32_t { header_section = 1, nodes_section = 2, references_section = 3 };
+
+/// Everything but the arrays. Doubles by their bits, so that the struct has no other values.
+struct OctreeFileHeader {
+    std::array<std::uint64_t, 3> lower{};
+    std::array<std::uint64_t, 3> edge{};
+    std::uint64_t triangle_count = 0;
+    std::uint64_t leaked_leaves = 0;
+    std::uint32_t components = 0;
+    std::uint32_t leaked_components = 0;
+    std::uint32_t max_depth = 0;
+    std::uint32_t threshold = 0;
+    std::uint8_t method = 0;
+    std::uint8_t subdivision = 0;
+    std::uint8_t exact = 0;
+    std::uint8_t classified = 0;
+    std::uint32_t reserved = 0;
+};
+static_assert(sizeof(OctreeFileHeader) == 88);
+
+OctreeFileHeader file_header(const Octree& octree)
+{
+    const OctreeParameters& parameters = octree.parameters();
+    OctreeFileHeader header;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto i = static_cast<Eigen::Index>(axis);
+        header.lower[axis] = std::bit_cast<std::uint64_t>(octree.frame().lower[i]);
+        header.edge[axis] = std::bit_cast<std::uint64_t>(octree.frame().edge[i]);
+    }
+    header.triangle_count = octree.triangle_count();
+    header.leaked_leaves = parameters.classification.leaked_leaves;
+    header.components = parameters.classification.components;
+    header.leaked_components = parameters.classification.leaked_components;
+    header.max_depth = static_cast<std::uint32_t>(parameters.max_depth);
+    header.threshold = parameters.threshold;
+    header.method = static_cast<std::uint8_t>(parameters.method);
+    header.subdivision = static_cast<std::uint8_t>(parameters.subdivision);
+    header.exact = parameters.exact ? 1 : 0;
+    header.classified = parameters.classified ? 1 : 0;
+    return header;
+}
+
+/// Values that the enums and bools of memory do not have must be refused before they get there.
+bool representable(const OctreeFileHeader& header)
+{
+    return header.max_depth <= static_cast<std::uint32_t>(max_octree_depth) &&
+           header.method <= static_cast<std::uint8_t>(OverlapMethod::pairwise) &&
+           header.subdivision <= static_cast<std::uint8_t>(Subdivision::uniform) &&
+           header.exact <= 1 && header.classified <= 1 && header.reserved == 0;
+}
+
+Octree make_octree(const OctreeFileHeader& header, std::span<const OctreeNode> nodes,
+                   std::span<const TriangleId> references, std::shared_ptr<const void> storage)
+{
+    OctreeFrame frame;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto i = static_cast<Eigen::Index>(axis);
+        frame.lower[i] = std::bit_cast<double>(header.lower[axis]);
+        frame.edge[i] = std::bit_cast<double>(header.edge[axis]);
+    }
+    OctreeParameters parameters;
+    parameters.max_depth = static_cast<int>(header.max_depth);
+    parameters.threshold = header.threshold;
+    parameters.method = static_cast<OverlapMethod>(header.method);
+    parameters.subdivision = static_cast<Subdivision>(header.subdivision);
+    parameters.exact = header.exact != 0;
+    parameters.classified = header.classified != 0;
+    parameters.classification = {header.components, header.leaked_components, header.leaked_leaves};
+    return Octree::adopt(frame, parameters, header.triangle_count, nodes, references,
+                         std::move(storage));
+}
+
+Result<Octree> octree_of(const BinaryFile& file, const std::string& name, Progress* progress)
+{
+    const auto headers = file.section<OctreeFileHeader>(header_section);
+    if (!headers) return tl::unexpected<Error>(headers.error());
+    const auto nodes = file.section<OctreeNode>(nodes_section);
+    if (!nodes) return tl::unexpected<Error>(nodes.error());
+    const auto references = file.section<TriangleId>(references_section);
+    if (!references) return tl::unexpected<Error>(references.error());
+    if (headers->size() != 1 || !representable(headers->front())) {
+        return fail(ErrorCode::malformed_file, "the octree's parameters are damaged", name);
+    }
+    Octree octree = make_octree(headers->front(), *nodes, *references, file.storage());
+    if (const Status status = check_structure(octree, progress); !status) {
+        // What would be a fault of the program in an octree of its own is damage in a file.
+        const bool stopped = status.error().code == ErrorCode::cancelled;
+        return fail(stopped ? ErrorCode::cancelled : ErrorCode::malformed_file,
+                    describe(status.error()), name);
+    }
+    return octree;
+}
+
+} // namespace
+
+Status save_octree(const Octree& octree, const std::filesystem::path& path,
+                   const SaveOptions& options)
+{
+    const OctreeFileHeader header = file_header(octree);
+    const std::array<BinarySection, 3> sections = {
+        binary_section(header_section, std::span(&header, 1)),
+        binary_section(nodes_section, octree.nodes()),
+        binary_section(references_section, octree.references())};
+    return write_binary_file(path, octree_format, sections, options.progress);
+}
+
+Result<Octree> load_octree(const std::filesystem::path& path, const LoadOptions& options)
+{
+    const auto file = BinaryFile::open(path, octree_format, options.verify, options.progress);
+    if (!file) return tl::unexpected<Error>(file.error());
+    return octree_of(*file, path.string(), options.progress);
+}
+
+Result<Octree> load_octree(std::span<const std::byte> bytes, std::shared_ptr<const void> storage,
+                           const std::string& name, const LoadOptions& options)
+{
+    const auto file = BinaryFile::read(bytes, std::move(storage), name, octree_format,
+                                       options.verify, options.progress);
+    if (!file) return tl::unexpected<Error>(file.error());
+    return octree_of(*file, name, options.progress);
+}
+
+} // namespace proxima

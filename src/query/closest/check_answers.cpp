@@ -1,0 +1,72 @@
+#include "query/closest/check_answers.h"
+
+#include "base/text.h"
+#include "index/lists/check_work.h"
+#include "query/closest/brute_force.h"
+
+#include <array>
+#include <cmath>
+
+namespace proxima {
+
+namespace {
+
+/// What rounding may make of a distance from a point.
+class Rounding {
+public:
+    explicit Rounding(const TriangleMesh& mesh) noexcept
+    {
+        const Box box = bounding_box(mesh);
+        middle_ = box.center();
+        size_ = box.extent().norm() +
+                1e-3 * box.lower.cwiseAbs().cwiseMax(box.upper.cwiseAbs()).maxCoeff();
+    }
+    [[nodiscard]] double of(const Vec3& p) const noexcept
+    {
+        return 1e-12 * (size_ + (p - middle_).norm());
+    }
+
+private:
+    Vec3 middle_;
+    double size_;
+};
+
+bool is_right(const ClosestFeature& found, const ClosestFeature& right, double rounding)
+{
+    const double gap = std::sqrt(found.squared_distance) - std::sqrt(right.squared_distance);
+    return std::abs(gap) <= rounding &&
+           (found.feature != right.feature || found.triangle == right.triangle);
+}
+
+} // namespace
+
+std::string text_of(const ClosestFeature& answer)
+{
+    constexpr std::array names = {"vertex ", "edge ", "face "};
+    return concat(names[static_cast<std::size_t>(answer.feature.kind)], answer.feature.id,
+                  " of triangle ", index(answer.triangle), " at ",
+                  std::sqrt(answer.squared_distance));
+}
+
+Status check_answers(const ProximityOctree& octree, const TriangleMesh& mesh,
+                     const Topology& topology, std::span<const Vec3> points,
+                     const CheckAnswersOptions& options)
+{
+    if (options.progress != nullptr)
+        options.progress->begin_stage("asking every triangle", points.size());
+    const Rounding rounding(mesh);
+    const CheckWork work(options.threads, options.progress);
+    return work.run(points.size(), [&](std::size_t i) -> Status {
+        const Vec3& p = points[i];
+        const ClosestFeature found = closest_feature(octree, p);
+        const ClosestFeature right = closest_feature_by_brute_force(mesh, topology, p);
+        if (options.progress != nullptr) options.progress->advance(1);
+        if (is_right(found, right, rounding.of(p))) return {};
+        return fail(
+            ErrorCode::broken_invariant,
+            concat("the octree answers ", text_of(found), ", the closest is ", text_of(right)),
+            concat("point ", p.x(), " ", p.y(), " ", p.z()));
+    });
+}
+
+} // namespace proxima

@@ -1,0 +1,77 @@
+#include "query/closest/leaf_candidates.h"
+
+#include "index/lists/proximity_cells.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+namespace proxima {
+
+namespace {
+
+using Place = std::array<std::uint32_t, 3>;
+
+std::uint64_t table_word(const ProximityOctree& octree, const Place& at) noexcept
+{
+    const int depth = octree.table_depth();
+    return octree.arrays().table[(std::size_t{at[2]} << depth | at[1]) << depth | at[0]];
+}
+
+/// Whether all cells of the table below a cell of a level above it are the same leaf's.
+bool is_one_leaf(const ProximityOctree& octree, std::uint64_t word, int depth, const Place& at)
+{
+    const int below = octree.table_depth() - depth;
+    const std::uint32_t edge = 1U << below;
+    for (std::uint32_t z = 0; z < edge; ++z)
+        for (std::uint32_t y = 0; y < edge; ++y)
+            for (std::uint32_t x = 0; x < edge; ++x)
+                if (table_word(octree, {(at[0] << below) + x, (at[1] << below) + y,
+                                        (at[2] << below) + z}) != word)
+                    return false;
+    return true;
+}
+
+} // namespace
+
+std::optional<LeafCandidates> leaf_candidates(const ProximityOctree& octree, const Vec3& p,
+                                              std::span<TriangleId> triangles) noexcept
+{
+    const RootFrame& frame = octree.frame();
+    const ProximityArrays& arrays = octree.arrays();
+    std::array<std::uint32_t, 3> at{};
+    if (!octree.locate(frame.to_frame(p), at)) return std::nullopt;
+
+    // Down from the table.
+    const auto bits = static_cast<int>(ProximityOctree::location_bits);
+    const auto cell = [&](int depth) {
+        return Place{at[0] >> (bits - depth), at[1] >> (bits - depth), at[2] >> (bits - depth)};
+    };
+    int depth = octree.table_depth();
+    std::uint64_t word = table_word(octree, cell(depth));
+    if (proximity_word::is_leaf(word)) {
+        while (depth > 0 && is_one_leaf(octree, word, depth - 1, cell(depth - 1))) --depth;
+    }
+    while (!proximity_word::is_leaf(word)) {
+        const Place place = cell(++depth);
+        word =
+            arrays.nodes[word + ((place[0] & 1U) | (place[1] & 1U) << 1U | (place[2] & 1U) << 2U)];
+    }
+
+    const Place place = cell(depth);
+    LeafCandidates leaf;
+    leaf.depth = depth;
+    const double edge = std::ldexp(frame.half, 1 - depth);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto k = static_cast<Eigen::Index>(axis);
+        leaf.box.lower[k] = frame.center[k] + (place[axis] * edge - frame.half);
+        leaf.box.upper[k] = frame.center[k] + ((place[axis] + 1.0) * edge - frame.half);
+    }
+    leaf.has_list = word != proximity_word::search;
+    leaf.count = read_list(arrays, word, triangles);
+    std::ranges::sort(triangles.first(std::min(leaf.count, triangles.size())));
+    return leaf;
+}
+
+} // namespace proxima

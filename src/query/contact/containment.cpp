@@ -1,0 +1,181 @@
+#include "query/contact/containment.h"
+
+#include "base/disjoint_sets.h"
+#include "geometry/exact_predicates.h"
+#include "mesh/coincidence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace proxima {
+
+class EnclosureBuilder {
+public:
+    EnclosureBuilder(const TriangleMesh& mesh, const EnclosureOptions& options)
+        : mesh_(mesh), options_(options)
+    {}
+
+    Result<Enclosure> build()
+    {
+        const auto bounds = checked_bounding_box(mesh_);
+        if (!bounds) return tl::unexpected(bounds.error());
+        Enclosure result;
+        result.mesh_ = &mesh_;
+        result.bounds_ = *bounds;
+        same_place_ = detail::first_at_position(mesh_);
+        result.parts_ = find_parts();
+        if (is_cancelled(options_.progress)) return stopped();
+        result.method_ = find_method();
+        if (is_cancelled(options_.progress)) return stopped();
+        if (result.method_ != InsideMethod::winding_number) return result;
+        auto winding = build_winding_number(
+            mesh_, {.threads = options_.threads, .progress = options_.progress});
+        if (!winding) return tl::unexpected(winding.error());
+        result.winding_ = std::move(*winding);
+        return result;
+    }
+
+private:
+    static tl::unexpected<Error> stopped()
+    {
+        return fail(ErrorCode::cancelled, "preparing for containment: stopped on request");
+    }
+
+    [[nodiscard]] std::vector<VertexId> find_parts() const
+    {
+        DisjointSets sets(mesh_.vertex_count());
+        std::vector<bool> used(mesh_.vertex_count());
+        for (const TriangleCorners& corners : mesh_.triangles()) {
+            for (const std::uint32_t corner : corners) {
+                sets.unite(same_place_[corners[0]], same_place_[corner]);
+                used[same_place_[corner]] = true;
+            }
+        }
+        std::vector<VertexId> parts;
+        for (std::uint32_t id = 0; id < mesh_.vertex_count(); ++id) {
+            if (used[id] && sets.find(id) == id) parts.push_back(VertexId{id});
+        }
+        return parts;
+    }
+
+    /// By the edges of all triangles: each direction as often as the other one, or an even number
+    /// in all.
+    [[nodiscard]] InsideMethod find_method() const
+    {
+        struct Edge {
+            std::uint64_t vertices;
+            int direction;
+        };
+        std::vector<Edge> edges;
+        edges.reserve(3 * mesh_.triangle_count());
+        for (const TriangleCorners& corners : mesh_.triangles()) {
+            for (std::size_t i = 0; i < 3; ++i) {
+                const std::uint64_t from = same_place_[corners[i]];
+                const std::uint64_t to = same_place_[corners[(i + 1) % 3]];
+                if (from == to) continue;
+                const auto [low, high] = std::minmax(from, to);
+                edges.push_back({low << 32U | high, from < to ? 1 : -1});
+            }
+        }
+        std::ranges::sort(edges, {}, &Edge::vertices);
+        bool oriented = true;
+        for (std::size_t i = 0; i < edges.size();) {
+            const std::size_t first = i;
+            int sum = 0;
+            for (; i < edges.size() && edges[i].vertices == edges[first].vertices; ++i)
+                sum += edges[i].direction;
+            if ((i - first) % 2 != 0) return InsideMethod::winding_number;
+            oriented = oriented && sum == 0;
+        }
+        return oriented ? InsideMethod::crossings : InsideMethod::parity;
+    }
+
+    const TriangleMesh& mesh_;
+    const EnclosureOptions& options_;
+    std::vector<std::uint32_t> same_place_;
+};
+
+namespace {
+
+/// On which side of the line from a to b the point is, seen along x, after a shift to larger y and
+/// a much smaller one to larger z: never on it, unless a and b are one.
+int side_of_shifted(const Vec3& a, const Vec3& b, const Vec3& point) noexcept
+{
+    const int side = orient2d({a.y(), a.z()}, {b.y(), b.z()}, {point.y(), point.z()});
+    if (side != 0) return side;
+    if (a.z() != b.z()) return a.z() > b.z() ? 1 : -1;
+    return a.y() == b.y() ? 0 : a.y() < b.y() ? 1 : -1;
+}
+
+/// How the ray along x from the shifted point crosses the triangle: +1 outwards, -1 inwards, or not
+/// at all. An edge that two triangles share is crossed in one of them.
+int crossing_ahead(const Triangle& t, const Vec3& point) noexcept
+{
+    for (const int axis : {1, 2}) {
+        const auto [low, high] = std::minmax({t[0][axis], t[1][axis], t[2][axis]});
+        if (point[axis] < low || point[axis] > high) return 0;
+    }
+    const int turn = side_of_shifted(t[0], t[1], point);
+    if (turn == 0 || side_of_shifted(t[1], t[2], point) != turn ||
+        side_of_shifted(t[2], t[0], point) != turn)
+        return 0;
+    return orient3d(t[0], t[1], t[2], point) * turn < 0 ? turn : 0;
+}
+
+/// Whether the box moved by the pose surely does not hold the point.
+bool surely_outside(const Box& box, const RigidTransform& pose, const Vec3& point) noexcept
+{
+    const Vec3 there = pose.inverse()(point);
+    // The pose may stretch by rigid_tolerance; rounding is less.
+    const double size = point.cwiseAbs().maxCoeff() + pose.translation.cwiseAbs().maxCoeff() +
+                        box.lower.cwiseAbs().maxCoeff() + box.upper.cwiseAbs().maxCoeff();
+    const double slack = 8 * rigid_tolerance * size;
+    return (there.array() < box.lower.array() - slack).any() ||
+           (there.array() > box.upper.array() + slack).any();
+}
+
+bool contains_all(const Enclosure& outer, const RigidTransform& outer_pose, const Enclosure& inner,
+                  const RigidTransform& inner_pose) noexcept
+{
+    return std::ranges::all_of(inner.parts(), [&](VertexId vertex) {
+        return encloses(outer, outer_pose, inner_pose(inner.mesh().position(vertex)));
+    });
+}
+
+} // namespace
+
+Result<Enclosure> build_enclosure(const TriangleMesh& mesh, const EnclosureOptions& options)
+{
+    return EnclosureBuilder(mesh, options).build();
+}
+
+bool encloses(const Enclosure& enclosure, const RigidTransform& pose, const Vec3& point) noexcept
+{
+    if (surely_outside(enclosure.bounds(), pose, point)) return false;
+    if (enclosure.method() == InsideMethod::winding_number) {
+        constexpr double accuracy = 1e-9;
+        const Vec3 there = pose.inverse()(point);
+        return std::abs(winding_number(enclosure.winding(), there, accuracy).value) >= 0.5;
+    }
+    const TriangleMesh& mesh = enclosure.mesh();
+    int windings = 0;
+    bool odd = false;
+    for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
+        const int crossing = crossing_ahead(pose(mesh.triangle(TriangleId{id})), point);
+        windings += crossing;
+        odd = odd != (crossing != 0);
+    }
+    return enclosure.method() == InsideMethod::crossings ? windings != 0 : odd;
+}
+
+ContainmentAnswer find_containment(const Enclosure& a, const Enclosure& b,
+                                   const RigidTransform& pose_b) noexcept
+{
+    const RigidTransform here;
+    if (contains_all(b, pose_b, a, here)) return {Containment::a_in_b, b.method()};
+    if (contains_all(a, here, b, pose_b)) return {Containment::b_in_a, a.method()};
+    return {Containment::none, std::max(a.method(), b.method())};
+}
+
+} // namespace proxima

@@ -1,0 +1,322 @@
+#include "query/contact/intersect_meshes.h"
+
+#include "base/text.h"
+#include "query/contact/contact_search.h"
+
+#include <algorithm>
+#include <array>
+#include <span>
+
+#ifndef PROXIMA_QUERY_INTERSECT_MESHES_ONCE
+#define PROXIMA_QUERY_INTERSECT_MESHES_ONCE
+
+namespace proxima {
+
+/// Rows of both indexes.
+struct RowPair {
+    std::uint32_t a;
+    std::uint32_t b;
+};
+
+/// Takes pairs that meet, a few at a time.
+using TakeRowPairs = void (*)(void* context, std::span<const RowPair> pairs);
+
+} // namespace proxima
+
+#endif
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "query/contact/intersect_meshes.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+// After them: it is read once for every instruction set.
+#include "query/contact/walk_pairs-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace proxima::HWY_NAMESPACE {
+
+/// Ends at the first pair that meets.
+class FirstPair {
+public:
+    static constexpr bool deepest_first = true;
+
+    FirstPair(const ContactSearch& open, RowPair& found) : open_(open), found_(found) {}
+
+    HWY_INLINE bool take(std::uint32_t row_a, std::uint32_t row_b, bool sure) const
+    {
+        if (!sure && !ask_rows(open_, row_a, row_b)) return true;
+        found_ = {row_a, row_b};
+        return false;
+    }
+
+private:
+    const ContactSearch& open_;
+    RowPair& found_;
+};
+
+/// Hands on all that meet.
+class AllPairs {
+public:
+    static constexpr bool deepest_first = false;
+
+    AllPairs(const ContactSearch& open, TakeRowPairs hand_on, void* context)
+        : open_(open), hand_on_(hand_on), context_(context)
+    {}
+
+    HWY_INLINE bool take(std::uint32_t row_a, std::uint32_t row_b, bool sure)
+    {
+        if (!sure && !ask_rows(open_, row_a, row_b)) return true;
+        if (count_ == pairs_.size()) flush();
+        pairs_[count_++] = {row_a, row_b};
+        return true;
+    }
+    void flush()
+    {
+        hand_on_(context_, std::span(pairs_).first(count_));
+        count_ = 0;
+    }
+
+private:
+    const ContactSearch& open_;
+    TakeRowPairs hand_on_;
+    void* context_;
+    std::size_t count_ = 0;
+    std::array<RowPair, 256> pairs_;
+};
+
+bool walk_to_first_pair(const ContactSearch& open, RowPair& found)
+{
+    FirstPair search(open, found);
+    return !walk_pairs(open, search);
+}
+
+void walk_to_all_pairs(const ContactSearch& open, TakeRowPairs take, void* context)
+{
+    AllPairs search(open, take, context);
+    (void)walk_pairs(open, search);
+    search.flush();
+}
+
+} // namespace proxima::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+namespace proxima {
+
+HWY_EXPORT(walk_to_first_pair);
+HWY_EXPORT(walk_to_all_pairs);
+
+namespace {
+
+/// Asks all pairs whose boxes meet, for poses that floats know nothing of, until visit returns
+/// false.
+template <class Visit>
+bool ask_all(const MeshIndex& a, const MeshIndex& b, const RigidTransform& pose_b,
+             const Visit& visit)
+{
+    for (std::uint32_t j = 0; j < b.triangle_count(); ++j) {
+        const Box box_b = bounding_box(pose_b(row_triangle(b, j)));
+        for (std::uint32_t i = 0; i < a.triangle_count(); ++i) {
+            const Box box_a = bounding_box(row_triangle(a, i));
+            const bool apart = (box_a.lower.array() > box_b.upper.array()).any() ||
+                               (box_b.lower.array() > box_a.upper.array()).any();
+            if (!apart && ask_rows(a, i, b, j, pose_b) && !visit(RowPair{i, j})) return true;
+        }
+    }
+    return false;
+}
+
+bool find_first(const MeshIndex& a, const MeshIndex& b, const RigidTransform& pose_b,
+                RowPair& found)
+{
+    ContactSearch open;
+    switch (contact_search(a, b, pose_b, open)) {
+    case PairStart::apart:
+        return false;
+    case PairStart::ready:
+        return HWY_DYNAMIC_DISPATCH(walk_to_first_pair)(open, found);
+    case PairStart::too_far:
+        break;
+    }
+    return ask_all(a, b, pose_b, [&](const RowPair& pair) {
+        found = pair;
+        return false;
+    });
+}
+
+/// In linear time where ids are spread: by the upper bits of a, then each of these groups.
+void sort_pairs(std::vector<TrianglePair>& pairs)
+{
+    constexpr std::size_t few = 64;
+    if (pairs.size() < few) {
+        std::ranges::sort(pairs);
+        return;
+    }
+    const auto by_a = [](const TrianglePair& x, const TrianglePair& y) { return x.a < y.a; };
+    const auto [least, most] = std::ranges::minmax_element(pairs, by_a);
+    const std::uint32_t start = index(least->a);
+    const std::uint32_t range = index(most->a) - start;
+    unsigned shift = 0;
+    while ((range >> shift) >= 2 * pairs.size()) ++shift;
+    std::vector<std::uint32_t> end((range >> shift) + 2, 0);
+    const auto group = [&](const TrianglePair& pair) { return (index(pair.a) - start) >> shift; };
+    for (const TrianglePair& pair : pairs) ++end[group(pair) + 1];
+    for (std::size_t i = 1; i < end.size(); ++i) end[i] += end[i - 1];
+    std::vector<TrianglePair> sorted(pairs.size());
+    for (const TrianglePair& pair : pairs) sorted[end[group(pair)]++] = pair;
+    pairs.swap(sorted);
+    const std::span<TrianglePair> all(pairs);
+    for (std::size_t i = 0, first = 0; i + 1 < end.size(); first = end[i++]) {
+        if (end[i] - first > 1) std::ranges::sort(all.subspan(first, end[i] - first));
+    }
+}
+
+constexpr std::size_t poses_per_task = 4;
+
+/// Calls task(i) for all poses.
+template <class Task>
+Status for_poses(std::size_t count, const PairOptions& options, const Task& task)
+{
+    if (options.progress != nullptr) options.progress->begin_stage("intersecting meshes", count);
+    parallel_for((count + poses_per_task - 1) / poses_per_task, options.threads,
+                 [&](std::size_t chunk) {
+                     const std::size_t end = std::min(count, (chunk + 1) * poses_per_task);
+                     for (std::size_t i = chunk * poses_per_task; i < end; ++i) {
+                         if (is_cancelled(options.progress)) return;
+                         task(i);
+                         if (options.progress != nullptr) options.progress->advance(1);
+                     }
+                 });
+    if (is_cancelled(options.progress))
+        return fail(ErrorCode::cancelled, "intersecting meshes: stopped on request");
+    return {};
+}
+
+} // namespace
+
+bool meshes_intersect(const MeshIndex& a, const MeshIndex& b, const RigidTransform& pose_b) noexcept
+{
+    RowPair found;
+    return find_first(a, b, pose_b, found);
+}
+
+bool meshes_intersect(const MeshIndex& a, const MeshIndex& b, const RigidTransform& pose_b,
+                      LastMeeting& last) noexcept
+{
+    if (last.row_a < a.triangle_count() && last.row_b < b.triangle_count() &&
+        ask_rows(a, last.row_a, b, last.row_b, pose_b))
+        return true;
+    RowPair found;
+    if (!find_first(a, b, pose_b, found)) return false;
+    last = {found.a, found.b};
+    return true;
+}
+
+void detail::visit_pairs(const MeshIndex& a, const MeshIndex& b, const RigidTransform& pose_b,
+                         VisitPairs visit, void* context)
+{
+    struct Visitor {
+        const MeshIndex& a;
+        const MeshIndex& b;
+        VisitPairs visit;
+        void* context;
+
+        void take(std::span<const RowPair> rows) const
+        {
+            std::array<TrianglePair, 256> pairs;
+            for (std::size_t i = 0; i < rows.size(); ++i) {
+                pairs[i] = {TriangleId{row_id(a, rows[i].a)}, TriangleId{row_id(b, rows[i].b)}};
+            }
+            visit(context, std::span(pairs).first(rows.size()));
+        }
+    } visitor{a, b, visit, context};
+    ContactSearch open;
+    switch (contact_search(a, b, pose_b, open)) {
+    case PairStart::apart:
+        return;
+    case PairStart::ready:
+        HWY_DYNAMIC_DISPATCH(walk_to_all_pairs)
+        (
+            open,
+            [](void* to, std::span<const RowPair> rows) {
+                static_cast<const Visitor*>(to)->take(rows);
+            },
+            &visitor);
+        return;
+    case PairStart::too_far:
+        break;
+    }
+    (void)ask_all(a, b, pose_b, [&](const RowPair& pair) {
+        visitor.take({&pair, 1});
+        return true;
+    });
+}
+
+std::vector<TrianglePair> intersecting_pairs(const MeshIndex& a, const MeshIndex& b,
+                                             const RigidTransform& pose_b)
+{
+    std::vector<TrianglePair> pairs;
+    visit_intersecting_pairs(a, b, pose_b, [&](std::span<const TrianglePair> some) {
+        pairs.insert(pairs.end(), some.begin(), some.end());
+    });
+    sort_pairs(pairs);
+    return pairs;
+}
+
+std::size_t intersecting_pairs(const MeshIndex& a, const MeshIndex& b, const RigidTransform& pose_b,
+                               std::span<TrianglePair> pairs) noexcept
+{
+    std::size_t count = 0;
+    // A heap, the last one on top, once all places are taken.
+    visit_intersecting_pairs(a, b, pose_b, [&](std::span<const TrianglePair> some) {
+        for (const TrianglePair& pair : some) {
+            if (count < pairs.size()) {
+                pairs[count] = pair;
+                if (count + 1 == pairs.size()) std::ranges::make_heap(pairs);
+            } else if (!pairs.empty() && pair < pairs.front()) {
+                std::ranges::pop_heap(pairs);
+                pairs.back() = pair;
+                std::ranges::push_heap(pairs);
+            }
+            ++count;
+        }
+    });
+    std::ranges::sort(pairs.first(std::min(count, pairs.size())));
+    return count;
+}
+
+Status meshes_intersect(const MeshIndex& a, const MeshIndex& b,
+                        std::span<const RigidTransform> poses, std::span<bool> answers,
+                        const PairOptions& options)
+{
+    if (poses.size() != answers.size()) {
+        return fail(ErrorCode::invalid_argument,
+                    concat("room for ", answers.size(), " answers, but ", poses.size(), " poses"));
+    }
+    return for_poses(poses.size(), options,
+                     [&](std::size_t i) { answers[i] = meshes_intersect(a, b, poses[i]); });
+}
+
+Result<PairLists> intersecting_pairs(const MeshIndex& a, const MeshIndex& b,
+                                     std::span<const RigidTransform> poses,
+                                     const PairOptions& options)
+{
+    std::vector<std::vector<TrianglePair>> found(poses.size());
+    const Status status = for_poses(poses.size(), options, [&](std::size_t i) {
+        found[i] = intersecting_pairs(a, b, poses[i]);
+    });
+    if (!status) return tl::unexpected(status.error());
+    PairLists lists;
+    lists.first.reserve(poses.size() + 1);
+    lists.first.push_back(0);
+    for (const std::vector<TrianglePair>& pairs : found) {
+        lists.pairs.insert(lists.pairs.end(), pairs.begin(), pairs.end());
+        lists.first.push_back(lists.pairs.size());
+    }
+    return lists;
+}
+
+} // namespace proxima
+
+#endif

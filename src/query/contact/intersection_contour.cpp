@@ -1,0 +1,249 @@
+#include "query/contact/intersection_contour.h"
+
+#include "geometry/exact_predicates.h"
+#include "geometry/triangle_intersection.h"
+#include "query/contact/join_segments.h"
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+namespace proxima {
+namespace {
+
+/// The triangles' vertices with those at one position made one.
+class SharedVertices {
+public:
+    template <class TriangleOf>
+    SharedVertices(const TriangleMesh& mesh, std::span<const TrianglePair> pairs,
+                   const TriangleOf& triangle_of)
+        : mesh_(mesh)
+    {
+        for (const TrianglePair& pair : pairs) {
+            for (const std::uint32_t corner : mesh.triangles()[index(triangle_of(pair))])
+                ids_.push_back(corner);
+        }
+        std::ranges::sort(ids_);
+        ids_.erase(std::unique(ids_.begin(), ids_.end()), ids_.end());
+        std::vector<std::uint32_t> by_place = ids_;
+        const auto place = [&](std::uint32_t id) {
+            const Vec3& p = mesh.positions()[id];
+            return std::tuple(p.x(), p.y(), p.z());
+        };
+        std::ranges::stable_sort(by_place, {}, place);
+        first_.resize(ids_.size());
+        for (std::size_t i = 0, first = 0; i < by_place.size(); ++i) {
+            if (place(by_place[i]) != place(by_place[first])) first = i;
+            first_[rank(by_place[i])] = by_place[first];
+        }
+    }
+
+    [[nodiscard]] std::array<std::uint32_t, 3> corners(TriangleId triangle) const
+    {
+        std::array<std::uint32_t, 3> corners = mesh_.triangles()[index(triangle)];
+        for (std::uint32_t& corner : corners) corner = first_[rank(corner)];
+        return corners;
+    }
+
+    [[nodiscard]] SurfacePart part(TriangleId triangle, TrianglePart part) const
+    {
+        if (part == TrianglePart::inside)
+            return {FeatureKind::face, {index(triangle), index(triangle)}};
+        const auto corner = corners(triangle);
+        const auto number = static_cast<std::size_t>(number_of(part));
+        return is_corner(part) ? vertex(corner[number])
+                               : edge(corner[number], corner[(number + 1) % 3]);
+    }
+
+    static SurfacePart vertex(std::uint32_t id) { return {FeatureKind::vertex, {id, id}}; }
+    static SurfacePart edge(std::uint32_t a, std::uint32_t b)
+    {
+        return {FeatureKind::edge, {std::min(a, b), std::max(a, b)}};
+    }
+
+private:
+    [[nodiscard]] std::size_t rank(std::uint32_t id) const
+    {
+        return static_cast<std::size_t>(std::ranges::lower_bound(ids_, id) - ids_.begin());
+    }
+
+    const TriangleMesh& mesh_;
+    std::vector<std::uint32_t> ids_;
+    std::vector<std::uint32_t> first_; ///< by rank of the id
+};
+
+/// \pre both have an area, or what is said does not matter
+bool are_in_one_plane(const Triangle& a, const Triangle& b) noexcept
+{
+    return std::ranges::all_of(
+        b.vertices, [&](const Vec3& corner) { return orient3d(a[0], a[1], a[2], corner) == 0; });
+}
+
+/// The ends of segments by name, and which ones each segment joins.
+class ContourMaker {
+public:
+    ContourMaker(const TriangleMesh& a, const TriangleMesh& b, const RigidTransform& pose_b,
+                 std::span<const TrianglePair> pairs)
+        : a_(a), b_(b), pose_b_(pose_b),
+          vertices_a_(a, pairs, [](const TrianglePair& pair) { return pair.a; }),
+          vertices_b_(b, pairs, [](const TrianglePair& pair) { return pair.b; })
+    {
+        for (const TrianglePair& pair : pairs) add(pair);
+    }
+
+    [[nodiscard]] IntersectionContour contour()
+    {
+        number_ends();
+        std::vector<SegmentEnds> borders = renumbered(borders_);
+        std::ranges::sort(borders);
+        std::vector<SegmentEnds> segments = renumbered(segments_);
+        for (const SegmentEnds& touch : renumbered(touches_)) {
+            if (!std::ranges::binary_search(borders, touch)) segments.push_back(touch);
+        }
+        borders = odd_ones(borders);
+        segments.insert(segments.end(), borders.begin(), borders.end());
+        IntersectionContour result;
+        for (const JoinedLine& line : join_segments(ends_.size(), std::move(segments))) {
+            result.lines.push_back({result.points.size(), line.points.size(), line.closed});
+            for (const std::uint32_t end : line.points) result.points.push_back(ends_[end]);
+        }
+        return result;
+    }
+
+private:
+    struct Crossing {
+        TrianglePair pair;
+        Triangle a;
+        Triangle b;
+    };
+
+    void add(const TrianglePair& pair)
+    {
+        const Crossing crossing = {pair, a_.triangle(pair.a), pose_b_(b_.triangle(pair.b))};
+        const TriangleIntersection found = intersect(crossing.a, crossing.b);
+        const std::size_t first = ends_.size();
+        for (const MeetingParts& parts : found.ends()) add_end(crossing, parts);
+        const auto end = [&](std::size_t i) {
+            return static_cast<std::uint32_t>(first + i % found.size());
+        };
+        if (found.size() == 1) bridge(crossing, found.ends()[0], end(0));
+        if (found.size() == 2) {
+            auto& list = are_in_one_plane(crossing.a, crossing.b) ? touches_ : segments_;
+            list.push_back({end(0), end(1)});
+        }
+        for (std::size_t i = 0; found.size() > 2 && i < found.size(); ++i)
+            borders_.push_back({end(i), end(i + 1)});
+    }
+
+    void add_end(const Crossing& crossing, const MeetingParts& parts)
+    {
+        ends_.push_back({meeting_point(crossing.a, crossing.b, parts),
+                         vertices_a_.part(crossing.pair.a, parts.of_a),
+                         vertices_b_.part(crossing.pair.b, parts.of_b)});
+    }
+
+    /// A triangle without an area crosses a plane once, on its long side and on a short one: a
+    /// segment without a length joins what its neighbours have on either side.
+    void bridge(const Crossing& crossing, const MeetingParts& parts, std::uint32_t end)
+    {
+        const bool a_is_flat = is_degenerate(crossing.a);
+        if (a_is_flat == is_degenerate(crossing.b)) return;
+        const Triangle& flat = a_is_flat ? crossing.a : crossing.b;
+        const Triangle& other = a_is_flat ? crossing.b : crossing.a;
+        const TrianglePart long_side = a_is_flat ? parts.of_a : parts.of_b;
+        const auto corners =
+            a_is_flat ? vertices_a_.corners(crossing.pair.a) : vertices_b_.corners(crossing.pair.b);
+        if (!is_side(long_side)) return;
+        const int from = number_of(long_side);
+        const int to = (from + 1) % 3;
+        const int middle = (from + 2) % 3;
+        const auto id = [&](int corner) { return corners[static_cast<std::size_t>(corner)]; };
+        if (id(middle) == id(from) || id(middle) == id(to)) return;
+        const auto side_of = [&](int corner) {
+            return orient3d(other[0], other[1], other[2], flat[corner]);
+        };
+        const int side = side_of(middle);
+        if (side == 0 && side_of(from) == 0) return; // in the other's plane
+        const SurfacePart short_part =
+            side == 0 ? SharedVertices::vertex(id(middle))
+                      : SharedVertices::edge(id(middle), id(side == side_of(from) ? to : from));
+        ContourPoint twin = ends_[end];
+        (a_is_flat ? twin.on_a : twin.on_b) = short_part;
+        ends_.push_back(twin);
+        segments_.push_back({end, end + 1});
+    }
+
+    /// Sorts the ends by name and leaves each name once.
+    void number_ends()
+    {
+        const auto name = [&](std::uint32_t i) { return std::tie(ends_[i].on_a, ends_[i].on_b); };
+        std::vector<std::uint32_t> order(ends_.size());
+        for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
+        std::ranges::stable_sort(order, [&](auto i, auto j) { return name(i) < name(j); });
+        numbers_.resize(ends_.size());
+        std::vector<ContourPoint> distinct;
+        for (std::size_t k = 0; k < order.size(); ++k) {
+            if (k == 0 || name(order[k]) != name(order[k - 1])) distinct.push_back(ends_[order[k]]);
+            numbers_[order[k]] = static_cast<std::uint32_t>(distinct.size() - 1);
+        }
+        ends_ = std::move(distinct);
+    }
+
+    [[nodiscard]] std::vector<SegmentEnds> renumbered(std::vector<SegmentEnds> segments) const
+    {
+        for (SegmentEnds& ends : segments) {
+            for (std::uint32_t& end : ends) end = numbers_[end];
+            if (ends[1] < ends[0]) std::swap(ends[0], ends[1]);
+        }
+        return segments;
+    }
+
+    /// What polygons beside each other have in common comes an even number of times.
+    /// \pre sorted
+    static std::vector<SegmentEnds> odd_ones(const std::vector<SegmentEnds>& segments)
+    {
+        std::vector<SegmentEnds> odd;
+        for (const SegmentEnds& ends : segments) {
+            if (!odd.empty() && odd.back() == ends) {
+                odd.pop_back();
+            } else {
+                odd.push_back(ends);
+            }
+        }
+        return odd;
+    }
+
+    const TriangleMesh& a_;
+    const TriangleMesh& b_;
+    const RigidTransform& pose_b_;
+    SharedVertices vertices_a_;
+    SharedVertices vertices_b_;
+    std::vector<ContourPoint> ends_;
+    std::vector<SegmentEnds> segments_;
+    std::vector<SegmentEnds> borders_;   ///< of polygons
+    std::vector<SegmentEnds> touches_;   ///< of triangles side by side in one plane
+    std::vector<std::uint32_t> numbers_; ///< of the ends as added
+};
+
+} // namespace
+
+double IntersectionContour::length() const noexcept
+{
+    double sum = 0;
+    for (const ContourLine& line : lines) {
+        const auto along = points_of(line);
+        for (std::size_t i = 1; i < along.size(); ++i)
+            sum += (along[i].position - along[i - 1].position).norm();
+        if (line.closed) sum += (along.front().position - along.back().position).norm();
+    }
+    return sum;
+}
+
+IntersectionContour intersection_contour(const TriangleMesh& a, const TriangleMesh& b,
+                                         const RigidTransform& pose_b,
+                                         std::span<const TrianglePair> pairs)
+{
+    return ContourMaker(a, b, pose_b, pairs).contour();
+}
+
+} // namespace proxima

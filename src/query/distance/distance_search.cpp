@@ -1,0 +1,141 @@
+#include "query/distance/distance_search.h"
+
+#include "geometry/triangle_distance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace proxima {
+
+namespace {
+
+/// The number of a row's triangle, and the triangle.
+struct IndexedTriangle {
+    TriangleId id;
+    Triangle triangle;
+};
+IndexedTriangle row_of(const MeshIndex& index, std::uint32_t row) noexcept
+{
+    if (index.double_rows().empty()) {
+        const IndexRow<float>& at = index.float_rows()[row];
+        return {TriangleId{at.id}, at.triangle()};
+    }
+    const IndexRow<double>& at = index.double_rows()[row];
+    return {TriangleId{at.id}, at.triangle()};
+}
+
+constexpr double single_roundoff = 0x1p-24;
+
+Triangle scaled(const Triangle& triangle, double unit) noexcept
+{
+    return {{Vec3(triangle[0] * unit), Vec3(triangle[1] * unit), Vec3(triangle[2] * unit)}};
+}
+
+/// A power of two that takes a length to where squares of it, and of what is far smaller, are safe;
+/// 1 where they are.
+double safe_unit(double length) noexcept
+{
+    constexpr int safe = 300;
+    constexpr int most = 1000; // so that 1 / unit is a double, too
+    const int exponent = length > 0 && std::isfinite(length) ? std::ilogb(length) : most;
+    if (std::abs(exponent) <= safe) return 1;
+    return std::ldexp(1.0, std::clamp(-exponent, -most, most));
+}
+
+} // namespace
+
+// How far bounds may be above the distances of what they are bounds of, in units of the frame. Let
+// u be the roundoff of lanes, and every point within r of A's center, on each axis.
+// - Boxes are drawn out by 20 u of floats when the index is made, of which the vertices' rounding
+//   to floats and that of centers and half extents, read from bytes, take less than 8 u.
+// - The difference d of two centers takes R c, where |c| <= 1.8, the offset, and two sums: 5 u 1.8
+// +
+//   3 u r on each axis. A gap along an axis of A's takes that and the reach of B's box, 5 u 1.8.
+// - Along an axis of B's, R^T d takes 3^(1/2) times the error of d, and 5 u |d|: 16 u + 14 u r;
+// that
+//   R is a rotation but for 1e-9 takes less than u / 32 |d| in floats, and doubles leave these axes
+//   out. A gap takes 10 u more, and the length of three gaps is off by 3^(1/2) times as much.
+// - Along d itself (|d|^2 - reaches) / |d| takes less than 2 (|d| 6 u + error of d).
+// - A leaf's vertices, moved, are off by 9 u + 3 u r, and their projections by 2 (16 u + 12 u r).
+// All of them are below 128 u + 64 u r. To that come the vertices of leaves, floats in any case,
+// and what moving vertices and the offset round in doubles: in all, 2^-50 of the coordinates.
+DistanceSearch::DistanceSearch(const DistanceIndex& index_a, const DistanceIndex& index_b,
+                               const RigidTransform& pose_b, double farthest) noexcept
+    : a(index_a), b(index_b), rotation(pose_b.rotation), pose_b_(pose_b),
+      scale_(std::min(index_a.triangles().scale(), index_b.triangles().scale())),
+      best_squared_(std::numeric_limits<double>::infinity()), farthest_(farthest)
+{
+    a_scale = static_cast<float>(scale_ / index_a.triangles().scale());
+    b_scale = static_cast<float>(scale_ / index_b.triangles().scale());
+    offset = (pose_b(index_b.triangles().center()) - index_a.triangles().center()) * scale_;
+    reach_ = offset.cwiseAbs().maxCoeff() + 2;
+    const double coordinates = index_a.triangles().center().cwiseAbs().maxCoeff() +
+                               2 * index_b.triangles().center().cwiseAbs().maxCoeff() +
+                               pose_b.translation.cwiseAbs().maxCoeff();
+    const double lane_roundoff = needs_doubles() ? 0x1p-53 : single_roundoff;
+    margin_ = (128 + 64 * reach_) * lane_roundoff + 8 * single_roundoff +
+              0x1p-50 * (scale_ * coordinates + 2);
+    const double extent = std::max(index_a.triangles().unscale(), index_b.triangles().unscale());
+    unit_ = safe_unit(std::max(extent, reach_ / scale_));
+    lower_limit(farthest * scale_);
+}
+
+void DistanceSearch::lower_limit(double distance) noexcept
+{
+    // Far away bounds are right to 2^-48 of the distance, and so will the answer be.
+    const double limit = reach_ > far_reach ? distance - 0x1p-47 * reach_ : distance + margin_;
+    limit_ = std::min(limit_, limit);
+}
+
+bool DistanceSearch::ask(std::uint32_t row_a, std::uint32_t row_b) noexcept
+{
+    const IndexedTriangle first = row_of(a.triangles(), row_a);
+    const IndexedTriangle second = row_of(b.triangles(), row_b);
+    const ClosestTrianglePoints pair =
+        closest_points(scaled(first.triangle, unit_), scaled(pose_b_(second.triangle), unit_));
+    // Where doubles end, what does not touch keeps a distance.
+    const double distance =
+        std::max(std::sqrt(pair.squared_distance) / unit_,
+                 pair.squared_distance > 0 ? std::numeric_limits<double>::denorm_min() : 0);
+    if (!(distance <= farthest_)) return false;
+    const auto order = [](double squared, TriangleId id_a, TriangleId id_b) {
+        return std::tuple(squared, id_a, id_b);
+    };
+    if (found_ && order(pair.squared_distance, first.id, second.id) >=
+                      order(best_squared_, best_.triangle_a, best_.triangle_b))
+        return false;
+    found_ = true;
+    best_squared_ = pair.squared_distance;
+    best_ = {distance,  pair.first.point / unit_, pair.second.point / unit_, first.id,
+             second.id, pair.first.part,          pair.second.part,          row_a,
+             row_b};
+    if (distance > 0) direction_ = (pair.second.point - pair.first.point).stableNormalized();
+    lower_limit(distance * scale_);
+    return distance == 0;
+}
+
+bool DistanceSearch::note(const NotedPair& pair, const Vec3& nearest) noexcept
+{
+    if (pair.least <= margin_) return ask(pair.row_a, pair.row_b);
+    if (noted_count_ == most_noted && settle()) return true;
+    noted_[noted_count_++] = pair;
+    // Points that lanes found are as far apart as they say, but for as much as bounds are off.
+    const double limit = limit_;
+    lower_limit(pair.most + margin_);
+    if (limit_ < limit) direction_ = nearest / pair.most;
+    return false;
+}
+
+bool DistanceSearch::settle() noexcept
+{
+    const auto begin = noted_.begin();
+    const auto end = begin + static_cast<std::ptrdiff_t>(noted_count_);
+    noted_count_ = 0;
+    std::sort(begin, end, [](const NotedPair& p, const NotedPair& q) { return p.least < q.least; });
+    for (auto pair = begin; pair != end && pair->least <= limit_; ++pair)
+        if (ask(pair->row_a, pair->row_b)) return true;
+    return false;
+}
+
+} // namespace proxima

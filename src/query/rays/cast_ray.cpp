@@ -1,0 +1,365 @@
+#include "query/rays/cast_ray.h"
+
+#include "base/text.h"
+#include "query/rays/prepare_ray.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <limits>
+
+#ifndef PROXIMA_QUERY_CAST_RAY_ONCE
+#define PROXIMA_QUERY_CAST_RAY_ONCE
+
+namespace proxima {
+
+/// Takes a hit of the ray at a place of its batch.
+using VisitPlacedHit = void (*)(void* context, std::uint32_t place, const RayHit& hit);
+
+} // namespace proxima
+
+#endif
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "query/rays/cast_ray.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+// After them: it is read once for every instruction set.
+#include "query/rays/walk_batch-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace proxima::HWY_NAMESPACE {
+
+/// Every hit, as it comes.
+struct AllSearch {
+    static constexpr bool has_packets = false;
+    static constexpr bool notes_hits = false;
+    const MeshIndex& index;
+    VisitPlacedHit visit;
+    void* context;
+
+    HWY_INLINE bool take(std::uint32_t leaf, const LeafCandidates& candidates,
+                         SearchedRay& ray) const
+    {
+        for (std::uint32_t left = candidates.lanes; left != 0; left &= left - 1) {
+            const auto lane = static_cast<std::uint32_t>(std::countr_zero(left));
+            if (ask_any_triangle(index, {leaf, lane}, ray, ray.best))
+                visit(context, ray.place, ray.best);
+        }
+        return true;
+    }
+    HWY_INLINE void settle(SearchedRay& /*ray*/) const {}
+};
+
+template <class Search>
+HWY_INLINE void walk(const MeshIndex& index, const Search& search, RayTraversal& ray)
+{
+    // On its own, so that it can stay in registers.
+    RayPlace at = ray.at;
+    const NodeLanes lanes(ray);
+    const IndexBlock* const blocks = index.blocks().data();
+    while (step(blocks, search, lanes, ray, at)) {
+        // The one to come after it.
+        prefetch_block(blocks[ray.references[at.pending - 1] & ~index_leaf_bit]);
+    }
+    search.settle(ray);
+}
+
+RayStart walk_to_closest(const MeshIndex& index, const Ray& ray, Faces faces, RayTraversal& open)
+{
+    const RayStart start = open_any_ray(index, ray, faces, open);
+    if (start == RayStart::ready) walk(index, ClosestSearch{index}, open);
+    return start;
+}
+RayStart walk_to_any(const MeshIndex& index, const Ray& ray, Faces faces, RayTraversal& open)
+{
+    const RayStart start = open_any_ray(index, ray, faces, open);
+    if (start == RayStart::ready) walk(index, AnySearch{index}, open);
+    return start;
+}
+RayStart walk_to_all(const MeshIndex& index, const Ray& ray, Faces faces, VisitPlacedHit visit,
+                     void* context)
+{
+    RayTraversal open;
+    const RayStart start = open_any_ray(index, ray, faces, open);
+    if (start == RayStart::ready) walk(index, AllSearch{index, visit, context}, open);
+    return start;
+}
+void walk_all_to_closest(const MeshIndex& index, const RaySource& source)
+{
+    walk_together(index, ClosestSearch{index}, source);
+}
+void walk_all_to_any(const MeshIndex& index, const RaySource& source)
+{
+    walk_together(index, AnySearch{index}, source);
+}
+void walk_all_to_all(const MeshIndex& index, const RaySource& source, VisitPlacedHit visit,
+                     void* context)
+{
+    walk_together(index, AllSearch{index, visit, context}, source);
+}
+
+} // namespace proxima::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+namespace proxima {
+
+HWY_EXPORT(walk_to_closest);
+HWY_EXPORT(walk_to_any);
+HWY_EXPORT(walk_to_all);
+HWY_EXPORT(walk_all_to_closest);
+HWY_EXPORT(walk_all_to_any);
+HWY_EXPORT(walk_all_to_all);
+
+namespace {
+
+/// Every triangle in doubles, for rays that floats know nothing of. Until visit returns false.
+template <class Visit>
+void ask_all(const MeshIndex& index, const Ray& ray, Faces faces, const Visit& visit)
+{
+    for (std::uint32_t row = 0; row < index.triangle_count(); ++row) {
+        const auto hit = ask_row(index, row, ray, faces);
+        if (hit && !visit(*hit)) return;
+    }
+}
+
+std::optional<RayHit> ask_for_closest(const MeshIndex& index, const Ray& ray, Faces faces)
+{
+    std::optional<RayHit> closest;
+    ask_all(index, ray, faces, [&](const RayHit& hit) {
+        if (!closest || hit.before(*closest)) closest = hit;
+        return true;
+    });
+    return closest;
+}
+
+bool ask_for_any(const MeshIndex& index, const Ray& ray, Faces faces)
+{
+    bool found = false;
+    ask_all(index, ray, faces, [&](const RayHit& /*hit*/) {
+        found = true;
+        return false;
+    });
+    return found;
+}
+
+/// The rays of a chunk. `answer(place, hit)` takes those whose walk has ended, `miss(place)` those
+/// that need none, `ask(place)` those that are too far for one.
+template <class Answer, class Miss, class Ask>
+class ChunkTakers {
+public:
+    ChunkTakers(std::span<const Ray> rays, Faces faces, const Answer& answer, const Miss& miss,
+                const Ask& ask)
+        : rays_(rays), faces_(faces), answer_(answer), miss_(miss), ask_(ask)
+    {}
+
+    [[nodiscard]] RaySource source() noexcept
+    {
+        return {rays_, faces_,
+                [](void* context, std::uint32_t place, const RayHit* hit) {
+                    static_cast<ChunkTakers*>(context)->answer_(place, hit);
+                },
+                [](void* context, std::uint32_t place, RayStart start) {
+                    auto& takers = *static_cast<ChunkTakers*>(context);
+                    if (start == RayStart::misses) {
+                        takers.miss_(place);
+                    } else {
+                        takers.ask_(place);
+                    }
+                },
+                this};
+    }
+
+private:
+    std::span<const Ray> rays_;
+    Faces faces_;
+    const Answer& answer_;
+    const Miss& miss_;
+    const Ask& ask_;
+};
+
+constexpr std::size_t rays_per_task = RaySource::most_rays;
+
+/// Calls task(first, rays of a chunk) for all chunks; the errors of batches.
+template <class Task>
+Status for_chunks(std::span<const Ray> rays, std::size_t room, const RayBatchOptions& options,
+                  const Task& task)
+{
+    if (rays.size() != room) {
+        return fail(ErrorCode::invalid_argument,
+                    concat("room for ", room, " answers, but ", rays.size(), " rays"));
+    }
+    const auto bad = std::ranges::find_if(rays, [](const Ray& ray) { return !is_valid(ray); });
+    if (bad != rays.end()) {
+        return fail(ErrorCode::invalid_argument,
+                    concat("ray ", bad - rays.begin(),
+                           " is none: origin and direction must be finite, the direction not zero, "
+                           "t_min at most t_max"),
+                    "rays");
+    }
+    if (options.progress != nullptr) options.progress->begin_stage("casting rays", rays.size());
+    const std::size_t tasks = (rays.size() + rays_per_task - 1) / rays_per_task;
+    parallel_for(tasks, options.threads, [&](std::size_t i) {
+        if (is_cancelled(options.progress)) return;
+        const std::size_t first = i * rays_per_task;
+        const std::size_t count = std::min(rays_per_task, rays.size() - first);
+        task(first, rays.subspan(first, count));
+        if (options.progress != nullptr) options.progress->advance(count);
+    });
+    if (is_cancelled(options.progress))
+        return fail(ErrorCode::cancelled, "casting rays: stopped on request");
+    return {};
+}
+
+bool before(const RayHit& a, const RayHit& b) noexcept
+{
+    return a.before(b);
+}
+
+} // namespace
+
+std::optional<RayHit> closest_hit(const MeshIndex& index, const Ray& ray, Faces faces) noexcept
+{
+    RayTraversal open;
+    const RayStart start = HWY_DYNAMIC_DISPATCH(walk_to_closest)(index, ray, faces, open);
+    if (start == RayStart::misses) return std::nullopt;
+    if (start == RayStart::too_far) return ask_for_closest(index, ray, faces);
+    return open.found ? std::optional(open.best) : std::nullopt;
+}
+
+bool any_hit(const MeshIndex& index, const Ray& ray, Faces faces) noexcept
+{
+    RayTraversal open;
+    const RayStart start = HWY_DYNAMIC_DISPATCH(walk_to_any)(index, ray, faces, open);
+    if (start == RayStart::misses) return false;
+    if (start == RayStart::too_far) return ask_for_any(index, ray, faces);
+    return open.found;
+}
+
+void detail::visit_hits(const MeshIndex& index, const Ray& ray, Faces faces, VisitHit visit,
+                        void* context) noexcept
+{
+    struct Visitor {
+        VisitHit visit;
+        void* context;
+    } visitor{visit, context};
+    const auto pass_on = [](void* to, std::uint32_t /*place*/, const RayHit& hit) {
+        static_cast<Visitor*>(to)->visit(static_cast<Visitor*>(to)->context, hit);
+    };
+    const RayStart start = HWY_DYNAMIC_DISPATCH(walk_to_all)(index, ray, faces, pass_on, &visitor);
+    if (start != RayStart::too_far) return;
+    ask_all(index, ray, faces, [&](const RayHit& hit) {
+        visit(context, hit);
+        return true;
+    });
+}
+
+std::size_t all_hits(const MeshIndex& index, const Ray& ray, std::span<RayHit> hits,
+                     Faces faces) noexcept
+{
+    std::size_t count = 0;
+    // A heap, the last one on top, once all places are taken.
+    visit_hits(index, ray, faces, [&](const RayHit& hit) {
+        if (count < hits.size()) {
+            hits[count] = hit;
+            if (count + 1 == hits.size()) std::ranges::make_heap(hits, before);
+        } else if (!hits.empty() && hit.before(hits.front())) {
+            std::ranges::pop_heap(hits, before);
+            hits.back() = hit;
+            std::ranges::push_heap(hits, before);
+        }
+        ++count;
+    });
+    std::ranges::sort(hits.first(std::min(count, hits.size())), before);
+    return count;
+}
+
+std::vector<RayHit> all_hits(const MeshIndex& index, const Ray& ray, Faces faces)
+{
+    std::vector<RayHit> hits;
+    visit_hits(index, ray, faces, [&](const RayHit& hit) { hits.push_back(hit); });
+    std::ranges::sort(hits, before);
+    return hits;
+}
+
+Status closest_hits(const MeshIndex& index, std::span<const Ray> rays,
+                    std::span<std::optional<RayHit>> hits, const RayBatchOptions& options)
+{
+    return for_chunks(
+        rays, hits.size(), options, [&](std::size_t first, std::span<const Ray> chunk) {
+            const auto answer = [&](std::uint32_t place, const RayHit* hit) {
+                hits[first + place] = hit != nullptr ? std::optional(*hit) : std::nullopt;
+            };
+            const auto miss = [&](std::uint32_t place) { hits[first + place].reset(); };
+            const auto ask = [&](std::uint32_t place) {
+                hits[first + place] = ask_for_closest(index, chunk[place], options.faces);
+            };
+            ChunkTakers takers(chunk, options.faces, answer, miss, ask);
+            HWY_DYNAMIC_DISPATCH(walk_all_to_closest)(index, takers.source());
+        });
+}
+
+Status any_hits(const MeshIndex& index, std::span<const Ray> rays, std::span<bool> hits,
+                const RayBatchOptions& options)
+{
+    return for_chunks(
+        rays, hits.size(), options, [&](std::size_t first, std::span<const Ray> chunk) {
+            const auto answer = [&](std::uint32_t place, const RayHit* hit) {
+                hits[first + place] = hit != nullptr;
+            };
+            const auto miss = [&](std::uint32_t place) { hits[first + place] = false; };
+            const auto ask = [&](std::uint32_t place) {
+                hits[first + place] = ask_for_any(index, chunk[place], options.faces);
+            };
+            ChunkTakers takers(chunk, options.faces, answer, miss, ask);
+            HWY_DYNAMIC_DISPATCH(walk_all_to_any)(index, takers.source());
+        });
+}
+
+Result<RayHitLists> all_hits(const MeshIndex& index, std::span<const Ray> rays,
+                             const RayBatchOptions& options)
+{
+    struct PlacedHit {
+        std::uint32_t place;
+        RayHit hit;
+    };
+    using Found = std::vector<PlacedHit>;
+    std::vector<Found> found((rays.size() + rays_per_task - 1) / rays_per_task);
+    const Status status =
+        for_chunks(rays, rays.size(), options, [&](std::size_t first, std::span<const Ray> chunk) {
+            Found& hits = found[first / rays_per_task];
+            const auto answer = [](std::uint32_t /*place*/, const RayHit* /*hit*/) {};
+            const auto miss = [](std::uint32_t /*place*/) {};
+            const auto ask = [&](std::uint32_t place) {
+                ask_all(index, chunk[place], options.faces, [&](const RayHit& hit) {
+                    hits.push_back({place, hit});
+                    return true;
+                });
+            };
+            const auto keep = [](void* to, std::uint32_t place, const RayHit& hit) {
+                static_cast<Found*>(to)->push_back({place, hit});
+            };
+            ChunkTakers takers(chunk, options.faces, answer, miss, ask);
+            HWY_DYNAMIC_DISPATCH(walk_all_to_all)(index, takers.source(), keep, &hits);
+            std::ranges::sort(hits, [](const PlacedHit& a, const PlacedHit& b) {
+                return a.place < b.place || (a.place == b.place && a.hit.before(b.hit));
+            });
+        });
+    if (!status) return tl::unexpected(status.error());
+    RayHitLists lists;
+    lists.first.assign(rays.size() + 1, 0);
+    for (std::size_t task = 0; task < found.size(); ++task) {
+        for (const PlacedHit& at : found[task]) {
+            ++lists.first[task * rays_per_task + at.place + 1];
+            lists.hits.push_back(at.hit);
+        }
+    }
+    for (std::size_t i = 0; i < rays.size(); ++i) lists.first[i + 1] += lists.first[i];
+    return lists;
+}
+
+} // namespace proxima
+
+#endif

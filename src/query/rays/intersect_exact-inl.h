@@ -1,0 +1,132 @@
+// intersect_exact() in vectors, for leaves that hold the mesh's own coordinates. Included once per
+// target.
+//
+//     lane   3  2  1  0
+//            v0 v2 v1 v0        corners; each step is that of intersect() (ray_triangle-inl.h), so
+//                               that bits are the same
+
+#if defined(PROXIMA_QUERY_ASK_TRIANGLE_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef PROXIMA_QUERY_ASK_TRIANGLE_INL_H
+#undef PROXIMA_QUERY_ASK_TRIANGLE_INL_H
+#else
+#define PROXIMA_QUERY_ASK_TRIANGLE_INL_H
+#endif
+
+#include "geometry/ray_triangle-inl.h"
+#include "query/rays/prepare_ray.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <hwy/highway.h>
+#include <limits>
+
+HWY_BEFORE_NAMESPACE();
+namespace proxima::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+#if HWY_MAX_BYTES >= 32 // four doubles, eight floats at once
+
+using CornerTag = hn::CappedTag<double, 4>;
+using CornerDoubles = hn::Vec<CornerTag>;
+
+/// In each of the first three lanes, the number of the next corner, and of the one after it.
+HWY_INLINE CornerDoubles of_next(CornerDoubles numbers)
+{
+    alignas(32) static constexpr std::int64_t lanes[4] = {1, 2, 0, 1};
+    return hn::TableLookupLanes(numbers, hn::SetTableIndices(CornerTag(), lanes));
+}
+HWY_INLINE CornerDoubles of_last(CornerDoubles numbers)
+{
+    alignas(32) static constexpr std::int64_t lanes[4] = {2, 0, 1, 2};
+    return hn::TableLookupLanes(numbers, hn::SetTableIndices(CornerTag(), lanes));
+}
+
+/// What the quick test of intersect() says.
+enum class QuickAnswer : std::uint8_t { missed, hit, unsure };
+
+HWY_INLINE QuickAnswer ask_leaf(const MeshIndex& index, const IndexLeaf& leaf, std::uint32_t lane,
+                                const SearchedRay& searched, RayHit& hit)
+{
+    const CornerTag d;
+    const hn::CappedTag<float, 8> f;
+    const hn::RebindToUnsigned<decltype(f)> words;
+    const hn::Rebind<std::uint8_t, decltype(f)> bytes;
+    const std::uint64_t packed =
+        leaf.corners[0][lane] | std::uint32_t{leaf.corners[1][lane]} << 8U |
+        std::uint32_t{leaf.corners[2][lane]} << 16U | std::uint32_t{leaf.corners[0][lane]} << 24U;
+    const auto corners = hn::IndicesFromVec(
+        f, hn::PromoteTo(words,
+                         hn::BitCast(bytes, hn::Set(hn::CappedTag<std::uint64_t, 1>(), packed))));
+    const RayShear& shear = searched.shear;
+    const auto unscale = hn::Set(d, index.unscale());
+    const auto about = [&](std::uint32_t axis) {
+        const auto own = hn::TableLookupLanes(hn::Load(f, leaf.coordinates[axis].data()), corners);
+        const auto place = hn::Add(hn::Mul(hn::PromoteTo(d, hn::LowerHalf(own)), unscale),
+                                   hn::Set(d, index.center().data()[axis]));
+        return hn::Sub(place, hn::Set(d, searched.ray->origin.data()[axis]));
+    };
+    const auto about_x = about(shear.x);
+    const auto about_y = about(shear.y);
+    const auto about_z = about(shear.z);
+    const auto x = hn::Sub(about_x, hn::Mul(hn::Set(d, shear.slope_x), about_z));
+    const auto y = hn::Sub(about_y, hn::Mul(hn::Set(d, shear.slope_y), about_z));
+    const auto places = hn::Mul(about_z, hn::Set(d, shear.inverse_z));
+    const auto size =
+        hn::MaxOfLanes(d, hn::Max(hn::Max(hn::Abs(about_x), hn::Abs(about_y)), hn::Abs(about_z)));
+    const auto reach = hn::MaxOfLanes(d, hn::Max(hn::Abs(x), hn::Abs(y)));
+    const auto weights = hn::Sub(hn::Mul(of_next(x), of_last(y)), hn::Mul(of_next(y), of_last(x)));
+    const auto errors = hn::Mul(hn::Mul(hn::Set(d, detail::error_factor), size),
+                                hn::Add(reach, hn::Mul(hn::Set(d, detail::own_error), size)));
+    const double error = hn::GetLane(errors);
+    if (!(error >= detail::safe_error && error <= std::numeric_limits<double>::max()))
+        return QuickAnswer::unsure;
+    const auto above = hn::Gt(weights, errors);
+    const auto below = hn::Lt(weights, hn::Neg(errors));
+    const bool is_positive = hn::AllTrue(d, above);
+    if (!is_positive && !hn::AllTrue(d, below)) {
+        return hn::AllFalse(d, above) || hn::AllFalse(d, below) ? QuickAnswer::unsure
+                                                                : QuickAnswer::missed;
+    }
+    const double sum = hn::GetLane(hn::Add(hn::Add(weights, of_next(weights)), of_last(weights)));
+    if (!(std::abs(sum) > detail::sure_sum * error)) return QuickAnswer::unsure;
+    if (!detail::is_wanted(shear.inverse_z > 0 ? sum : -sum, searched.faces))
+        return QuickAnswer::missed;
+    const auto shares = hn::Div(weights, hn::Set(d, sum));
+    const auto parts = hn::Mul(shares, places);
+    const double t = hn::GetLane(hn::Add(hn::Add(parts, of_next(parts)), of_last(parts)));
+    const double first = hn::GetLane(places);
+    const double second = hn::GetLane(of_next(places));
+    const double third = hn::GetLane(of_last(places));
+    const double own = std::clamp(t, std::min(std::min(first, second), third),
+                                  std::max(std::max(first, second), third));
+    if (!(std::abs(own) <= farthest_hit)) return QuickAnswer::unsure;
+    if (!(searched.ray->t_min <= own && own <= searched.ray->t_max)) return QuickAnswer::missed;
+    hit.t = own;
+    hit.triangle = index.ids()[leaf.first_row + lane];
+    hit.u = hn::GetLane(of_next(shares));
+    hit.v = hn::GetLane(of_last(shares));
+    return QuickAnswer::hit;
+}
+
+#endif
+
+HWY_INLINE bool ask_any_triangle(const MeshIndex& index, RayTriangle triangle,
+                                 const SearchedRay& searched, RayHit& hit)
+{
+#if HWY_MAX_BYTES >= 32
+    if (index.has_exact_leaves()) {
+        const IndexLeaf& leaf = index.blocks()[triangle.leaf].leaf;
+        const QuickAnswer answer = ask_leaf(index, leaf, triangle.lane, searched, hit);
+        if (answer != QuickAnswer::unsure) return answer == QuickAnswer::hit;
+    }
+#endif
+    return intersect_exact(index, triangle, searched, hit);
+}
+
+} // namespace proxima::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

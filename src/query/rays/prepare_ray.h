@@ -1,0 +1,186 @@
+// A ray on its way through a mesh index: what the vector code needs of it, in floats.
+//
+//     p = (o - c) s + t0 d k        the origin in the index's units, moved along the ray to the
+//                                   root where it lies outside; k a power of two: 1 <= |d k| < 2
+//     t = (t_mesh r - t0)           r = s / k, so that p + t d k is the same point
+#pragma once
+
+#include "geometry/ray.h"
+#include "geometry/ray_triangle.h"
+#include "index/mesh_index.h"
+#include "query/rays/ray_hit.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+
+namespace proxima {
+
+/// Unit roundoff of floats.
+inline constexpr float float_roundoff = 0x1p-24F;
+
+/// A float below the value, and one above, by little; infinity where that is.
+[[nodiscard]] inline float rounded_down(double value) noexcept
+{
+    const auto nearest = static_cast<float>(value);
+    return nearest - std::min(std::abs(nearest), 0x1p100F) * 0x1p-23F;
+}
+[[nodiscard]] inline float rounded_up(double value) noexcept
+{
+    return -rounded_down(-value);
+}
+
+/// How far a walk has come.
+struct RayPlace {
+    std::uint32_t next = 0;    ///< the block to look at
+    std::uint32_t pending = 0; ///< the end of those put aside
+};
+
+/// A triangle of a mesh index.
+struct RayTriangle {
+    static constexpr std::uint32_t no_leaf = 0xFFFFFFFFU;
+    std::uint32_t leaf = 0; ///< its block
+    std::uint32_t lane = 0;
+};
+
+/// One number for each of the lanes that vectors are loaded by.
+using RayQuad = std::array<float, 4>;
+
+/// What a search for hits knows of a ray.
+struct SearchedRay {
+    float most;             ///< end of the range, outward: sinks as hits are found
+    float t_error;          ///< of t, beside what weights' errors do
+    float best_least;       ///< the best hit's t is not below
+    bool found;             ///< `best` is a hit
+    RayTriangle best_noted; ///< surely hit, not yet computed; then `best` is older
+    std::uint32_t place;    ///< of the ray in its batch
+    const Ray* ray;
+    Faces faces;
+    double rate;  ///< r
+    double shift; ///< t0
+    RayShear shear;
+    RayHit best;
+};
+
+struct RayTraversal : SearchedRay {
+    /// Where all is seen: the empty leaf, which no box leads to.
+    static constexpr std::uint32_t end = index_leaf_bit;
+    /// Below what is put aside: as many ends as are looked at together.
+    static constexpr std::uint32_t bottom = 8;
+    /// A node makes way for at most eight children; vectors are written whole.
+    static constexpr std::size_t stack_size = bottom + 7 * MeshIndex::max_levels + 1 + 8;
+
+    /// The mesh is within 1, its boxes within 1 + 2^-19.
+    static constexpr double root_reach = 1.01;
+    /// A component below 2^-40 moves the ray by less than 2^-37 within the root.
+    static constexpr double most_inverse = 0x1p40;
+    /// Moving an origin from nearer costs at most a float's half ulp.
+    static constexpr double far = 0x1p26;
+
+    // For boxes.
+    std::array<RayQuad, 3> inverse; ///< of the direction, its components put away from zero
+    std::array<RayQuad, 3> start;   ///< - origin * inverse
+    float least;                    ///< begin of the range, outward
+    std::uint32_t octant;           ///< bit k: the direction is negative on axis k
+
+    // For triangles: x, y, z are the axes in cyclic order, z the direction's largest component.
+    std::array<std::uint32_t, 3> axes;
+    std::array<float, 3> origin; ///< on these
+    float slope_x;
+    float slope_y;
+    float inverse_z;
+    float error;      ///< factor of weights' errors for a moved origin
+    float sure_least; ///< t between these are surely in range
+    float sure_most;
+    bool refuses_positive; ///< weights of this sign are of faces not asked for
+    bool refuses_negative;
+
+    RayPlace at;
+    std::array<std::uint32_t, stack_size> references;
+    std::array<float, stack_size> nearness; ///< t at which the box is entered
+
+    /// What was worked out in doubles.
+    struct Range {
+        double rate = 1;
+        double least = 0; ///< of t in the root
+        double most = 0;
+        double shift = 0;
+        double moved = 0; ///< how far off the origin is for having been moved
+        double t_off = 0; ///< and t
+    };
+    /// Sets all but what is for boxes and for triangles, these including `t_error`.
+    void set_range(const MeshIndex& index, const Ray& own, Faces wanted,
+                   const Range& range) noexcept
+    {
+        const float growth = 1 + static_cast<float>(range.moved) / (8 * float_roundoff);
+        error = growth * growth;
+        t_error = 40 * float_roundoff + 2 * static_cast<float>(range.t_off);
+        least = rounded_down(range.least - range.shift) - 4 * t_error;
+        most = rounded_up(range.most - range.shift) + 4 * t_error;
+        sure_least = rounded_up(own.t_min * range.rate - range.shift) + t_error;
+        sure_most = rounded_down(own.t_max * range.rate - range.shift) - t_error;
+        // Weights are positive where direction . normal has the sign of the direction's z.
+        const bool forward = shear.inverse_z > 0;
+        refuses_positive =
+            (wanted == Faces::front && forward) || (wanted == Faces::back && !forward);
+        refuses_negative =
+            (wanted == Faces::front && !forward) || (wanted == Faces::back && forward);
+        found = false;
+        best_least = std::numeric_limits<float>::infinity();
+        best_noted = {RayTriangle::no_leaf, 0};
+        ray = &own;
+        faces = wanted;
+        rate = range.rate;
+        shift = range.shift;
+        for (std::size_t i = 0; i < RayTraversal::bottom; ++i) {
+            references[i] = RayTraversal::end;
+            nearness[i] = -std::numeric_limits<float>::infinity();
+        }
+        at = {index.root(), RayTraversal::bottom};
+    }
+};
+
+/// What prepare_ray says.
+enum class RayStart : std::uint8_t {
+    misses,  ///< the root: no hit
+    ready,   ///< to be walked
+    too_far, ///< beyond what floats can sort out: every triangle must be asked
+};
+
+/// The rays of a batch, and who takes what comes of them.
+struct RaySource {
+    static constexpr std::size_t most_rays = 2048;
+
+    std::span<const Ray> rays;
+    Faces faces = Faces::both;
+    /// The ray's walk has ended: with this hit, or without one.
+    void (*answer)(void* context, std::uint32_t place, const RayHit* hit) = nullptr;
+    void (*refuse)(void* context, std::uint32_t place, RayStart start) = nullptr; ///< no walk
+    void* context = nullptr;
+};
+
+/// Sets everything up. The ray must outlive `open`.
+[[nodiscard]] RayStart prepare_ray(const MeshIndex& index, const Ray& ray, Faces faces,
+                                   RayTraversal& open) noexcept;
+
+/// Asks a triangle of the index in doubles. Where there is no hit, `hit` stays as it is.
+[[nodiscard]] bool intersect_exact(const MeshIndex& index, RayTriangle triangle,
+                                   const SearchedRay& searched, RayHit& hit) noexcept;
+
+/// The same for rays that are not open.
+[[nodiscard]] std::optional<RayHit> ask_row(const MeshIndex& index, std::uint32_t row,
+                                            const Ray& ray, Faces faces) noexcept;
+
+/// Where what intersect_exact has yet to read of a triangle lies, to have it fetched.
+[[nodiscard]] inline const void* row_address(const MeshIndex& index, std::uint32_t row) noexcept
+{
+    if (index.has_exact_leaves()) return &index.ids()[row];
+    if (index.double_rows().empty()) return &index.float_rows()[row];
+    return &index.double_rows()[row];
+}
+
+} // namespace proxima

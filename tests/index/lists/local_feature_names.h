@@ -1,0 +1,50 @@
+// Which features of the mesh the builder's local features are: it does not keep their ids.
+#pragma once
+
+#include "index/lists/local_features.h"
+#include "mesh/topology.h"
+#include "mesh/triangle_mesh.h"
+
+#include <span>
+#include <stdexcept>
+#include <vector>
+
+namespace proxima::testing {
+
+/// By place among the local features, in their order: of each triangle the face if it has one, its
+/// edges, its vertices, where they come first.
+inline std::vector<Feature> names_of(const LocalFeatures& features, const TriangleMesh& mesh,
+                                     const Topology& topology, std::span<const TriangleId> order)
+{
+    std::vector<Feature> names;
+    std::vector<bool> edge_seen(topology.edge_count());
+    std::vector<bool> vertex_seen(topology.vertex_count());
+    const auto add = [&](FeatureKind kind, std::uint32_t id) {
+        if (names.size() >= features.features.size() ||
+            features.features[names.size()].kind != kind)
+            throw std::logic_error("local features are in another order");
+        names.push_back({kind, id});
+    };
+    for (std::uint32_t rank = 0; rank < order.size(); ++rank) {
+        if (names.size() < features.features.size()) {
+            const LocalFeature& next = features.features[names.size()];
+            if (next.kind == FeatureKind::face && features.triangles(next).front() == rank)
+                add(FeatureKind::face, index(order[rank]));
+        }
+        for (const EdgeId edge : topology.edges(order[rank])) {
+            if (edge == no_edge || edge_seen[index(edge)]) continue;
+            edge_seen[index(edge)] = true;
+            add(FeatureKind::edge, index(edge));
+        }
+        for (const std::uint32_t vertex : mesh.triangles()[index(order[rank])]) {
+            if (vertex_seen[vertex]) continue;
+            vertex_seen[vertex] = true;
+            add(FeatureKind::vertex, vertex);
+        }
+    }
+    if (names.size() != features.features.size())
+        throw std::logic_error("there are more local features than features");
+    return names;
+}
+
+} // namespace proxima::testing

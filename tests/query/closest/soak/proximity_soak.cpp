@@ -1,0 +1,243 @@
+// Millions of random points, every answer of the proximity octree checked: scripts/soak proximity.
+//
+//     proximity_soak [--points N] [--signs N] [--seed N] [--threads N] [--mesh NAME]...
+//
+// Every mesh is built within its usual budget and within the least that will do. One row per mesh
+// and kind of points; what the columns mean is in closest_check.h and sign_check.h. The same for
+// the same seed, whatever the threads. Exit status 1 if anything was wrong.
+
+#include "base/parallel.h"
+#include "index/lists/build_proximity_octree.h"
+#include "query/closest/soak/closest_check.h"
+#include "query/closest/soak/sign_check.h"
+#include "query/closest/soak/soak_meshes.h"
+#include "query/closest/soak/soak_points.h"
+
+#include <CLI/CLI.hpp>
+
+#include <chrono>
+#include <cstdio>
+#include <iostream>
+
+namespace proxima::soak {
+namespace {
+
+struct SoakOptions {
+    std::uint64_t points = 10'000'000;
+    std::uint64_t signs = 1'000'000;
+    std::uint64_t seed = 1;
+    Threads threads = {};
+    std::vector<std::string> meshes;
+};
+
+/// Points that a thread makes and checks at a time.
+constexpr std::size_t chunk = 4096;
+
+/// Of a hundred points of a mesh, by all_point_sets.
+constexpr std::array shares = {30U, 30U, 30U, 10U};
+
+/// Brute winding numbers of a mesh ask at most so many triangles.
+constexpr std::uint64_t solid_angles = 200'000'000;
+
+/// Seeds of a mesh's points do not depend on which other meshes are asked for.
+constexpr std::uint64_t rows_per_mesh = 16;
+
+/// A number of its own for every chunk.
+std::uint64_t chunk_seed(std::uint64_t seed, std::uint64_t row, std::uint64_t place)
+{
+    std::seed_seq mixed = {seed, seed >> 32U, row, place};
+    std::array<std::uint32_t, 2> words{};
+    mixed.generate(words.begin(), words.end());
+    return std::uint64_t{words[0]} << 32U | words[1];
+}
+
+/// Checks `count` points in chunks and adds up what they found, in order.
+template <class Tally, class Check>
+Tally check_points(const PointMaker& maker, PointSet set, std::uint64_t count, std::uint64_t seed,
+                   std::uint64_t row, Threads threads, const Check& check)
+{
+    std::vector<Tally> tallies((count + chunk - 1) / chunk);
+    parallel_for(tallies.size(), threads, [&](std::size_t i) {
+        const std::size_t points = std::min<std::uint64_t>(chunk, count - i * chunk);
+        tallies[i] = check.check(maker.make(set, points, chunk_seed(seed, row, i)));
+    });
+    Tally sum;
+    for (const Tally& tally : tallies) sum.add(tally);
+    return sum;
+}
+
+/// Within its usual budget, and within the least that will do, give or take a fifth.
+Result<std::vector<ProximityOctree>> build_octrees(const TriangleMesh& mesh,
+                                                   const Topology& topology, Threads threads)
+{
+    std::vector<ProximityOctree> octrees;
+    auto usual = build_proximity_octree(mesh, topology, {.threads = threads});
+    if (!usual) return tl::unexpected(usual.error());
+    octrees.push_back(std::move(*usual));
+    std::uint64_t budget = 60 * mesh.triangle_count();
+    while (octrees.size() < 2) {
+        auto tight =
+            build_proximity_octree(mesh, topology, {.budget_bytes = budget, .threads = threads});
+        if (tight) {
+            octrees.push_back(std::move(*tight));
+        } else if (tight.error().code == ErrorCode::budget_exceeded) {
+            budget += budget / 5;
+        } else {
+            return tl::unexpected(tight.error());
+        }
+    }
+    return octrees;
+}
+
+/// Whether every edge is passed as often in one way as in the other: the mesh has an inside.
+bool is_closed(const TriangleMesh& mesh, const Topology& topology)
+{
+    std::vector<int> passes(topology.edge_count());
+    for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
+        const TriangleCorners& corners = mesh.triangles()[t];
+        const auto& edges = topology.edges(TriangleId{t});
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::uint32_t from = corners[k];
+            const std::uint32_t to = corners[(k + 1) % 3];
+            if (edges[k] != no_edge) passes[index(edges[k])] += from < to ? 1 : -1;
+        }
+    }
+    return std::ranges::all_of(passes, [](int sum) { return sum == 0; });
+}
+
+/// One mesh after the other, and the sums.
+class Soak {
+public:
+    explicit Soak(const SoakOptions& options) : options_(options) {}
+
+    /// Returns the exit status.
+    int run()
+    {
+        const std::vector<SoakMesh> meshes = soak_meshes(options_.seed);
+        const auto is_asked = [&](const SoakMesh& mesh) {
+            return options_.meshes.empty() ||
+                   std::ranges::find(options_.meshes, mesh.name) != options_.meshes.end();
+        };
+        const auto asked = static_cast<std::size_t>(std::ranges::count_if(meshes, is_asked));
+        if (asked == 0) {
+            std::fprintf(stderr, "proximity_soak: no mesh has such a name\n");
+            return 2;
+        }
+        std::printf("seed %llu, %llu points, %llu signs\n\n",
+                    static_cast<unsigned long long>(options_.seed),
+                    static_cast<unsigned long long>(options_.points),
+                    static_cast<unsigned long long>(options_.signs));
+        std::printf("%-22s %-12s %10s %6s %12s %8s %7s %6s %6s\n", "mesh", "points", "number",
+                    "wrong", "worst error", "ties", "brute", "steps", "blocks");
+        for (std::size_t i = 0; i < meshes.size(); ++i) {
+            row_ = rows_per_mesh * i;
+            if (is_asked(meshes[i])) run_mesh(meshes[i], asked);
+        }
+        print_row("all", "all", all_);
+        print_signs("all", all_signs_);
+        return all_.wrong == 0 && all_signs_.wrong == 0 && !failed_ ? 0 : 1;
+    }
+
+private:
+    void run_mesh(const SoakMesh& named, std::size_t meshes)
+    {
+        const TriangleMesh mesh = named.make();
+        if (mesh.triangle_count() == 0) {
+            std::printf("%-22s skipped: the file is not there\n", named.name.c_str());
+            return;
+        }
+        const auto topology = build_topology(mesh);
+        if (!topology) return fail_mesh(named, topology.error());
+        const auto search = build_surface_search(mesh, *topology);
+        if (!search) return fail_mesh(named, search.error());
+        const auto octrees = build_octrees(mesh, *topology, options_.threads);
+        if (!octrees) return fail_mesh(named, octrees.error());
+
+        const PointMaker maker(mesh, *topology, octrees->front());
+        const ClosestCheck check(*search, *octrees);
+        for (std::size_t s = 0; s < all_point_sets.size(); ++s) {
+            const std::uint64_t count = options_.points * shares[s] / (100 * meshes) + 1;
+            const auto tally = check_points<ClosestTally>(
+                maker, all_point_sets[s], count, options_.seed, ++row_, options_.threads, check);
+            print_row(named.name, name_of(all_point_sets[s]), tally);
+            all_.add(tally);
+        }
+        const auto sign = build_surface_sign(*search);
+        if (!sign) return fail_mesh(named, sign.error());
+        check_signs(named, *sign, octrees->front(), maker, meshes);
+        (void)std::fflush(stdout);
+    }
+
+    void check_signs(const SoakMesh& named, const SurfaceSign& sign, const ProximityOctree& octree,
+                     const PointMaker& maker, std::size_t meshes)
+    {
+        const bool closed = is_closed(sign.mesh(), sign.topology());
+        const SignCheck check(sign, octree, closed);
+        std::uint64_t count = options_.signs / meshes + 1;
+        if (!closed) count = std::min(count, solid_angles / sign.mesh().triangle_count() + 1);
+        SignTally sum;
+        for (const PointSet set : {PointSet::volume, PointSet::near_surface, PointSet::boundaries})
+            sum.add(check_points<SignTally>(maker, set, count / 3 + 1, options_.seed, ++row_,
+                                            options_.threads, check));
+        print_signs(named.name + (closed ? " (closed)" : " (open)"), sum);
+        all_signs_.add(sum);
+    }
+
+    void fail_mesh(const SoakMesh& named, const Error& error)
+    {
+        std::printf("%-22s failed: %s\n", named.name.c_str(), describe(error).c_str());
+        failed_ = true;
+    }
+
+    static void print_row(const std::string& mesh, std::string_view set, const ClosestTally& tally)
+    {
+        std::printf("%-22s %-12s %10llu %6llu %12.2e %8llu %7llu %5.0f%% %5.0f%%\n", mesh.c_str(),
+                    std::string(set).c_str(), static_cast<unsigned long long>(tally.points),
+                    static_cast<unsigned long long>(tally.wrong), tally.worst,
+                    static_cast<unsigned long long>(tally.ties),
+                    static_cast<unsigned long long>(tally.brute), 100 * tally.worst_steps,
+                    100 * tally.worst_blocks);
+        if (!tally.first_wrong.empty()) std::printf("    %s\n", tally.first_wrong.c_str());
+    }
+
+    static void print_signs(const std::string& mesh, const SignTally& tally)
+    {
+        std::printf("%-35s %10llu %6llu signs, %llu inside, %llu undecided\n", mesh.c_str(),
+                    static_cast<unsigned long long>(tally.points),
+                    static_cast<unsigned long long>(tally.wrong),
+                    static_cast<unsigned long long>(tally.inside),
+                    static_cast<unsigned long long>(tally.undecided));
+        if (!tally.first_wrong.empty()) std::printf("    %s\n", tally.first_wrong.c_str());
+    }
+
+    const SoakOptions& options_;
+    std::uint64_t row_ = 0; ///< of points made so far
+    ClosestTally all_;
+    SignTally all_signs_;
+    bool failed_ = false;
+};
+
+} // namespace
+} // namespace proxima::soak
+
+int main(int argc, char** argv)
+try {
+    proxima::soak::SoakOptions options;
+    CLI::App app("Millions of random points against brute force and exact signs");
+    app.add_option("--points", options.points, "Closest features asked for, over all meshes");
+    app.add_option("--signs", options.signs, "Signs asked for, over all meshes");
+    app.add_option("--seed", options.seed, "Seed of points and random meshes");
+    app.add_option("--threads", options.threads.count, "0: all that the machine offers")
+        ->check(CLI::Range(0, 1024));
+    app.add_option("--mesh", options.meshes, "Only the mesh of this name, as printed")
+        ->allow_extra_args(false);
+    CLI11_PARSE(app, argc, argv);
+    const auto begin = std::chrono::steady_clock::now();
+    const int status = proxima::soak::Soak(options).run();
+    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
+    std::printf("%.0f seconds\n", taken.count());
+    return status;
+} catch (const std::exception& error) {
+    std::cerr << "proximity_soak: " << error.what() << '\n';
+    return 1;
+}

@@ -1,0 +1,43 @@
+// Signs of distances against the truth: on closed meshes the winding number, counted along a line
+// by exact determinants; on others the sum of all solid angles.
+#pragma once
+
+#include "index/lists/proximity_octree.h"
+#include "oracles/column_winding.h"
+#include "query/closest/signed_distance.h"
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+namespace proxima::soak {
+
+struct SignTally {
+    std::uint64_t points = 0; ///< with a sign to compare
+    std::uint64_t wrong = 0;
+    std::uint64_t inside = 0;
+    std::uint64_t undecided = 0; ///< within rounding of the surface, or of a winding number of 1/2
+    std::string first_wrong;
+
+    void add(const SignTally& other);
+};
+
+/// Refers to what it is given. check() may be called from any thread.
+class SignCheck {
+public:
+    /// \pre `closed` tells whether every edge has as many triangles in one way as in the other
+    SignCheck(const SurfaceSign& sign, const ProximityOctree& octree, bool closed);
+
+    [[nodiscard]] SignTally check(std::span<const Vec3> points) const;
+
+private:
+    [[nodiscard]] std::optional<bool> is_inside(const Vec3& p) const;
+
+    const SurfaceSign& sign_;
+    const ProximityOctree& octree_;
+    std::optional<oracle::ColumnWinding> columns_;
+    double size_ = 0;
+};
+
+} // namespace proxima::soak

@@ -1,0 +1,158 @@
+#include "query/contact/containment.h"
+
+#include "cancellation.h"
+#include "counted_allocations.h"
+#include "mesh/sample_meshes.h"
+#include "octree/small_meshes.h"
+#include "oracles/column_winding.h"
+
+#include <gtest/gtest.h>
+#include <random>
+
+namespace proxima {
+namespace {
+
+using namespace testing;
+
+constexpr Containment none = Containment::none;
+constexpr Containment a_in_b = Containment::a_in_b;
+constexpr Containment b_in_a = Containment::b_in_a;
+
+RigidTransform shifted(const Vec3& by)
+{
+    return {.translation = by};
+}
+
+ContainmentAnswer ask(const TriangleMesh& a, const TriangleMesh& b, const RigidTransform& pose = {})
+{
+    const Enclosure inner = build_enclosure(a).value();
+    const Enclosure outer = build_enclosure(b).value();
+    return find_containment(inner, outer, pose);
+}
+
+TriangleMesh ball(double radius, const Vec3& center = Vec3::Zero())
+{
+    return sphere_mesh(center, radius, 8, 9);
+}
+
+TEST(Containment, KnowsWhichOfTwoBallsIsInside)
+{
+    const RigidTransform turned = {Eigen::AngleAxisd(1, Vec3(1, 2, 3).normalized()).matrix(),
+                                   Vec3(0.25, 0.25, 0)};
+    EXPECT_EQ(ask(ball(1), ball(2), turned).containment, a_in_b);
+    EXPECT_EQ(ask(ball(2), ball(1), turned).containment, b_in_a);
+    EXPECT_EQ(ask(ball(1), ball(2), shifted(Vec3(4, 0, 0))).containment, none);
+    // In the bounds of a torus, and not inside of it.
+    EXPECT_EQ(ask(ball(0.2), torus_mesh(1, 0.4, 20, 12)).containment, none);
+    EXPECT_EQ(ask(ball(0.2), torus_mesh(1, 0.4, 20, 12), shifted(Vec3(1, 0, 0))).containment,
+              a_in_b);
+    EXPECT_EQ(ask(ball(1), ball(2)).method, InsideMethod::crossings);
+}
+
+TEST(Containment, AsksEveryPartOfTheInnerMesh)
+{
+    const TriangleMesh two = joined(ball(0.3), ball(0.3, Vec3(3, 0, 0)));
+    EXPECT_EQ(build_enclosure(two)->parts().size(), 2U);
+    EXPECT_EQ(ask(two, ball(2)).containment, none);
+    EXPECT_EQ(ask(two, ball(4)).containment, a_in_b);
+    // Parts of the outer mesh: a cavity is outside, where parts overlap is inside.
+    const TriangleMesh hollow = joined(ball(2), inverted(ball(1)));
+    EXPECT_EQ(ask(ball(0.5), hollow).containment, none);
+    EXPECT_EQ(ask(ball(0.3, Vec3(1.5, 0, 0)), hollow).containment, a_in_b);
+    const TriangleMesh overlapping = joined(ball(2), ball(2, Vec3(2, 0, 0)));
+    EXPECT_EQ(ask(ball(0.3, Vec3(1, 0, 0)), overlapping).containment, a_in_b);
+}
+
+TEST(Containment, HasAMethodForEveryMesh)
+{
+    const ContainmentAnswer inside_out = ask(ball(1), inverted(ball(2)));
+    EXPECT_EQ(inside_out.containment, a_in_b);
+    EXPECT_EQ(inside_out.method, InsideMethod::crossings);
+
+    const TriangleMesh outer = ball(2);
+    std::vector<Vec3> positions(outer.positions().begin(), outer.positions().end());
+    std::vector<TriangleCorners> triangles(outer.triangles().begin(), outer.triangles().end());
+    std::swap(triangles[10][0], triangles[10][1]);
+    const TriangleMesh one_flipped = mesh_of(positions, triangles);
+    const ContainmentAnswer by_parity = ask(ball(1), one_flipped);
+    EXPECT_EQ(by_parity.containment, a_in_b);
+    EXPECT_EQ(by_parity.method, InsideMethod::parity);
+
+    const TriangleMesh open = without(outer, [](std::size_t i) { return i < 3; });
+    const ContainmentAnswer by_winding = ask(ball(1), open);
+    EXPECT_EQ(by_winding.containment, a_in_b);
+    EXPECT_EQ(by_winding.method, InsideMethod::winding_number);
+    EXPECT_EQ(ask(ball(1), inverted(open)).containment, a_in_b);
+    EXPECT_EQ(ask(open, ball(1)).containment, b_in_a);
+    EXPECT_EQ(ask(open, ball(1), shifted(Vec3(4, 0, 0))).containment, none);
+
+    // Every triangle with vertices of its own: still closed.
+    positions.clear();
+    triangles.clear();
+    for (const TriangleCorners& corners : outer.triangles()) {
+        const auto next = static_cast<std::uint32_t>(positions.size());
+        for (const std::uint32_t corner : corners) positions.push_back(outer.positions()[corner]);
+        triangles.push_back({next, next + 1, next + 2});
+    }
+    EXPECT_EQ(ask(ball(1), mesh_of(positions, triangles)).method, InsideMethod::crossings);
+    EXPECT_FALSE(build_enclosure(TriangleMesh{}));
+}
+
+/// Points in line with corners and edges, where a careless count of crossings is wrong.
+TEST(Containment, CountsCrossingsExactly)
+{
+    constexpr std::uint32_t seed = 3;
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    std::mt19937 random(seed);
+    const auto on_grid = [](const TriangleMesh& mesh) {
+        return moved(mesh, [](const Vec3& p) { return Vec3((4 * p).array().round() / 4); });
+    };
+    const std::vector<TriangleMesh> meshes = {
+        on_grid(torus_mesh(1, 0.5, 13, 8)), on_grid(make_icosphere(2)), make_octahedron(),
+        joined(make_cube(), cube_mesh(Vec3(1, 1, 0), 1)), make_cube()};
+    Mat3 quarter;
+    quarter << 0, 0, 1, 1, 0, 0, 0, 1, 0;
+    int inside = 0;
+    int outside = 0;
+    for (const TriangleMesh& mesh : meshes) {
+        const RigidTransform pose = {quarter, Vec3(0.25, -0.5, 1)};
+        const Enclosure enclosure = build_enclosure(mesh).value();
+        EXPECT_EQ(enclosure.method(), InsideMethod::crossings);
+        const oracle::ColumnWinding truth(mesh);
+        for (int i = 0; i < 3000; ++i) {
+            const auto coordinate = [&] {
+                return std::ldexp(static_cast<double>(random() % 33) - 16, i % 2 == 0 ? -2 : -3);
+            };
+            const double x = coordinate();
+            const double y = coordinate();
+            const Vec3 point(x, y, coordinate());
+            const auto windings = truth.at(point);
+            if (!windings) continue; // on the surface
+            ASSERT_EQ(encloses(enclosure, {}, point), *windings != 0) << point.transpose();
+            ASSERT_EQ(encloses(enclosure, pose, pose(point)), *windings != 0);
+            ++(*windings != 0 ? inside : outside);
+        }
+    }
+    EXPECT_GT(inside, 500);
+    EXPECT_GT(outside, 500);
+}
+
+TEST(Containment, AllocatesNothingAndCanBeCancelled)
+{
+    const TriangleMesh inner = ball(1);
+    const TriangleMesh outer = ball(2);
+    const TriangleMesh open = without(outer, [](std::size_t i) { return i == 3; });
+    const Enclosure a = build_enclosure(inner).value();
+    const Enclosure b = build_enclosure(outer).value();
+    const Enclosure c = build_enclosure(open).value();
+    const std::size_t before = allocation_count();
+    EXPECT_EQ(find_containment(a, b).containment, a_in_b);
+    EXPECT_EQ(find_containment(a, c).containment, a_in_b);
+    EXPECT_EQ(allocation_count(), before);
+    Progress progress;
+    progress.cancel();
+    EXPECT_EQ(build_enclosure(open, {.progress = &progress}).error().code, ErrorCode::cancelled);
+}
+
+} // namespace
+} // namespace proxima

@@ -1,0 +1,330 @@
+#include "query/contact/intersect_meshes.h"
+
+#include "base/simd.h"
+#include "cancellation.h"
+#include "counted_allocations.h"
+#include "index/build_mesh_index.h"
+#include "index/test_meshes.h"
+#include "mesh/random_soups.h"
+#include "octree/build_octree.h"
+#include "octree/nasty_meshes.h"
+#include "octree/small_meshes.h"
+#include "query/contact/test_poses.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+
+namespace proxima {
+namespace {
+
+using namespace testing;
+
+MeshIndex index_of(const TriangleMesh& mesh)
+{
+    const auto octree =
+        build_octree(mesh, {.max_depth = 3, .classification = Classification::none});
+    return build_mesh_index(*octree, mesh).value();
+}
+
+RigidTransform shifted(const Vec3& by)
+{
+    return {.translation = by};
+}
+
+/// Every kind of answer against brute force. Returns how many pairs meet.
+std::size_t expect_truth(const TriangleMesh& mesh_a, const TriangleMesh& mesh_b, const MeshIndex& a,
+                         const MeshIndex& b, const RigidTransform& pose)
+{
+    const std::vector<TrianglePair> truth = pairs_by_brute_force(mesh_a, mesh_b, pose);
+    EXPECT_EQ(intersecting_pairs(a, b, pose), truth);
+    EXPECT_EQ(meshes_intersect(a, b, pose), !truth.empty());
+    return truth.size();
+}
+
+/// Counts of what was tried, so that a test is known to have tried something.
+struct Tally {
+    std::size_t poses = 0;
+    std::size_t meeting = 0;
+    std::size_t pairs = 0;
+
+    void try_poses(const TriangleMesh& mesh_a, const TriangleMesh& mesh_b, int count,
+                   std::uint64_t seed)
+    {
+        const MeshIndex a = index_of(mesh_a);
+        const MeshIndex b = index_of(mesh_b);
+        PoseGenerator generate(mesh_a, mesh_b, seed);
+        for (int i = 0; i < count; ++i) {
+            SCOPED_TRACE(::testing::Message() << "seed " << seed << ", pose " << i);
+            const std::size_t met = expect_truth(mesh_a, mesh_b, a, b, generate());
+            ++poses;
+            meeting += met > 0 ? 1 : 0;
+            pairs += met;
+            if (::testing::Test::HasFailure()) return;
+        }
+    }
+};
+
+TEST(IntersectMeshes, AnswersAsBruteForceOnNamedMeshes)
+{
+    Tally tally;
+    const std::vector<NamedMesh> meshes = proximity_meshes();
+    std::uint64_t seed = 1;
+    for (std::size_t i = 0; i < meshes.size(); ++i) {
+        for (const std::size_t other : {i, (i + 1) % meshes.size(), (i * 7 + 3) % meshes.size()}) {
+            SCOPED_TRACE(meshes[i].name + " and " + meshes[other].name);
+            tally.try_poses(meshes[i].mesh, meshes[other].mesh, 12, seed++);
+            if (HasFailure()) return;
+        }
+    }
+    EXPECT_GT(tally.meeting, tally.poses / 3);
+    EXPECT_LT(tally.meeting, tally.poses * 19 / 20);
+    EXPECT_GT(tally.pairs, 20'000U);
+}
+
+TEST(IntersectMeshes, AnswersAsBruteForceOnManyRandomMeshes)
+{
+    Tally tally;
+    for (std::uint32_t seed = 0; seed < 300; ++seed) {
+        const TriangleMesh nasty = nasty_mesh(seed);
+        const TriangleMesh grid = grid_mesh(seed);
+        const TriangleMesh soup = random_soup(seed);
+        tally.try_poses(nasty, nasty_mesh(seed / 2), 4, seed);
+        tally.try_poses(grid, grid_mesh(seed + 1), 10, seed);
+        if (checked_bounding_box(soup)) tally.try_poses(soup, grid, 10, seed);
+        if (HasFailure()) return;
+    }
+    EXPECT_GT(tally.meeting, tally.poses / 3);
+    EXPECT_LT(tally.meeting, tally.poses * 19 / 20);
+    EXPECT_GT(tally.pairs, 50'000U);
+}
+
+TEST(IntersectMeshes, KnowsCubesThatTouch)
+{
+    const TriangleMesh cube = cube_mesh(Vec3(0.5, 0.5, 0.5), 0.5);
+    const MeshIndex index = index_of(cube);
+    const auto pairs = [&](const Vec3& by) {
+        const RigidTransform pose = shifted(by);
+        EXPECT_EQ(meshes_intersect(index, index, pose),
+                  expect_truth(cube, cube, index, index, pose) > 0);
+        return intersecting_pairs(index, index, pose).size();
+    };
+    EXPECT_GT(pairs(Vec3(0, 0, 0)), 12U); // each with itself, and with its neighbours
+    EXPECT_GT(pairs(Vec3(1, 0, 0)), 4U);  // in a face
+    EXPECT_GT(pairs(Vec3(1, 1, 0)), 1U);  // in an edge
+    EXPECT_GT(pairs(Vec3(1, 1, 1)), 0U);  // in a corner
+    const double bit = 0x1p-52;
+    EXPECT_EQ(pairs(Vec3(1 + bit, 0, 0)), 0U);
+    EXPECT_EQ(pairs(Vec3(1 + bit, 1, 0)), 0U);
+    EXPECT_EQ(pairs(Vec3(1, 1 + bit, 1)), 0U);
+    EXPECT_EQ(pairs(Vec3(1, 1, -1 - bit)), 0U);
+    EXPECT_GT(pairs(Vec3(1 - bit / 2, 1 - bit / 2, 1 - bit / 2)), 0U);
+}
+
+TEST(IntersectMeshes, FindsTheSamePairsTheOtherWayRound)
+{
+    const TriangleMesh mesh_a = torus_mesh(1.0, 0.4, 24, 16);
+    const TriangleMesh mesh_b = sphere_mesh(Vec3(0.25, 0.5, 0), 0.5, 14, 18);
+    // On a grid of 2^-20 so that points move without rounding.
+    const auto snapped = [](const TriangleMesh& mesh) {
+        return moved(mesh, [](const Vec3& p) {
+            return Vec3((p * 0x1p20).array().round().matrix() * 0x1p-20);
+        });
+    };
+    const TriangleMesh a = snapped(mesh_a);
+    const TriangleMesh b = snapped(mesh_b);
+    const MeshIndex index_a = index_of(a);
+    const MeshIndex index_b = index_of(b);
+    std::mt19937 random(5);
+    std::size_t found = 0;
+    for (int i = 0; i < 100; ++i) {
+        const auto step = [&] { return std::ldexp(static_cast<double>(random() % 65) - 32, -5); };
+        const double x = step();
+        const double y = step();
+        const Vec3 by(x, y, step());
+        std::vector<TrianglePair> pairs = intersecting_pairs(index_a, index_b, shifted(by));
+        std::vector<TrianglePair> back = intersecting_pairs(index_b, index_a, shifted(-by));
+        for (TrianglePair& pair : back) std::swap(pair.a, pair.b);
+        std::ranges::sort(back);
+        EXPECT_EQ(back, pairs);
+        EXPECT_TRUE(std::ranges::is_sorted(pairs));
+        EXPECT_EQ(std::ranges::adjacent_find(pairs), pairs.end());
+        found += pairs.size();
+    }
+    EXPECT_GT(found, 1000U);
+}
+
+TEST(IntersectMeshes, AnswersTheSameAtAnyScaleAndPlace)
+{
+    const TriangleMesh torus = torus_mesh(1.0, 0.4, 24, 16);
+    const TriangleMesh sphere = sphere_mesh(Vec3(0.3, 0.2, 0.1), 0.8, 12, 16);
+    const MeshIndex a = index_of(torus);
+    const MeshIndex b = index_of(sphere);
+    for (const int exponent : {-20, 20, -200, 200}) {
+        SCOPED_TRACE(exponent);
+        const double scale = std::ldexp(1.0, exponent);
+        const auto scaled = [&](const TriangleMesh& mesh) {
+            return index_of(moved(mesh, [&](const Vec3& p) { return Vec3(scale * p); }));
+        };
+        const MeshIndex other_a = scaled(torus);
+        const MeshIndex other_b = scaled(sphere);
+        PoseGenerator generate(torus, sphere, 3);
+        for (int i = 0; i < 30; ++i) {
+            const RigidTransform pose = generate();
+            const RigidTransform same = {pose.rotation, scale * pose.translation};
+            ASSERT_EQ(intersecting_pairs(other_a, other_b, same), intersecting_pairs(a, b, pose));
+        }
+    }
+    // Of very different sizes, and where coordinates are coarse: each by brute force.
+    Tally tally;
+    const auto placed = [&](double scale, const Vec3& at) {
+        return moved(torus, [&](const Vec3& p) { return Vec3(scale * p + at); });
+    };
+    const Vec3 far(3e7, -5e8, 2e9);
+    tally.try_poses(placed(1, far), sphere, 20, 1);
+    tally.try_poses(sphere, placed(1, far), 20, 2);
+    tally.try_poses(placed(1e3, far), placed(1, -far), 20, 3);
+    tally.try_poses(placed(1e-6, Vec3::Zero()), sphere, 20, 4);
+    tally.try_poses(sphere, placed(1e6, Vec3::Zero()), 20, 5);
+    tally.try_poses(placed(1e-3, 1e-6 * far), placed(1e3, 1e-3 * far), 20, 6);
+    tally.try_poses(placed(1e-60, Vec3::Zero()), placed(1e60, Vec3::Zero()), 20, 7);
+    // So far that floats are of no use.
+    tally.try_poses(placed(1e-3, 1e5 * far), cube_mesh(Vec3::Zero(), 0.125), 20, 8);
+    EXPECT_GT(tally.meeting, tally.poses / 3);
+    EXPECT_LT(tally.meeting, tally.poses);
+}
+
+TEST(IntersectMeshes, TakesMeshesOfOneLeafAndEmptyOnes)
+{
+    const TriangleMesh one = mesh_of({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, {{0, 1, 2}});
+    const TriangleMesh point = mesh_of({Vec3(0.25, 0.25, 0)}, {{0, 0, 0}});
+    const TriangleMesh sphere = sphere_mesh(Vec3::Zero(), 1.0, 20, 30);
+    const MeshIndex a = index_of(one);
+    const MeshIndex b = index_of(point);
+    EXPECT_TRUE(meshes_intersect(a, b, {}));
+    EXPECT_TRUE(meshes_intersect(b, a, {}));
+    EXPECT_TRUE(meshes_intersect(b, b, {}));
+    EXPECT_FALSE(meshes_intersect(a, b, shifted(Vec3(0, 0, 0x1p-1000))));
+    EXPECT_FALSE(meshes_intersect(b, b, shifted(Vec3(0, 0, -0x1p-1000))));
+    Tally tally;
+    tally.try_poses(one, sphere, 50, 1);
+    tally.try_poses(sphere, one, 50, 2);
+    tally.try_poses(sphere, point, 50, 3);
+    tally.try_poses(one, point, 50, 4);
+    const MeshIndex empty;
+    EXPECT_FALSE(meshes_intersect(empty, a, {}));
+    EXPECT_FALSE(meshes_intersect(a, empty, {}));
+    EXPECT_TRUE(intersecting_pairs(empty, empty, RigidTransform()).empty());
+}
+
+TEST(IntersectMeshes, EndsWherePosesLeadOutOfAllNumbers)
+{
+    const MeshIndex sphere = index_of(sphere_mesh(Vec3::Zero(), 1.0, 5, 6));
+    const double most = std::numeric_limits<double>::max();
+    for (const double t : {most, std::numeric_limits<double>::infinity(),
+                           std::numeric_limits<double>::quiet_NaN()}) {
+        EXPECT_FALSE(meshes_intersect(sphere, sphere, shifted(Vec3(0, t, 0))));
+        EXPECT_TRUE(intersecting_pairs(sphere, sphere, shifted(Vec3(t, t, t))).empty());
+    }
+}
+
+TEST(IntersectMeshes, AnswersTheSameOnEveryInstructionSetWithoutAllocating)
+{
+    const TriangleMesh torus = torus_mesh(1.0, 0.4, 24, 16);
+    const TriangleMesh soup = nasty_mesh(5);
+    const MeshIndex a = index_of(torus);
+    const MeshIndex b = index_of(soup);
+    PoseGenerator generate(torus, soup, 13);
+    std::vector<RigidTransform> poses(200);
+    for (RigidTransform& pose : poses) pose = generate();
+    std::vector<std::vector<TrianglePair>> truth;
+    std::size_t meeting = 0;
+    for (const RigidTransform& pose : poses) {
+        truth.push_back(pairs_by_brute_force(torus, soup, pose));
+        meeting += truth.back().empty() ? 0 : 1;
+    }
+    EXPECT_GT(meeting, 20U);
+    EXPECT_LT(meeting, 200U);
+    std::array<TrianglePair, 5> first_pairs;
+    for (const SimdTarget& target : simd_targets()) {
+        SCOPED_TRACE(target.name);
+        force_simd_target(target);
+        const std::size_t before = allocation_count();
+        std::size_t wrong = 0;
+        LastMeeting last;
+        for (std::size_t i = 0; i < poses.size(); ++i) {
+            if (meshes_intersect(a, b, poses[i]) == truth[i].empty()) ++wrong;
+            if (meshes_intersect(a, b, poses[i], last) == truth[i].empty()) ++wrong;
+            if (intersecting_pairs(a, b, poses[i], first_pairs) != truth[i].size()) ++wrong;
+            const std::size_t kept = std::min(first_pairs.size(), truth[i].size());
+            if (!std::equal(first_pairs.begin(),
+                            first_pairs.begin() + static_cast<std::ptrdiff_t>(kept),
+                            truth[i].begin()))
+                ++wrong;
+        }
+        EXPECT_EQ(allocation_count(), before);
+        EXPECT_EQ(wrong, 0U);
+        for (std::size_t i = 0; i < poses.size(); ++i)
+            EXPECT_EQ(intersecting_pairs(a, b, poses[i]), truth[i]);
+        restore_simd_targets();
+    }
+}
+
+TEST(IntersectMeshes, FollowsAMovingMesh)
+{
+    const TriangleMesh torus = torus_mesh(1.0, 0.4, 24, 16);
+    const MeshIndex index = index_of(torus);
+    LastMeeting last;
+    bool met_before = false;
+    std::size_t kept = 0;
+    for (int i = 0; i < 400; ++i) {
+        const RigidTransform pose = shifted(Vec3(0.01 * i, 0.001 * i, 0));
+        const LastMeeting before = last;
+        const bool met = meshes_intersect(index, index, pose, last);
+        EXPECT_EQ(met, meshes_intersect(index, index, pose));
+        kept += met && met_before && last.row_a == before.row_a ? 1 : 0;
+        met_before = met;
+    }
+    EXPECT_FALSE(met_before);
+    EXPECT_GT(kept, 50U);
+    // What is left of other meshes does no harm.
+    last = {1'000'000, 7};
+    EXPECT_TRUE(meshes_intersect(index, index, {}, last));
+    EXPECT_LT(last.row_a, torus.triangle_count());
+}
+
+TEST(IntersectMeshes, BatchesAnswerAsSinglePosesForAnyNumberOfThreads)
+{
+    const TriangleMesh torus = torus_mesh(1.0, 0.4, 24, 16);
+    const TriangleMesh sphere = sphere_mesh(Vec3(0.3, 0.2, 0.1), 0.8, 12, 16);
+    const MeshIndex a = index_of(torus);
+    const MeshIndex b = index_of(sphere);
+    PoseGenerator generate(torus, sphere, 17);
+    std::vector<RigidTransform> poses(50);
+    for (RigidTransform& pose : poses) pose = generate();
+    for (const int threads : {1, 3}) {
+        const auto answers = std::make_unique<bool[]>(poses.size());
+        const PairOptions options{.threads = {threads}};
+        ASSERT_TRUE(meshes_intersect(a, b, poses, {answers.get(), poses.size()}, options));
+        const auto lists = intersecting_pairs(a, b, poses, options);
+        ASSERT_TRUE(lists);
+        ASSERT_EQ(lists->first.size(), poses.size() + 1);
+        for (std::size_t i = 0; i < poses.size(); ++i) {
+            EXPECT_EQ(answers[i], meshes_intersect(a, b, poses[i]));
+            const std::vector<TrianglePair> own(
+                lists->pairs.begin() + static_cast<std::ptrdiff_t>(lists->first[i]),
+                lists->pairs.begin() + static_cast<std::ptrdiff_t>(lists->first[i + 1]));
+            EXPECT_EQ(own, intersecting_pairs(a, b, poses[i]));
+        }
+        EXPECT_FALSE(meshes_intersect(a, b, poses, {answers.get(), 7}, options));
+    }
+    cancel_at_every_stage(
+        [&](Progress& progress) {
+            return intersecting_pairs(a, b, poses, {.progress = &progress});
+        },
+        [] { return true; });
+}
+
+} // namespace
+} // namespace proxima

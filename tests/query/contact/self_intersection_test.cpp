@@ -1,0 +1,145 @@
+#include "query/contact/self_intersection.h"
+
+#include "index/build_mesh_index.h"
+#include "index/test_meshes.h"
+#include "mesh/random_soups.h"
+#include "mesh/sample_meshes.h"
+#include "octree/build_octree.h"
+#include "octree/nasty_meshes.h"
+#include "octree/small_meshes.h"
+
+#include <algorithm>
+#include <gtest/gtest.h>
+
+namespace proxima {
+namespace {
+
+using namespace testing;
+
+MeshIndex index_of(const TriangleMesh& mesh)
+{
+    const auto octree =
+        build_octree(mesh, {.max_depth = 3, .classification = Classification::none});
+    return build_mesh_index(*octree, mesh).value();
+}
+
+std::vector<TrianglePair> pairs_of(const TriangleMesh& mesh)
+{
+    return find_self_intersections(index_of(mesh))->pairs;
+}
+
+/// All pairs asked.
+std::vector<TrianglePair> brute_pairs(const TriangleMesh& mesh)
+{
+    std::vector<TrianglePair> pairs;
+    for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
+        for (std::uint32_t j = i + 1; j < mesh.triangle_count(); ++j) {
+            if (meet_beyond_corners(mesh.triangle(TriangleId{i}), mesh.triangle(TriangleId{j})))
+                pairs.push_back({TriangleId{i}, TriangleId{j}});
+        }
+    }
+    return pairs;
+}
+
+TEST(MeetBeyondCorners, HeedsWhatTrianglesShare)
+{
+    const Vec3 o(0, 0, 0);
+    const Vec3 x(4, 0, 0);
+    const Vec3 y(0, 4, 0);
+    const Vec3 z(0, 0, 4);
+    const Triangle floor = {{o, x, y}};
+    const auto meet = [&](const Vec3& p, const Vec3& q, const Vec3& r) {
+        const bool answer = meet_beyond_corners(floor, {{p, q, r}});
+        EXPECT_EQ(meet_beyond_corners({{q, r, p}}, floor), answer);
+        return answer;
+    };
+    // Two corners in common: a wall, a floor beside, a floor over it.
+    EXPECT_FALSE(meet(o, x, z));
+    EXPECT_FALSE(meet(o, x, Vec3(1, -1, 0)));
+    EXPECT_TRUE(meet(o, x, Vec3(1, 1, 0)));
+    EXPECT_TRUE(meet(o, x, Vec3(9, 9, 0)));
+    // One: beside, through, along a side of the other, and back over it.
+    EXPECT_FALSE(meet(o, Vec3(-1, -1, 1), Vec3(-1, -1, -1)));
+    EXPECT_TRUE(meet(o, Vec3(1, 1, 1), Vec3(1, 1, -1)));
+    EXPECT_TRUE(meet(o, Vec3(2, 0, 0), z));
+    EXPECT_TRUE(meet(o, Vec3(1, 1, 0), z));
+    EXPECT_TRUE(meet(o, Vec3(1, 1, 0), Vec3(1, 2, 0)));
+    EXPECT_FALSE(meet(o, Vec3(-1, -1, 0), Vec3(-1, -2, 0)));
+    // Three: duplicates. None: any touch.
+    EXPECT_TRUE(meet(y, x, o));
+    EXPECT_TRUE(meet(Vec3(1, 0, 0), Vec3(2, 0, 1), Vec3(1, 0, 1)));
+    EXPECT_FALSE(meet(Vec3(1, 0, 1), Vec3(2, 0, 1), Vec3(1, 0, 2)));
+    // A sliver between neighbours touches them only where they share corners.
+    EXPECT_FALSE(meet_beyond_corners({{o, Vec3(2, 0, 0), x}}, floor));
+    EXPECT_FALSE(meet_beyond_corners({{o, Vec3(2, 0, 0), x}}, {{o, Vec3(2, 0, 0), z}}));
+    EXPECT_TRUE(meet_beyond_corners({{o, Vec3(2, 0, 0), x}}, {{Vec3(3, 0, 0), y, z}}));
+}
+
+TEST(SelfIntersection, HasNoneInGoodMeshes)
+{
+    for (const TriangleMesh& mesh : {make_sphere(20, 20), make_torus(30, 12), make_cube(),
+                                     torus_mesh(1.0, 0.4, 24, 16), make_octahedron()}) {
+        EXPECT_TRUE(pairs_of(mesh).empty());
+    }
+}
+
+TEST(SelfIntersection, FindsWhatAllPairsHave)
+{
+    std::size_t found = 0;
+    std::size_t none = 0;
+    const auto compare = [&](const TriangleMesh& mesh) {
+        const std::vector<TrianglePair> truth = brute_pairs(mesh);
+        EXPECT_EQ(pairs_of(mesh), truth);
+        found += truth.size();
+        none += truth.empty() ? 1U : 0U;
+    };
+    for (const NamedMesh& named : proximity_meshes()) {
+        SCOPED_TRACE(named.name);
+        compare(named.mesh);
+    }
+    for (std::uint32_t seed = 0; seed < 100; ++seed) {
+        SCOPED_TRACE(::testing::Message() << "seed " << seed);
+        compare(nasty_mesh(seed));
+        const TriangleMesh soup = random_soup(seed);
+        if (checked_bounding_box(soup)) compare(soup);
+        if (HasFailure()) return;
+    }
+    EXPECT_GT(found, 1000U);
+    EXPECT_GT(none, 3U);
+}
+
+TEST(SelfIntersection, OfTwoSpheresIsWhereTheyMeet)
+{
+    const TriangleMesh sphere = make_sphere(12, 16);
+    const TriangleMesh other =
+        moved(sphere, [](const Vec3& p) { return Vec3(p + Vec3(0.9, 0.1, 0.2)); });
+    const auto pairs = pairs_of(joined(sphere, other));
+    EXPECT_GT(pairs.size(), 20U);
+    for (const TrianglePair& pair : pairs) {
+        EXPECT_LT(index(pair.a), sphere.triangle_count());
+        EXPECT_GE(index(pair.b), sphere.triangle_count());
+    }
+}
+
+TEST(SelfIntersection, StopsAtItsLimitWhateverTheThreads)
+{
+    // 1,000 times the same triangle: half a million pairs.
+    const TriangleMesh heap = mesh_of({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)},
+                                      std::vector<TriangleCorners>(1000, {0, 1, 2}));
+    const MeshIndex index = index_of(heap);
+    const auto one = find_self_intersections(index, {.max_pairs = 5000, .threads = {1}});
+    const auto two = find_self_intersections(index, {.max_pairs = 5000, .threads = {2}});
+    EXPECT_FALSE(one->complete);
+    EXPECT_EQ(one->pairs.size(), 5000U);
+    EXPECT_EQ(one->pairs, two->pairs);
+    const auto all = find_self_intersections(index, {.max_pairs = 500'000});
+    EXPECT_TRUE(all->complete);
+    EXPECT_EQ(all->pairs.size(), 1000U * 999 / 2);
+    Progress progress;
+    progress.cancel();
+    EXPECT_EQ(find_self_intersections(index, {.progress = &progress}).error().code,
+              ErrorCode::cancelled);
+}
+
+} // namespace
+} // namespace proxima

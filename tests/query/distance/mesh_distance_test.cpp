@@ -1,0 +1,384 @@
+#include "query/distance/mesh_distance.h"
+
+#include "base/simd.h"
+#include "cancellation.h"
+#include "counted_allocations.h"
+#include "geometry/triangle_contact.h"
+#include "geometry/triangle_distance.h"
+#include "index/slabs/distance_index_of.h"
+#include "index/test_meshes.h"
+#include "oracles/quad_distance.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cstring>
+#include <tuple>
+
+namespace proxima {
+namespace {
+
+using namespace testing;
+
+/// All pairs in doubles: the one with the least distance, then the lowest ids.
+MeshDistance distance_by_brute_force(const TriangleMesh& a, const TriangleMesh& b,
+                                     const RigidTransform& pose_b)
+{
+    MeshDistance best;
+    double least = std::numeric_limits<double>::infinity();
+    std::vector<Triangle> moved;
+    for (std::uint32_t k = 0; k < b.triangle_count(); ++k)
+        moved.push_back(pose_b(b.triangle(TriangleId{k})));
+    for (std::uint32_t i = 0; i < a.triangle_count(); ++i) {
+        const Triangle triangle = a.triangle(TriangleId{i});
+        for (std::uint32_t k = 0; k < b.triangle_count(); ++k) {
+            const ClosestTrianglePoints pair = closest_points(triangle, moved[k]);
+            if (!(pair.squared_distance < least)) continue;
+            least = pair.squared_distance;
+            best.distance = std::sqrt(least);
+            best.point_a = pair.first.point;
+            best.point_b = pair.second.point;
+            best.part_a = pair.first.part;
+            best.part_b = pair.second.part;
+            best.triangle_a = TriangleId{i};
+            best.triangle_b = TriangleId{k};
+        }
+    }
+    return best;
+}
+
+/// Turns by multiples of 90 degrees and whole steps: exact on whole points.
+RigidTransform whole_pose(std::mt19937_64& random, int reach)
+{
+    RigidTransform pose;
+    const int shift = static_cast<int>(random() % 3);
+    for (int i = 0; i < 3; ++i) {
+        pose.rotation.row(i).setZero();
+        pose.rotation(i, (i + shift) % 3) = 1;
+        pose.translation[i] =
+            static_cast<double>(random() % static_cast<unsigned>(2 * reach + 1)) - reach;
+    }
+    if (random() % 2 == 0) {
+        pose.rotation.row(0) *= -1;
+        pose.rotation.row(1) *= -1;
+    }
+    return pose;
+}
+
+class PoseGenerator {
+public:
+    PoseGenerator(const TriangleMesh& a, const TriangleMesh& b, std::uint64_t seed)
+        : a_(bounding_box(a)), b_(bounding_box(b)), random_(seed)
+    {
+        size_ = std::max({a_.extent().norm(), b_.extent().norm(), 1e-300});
+    }
+
+    RigidTransform operator()()
+    {
+        switch (below(8)) {
+        case 0:
+            return whole_pose(random_, 5);
+        case 1: // one within the other, or through it
+            return at(0.1 * unit() * direction());
+        case 2: // nearly touching
+            return at(size_ * (0.5 + 0.5 * unit()) * Vec3::Unit(static_cast<int>(below(3))));
+        case 3: // far
+            return at(std::ldexp(size_, static_cast<int>(below(24))) * direction());
+        case 4: { // not turned
+            RigidTransform pose = at(1.5 * size_ * unit() * direction());
+            pose.rotation = Mat3::Identity();
+            return pose;
+        }
+        default:
+            return at(1.5 * size_ * unit() * direction());
+        }
+    }
+
+private:
+    std::uint64_t below(std::uint64_t limit) { return random_() % limit; }
+    double unit() { return std::uniform_real_distribution<double>()(random_); }
+    Vec3 direction()
+    {
+        std::normal_distribution<double> normal;
+        const double x = normal(random_);
+        const double y = normal(random_);
+        return Vec3(x, y, normal(random_)).normalized();
+    }
+    /// Turned at random, B's center that much from A's.
+    RigidTransform at(const Vec3& apart)
+    {
+        RigidTransform pose;
+        pose.rotation = Eigen::AngleAxisd(6.3 * unit(), direction()).toRotationMatrix();
+        pose.translation = a_.center() + apart - pose.rotation * b_.center();
+        return pose;
+    }
+
+    Box a_;
+    Box b_;
+    double size_;
+    std::mt19937_64 random_;
+};
+
+/// Largest coordinate, of which roundings are small parts.
+double coordinates_of(const TriangleMesh& a, const TriangleMesh& b, const RigidTransform& pose)
+{
+    double largest = pose.translation.cwiseAbs().maxCoeff();
+    for (const TriangleMesh* mesh : {&a, &b})
+        for (const Vec3& p : mesh->positions())
+            largest = std::max(largest, p.cwiseAbs().maxCoeff());
+    return largest;
+}
+
+void expect_equal(const MeshDistance& found, const MeshDistance& truth, const TriangleMesh& a,
+                  const TriangleMesh& b, const RigidTransform& pose)
+{
+    ASSERT_EQ(found.distance, truth.distance);
+    const Triangle on_a = a.triangle(found.triangle_a);
+    const Triangle on_b = pose(b.triangle(found.triangle_b));
+    const double rounding = 1e-14 * coordinates_of(a, b, pose);
+    EXPECT_LE(oracle::root(oracle::squared_distance(oracle::QuadPoint(found.point_a), on_a)),
+              rounding);
+    EXPECT_LE(oracle::root(oracle::squared_distance(oracle::QuadPoint(found.point_b), on_b)),
+              rounding);
+    if (found.distance == 0) {
+        EXPECT_EQ(found.point_a, found.point_b);
+        EXPECT_TRUE(triangles_meet(on_a, on_b));
+        return;
+    }
+    EXPECT_EQ(found.triangle_a, truth.triangle_a);
+    EXPECT_EQ(found.triangle_b, truth.triangle_b);
+    EXPECT_EQ(found.point_a, truth.point_a);
+    EXPECT_EQ(found.point_b, truth.point_b);
+    EXPECT_EQ(found.part_a, truth.part_a);
+    EXPECT_EQ(found.part_b, truth.part_b);
+}
+
+/// Small enough that all pairs are soon asked.
+std::vector<NamedMesh> small_meshes()
+{
+    std::vector<NamedMesh> meshes;
+    for (NamedMesh& named : proximity_meshes())
+        if (named.mesh.triangle_count() <= 100) meshes.push_back(std::move(named));
+    meshes.push_back({"small sphere", sphere_mesh(Vec3(1, 2, 3), 1.5, 7, 9)});
+    meshes.push_back({"small torus", torus_mesh(2.0, 0.5, 10, 6)});
+    meshes.push_back({"tiny torus", moved(torus_mesh(2e-6, 1e-6, 8, 6),
+                                          [](const Vec3& p) { return Vec3(p + Vec3(1, 1, 1)); })});
+    meshes.push_back({"far sphere", sphere_mesh(Vec3(1e6, -2e6, 3e6), 1.0, 5, 6)});
+    return meshes;
+}
+
+TEST(MeshDistance, IsThatOfAllPairsInDoubles)
+{
+    const std::vector<NamedMesh> meshes = small_meshes();
+    std::vector<DistanceIndex> indexes;
+    for (const NamedMesh& named : meshes) indexes.push_back(index_of(named.mesh));
+    constexpr std::uint64_t seed = 11;
+    int touching = 0;
+    int apart = 0;
+    std::uint64_t turn = 0;
+    for (std::size_t i = 0; i < meshes.size(); ++i) {
+        for (std::size_t k = 0; k < meshes.size(); ++k) {
+            PoseGenerator poses(meshes[i].mesh, meshes[k].mesh, seed + ++turn);
+            for (int pose_number = 0; pose_number < 3; ++pose_number) {
+                SCOPED_TRACE(meshes[i].name + " and " + meshes[k].name + ", seed " +
+                             std::to_string(seed + turn) + ", pose " + std::to_string(pose_number));
+                const RigidTransform pose = poses();
+                const MeshDistance truth =
+                    distance_by_brute_force(meshes[i].mesh, meshes[k].mesh, pose);
+                const MeshDistance found = mesh_distance(indexes[i], indexes[k], pose);
+                expect_equal(found, truth, meshes[i].mesh, meshes[k].mesh, pose);
+                if (HasFatalFailure()) return;
+                ++(truth.distance == 0 ? touching : apart);
+            }
+        }
+    }
+    EXPECT_GT(touching, 300);
+    EXPECT_GT(apart, 1000);
+}
+
+TEST(MeshDistance, IsTheSameFromAnyLastAnswerWithinAnyRangeAndOnAnyMachine)
+{
+    const TriangleMesh torus = torus_mesh(1.0, 0.4, 60, 40);
+    const TriangleMesh ship = sample_mesh("spaceship:1300").value();
+    const DistanceIndex a = index_of(torus);
+    const DistanceIndex b = index_of(ship);
+    PoseGenerator poses(torus, ship, 5);
+    MeshDistance last;
+    const std::size_t before = allocation_count();
+    std::size_t uncounted = 0;
+    for (int i = 0; i < 60; ++i) {
+        const RigidTransform pose = poses();
+        const MeshDistance truth = mesh_distance(a, b, pose);
+        const auto expect_same = [&](const std::optional<MeshDistance>& found) {
+            ASSERT_TRUE(found.has_value());
+            ASSERT_EQ(found->distance, truth.distance);
+            if (truth.distance == 0) return;
+            ASSERT_EQ(found->triangle_a, truth.triangle_a);
+            ASSERT_EQ(found->triangle_b, truth.triangle_b);
+            ASSERT_EQ(found->point_a, truth.point_a);
+            ASSERT_EQ(found->point_b, truth.point_b);
+        };
+        expect_same(mesh_distance(a, b, pose, &last));
+        expect_same(mesh_distance_within(a, b, pose, truth.distance));
+        expect_same(mesh_distance_within(a, b, pose, 2 * truth.distance, &last));
+        if (truth.distance > 0) {
+            const double less = std::nextafter(truth.distance, 0.0);
+            ASSERT_FALSE(mesh_distance_within(a, b, pose, less).has_value());
+            ASSERT_FALSE(mesh_distance_within(a, b, pose, less, &truth).has_value());
+        }
+        EXPECT_FALSE(mesh_distance_within(a, b, pose, -1).has_value());
+        last = truth;
+
+        const std::size_t so_far = allocation_count();
+        for (const SimdTarget& target : simd_targets()) {
+            force_simd_target(target);
+            const MeshDistance other = mesh_distance(a, b, pose);
+            restore_simd_targets();
+            ASSERT_EQ(other.distance, truth.distance) << target.name;
+            ASSERT_EQ(other.row_a, truth.row_a) << target.name;
+            ASSERT_EQ(other.row_b, truth.row_b) << target.name;
+            ASSERT_EQ(other.point_a, truth.point_a) << target.name;
+            ASSERT_EQ(other.point_b, truth.point_b) << target.name;
+        }
+        uncounted += allocation_count() - so_far; // lists of targets
+    }
+    EXPECT_EQ(allocation_count() - before, uncounted);
+}
+
+TEST(MeshDistance, IsTheSameTheOtherWayRound)
+{
+    const TriangleMesh sphere = sphere_mesh(Vec3(3, 2, 1), 1.0, 20, 24);
+    const TriangleMesh torus = torus_mesh(1.0, 0.4, 40, 30);
+    const DistanceIndex a = index_of(sphere);
+    const DistanceIndex b = index_of(torus);
+    PoseGenerator poses(sphere, torus, 6);
+    for (int i = 0; i < 200; ++i) {
+        SCOPED_TRACE(i);
+        const RigidTransform pose = poses();
+        const double rounding = 1e-13 * coordinates_of(sphere, torus, pose);
+        const MeshDistance one = mesh_distance(a, b, pose);
+        const MeshDistance other = mesh_distance(b, a, pose.inverse());
+        EXPECT_NEAR(one.distance, other.distance, rounding);
+    }
+}
+
+TEST(MeshDistance, OfSpheresIsKnown)
+{
+    // Polyhedra within the spheres, with vertices at the poles.
+    const DistanceIndex sphere = index_of(sphere_mesh(Vec3::Zero(), 1.0, 40, 60));
+    const auto apart = [&](double z) {
+        RigidTransform pose;
+        pose.translation = Vec3(0, 0, z);
+        return mesh_distance(sphere, sphere, pose);
+    };
+    const MeshDistance near = apart(2.5);
+    EXPECT_EQ(near.distance, 0.5);
+    EXPECT_EQ(near.point_a, Vec3(0, 0, 1));
+    EXPECT_EQ(near.point_b, Vec3(0, 0, 1.5));
+    EXPECT_LE(near.part_a, TrianglePart::corner_2);
+    EXPECT_EQ(apart(2).distance, 0);
+    EXPECT_EQ(apart(2).point_a, Vec3(0, 0, 1));
+    EXPECT_EQ(apart(std::nextafter(2.0, 3.0)).distance, 0x1p-51);
+    EXPECT_EQ(apart(1.5).distance, 0);
+    EXPECT_EQ(apart(0).distance, 0);
+    EXPECT_EQ(apart(0x1p40).distance, 0x1p40 - 2);
+    EXPECT_EQ(apart(0x1p100).distance, 0x1p100);
+    // Of surfaces: one within the other is not near.
+    const DistanceIndex small = index_of(sphere_mesh(Vec3::Zero(), 0.25, 40, 60));
+    const double inner = mesh_distance(sphere, small).distance;
+    EXPECT_LE(inner, 0.75);
+    EXPECT_GT(inner, 0.74);
+}
+
+/// The answer to both meshes and their pose 2^power times as large is that to them, as large. Of
+/// triangles at one distance any may be named: which, where products underflow, is another.
+void expect_scaled(const TriangleMesh& a, const TriangleMesh& b, const RigidTransform& pose,
+                   int power, const MeshDistance& truth)
+{
+    const double scale = std::ldexp(1.0, power);
+    const auto times = [&](const Vec3& p) { return Vec3(scale * p); };
+    RigidTransform scaled = pose;
+    scaled.translation *= scale;
+    const MeshDistance found =
+        mesh_distance(index_of(moved(a, times)), index_of(moved(b, times)), scaled);
+    EXPECT_EQ(found.distance, scale * truth.distance);
+    EXPECT_EQ(found.point_a, times(truth.point_a));
+    EXPECT_EQ(found.point_b, times(truth.point_b));
+    EXPECT_EQ(found.triangle_a, truth.triangle_a);
+    EXPECT_EQ(found.triangle_b, truth.triangle_b);
+}
+
+TEST(MeshDistance, ScalesByPowersOfTwo)
+{
+    const TriangleMesh torus = torus_mesh(1.0, 0.4, 40, 30);
+    const TriangleMesh sphere = sphere_mesh(Vec3(0.5, 0.1, 0.2), 0.3, 12, 16);
+    const DistanceIndex a = index_of(torus);
+    const DistanceIndex b = index_of(sphere);
+    PoseGenerator poses(torus, sphere, 8);
+    for (int i = 0; i < 30; ++i) {
+        SCOPED_TRACE(i);
+        RigidTransform pose = poses();
+        const MeshDistance truth = mesh_distance(a, b, pose);
+        for (const int power : {-20, 20, -200, 200}) {
+            expect_scaled(torus, sphere, pose, power, truth);
+        }
+    }
+}
+
+TEST(MeshDistance, IsRightAtAnyScaleThatDoublesHold)
+{
+    const TriangleMesh torus = torus_mesh(1.0, 0.4, 12, 8);
+    const TriangleMesh sphere = sphere_mesh(Vec3(0.5, 0.25, 0.125), 0.25, 6, 8);
+    const DistanceIndex a = index_of(torus);
+    const DistanceIndex b = index_of(sphere);
+    PoseGenerator poses(torus, sphere, 9);
+    for (int i = 0; i < 12; ++i) {
+        const RigidTransform pose = poses();
+        const MeshDistance truth = mesh_distance(a, b, pose);
+        for (const int power : {-900, -600, -400, -300, 300, 330}) {
+            SCOPED_TRACE(::testing::Message() << "pose " << i << ", 2^" << power);
+            expect_scaled(torus, sphere, pose, power, truth);
+        }
+    }
+}
+
+TEST(MeshDistance, IsRightHoweverFarApart)
+{
+    const auto apart = [](double size, double x) {
+        const DistanceIndex cube = index_of(cube_mesh(Vec3::Zero(), size));
+        RigidTransform pose;
+        pose.translation = Vec3(x, 0, 0);
+        return mesh_distance(cube, cube, pose);
+    };
+    for (const double x : {1e100, 1e149, 1e155, 1e200, 1e300, 1.7e308}) {
+        const MeshDistance found = apart(1.0, x);
+        EXPECT_DOUBLE_EQ(found.distance, x);
+        EXPECT_EQ(std::abs(found.point_a.x()), 1.0); // any pair will do
+        EXPECT_DOUBLE_EQ(found.point_b.x(), x);
+    }
+    for (const double size : {1e-100, 1e-160, 1e-200, 1e-300, 1e-307}) {
+        const MeshDistance found = apart(size, 3 * size);
+        EXPECT_NEAR(found.distance, size, 1e-15 * size);
+        EXPECT_EQ(found.point_a.x(), size);
+        EXPECT_NEAR(found.point_b.x(), 2 * size, 1e-15 * size);
+        EXPECT_EQ(apart(size, 2 * size).distance, 0);
+        EXPECT_EQ(apart(size, 1.0).distance, 1.0);
+    }
+    // Apart by the least there is.
+    const double least = std::numeric_limits<double>::denorm_min();
+    EXPECT_EQ(apart(1e-310, 2e-310 + least).distance, least);
+    EXPECT_EQ(apart(1e-310, 2e-310).distance, 0);
+    EXPECT_EQ(apart(1e-310, -3e-310).distance, 1e-310);
+}
+
+TEST(MeshDistance, OfAnEmptyMeshIsInfinite)
+{
+    const DistanceIndex cube = index_of(cube_mesh(Vec3::Zero(), 1.0));
+    EXPECT_EQ(mesh_distance(cube, DistanceIndex()).distance,
+              std::numeric_limits<double>::infinity());
+    EXPECT_FALSE(
+        mesh_distance_within(DistanceIndex(), cube, {}, std::numeric_limits<double>::infinity()));
+}
+
+} // namespace
+} // namespace proxima
