@@ -8,9 +8,9 @@
 #include "contact_peers.h"
 #include "contact_poses.h"
 #include "index/build_mesh_index.h"
-#include "mesh/mesh_io.h"
-#include "mesh/sample_meshes.h"
-#include "octree/build_octree.h"
+#include "proxima/mesh_io.h"
+#include "proxima/octree.h"
+#include "proxima/sample_meshes.h"
 
 #include <CLI/CLI.hpp>
 

@@ -9,9 +9,9 @@
 #include "cull_by_lanes.h"
 #include "cull_path.h"
 #include "index/build_mesh_index.h"
-#include "mesh/mesh_io.h"
-#include "mesh/sample_meshes.h"
-#include "octree/build_octree.h"
+#include "proxima/mesh_io.h"
+#include "proxima/octree.h"
+#include "proxima/sample_meshes.h"
 #include "query/culling/cull_volume.h"
 
 #include <CLI/CLI.hpp>

@@ -15,9 +15,9 @@
 #include "fcl_distance_peer.h"
 #include "index/build_mesh_index.h"
 #include "index/slabs/build_distance_index.h"
-#include "mesh/mesh_io.h"
-#include "mesh/sample_meshes.h"
-#include "octree/build_octree.h"
+#include "proxima/mesh_io.h"
+#include "proxima/octree.h"
+#include "proxima/sample_meshes.h"
 #include "query/distance/mesh_distance.h"
 
 #include <CLI/CLI.hpp>

@@ -5,10 +5,9 @@
 // cells, references and a hash of the lists: a faster wrong answer would show.
 
 #include "akenine_moller.h"
-#include "mesh/mesh_io.h"
-#include "mesh/sample_meshes.h"
-#include "octree/build_octree.h"
-#include "octree/statistics.h"
+#include "proxima/mesh_io.h"
+#include "proxima/octree.h"
+#include "proxima/sample_meshes.h"
 
 #include <benchmark/benchmark.h>
 #include <malloc.h>

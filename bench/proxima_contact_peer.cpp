@@ -1,6 +1,6 @@
 #include "contact_peers.h"
 #include "index/build_mesh_index.h"
-#include "octree/build_octree.h"
+#include "proxima/octree.h"
 
 #include <chrono>
 

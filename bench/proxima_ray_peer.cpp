@@ -1,5 +1,5 @@
 #include "index/build_mesh_index.h"
-#include "octree/build_octree.h"
+#include "proxima/octree.h"
 #include "query/rays/cast_ray.h"
 #include "ray_peers.h"
 

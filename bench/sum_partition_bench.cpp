@@ -13,11 +13,11 @@
 // normal; then the number of points found inside, by which the rows must agree. PROXIMA_BENCH_MESH
 // names a further mesh, built to depth 9 with threshold 8.
 
-#include "minkowski/convex_hull.h"
 #include "minkowski/operation_counts.h"
 #include "minkowski/sum_partition.h"
 #include "minkowski/triangle_cube_descent.h"
 #include "partition_workload.h"
+#include "proxima/convex_polyhedron.h"
 
 #include <benchmark/benchmark.h>
 

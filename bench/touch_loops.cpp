@@ -7,7 +7,7 @@
 #include "haptics/loop/quality_report.h"
 #include "haptics/loop/servo_loop.h"
 #include "index/build_mesh_index.h"
-#include "octree/build_octree.h"
+#include "proxima/octree.h"
 #include "query/rays/cast_ray.h"
 #include "touch_model.h"
 #include "touch_track.h"

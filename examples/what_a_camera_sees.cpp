@@ -1,7 +1,7 @@
 #include <index/build_mesh_index.h>
 #include <iostream>
-#include <mesh/sample_meshes.h>
-#include <octree/build_octree.h>
+#include <proxima/octree.h>
+#include <proxima/sample_meshes.h>
 #include <query/culling/cull_volume.h>
 #include <vector>
 

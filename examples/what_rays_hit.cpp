@@ -1,8 +1,8 @@
 #include <index/build_mesh_index.h>
 #include <iostream>
-#include <mesh/sample_meshes.h>
-#include <octree/build_octree.h>
 #include <optional>
+#include <proxima/octree.h>
+#include <proxima/sample_meshes.h>
 #include <query/rays/cast_ray.h>
 #include <vector>
 

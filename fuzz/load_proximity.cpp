@@ -4,7 +4,7 @@
 #include "exact_copy.h"
 #include "index/file/proximity_file.h"
 #include "index/lists/octree_mesh.h"
-#include "mesh/topology.h"
+#include "proxima/topology.h"
 #include "query/closest/closest_feature.h"
 
 #include <cstddef>

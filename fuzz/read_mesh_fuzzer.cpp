@@ -1,7 +1,7 @@
 // Reads any bytes as a mesh of one format: refused with a reason, or a mesh that keeps its
 // promises.
 #include "base/check.h"
-#include "mesh/mesh_io.h"
+#include "proxima/mesh_io.h"
 
 #include <cstddef>
 #include <cstdint>

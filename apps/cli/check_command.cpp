@@ -9,8 +9,8 @@
 #include "cli/proximity_file_model.h"
 #include "cli/text_table.h"
 #include "index/build_mesh_index.h"
-#include "mesh/mesh_report.h"
-#include "octree/build_octree.h"
+#include "proxima/mesh_report.h"
+#include "proxima/octree.h"
 #include "query/contact/self_intersection.h"
 
 #include <CLI/CLI.hpp>

@@ -1,4 +1,5 @@
 // proxima closest: the closest feature of a mesh for each point of a file.
+#include "base/parallel.h"
 #include "cli/answer_table.h"
 #include "cli/closest_searcher.h"
 #include "cli/commands.h"

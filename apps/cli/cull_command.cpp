@@ -7,7 +7,7 @@
 #include "cli/stopwatch.h"
 #include "cli/triangle_file.h"
 #include "index/build_mesh_index.h"
-#include "octree/build_octree.h"
+#include "proxima/octree.h"
 #include "query/culling/cull_cells.h"
 #include "query/culling/cull_volume.h"
 

@@ -11,7 +11,7 @@
 #include "geometry/triangle_intersection.h"
 #include "index/build_mesh_index.h"
 #include "index/slabs/build_distance_index.h"
-#include "octree/build_octree.h"
+#include "proxima/octree.h"
 #include "query/contact/containment.h"
 #include "query/distance/mesh_distance.h"
 #include "thesis/intersect_octrees.h"

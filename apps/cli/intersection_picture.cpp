@@ -1,5 +1,6 @@
 #include "cli/intersection_picture.h"
 
+#include "base/progress.h"
 #include "cli/canvas.h"
 #include "cli/picture_scene.h"
 

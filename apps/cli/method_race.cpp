@@ -1,10 +1,11 @@
 #include "cli/method_race.h"
 
+#include "base/parallel.h"
 #include "base/text.h"
 #include "cli/stopwatch.h"
 #include "cli/text_table.h"
 #include "octree/same_cells.h"
-#include "octree/statistics.h"
+#include "proxima/octree.h"
 
 #include <algorithm>
 #include <fmt/core.h>

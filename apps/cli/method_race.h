@@ -3,7 +3,7 @@
 #pragma once
 
 #include "cli/names.h"
-#include "octree/build_octree.h"
+#include "proxima/octree.h"
 
 #include <cstdint>
 #include <optional>

@@ -5,10 +5,11 @@
 #include "cli/names.h"
 #include "cli/stopwatch.h"
 #include "cli/text_table.h"
-#include "mesh/mesh_format.h"
-#include "mesh/sample_meshes.h"
 #include "minkowski/export_sum.h"
-#include "minkowski/make_polyhedron.h"
+#include "minkowski/operation_counts.h"
+#include "proxima/convex_polyhedron.h"
+#include "proxima/mesh_io.h"
+#include "proxima/sample_meshes.h"
 
 #include <CLI/CLI.hpp>
 #include <array>

@@ -1,6 +1,8 @@
 #include "cli/number_table.h"
 
 #include "base/file_extension.h"
+#include "base/memory_budget.h"
+#include "base/progress.h"
 #include "base/text.h"
 #include "cli/npy_header.h"
 #include "mesh/io/number_text.h"

@@ -6,9 +6,8 @@
 // A .npy file holds one array of shape (rows, columns), float32 or float64, in C or Fortran order.
 #pragma once
 
-#include "base/memory_budget.h"
-#include "base/progress.h"
-#include "base/result.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
 
 #include <cstddef>
 #include <string>

@@ -9,10 +9,8 @@
 #include "cli/octree_picture.h"
 #include "cli/statistics_text.h"
 #include "cli/stopwatch.h"
-#include "octree/build_octree.h"
-#include "octree/export.h"
-#include "octree/octree_file.h"
-#include "octree/statistics.h"
+#include "proxima/octree.h"
+#include "proxima/octree_io.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>

@@ -3,7 +3,7 @@
 #include "base/file_extension.h"
 #include "base/text.h"
 #include "cli/proximity_file_model.h"
-#include "octree/octree_file.h"
+#include "proxima/octree_io.h"
 
 #include <CLI/CLI.hpp>
 

@@ -1,9 +1,10 @@
 #include "cli/octree_picture.h"
 
+#include "base/progress.h"
 #include "cli/canvas.h"
 #include "cli/picture_scene.h"
 #include "geometry/view_contact.h"
-#include "octree/traverse.h"
+#include "proxima/octree.h"
 #include "query/culling/cull_cells.h"
 
 #include <algorithm>

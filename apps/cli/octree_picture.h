@@ -2,11 +2,11 @@
 // or with the part that a camera sees set off.
 #pragma once
 
-#include "base/progress.h"
-#include "base/result.h"
 #include "cli/image.h"
-#include "mesh/triangle_mesh.h"
-#include "octree/octree.h"
+#include "proxima/execution.h"
+#include "proxima/octree.h"
+#include "proxima/result.h"
+#include "proxima/triangle_mesh.h"
 #include "query/culling/cull_volume.h"
 
 #include <array>

@@ -8,7 +8,7 @@
 #include "cli/proximity_command_options.h"
 #include "index/lists/build_proximity_octree.h"
 #include "index/lists/grow_cells.h"
-#include "octree/cell.h"
+#include "proxima/octree.h"
 
 #include <CLI/CLI.hpp>
 #include <limits>

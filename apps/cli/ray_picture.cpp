@@ -1,5 +1,7 @@
 #include "cli/ray_picture.h"
 
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "cli/canvas.h"
 #include "query/rays/cells_along_ray.h"
 

@@ -1,5 +1,6 @@
 // proxima raycast: what rays hit, or which cells of the octree they go through.
 #include "base/file_extension.h"
+#include "base/parallel.h"
 #include "cli/commands.h"
 #include "cli/model_options.h"
 #include "cli/ray_picture.h"
@@ -8,7 +9,7 @@
 #include "cli/row_writer.h"
 #include "cli/stopwatch.h"
 #include "index/build_mesh_index.h"
-#include "octree/build_octree.h"
+#include "proxima/octree.h"
 #include "query/rays/cast_ray.h"
 
 #include <CLI/CLI.hpp>

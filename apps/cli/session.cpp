@@ -2,8 +2,8 @@
 
 #include "base/output_file.h"
 #include "base/text.h"
-#include "mesh/mesh_io.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/mesh_io.h"
+#include "proxima/sample_meshes.h"
 
 #include <algorithm>
 #include <cerrno>

@@ -1,11 +1,10 @@
 // What every subcommand has: the common options, progress that Ctrl-C stops, and where output goes.
 #pragma once
 
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
 #include "cli/progress_bar.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
+#include "proxima/triangle_mesh.h"
 
 #include <nlohmann/json_fwd.hpp>
 #include <optional>

@@ -1,9 +1,8 @@
 // The thesis's tables, measured here and set beside its values.
 #pragma once
 
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
 
 #include <nlohmann/json.hpp>
 #include <span>

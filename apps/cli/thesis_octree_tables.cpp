@@ -3,10 +3,9 @@
 #include "cli/text_table.h"
 #include "cli/thesis_comparison.h"
 #include "cli/thesis_tables.h"
-#include "mesh/mesh_io.h"
-#include "mesh/sample_meshes.h"
-#include "octree/build_octree.h"
-#include "octree/statistics.h"
+#include "proxima/mesh_io.h"
+#include "proxima/octree.h"
+#include "proxima/sample_meshes.h"
 
 #include <cmath>
 #include <filesystem>

@@ -4,7 +4,7 @@
 #include "cli/text_table.h"
 #include "cli/thesis_comparison.h"
 #include "cli/thesis_tables.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/sample_meshes.h"
 
 #include <algorithm>
 #include <fmt/core.h>

@@ -4,8 +4,8 @@
 #include "base/output_file.h"
 #include "base/text.h"
 #include "cli/npy_header.h"
-#include "mesh/mesh_io.h"
-#include "mesh/sub_mesh.h"
+#include "proxima/mesh_io.h"
+#include "proxima/mesh_repair.h"
 
 #include <algorithm>
 #include <array>

@@ -6,7 +6,7 @@
 //     const auto octree = work.take();
 #pragma once
 
-#include "base/progress.h"
+#include "proxima/execution.h"
 
 #include <atomic>
 #include <functional>

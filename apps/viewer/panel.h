@@ -8,7 +8,7 @@
 // changed while it runs. Handles are places that the mouse drags.
 #pragma once
 
-#include "base/result.h"
+#include "proxima/result.h"
 #include "viewer/controls.h"
 #include "viewer/scene_shapes.h"
 #include "viewer/view_models.h"

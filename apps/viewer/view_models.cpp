@@ -4,9 +4,9 @@
 #include "base/text.h"
 #include "cli/model_options.h"
 #include "index/build_mesh_index.h"
-#include "mesh/mesh_io.h"
-#include "mesh/sample_meshes.h"
-#include "octree/build_octree.h"
+#include "proxima/mesh_io.h"
+#include "proxima/octree.h"
+#include "proxima/sample_meshes.h"
 #include "query/rays/cast_ray.h"
 #include "viewer/scene_shapes.h"
 

@@ -1,14 +1,11 @@
 // The models that a window shows, with what every panel needs of them.
 #pragma once
 
-#include "base/memory_budget.h"
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
-#include "geometry/ray.h"
 #include "index/mesh_index.h"
-#include "mesh/feature.h"
-#include "mesh/topology.h"
+#include "proxima/execution.h"
+#include "proxima/geometry.h"
+#include "proxima/result.h"
+#include "proxima/topology.h"
 #include "viewer/layers.h"
 
 #include <memory>

@@ -1,5 +1,6 @@
 #include "viewer/viewer.h"
 
+#include "base/progress.h"
 #include "base/text.h"
 
 #include <algorithm>

@@ -9,7 +9,7 @@
 //     }
 #pragma once
 
-#include "base/result.h"
+#include "proxima/result.h"
 #include "viewer/background_work.h"
 #include "viewer/camera.h"
 #include "viewer/controls.h"

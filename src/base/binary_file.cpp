@@ -1,6 +1,7 @@
 #include "base/binary_file.h"
 
 #include "base/mapped_file.h"
+#include "base/progress.h"
 #include "base/text.h"
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 #include "geometry/view_contact.h"
 
+#include "geometry/view_plane.h"
 #include "geometry/whole_numbers.h"
 
 #include <algorithm>

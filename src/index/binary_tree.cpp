@@ -2,6 +2,8 @@
 
 #include "base/fixed_stack.h"
 #include "base/morton_code.h"
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "base/radix_sort.h"
 
 #include <algorithm>

@@ -10,11 +10,10 @@
 // programming: cost(node, k) covers it by at most k boxes of one wide node [ylitie-2017].
 #pragma once
 
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
-#include "mesh/triangle_mesh.h"
-#include "octree/cell.h"
+#include "proxima/execution.h"
+#include "proxima/octree.h"
+#include "proxima/result.h"
+#include "proxima/triangle_mesh.h"
 
 #include <array>
 #include <cstdint>

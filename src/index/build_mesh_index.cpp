@@ -1,6 +1,9 @@
 #include "index/build_mesh_index.h"
 
 #include "base/grow_buffer.h"
+#include "base/memory_budget.h"
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "base/text.h"
 #include "index/binary_tree.h"
 #include "index/block_runs.h"

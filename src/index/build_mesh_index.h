@@ -5,13 +5,11 @@
 //     auto hit = closest_hit(*index, {.origin = eye, .direction = view});
 #pragma once
 
-#include "base/memory_budget.h"
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
 #include "index/mesh_index.h"
-#include "mesh/triangle_mesh.h"
-#include "octree/octree.h"
+#include "proxima/execution.h"
+#include "proxima/octree.h"
+#include "proxima/result.h"
+#include "proxima/triangle_mesh.h"
 
 namespace proxima {
 

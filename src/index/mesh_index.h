@@ -14,8 +14,8 @@
 // that makes fewer steps. Coordinates of blocks are in units of the mesh's size about its centre.
 #pragma once
 
-#include "geometry/shapes.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/geometry.h"
+#include "proxima/triangle_mesh.h"
 
 #include <array>
 #include <cstddef>

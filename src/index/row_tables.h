@@ -3,8 +3,8 @@
 
 #include "base/grow_buffer.h"
 #include "index/triangle_row.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cstdint>
 #include <span>

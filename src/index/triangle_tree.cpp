@@ -1,6 +1,8 @@
 #include "index/triangle_tree.h"
 
 #include "base/check.h"
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "base/text.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "mesh/mesh_io.h"
+#include "proxima/mesh_io.h"
 
 #include "base/text.h"
 #include "mesh/io/mesh_source.h"

@@ -1,11 +1,14 @@
-#include "mesh/mesh_report.h"
+#include "proxima/mesh_report.h"
 
+#include "base/memory_budget.h"
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "base/text.h"
 #include "geometry/exact_predicates.h"
 #include "mesh/coincidence.h"
 #include "mesh/mesh_report_texts.h"
 #include "mesh/surface_parts.h"
-#include "mesh/topology.h"
+#include "proxima/topology.h"
 
 #include <algorithm>
 #include <cmath>

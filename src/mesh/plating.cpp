@@ -1,6 +1,7 @@
 #include "mesh/plating.h"
 
 #include "base/check.h"
+#include "base/progress.h"
 
 #include <algorithm>
 #include <cmath>

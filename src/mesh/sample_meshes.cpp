@@ -1,4 +1,4 @@
-#include "mesh/sample_meshes.h"
+#include "proxima/sample_meshes.h"
 
 #include "base/memory_budget.h"
 #include "base/text.h"

@@ -1,9 +1,10 @@
 #include "mesh/sample_shapes.h"
 
 #include "base/check.h"
-#include "mesh/sample_meshes.h"
-#include "mesh/topology.h"
+#include "base/progress.h"
 #include "mesh/unit_circle.h"
+#include "proxima/sample_meshes.h"
+#include "proxima/topology.h"
 
 #include <cmath>
 #include <utility>

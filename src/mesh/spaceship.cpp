@@ -1,9 +1,10 @@
 // The built-in ship: lofted parts, as fine as the size allows, and plating up to the exact count.
+#include "base/progress.h"
 #include "base/text.h"
 #include "mesh/plating.h"
-#include "mesh/sample_meshes.h"
 #include "mesh/spaceship_parts.h"
 #include "mesh/unit_circle.h"
+#include "proxima/sample_meshes.h"
 
 #include <algorithm>
 #include <cmath>

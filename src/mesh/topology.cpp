@@ -1,5 +1,8 @@
-#include "mesh/topology.h"
+#include "proxima/topology.h"
 
+#include "base/memory_budget.h"
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "base/text.h"
 
 #include <algorithm>

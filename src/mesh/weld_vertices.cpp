@@ -1,9 +1,12 @@
 #include "mesh/weld_vertices.h"
 
+#include "base/progress.h"
 #include "mesh/vertex_table.h"
+#include "proxima/mesh_repair.h"
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 namespace proxima {
 
@@ -42,6 +45,15 @@ bool weld_vertices(std::vector<Vec3>& positions, std::vector<TriangleCorners>& t
 std::uint64_t weld_scratch_bytes(std::uint64_t vertex_count) noexcept
 {
     return VertexTable::bytes_for(vertex_count) + vertex_count * sizeof(std::uint32_t);
+}
+
+Result<TriangleMesh> weld_vertices(const TriangleMesh& mesh, const Execution& execution)
+{
+    std::vector<Vec3> positions(mesh.positions().begin(), mesh.positions().end());
+    std::vector<TriangleCorners> triangles(mesh.triangles().begin(), mesh.triangles().end());
+    if (!weld_vertices(positions, triangles, execution.progress))
+        return fail(ErrorCode::cancelled, "cancelled while welding vertices");
+    return make_triangle_mesh(std::move(positions), std::move(triangles));
 }
 
 } // namespace proxima

@@ -1,4 +1,5 @@
-#include "minkowski/convex_hull.h"
+#include "minkowski/span_a_line.h"
+#include "proxima/convex_polyhedron.h"
 
 #include "minkowski/polyhedron_assembler.h"
 #include "minkowski/quickhull.h"

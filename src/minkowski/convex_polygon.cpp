@@ -2,7 +2,8 @@
 
 #include "base/check.h"
 #include "base/text.h"
-#include "minkowski/convex_hull.h"
+#include "geometry/exact_predicates.h"
+#include "proxima/convex_polyhedron.h"
 
 #include <algorithm>
 #include <cmath>

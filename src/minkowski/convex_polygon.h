@@ -15,9 +15,9 @@
 // whose two rays are the same.
 #pragma once
 
-#include "base/result.h"
 #include "geometry/exact_predicates.h"
-#include "geometry/vec.h"
+#include "proxima/geometry.h"
+#include "proxima/result.h"
 
 #include <span>
 #include <vector>

@@ -1,4 +1,9 @@
-#include "minkowski/convex_polyhedron.h"
+#include "proxima/convex_polyhedron.h"
+
+#include "geometry/exact_predicates.h"
+#include "minkowski/facet_sign.h"
+
+#include <algorithm>
 
 namespace proxima {
 
@@ -39,10 +44,15 @@ ConvexPolyhedron::NormalFactors ConvexPolyhedron::normal_factors(std::uint32_t f
     return {to(b), to(c)};
 }
 
-int ConvexPolyhedron::exact_normal_sign(std::uint32_t facet,
-                                        const Displacement& direction) const noexcept
+int ConvexPolyhedron::normal_sign(std::uint32_t facet, const Displacement& direction) const noexcept
 {
-    const NormalFactors normal = normal_factors(facet);
+    return FacetSign::of<double>(*this, facet, direction);
+}
+
+int FacetSign::exact(const ConvexPolyhedron& polyhedron, std::uint32_t facet,
+                     const Displacement& direction) noexcept
+{
+    const ConvexPolyhedron::NormalFactors normal = polyhedron.normal_factors(facet);
     return determinant_sign(normal.u, normal.v, direction);
 }
 

@@ -8,9 +8,9 @@
 // Red facets are A's, blue ones B's, purple ones of both, green ones swept.
 #pragma once
 
-#include "base/progress.h"
-#include "base/result.h"
-#include "minkowski/minkowski_sum.h"
+#include "proxima/execution.h"
+#include "proxima/minkowski_sum.h"
+#include "proxima/result.h"
 
 #include <array>
 #include <filesystem>

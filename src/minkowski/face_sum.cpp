@@ -1,6 +1,7 @@
 #include "minkowski/face_sum.h"
 
 #include "base/check.h"
+#include "geometry/exact_predicates.h"
 
 #include <optional>
 #include <utility>

@@ -1,6 +1,8 @@
 #include "minkowski/gaussian_map.h"
 
 #include "base/check.h"
+#include "geometry/exact_predicates.h"
+#include "minkowski/facet_sign.h"
 #include "minkowski/operation_counts.h"
 
 #include <array>
@@ -25,7 +27,7 @@ SupportFace support_face(const ConvexPolyhedron& polyhedron, const ConvexPolyhed
                          std::uint32_t other_facet, std::uint32_t start) noexcept
 {
     const auto sign_along = [&](const Displacement& d) noexcept {
-        return other.template normal_sign<Scalar>(other_facet, d);
+        return normal_sign<Scalar>(other, other_facet, d);
     };
     // Up to a point that no neighbour exceeds; up to two edges there are level.
     std::uint32_t vertex = start;
@@ -69,11 +71,11 @@ ArcCrossing arcs_cross(const ConvexPolyhedron& a, const PolyhedronEdge& edge_a,
 {
     const Displacement along_a = a.direction(edge_a);
     const Displacement along_b = b.direction(edge_b);
-    const int left_a = a.template normal_sign<Scalar>(edge_a.left, along_b);
-    if (left_a == 0 || a.template normal_sign<Scalar>(edge_a.right, along_b) != -left_a)
+    const int left_a = normal_sign<Scalar>(a, edge_a.left, along_b);
+    if (left_a == 0 || normal_sign<Scalar>(a, edge_a.right, along_b) != -left_a)
         return ArcCrossing::none;
-    if (b.template normal_sign<Scalar>(edge_b.left, along_a) != -left_a) return ArcCrossing::none;
-    if (b.template normal_sign<Scalar>(edge_b.right, along_a) != left_a) return ArcCrossing::none;
+    if (normal_sign<Scalar>(b, edge_b.left, along_a) != -left_a) return ArcCrossing::none;
+    if (normal_sign<Scalar>(b, edge_b.right, along_a) != left_a) return ArcCrossing::none;
     return left_a > 0 ? ArcCrossing::plus : ArcCrossing::minus;
 }
 

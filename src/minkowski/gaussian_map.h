@@ -11,7 +11,7 @@
 // determinants of coordinate differences, and answered exactly.
 #pragma once
 
-#include "minkowski/convex_polyhedron.h"
+#include "proxima/convex_polyhedron.h"
 
 #include <cstdint>
 #include <optional>

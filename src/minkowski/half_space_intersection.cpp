@@ -1,6 +1,7 @@
-#include "minkowski/half_space_intersection.h"
+#include "proxima/convex_polyhedron.h"
 
-#include "minkowski/convex_hull.h"
+#include "base/progress.h"
+#include "geometry/exact_predicates.h"
 #include "minkowski/quickhull.h"
 
 #include <Eigen/LU>

@@ -1,7 +1,8 @@
-#include "minkowski/make_polyhedron.h"
+#include "proxima/convex_polyhedron.h"
 
 #include "base/text.h"
-#include "mesh/topology.h"
+#include "geometry/exact_predicates.h"
+#include "proxima/topology.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,9 @@
-#include "minkowski/minkowski_sum.h"
+#include "proxima/minkowski_sum.h"
+#include "minkowski/count_sum.h"
 
 #include "base/check.h"
+#include "geometry/exact_predicates.h"
+#include "minkowski/operation_counts.h"
 #include "minkowski/sum_baselines.h"
 #include "minkowski/sum_by_arcs.h"
 
@@ -8,7 +11,6 @@
 
 namespace proxima {
 
-using detail::SumCorner;
 
 MinkowskiSum MinkowskiSum::scaled(double lambda) const noexcept
 {

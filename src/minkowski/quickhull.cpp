@@ -1,6 +1,7 @@
 #include "minkowski/quickhull.h"
 
 #include "base/check.h"
+#include "base/progress.h"
 #include "geometry/exact_predicates.h"
 
 #include <algorithm>

@@ -8,7 +8,6 @@
 
 namespace proxima {
 
-using detail::SumCorner;
 
 namespace {
 

@@ -1,8 +1,10 @@
 #include "minkowski/sum_baselines.h"
 
+#include "base/progress.h"
 #include "minkowski/geometric_method.h"
 #include "minkowski/incremental_hull.h"
 #include "minkowski/operation_counts.h"
+#include "minkowski/scalar_vector.h"
 #include "minkowski/sum_assembler.h"
 
 #include <algorithm>

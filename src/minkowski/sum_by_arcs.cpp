@@ -1,11 +1,14 @@
 #include "minkowski/sum_by_arcs.h"
 
+#include "base/progress.h"
 #include "minkowski/arc_walk.h"
-#include "minkowski/convex_hull.h"
 #include "minkowski/facet_maker.h"
+#include "minkowski/facet_sign.h"
 #include "minkowski/gaussian_map.h"
 #include "minkowski/operation_counts.h"
+#include "minkowski/span_a_line.h"
 #include "minkowski/sum_assembler.h"
+#include "proxima/convex_polyhedron.h"
 
 #include <utility>
 #include <vector>
@@ -134,7 +137,7 @@ private:
             to_do.pop_back();
             if (!go_on()) return false;
             const auto sign_along = [&, f = facet](const Displacement& d) noexcept {
-                return theirs.template normal_sign<Scalar>(f, d);
+                return normal_sign<Scalar>(theirs, f, d);
             };
             if (ends_along(ours, sign_along)) {
                 if (sign_along({ours.vertex(start), ours.vertex(last)}) > 0) start = last;
@@ -230,7 +233,7 @@ public:
         const Displacement along = line.direction(line.edges()[0]);
         const bool ends = line.is_bounded();
         for (std::uint32_t f = 0; f < body.facet_count(); ++f) {
-            const int sign = body.template normal_sign<Scalar>(f, along);
+            const int sign = normal_sign<Scalar>(body, f, along);
             if (sign > 0 && !ends) continue;
             const std::uint32_t end = sign > 0 ? 1 : 0;
             const SupportFace face = sign == 0 ? SupportFace{1, 0, 0} : SupportFace{0, end, end};
@@ -242,9 +245,8 @@ public:
         }
         for (std::uint32_t e = 0; e < body.edges().size(); ++e) {
             const PolyhedronEdge& edge = body.edges()[e];
-            const int left = body.template normal_sign<Scalar>(edge.left, along);
-            if (left == 0 || body.template normal_sign<Scalar>(edge.right, along) != -left)
-                continue;
+            const int left = normal_sign<Scalar>(body, edge.left, along);
+            if (left == 0 || normal_sign<Scalar>(body, edge.right, along) != -left) continue;
             if (line_is_b_) {
                 facets_.add_swept(e, 0, left);
             } else {

@@ -1,7 +1,8 @@
-#include "minkowski/sum_queries.h"
+#include "proxima/minkowski_sum.h"
 
 #include "base/check.h"
-#include "minkowski/make_polyhedron.h"
+#include "geometry/exact_predicates.h"
+#include "proxima/convex_polyhedron.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +11,6 @@
 namespace proxima {
 namespace {
 
-using detail::SumCorner;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 

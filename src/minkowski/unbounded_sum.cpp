@@ -1,6 +1,6 @@
 #include "minkowski/unbounded_sum.h"
 
-#include "minkowski/convex_hull.h"
+#include "proxima/convex_polyhedron.h"
 
 #include <algorithm>
 #include <cmath>

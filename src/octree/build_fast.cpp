@@ -1,5 +1,8 @@
 #include "octree/build_fast.h"
 
+#include "base/memory_budget.h"
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "octree/coarse_bins.h"
 #include "octree/top_tree.h"
 

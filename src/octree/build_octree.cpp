@@ -1,5 +1,7 @@
-#include "octree/build_octree.h"
+#include "proxima/octree.h"
 
+#include "base/memory_budget.h"
+#include "base/progress.h"
 #include "base/text.h"
 #include "octree/build_fast.h"
 #include "octree/build_with_test.h"

@@ -2,10 +2,13 @@
 // triangle, re-prepared for each depth (thesis 3.4: the sum is made once per triangle and depth).
 #pragma once
 
+#include "base/memory_budget.h"
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "geometry/triangle_box.h"
-#include "octree/build_octree.h"
 #include "octree/grow_subtree.h"
 #include "octree/overlap_tests.h"
+#include "proxima/octree.h"
 
 #include <numeric>
 #include <vector>

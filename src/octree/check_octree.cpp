@@ -1,5 +1,6 @@
 #include "octree/check_octree.h"
 
+#include "base/progress.h"
 #include "base/text.h"
 #include "geometry/triangle_box.h"
 #include "octree/check_structure.h"

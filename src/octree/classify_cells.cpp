@@ -2,6 +2,9 @@
 
 #include "base/disjoint_sets.h"
 #include "base/fixed_stack.h"
+#include "base/memory_budget.h"
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "base/text.h"
 #include "octree/empty_cells.h"
 #include "octree/hole_caps.h"

@@ -10,12 +10,10 @@
 // (region_rays.h); only where no ray leads out are solid angles summed.
 #pragma once
 
-#include "base/memory_budget.h"
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
-#include "mesh/triangle_mesh.h"
-#include "octree/octree.h"
+#include "proxima/execution.h"
+#include "proxima/octree.h"
+#include "proxima/result.h"
+#include "proxima/triangle_mesh.h"
 
 namespace proxima {
 

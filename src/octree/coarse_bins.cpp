@@ -1,5 +1,8 @@
 #include "octree/coarse_bins.h"
 
+#include "base/parallel.h"
+#include "base/progress.h"
+
 #include <algorithm>
 #include <array>
 #include <bit>

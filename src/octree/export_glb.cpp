@@ -1,8 +1,9 @@
 // The mesh and the edges of its boundary leaves as binary glTF.
+#include "base/progress.h"
 #include "base/text.h"
 #include "mesh/io/glb_file.h"
-#include "octree/export.h"
 #include "octree/leaf_boxes.h"
+#include "proxima/octree_io.h"
 
 #include <array>
 #include <limits>

@@ -1,6 +1,7 @@
-#include "octree/export.h"
+#include "base/progress.h"
 #include "octree/leaf_boxes.h"
 #include "octree/vtk_cells.h"
+#include "proxima/octree_io.h"
 
 #include <array>
 

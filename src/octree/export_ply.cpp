@@ -1,7 +1,7 @@
 #include "base/output_file.h"
 #include "base/text.h"
-#include "octree/export.h"
 #include "octree/leaf_boxes.h"
+#include "proxima/octree_io.h"
 
 #include <array>
 #include <bit>

@@ -1,6 +1,6 @@
-#include "octree/export.h"
 #include "octree/leaf_boxes.h"
 #include "octree/vtk_cells.h"
+#include "proxima/octree_io.h"
 
 #include <array>
 

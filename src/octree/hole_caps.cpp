@@ -1,6 +1,7 @@
 #include "octree/hole_caps.h"
 
 #include "base/disjoint_sets.h"
+#include "base/progress.h"
 #include "base/radix_sort.h"
 
 #include <algorithm>

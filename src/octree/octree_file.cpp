@@ -1,4 +1,4 @@
-#include "octree/octree_file.h"
+#include "proxima/octree_io.h"
 
 #include "base/text.h"
 #include "octree/check_structure.h"

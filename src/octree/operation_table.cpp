@@ -3,6 +3,8 @@
 #include "base/check.h"
 #include "minkowski/geometric_method.h"
 #include "minkowski/incremental_hull.h"
+#include "minkowski/operation_counts.h"
+#include "minkowski/scalar_vector.h"
 #include "minkowski/triangle_cube_descent.h"
 #include "minkowski/triangle_cube_sum.h"
 #include "octree/overlap_index_tracking.h"

@@ -1,6 +1,7 @@
 #include "octree/overlap_separating_axis.h"
 
 #include "minkowski/operation_counts.h"
+#include "minkowski/scalar_vector.h"
 
 #include <cmath>
 

@@ -1,5 +1,7 @@
 #include "octree/region_rays.h"
 
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "geometry/exact_predicates.h"
 
 #include <algorithm>

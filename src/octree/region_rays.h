@@ -9,11 +9,10 @@
 #pragma once
 
 #include "base/disjoint_sets.h"
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "mesh/triangle_mesh.h"
 #include "octree/empty_cells.h"
-#include "octree/octree.h"
+#include "proxima/execution.h"
+#include "proxima/octree.h"
+#include "proxima/triangle_mesh.h"
 
 #include <array>
 #include <cstdint>

@@ -1,5 +1,7 @@
 #include "octree/snapped_mesh.h"
 
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "geometry/triangle_box.h"
 
 #include <algorithm>

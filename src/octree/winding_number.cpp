@@ -16,6 +16,8 @@
 // Only symmetric trace-free parts of the moments matter: derivatives of 1/R are such tensors.
 #include "octree/winding_number.h"
 
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "geometry/solid_angle.h"
 #include "mesh/triangle_order.h"
 

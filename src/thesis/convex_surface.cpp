@@ -2,7 +2,7 @@
 
 #include "base/text.h"
 #include "geometry/exact_predicates.h"
-#include "minkowski/make_polyhedron.h"
+#include "proxima/convex_polyhedron.h"
 
 #include <algorithm>
 

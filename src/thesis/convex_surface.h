@@ -8,10 +8,10 @@
 // quite convex: both are decided up to a tolerance, 0 for none.
 #pragma once
 
-#include "base/progress.h"
-#include "base/result.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 
 #include <vector>
 

@@ -1,9 +1,12 @@
 #include "thesis/grown_regions.h"
 
+#include "base/memory_budget.h"
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "base/text.h"
-#include "minkowski/make_polyhedron.h"
-#include "minkowski/minkowski_sum.h"
 #include "minkowski/voronoi_region.h"
+#include "proxima/convex_polyhedron.h"
+#include "proxima/minkowski_sum.h"
 
 #include <array>
 #include <atomic>
@@ -60,7 +63,7 @@ public:
                 if ((origin == FacetOrigin::a || origin == FacetOrigin::both) != of_region)
                     continue;
                 const Vec3 normal = sum->half_space(f).normal;
-                const detail::SumCorner& rest = sum->support(f);
+                const SumCorner& rest = sum->support(f);
                 planes.push_back({normal, normal.dot(region->vertex(rest.a)) + margin,
                                   normal.dot(cube_.vertex(rest.b))});
             }

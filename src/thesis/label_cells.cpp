@@ -1,5 +1,8 @@
 #include "thesis/label_cells.h"
 
+#include "base/memory_budget.h"
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "geometry/exact_predicates.h"
 #include "geometry/triangle_box.h"
 

@@ -1,7 +1,8 @@
 #include "thesis/thesis_proximity_octree.h"
 
+#include "base/progress.h"
 #include "base/text.h"
-#include "octree/build_octree.h"
+#include "proxima/octree.h"
 #include "thesis/convex_surface.h"
 #include "thesis/grown_regions.h"
 #include "thesis/label_cells.h"

@@ -17,14 +17,11 @@
 #pragma once
 
 #include "base/fixed_stack.h"
-#include "base/memory_budget.h"
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
-#include "mesh/feature.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
-#include "octree/octree.h"
+#include "proxima/execution.h"
+#include "proxima/octree.h"
+#include "proxima/result.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 
 #include <array>
 #include <cstdint>

@@ -1,8 +1,8 @@
 #include "cli/intersection_picture.h"
 
 #include "cancellation.h"
-#include "mesh/sample_meshes.h"
-#include "octree/build_octree.h"
+#include "proxima/octree.h"
+#include "proxima/sample_meshes.h"
 
 #include <gtest/gtest.h>
 

@@ -2,8 +2,8 @@
 
 #include "cancellation.h"
 #include "folder_test.h"
-#include "mesh/sample_meshes.h"
-#include "octree/build_octree.h"
+#include "proxima/octree.h"
+#include "proxima/sample_meshes.h"
 
 #include <algorithm>
 #include <array>

@@ -3,9 +3,9 @@
 #include "cancellation.h"
 #include "index/build_mesh_index.h"
 #include "index/test_meshes.h"
-#include "octree/build_octree.h"
 #include "octree/nasty_meshes.h"
 #include "octree/small_meshes.h"
+#include "proxima/octree.h"
 
 #include <gtest/gtest.h>
 

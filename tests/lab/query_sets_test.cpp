@@ -2,7 +2,7 @@
 #include "lab/query_sets.h"
 
 #include "index/test_meshes.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/sample_meshes.h"
 #include "query/closest/surface_search.h"
 
 #include <gtest/gtest.h>

@@ -1,8 +1,8 @@
 // Everything in this layer that takes long stops when asked to, and leaves nothing behind.
 #include "cancellation.h"
 #include "mesh/mesh_files.h"
-#include "mesh/mesh_io.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/mesh_io.h"
+#include "proxima/sample_meshes.h"
 
 #include <array>
 

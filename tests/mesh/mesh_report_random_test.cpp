@@ -1,8 +1,8 @@
 // The mesh report against definitions taken literally: all pairs, breadth-first search.
-#include "mesh/mesh_report.h"
+#include "proxima/mesh_report.h"
 
 #include "mesh/random_soups.h"
-#include "mesh/topology.h"
+#include "proxima/topology.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
-#include "mesh/mesh_report.h"
+#include "proxima/mesh_report.h"
 
 #include "mesh/mesh_drafts.h"
-#include "mesh/sample_meshes.h"
-#include "mesh/topology.h"
+#include "proxima/sample_meshes.h"
+#include "proxima/topology.h"
 
 #include <gtest/gtest.h>
 

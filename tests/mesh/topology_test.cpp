@@ -1,7 +1,7 @@
-#include "mesh/topology.h"
+#include "proxima/topology.h"
 
 #include "mesh/random_soups.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/sample_meshes.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,7 @@
 // Minkowski sums by arcs against a brute force in whole numbers: all candidate normals, all pairs.
-#include "minkowski/minkowski_sum.h"
+#include "minkowski/count_sum.h"
 #include "polytopes.h"
+#include "proxima/minkowski_sum.h"
 
 #include <gtest/gtest.h>
 

@@ -1,15 +1,14 @@
-#include "octree/build_octree.h"
+#include "proxima/octree.h"
 
 #include "base/simd.h"
 #include "geometry/triangle_box.h"
-#include "mesh/sample_meshes.h"
 #include "octree/check_octree.h"
 #include "octree/check_structure.h"
 #include "octree/nasty_meshes.h"
 #include "octree/same_cells.h"
 #include "octree/same_octree.h"
 #include "octree/slow_builder.h"
-#include "octree/statistics.h"
+#include "proxima/sample_meshes.h"
 
 #include <gtest/gtest.h>
 

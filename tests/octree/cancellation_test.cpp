@@ -1,12 +1,11 @@
 // Everything in this layer that takes long stops when asked to, and leaves nothing behind.
 #include "cancellation.h"
 #include "folder_test.h"
-#include "mesh/sample_meshes.h"
-#include "octree/build_octree.h"
 #include "octree/check_octree.h"
 #include "octree/classify_cells.h"
-#include "octree/export.h"
-#include "octree/octree_file.h"
+#include "proxima/octree.h"
+#include "proxima/octree_io.h"
+#include "proxima/sample_meshes.h"
 
 #include <algorithm>
 

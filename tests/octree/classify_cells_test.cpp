@@ -3,9 +3,8 @@
 #include "octree/check_structure.h"
 #include "octree/slow_builder.h"
 #include "octree/small_meshes.h"
-#include "octree/statistics.h"
-#include "octree/traverse.h"
 #include "octree/winding_number.h"
+#include "proxima/octree.h"
 
 #include <gtest/gtest.h>
 #include <random>

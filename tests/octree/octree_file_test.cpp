@@ -1,4 +1,4 @@
-#include "octree/octree_file.h"
+#include "proxima/octree_io.h"
 
 #include "damaged_files.h"
 #include "exact_copy.h"
@@ -6,7 +6,7 @@
 #include "octree/classify_cells.h"
 #include "octree/slow_builder.h"
 #include "octree/small_meshes.h"
-#include "octree/statistics.h"
+#include "proxima/octree.h"
 
 #include <cstring>
 #include <filesystem>

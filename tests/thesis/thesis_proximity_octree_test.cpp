@@ -2,6 +2,7 @@
 #include "thesis/thesis_proximity_octree.h"
 
 #include "geometry/closest_point.h"
+#include "geometry/exact_predicates.h"
 #include "geometry/triangle_box.h"
 #include "index/lists/region_oracle.h"
 #include "thesis/convex_meshes.h"

@@ -1,6 +1,6 @@
 // Figures 5.2 and 5.4: what lies near a cursor, and where two meshes meet.
-#include "mesh/sample_meshes.h"
-#include "octree/build_octree.h"
+#include "proxima/octree.h"
+#include "proxima/sample_meshes.h"
 #include "query/neighbourhood/neighbourhood.h"
 #include "thesis/thesis_closest.h"
 #include "viewer/figures/figure_colors.h"

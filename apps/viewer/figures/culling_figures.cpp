@@ -1,7 +1,7 @@
 // Figures 5.7 and 5.8: culling by a view volume.
-#include "mesh/sample_meshes.h"
-#include "mesh/sub_mesh.h"
-#include "octree/build_octree.h"
+#include "proxima/mesh_repair.h"
+#include "proxima/octree.h"
+#include "proxima/sample_meshes.h"
 #include "query/culling/cull_cells.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/query_figures.h"

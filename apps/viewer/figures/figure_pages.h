@@ -1,8 +1,8 @@
 // Figures as files: pictures, drawings, and the sheet that shows all of them.
 #pragma once
 
-#include "base/progress.h"
-#include "base/result.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
 #include "viewer/figures/thesis_figure.h"
 #include "viewer/renderer.h"
 

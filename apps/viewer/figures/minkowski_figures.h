@@ -1,8 +1,8 @@
 // Figures of thesis chapter 3: Minkowski sums in the plane and in space.
 #pragma once
 
-#include "minkowski/minkowski_sum.h"
 #include "minkowski/planar_sum.h"
+#include "proxima/minkowski_sum.h"
 #include "viewer/figures/thesis_figure.h"
 
 #include <array>

@@ -1,7 +1,6 @@
 // Figure 2.5: the octree as a data structure, drawn from one that was built.
-#include "mesh/sample_meshes.h"
-#include "octree/build_octree.h"
-#include "octree/statistics.h"
+#include "proxima/octree.h"
+#include "proxima/sample_meshes.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/octree_figures.h"
 

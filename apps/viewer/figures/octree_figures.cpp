@@ -2,11 +2,10 @@
 #include "viewer/figures/octree_figures.h"
 
 #include "cli/octree_picture.h"
-#include "mesh/mesh_io.h"
-#include "mesh/sample_meshes.h"
-#include "octree/build_octree.h"
 #include "octree/leaf_boxes.h"
-#include "octree/statistics.h"
+#include "proxima/mesh_io.h"
+#include "proxima/octree.h"
+#include "proxima/sample_meshes.h"
 
 #include <array>
 #include <filesystem>

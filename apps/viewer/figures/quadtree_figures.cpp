@@ -1,5 +1,5 @@
 // Figures 2.3 and 2.4: the quadtree of a circle, uniform and adaptive.
-#include "mesh/sample_meshes.h"
+#include "proxima/sample_meshes.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/octree_figures.h"
 #include "viewer/figures/planar_panel.h"

@@ -2,10 +2,10 @@
 // and culling by a view volume.
 #pragma once
 
-#include "geometry/rigid_transform.h"
-#include "geometry/view_volume.h"
-#include "mesh/triangle_mesh.h"
-#include "octree/octree.h"
+#include "proxima/geometry.h"
+#include "proxima/octree.h"
+#include "proxima/triangle_mesh.h"
+#include "proxima/view_volume.h"
 #include "query/closest/closest_feature.h"
 #include "thesis/intersect_octrees.h"
 #include "viewer/figures/thesis_figure.h"

@@ -1,8 +1,8 @@
 #include "viewer/figures/ray_figures.h"
 
-#include "mesh/sample_meshes.h"
-#include "mesh/sub_mesh.h"
-#include "octree/build_octree.h"
+#include "proxima/mesh_repair.h"
+#include "proxima/octree.h"
+#include "proxima/sample_meshes.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/scene_figure.h"
 #include "viewer/query_shapes.h"

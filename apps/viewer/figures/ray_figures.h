@@ -1,8 +1,8 @@
 // Figures of thesis section 5.3: cells along a ray.
 #pragma once
 
-#include "mesh/triangle_mesh.h"
-#include "octree/octree.h"
+#include "proxima/octree.h"
+#include "proxima/triangle_mesh.h"
 #include "query/rays/cells_along_ray.h"
 #include "viewer/figures/thesis_figure.h"
 

@@ -1,7 +1,7 @@
 // Figures 3.7 to 3.11: the Minkowski sum of a cube and an octahedron, facets by where they come
 // from.
-#include "mesh/sample_meshes.h"
-#include "minkowski/make_polyhedron.h"
+#include "proxima/convex_polyhedron.h"
+#include "proxima/sample_meshes.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/minkowski_figures.h"
 #include "viewer/figures/scene_figure.h"

@@ -6,11 +6,10 @@
 //     }
 #pragma once
 
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
 #include "cli/figure.h"
 #include "cli/image.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
 #include "viewer/camera.h"
 #include "viewer/scene.h"
 

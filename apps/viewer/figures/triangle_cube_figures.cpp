@@ -1,6 +1,6 @@
 // Figures 3.12, 3.13 and 3.15: triangles and cubes.
 #include "geometry/triangle_box.h"
-#include "minkowski/make_polyhedron.h"
+#include "proxima/convex_polyhedron.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/minkowski_figures.h"
 #include "viewer/figures/scene_figure.h"

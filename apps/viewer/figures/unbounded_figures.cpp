@@ -1,7 +1,7 @@
 // Figures 4.7 to 4.9: Minkowski sums of unbounded Voronoi regions, cut, summed and opened again.
-#include "minkowski/make_polyhedron.h"
 #include "minkowski/planar_sum.h"
 #include "minkowski/unbounded_sum.h"
+#include "proxima/convex_polyhedron.h"
 #include "thesis/feature_regions.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/minkowski_figures.h"

@@ -1,7 +1,7 @@
 // Figures 4.3 to 4.6: Voronoi regions of the features of convex bodies.
 #include "viewer/figures/voronoi_figures.h"
 
-#include "mesh/sample_meshes.h"
+#include "proxima/sample_meshes.h"
 #include "thesis/feature_regions.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/scene_figure.h"

@@ -1,7 +1,7 @@
 // Figures of thesis chapter 4 and 5.3: Voronoi regions and proximity octrees.
 #pragma once
 
-#include "mesh/triangle_mesh.h"
+#include "proxima/triangle_mesh.h"
 #include "thesis/thesis_proximity_octree.h"
 #include "viewer/figures/quadtree.h"
 #include "viewer/figures/thesis_figure.h"

@@ -1,5 +1,5 @@
 // Culling by the volume of a second camera: figures 5.7 and 5.8.
-#include "geometry/view_volume.h"
+#include "proxima/view_volume.h"
 #include "query/culling/cull_cells.h"
 #include "query/culling/cull_volume.h"
 #include "viewer/figures/figure_colors.h"

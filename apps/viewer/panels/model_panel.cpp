@@ -1,6 +1,6 @@
 // The models as they are: surface, edges, and what is wrong with them.
 #include "base/text.h"
-#include "mesh/mesh_report.h"
+#include "proxima/mesh_report.h"
 #include "viewer/panels/panels.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // The octree that a query panel asks: depth and threshold as settings, built when they change.
 #pragma once
 
-#include "octree/build_octree.h"
+#include "proxima/octree.h"
 #include "viewer/panel.h"
 
 #include <algorithm>

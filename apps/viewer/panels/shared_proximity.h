@@ -1,8 +1,8 @@
 // Proximity octrees of models, built once for all panels that ask them.
 #pragma once
 
-#include "geometry/shapes.h"
 #include "index/lists/proximity_octree.h"
+#include "proxima/geometry.h"
 #include "viewer/panel.h"
 
 #include <cstdint>

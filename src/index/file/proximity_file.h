@@ -9,12 +9,11 @@
 #pragma once
 
 #include "base/binary_file.h"
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
 #include "index/lists/proximity_octree.h"
-#include "mesh/triangle_mesh.h"
-#include "octree/octree_file.h"
+#include "proxima/execution.h"
+#include "proxima/octree_io.h"
+#include "proxima/result.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cstddef>
 #include <filesystem>

@@ -1,6 +1,7 @@
 #include "index/lists/build_proximity_octree.h"
 
 #include "base/hash.h"
+#include "base/progress.h"
 #include "base/text.h"
 #include "index/lists/cut_cells.h"
 #include "index/lists/emit_octree.h"

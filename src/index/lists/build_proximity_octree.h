@@ -5,13 +5,12 @@
 //     const ClosestFeature closest = closest_feature(*octree, point);
 #pragma once
 
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
 #include "index/lists/grow_cells.h"
 #include "index/lists/proximity_octree.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cstdint>
 

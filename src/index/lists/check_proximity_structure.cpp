@@ -1,12 +1,13 @@
 #include "index/lists/check_proximity_structure.h"
 
 #include "base/atomic_bits.h"
+#include "base/progress.h"
 #include "base/text.h"
 #include "index/lists/build_proximity_octree.h"
 #include "index/lists/check_arena.h"
 #include "index/lists/check_cells.h"
 #include "index/lists/check_work.h"
-#include "mesh/topology.h"
+#include "proxima/topology.h"
 
 #include <algorithm>
 #include <atomic>

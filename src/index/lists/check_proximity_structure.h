@@ -2,10 +2,9 @@
 // no mesh.
 #pragma once
 
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
 #include "index/lists/proximity_octree.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
 
 namespace proxima {
 

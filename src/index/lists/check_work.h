@@ -4,7 +4,7 @@
 
 #include "base/parallel.h"
 #include "base/progress.h"
-#include "base/result.h"
+#include "proxima/result.h"
 
 #include <cstddef>
 #include <cstdint>

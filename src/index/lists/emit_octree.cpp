@@ -1,5 +1,7 @@
 #include "index/lists/emit_octree.h"
 
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "index/lists/emit_tree.h"
 #include "index/lists/join_trees.h"
 #include "index/lists/proximity_cells.h"

@@ -2,11 +2,10 @@
 #pragma once
 
 #include "base/grow_buffer.h"
-#include "base/parallel.h"
-#include "base/progress.h"
 #include "index/lists/grow_cells.h"
 #include "index/lists/proximity_octree.h"
 #include "index/lists/shared_blocks.h"
+#include "proxima/execution.h"
 
 #include <cstddef>
 #include <cstdint>

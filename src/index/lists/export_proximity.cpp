@@ -2,6 +2,7 @@
 
 #include "base/file_extension.h"
 #include "base/fixed_stack.h"
+#include "base/progress.h"
 #include "base/text.h"
 #include "index/lists/grow_cells.h"
 #include "index/lists/proximity_cells.h"

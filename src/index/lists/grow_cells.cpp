@@ -1,5 +1,7 @@
 #include "index/lists/grow_cells.h"
 
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "index/lists/cell_cover.h"
 #include "index/lists/domination.h"
 #include "index/lists/local_region.h"

@@ -9,13 +9,12 @@
 // on threads.
 #pragma once
 
-#include "base/parallel.h"
-#include "base/progress.h"
 #include "index/lists/cost_model.h"
 #include "index/lists/local_features.h"
 #include "index/lists/local_region.h"
 #include "index/lists/query_density.h"
-#include "octree/cell.h"
+#include "proxima/execution.h"
+#include "proxima/octree.h"
 
 #include <cstddef>
 #include <cstdint>

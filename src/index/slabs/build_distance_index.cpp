@@ -1,5 +1,9 @@
 #include "index/slabs/build_distance_index.h"
 
+#include "base/memory_budget.h"
+#include "base/parallel.h"
+#include "base/progress.h"
+
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>

@@ -4,11 +4,9 @@
 //     auto near = mesh_distance(*index, *other, pose_of_other);
 #pragma once
 
-#include "base/memory_budget.h"
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
 #include "index/slabs/distance_index.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
 
 namespace proxima {
 

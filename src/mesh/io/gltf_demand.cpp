@@ -1,5 +1,6 @@
 #include "mesh/io/gltf_demand.h"
 
+#include "base/memory_budget.h"
 #include "base/text.h"
 #include "mesh/io/json_text.h"
 

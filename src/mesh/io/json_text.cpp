@@ -1,5 +1,6 @@
 #include "mesh/io/json_text.h"
 
+#include "base/memory_budget.h"
 #include "base/text.h"
 #include "mesh/io/number_text.h"
 

@@ -1,5 +1,7 @@
 #include "mesh/io/mesh_assembler.h"
 
+#include "base/memory_budget.h"
+#include "base/progress.h"
 #include "base/text.h"
 #include "mesh/triangulate_polygon.h"
 #include "mesh/weld_vertices.h"

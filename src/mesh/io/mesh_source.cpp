@@ -1,5 +1,7 @@
 #include "mesh/io/mesh_source.h"
 
+#include "base/memory_budget.h"
+#include "base/progress.h"
 #include "base/text.h"
 
 #include <algorithm>

@@ -2,9 +2,8 @@
 #pragma once
 
 #include "base/grow_buffer.h"
-#include "base/memory_budget.h"
-#include "base/progress.h"
-#include "base/result.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
 
 #include <cstddef>
 #include <filesystem>

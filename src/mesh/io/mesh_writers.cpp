@@ -1,7 +1,9 @@
 #include "mesh/io/mesh_writers.h"
 
 #include "base/output_file.h"
+#include "base/progress.h"
 #include "base/text.h"
+#include "geometry/exact_predicates.h"
 
 #include <bit>
 #include <charconv>

@@ -1,6 +1,8 @@
 #include "mesh/io/read_with_assimp.h"
 
+#include "base/progress.h"
 #include "base/text.h"
+#include "geometry/exact_predicates.h"
 #include "mesh/io/gltf_demand.h"
 
 #include <assimp/Importer.hpp>

@@ -1,13 +1,12 @@
 // Whether a proximity octree's answers are right: the part of its invariants that needs its mesh.
 #pragma once
 
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
-#include "geometry/vec.h"
 #include "index/lists/proximity_octree.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/execution.h"
+#include "proxima/geometry.h"
+#include "proxima/result.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 #include "query/closest/closest_feature.h"
 
 #include <span>

@@ -1,4 +1,6 @@
 #include "base/morton_code.h"
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "base/radix_sort.h"
 #include "base/text.h"
 #include "query/closest/closest_feature.h"

@@ -12,8 +12,8 @@
 // \pre for all: p is finite; differences of coordinates below 1e150. Farther ones are infinite.
 #pragma once
 
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 #include "query/closest/closest_feature.h"
 
 #include <limits>

@@ -1,6 +1,8 @@
 #include "query/closest/refit_proximity_octree.h"
 #include "query/closest/closest_feature.h"
 
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "base/text.h"
 #include "geometry/closest_point.h"
 #include "index/lists/block.h"

@@ -1,5 +1,6 @@
 #include "query/closest/signed_distance.h"
 
+#include "base/parallel.h"
 #include "geometry/exact_predicates.h"
 #include "mesh/surface_parts.h"
 

@@ -14,12 +14,11 @@
 // there. Outside of the box of a surface that separates, all is outside, however far.
 #pragma once
 
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
 #include "octree/winding_number.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 #include "query/closest/closest_feature.h"
 #include "query/closest/surface_search.h"
 #include "query/closest/surface_sides.h"

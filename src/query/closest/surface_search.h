@@ -8,8 +8,8 @@
 #pragma once
 
 #include "index/triangle_tree.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 #include "query/closest/closest_feature.h"
 #include "query/closest/feature_distance.h"
 

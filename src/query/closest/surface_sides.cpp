@@ -1,6 +1,8 @@
 #include "query/closest/surface_sides.h"
 
 #include "base/disjoint_sets.h"
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "geometry/exact_predicates.h"
 #include "geometry/solid_angle.h"
 #include "geometry/triangle_contact.h"

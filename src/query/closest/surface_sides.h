@@ -12,12 +12,11 @@
 // inside out has no inside, and of two that overlap only the triangles along the seam are doubtful.
 #pragma once
 
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
 #include "octree/winding_number.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 #include "query/closest/surface_search.h"
 
 #include <cstdint>

@@ -1,6 +1,7 @@
 #include "query/contact/containment.h"
 
 #include "base/disjoint_sets.h"
+#include "base/progress.h"
 #include "geometry/exact_predicates.h"
 #include "mesh/coincidence.h"
 

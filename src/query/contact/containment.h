@@ -9,12 +9,11 @@
 // asked by one of its vertices, since a part that does not cross a surface is on one side of it.
 #pragma once
 
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
-#include "geometry/rigid_transform.h"
-#include "mesh/triangle_mesh.h"
 #include "octree/winding_number.h"
+#include "proxima/execution.h"
+#include "proxima/geometry.h"
+#include "proxima/result.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cstdint>
 #include <optional>

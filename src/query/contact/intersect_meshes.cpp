@@ -1,5 +1,7 @@
 #include "query/contact/intersect_meshes.h"
 
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "base/text.h"
 #include "query/contact/contact_search.h"
 

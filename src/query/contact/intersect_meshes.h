@@ -13,11 +13,10 @@
 // another one does not meet it. \pre of all: the pose is rigid (make_rigid_transform).
 #pragma once
 
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
-#include "geometry/rigid_transform.h"
 #include "index/mesh_index.h"
+#include "proxima/execution.h"
+#include "proxima/geometry.h"
+#include "proxima/result.h"
 
 #include <compare>
 #include <cstddef>

@@ -1,5 +1,7 @@
 #include "query/contact/self_intersection.h"
 
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "geometry/exact_predicates.h"
 #include "geometry/triangle_contact.h"
 #include "geometry/triangle_intersection.h"

@@ -11,9 +11,8 @@
 // is too small is never a silent cut: `complete` is false.
 #pragma once
 
-#include "mesh/feature.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 #include "query/closest/feature_distance.h"
 #include "query/closest/surface_search.h"
 

@@ -1,5 +1,7 @@
 #include "query/rays/cast_ray.h"
 
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "base/text.h"
 #include "query/rays/prepare_ray.h"
 

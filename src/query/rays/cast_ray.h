@@ -8,10 +8,9 @@
 // and lie anywhere. An invalid ray (ray.h) hits nothing.
 #pragma once
 
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
 #include "index/mesh_index.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
 #include "query/rays/ray_hit.h"
 
 #include <cstddef>

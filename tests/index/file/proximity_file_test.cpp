@@ -9,7 +9,7 @@
 #include "index/lists/build_proximity_octree.h"
 #include "index/lists/check_proximity_structure.h"
 #include "index/test_meshes.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/sample_meshes.h"
 #include "query/closest/closest_feature.h"
 
 #include <algorithm>

@@ -5,8 +5,8 @@
 #include "folder_test.h"
 #include "index/lists/build_proximity_octree.h"
 #include "index/test_meshes.h"
-#include "mesh/sample_meshes.h"
 #include "octree/exported_leaves.h"
+#include "proxima/sample_meshes.h"
 #include "query/closest/closest_feature.h"
 
 #include <algorithm>

@@ -5,7 +5,7 @@
 #include "cancellation.h"
 #include "counted_allocations.h"
 #include "index/test_meshes.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/sample_meshes.h"
 #include "query/closest/brute_force.h"
 
 #include <cmath>

@@ -5,7 +5,7 @@
 #include "index/lists/build_proximity_octree.h"
 #include "index/test_meshes.h"
 #include "lab/query_sets.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/sample_meshes.h"
 #include "query/closest/check_answers.h"
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 
 #include "index/build_mesh_index.h"
 #include "index/slabs/build_distance_index.h"
-#include "octree/build_octree.h"
+#include "proxima/octree.h"
 
 namespace proxima::testing {
 

@@ -5,7 +5,7 @@
 #include "index/file/proximity_file.h"
 #include "index/lists/build_proximity_octree.h"
 #include "index/test_meshes.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/sample_meshes.h"
 #include "query/closest/brute_force.h"
 #include "query/closest/closest_feature.h"
 

@@ -2,7 +2,7 @@
 #include "geometry/exact_predicates.h"
 #include "geometry/triangle_contact.h"
 #include "index/test_meshes.h"
-#include "mesh/topology.h"
+#include "proxima/topology.h"
 #include "query/closest/surface_search.h"
 #include "query/closest/surface_sides.h"
 

@@ -2,8 +2,8 @@
 
 #include "counted_allocations.h"
 #include "geometry/triangle_contact.h"
-#include "mesh/mesh_io.h"
 #include "oracles/exact_winding.h"
+#include "proxima/mesh_io.h"
 #include "query/closest/brute_force.h"
 #include "query/closest/signed_mesh.h"
 #include "query/neighbourhood/neighbourhood.h"

@@ -2,9 +2,9 @@
 
 #include "cancellation.h"
 #include "counted_allocations.h"
-#include "mesh/sample_meshes.h"
 #include "octree/small_meshes.h"
 #include "oracles/column_winding.h"
+#include "proxima/sample_meshes.h"
 
 #include <gtest/gtest.h>
 #include <random>

@@ -2,9 +2,9 @@
 #include "geometry/exact_predicates.h"
 #include "index/build_mesh_index.h"
 #include "index/test_meshes.h"
-#include "octree/build_octree.h"
 #include "octree/nasty_meshes.h"
 #include "octree/small_meshes.h"
+#include "proxima/octree.h"
 #include "query/contact/intersect_meshes.h"
 #include "query/contact/test_poses.h"
 

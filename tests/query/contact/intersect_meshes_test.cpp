@@ -6,9 +6,9 @@
 #include "index/build_mesh_index.h"
 #include "index/test_meshes.h"
 #include "mesh/random_soups.h"
-#include "octree/build_octree.h"
 #include "octree/nasty_meshes.h"
 #include "octree/small_meshes.h"
+#include "proxima/octree.h"
 #include "query/contact/test_poses.h"
 
 #include <gtest/gtest.h>

@@ -2,9 +2,9 @@
 // Polygon Mesh Processing.
 #include "geometry/exact_predicates.h"
 #include "index/build_mesh_index.h"
-#include "mesh/sample_meshes.h"
-#include "octree/build_octree.h"
 #include "octree/small_meshes.h"
+#include "proxima/octree.h"
+#include "proxima/sample_meshes.h"
 #include "query/contact/self_intersection.h"
 
 #include <gtest/gtest.h>

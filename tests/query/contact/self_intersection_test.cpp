@@ -3,10 +3,10 @@
 #include "index/build_mesh_index.h"
 #include "index/test_meshes.h"
 #include "mesh/random_soups.h"
-#include "mesh/sample_meshes.h"
-#include "octree/build_octree.h"
 #include "octree/nasty_meshes.h"
 #include "octree/small_meshes.h"
+#include "proxima/octree.h"
+#include "proxima/sample_meshes.h"
 
 #include <algorithm>
 #include <gtest/gtest.h>

@@ -6,7 +6,7 @@
 #include "geometry/view_contact.h"
 #include "index/build_mesh_index.h"
 #include "index/test_meshes.h"
-#include "octree/build_octree.h"
+#include "proxima/octree.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // Hits against CGAL's exact kernel: which triangles a ray meets, and at which t.
 #include "index/build_mesh_index.h"
-#include "octree/build_octree.h"
 #include "octree/nasty_meshes.h"
 #include "octree/small_meshes.h"
+#include "proxima/octree.h"
 #include "query/rays/cast_ray.h"
 #include "query/rays/test_rays.h"
 

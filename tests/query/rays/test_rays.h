@@ -2,10 +2,10 @@
 // away, of any length, with ranges that begin or end near hits.
 #pragma once
 
-#include "geometry/ray.h"
 #include "index/build_mesh_index.h"
-#include "mesh/triangle_mesh.h"
-#include "octree/build_octree.h"
+#include "proxima/geometry.h"
+#include "proxima/octree.h"
+#include "proxima/triangle_mesh.h"
 
 #include <array>
 #include <cmath>

@@ -4,18 +4,16 @@
 //     for (const MeshFinding& finding : report->findings) {
 //         std::cout << finding.count << ' ' << name_of(finding.kind) << ": " << finding.meaning;
 //     }
-//     for (const QueryOutlook& query : report->outlook) ...   // octree: works, sign: with care,
-//     ...
+//     for (const QueryOutlook& query : report->outlook) ...   // octree: works, sign: with care, ...
 //
-// Whether the surface intersects itself is not examined: query/self_intersection.h does.
+// Whether the surface intersects itself is not examined: self_intersections() does that.
 #pragma once
 
-#include "base/memory_budget.h"
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
+#include "proxima/triangle_mesh.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>

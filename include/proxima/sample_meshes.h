@@ -7,9 +7,9 @@
 // degenerate triangles, and has the same bits on every machine.
 #pragma once
 
-#include "base/progress.h"
-#include "base/result.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cstddef>
 #include <string_view>
