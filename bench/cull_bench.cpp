@@ -57,9 +57,10 @@ Result<std::unique_ptr<Scene>> make_scene(TriangleMesh mesh)
 {
     const double start = processor_seconds();
     const auto octree = build_octree(
-        mesh, {.max_depth = 5, .classification = Classification::none, .threads = {1}});
+        mesh,
+        {.max_depth = 5, .classification = Classification::none, .execution = {.threads = {1}}});
     if (!octree) return tl::unexpected(octree.error());
-    auto index = build_mesh_index(*octree, mesh, {.threads = {1}});
+    auto index = build_mesh_index(*octree, mesh, {.execution = {.threads = {1}}});
     if (!index) return tl::unexpected(index.error());
     const double seconds = processor_seconds() - start;
     std::vector<TriangleCorners> sorted;

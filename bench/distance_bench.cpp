@@ -43,10 +43,11 @@ public:
     explicit ProximaDistance(const TriangleMesh& mesh)
     {
         const auto start = std::chrono::steady_clock::now();
-        const auto octree =
-            build_octree(mesh, {.classification = Classification::none, .threads = {1}});
-        const auto triangles = build_mesh_index(octree.value(), mesh, {.threads = {1}});
-        index_ = build_distance_index(triangles.value(), {.threads = {1}}).value();
+        const auto octree = build_octree(
+            mesh, {.classification = Classification::none, .execution = {.threads = {1}}});
+        const auto triangles =
+            build_mesh_index(octree.value(), mesh, {.execution = {.threads = {1}}});
+        index_ = build_distance_index(triangles.value(), {.execution = {.threads = {1}}}).value();
         seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     }
     [[nodiscard]] std::string name() const override { return "proxima"; }

@@ -26,7 +26,8 @@ public:
             const auto some =
                 points.subspan(first, std::min(features_.size(), points.size() - first));
             const auto found = std::span(features_).first(some.size());
-            const Status status = closest_features(octree_, some, found);
+            const Status status =
+                closest_features(octree_, some, found, {.execution = {.threads = {1}}});
             PROXIMA_CHECK(status.has_value());
             std::ranges::transform(found, answers.begin() + static_cast<std::ptrdiff_t>(first),
                                    answer_of);
@@ -51,8 +52,9 @@ Result<std::unique_ptr<Contender>> make_proxima_peer(const TriangleMesh& mesh,
                                                      std::uint64_t bytes_per_triangle)
 {
     const double start = nanoseconds_now();
-    auto octree = build_proximity_octree(
-        mesh, {.budget_bytes = bytes_per_triangle * mesh.triangle_count(), .threads = {1}});
+    auto octree =
+        build_proximity_octree(mesh, {.budget_bytes = bytes_per_triangle * mesh.triangle_count(),
+                                      .execution = {.threads = {1}}});
     if (!octree) return tl::unexpected(octree.error());
     const double seconds = 1e-9 * (nanoseconds_now() - start);
     auto contender = make_contender<ProximaPeer>("proxima", std::move(*octree));

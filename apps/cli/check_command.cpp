@@ -214,16 +214,16 @@ Result<std::optional<SelfIntersections>> intersections_of(const TriangleMesh& me
     if (!checked_bounding_box(mesh)) return std::nullopt;
     Progress* const progress = &session.progress();
     const ProgressBar shown(session.progress(), session.bar());
-    const auto octree = build_octree(mesh, {.threshold = 16,
-                                            .classification = Classification::none,
-                                            .threads = session.threads(),
-                                            .progress = progress});
+    const auto octree =
+        build_octree(mesh, {.threshold = 16,
+                            .classification = Classification::none,
+                            .execution = {.threads = session.threads(), .progress = progress}});
     if (!octree) return tl::unexpected(octree.error());
-    const auto index =
-        build_mesh_index(*octree, mesh, {.threads = session.threads(), .progress = progress});
+    const auto index = build_mesh_index(
+        *octree, mesh, {.execution = {.threads = session.threads(), .progress = progress}});
     if (!index) return tl::unexpected(index.error());
-    auto found =
-        find_self_intersections(*index, {.threads = session.threads(), .progress = progress});
+    auto found = find_self_intersections(
+        *index, {.execution = {.threads = session.threads(), .progress = progress}});
     if (!found) return tl::unexpected(found.error());
     return std::move(*found);
 }
@@ -246,7 +246,7 @@ Status check_mesh(const std::string& model, Session& session)
     if (!mesh) return tl::unexpected(mesh.error());
     auto report = [&] {
         const ProgressBar shown(session.progress(), session.bar());
-        return report_mesh(*mesh, {.threads = session.threads(), .progress = &session.progress()});
+        return report_mesh(*mesh, {.execution = session.execution()});
     }();
     if (!report) return at_model(report.error(), model);
     const auto intersections = intersections_of(*mesh, session);

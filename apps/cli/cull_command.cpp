@@ -38,7 +38,7 @@ CullMode mode_of(const CullOptions& options)
 /// A row a,b,c,d per plane.
 Result<ViewVolume> read_volume(const std::string& path, Progress* progress)
 {
-    const auto table = read_number_table(path, "a,b,c,d", {.progress = progress});
+    const auto table = read_number_table(path, "a,b,c,d", {.execution = {.progress = progress}});
     if (!table) return tl::unexpected(table.error());
     std::vector<ViewPlane> planes(table->rows());
     for (std::size_t i = 0; i < planes.size(); ++i) {
@@ -88,12 +88,10 @@ Result<std::unique_ptr<Culled>> prepare(const CullOptions& options, Session& ses
     auto octree = build_octree(culled->mesh, {.max_depth = options.depth,
                                               .threshold = options.threshold,
                                               .classification = Classification::none,
-                                              .threads = session.threads(),
-                                              .progress = &session.progress()});
+                                              .execution = session.execution()});
     if (!octree) return at_model(octree.error(), options.model);
     culled->octree = std::move(*octree);
-    auto index = build_mesh_index(culled->octree, culled->mesh,
-                                  {.threads = session.threads(), .progress = &session.progress()});
+    auto index = build_mesh_index(culled->octree, culled->mesh, {.execution = session.execution()});
     if (!index) return at_model(index.error(), options.model);
     culled->index = std::move(*index);
     culled->build_seconds = watch.seconds();
@@ -155,7 +153,7 @@ Status run_cull(const CullOptions& options, Session& session)
                                            {.up = up_axis_of_model(options.model),
                                             .volume = &culled.volume,
                                             .mode = mode_of(options),
-                                            .progress = &session.progress()});
+                                            .execution = {.progress = &session.progress()}});
             if (!image) return tl::unexpected(image.error());
             if (Status status = write_png(*image, options.picture, &session.progress()); !status)
                 return status;

@@ -44,8 +44,7 @@ Result<std::vector<Contender>> run_depth(const TriangleMesh& mesh, int depth,
                                               .method = contender.method,
                                               .exactness = options.exactness,
                                               .classification = Classification::none,
-                                              .threads = options.threads,
-                                              .progress = options.progress});
+                                              .execution = options.execution});
             contender.seconds.push_back(watch.seconds());
             if (!octree) return tl::unexpected(octree.error());
             contender.octree = *octree;

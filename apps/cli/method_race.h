@@ -18,8 +18,7 @@ struct MethodRaceOptions {
     std::uint32_t threshold = 1;
     Exactness exactness = Exactness::rounded;
     int repeats = 3; ///< runs of each, interleaved; one that takes over a second runs once
-    Threads threads = {};
-    Progress* progress = nullptr;
+    Execution execution = {};
 };
 
 struct RaceRow {

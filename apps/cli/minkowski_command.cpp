@@ -95,8 +95,8 @@ Result<CountedMethods> count_methods(const ConvexPolyhedron& a, const ConvexPoly
     TextTable table(
         {"Method", "Dots", "Crosses", "Flops", "Add", "Sub", "Mul", "Div", "Neg", "Compare"});
     for (const MinkowskiMethod method : methods) {
-        const auto counted =
-            count_minkowski_sum(a, b, {.method = method, .progress = &session.progress()});
+        const auto counted = count_minkowski_sum(
+            a, b, {.method = method, .execution = {.progress = &session.progress()}});
         if (!counted) {
             if (counted.error().code == ErrorCode::cancelled)
                 return tl::unexpected(counted.error());
@@ -147,8 +147,8 @@ Status run_minkowski(const Options& options, Session& session)
     if (!b) return tl::unexpected(b.error());
 
     const Stopwatch watch;
-    const auto unscaled =
-        minkowski_sum(*a, *b, {.method = options.method, .progress = &session.progress()});
+    const auto unscaled = minkowski_sum(
+        *a, *b, {.method = options.method, .execution = {.progress = &session.progress()}});
     if (!unscaled) return tl::unexpected(unscaled.error());
     const MinkowskiSum sum = unscaled->scaled(options.scale);
     const double seconds = watch.seconds();
@@ -164,7 +164,8 @@ Status run_minkowski(const Options& options, Session& session)
         counted = std::move(*counts);
     }
     if (!options.out.empty()) {
-        const Status status = export_sum(sum, options.out, {.progress = &session.progress()});
+        const Status status =
+            export_sum(sum, options.out, {.execution = {.progress = &session.progress()}});
         if (!status) return status;
     }
 

@@ -25,8 +25,7 @@ struct NumberTable {
 };
 
 struct NumberTableOptions {
-    Progress* progress = nullptr; ///< stage "reading numbers", steps are bytes
-    MemoryBudget budget = {};     ///< of the table
+    Execution execution = {}; ///< stage "reading numbers", steps are bytes; budget: of the table
 };
 
 /// Reads the file, by its extension as .npy or as CSV. `columns` are their names, "x,y,z". About

@@ -29,7 +29,7 @@ struct PictureOptions {
     /// finest of them have these colours.
     std::optional<Box> frame = {};
     std::optional<std::array<int, 2>> depths = {};
-    Progress* progress = nullptr; ///< stages "drawing the mesh", "shading" and "drawing the cells"
+    Execution execution = {}; ///< stages "drawing the mesh", "shading" and "drawing the cells"
 };
 
 /// Draws the mesh, shaded, and the edges of the leaves that hold triangles, seen three-quarter from

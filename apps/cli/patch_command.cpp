@@ -81,9 +81,8 @@ Result<std::unique_ptr<PatchModel>> load_model(const std::string& name, Session&
         return tl::unexpected(status.error());
     const Stopwatch watch;
     const ProgressBar shown(session.progress(), session.bar());
-    auto search =
-        build_surface_search(model->surface.mesh, model->surface.topology,
-                             {.threads = session.threads(), .progress = &session.progress()});
+    auto search = build_surface_search(model->surface.mesh, model->surface.topology,
+                                       {.execution = session.execution()});
     if (!search) return at_model(search.error(), name);
     model->search = std::move(*search);
     model->seconds += watch.seconds();

@@ -101,14 +101,12 @@ Result<std::unique_ptr<Casting>> prepare(const RaycastOptions& options, Session&
     auto octree = build_octree(casting->mesh, {.max_depth = options.depth,
                                                .threshold = options.threshold,
                                                .classification = Classification::none,
-                                               .threads = session.threads(),
-                                               .progress = &session.progress()});
+                                               .execution = session.execution()});
     if (!octree) return at_model(octree.error(), options.model);
     casting->octree = std::move(*octree);
     if (!wants_cells(options)) {
         auto index =
-            build_mesh_index(casting->octree, casting->mesh,
-                             {.threads = session.threads(), .progress = &session.progress()});
+            build_mesh_index(casting->octree, casting->mesh, {.execution = session.execution()});
         if (!index) return at_model(index.error(), options.model);
         casting->index = std::move(*index);
     }
@@ -137,7 +135,8 @@ Status cast_at_triangles(const RaycastOptions& options, Casting& casting, Sessio
             hits.resize(rays.size());
             const Stopwatch watch;
             // Cannot fail: sizes agree.
-            (void)closest_hits(casting.index, rays, hits, {.threads = session.threads()});
+            (void)closest_hits(casting.index, rays, hits,
+                               {.execution = {.threads = session.threads()}});
             casting.seconds += watch.seconds();
             casting.hits += static_cast<std::uint64_t>(
                 std::ranges::count_if(hits, [](const auto& hit) { return hit.has_value(); }));

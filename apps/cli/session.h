@@ -34,6 +34,11 @@ public:
 
     /// As --threads says, all without it.
     [[nodiscard]] Threads threads() const noexcept { return {options_.threads.value_or(0)}; }
+    /// The threads and progress of a command, for the options of what it calls.
+    [[nodiscard]] Execution execution() noexcept
+    {
+        return {.threads = threads(), .progress = &progress()};
+    }
 
     /// As --threads says, one without it: for measurements, which others must be able to repeat.
     [[nodiscard]] Threads threads_to_measure() const noexcept

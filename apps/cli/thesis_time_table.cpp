@@ -15,8 +15,8 @@ Result<ThesisComparison> compare_table_3_3(const ThesisComparisonOptions& option
 {
     const auto ship = sample_mesh("spaceship:33000");
     if (!ship) return tl::unexpected(ship.error());
-    const MethodRaceOptions race{.threads = options.threads_to_measure,
-                                 .progress = options.progress};
+    const MethodRaceOptions race{.execution = {.threads = options.threads_to_measure,
+                                               .progress = options.execution.progress}};
     const auto rows = race_methods(*ship, race);
     if (!rows) return tl::unexpected(rows.error());
 

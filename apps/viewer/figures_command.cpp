@@ -54,7 +54,7 @@ Status run_figures(const FiguresOptions& options, Session& session)
     Progress* const progress = &session.progress();
     const auto renderer = make_renderer(options, progress);
     if (!renderer) return tl::unexpected(renderer.error());
-    const FigureContext context = {session.threads(), progress};
+    const Execution context = {session.threads(), progress};
     std::vector<FigurePage> pages;
     nlohmann::ordered_json made = nlohmann::ordered_json::array();
     for (const ThesisFigure& figure : thesis_figures()) {

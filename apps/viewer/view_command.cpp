@@ -99,8 +99,8 @@ Status write_files(const Viewer& viewer, const ViewOptions& options, Session& se
 /// The picture without a window.
 Status run_headless(const ViewOptions& options, Session& session)
 {
-    Viewer viewer(
-        {.threads = session.threads(), .budget = {options.budget_mb * bytes_per_megabyte}});
+    Viewer viewer({.execution = {.threads = session.threads(),
+                                 .budget = {options.budget_mb * bytes_per_megabyte}}});
     viewer.resize(options.size);
     if (Status status = prepare(viewer, options); !status) return status;
     viewer.open(options.models);
@@ -126,10 +126,10 @@ Status run_view(const ViewOptions& options, Session& session)
     if (Status status = session.check_outputs({options.snapshot, options.glb}); !status)
         return status;
     if (!options.needs_window()) return run_headless(options, session);
-    Viewer viewer({.threads = session.threads(),
-                   .budget = {options.budget_mb * bytes_per_megabyte},
-                   .pictures = Pictures::live,
-                   .wake = wake_window});
+    Viewer viewer({.pictures = Pictures::live,
+                   .wake = wake_window,
+                   .execution = {.threads = session.threads(),
+                                 .budget = {options.budget_mb * bytes_per_megabyte}}});
     if (Status status = prepare(viewer, options); !status) return status;
     if (Status status = run_window(viewer, {.models = options.models,
                                             .size = options.size,

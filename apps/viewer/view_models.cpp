@@ -32,10 +32,11 @@ std::shared_ptr<const Scene> surface_scene(const TriangleMesh& mesh, const Color
     return scene;
 }
 
-Result<TriangleMesh> read_model(const std::string& name, const WorkContext& context)
+Result<TriangleMesh> read_model(const std::string& name, const Execution& context)
 {
-    if (is_sample_mesh_name(name)) return sample_mesh(name, {.progress = context.progress});
-    return read_mesh(name, {.progress = context.progress, .budget = context.budget});
+    if (is_sample_mesh_name(name))
+        return sample_mesh(name, {.execution = {.progress = context.progress}});
+    return read_mesh(name, {.execution = {.progress = context.progress, .budget = context.budget}});
 }
 
 /// The edge of an equilateral triangle as large as they are on average.
@@ -69,7 +70,7 @@ Feature nearest_part(const ViewModel& model, TriangleId id, const RayHit& hit)
 
 Result<std::shared_ptr<const ViewModel>> make_view_model(std::string name, TriangleMesh mesh,
                                                          const Vec3& up, std::size_t number,
-                                                         const WorkContext& context)
+                                                         const Execution& context)
 {
     if (Status fits = check_budget(context.budget, bytes_per_triangle * mesh.triangle_count(),
                                    concat("showing ", mesh.triangle_count(), " triangles"),
@@ -77,17 +78,14 @@ Result<std::shared_ptr<const ViewModel>> make_view_model(std::string name, Trian
         !fits) {
         return at_model(fits.error(), name);
     }
-    auto topology =
-        build_topology(mesh, {.threads = context.threads, .progress = context.progress});
+    auto topology = build_topology(mesh, {.execution = context});
     if (!topology) return at_model(topology.error(), name);
     const auto octree = build_octree(mesh, {.max_depth = 4,
                                             .threshold = 64,
                                             .classification = Classification::none,
-                                            .threads = context.threads,
-                                            .progress = context.progress});
+                                            .execution = context});
     if (!octree) return at_model(octree.error(), name);
-    auto rays =
-        build_mesh_index(*octree, mesh, {.threads = context.threads, .progress = context.progress});
+    auto rays = build_mesh_index(*octree, mesh, {.execution = context});
     if (!rays) return at_model(rays.error(), name);
     auto model = std::make_shared<ViewModel>();
     for (const Vec3& position : mesh.positions()) model->box.extend(position);
@@ -103,7 +101,7 @@ Result<std::shared_ptr<const ViewModel>> make_view_model(std::string name, Trian
     return model;
 }
 
-Result<ViewModels> load_view_models(std::span<const std::string> names, const WorkContext& context,
+Result<ViewModels> load_view_models(std::span<const std::string> names, const Execution& context,
                                     ViewModels before)
 {
     ViewModels models = std::move(before);

@@ -16,13 +16,6 @@
 
 namespace proxima {
 
-/// Who works, and who watches.
-struct WorkContext {
-    Threads threads = {};
-    Progress* progress = nullptr;
-    MemoryBudget budget = {}; ///< of a model and of each thing that is built of it
-};
-
 /// Immutable.
 struct ViewModel {
     std::string name;
@@ -43,13 +36,12 @@ using ViewModels = std::vector<std::shared_ptr<const ViewModel>>;
 /// reading; budget_exceeded where showing it would take more memory than the budget; invalid_mesh
 /// (empty, NaN); cancelled. The error's place names the model.
 [[nodiscard]] Result<ViewModels> load_view_models(std::span<const std::string> names,
-                                                  const WorkContext& context,
-                                                  ViewModels before = {});
+                                                  const Execution& context, ViewModels before = {});
 
 /// A mesh that is there already, as model number `number`. Errors as above.
 [[nodiscard]] Result<std::shared_ptr<const ViewModel>>
 make_view_model(std::string name, TriangleMesh mesh, const Vec3& up, std::size_t number,
-                const WorkContext& context);
+                const Execution& context);
 
 /// Of all.
 [[nodiscard]] Box bounding_box(const ViewModels& models);

@@ -173,7 +173,7 @@ struct ConvexMeshOptions {
     /// How far a vertex may stand beyond the plane of a triangle, per diagonal of the bounding box:
     /// coordinates of round shapes are rounded, so their faces are never quite flat.
     double tolerance = 1e-9;
-    Progress* progress = nullptr;
+    Execution execution = {};
 };
 
 /// The polyhedron that a closed convex mesh bounds: the exact hull of its vertices, once every edge

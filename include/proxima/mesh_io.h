@@ -40,8 +40,8 @@ enum class Weld : std::uint8_t { by_format, never, exact_positions };
 
 struct ReadOptions {
     Weld weld = Weld::by_format;
-    Progress* progress = nullptr; ///< stages "loading file", "reading mesh": steps are bytes
-    MemoryBudget budget = {};     ///< the file, the mesh and the scratch together
+    /// Stages "loading file", "reading mesh": steps are bytes; budget: the file, the mesh and the scratch together.
+    Execution execution = {};
 };
 
 /// Reads the mesh of a file, its format told by the extension. All objects and groups become one
@@ -68,7 +68,7 @@ enum class StlEncoding : std::uint8_t { ascii, binary };
 struct WriteOptions {
     PlyEncoding ply = PlyEncoding::binary; ///< binary: little-endian, float64
     StlEncoding stl = StlEncoding::binary; ///< binary: float32, the format has no other
-    Progress* progress = nullptr;          ///< stage "writing mesh", steps are triangles
+    Execution execution = {};              ///< stage "writing mesh", steps are triangles
 };
 
 /// Writes OBJ, PLY or STL, told by the extension, as OutputFile does: whole or not at all.

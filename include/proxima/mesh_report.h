@@ -132,10 +132,8 @@ struct MeshReport {
 inline constexpr double far_from_origin_ratio = 1e6;
 
 struct MeshReportOptions {
-    std::size_t max_ids = 5; ///< elements that each finding names
-    Threads threads = {};
-    MemoryBudget budget = {};     ///< scratch, topology included where it is built here
-    Progress* progress = nullptr; ///< watched and obeyed where given
+    std::size_t max_ids = 5;  ///< elements that each finding names
+    Execution execution = {}; ///< budget: scratch, topology included where it is built here
 };
 
 /// Examines any mesh, NaN and all. The same for any number of threads. Errors: limit_exceeded

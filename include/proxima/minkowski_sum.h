@@ -151,7 +151,7 @@ private:
 
 struct MinkowskiOptions {
     MinkowskiMethod method = MinkowskiMethod::arcs;
-    Progress* progress = nullptr;
+    Execution execution = {};
 };
 
 /// The sum of A and B. With `arcs` it has exactly the facets of the sum of the polyhedra that the

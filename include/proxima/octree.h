@@ -273,9 +273,7 @@ struct OctreeOptions {
     RootShape root_shape = RootShape::cube; ///< tight on the bounding box: cube or box of its shape
     std::optional<OctreeFrame> root = {};   ///< this root instead; must contain the mesh
     Classification classification = Classification::inner_outer;
-    MemoryBudget budget = {}; ///< result and scratch, without the mesh
-    Threads threads = {};
-    Progress* progress = nullptr; ///< watched and obeyed where given
+    Execution execution = {}; ///< budget: result and scratch, without the mesh
 };
 
 /// Builds the octree; the same bits for any number of threads and any instruction set.

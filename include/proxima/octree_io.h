@@ -28,11 +28,11 @@ struct LoadOptions {
     /// `full` also compares the checksums, so that any damage is found. Both check the structure
     /// (check_structure.h), so that no content of a file can lead a query out of its arrays.
     Verification verify = Verification::full;
-    Progress* progress = nullptr; ///< stages "checksums" (bytes) and "checking the octree" (nodes)
+    Execution execution = {}; ///< stages "checksums" (bytes) and "checking the octree" (nodes)
 };
 
 struct SaveOptions {
-    Progress* progress = nullptr; ///< stages "checksums" and "writing", steps are bytes
+    Execution execution = {}; ///< stages "checksums" and "writing", steps are bytes
 };
 
 /// The same octree gives the same bytes. Errors: file_not_writable, cancelled. O(bytes).
@@ -51,7 +51,7 @@ struct SaveOptions {
                                          const std::string& name, const LoadOptions& options = {});
 
 struct ExportOptions {
-    Progress* progress = nullptr; ///< several stages, the last one "writing"
+    Execution execution = {}; ///< several stages, the last one "writing"
 };
 
 /// Writes the format that the extension names (upper or lower case), whole or not at all.

@@ -58,9 +58,7 @@ using EdgeVertices = std::array<VertexId, 2>;
 inline constexpr std::size_t max_topology_triangles = std::numeric_limits<std::uint32_t>::max() / 6;
 
 struct TopologyOptions {
-    Threads threads = {};
-    MemoryBudget budget = {};     ///< result and scratch, without the mesh
-    Progress* progress = nullptr; ///< watched and obeyed where given
+    Execution execution = {}; ///< budget: result and scratch, without the mesh
 };
 
 /// Immutable. All members are noexcept, do not allocate, and may be called from any thread.

@@ -7,6 +7,18 @@
 
 namespace proxima {
 
+/// Reports the beginning of a stage where a progress object is given.
+inline void begin_stage(Progress* progress, const char* name, std::uint64_t steps) noexcept
+{
+    if (progress != nullptr) progress->begin_stage(name, steps);
+}
+
+/// Reports finished steps of the stage where a progress object is given.
+inline void advance_stage(Progress* progress, std::uint64_t steps) noexcept
+{
+    if (progress != nullptr) progress->advance(steps);
+}
+
 /// True where a progress object is given and asks to stop.
 [[nodiscard]] inline bool is_cancelled(const Progress* progress) noexcept
 {
@@ -24,7 +36,7 @@ public:
                std::uint64_t block = 4096) noexcept
         : progress_(progress), block_(block)
     {
-        if (progress_ != nullptr) progress_->begin_stage(name, steps);
+        begin_stage(progress_, name, steps);
     }
 
     /// A part of a stage that somebody has entered before.
@@ -42,7 +54,7 @@ public:
 private:
     [[nodiscard]] bool report() noexcept
     {
-        if (progress_ != nullptr) progress_->advance(waiting_);
+        advance_stage(progress_, waiting_);
         waiting_ = 0;
         return !is_cancelled(progress_);
     }

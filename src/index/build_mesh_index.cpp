@@ -340,16 +340,17 @@ Result<MeshIndex> build_mesh_index(const Octree& octree, const TriangleMesh& mes
                     "octree");
     }
     const std::uint64_t needed = mesh.triangle_count() * (scratch_bytes + index_bytes);
-    if (auto status = check_budget(options.budget, needed, "the mesh index", "raise the budget");
+    if (auto status =
+            check_budget(options.execution.budget, needed, "the mesh index", "raise the budget");
         !status)
         return tl::unexpected(status.error());
-    const auto tree =
-        build_binary_tree(mesh, *box, octree.frame(), options.threads, options.progress);
+    const auto tree = build_binary_tree(mesh, *box, octree.frame(), options.execution.threads,
+                                        options.execution.progress);
     if (!tree) return tl::unexpected(tree.error());
     MeshIndexWriter writer(mesh, *tree);
-    if (!writer.write_blocks(options.progress))
+    if (!writer.write_blocks(options.execution.progress))
         return fail(ErrorCode::cancelled, "mesh index: stopped on request");
-    writer.write_rows(options.threads);
+    writer.write_rows(options.execution.threads);
     return writer.result();
 }
 

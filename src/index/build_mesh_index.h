@@ -14,9 +14,7 @@
 namespace proxima {
 
 struct MeshIndexOptions {
-    MemoryBudget budget = {}; ///< index and scratch
-    Threads threads = {};
-    Progress* progress = nullptr; ///< watched and obeyed where given
+    Execution execution = {}; ///< budget: index and scratch
 };
 
 /// The index has the octree's cells, from its root down, as deep as triangles lie close: neither

@@ -35,8 +35,7 @@ struct RankRange {
 };
 
 struct TriangleTreeOptions {
-    Threads threads = {};
-    Progress* progress = nullptr; ///< watched and obeyed where given
+    Execution execution = {};
 };
 
 /// Boxes of eight entries. Places without an entry are empty boxes.

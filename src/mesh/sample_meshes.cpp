@@ -91,7 +91,8 @@ Result<TriangleMesh> sized_sphere(std::string_view name, const SampleOptions& op
     const std::uint64_t pairs = saturated_product(size->first - 1, size->second);
     const Status fits = check_size(name, saturated_product(pairs, 2), grid_bytes);
     if (!fits) return tl::unexpected(fits.error());
-    return sphere(static_cast<int>(size->first), static_cast<int>(size->second), options.progress);
+    return sphere(static_cast<int>(size->first), static_cast<int>(size->second),
+                  options.execution.progress);
 }
 
 Result<TriangleMesh> sized_icosphere(std::string_view name, const SampleOptions& options)
@@ -103,7 +104,7 @@ Result<TriangleMesh> sized_icosphere(std::string_view name, const SampleOptions&
     }
     const Status fits = check_size(name, std::uint64_t{20} << (2 * *size), icosphere_bytes);
     if (!fits) return tl::unexpected(fits.error());
-    return icosphere(static_cast<int>(*size), options.progress);
+    return icosphere(static_cast<int>(*size), options.execution.progress);
 }
 
 Result<TriangleMesh> sized_torus(std::string_view name, const SampleOptions& options)
@@ -116,7 +117,8 @@ Result<TriangleMesh> sized_torus(std::string_view name, const SampleOptions& opt
     const std::uint64_t quads = saturated_product(size->first, size->second);
     const Status fits = check_size(name, saturated_product(quads, 2), grid_bytes);
     if (!fits) return tl::unexpected(fits.error());
-    return torus(static_cast<int>(size->first), static_cast<int>(size->second), options.progress);
+    return torus(static_cast<int>(size->first), static_cast<int>(size->second),
+                 options.execution.progress);
 }
 
 Result<TriangleMesh> sized_spaceship(std::string_view name, const SampleOptions& options)

@@ -44,7 +44,8 @@ Vec3 on_unit_sphere(const Vec3& point) noexcept
 // Every triangle into four; new vertices follow the old ones in the order of the edges.
 Result<TriangleMesh> subdivided_sphere(const TriangleMesh& mesh, Progress* progress)
 {
-    const Result<Topology> topology = build_topology(mesh, {.threads = {1}, .progress = progress});
+    const Result<Topology> topology =
+        build_topology(mesh, {.execution = {.threads = {1}, .progress = progress}});
     if (is_cancelled(progress)) return making_cancelled();
     PROXIMA_CHECK(topology.has_value());
     StageSteps steps = making_mesh(progress, 4 * mesh.triangle_count());

@@ -225,7 +225,7 @@ Result<TriangleMesh> make_spaceship(std::size_t triangles, const SampleOptions& 
     while (lofted_triangles(parts, level + 1) <= smooth) ++level;
 
     // Most triangles are counted twice: when their quad grows, and when it is cut.
-    StageSteps steps(options.progress, "making mesh", 2 * triangles);
+    StageSteps steps(options.execution.progress, "making mesh", 2 * triangles);
     QuadSurface surface;
     Dice dice(33000);
     for (const ShipPart& part : parts) {

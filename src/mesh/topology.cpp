@@ -155,9 +155,9 @@ public:
     {
         first_sides_.resize(3 * mesh_.triangle_count());
         parallel_for(
-            task_count(mesh_.vertex_count(), vertices_per_task), options_.threads,
+            task_count(mesh_.vertex_count(), vertices_per_task), options_.execution.threads,
             [&](std::size_t task) {
-                if (is_cancelled(options_.progress)) return;
+                if (is_cancelled(options_.execution.progress)) return;
                 SideMatcher matcher(first_sides_);
                 const std::size_t begin = task * vertices_per_task;
                 const std::size_t end = std::min(begin + vertices_per_task, mesh_.vertex_count());
@@ -174,7 +174,7 @@ public:
     {
         const std::size_t tasks = task_count(first_sides_.size(), 3 * topology_task);
         std::vector<std::uint32_t> first_edge(tasks + 1, 0);
-        parallel_for(tasks, options_.threads, [&](std::size_t task) {
+        parallel_for(tasks, options_.execution.threads, [&](std::size_t task) {
             std::uint32_t count = 0;
             for_sides(task, [&](Side side) { count += first_sides_[side] == side ? 1U : 0U; });
             first_edge[task + 1] = count;
@@ -185,7 +185,7 @@ public:
         if (Status fits = check_bytes(edges); !fits) return fits;
         topology_.edge_vertices_.resize(edges);
         topology_.triangle_edges_.resize(mesh_.triangle_count());
-        parallel_for(tasks, options_.threads, [&](std::size_t task) {
+        parallel_for(tasks, options_.execution.threads, [&](std::size_t task) {
             std::uint32_t next = first_edge[task];
             for_sides(task, [&](Side side) {
                 if (first_sides_[side] != side) return;
@@ -196,7 +196,7 @@ public:
                 edge_of(side) = EdgeId{next++};
             });
         });
-        parallel_for(tasks, options_.threads, [&](std::size_t task) {
+        parallel_for(tasks, options_.execution.threads, [&](std::size_t task) {
             for_sides(task, [&](Side side) {
                 const Side first = first_sides_[side];
                 if (first != side) edge_of(side) = first == no_side ? no_edge : edge_of(first);
@@ -248,7 +248,7 @@ private:
         const std::uint64_t per_side = sizeof(Side) + 2 * sizeof(TriangleId) + sizeof(EdgeId);
         const std::uint64_t per_edge =
             sizeof(EdgeVertices) + sizeof(std::uint32_t) + 2 * sizeof(EdgeId);
-        return check_budget(options_.budget,
+        return check_budget(options_.execution.budget,
                             per_vertex * mesh_.vertex_count() +
                                 3 * per_side * mesh_.triangle_count() + per_edge * edges,
                             "the topology", "raise the budget");
@@ -267,10 +267,7 @@ private:
         return topology_.triangle_edges_[side / 3][side % 3];
     }
 
-    void advance() const noexcept
-    {
-        if (options_.progress != nullptr) options_.progress->advance(1);
-    }
+    void advance() const noexcept { advance_stage(options_.execution.progress, 1); }
 
     const TriangleMesh& mesh_;
     const TopologyOptions& options_;
@@ -307,15 +304,15 @@ Result<Topology> build_topology(const TriangleMesh& mesh, const TopologyOptions&
     };
     TopologyBuilder builder(mesh, options);
     if (const Status fits = builder.check_limits(); !fits) return tl::unexpected(fits.error());
-    if (options.progress != nullptr) options.progress->begin_stage("topology", topology_stages);
+    begin_stage(options.execution.progress, "topology", topology_stages);
     builder.list_stars();
-    if (is_cancelled(options.progress)) return cancelled();
+    if (is_cancelled(options.execution.progress)) return cancelled();
     builder.match_sides();
-    if (is_cancelled(options.progress)) return cancelled();
+    if (is_cancelled(options.execution.progress)) return cancelled();
     if (const Status fits = builder.number_edges(); !fits) return tl::unexpected(fits.error());
-    if (is_cancelled(options.progress)) return cancelled();
+    if (is_cancelled(options.execution.progress)) return cancelled();
     builder.list_edge_triangles();
-    if (is_cancelled(options.progress)) return cancelled();
+    if (is_cancelled(options.execution.progress)) return cancelled();
     builder.list_vertex_edges();
     return builder.result();
 }

@@ -136,9 +136,11 @@ Status export_sum(const MinkowskiSum& sum, const std::filesystem::path& path,
     const auto surface = draw(sum, options.ray_length);
     if (!surface) return tl::unexpected(surface.error());
     const std::string extension = lower_case_extension(path);
-    if (extension == ".obj") return write_text(obj_text(sum, *surface), path, options.progress);
-    if (extension == ".ply") return write_text(ply_text(sum, *surface), path, options.progress);
-    return export_glb(sum, *surface, path, options.progress);
+    if (extension == ".obj")
+        return write_text(obj_text(sum, *surface), path, options.execution.progress);
+    if (extension == ".ply")
+        return write_text(ply_text(sum, *surface), path, options.execution.progress);
+    return export_glb(sum, *surface, path, options.execution.progress);
 }
 
 } // namespace proxima

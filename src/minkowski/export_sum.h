@@ -26,7 +26,7 @@ namespace proxima {
 
 struct SumExportOptions {
     double ray_length = 1; ///< how long rays are drawn
-    Progress* progress = nullptr;
+    Execution execution = {};
 };
 
 /// Error unsupported_format where export_sum could not write to a file of this name.

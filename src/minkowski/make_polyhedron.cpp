@@ -20,7 +20,7 @@ std::string point_text(const Vec3& p)
 /// Every edge has two triangles, and all are connected across edges.
 Status check_surface(const TriangleMesh& mesh, Progress* progress)
 {
-    const auto topology = build_topology(mesh, {.progress = progress});
+    const auto topology = build_topology(mesh, {.execution = {.progress = progress}});
     if (!topology) return tl::unexpected(topology.error());
     for (std::uint32_t e = 0; e < topology->edge_count(); ++e) {
         const auto count = topology->triangles(EdgeId{e}).size();
@@ -154,7 +154,7 @@ Result<ConvexPolyhedron> polyhedron_of_mesh(const TriangleMesh& mesh,
 {
     const auto bounds = checked_bounding_box(mesh);
     if (!bounds) return tl::unexpected(bounds.error());
-    if (Status status = check_surface(mesh, options.progress); !status)
+    if (Status status = check_surface(mesh, options.execution.progress); !status)
         return tl::unexpected(status.error());
     std::vector<bool> is_used(mesh.vertex_count(), false);
     for (const auto& corners : mesh.triangles()) {
@@ -164,7 +164,7 @@ Result<ConvexPolyhedron> polyhedron_of_mesh(const TriangleMesh& mesh,
     for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
         if (is_used[v]) points.push_back(mesh.positions()[v]);
     }
-    auto hull = convex_hull(points, {}, options.progress);
+    auto hull = convex_hull(points, {}, options.execution.progress);
     if (!hull) return hull;
     if (hull->dimension() < 3) {
         return fail(ErrorCode::invalid_mesh,

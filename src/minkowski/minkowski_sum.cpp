@@ -11,7 +11,6 @@
 
 namespace proxima {
 
-
 MinkowskiSum MinkowskiSum::scaled(double lambda) const noexcept
 {
     PROXIMA_CHECK(lambda > 0 && std::isfinite(lambda));
@@ -68,13 +67,13 @@ Result<MinkowskiSum> sum_on(const ConvexPolyhedron& a, const ConvexPolyhedron& b
 {
     switch (options.method) {
     case MinkowskiMethod::geometric:
-        return detail::sum_by_geometric_method<Scalar>(a, b, options.progress);
+        return detail::sum_by_geometric_method<Scalar>(a, b, options.execution.progress);
     case MinkowskiMethod::hull:
-        return detail::sum_by_hull<Scalar>(a, b, options.progress);
+        return detail::sum_by_hull<Scalar>(a, b, options.execution.progress);
     case MinkowskiMethod::arcs:
         break;
     }
-    return detail::sum_by_arcs<Scalar>(a, b, options.progress);
+    return detail::sum_by_arcs<Scalar>(a, b, options.execution.progress);
 }
 
 } // namespace

@@ -8,7 +8,6 @@
 
 namespace proxima {
 
-
 namespace {
 
 constexpr std::uint32_t no_number = no_facet;

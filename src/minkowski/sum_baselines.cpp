@@ -247,7 +247,7 @@ Result<MinkowskiSum> sum_by_geometric_method(const ConvexPolyhedron& a, const Co
     constexpr std::size_t batch = 256;
     std::vector<Vec3> outward;
     std::vector<SupportPlane<Scalar>> planes(2 * batch);
-    if (progress != nullptr) progress->begin_stage("pushing planes", normals.size());
+    begin_stage(progress, "pushing planes", normals.size());
     for (std::size_t first = 0; first < normals.size(); first += batch) {
         if (is_cancelled(progress)) return fail(ErrorCode::cancelled, "stopped on request");
         const auto some =
@@ -256,7 +256,7 @@ Result<MinkowskiSum> sum_by_geometric_method(const ConvexPolyhedron& a, const Co
             {vertices.a, vertices.b, vertices.sums}, some, planes);
         for (int i = 0; i < count; ++i)
             outward.push_back(to_plain(planes[static_cast<std::size_t>(i)].normal));
-        if (progress != nullptr) progress->advance(some.size());
+        advance_stage(progress, some.size());
     }
     return sum_of_planes(a, b, vertices.plain_sums, outward);
 }

@@ -33,10 +33,8 @@ public:
 
     Result<MinkowskiSum> build(bool holds_line)
     {
-        if (progress_ != nullptr) {
-            progress_->begin_stage("summing polyhedra",
-                                   sum_.a().facet_count() + sum_.b().facet_count());
-        }
+        begin_stage(progress_, "summing polyhedra",
+                    sum_.a().facet_count() + sum_.b().facet_count());
         const bool bodies = sum_.a().dimension() == 3 && sum_.b().dimension() == 3;
         const bool done = bodies && sum_.b().is_bounded()   ? walk_arcs_of_a()
                           : bodies && sum_.a().is_bounded() ? walk_arcs_of_b()
@@ -53,7 +51,7 @@ public:
 private:
     [[nodiscard]] bool go_on()
     {
-        if (progress_ != nullptr) progress_->advance(1);
+        advance_stage(progress_, 1);
         return has_room();
     }
 

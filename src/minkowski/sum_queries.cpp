@@ -11,7 +11,6 @@
 namespace proxima {
 namespace {
 
-
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 SumDisplacement from_corner(const MinkowskiSum& sum, const SumCorner& corner, const Vec3& point)

@@ -62,7 +62,7 @@ private:
         if (leaf) {
             const auto list = octree_.triangles(cell);
             listed.assign(list.begin(), list.end());
-            if (progress_ != nullptr) progress_->advance(listed.size());
+            advance_stage(progress_, listed.size());
             if (const Status status = check_list(cell, listed, touching); !status) {
                 return tl::unexpected<Error>(status.error());
             }

@@ -18,9 +18,7 @@
 namespace proxima {
 
 struct ClassifyOptions {
-    Threads threads = {};
-    Progress* progress = nullptr;
-    MemoryBudget budget = {}; ///< the copied nodes and scratch
+    Execution execution = {}; ///< budget: the copied nodes and scratch
 };
 
 /// A copy of the octree whose empty leaves are inner (winding number of the centre >= 1/2) or

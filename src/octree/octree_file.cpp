@@ -1,5 +1,6 @@
 #include "proxima/octree_io.h"
 
+#include "base/binary_file.h"
 #include "base/text.h"
 #include "octree/check_structure.h"
 
@@ -116,23 +117,24 @@ Status save_octree(const Octree& octree, const std::filesystem::path& path,
         binary_section(header_section, std::span(&header, 1)),
         binary_section(nodes_section, octree.nodes()),
         binary_section(references_section, octree.references())};
-    return write_binary_file(path, octree_format, sections, options.progress);
+    return write_binary_file(path, octree_format, sections, options.execution.progress);
 }
 
 Result<Octree> load_octree(const std::filesystem::path& path, const LoadOptions& options)
 {
-    const auto file = BinaryFile::open(path, octree_format, options.verify, options.progress);
+    const auto file =
+        BinaryFile::open(path, octree_format, options.verify, options.execution.progress);
     if (!file) return tl::unexpected<Error>(file.error());
-    return octree_of(*file, path.string(), options.progress);
+    return octree_of(*file, path.string(), options.execution.progress);
 }
 
 Result<Octree> load_octree(std::span<const std::byte> bytes, std::shared_ptr<const void> storage,
                            const std::string& name, const LoadOptions& options)
 {
     const auto file = BinaryFile::read(bytes, std::move(storage), name, octree_format,
-                                       options.verify, options.progress);
+                                       options.verify, options.execution.progress);
     if (!file) return tl::unexpected<Error>(file.error());
-    return octree_of(*file, name, options.progress);
+    return octree_of(*file, name, options.execution.progress);
 }
 
 } // namespace proxima

@@ -177,14 +177,14 @@ void tie_regions(const RegionRays& rays, DisjointOffsets& windings, Threads thre
             if (!are_tied(windings, region, outside)) untied.push_back(region);
         }
         if (untied.empty() || is_cancelled(progress)) return;
-        if (progress != nullptr) progress->begin_stage("regions", untied.size());
+        begin_stage(progress, "regions", untied.size());
         ends.assign(untied.size(), std::nullopt);
         parallel_for((untied.size() + chunk - 1) / chunk, threads, [&](std::size_t part) {
             const std::size_t end = std::min(untied.size(), (part + 1) * chunk);
             for (std::size_t i = part * chunk; i < end && !is_cancelled(progress); ++i) {
                 ends[i] = rays.cast(untied[i], direction);
             }
-            if (progress != nullptr) progress->advance(end - part * chunk);
+            advance_stage(progress, end - part * chunk);
         });
         for (std::size_t i = 0; i < untied.size(); ++i) {
             if (!ends[i]) continue;

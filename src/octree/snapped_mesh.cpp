@@ -49,7 +49,7 @@ SnappedMesh::SnappedMesh(const TriangleMesh& mesh, const OctreeFrame& frame, Thr
             vertices_[vertex] = {snap(offset[0], scale[0]), snap(offset[1], scale[1]),
                                  snap(offset[2], scale[2]), 0};
         }
-        if (progress != nullptr) progress->advance(end - index * chunk);
+        advance_stage(progress, end - index * chunk);
     });
 }
 

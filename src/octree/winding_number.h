@@ -27,8 +27,7 @@ struct WindingEstimate {
 };
 
 struct WindingOptions {
-    Threads threads = {};
-    Progress* progress = nullptr;
+    Execution execution = {};
 };
 
 /// Triangles `first` to `first + count` of WindingNumber::order, seen from far away. Lengths are in

@@ -26,7 +26,7 @@ struct ConvexSurfaceOptions {
     /// The largest sine of the angle between faces that count as one plane. Faces that are exactly
     /// coplanar always do.
     double flat_sine = 1e-8;
-    Progress* progress = nullptr;
+    Execution execution = {};
 };
 
 struct ConvexSurface {

@@ -30,9 +30,7 @@ struct GrowingPlane {
 };
 
 struct GrownRegionsOptions {
-    Threads threads = {};
-    MemoryBudget budget = {}; ///< result and scratch
-    Progress* progress = nullptr;
+    Execution execution = {}; ///< budget: result and scratch
 };
 
 /// The planes of all features of a convex mesh. Immutable; members may be called from any thread.

@@ -61,9 +61,7 @@ struct LabelledCells {
 
 struct LabelOptions {
     std::uint64_t held_bytes = 0; ///< already in use, of the budget
-    MemoryBudget budget = {};
-    Threads threads = {};
-    Progress* progress = nullptr;
+    Execution execution = {};
 };
 
 /// Labels the cells of one root. Keeps references to what it is given. Thread safe.

@@ -61,9 +61,7 @@ struct ThesisProximityOptions {
     double margin = 0.5; ///< root edge = (1 + margin) times the tight cube's; 0 to max_root_margin
     double convexity_tolerance = 1e-9; ///< see ConvexSurfaceOptions
     double flat_sine = 1e-8;           ///< see ConvexSurfaceOptions
-    Threads threads = {};
-    MemoryBudget budget = {};     ///< result and scratch, without mesh and topology
-    Progress* progress = nullptr; ///< watched and obeyed where given
+    Execution execution = {};          ///< budget: result and scratch, without mesh and topology
 };
 
 /// One leaf, and what it lists.

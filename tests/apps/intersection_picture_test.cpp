@@ -29,8 +29,9 @@ struct Scene {
     }
     [[nodiscard]] Result<Image> draw(Progress* progress = nullptr) const
     {
-        return draw_intersection({mesh, mesh, octree, octree, pose, leaves, contour},
-                                 {.width = 200, .height = 150, .progress = progress});
+        return draw_intersection(
+            {mesh, mesh, octree, octree, pose, leaves, contour},
+            {.width = 200, .height = 150, .execution = {.progress = progress}});
     }
 };
 

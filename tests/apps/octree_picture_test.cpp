@@ -29,7 +29,8 @@ TEST_F(OctreePicture, StopsAtEveryStage)
 {
     testing::cancel_at_every_stage(
         [&](Progress& progress) {
-            return draw_octree(octree, mesh, {.width = 200, .height = 150, .progress = &progress});
+            return draw_octree(octree, mesh,
+                               {.width = 200, .height = 150, .execution = {.progress = &progress}});
         },
         [] { return true; }, 5);
 }

@@ -175,7 +175,7 @@ TEST(MeshIndex, IsTheSameForAnyNumberOfThreadsAndAnyDepthOfTheOctree)
     const auto build = [&](int threads, int depth) {
         const auto octree =
             build_octree(torus, {.max_depth = depth, .classification = Classification::none});
-        return build_mesh_index(*octree, torus, {.threads = {threads}}).value();
+        return build_mesh_index(*octree, torus, {.execution = {.threads = {threads}}}).value();
     };
     const MeshIndex truth = build(1, 5);
     for (const auto& [threads, depth] : {std::pair(2, 5), std::pair(3, 0), std::pair(1, 8)}) {
@@ -197,13 +197,13 @@ TEST(MeshIndex, RefusesWhatItCannotBeBuiltOf)
     EXPECT_EQ(code(build_mesh_index(octree_of(torus), cube)), ErrorCode::invalid_argument);
     EXPECT_EQ(code(build_mesh_index(octree_of(cube), TriangleMesh())), ErrorCode::invalid_mesh);
     EXPECT_EQ(code(build_mesh_index(Octree(), cube)), ErrorCode::invalid_argument);
-    EXPECT_EQ(code(build_mesh_index(octree_of(cube), cube, {.budget = {100}})),
+    EXPECT_EQ(code(build_mesh_index(octree_of(cube), cube, {.execution = {.budget = {100}}})),
               ErrorCode::budget_exceeded);
     const TriangleMesh large = torus_mesh(1.0, 0.4, 120, 100);
     const Octree octree = octree_of(large);
     cancel_at_every_stage(
         [&](Progress& progress) {
-            return build_mesh_index(octree, large, {.progress = &progress});
+            return build_mesh_index(octree, large, {.execution = {.progress = &progress}});
         },
         [] { return true; });
 }

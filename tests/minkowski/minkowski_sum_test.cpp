@@ -423,7 +423,8 @@ TEST(MinkowskiSum, IsStoppedOnRequest)
          {MinkowskiMethod::arcs, MinkowskiMethod::geometric, MinkowskiMethod::hull}) {
         Progress progress;
         progress.cancel();
-        const auto sum = minkowski_sum(a, a, {.method = method, .progress = &progress});
+        const auto sum =
+            minkowski_sum(a, a, {.method = method, .execution = {.progress = &progress}});
         ASSERT_FALSE(sum);
         EXPECT_EQ(sum.error().code, ErrorCode::cancelled);
     }

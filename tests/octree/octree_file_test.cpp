@@ -3,6 +3,7 @@
 #include "damaged_files.h"
 #include "exact_copy.h"
 
+#include "base/binary_file.h"
 #include "octree/classify_cells.h"
 #include "octree/slow_builder.h"
 #include "octree/small_meshes.h"

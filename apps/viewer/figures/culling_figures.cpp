@@ -50,14 +50,11 @@ std::string culling_words(const CulledShip& ship)
 
 } // namespace
 
-Result<CulledShip> culled_ship(const FigureContext& context)
+Result<CulledShip> culled_ship(const Execution& context)
 {
-    auto mesh = make_spaceship(33000, {.progress = context.progress});
+    auto mesh = make_spaceship(33000, {.execution = {.progress = context.progress}});
     if (!mesh) return tl::unexpected(mesh.error());
-    auto octree = build_octree(*mesh, {.max_depth = 5,
-                                       .threshold = 40,
-                                       .threads = context.threads,
-                                       .progress = context.progress});
+    auto octree = build_octree(*mesh, {.max_depth = 5, .threshold = 40, .execution = context});
     if (!octree) return tl::unexpected(octree.error());
     const PerspectiveCamera camera = {.eye = Vec3(0.6, -2.2, 0.9),
                                       .forward = Vec3(-0.12, 0.95, -0.33),
@@ -81,7 +78,7 @@ Result<CulledShip> culled_ship(const FigureContext& context)
     return ship;
 }
 
-Result<FigureContent> figure_5_7(const FigureContext& context)
+Result<FigureContent> figure_5_7(const Execution& context)
 {
     const auto ship = culled_ship(context);
     if (!ship) return tl::unexpected(ship.error());
@@ -95,7 +92,7 @@ Result<FigureContent> figure_5_7(const FigureContext& context)
     return content;
 }
 
-Result<FigureContent> figure_5_8(const FigureContext& context)
+Result<FigureContent> figure_5_8(const Execution& context)
 {
     const auto ship = culled_ship(context);
     if (!ship) return tl::unexpected(ship.error());

@@ -28,14 +28,12 @@ using KeptOctree = Kept<OctreeChoice, Octree>;
 [[nodiscard]] inline Result<std::shared_ptr<const Octree>> octree_of(KeptOctree& kept,
                                                                      const OctreeChoice& choice,
                                                                      const ViewModel& model,
-                                                                     const WorkContext& context)
+                                                                     const Execution& context)
 {
     return kept.get(choice, [&] {
         return build_octree(model.mesh, {.max_depth = choice.depth,
                                          .threshold = static_cast<std::uint32_t>(choice.threshold),
-                                         .budget = context.budget,
-                                         .threads = context.threads,
-                                         .progress = context.progress});
+                                         .execution = context});
     });
 }
 

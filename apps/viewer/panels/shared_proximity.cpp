@@ -13,11 +13,10 @@ namespace proxima {
 
 Result<std::shared_ptr<const ProximityOctree>>
 proximity_of(SharedProximity& shared, const std::shared_ptr<const ViewModel>& model,
-             const WorkContext& context)
+             const Execution& context)
 {
     return shared.get(model, [&] {
-        return build_proximity_octree(model->mesh, model->topology,
-                                      {.threads = context.threads, .progress = context.progress});
+        return build_proximity_octree(model->mesh, model->topology, {.execution = context});
     });
 }
 

@@ -28,8 +28,7 @@ struct TouchBodyOptions {
     std::optional<SurfaceMaterial> material;  ///< none: the renderer's own settings
     ForceShading shading = ForceShading::off; ///< on: with normals for it
     BodySearch search = BodySearch::octree;
-    Threads threads = {};
-    Progress* progress = nullptr;
+    Execution execution = {};
 };
 
 /// Immutable. Questions are noexcept and without allocation.

@@ -26,8 +26,8 @@ namespace proxima {
 struct ProximityLoadOptions {
     /// As LoadOptions has it.
     Verification verify = Verification::full;
-    Progress* progress = nullptr; ///< stages "checksums" and "checking the octree", in bytes
-    Threads threads = {};         ///< that check
+    /// Stages "checksums" and "checking the octree", in bytes; threads: that check.
+    Execution execution = {};
 };
 
 /// The same octree gives the same bytes. Errors: invalid_argument (a refitted octree: build it

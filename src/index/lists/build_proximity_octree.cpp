@@ -44,12 +44,11 @@ public:
     {
         auto storage = std::make_shared<ProximityStorage>();
         if (!sort_triangles()) return tl::unexpected(cancelled());
-        auto tree = build_triangle_tree(
-            mesh_, order_, {.threads = options_.threads, .progress = options_.progress});
+        auto tree = build_triangle_tree(mesh_, order_, {.execution = options_.execution});
         if (!tree) return tl::unexpected(tree.error());
         storage->tree = std::move(*tree);
         storage->rows = make_row_tables(mesh_, topology_, order_);
-        if (is_cancelled(options_.progress)) return tl::unexpected(cancelled());
+        if (is_cancelled(options_.execution.progress)) return tl::unexpected(cancelled());
         const std::uint64_t fixed = storage->rows.bytes() + storage->tree.bytes();
         const std::uint64_t least = fixed + least_cell_bytes;
         const std::uint64_t budget = options_.budget_bytes != 0
@@ -74,7 +73,8 @@ public:
 private:
     bool sort_triangles()
     {
-        const auto items = triangle_order(mesh_, bounds_, SpaceCurve::morton, options_.progress);
+        const auto items =
+            triangle_order(mesh_, bounds_, SpaceCurve::morton, options_.execution.progress);
         if (!items) return false;
         order_.reserve(items->size());
         for (const KeyedIndex& item : *items) order_.push_back(TriangleId{item.index});
@@ -95,21 +95,21 @@ private:
 
     [[nodiscard]] EmitOptions emit_options() const
     {
-        return {frame_.frame_half(), options_.threads, options_.progress};
+        return {frame_.frame_half(), options_.execution};
     }
 
     /// Cells that a budget of so many bytes may need, and few more.
     std::optional<GrownForest> grow(double bytes)
     {
         const auto features =
-            collect_local_features(mesh_, topology_, order_, frame_, options_.progress);
+            collect_local_features(mesh_, topology_, order_, frame_, options_.execution.progress);
         if (!features) return std::nullopt;
-        const auto density = QueryDensity::sample(mesh_, bounds_, frame_, options_.progress);
+        const auto density =
+            QueryDensity::sample(mesh_, bounds_, frame_, options_.execution.progress);
         if (!density) return std::nullopt;
         GrowOptions growing;
         growing.max_depth = options_.max_depth;
-        growing.threads = options_.threads;
-        growing.progress = options_.progress;
+        growing.execution = options_.execution;
         auto top = grow_top(*features, *density, frame_.frame_half(), growing);
         if (!top) return std::nullopt;
         if (!grow_sample(*features, *density, *top, bytes, growing)) return std::nullopt;
@@ -300,8 +300,7 @@ Result<ProximityOctree> build_proximity_octree(const TriangleMesh& mesh,
                                                const ProximityOptions& options)
 {
     TopologyOptions topology_options;
-    topology_options.threads = options.threads;
-    topology_options.progress = options.progress;
+    topology_options.execution = options.execution;
     const auto topology = build_topology(mesh, topology_options);
     if (!topology) return tl::unexpected(topology.error());
     return build_proximity_octree(mesh, *topology, options);

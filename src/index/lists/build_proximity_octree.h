@@ -40,8 +40,7 @@ struct ProximityOptions {
     double margin = 0.5; ///< root edge = (1 + margin) times the mesh's longest extent; 0 to
                          ///< max_proximity_margin
     int max_depth = max_proximity_depth;
-    Threads threads = {};
-    Progress* progress = nullptr;
+    Execution execution = {};
 };
 
 /// Within the budget, the octree whose queries are expected to be cheapest (cost_model.h). Exact:

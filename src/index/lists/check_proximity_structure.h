@@ -9,8 +9,7 @@
 namespace proxima {
 
 struct CheckStructureOptions {
-    Progress* progress = nullptr; ///< stage "checking the octree", steps are bytes
-    Threads threads = {};
+    Execution execution = {}; ///< stage "checking the octree", steps are bytes
 };
 
 /// Checks that every query stays inside the arrays and ends, in as many steps and blocks as the

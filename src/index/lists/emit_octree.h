@@ -28,8 +28,7 @@ struct EmittedOctree {
 
 struct EmitOptions {
     double frame_half = 1;
-    Threads threads = {};
-    Progress* progress = nullptr;
+    Execution execution = {};
 };
 
 /// Of a forest that was cut. Null where cancelled. The same for any number of threads. About 1 us

@@ -112,8 +112,8 @@ Status export_proximity(const ProximityOctree& octree, const std::filesystem::pa
     }
     const auto root = root_word(octree.arrays());
     if (!root) return tl::unexpected(root.error());
-    return extension == ".vtu" ? export_leaves(octree, *root, path, options.progress)
-                               : export_tree(octree, *root, path, options.progress);
+    return extension == ".vtu" ? export_leaves(octree, *root, path, options.execution.progress)
+                               : export_tree(octree, *root, path, options.execution.progress);
 }
 
 } // namespace proxima

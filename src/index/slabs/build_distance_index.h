@@ -11,9 +11,7 @@
 namespace proxima {
 
 struct DistanceIndexOptions {
-    MemoryBudget budget = {}; ///< slabs
-    Threads threads = {};
-    Progress* progress = nullptr; ///< watched and obeyed where given
+    Execution execution = {}; ///< budget: slabs
 };
 
 /// The mesh index is shared, not copied. The same bits for any number of threads. Errors:

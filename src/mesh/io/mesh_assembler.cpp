@@ -102,7 +102,7 @@ bool MeshAssembler::fits_budget(std::uint64_t more_bytes)
                                  triangles_.capacity() * sizeof(TriangleCorners) +
                                  polygons_.capacity() * sizeof(Polygon) +
                                  (welded_.size() > 0 ? welded_.bytes() : 0) + more_bytes;
-    auto status = check_budget(options_.budget, needed, "reading " + source_.name,
+    auto status = check_budget(options_.execution.budget, needed, "reading " + source_.name,
                                "raise the budget or decimate the mesh");
     if (!status) error_ = std::move(status.error());
     return status.has_value();
@@ -125,7 +125,7 @@ Status MeshAssembler::cut_polygons()
                         source_.name);
         }
         constexpr std::size_t large = 64;
-        if ((count > large || polygon % large == 0) && is_cancelled(options_.progress)) {
+        if ((count > large || polygon % large == 0) && is_cancelled(options_.execution.progress)) {
             return tl::unexpected(reading_cancelled(source_.name));
         }
     }
@@ -138,7 +138,7 @@ Result<TriangleMesh> MeshAssembler::finish(Vertices vertices)
     if (auto status = cut_polygons(); !status) return tl::unexpected(status.error());
     if (vertices == Vertices::welded && welded_.size() == 0) {
         if (!fits_budget(weld_scratch_bytes(positions_.size()))) return tl::unexpected(error_);
-        if (!weld_vertices(positions_, triangles_, options_.progress)) {
+        if (!weld_vertices(positions_, triangles_, options_.execution.progress)) {
             return tl::unexpected(reading_cancelled(source_.name));
         }
         positions_.shrink_to_fit();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/grow_buffer.h"
+#include "base/progress.h"
 #include "proxima/execution.h"
 #include "proxima/result.h"
 
@@ -43,7 +44,7 @@ public:
     ReadProgress(Progress* progress, std::string_view text) noexcept
         : progress_(progress), reported_(text.data()), next_(text.data())
     {
-        if (progress_ != nullptr) progress_->begin_stage("reading mesh", text.size());
+        begin_stage(progress_, "reading mesh", text.size());
     }
 
     /// False where the reader shall stop.

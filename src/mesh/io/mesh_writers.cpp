@@ -21,9 +21,9 @@ class MeshOutput {
 public:
     MeshOutput(const TriangleMesh& mesh, const std::filesystem::path& path,
                const WriteOptions& options)
-        : name_(path.string()), progress_(options.progress)
+        : name_(path.string()), progress_(options.execution.progress)
     {
-        if (progress_ != nullptr) progress_->begin_stage("writing mesh", mesh.triangle_count());
+        begin_stage(progress_, "writing mesh", mesh.triangle_count());
         auto file = OutputFile::create(path);
         if (file) {
             file_ = std::move(*file);

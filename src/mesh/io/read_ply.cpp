@@ -78,7 +78,7 @@ class BodyReader {
 public:
     BodyReader(const MeshSource& source, const ReadOptions& options, const PlyHeader& header)
         : source_(source), header_(header), values_(header.body), mesh_(source, options),
-          progress_(options.progress, source.text)
+          progress_(options.execution.progress, source.text)
     {}
 
     Result<TriangleMesh> read(Vertices vertices)

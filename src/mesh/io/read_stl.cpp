@@ -62,7 +62,7 @@ Result<TriangleMesh> read_binary(const MeshSource& source, const ReadOptions& op
 {
     const std::string_view text = source.text;
     MeshAssembler mesh(source, options);
-    ReadProgress progress(options.progress, text);
+    ReadProgress progress(options.execution.progress, text);
     const std::uint32_t count = load_uint32(text.data() + header_bytes);
     const bool welds = vertices == Vertices::welded;
     // A closed surface has half as many vertices as triangles.

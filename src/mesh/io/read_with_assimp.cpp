@@ -124,7 +124,7 @@ public:
             return tl::unexpected(mesh_.error());
         }
         for (const Instance& instance : instances_) {
-            if (is_cancelled(options_.progress))
+            if (is_cancelled(options_.execution.progress))
                 return tl::unexpected(reading_cancelled(source_.name));
             if (!add(instance)) return tl::unexpected(error_);
         }
@@ -227,8 +227,8 @@ Result<TriangleMesh> read_with_assimp(const MeshSource& source, const std::files
                                       MeshFormat format, const ReadOptions& options,
                                       Vertices vertices)
 {
-    ReadProgress progress(options.progress, source.text);
-    if (auto status = check_before_reading(source, format, options.budget); !status) {
+    ReadProgress progress(options.execution.progress, source.text);
+    if (auto status = check_before_reading(source, format, options.execution.budget); !status) {
         return tl::unexpected(status.error());
     }
     try {

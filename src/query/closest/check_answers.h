@@ -18,8 +18,7 @@ namespace proxima {
 [[nodiscard]] std::string text_of(const ClosestFeature& answer);
 
 struct CheckAnswersOptions {
-    Progress* progress = nullptr; ///< stage "asking every triangle", steps are points
-    Threads threads = {};
+    Execution execution = {}; ///< stage "asking every triangle", steps are points
 };
 
 /// Asks the octree and every triangle for the feature closest to each point: it must be the same,

@@ -94,9 +94,8 @@ enum class BatchOrder : std::uint8_t {
 };
 
 struct BatchOptions {
-    Threads threads = {1};
-    Progress* progress = nullptr; ///< stage "closest features", steps are points
     BatchOrder order = BatchOrder::automatic;
+    Execution execution = {}; ///< stage "closest features", steps are points
 };
 
 /// The same for many points, several at a time, so that their memory accesses overlap, and many

@@ -18,8 +18,7 @@
 namespace proxima {
 
 struct RefitOptions {
-    Threads threads = {};
-    Progress* progress = nullptr;
+    Execution execution = {};
 };
 
 /// The octree of `mesh`, which has the triangles of the octree's own mesh and vertices elsewhere;

@@ -299,14 +299,12 @@ std::uint64_t SurfaceSign::bytes() const noexcept
 Result<SurfaceSign> build_surface_sign(const SurfaceSearch& search,
                                        const SurfaceSignOptions& options)
 {
-    auto winding = build_winding_number(search.mesh(),
-                                        {.threads = options.threads, .progress = options.progress});
+    auto winding = build_winding_number(search.mesh(), {.execution = options.execution});
     if (!winding) return tl::unexpected(winding.error());
-    auto sides = find_surface_sides(search, *winding,
-                                    {.threads = options.threads, .progress = options.progress});
+    auto sides = find_surface_sides(search, *winding, {.execution = options.execution});
     if (!sides) return tl::unexpected(sides.error());
     SurfaceSignBuilder builder(search, std::move(*winding), std::move(*sides));
-    builder.fill_vertices(options.threads);
+    builder.fill_vertices(options.execution.threads);
     builder.measure();
     return builder.result();
 }
@@ -314,8 +312,7 @@ Result<SurfaceSign> build_surface_sign(const SurfaceSearch& search,
 Result<SurfaceSign> build_surface_sign(const TriangleMesh& mesh, const Topology& topology,
                                        const SurfaceSignOptions& options)
 {
-    const auto search = build_surface_search(
-        mesh, topology, {.threads = options.threads, .progress = options.progress});
+    const auto search = build_surface_search(mesh, topology, {.execution = options.execution});
     if (!search) return tl::unexpected(search.error());
     return build_surface_sign(*search, options);
 }

@@ -93,8 +93,7 @@ private:
 };
 
 struct SurfaceSignOptions {
-    Threads threads = {};
-    Progress* progress = nullptr; ///< watched and obeyed where given
+    Execution execution = {};
 };
 
 /// Examines the surface: 3 us per triangle of a closed mesh, 1 us of others, on one thread. Errors:

@@ -16,7 +16,8 @@ Result<SurfaceSearch> build_surface_search(const TriangleMesh& mesh, const Topol
     search.mesh_ = &mesh;
     search.topology_ = &topology;
     {
-        const auto items = triangle_order(mesh, *bounds, SpaceCurve::hilbert, options.progress);
+        const auto items =
+            triangle_order(mesh, *bounds, SpaceCurve::hilbert, options.execution.progress);
         if (!items) return fail(ErrorCode::cancelled, "surface search: stopped on request");
         search.order_.reserve(items->size());
         for (const KeyedIndex& item : *items) search.order_.push_back(TriangleId{item.index});

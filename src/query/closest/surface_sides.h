@@ -33,8 +33,7 @@ enum class SurfaceSides : std::uint8_t {
 };
 
 struct SurfaceSidesOptions {
-    Threads threads = {};
-    Progress* progress = nullptr; ///< watched and obeyed where given
+    Execution execution = {};
 };
 
 /// The sides of every triangle, by id; doubtful for those without an area, and for those that meet

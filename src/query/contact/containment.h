@@ -55,8 +55,7 @@ private:
 };
 
 struct EnclosureOptions {
-    Threads threads = {};
-    Progress* progress = nullptr; ///< watched and obeyed where given
+    Execution execution = {};
 };
 
 /// Errors: invalid_mesh (empty, NaN), cancelled. O(triangles log triangles), up to 1 us each.

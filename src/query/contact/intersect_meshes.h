@@ -88,8 +88,7 @@ void visit_intersecting_pairs(const MeshIndex& a, const MeshIndex& b, const Rigi
 }
 
 struct PairOptions {
-    Threads threads = {1};
-    Progress* progress = nullptr; ///< stage "intersecting meshes", steps are poses
+    Execution execution = {}; ///< stage "intersecting meshes", steps are poses
 };
 
 /// The same for many poses. Answers are those of single ones, for any number of threads. Errors:

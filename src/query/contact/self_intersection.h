@@ -26,8 +26,7 @@ namespace proxima {
 
 struct SelfIntersectionOptions {
     std::size_t max_pairs = 1'000'000; ///< stops where more were found
-    Threads threads = {};
-    Progress* progress = nullptr; ///< stage "finding self-intersections", steps are triangles
+    Execution execution = {};          ///< stage "finding self-intersections", steps are triangles
 };
 
 struct SelfIntersections {

@@ -156,7 +156,9 @@ TEST_F(ExportProximity, NamesWhatIsWrong)
                   ErrorCode::file_not_writable);
     Progress cancelled;
     cancelled.cancel();
-    EXPECT_EQ(export_proximity(octree, path("x.vtu"), {.progress = &cancelled}).error().code,
+    EXPECT_EQ(export_proximity(octree, path("x.vtu"), {.execution = {.progress = &cancelled}})
+                  .error()
+                  .code,
               ErrorCode::cancelled);
     EXPECT_EQ(entries(), 0);
 }

@@ -349,8 +349,9 @@ TEST(SignedDistance, HasTheSameAnswersForAnyThreadsAndDoesNotAllocate)
     const TriangleMesh mesh =
         joined(sample_mesh("spaceship:1300").value(), ball(Vec3(9, 9, 9), 1.0));
     const Signed of(mesh);
-    const auto one = build_surface_sign(of.search, {.threads = {1}}).value();
-    const auto three = build_surface_sign(of.mesh, of.topology, {.threads = {3}}).value();
+    const auto one = build_surface_sign(of.search, {.execution = {.threads = {1}}}).value();
+    const auto three =
+        build_surface_sign(of.mesh, of.topology, {.execution = {.threads = {3}}}).value();
     EXPECT_TRUE(std::ranges::equal(one.sides(), three.sides()));
     EXPECT_TRUE(std::ranges::equal(one.pseudonormals(), three.pseudonormals()));
     const std::vector<Vec3> points = proximity_points(mesh, 300, 31);
@@ -381,8 +382,8 @@ TEST(SignedDistance, SaysWhyThereIsNone)
     for (std::uint64_t reports = 1;; ++reports) {
         Progress progress;
         progress.cancel_after(reports);
-        const auto sign =
-            build_surface_sign(mesh, topology, {.threads = {1}, .progress = &progress});
+        const auto sign = build_surface_sign(
+            mesh, topology, {.execution = {.threads = {1}, .progress = &progress}});
         if (sign) break;
         EXPECT_EQ(sign.error().code, ErrorCode::cancelled);
         ASSERT_LT(reports, 100U);

@@ -133,8 +133,9 @@ TEST(SurfaceSearch, PassesOnWhyThereIsNone)
     const TriangleMesh mesh = sample_mesh("cube").value();
     Progress progress;
     progress.cancel();
-    EXPECT_EQ(build_surface_search(mesh, topology, {.progress = &progress}).error().code,
-              ErrorCode::cancelled);
+    EXPECT_EQ(
+        build_surface_search(mesh, topology, {.execution = {.progress = &progress}}).error().code,
+        ErrorCode::cancelled);
 }
 
 TEST(TriangleLanes, AreRightUpToTheirLimit)

@@ -151,7 +151,8 @@ TEST(Containment, AllocatesNothingAndCanBeCancelled)
     EXPECT_EQ(allocation_count(), before);
     Progress progress;
     progress.cancel();
-    EXPECT_EQ(build_enclosure(open, {.progress = &progress}).error().code, ErrorCode::cancelled);
+    EXPECT_EQ(build_enclosure(open, {.execution = {.progress = &progress}}).error().code,
+              ErrorCode::cancelled);
 }
 
 } // namespace
