@@ -3,6 +3,7 @@
 #pragma once
 
 #include "cli/names.h"
+#include "proxima/execution.h"
 #include "proxima/octree.h"
 
 #include <cstdint>

@@ -5,6 +5,7 @@
 #include "cli/names.h"
 #include "cli/stopwatch.h"
 #include "cli/text_table.h"
+#include "minkowski/count_sum.h"
 #include "minkowski/export_sum.h"
 #include "minkowski/operation_counts.h"
 #include "proxima/convex_polyhedron.h"
@@ -59,7 +60,7 @@ Result<ConvexPolyhedron> load_operand(const std::string& model, const Options& o
     if (!mesh) return tl::unexpected(mesh.error());
     Progress* const progress = &session.progress();
     auto polyhedron = options.take_hull ? convex_hull(mesh->positions(), {}, progress)
-                                        : polyhedron_of_mesh(*mesh, {options.tolerance, progress});
+                                        : polyhedron_of_mesh(*mesh, {options.tolerance, session.execution()});
     if (polyhedron) return polyhedron;
     Error error = polyhedron.error();
     // Nothing helps where there is no mesh or no number.

@@ -45,9 +45,8 @@ Status run_tables(const TablesOptions& options, Session& session)
 {
     ThesisComparisonOptions comparison = options.comparison;
     if (comparison.meshes.empty()) comparison.meshes = meshes_beside_checkout();
-    comparison.threads = session.threads();
+    comparison.execution = session.execution();
     comparison.threads_to_measure = session.threads_to_measure();
-    comparison.progress = &session.progress();
     nlohmann::ordered_json tables = nlohmann::ordered_json::array();
     for (const ThesisTable& table : thesis_tables()) {
         if (!options.only.wants(table.number)) continue;

@@ -45,7 +45,7 @@ Result<ThesisComparison> compare_table_3_3(const ThesisComparisonOptions& option
     }
     comparison.text = fmt::format(
         "spaceship:33000, threshold 1, {}, medians of up to {} interleaved runs\n\n{}\n",
-        threads_text(race.threads), race.repeats, table.text());
+        threads_text(race.execution.threads), race.repeats, table.text());
     comparison.notes = {
         "The thesis measured another ship of 33,000 triangles, AKIRA, on a Pentium 4 of 3.2 GHz: "
         "seconds tell of the machines, ratios of the methods.",

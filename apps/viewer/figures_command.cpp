@@ -2,6 +2,7 @@
 #include "base/output_file.h"
 #include "base/text.h"
 #include "cli/only_option.h"
+#include "proxima/execution.h"
 #include "viewer/commands.h"
 #include "viewer/figures/figure_pages.h"
 

@@ -4,6 +4,7 @@
 #include "base/text.h"
 #include "cli/model_options.h"
 #include "index/build_mesh_index.h"
+#include "proxima/execution.h"
 #include "proxima/mesh_io.h"
 #include "proxima/octree.h"
 #include "proxima/sample_meshes.h"

@@ -9,6 +9,7 @@
 //     }
 #pragma once
 
+#include "proxima/execution.h"
 #include "proxima/result.h"
 #include "viewer/background_work.h"
 #include "viewer/camera.h"

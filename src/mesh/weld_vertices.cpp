@@ -2,6 +2,7 @@
 
 #include "base/progress.h"
 #include "mesh/vertex_table.h"
+#include "proxima/execution.h"
 #include "proxima/mesh_repair.h"
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 #include "viewer/figures/figure_pages.h"
 
 #include "folder_test.h"
+#include "proxima/execution.h"
 #include "viewer/scene_shapes.h"
 
 #include <fstream>

@@ -1,4 +1,5 @@
 // Figures 5.2 and 5.4: what lies near a cursor, and where two meshes meet.
+#include "proxima/execution.h"
 #include "proxima/octree.h"
 #include "proxima/sample_meshes.h"
 #include "query/neighbourhood/neighbourhood.h"

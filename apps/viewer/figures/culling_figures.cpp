@@ -1,4 +1,5 @@
 // Figures 5.7 and 5.8: culling by a view volume.
+#include "proxima/execution.h"
 #include "proxima/mesh_repair.h"
 #include "proxima/octree.h"
 #include "proxima/sample_meshes.h"

@@ -1,6 +1,7 @@
 #include "viewer/figures/figure_pages.h"
 
 #include "cli/stopwatch.h"
+#include "proxima/execution.h"
 #include "viewer/figures/figure_colors.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // Figure 2.5: the octree as a data structure, drawn from one that was built.
+#include "proxima/execution.h"
 #include "proxima/octree.h"
 #include "proxima/sample_meshes.h"
 #include "viewer/figures/figure_colors.h"

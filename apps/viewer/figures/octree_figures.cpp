@@ -3,6 +3,7 @@
 
 #include "cli/octree_picture.h"
 #include "octree/leaf_boxes.h"
+#include "proxima/execution.h"
 #include "proxima/mesh_io.h"
 #include "proxima/octree.h"
 #include "proxima/sample_meshes.h"

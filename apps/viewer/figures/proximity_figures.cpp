@@ -1,5 +1,6 @@
 // Figures 4.1, 4.2 and 5.3: proximity quadtrees and octrees, and their lists.
 #include "cli/list_histogram.h"
+#include "proxima/execution.h"
 #include "proxima/sample_meshes.h"
 #include "thesis/feature_regions.h"
 #include "thesis/list_statistics.h"

@@ -1,5 +1,6 @@
 #include "viewer/figures/ray_figures.h"
 
+#include "proxima/execution.h"
 #include "proxima/mesh_repair.h"
 #include "proxima/octree.h"
 #include "proxima/sample_meshes.h"

@@ -1,5 +1,6 @@
 // Two meshes, one of them moved: leaves that meet, their triangles, and the contour: figure 5.4.
 #include "index/slabs/build_distance_index.h"
+#include "proxima/execution.h"
 #include "query/contact/containment.h"
 #include "query/contact/intersect_meshes.h"
 #include "query/contact/intersection_contour.h"

@@ -1,6 +1,7 @@
 // The Minkowski sum of two convex bodies: facets by where they come from, and B growing from
 // nothing, which pushes the planes of A outward: chapter 3.
 #include "proxima/convex_polyhedron.h"
+#include "proxima/execution.h"
 #include "proxima/sample_meshes.h"
 #include "viewer/figures/scene_figure.h"
 #include "viewer/panels/panels.h"

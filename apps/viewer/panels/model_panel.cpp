@@ -1,5 +1,6 @@
 // The models as they are: surface, edges, and what is wrong with them.
 #include "base/text.h"
+#include "proxima/execution.h"
 #include "proxima/mesh_report.h"
 #include "viewer/panels/panels.h"
 

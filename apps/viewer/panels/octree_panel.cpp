@@ -1,6 +1,7 @@
 // The octree of a model: its cells by depth, class or count, cut open by a plane.
 #include "base/text.h"
 #include "cli/names.h"
+#include "proxima/execution.h"
 #include "proxima/octree.h"
 #include "viewer/panels/cell_shapes.h"
 #include "viewer/panels/panels.h"

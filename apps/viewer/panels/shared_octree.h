@@ -1,6 +1,7 @@
 // The octree that a query panel asks: depth and threshold as settings, built when they change.
 #pragma once
 
+#include "proxima/execution.h"
 #include "proxima/octree.h"
 #include "viewer/panel.h"
 

@@ -2,6 +2,7 @@
 
 #include "base/text.h"
 #include "index/lists/build_proximity_octree.h"
+#include "proxima/execution.h"
 #include "query/closest/leaf_candidates.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/query_shapes.h"

@@ -4,6 +4,7 @@
 
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "proxima/execution.h"
 #include "proxima/result.h"
 
 #include <cstddef>

@@ -8,6 +8,7 @@
 
 #include "base/parallel.h"
 #include "index/lists/build_proximity_octree.h"
+#include "proxima/execution.h"
 #include "query/closest/soak/closest_check.h"
 #include "query/closest/soak/sign_check.h"
 #include "query/closest/soak/soak_meshes.h"
