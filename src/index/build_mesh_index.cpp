@@ -4,6 +4,8 @@
 #include "base/text.h"
 #include "index/binary_tree.h"
 #include "index/block_runs.h"
+#include "index/row_tables.h"
+#include "octree/build_octree.h"
 
 #include <algorithm>
 #include <bit>
@@ -29,7 +31,7 @@ constexpr double step_margin = 1.0 / 64;
 // Bytes per triangle at most: keys twice, order, boxes, nodes, rows and blocks.
 constexpr std::uint64_t scratch_bytes = 32 + 4 + 24 + sizeof(BinaryNode);
 constexpr std::uint64_t index_bytes =
-    sizeof(IndexRow<double>) + sizeof(TriangleId) + 2 * sizeof(IndexBlock);
+    sizeof(TriangleRow<double>) + sizeof(TriangleId) + 2 * sizeof(IndexBlock);
 
 /// One axis of a node's grid.
 struct GridAxis {
@@ -85,8 +87,7 @@ std::uint16_t upper_half(double value) noexcept
 struct MeshIndexStorage {
     GrowBuffer<std::byte> memory; ///< of the blocks, and room to align them
     std::span<const IndexBlock> blocks;
-    GrowBuffer<IndexRow<float>> float_rows;
-    GrowBuffer<IndexRow<double>> double_rows;
+    RowTables tables;
     std::vector<TriangleId> ids;
 
     void take(std::span<const IndexBlock> made)
@@ -128,13 +129,9 @@ public:
         return true;
     }
 
-    void write_rows(Threads threads)
+    void write_rows(const Topology& topology)
     {
-        if (tree_.has_floats) {
-            fill_rows(storage_.float_rows, threads);
-        } else {
-            fill_rows(storage_.double_rows, threads);
-        }
+        storage_.tables = make_row_tables(mesh_, topology, tree_.order);
     }
 
     MeshIndex result()
@@ -151,8 +148,10 @@ public:
         result.has_exact_leaves_ = has_exact_leaves_;
         result.triangle_count_ = static_cast<std::uint32_t>(tree_.order.size());
         result.blocks_ = storage->blocks;
-        result.float_rows_ = storage->float_rows.span();
-        result.double_rows_ = storage->double_rows.span();
+        result.float_rows_ = storage->tables.float_rows.span();
+        result.double_rows_ = storage->tables.double_rows.span();
+        result.vertex_places_ = storage->tables.vertex_places.span();
+        result.edge_places_ = storage->tables.edge_places.span();
         result.ids_ = storage->ids;
         result.storage_ = std::move(storage);
         return result;
@@ -168,26 +167,6 @@ private:
         std::uint32_t block;
         double extent; ///< the largest edge of the box that rays meet it by
     };
-
-    template <class Scalar>
-    void fill_rows(GrowBuffer<IndexRow<Scalar>>& rows, Threads threads)
-    {
-        rows.resize(tree_.order.size());
-        constexpr std::size_t per_task = 4096;
-        parallel_for((rows.size() + per_task - 1) / per_task, threads, [&](std::size_t task) {
-            const std::size_t end = std::min(rows.size(), (task + 1) * per_task);
-            for (std::size_t i = task * per_task; i < end; ++i) {
-                rows[i].id = index(tree_.order[i]);
-                const Triangle triangle = mesh_.triangle(tree_.order[i]);
-                for (std::size_t corner = 0; corner < 3; ++corner) {
-                    for (std::size_t axis = 0; axis < 3; ++axis) {
-                        rows[i].corners[corner][axis] = static_cast<Scalar>(
-                            triangle.vertices[corner][static_cast<Eigen::Index>(axis)]);
-                    }
-                }
-            }
-        });
-    }
 
     /// The boxes that cover a node best, by at most `most`.
     void cover(const Child& child, std::uint32_t most, std::vector<Child>& found) const
@@ -323,30 +302,29 @@ private:
     std::vector<Child> found_; ///< of the node being written
 };
 
-Result<MeshIndex> build_mesh_index(const Octree& octree, const TriangleMesh& mesh,
-                                   const MeshIndexOptions& options)
+Result<MeshIndex> build_mesh_index(const TriangleMesh& mesh, const MeshIndexOptions& options)
 {
     const Result<Box> box = checked_bounding_box(mesh);
     if (!box) return tl::unexpected(box.error());
-    const Box root = octree.nodes().empty() ? Box{} : octree.box(octree.root());
-    if (octree.triangle_count() != mesh.triangle_count() || !root.contains(box->lower) ||
-        !root.contains(box->upper)) {
-        return fail(ErrorCode::invalid_argument,
-                    concat("the octree is of another mesh: it has ", octree.triangle_count(),
-                           " triangles, this one ", mesh.triangle_count()),
-                    "octree");
+    if (mesh.triangle_count() > max_index_triangles) {
+        return fail(ErrorCode::limit_exceeded,
+                    concat("a mesh index has at most ", max_index_triangles,
+                           " triangles, this mesh has ", mesh.triangle_count()));
     }
     const std::uint64_t needed = mesh.triangle_count() * (scratch_bytes + index_bytes);
     if (auto status = check_budget(options.budget, needed, "the mesh index", "raise the budget");
         !status)
         return tl::unexpected(status.error());
-    const auto tree =
-        build_binary_tree(mesh, *box, octree.frame(), options.threads, options.progress);
+    const auto topology = build_topology(
+        mesh, {.threads = options.threads, .budget = options.budget, .progress = options.progress});
+    if (!topology) return tl::unexpected(topology.error());
+    const auto tree = build_binary_tree(mesh, *box, tight_root(*box, RootShape::cube),
+                                        options.threads, options.progress);
     if (!tree) return tl::unexpected(tree.error());
     MeshIndexWriter writer(mesh, *tree);
     if (!writer.write_blocks(options.progress))
         return fail(ErrorCode::cancelled, "mesh index: stopped on request");
-    writer.write_rows(options.threads);
+    writer.write_rows(*topology);
     return writer.result();
 }
 
