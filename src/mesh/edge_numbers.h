@@ -22,8 +22,9 @@ struct EdgeNumbers {
     std::vector<std::uint32_t> first_sides; ///< by edge: the lowest side
 };
 
-/// Scratch and result of number_edges, in bytes per triangle.
-inline constexpr std::uint64_t edge_number_bytes = 3 * (4 + 4 + 4) + 12 + 6;
+/// Of number_edges, in bytes per triangle: its result, of which the edges' first sides are six for a
+/// closed mesh, and scratch.
+inline constexpr std::uint64_t edge_number_bytes = 12 + 6 + 3 * (4 + 4 + 8);
 
 /// Numbers the edges. The same for any number of threads. Error cancelled; stage "numbering edges".
 /// Linear time, except that the sides at a vertex with many triangles are sorted: about 60 ns per
