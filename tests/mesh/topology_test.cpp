@@ -1,7 +1,6 @@
 #include "mesh/topology.h"
 
 #include "mesh/edge_numbers.h"
-
 #include "mesh/random_soups.h"
 #include "mesh/sample_meshes.h"
 
