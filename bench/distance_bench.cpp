@@ -16,7 +16,6 @@
 #include "index/build_mesh_index.h"
 #include "index/slabs/build_distance_index.h"
 #include "proxima/mesh_io.h"
-#include "proxima/octree.h"
 #include "proxima/sample_meshes.h"
 #include "query/distance/mesh_distance.h"
 
@@ -43,10 +42,7 @@ public:
     explicit ProximaDistance(const TriangleMesh& mesh)
     {
         const auto start = std::chrono::steady_clock::now();
-        const auto octree = build_octree(
-            mesh, {.classification = Classification::none, .execution = {.threads = {1}}});
-        const auto triangles =
-            build_mesh_index(octree.value(), mesh, {.execution = {.threads = {1}}});
+        const auto triangles = build_mesh_index(mesh, {.execution = {.threads = {1}}});
         index_ = build_distance_index(triangles.value(), {.execution = {.threads = {1}}}).value();
         seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     }

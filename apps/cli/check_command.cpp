@@ -10,7 +10,6 @@
 #include "cli/text_table.h"
 #include "index/build_mesh_index.h"
 #include "proxima/mesh_report.h"
-#include "proxima/octree.h"
 #include "query/contact/self_intersection.h"
 
 #include <CLI/CLI.hpp>
@@ -214,13 +213,8 @@ Result<std::optional<SelfIntersections>> intersections_of(const TriangleMesh& me
     if (!checked_bounding_box(mesh)) return std::nullopt;
     Progress* const progress = &session.progress();
     const ProgressBar shown(session.progress(), session.bar());
-    const auto octree =
-        build_octree(mesh, {.threshold = 16,
-                            .classification = Classification::none,
-                            .execution = {.threads = session.threads(), .progress = progress}});
-    if (!octree) return tl::unexpected(octree.error());
-    const auto index = build_mesh_index(
-        *octree, mesh, {.execution = {.threads = session.threads(), .progress = progress}});
+    const auto index =
+        build_mesh_index(mesh, {.execution = {.threads = session.threads(), .progress = progress}});
     if (!index) return tl::unexpected(index.error());
     auto found = find_self_intersections(
         *index, {.execution = {.threads = session.threads(), .progress = progress}});

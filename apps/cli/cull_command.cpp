@@ -91,7 +91,7 @@ Result<std::unique_ptr<Culled>> prepare(const CullOptions& options, Session& ses
                                               .execution = session.execution()});
     if (!octree) return at_model(octree.error(), options.model);
     culled->octree = std::move(*octree);
-    auto index = build_mesh_index(culled->octree, culled->mesh, {.execution = session.execution()});
+    auto index = build_mesh_index(culled->mesh, {.execution = session.execution()});
     if (!index) return at_model(index.error(), options.model);
     culled->index = std::move(*index);
     culled->build_seconds = watch.seconds();

@@ -97,7 +97,7 @@ Status prepare(Body& body, const std::string& model, const IntersectOptions& opt
                                            .execution = session.execution()});
     if (!octree) return at_model(octree.error(), model);
     body.octree = std::move(*octree);
-    auto index = build_mesh_index(body.octree, body.mesh, {.execution = session.execution()});
+    auto index = build_mesh_index(body.mesh, {.execution = session.execution()});
     if (!index) return at_model(index.error(), model);
     body.index = std::move(*index);
     auto enclosure = build_enclosure(body.mesh, {.execution = session.execution()});

@@ -6,7 +6,6 @@
 #include "index/build_mesh_index.h"
 #include "proxima/execution.h"
 #include "proxima/mesh_io.h"
-#include "proxima/octree.h"
 #include "proxima/sample_meshes.h"
 #include "query/rays/cast_ray.h"
 #include "viewer/scene_shapes.h"
@@ -19,7 +18,7 @@
 namespace proxima {
 namespace {
 
-/// Bytes that showing a triangle takes at most: mesh, topology, mesh index with its octree, two
+/// Bytes that showing a triangle takes at most: mesh, topology, mesh index, two
 /// scenes, and the larger of their buffers.
 constexpr std::uint64_t bytes_per_triangle = 1100;
 
@@ -81,12 +80,7 @@ Result<std::shared_ptr<const ViewModel>> make_view_model(std::string name, Trian
     }
     auto topology = build_topology(mesh, {.execution = context});
     if (!topology) return at_model(topology.error(), name);
-    const auto octree = build_octree(mesh, {.max_depth = 4,
-                                            .threshold = 64,
-                                            .classification = Classification::none,
-                                            .execution = context});
-    if (!octree) return at_model(octree.error(), name);
-    auto rays = build_mesh_index(*octree, mesh, {.execution = context});
+    auto rays = build_mesh_index(mesh, {.execution = context});
     if (!rays) return at_model(rays.error(), name);
     auto model = std::make_shared<ViewModel>();
     for (const Vec3& position : mesh.positions()) model->box.extend(position);

@@ -1,5 +1,6 @@
 #include "proxima/topology.h"
 
+#include "mesh/edge_numbers.h"
 #include "mesh/random_soups.h"
 #include "proxima/sample_meshes.h"
 
@@ -183,7 +184,8 @@ TEST(Topology, RefusesWhatTheBudgetCannotHold)
     const auto refused = build_topology(mesh, {.execution = {.budget = {whole->bytes() - 1}}});
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::budget_exceeded);
-    const auto scratch = mesh.triangle_count() * 12;
+    const auto scratch =
+        mesh.triangle_count() * (edge_number_bytes - sizeof(std::array<EdgeId, 3>));
     EXPECT_TRUE(build_topology(mesh, {.execution = {.budget = {whole->bytes() + scratch}}}));
 }
 
@@ -194,7 +196,7 @@ TEST(Topology, StopsOnRequest)
     const auto stopped = build_topology(make_cube(), {.execution = {.progress = &progress}});
     ASSERT_FALSE(stopped);
     EXPECT_EQ(stopped.error().code, ErrorCode::cancelled);
-    EXPECT_STREQ(progress.stage(), "topology");
+    EXPECT_STREQ(progress.stage(), "numbering edges");
 }
 
 } // namespace

@@ -47,7 +47,10 @@ public:
         auto tree = build_triangle_tree(mesh_, order_, {.execution = options_.execution});
         if (!tree) return tl::unexpected(tree.error());
         storage->tree = std::move(*tree);
-        storage->rows = make_row_tables(mesh_, topology_, order_);
+        const auto edges =
+            number_edges(mesh_, options_.execution.threads, options_.execution.progress);
+        if (!edges) return tl::unexpected(edges.error());
+        storage->rows = make_row_tables(mesh_, *edges, order_, options_.execution.threads);
         if (is_cancelled(options_.execution.progress)) return tl::unexpected(cancelled());
         const std::uint64_t fixed = storage->rows.bytes() + storage->tree.bytes();
         const std::uint64_t least = fixed + least_cell_bytes;

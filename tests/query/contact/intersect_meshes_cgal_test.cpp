@@ -47,8 +47,7 @@ std::vector<TrianglePair> pairs_by_cgal(const TriangleMesh& mesh_a, const Triang
 
 MeshIndex index_of(const TriangleMesh& mesh)
 {
-    const auto octree = build_octree(mesh, {.classification = Classification::none});
-    return build_mesh_index(*octree, mesh).value();
+    return build_mesh_index(mesh).value();
 }
 
 void compare(const TriangleMesh& mesh_a, const TriangleMesh& mesh_b, int poses, std::uint64_t seed,

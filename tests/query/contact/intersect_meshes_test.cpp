@@ -23,9 +23,7 @@ using namespace testing;
 
 MeshIndex index_of(const TriangleMesh& mesh)
 {
-    const auto octree =
-        build_octree(mesh, {.max_depth = 3, .classification = Classification::none});
-    return build_mesh_index(*octree, mesh).value();
+    return build_mesh_index(mesh).value();
 }
 
 RigidTransform shifted(const Vec3& by)

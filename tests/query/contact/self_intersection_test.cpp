@@ -5,7 +5,6 @@
 #include "mesh/random_soups.h"
 #include "octree/nasty_meshes.h"
 #include "octree/small_meshes.h"
-#include "proxima/octree.h"
 #include "proxima/sample_meshes.h"
 
 #include <algorithm>
@@ -18,9 +17,7 @@ using namespace testing;
 
 MeshIndex index_of(const TriangleMesh& mesh)
 {
-    const auto octree =
-        build_octree(mesh, {.max_depth = 3, .classification = Classification::none});
-    return build_mesh_index(*octree, mesh).value();
+    return build_mesh_index(mesh).value();
 }
 
 std::vector<TrianglePair> pairs_of(const TriangleMesh& mesh)

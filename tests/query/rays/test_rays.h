@@ -4,7 +4,6 @@
 
 #include "index/build_mesh_index.h"
 #include "proxima/geometry.h"
-#include "proxima/octree.h"
 #include "proxima/triangle_mesh.h"
 
 #include <array>
@@ -18,9 +17,7 @@ inline constexpr std::array all_faces = {Faces::both, Faces::front, Faces::back}
 
 inline MeshIndex ray_index_of(const TriangleMesh& mesh)
 {
-    const auto octree =
-        build_octree(mesh, {.max_depth = 3, .classification = Classification::none});
-    return build_mesh_index(*octree, mesh).value();
+    return build_mesh_index(mesh).value();
 }
 
 class RayGenerator {
