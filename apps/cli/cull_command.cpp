@@ -92,7 +92,7 @@ Result<std::unique_ptr<Culled>> prepare(const CullOptions& options, Session& ses
                                               .progress = &session.progress()});
     if (!octree) return at_model(octree.error(), options.model);
     culled->octree = std::move(*octree);
-    auto index = build_mesh_index(culled->octree, culled->mesh,
+    auto index = build_mesh_index(culled->mesh,
                                   {.threads = session.threads(), .progress = &session.progress()});
     if (!index) return at_model(index.error(), options.model);
     culled->index = std::move(*index);

@@ -98,7 +98,7 @@ Status prepare(Body& body, const std::string& model, const IntersectOptions& opt
                                            .progress = &session.progress()});
     if (!octree) return at_model(octree.error(), model);
     body.octree = std::move(*octree);
-    auto index = build_mesh_index(body.octree, body.mesh,
+    auto index = build_mesh_index(body.mesh,
                                   {.threads = session.threads(), .progress = &session.progress()});
     if (!index) return at_model(index.error(), model);
     body.index = std::move(*index);
