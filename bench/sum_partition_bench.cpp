@@ -3,8 +3,7 @@
 // scripts/bench sum_partition, which prints the ratios of one interleaved run.
 //
 //     octree workloads   every (triangle, child cell) that building an octree asks about; the sum
-//     is
-//                        of triangle and child, and a tree is built per triangle and depth
+//                        is of triangle and child, and a tree is built per triangle and depth
 //     uniform            the same sums, asked about points spread over their bounding boxes, for
 //                        which the trees are built
 //     1000x1000          two round polytopes of 1,000 vertices each

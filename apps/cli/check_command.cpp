@@ -255,7 +255,7 @@ Status check_mesh(const std::string& model, Session& session)
 Command add_check_command(CLI::App& app)
 {
     CLI::App* const parser =
-        app.add_subcommand("check", "Say what is wrong with a mesh or a saved octree");
+        app.add_subcommand("check", "Report what is wrong with a mesh or a saved octree");
     const auto options = std::make_shared<CheckOptions>();
     constexpr ModelKinds kinds = ModelKinds::meshes_and_all_octrees;
     add_model_option(*parser, options->model, kinds);

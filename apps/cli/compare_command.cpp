@@ -112,8 +112,7 @@ Command add_compare_command(CLI::App& app)
     parser->add_flag_callback(
         "--exact", [options] { options->race.exactness = Exactness::exact; },
         "Let the thesis's methods decide exactly too: all methods then give one octree");
-    parser
-        ->add_option("--repeats", options->race.repeats, "Runs of each, of which the median counts")
+    parser->add_option("--repeats", options->race.repeats, "Runs of each method; the median counts")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str()
         ->type_name("N");

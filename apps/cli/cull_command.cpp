@@ -180,7 +180,7 @@ Status run_cull(const CullOptions& options, Session& session)
 Command add_cull_command(CLI::App& app)
 {
     CLI::App* const parser = app.add_subcommand(
-        "cull", "Find the triangles and cells that a camera sees, hidden or not");
+        "cull", "Find the triangles and cells in a camera's view; occlusion is not tested");
     const auto options = std::make_shared<CullOptions>();
     add_model_option(*parser, options->model);
     parser
@@ -196,11 +196,11 @@ Command add_cull_command(CLI::App& app)
         ->type_name("FILE");
     parser
         ->add_option("--picture", options->picture,
-                     "Draw the mesh, what is visible set off, with the visible cells: .png")
+                     "Draw the mesh with visible triangles and cells highlighted: .png")
         ->type_name("FILE");
     parser->add_flag(
         "--exact", options->exact,
-        "Only what has a point in common with the volume, not all that no plane drops");
+        "Only what has a point in common with the volume, instead of all that no plane rejects");
     parser->add_option("--depth", options->depth, "Depth of the octree for cells")
         ->check(CLI::Range(0, max_octree_depth))
         ->type_name("N");

@@ -214,7 +214,7 @@ Status run_minkowski(const Options& options, Session& session)
 Command add_minkowski_command(CLI::App& app)
 {
     CLI::App* const parser =
-        app.add_subcommand("minkowski", "Sum two convex models: all points a + b of both");
+        app.add_subcommand("minkowski", "Sum two convex models: all points a + b");
     const auto options = std::make_shared<Options>();
     for (std::size_t i = 0; i < 2; ++i) {
         parser

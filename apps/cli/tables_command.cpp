@@ -75,7 +75,7 @@ Status run_tables(const TablesOptions& options, Session& session)
 Command add_tables_command(CLI::App& app)
 {
     CLI::App* const parser =
-        app.add_subcommand("tables", "Print every table of the thesis, ours beside its values");
+        app.add_subcommand("tables", "Print tables of the thesis with our values beside its own");
     const auto options = std::make_shared<TablesOptions>();
     options->only.add_to(*parser);
     parser

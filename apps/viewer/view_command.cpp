@@ -156,7 +156,7 @@ Command add_view_command(CLI::App& app)
             "model", options->models,
             "Models: files or built-ins, see proxima octree; the window asks for one without it")
         ->type_name("MODEL");
-    parser->add_option("--panel", options->panel, "What to begin with: model, octree, ...")
+    parser->add_option("--panel", options->panel, "Panel to begin with: model, octree, ...")
         ->capture_default_str()
         ->type_name("NAME");
     parser
@@ -182,7 +182,7 @@ Command add_view_command(CLI::App& app)
                 }
                 options->size = *size;
             },
-            "Of the window or the picture (default 1280x820)")
+            "Size of the window or the picture (default 1280x820)")
         ->type_name("WxH");
     parser
         ->add_option("--budget-mb", options->budget_mb,
@@ -198,7 +198,7 @@ Command add_view_command(CLI::App& app)
                      "as JSON: for programs that drive it")
         ->type_name("FILE");
     parser->add_flag("--gl-debug", options->debug,
-                     "Let OpenGL check every call; its complaints are an error in the end");
+                     "Let OpenGL check every call, and fail in the end if it complained");
     parser->final_callback([options] { check_usage(*options); });
     return {parser, [options](Session& session) { return run_view(*options, session); }};
 }

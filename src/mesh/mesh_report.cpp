@@ -33,7 +33,7 @@ using detail::SurfaceComponent;
 constexpr std::size_t triangles_per_task = 8192;
 constexpr std::uint64_t stage_count = 5;
 
-// Products of three lengths stay in double's range between these.
+// Products of three lengths between these stay in the range of doubles.
 constexpr double smallest_safe_extent = 1e-100;
 constexpr double largest_safe_coordinate = 1e100;
 
@@ -314,7 +314,7 @@ private:
         }
     }
 
-    // Would the mesh be closed if vertices at one position were one?
+    // Decides whether the mesh would be closed if vertices at equal positions were joined.
     Status examine_welded()
     {
         if (report_.closed || report_.find(FindingKind::duplicate_vertices) == nullptr) return {};

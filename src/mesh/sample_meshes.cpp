@@ -18,7 +18,7 @@ using detail::max_icosphere_subdivisions;
 using detail::sphere;
 using detail::torus;
 
-// The part of `name` behind its first colon; nothing where there is no colon.
+// The part of `name` after its first colon; nothing where there is no colon.
 std::optional<std::string_view> size_text(std::string_view name) noexcept
 {
     const std::size_t colon = name.find(':');
@@ -74,11 +74,11 @@ std::uint64_t saturated_product(std::uint64_t a, std::uint64_t b) noexcept
     return b != 0 && a > most / b ? most : a * b;
 }
 
-// A vertex per two triangles, and the growth of nothing: arrays are reserved.
+// A vertex per two triangles. Arrays are reserved and do not grow.
 constexpr std::uint64_t grid_bytes = sizeof(TriangleCorners) + sizeof(Vec3) / 2;
-// The topology of the last but one level comes on top.
+// The topology of the last but one level is in memory too.
 constexpr std::uint64_t icosphere_bytes = 2 * grid_bytes;
-// Faces, their queue, and the arrays as they grow.
+// Faces, their queue, and the growing arrays.
 constexpr std::uint64_t spaceship_bytes = 4 * grid_bytes;
 
 Result<TriangleMesh> sized_sphere(std::string_view name, const SampleOptions& options)

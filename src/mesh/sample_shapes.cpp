@@ -34,14 +34,14 @@ tl::unexpected<Error> making_cancelled()
     return fail(ErrorCode::cancelled, "making the mesh was stopped on request");
 }
 
-// Explicit order of operations: the same bits whatever a vector library does.
+// The order of operations is explicit, so that the bits do not depend on a vector library.
 Vec3 on_unit_sphere(const Vec3& point) noexcept
 {
     const double squared = point.x() * point.x() + point.y() * point.y() + point.z() * point.z();
     return point / std::sqrt(squared);
 }
 
-// Every triangle into four; new vertices follow the old ones in the order of the edges.
+// Splits every triangle into four. New vertices follow the old ones in the order of the edges.
 Result<TriangleMesh> subdivided_sphere(const TriangleMesh& mesh, Progress* progress)
 {
     const Result<Topology> topology =

@@ -154,7 +154,7 @@ private:
         surface_.triangles.push_back(corners);
     }
 
-    // A left-handed frame turns outside in, unless every face is turned as well.
+    // A left-handed frame reverses orientation, so every face is reversed as well.
     [[nodiscard]] bool is_mirrored() const noexcept
     {
         return part_.direction == Direction::to_port;
@@ -170,7 +170,7 @@ private:
         return first_ + ring * segments_ + segment % segments_;
     }
 
-    // Uneven on purpose: from bare plates to crowded ones, 1 : 64.
+    // Density is uneven on purpose, from bare plates to crowded ones, 1 : 64.
     [[nodiscard]] double cell_detail() noexcept
     {
         return std::ldexp(1.0, -static_cast<int>(dice_.next() % 7));

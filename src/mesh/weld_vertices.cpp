@@ -26,7 +26,7 @@ bool weld_vertices(std::vector<Vec3>& positions, std::vector<TriangleCorners>& t
             table.prefetch(hashes[i]);
         }
         for (std::size_t i = 0; i < count; ++i) {
-            // What is kept moves to the front, never past the vertex that is looked at.
+            // Kept vertices move to the front, never beyond the current vertex.
             const Vec3 position = positions[begin + i];
             const std::uint32_t next = table.size();
             const std::uint32_t id = table.find_or_add(hashes[i], position, positions.data());

@@ -11,7 +11,7 @@ HalfSpace ConvexPolyhedron::half_space(std::uint32_t facet) const noexcept
 {
     const NormalFactors factors = normal_factors(facet);
     const Vec3 normal = unit_normal(factors.u, factors.v);
-    // The farthest corner of the loop: rounding leaves none of them outside by more than itself.
+    // Uses the farthest corner of the loop, so that no corner lies outside by more than rounding.
     double offset = -std::numeric_limits<double>::infinity();
     for (const std::uint32_t corner : facet_loop(facet)) {
         if (!is_ray(corner)) offset = std::max(offset, normal.dot(vertices_[corner]));

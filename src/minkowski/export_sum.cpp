@@ -75,7 +75,7 @@ Status export_glb(const MinkowskiSum& sum, const DrawnSurface& surface,
         for (std::size_t i = 0; i < 3; ++i) part.colour[i] = colour_of(origin)[i] / 255.0;
         for (std::uint32_t f = 0; f < sum.facet_count(); ++f) {
             if (sum.facet(f).origin != origin) continue;
-            // Corners of their own, so that viewers shade facets flat.
+            // Each facet has its own corners, so that viewers shade it flat.
             const auto polygon = surface.polygon(f);
             const auto first = static_cast<std::uint32_t>(part.points.size());
             for (const std::uint32_t corner : polygon)

@@ -29,7 +29,7 @@ SupportFace support_face(const ConvexPolyhedron& polyhedron, const ConvexPolyhed
     const auto sign_along = [&](const Displacement& d) noexcept {
         return normal_sign<Scalar>(other, other_facet, d);
     };
-    // Up to a point that no neighbour exceeds; up to two edges there are level.
+    // Climbs to a point that no neighbour exceeds. Up to two edges there are level.
     std::uint32_t vertex = start;
     std::array<std::uint32_t, 2> level{};
     int level_count = 0;
@@ -51,7 +51,7 @@ SupportFace support_face(const ConvexPolyhedron& polyhedron, const ConvexPolyhed
     }
     if (level_count == 0) return {0, vertex, vertex};
     if (level_count == 1) return {1, vertex, level[0]};
-    // The facet between both; of a polygon, that which looks the right way.
+    // The facet between both edges; for a polygon, the side that faces the direction.
     const PolyhedronEdge& first = polyhedron.edges()[level[0]];
     const PolyhedronEdge& second = polyhedron.edges()[level[1]];
     const bool left_is_shared = first.left == second.left || first.left == second.right;

@@ -84,7 +84,7 @@ private:
     std::uint32_t at_ = 0;
 };
 
-/// All of the hull is on one side of every triangle's plane.
+/// Checks that the whole hull lies on one side of every triangle's plane.
 Status check_convex(const TriangleMesh& mesh, const ConvexPolyhedron& hull, double tolerance)
 {
     Climber above(hull);
@@ -202,7 +202,7 @@ ConvexPolyhedron mirrored(const ConvexPolyhedron& polyhedron)
         for (Vec3& v : result) v = -v;
         return result;
     };
-    // The hull of a hull's own vertices: it cannot fail.
+    // The hull of a hull's vertices cannot fail.
     return convex_hull(negated(polyhedron.points()), negated(polyhedron.rays())).value();
 }
 

@@ -88,7 +88,7 @@ private:
     }
     [[nodiscard]] const Vec3& sum(int pair) const { return sums_[static_cast<std::size_t>(pair)]; }
 
-    /// The facet or edge of a polyhedron whose vertices are these; facets first.
+    /// Finds the facet or edge of a polyhedron with these vertices; facets first.
     struct Part {
         int dimension;
         std::uint32_t item;
@@ -243,7 +243,7 @@ Result<MinkowskiSum> sum_by_geometric_method(const ConvexPolyhedron& a, const Co
     const Vertices<Scalar> vertices(a, b);
     const std::vector<CandidateNormal<Scalar>> normals = candidate_normals<Scalar>(a, b);
 
-    // In batches, to be stopped between them.
+    // Works in batches and can be stopped between them.
     constexpr std::size_t batch = 256;
     std::vector<Vec3> outward;
     std::vector<SupportPlane<Scalar>> planes(2 * batch);

@@ -21,7 +21,7 @@ constexpr std::size_t max_sum_corners = std::size_t{1} << 28U;
 
 using Kind = SumCorner::Kind;
 
-/// Both are polygons or bodies.
+/// The sum of polygons or bodies.
 template <class Scalar>
 class Overlay {
 public:
@@ -216,7 +216,7 @@ private:
     std::vector<bool> is_taken_; ///< facets of B that are parallel to one of A
 };
 
-/// One of both is a segment or a half-line.
+/// The sum where one operand is a segment or a half-line.
 template <class Scalar>
 class Sweep {
 public:
@@ -260,7 +260,7 @@ private:
     bool line_is_b_;
 };
 
-/// Both are segments or half-lines.
+/// The sum of two segments or half-lines.
 MinkowskiSum sum_of_lines(const ConvexPolyhedron& a, const ConvexPolyhedron& b)
 {
     SumAssembler sum(a, b);
@@ -272,7 +272,7 @@ MinkowskiSum sum_of_lines(const ConvexPolyhedron& a, const ConvexPolyhedron& b)
         facets.add_swept(0, 0, -1);
         return std::move(sum).finish();
     }
-    // From the ends that lie back to those that lie ahead, as A points.
+    // From the rear ends to the front ends, in A's direction.
     const bool same = point_same_way(along_a, along_b);
     SumCorner back = {Kind::point, 0, same ? 0U : 1U};
     SumCorner ahead = {Kind::point, 1, same ? 1U : 0U};
@@ -285,7 +285,7 @@ MinkowskiSum sum_of_lines(const ConvexPolyhedron& a, const ConvexPolyhedron& b)
     return std::move(sum).finish_line({back, ahead});
 }
 
-/// One of both is a point: the other one, moved.
+/// The sum where one operand is a point: the other one, moved.
 MinkowskiSum sum_with_point(const ConvexPolyhedron& a, const ConvexPolyhedron& b)
 {
     SumAssembler sum(a, b);

@@ -18,7 +18,7 @@ SumDisplacement from_corner(const MinkowskiSum& sum, const SumCorner& corner, co
     return {point, sum.a().vertex(corner.a), sum.b().vertex(corner.b), sum.scale()};
 }
 
-/// Of the sum's edge between two corners: that of A or B which it comes from. From a point.
+/// The edge of A or B from which the sum's edge between two corners comes. It starts at a point.
 Displacement edge_direction(const MinkowskiSum& sum, std::uint32_t from, std::uint32_t to)
 {
     const SumCorner& p = sum.corner(from);
@@ -204,7 +204,7 @@ SurfacePoint signed_distance(const MinkowskiSum& sum, const Vec3& point) noexcep
     for (std::uint32_t f = 0; f < sum.facet_count(); ++f) {
         const HalfSpace plane = scaled.half_space(f);
         if (is_inside) {
-            // What rounding lifts above a plane touches it.
+            // A point that only rounding lifts above a plane touches it.
             const double height = plane.normal.dot(x) - plane.offset;
             const double depth = std::min(height, 0.0);
             if (depth > best.distance) best = {depth, x - height * plane.normal, plane.normal, f};
@@ -242,7 +242,8 @@ Result<Separation> separation(const ConvexPolyhedron& a, const ConvexPolyhedron&
         return fail(ErrorCode::invalid_argument,
                     "the sum of these unbounded polyhedra holds a whole line: cut one of them off");
     }
-    // The origin in it means that they overlap; B escapes by moving the sum off the origin.
+    // The origin lies in the sum if and only if they overlap. Moving B moves the sum off the
+    // origin.
     const SurfacePoint origin = signed_distance(*sum, Vec3::Zero());
     return Separation{origin.distance, -origin.direction};
 }

@@ -56,7 +56,8 @@ OctreeFileHeader file_header(const Octree& octree)
     return header;
 }
 
-/// Values that the enums and bools of memory do not have must be refused before they get there.
+/// Values that are not values of the enums and bools in memory must be refused before they are
+/// converted.
 bool representable(const OctreeFileHeader& header)
 {
     return header.max_depth <= static_cast<std::uint32_t>(max_octree_depth) &&
@@ -99,7 +100,7 @@ Result<Octree> octree_of(const BinaryFile& file, const std::string& name, Progre
     }
     Octree octree = make_octree(headers->front(), *nodes, *references, file.storage());
     if (const Status status = check_structure(octree, progress); !status) {
-        // What would be a fault of the program in an octree of its own is damage in a file.
+        // A broken invariant of a built octree is a bug; in a file it is damage.
         const bool stopped = status.error().code == ErrorCode::cancelled;
         return fail(stopped ? ErrorCode::cancelled : ErrorCode::malformed_file,
                     describe(status.error()), name);

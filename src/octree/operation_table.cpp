@@ -27,7 +27,7 @@ struct Pair {
     bool general_position = false; ///< random coordinates
 };
 
-/// Makes pairs, the same on every machine: the standard fixes the engine, not its distributions.
+/// Makes the same pairs on every machine: the standard fixes the engine and not the distributions.
 class PairSource {
 public:
     [[nodiscard]] Pair next()
@@ -51,7 +51,7 @@ private:
     unsigned number_ = 0;
 };
 
-/// Keeps a row at its worst.
+/// Keeps the worst counts of a row.
 class WorstCase {
 public:
     explicit WorstCase(std::string method, std::optional<ThesisOperationCounts> thesis = {})

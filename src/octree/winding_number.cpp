@@ -80,7 +80,7 @@ void remove_traces(WindingCluster& cluster) noexcept
     add_product(o, {1.0, 1.0, 1.0, 0.0, 0.0, 0.0}, trace, -0.6);
 }
 
-/// What is needed of a cluster only while its parents are made.
+/// The data of a cluster that is needed only while its parents are made.
 struct Extent {
     Box box;             ///< in the mesh's coordinates
     double area = 0.0;   ///< in units, as below

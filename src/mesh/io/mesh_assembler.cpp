@@ -51,7 +51,7 @@ bool MeshAssembler::reserve_welded(std::size_t more)
 {
     const std::uint64_t needed = welded_.size() + more;
     if (needed > welded_.capacity()) {
-        // The old table and the new one live side by side for a moment.
+        // The old and the new table exist together while one is copied.
         const std::uint64_t vertices = std::max<std::uint64_t>(needed, 2 * welded_.capacity());
         if (!fits_budget(VertexTable::bytes_for(vertices))) return false;
         welded_.reserve(vertices);
@@ -95,7 +95,7 @@ bool MeshAssembler::add_polygon(std::span<const std::uint32_t> corners)
     return true;
 }
 
-// The file, the old arrays and the new one live side by side while one grows.
+// While an array grows, the file, the old arrays and the new array exist together.
 bool MeshAssembler::fits_budget(std::uint64_t more_bytes)
 {
     const std::uint64_t needed = source_.text.size() + positions_.capacity() * sizeof(Vec3) +

@@ -16,7 +16,7 @@ namespace proxima::detail {
 
 namespace {
 
-// Closes on every way out.
+// Closes the file on every return.
 class Descriptor {
 public:
     explicit Descriptor(const std::filesystem::path& path) noexcept

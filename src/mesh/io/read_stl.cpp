@@ -33,7 +33,7 @@ std::uint32_t load_uint32(const char* bytes) noexcept
            std::uint32_t{octets[3]} << 24U;
 }
 
-/// Of the triangle at `place`; the normal comes before the corners.
+/// The corners of the triangle at `place`. The normal precedes them.
 Vec3 load_corner(const char* place, std::size_t corner) noexcept
 {
     const auto value = [&](std::size_t index) {
@@ -184,7 +184,8 @@ private:
         return positions_.size() < MeshAssembler::weld_block || add_facets() || refused_by_mesh();
     }
 
-    // Those that wait: many at a time, so that the memory of one is fetched while others are met.
+    // Looks up many waiting corners at a time, so that the memory of one is fetched while others
+    // are compared.
     bool add_facets()
     {
         corners_.resize(positions_.size());
