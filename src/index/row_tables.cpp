@@ -31,15 +31,6 @@ bool fit_floats(const TriangleMesh& mesh)
 /// to 2^-52 times its square, of the side.
 constexpr double thin_condition = 32;
 
-bool is_thin(const Triangle& triangle)
-{
-    const Vec3 ab = triangle[1] - triangle[0];
-    const Vec3 ac = triangle[2] - triangle[0];
-    const Vec3 bc = triangle[2] - triangle[1];
-    const double squared = std::max({ab.squaredNorm(), ac.squaredNorm(), bc.squaredNorm()});
-    return !(squared <= thin_condition * ab.cross(ac).norm());
-}
-
 template <class Scalar>
 void fill_rows(const TriangleMesh& mesh, const Topology& topology,
                std::span<const TriangleId> order, GrowBuffer<TriangleRow<Scalar>>& rows)
@@ -87,6 +78,22 @@ std::uint32_t place_of_edge(const TriangleMesh& mesh, const Topology& topology, 
 }
 
 } // namespace
+
+bool is_thin(const Triangle& triangle) noexcept
+{
+    Vec3 ab = triangle[1] - triangle[0];
+    Vec3 ac = triangle[2] - triangle[0];
+    Vec3 bc = triangle[2] - triangle[1];
+    const double size =
+        std::max({ab.cwiseAbs().maxCoeff(), ac.cwiseAbs().maxCoeff(), bc.cwiseAbs().maxCoeff()});
+    // Fourth powers of lengths outside of these leave the doubles.
+    if (!(size > 0x1p-200 && size < 0x1p200) && size > 0 && std::isfinite(size)) {
+        const int exponent = std::clamp(-std::ilogb(size), -1000, 1000);
+        for (Vec3* const side : {&ab, &ac, &bc}) *side *= std::ldexp(1.0, exponent);
+    }
+    const double squared = std::max({ab.squaredNorm(), ac.squaredNorm(), bc.squaredNorm()});
+    return !(squared <= thin_condition * ab.cross(ac).norm());
+}
 
 std::uint64_t RowTables::bytes() const noexcept
 {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/grow_buffer.h"
+#include "geometry/shapes.h"
 #include "index/triangle_row.h"
 #include "mesh/topology.h"
 #include "mesh/triangle_mesh.h"
@@ -19,6 +20,9 @@ struct RowTables {
 
     [[nodiscard]] std::uint64_t bytes() const noexcept;
 };
+
+/// Whether rows call it thin: less than 1/32 as high as its longest side is long.
+[[nodiscard]] bool is_thin(const Triangle& triangle) noexcept;
 
 /// Rows in the given order, of floats where they hold every position exactly. O(mesh).
 [[nodiscard]] RowTables make_row_tables(const TriangleMesh& mesh, const Topology& topology,

@@ -61,8 +61,9 @@ ClosestFeature closest_feature(const ProximityOctree& octree, const Vec3& p,
     if (!(known < nothing_known)) return closest_feature(octree, p, steps);
     const RowDistance found = HWY_DYNAMIC_DISPATCH(search_octree)(octree, p, known, steps);
     // Nothing that near: it was no point of this mesh, and what was passed over may be nearer.
-    if (!(found.squared <= known * known)) return closest_feature(octree, p, steps);
-    return describe_closest(octree, found);
+    const ClosestFeature closest = describe_closest(octree, found);
+    if (!(closest.squared_distance <= known * known)) return closest_feature(octree, p, steps);
+    return closest;
 }
 
 ClosestFeature closest_feature(const ProximityOctree& octree, const Vec3& p,

@@ -53,7 +53,32 @@ struct ClosestFeature {
     return !std::isnan(closest.squared_distance);
 }
 
+class MeshIndex;
 class ProximityOctree;
+struct RowDistance;
+
+struct ClosestOptions {
+    /// Nothing farther is found. None is where it is NaN or below 0.
+    double radius = std::numeric_limits<double>::infinity();
+    /// An answer for a point nearby: less work. Any answer will do, of another mesh as well; the
+    /// nearer its point is to the closest one, the better.
+    const ClosestFeature* start_from = nullptr;
+};
+
+/// The feature closest to `p`; nothing where p is not finite. Real-time safe: noexcept, no
+/// allocation, no lock; any number of threads. 0.5 to 5 us; longer where many triangles are as
+/// near but for rounding, as seen from a sphere's centre.
+/// Meshes of any size: where squares of distances leave the doubles, squared_distance is 0 or
+/// infinite and all else is right. From farther than 2^500 times the mesh's size all is as far, and
+/// the first vertex is the answer.
+[[nodiscard]] std::optional<ClosestFeature>
+closest_feature(const MeshIndex& index, const Vec3& p, const ClosestOptions& options = {}) noexcept;
+
+/// For searches that know a bound and go on with the row: the closest feature of the index's rows
+/// by the order of answers, in the index's units. `known`, in the mesh's unit: nothing farther is
+/// wanted, but may be found.
+[[nodiscard]] RowDistance find_closest(const MeshIndex& index, const Vec3& p,
+                                       double known) noexcept;
 
 /// The feature closest to `p`. Real-time safe: noexcept, no allocation, no lock, at most
 /// statistics().worst_case_steps words and worst_case_blocks blocks within the root, or, where the
@@ -107,6 +132,21 @@ struct BatchOptions {
 /// finite: which), cancelled.
 [[nodiscard]] Status closest_features(const ProximityOctree& octree, std::span<const Vec3> points,
                                       std::span<ClosestFeature> answers,
+                                      const BatchOptions& options = {});
+
+/// Where a batch writes: each span is empty or has a place for every point.
+struct ClosestOutputs {
+    std::span<ClosestFeature> answers;   ///< in full
+    std::span<double> squared_distances; ///< these and triangles alone are quicker
+    std::span<TriangleId> triangles;
+};
+
+/// closest_feature() of many points, several at a time, so that their memory accesses overlap, and
+/// scattered ones in an order in which each starts from the last one's answer. Answers are those of
+/// single queries. Allocates; errors: invalid_argument (sizes differ, a point is not finite:
+/// which), cancelled.
+[[nodiscard]] Status closest_features(const MeshIndex& index, std::span<const Vec3> points,
+                                      const ClosestOutputs& outputs,
                                       const BatchOptions& options = {});
 
 } // namespace proxima

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "index/lists/proximity_octree.h"
+#include "index/mesh_index.h"
 #include "index/triangle_row.h"
 #include "query/closest/closest_feature.h"
 
@@ -11,5 +12,20 @@ namespace proxima {
 /// has the feature. Two loads that may miss the caches: the feature's place, and the row again.
 [[nodiscard]] ClosestFeature describe_closest(const ProximityOctree& octree,
                                               const RowDistance& found) noexcept;
+[[nodiscard]] ClosestFeature describe_closest(const MeshIndex& index,
+                                              const RowDistance& found) noexcept;
+
+/// The lowest triangle of what was found. \pre something was
+[[nodiscard]] TriangleId triangle_of(const MeshIndex& index, const RowDistance& found) noexcept;
+
+/// The units of distances of rows.
+[[nodiscard]] inline RowScale row_scale_of(const MeshIndex& index) noexcept
+{
+    return {index.scale(), index.unscale()};
+}
+[[nodiscard]] inline RowScale scale_of(const ProximityOctree& octree) noexcept
+{
+    return {octree.frame().scale, 1 / octree.frame().scale};
+}
 
 } // namespace proxima

@@ -11,6 +11,8 @@
 #include "index/lists/proximity_octree.h"
 #include "index/triangle_lanes.h"
 #include "query/closest/closest_feature.h"
+#include "query/closest/describe_closest.h"
+#include "query/closest/index_query.h"
 #include "query/closest/row_distance-inl.h"
 
 #include <array>
@@ -59,11 +61,6 @@ HWY_INLINE void prefetch_row(const TriangleRow<Scalar>& row)
     if (sizeof(row) > 64) hwy::Prefetch(&row.edges[2]);
 }
 
-HWY_INLINE RowScale scale_of(const ProximityOctree& octree)
-{
-    return {octree.frame().scale, 1 / octree.frame().scale};
-}
-
 /// Looks at the candidates in doubles.
 template <class Scalar>
 HWY_INLINE void recheck(const BlockCandidates& candidates,
@@ -89,10 +86,13 @@ RowDistance search_tree(const ProximityOctree& octree, std::span<const TriangleR
 {
     if (!p.allFinite()) return {};
     const RowScale scale = scale_of(octree);
+    if (!(octree.frame().to_frame(p).cwiseAbs().maxCoeff() < endless_distance)) [[unlikely]]
+        return first_vertex(rows);
     const double tree_scale = octree.tree().scale();
     const double reach = octree.tree().reach();
     RowDistance best;
     const double bound = known * known * (1 + 0x1p-40) + std::numeric_limits<double>::min();
+    const auto least = [&] { return std::min(bound, scale.unscale_squared(best.squared)); };
     visit_nearest(octree.tree(), p, bound, [&](RankRange ranks) noexcept {
         const auto group = rows.subspan(ranks.first, ranks.count);
         std::array<double, TriangleTree::width> squared;
@@ -100,17 +100,14 @@ RowDistance search_tree(const ProximityOctree& octree, std::span<const TriangleR
         ++steps.groups;
         offer_nearest(
             squared, group.size(),
-            [&] {
-                const double least = std::min(bound, best.squared);
-                return triangle_distance_limit(least * tree_scale * tree_scale, reach);
-            },
+            [&] { return triangle_distance_limit(least() * tree_scale * tree_scale, reach); },
             [&](std::size_t i) {
                 const auto rank = static_cast<std::uint32_t>(ranks.first + i);
                 const RowDistance found = closest_of_row(rows[rank], rank, p, scale);
                 if (found.before(best)) best = found;
                 ++steps.rechecks;
             });
-        return std::min(bound, best.squared);
+        return least();
     });
     return best;
 }
@@ -144,8 +141,7 @@ void search_run(const ProximityOctree& octree, std::span<const TriangleRow<Scala
         scan_block<true>(block, entry.mask, frame_p, in_units, candidates);
         if (candidates.lanes == 0) continue;
         recheck(candidates, rows, p, scale_of(octree), best, steps);
-        nearest = std::min(nearest, std::sqrt(best.squared) * octree.frame().scale * (1 + 0x1p-40) +
-                                        0x1p-44);
+        nearest = std::min(nearest, std::sqrt(best.squared) * (1 + 0x1p-40) + 0x1p-44);
     }
 }
 

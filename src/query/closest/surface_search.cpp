@@ -31,18 +31,19 @@ void find_closest(const SurfaceSearch& search, const Vec3& p, NearestFeature& be
 {
     const double scale = search.tree().scale();
     const double reach = search.tree().reach();
-    visit_nearest(search.tree(), p, best.squared, [&](RankRange ranks) noexcept {
-        const std::span<const TriangleId> ids = search.triangles(ranks);
-        std::array<double, TriangleTree::width> squared;
-        triangle_distances(search.mesh(), ids, p, scale, squared);
-        offer_nearest(
-            squared, ids.size(),
-            [&] { return triangle_distance_limit(best.squared * scale * scale, reach); },
-            [&](std::size_t i) {
-                offer_triangle(search.mesh(), search.topology(), ids[i], p, best);
-            });
-        return best.squared;
-    });
+    const RowScale row_scale{scale, 1 / scale};
+    visit_nearest(
+        search.tree(), p, row_scale.unscale_squared(best.squared), [&](RankRange ranks) noexcept {
+            const std::span<const TriangleId> ids = search.triangles(ranks);
+            std::array<double, TriangleTree::width> squared;
+            triangle_distances(search.mesh(), ids, p, scale, squared);
+            offer_nearest(
+                squared, ids.size(), [&] { return triangle_distance_limit(best.squared, reach); },
+                [&](std::size_t i) {
+                    offer_triangle(search.mesh(), search.topology(), ids[i], p, row_scale, best);
+                });
+            return row_scale.unscale_squared(best.squared);
+        });
 }
 
 ClosestFeature closest_feature(const SurfaceSearch& search, const Vec3& p) noexcept
@@ -50,7 +51,8 @@ ClosestFeature closest_feature(const SurfaceSearch& search, const Vec3& p) noexc
     if (!p.allFinite()) return no_closest_feature();
     NearestFeature best;
     find_closest(search, p, best);
-    return describe_closest(search.mesh(), search.topology(), best.feature, p);
+    return describe_closest(search.mesh(), search.topology(), best, p,
+                            {search.tree().scale(), 1 / search.tree().scale()});
 }
 
 std::optional<ClosestFeature> closest_feature(const SurfaceSearch& search, const Vec3& p,
@@ -58,11 +60,12 @@ std::optional<ClosestFeature> closest_feature(const SurfaceSearch& search, const
 {
     if (!p.allFinite() || !(radius >= 0)) return std::nullopt;
     NearestFeature best;
-    best.squared = radius * radius;
+    best.squared = radius * search.tree().scale() * (radius * search.tree().scale());
     const Feature none = best.feature;
     find_closest(search, p, best);
     if (best.feature == none) return std::nullopt;
-    return describe_closest(search.mesh(), search.topology(), best.feature, p);
+    return describe_closest(search.mesh(), search.topology(), best, p,
+                            {search.tree().scale(), 1 / search.tree().scale()});
 }
 
 } // namespace proxima

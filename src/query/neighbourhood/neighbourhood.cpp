@@ -64,9 +64,11 @@ void visit_triangles(const SurfaceSearch& search, const Vec3& p, double radius,
         for (std::size_t i = 0; i < ids.size(); ++i) {
             if (squared[i] > lane_limit) continue;
             NearestFeature nearest;
-            offer_triangle(search.mesh(), search.topology(), ids[i], p, nearest);
-            if (!(nearest.squared <= limit)) continue;
-            if (visit(ids[i], nearest.squared) == Flow::stop) return Flow::stop;
+            offer_triangle(search.mesh(), search.topology(), ids[i], p, {scale, 1 / scale},
+                           nearest);
+            const double found = nearest.squared / scale / scale;
+            if (!(found <= limit)) continue;
+            if (visit(ids[i], found) == Flow::stop) return Flow::stop;
         }
         return Flow::proceed;
     });
@@ -75,10 +77,11 @@ void visit_triangles(const SurfaceSearch& search, const Vec3& p, double radius,
 /// Squared distance of the closed edge.
 double closed_distance(const SurfaceSearch& search, EdgeId edge, const Vec3& p) noexcept
 {
-    const double inside = squared_distance(search.mesh(), search.topology(), edge, p);
     const EdgeVertices& ends = search.topology().vertices(edge);
-    const double at_ends = std::min(squared_distance(search.mesh(), ends[0], p),
-                                    squared_distance(search.mesh(), ends[1], p));
+    const Vec3& from = search.mesh().position(ends[0]);
+    const Vec3& to = search.mesh().position(ends[1]);
+    const double inside = foot_between(from, to, p, {}).squared;
+    const double at_ends = std::min(squared_distance(from, p), squared_distance(to, p));
     return inside <= at_ends ? inside : at_ends;
 }
 
@@ -183,7 +186,8 @@ Neighbourhood collect_features(const SurfaceSearch& search, const Vec3& p, doubl
             const bool repeated =
                 std::find(corners.begin(), corners.begin() + k, corners[k]) != corners.begin() + k;
             if (!repeated && topology.triangles(vertex).front() == id &&
-                !offer(squared_distance(mesh, vertex, p), FeatureKind::vertex, index(vertex))) {
+                !offer(squared_distance(mesh.position(vertex), p), FeatureKind::vertex,
+                       index(vertex))) {
                 return Flow::stop;
             }
             const EdgeId edge = edges[k];

@@ -91,7 +91,10 @@ TEST(SurfaceSearch, StartsFromWhatIsKnown)
     for (const Vec3& p : proximity_points(mesh, 200, 11)) {
         NearestFeature best;
         if (last.feature.kind == FeatureKind::vertex) {
-            best = {squared_distance(mesh, VertexId{last.feature.id}, p), last.feature};
+            const double scale = search.tree().scale();
+            best = {squared_distance(mesh.position(VertexId{last.feature.id}), p,
+                                     {scale, 1 / scale}),
+                    last.feature};
         }
         find_closest(search, p, best);
         EXPECT_EQ(best.feature, closest_feature_by_brute_force(mesh, topology, p).feature);
@@ -153,8 +156,8 @@ TEST(TriangleLanes, AreRightUpToTheirLimit)
             std::array<double, 8> squared{};
             triangle_distances(mesh, std::span(&id, 1), p, scale, squared);
             NearestFeature truth;
-            offer_triangle(mesh, topology, id, p, truth);
-            const double exact = truth.squared * scale * scale;
+            offer_triangle(mesh, topology, id, p, {scale, 1 / scale}, truth);
+            const double exact = truth.squared;
             EXPECT_FALSE(squared[0] > triangle_distance_limit(exact, search.tree().reach()));
             ++total;
             if (squared[0] == 0 && exact > 0) {

@@ -1,0 +1,65 @@
+#include "query/closest/closest_feature.h"
+#include "query/closest/describe_closest.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "query/closest/closest_in_index.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+// After them: it is read once for every instruction set.
+#include "query/closest/search_index-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace proxima::HWY_NAMESPACE {
+
+RowDistance search_one(const MeshIndex& index, const Vec3& p, double known)
+{
+    return search_any_index(index, p, known);
+}
+
+} // namespace proxima::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+namespace proxima {
+
+HWY_EXPORT(search_one);
+
+namespace {
+
+/// How far an earlier answer's point may be from the mesh: by the rounding of its coordinates.
+double rounding_of_points(const MeshIndex& index) noexcept
+{
+    return 0x1p-46 * (index.center().cwiseAbs().maxCoeff() + index.unscale());
+}
+
+} // namespace
+
+RowDistance find_closest(const MeshIndex& index, const Vec3& p, double known) noexcept
+{
+    return HWY_DYNAMIC_DISPATCH(search_one)(index, p, known);
+}
+
+std::optional<ClosestFeature> closest_feature(const MeshIndex& index, const Vec3& p,
+                                              const ClosestOptions& options) noexcept
+{
+    const double radius = options.radius;
+    double known = radius;
+    if (options.start_from != nullptr) {
+        const double distance = (p - options.start_from->point).norm() + rounding_of_points(index);
+        if (distance < known) known = distance;
+    }
+    RowDistance found = find_closest(index, p, known);
+    const auto within = [&](double size) {
+        const double scaled = size * index.scale();
+        return found.found() && found.squared <= scaled * scaled;
+    };
+    // Nothing that near: it was no point of this mesh, and what was passed over may be nearer.
+    if (known < radius && !within(known)) found = find_closest(index, p, radius);
+    if (!found.found() || !within(radius)) return std::nullopt;
+    return describe_closest(index, found);
+}
+
+} // namespace proxima
+
+#endif
