@@ -1,6 +1,7 @@
 #include "proxima_peer.h"
 
 #include "base/check.h"
+#include "index/build_mesh_index.h"
 #include "index/lists/build_proximity_octree.h"
 #include "query/closest/closest_feature.h"
 
@@ -8,6 +9,34 @@
 
 namespace proxima::bench {
 namespace {
+
+PeerAnswer answer_of(const ClosestFeature& found)
+{
+    return {found.squared_distance, found.triangle};
+}
+
+class TreePeer {
+public:
+    explicit TreePeer(MeshIndex index) : index_(std::move(index)) {}
+
+    [[nodiscard]] PeerAnswer closest(const Vec3& point) const
+    {
+        return answer_of(*closest_feature(index_, point));
+    }
+    void closest(std::span<const Vec3> points, std::span<PeerAnswer> answers)
+    {
+        features_.resize(points.size());
+        const Status status =
+            closest_features(index_, points, {.answers = features_}, {.threads = {1}});
+        PROXIMA_CHECK(status.has_value());
+        std::ranges::transform(features_, answers.begin(), answer_of);
+    }
+    [[nodiscard]] std::size_t bytes() const { return index_.bytes(); }
+
+private:
+    MeshIndex index_;
+    std::vector<ClosestFeature> features_; ///< kept for the next batch
+};
 
 class ProximaPeer {
 public:
@@ -36,11 +65,6 @@ public:
     [[nodiscard]] std::size_t bytes() const { return octree_.bytes(); }
 
 private:
-    static PeerAnswer answer_of(const ClosestFeature& found)
-    {
-        return {found.squared_distance, found.triangle};
-    }
-
     ProximityOctree octree_;
     std::vector<ClosestFeature> features_ = std::vector<ClosestFeature>(4096);
 };
@@ -56,6 +80,17 @@ Result<std::unique_ptr<Contender>> make_proxima_peer(const TriangleMesh& mesh,
     if (!octree) return tl::unexpected(octree.error());
     const double seconds = 1e-9 * (nanoseconds_now() - start);
     auto contender = make_contender<ProximaPeer>("proxima", std::move(*octree));
+    contender->build_seconds = seconds;
+    return contender;
+}
+
+Result<std::unique_ptr<Contender>> make_tree_peer(const TriangleMesh& mesh)
+{
+    const double start = nanoseconds_now();
+    auto index = build_mesh_index(mesh, {.threads = {1}});
+    if (!index) return tl::unexpected(index.error());
+    const double seconds = 1e-9 * (nanoseconds_now() - start);
+    auto contender = make_contender<TreePeer>("tree", std::move(*index));
     contender->build_seconds = seconds;
     return contender;
 }

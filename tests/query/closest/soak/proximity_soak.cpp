@@ -7,6 +7,7 @@
 // the same seed, whatever the threads. Exit status 1 if anything was wrong.
 
 #include "base/parallel.h"
+#include "index/build_mesh_index.h"
 #include "index/lists/build_proximity_octree.h"
 #include "query/closest/soak/closest_check.h"
 #include "query/closest/soak/sign_check.h"
@@ -148,13 +149,13 @@ private:
         }
         const auto topology = build_topology(mesh);
         if (!topology) return fail_mesh(named, topology.error());
-        const auto search = build_surface_search(mesh, *topology);
-        if (!search) return fail_mesh(named, search.error());
+        const auto index = build_mesh_index(mesh);
+        if (!index) return fail_mesh(named, index.error());
         const auto octrees = build_octrees(mesh, *topology, options_.threads);
         if (!octrees) return fail_mesh(named, octrees.error());
 
         const PointMaker maker(mesh, *topology, octrees->front());
-        const ClosestCheck check(*search, *octrees);
+        const ClosestCheck check({mesh, *topology, *index}, *octrees);
         for (std::size_t s = 0; s < all_point_sets.size(); ++s) {
             const std::uint64_t count = options_.points * shares[s] / (100 * meshes) + 1;
             const auto tally = check_points<ClosestTally>(
@@ -162,7 +163,7 @@ private:
             print_row(named.name, name_of(all_point_sets[s]), tally);
             all_.add(tally);
         }
-        const auto sign = build_surface_sign(*search);
+        const auto sign = build_surface_sign(mesh, *topology, *index);
         if (!sign) return fail_mesh(named, sign.error());
         check_signs(named, *sign, octrees->front(), maker, meshes);
         (void)std::fflush(stdout);
