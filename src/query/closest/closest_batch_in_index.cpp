@@ -84,7 +84,7 @@ public:
 
 private:
     /// How many are on their way at once.
-    static constexpr std::size_t together = 4;
+    static constexpr std::size_t together = 2;
 
     struct Flight {
         Vec3 p;

@@ -143,6 +143,20 @@ TEST(ClosestInIndex, AnswersAsTheProximityOctree)
     }
 }
 
+// The inside of a sliver is nearer than its sides and than another triangle: only its sides are
+// measured in floats.
+TEST(ClosestInIndex, FindsTheInsideOfSlivers)
+{
+    const TriangleMesh mesh = mesh_of({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0.5, 0.019, 0),
+                                       Vec3(0, -1, 0.003), Vec3(1, -1, 0.003), Vec3(0.5, 1, 0.003)},
+                                      {{0, 1, 2}, {3, 4, 5}});
+    std::vector<Vec3> points;
+    for (int i = 0; i < 40; ++i) points.emplace_back(0.4 + 0.005 * i, 0.0085, 0.0005);
+    expect_answers_of_brute_force(mesh, points);
+    const auto found = closest_feature(build_mesh_index(mesh).value(), Vec3(0.5, 0.0085, 0.0005));
+    EXPECT_EQ(found->feature, (Feature{FeatureKind::face, 0}));
+}
+
 // All triangles are as near, but for rounding: more candidates than are kept.
 TEST(ClosestInIndex, AnswersAtTheCentreOfASphere)
 {
