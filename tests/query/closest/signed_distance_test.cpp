@@ -385,7 +385,8 @@ TEST(SignedDistance, SaysWhyThereIsNone)
             build_surface_sign(mesh, topology, {.threads = {1}, .progress = &progress});
         if (sign) break;
         EXPECT_EQ(sign.error().code, ErrorCode::cancelled);
-        ASSERT_LT(reports, 100U);
+        // Each stage looks a few times per triangle: the index of the build among them.
+        ASSERT_LT(reports, 100 * mesh.triangle_count());
     }
 }
 
