@@ -3,8 +3,8 @@
 // first, then the nine edge axes, then the plane.
 #pragma once
 
-#include "mesh/triangle_mesh.h"
-#include "octree/cell.h"
+#include "proxima/octree.h"
+#include "proxima/triangle_mesh.h"
 
 #include <algorithm>
 #include <array>

@@ -8,8 +8,8 @@
 #include "contact_peers.h"
 #include "contact_poses.h"
 #include "index/build_mesh_index.h"
-#include "mesh/mesh_io.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/mesh_io.h"
+#include "proxima/sample_meshes.h"
 
 #include <CLI/CLI.hpp>
 

@@ -1,8 +1,8 @@
 // What intersects a mesh with itself in contact_bench: ours and FCL.
 #pragma once
 
-#include "geometry/rigid_transform.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/geometry.h"
+#include "proxima/triangle_mesh.h"
 #include "query/contact/intersect_meshes.h"
 
 #include <memory>

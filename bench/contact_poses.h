@@ -1,9 +1,9 @@
 // Poses of a mesh against itself: turned anyhow, and overlapping, nearly apart or barely touching.
 #pragma once
 
-#include "geometry/rigid_transform.h"
 #include "index/mesh_index.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/geometry.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cstdint>
 #include <vector>

@@ -9,8 +9,8 @@
 #include "cull_by_lanes.h"
 #include "cull_path.h"
 #include "index/build_mesh_index.h"
-#include "mesh/mesh_io.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/mesh_io.h"
+#include "proxima/sample_meshes.h"
 #include "query/culling/cull_volume.h"
 
 #include <CLI/CLI.hpp>
@@ -55,7 +55,7 @@ std::vector<Triangle> triangles_of(const TriangleMesh& mesh,
 Result<std::unique_ptr<Scene>> make_scene(TriangleMesh mesh)
 {
     const double start = processor_seconds();
-    auto index = build_mesh_index(mesh, {.threads = {1}});
+    auto index = build_mesh_index(mesh, {.execution = {.threads = {1}}});
     if (!index) return tl::unexpected(index.error());
     const double seconds = processor_seconds() - start;
     std::vector<TriangleCorners> sorted;

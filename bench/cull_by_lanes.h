@@ -5,7 +5,7 @@
 //     vertices    a byte of planes per vertex, computed once; then three bytes per triangle
 #pragma once
 
-#include "geometry/view_volume.h"
+#include "proxima/view_volume.h"
 #include "query/culling/cull_volume.h"
 
 #include <array>

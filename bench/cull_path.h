@@ -5,8 +5,8 @@
 //              leaves; the frames between look at these alone
 #pragma once
 
-#include "geometry/view_volume.h"
 #include "index/mesh_index.h"
+#include "proxima/view_volume.h"
 
 #include <array>
 #include <span>

@@ -15,8 +15,8 @@
 #include "fcl_distance_peer.h"
 #include "index/build_mesh_index.h"
 #include "index/slabs/build_distance_index.h"
-#include "mesh/mesh_io.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/mesh_io.h"
+#include "proxima/sample_meshes.h"
 #include "query/distance/mesh_distance.h"
 
 #include <CLI/CLI.hpp>
@@ -42,8 +42,8 @@ public:
     explicit ProximaDistance(const TriangleMesh& mesh)
     {
         const auto start = std::chrono::steady_clock::now();
-        const auto triangles = build_mesh_index(mesh, {.threads = {1}});
-        index_ = build_distance_index(triangles.value(), {.threads = {1}}).value();
+        const auto triangles = build_mesh_index(mesh, {.execution = {.threads = {1}}});
+        index_ = build_distance_index(triangles.value(), {.execution = {.threads = {1}}}).value();
         seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     }
     [[nodiscard]] std::string name() const override { return "proxima"; }

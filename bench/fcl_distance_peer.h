@@ -1,8 +1,8 @@
 // FCL 0.7 as a peer in distances between meshes.
 #pragma once
 
-#include "geometry/rigid_transform.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/geometry.h"
+#include "proxima/triangle_mesh.h"
 
 #include <memory>
 #include <string>

@@ -9,8 +9,8 @@
 // triangles that face the proxy and are not too thin for its offset from them.
 #pragma once
 
-#include "geometry/shapes.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/geometry.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cstdint>
 #include <optional>

@@ -7,7 +7,7 @@
 // format first, so each row reads one mesh: vertices, triangles and a hash of the positions in file
 // order are printed, and a faster wrong answer shows. Assimp's are floats, so its hash is its own.
 #include "base/text.h"
-#include "mesh/mesh_io.h"
+#include "proxima/mesh_io.h"
 
 #include <assimp/Importer.hpp>
 #include <assimp/postprocess.h>

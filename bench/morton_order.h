@@ -1,7 +1,7 @@
 // Points sorted along a Morton curve, for peers whose neighbours in memory shall be near in space.
 #pragma once
 
-#include "geometry/shapes.h"
+#include "proxima/geometry.h"
 
 #include <cstdint>
 #include <span>

@@ -5,10 +5,9 @@
 // cells, references and a hash of the lists: a faster wrong answer would show.
 
 #include "akenine_moller.h"
-#include "mesh/mesh_io.h"
-#include "mesh/sample_meshes.h"
-#include "octree/build_octree.h"
-#include "octree/statistics.h"
+#include "proxima/mesh_io.h"
+#include "proxima/octree.h"
+#include "proxima/sample_meshes.h"
 
 #include <benchmark/benchmark.h>
 #include <malloc.h>
@@ -74,7 +73,7 @@ void build_ours(benchmark::State& state, const Workload& load, OverlapMethod met
                                 .threshold = load.threshold,
                                 .method = method,
                                 .classification = Classification::none,
-                                .threads = {threads}};
+                                .execution = {.threads = {threads}}};
     std::string text;
     double bytes = 0;
     while (state.KeepRunning()) {
@@ -112,7 +111,7 @@ void build_two_at_once(benchmark::State& state, const Workload& load)
     const OctreeOptions options{.max_depth = load.depth,
                                 .threshold = load.threshold,
                                 .classification = Classification::none,
-                                .threads = {1}};
+                                .execution = {.threads = {1}}};
     while (state.KeepRunning()) {
         std::array<Result<Octree>, 2> octrees{Octree{}, Octree{}};
         std::latch start(3);

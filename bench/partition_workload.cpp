@@ -1,9 +1,8 @@
 #include "partition_workload.h"
 
-#include "mesh/mesh_io.h"
-#include "mesh/sample_meshes.h"
-#include "octree/build_octree.h"
-#include "octree/octree.h"
+#include "proxima/mesh_io.h"
+#include "proxima/octree.h"
+#include "proxima/sample_meshes.h"
 
 #include <algorithm>
 #include <cmath>

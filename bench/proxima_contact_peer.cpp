@@ -11,7 +11,7 @@ public:
     explicit ProximaContactPeer(const TriangleMesh& mesh)
     {
         const auto start = std::chrono::steady_clock::now();
-        index_ = build_mesh_index(mesh, {.threads = {1}}).value();
+        index_ = build_mesh_index(mesh, {.execution = {.threads = {1}}}).value();
         seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     }
     [[nodiscard]] std::string name() const override { return "proxima"; }

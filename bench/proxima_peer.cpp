@@ -26,8 +26,8 @@ public:
     void closest(std::span<const Vec3> points, std::span<PeerAnswer> answers)
     {
         features_.resize(points.size());
-        const Status status =
-            closest_features(index_, points, {.answers = features_}, {.threads = {1}});
+        const Status status = closest_features(index_, points, {.answers = features_},
+                                               {.execution = {.threads = {1}}});
         PROXIMA_CHECK(status.has_value());
         std::ranges::transform(features_, answers.begin(), answer_of);
     }
@@ -55,7 +55,8 @@ public:
             const auto some =
                 points.subspan(first, std::min(features_.size(), points.size() - first));
             const auto found = std::span(features_).first(some.size());
-            const Status status = closest_features(octree_, some, found);
+            const Status status =
+                closest_features(octree_, some, found, {.execution = {.threads = {1}}});
             PROXIMA_CHECK(status.has_value());
             std::ranges::transform(found, answers.begin() + static_cast<std::ptrdiff_t>(first),
                                    answer_of);
@@ -75,8 +76,9 @@ Result<std::unique_ptr<Contender>> make_proxima_peer(const TriangleMesh& mesh,
                                                      std::uint64_t bytes_per_triangle)
 {
     const double start = nanoseconds_now();
-    auto octree = build_proximity_octree(
-        mesh, {.budget_bytes = bytes_per_triangle * mesh.triangle_count(), .threads = {1}});
+    auto octree =
+        build_proximity_octree(mesh, {.budget_bytes = bytes_per_triangle * mesh.triangle_count(),
+                                      .execution = {.threads = {1}}});
     if (!octree) return tl::unexpected(octree.error());
     const double seconds = 1e-9 * (nanoseconds_now() - start);
     auto contender = make_contender<ProximaPeer>("proxima", std::move(*octree));
@@ -87,7 +89,7 @@ Result<std::unique_ptr<Contender>> make_proxima_peer(const TriangleMesh& mesh,
 Result<std::unique_ptr<Contender>> make_tree_peer(const TriangleMesh& mesh)
 {
     const double start = nanoseconds_now();
-    auto index = build_mesh_index(mesh, {.threads = {1}});
+    auto index = build_mesh_index(mesh, {.execution = {.threads = {1}}});
     if (!index) return tl::unexpected(index.error());
     const double seconds = 1e-9 * (nanoseconds_now() - start);
     auto contender = make_contender<TreePeer>("tree", std::move(*index));

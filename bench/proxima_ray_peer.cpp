@@ -7,12 +7,14 @@
 namespace proxima::bench {
 namespace {
 
+const RayBatchOptions one_thread{.execution = {.threads = {1}}};
+
 class ProximaRayPeer final : public RayPeer {
 public:
     explicit ProximaRayPeer(const TriangleMesh& mesh)
     {
         const auto start = std::chrono::steady_clock::now();
-        index_ = build_mesh_index(mesh, {.threads = {1}}).value();
+        index_ = build_mesh_index(mesh, {.execution = {.threads = {1}}}).value();
         seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     }
     [[nodiscard]] std::string name() const override { return "proxima"; }
@@ -28,14 +30,14 @@ public:
     {
         for (std::size_t i = 0; i < rays_.size(); ++i) hits_[i] = closest_hit(index_, rays_[i]);
     }
-    void cast_closest_together() override { (void)closest_hits(index_, rays_, hits_); }
+    void cast_closest_together() override { (void)closest_hits(index_, rays_, hits_, one_thread); }
     void cast_any() override
     {
         for (std::size_t i = 0; i < rays_.size(); ++i) any_[i] = any_hit(index_, rays_[i]);
     }
     void cast_any_together() override
     {
-        (void)any_hits(index_, rays_, std::span(any_.get(), rays_.size()));
+        (void)any_hits(index_, rays_, std::span(any_.get(), rays_.size()), one_thread);
     }
     [[nodiscard]] PeerHit hit(std::size_t ray) const override
     {

@@ -10,8 +10,8 @@
 #include "base/text.h"
 #include "bench_program.h"
 #include "brute_force_peer.h"
-#include "mesh/mesh_io.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/mesh_io.h"
+#include "proxima/sample_meshes.h"
 #include "proxima_peer.h"
 #include "proximity_race.h"
 #ifdef PROXIMA_BENCH_CGAL

@@ -7,8 +7,8 @@
 // A further peer is a class with these functions and one line in proximity_bench.cpp.
 #pragma once
 
-#include "base/result.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/result.h"
+#include "proxima/triangle_mesh.h"
 
 #include <benchmark/benchmark.h>
 

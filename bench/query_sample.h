@@ -1,7 +1,7 @@
 // Some of a set of queries, for slow peers.
 #pragma once
 
-#include "geometry/vec.h"
+#include "proxima/geometry.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -5,8 +5,8 @@
 // Every row of hits is compared with ours: another triangle at another t, or a miss where we hit,
 // is counted. Prints tables; one thread.
 #include "bench_program.h"
-#include "mesh/mesh_io.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/mesh_io.h"
+#include "proxima/sample_meshes.h"
 #include "ray_peers.h"
 #include "ray_sets.h"
 

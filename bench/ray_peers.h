@@ -1,8 +1,8 @@
 // What casts rays in ray_bench: ours and Embree 3, fast and robust, single rays and batches.
 #pragma once
 
-#include "geometry/ray.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/geometry.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cstdint>
 #include <limits>

@@ -6,8 +6,8 @@
 // All numbers are floats, so that every peer casts the same rays.
 #pragma once
 
-#include "geometry/ray.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/geometry.h"
+#include "proxima/triangle_mesh.h"
 #include "ray_peers.h"
 
 #include <array>

@@ -7,8 +7,8 @@
 
 #include "index/lists/build_proximity_octree.h"
 #include "lab/query_sets.h"
-#include "mesh/mesh_io.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/mesh_io.h"
+#include "proxima/sample_meshes.h"
 #include "query/closest/closest_feature.h"
 #include "query/closest/refit_proximity_octree.h"
 

@@ -3,8 +3,7 @@
 // scripts/bench sum_partition, which prints the ratios of one interleaved run.
 //
 //     octree workloads   every (triangle, child cell) that building an octree asks about; the sum
-//     is
-//                        of triangle and child, and a tree is built per triangle and depth
+//                        is of triangle and child, and a tree is built per triangle and depth
 //     uniform            the same sums, asked about points spread over their bounding boxes, for
 //                        which the trees are built
 //     1000x1000          two round polytopes of 1,000 vertices each
@@ -13,11 +12,11 @@
 // normal; then the number of points found inside, by which the rows must agree. PROXIMA_BENCH_MESH
 // names a further mesh, built to depth 9 with threshold 8.
 
-#include "minkowski/convex_hull.h"
 #include "minkowski/operation_counts.h"
 #include "minkowski/sum_partition.h"
 #include "minkowski/triangle_cube_descent.h"
 #include "partition_workload.h"
+#include "proxima/convex_polyhedron.h"
 
 #include <benchmark/benchmark.h>
 

@@ -3,8 +3,8 @@
 #include "index/file/proximity_file.h"
 #include "index/lists/build_proximity_octree.h"
 #include "index/lists/octree_mesh.h"
-#include "mesh/mesh_io.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/mesh_io.h"
+#include "proxima/sample_meshes.h"
 
 #include <algorithm>
 #include <filesystem>

@@ -1,12 +1,12 @@
 // A model to be touched by benchmarks: a mesh, or the saved octree of one.
 #pragma once
 
-#include "base/result.h"
 #include "haptics/device/workspace_map.h"
 #include "haptics/surface/contact_surface.h"
 #include "index/lists/proximity_octree.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/result.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 
 #include <memory>
 #include <string>

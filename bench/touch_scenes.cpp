@@ -4,8 +4,8 @@
 #include "haptics/device/simulated_hand.h"
 #include "haptics/loop/quality_report.h"
 #include "haptics/scene/scripted_scene.h"
-#include "mesh/mesh_io.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/mesh_io.h"
+#include "proxima/sample_meshes.h"
 #include "touch_table.h"
 
 #include <algorithm>

@@ -6,7 +6,7 @@
 #pragma once
 
 #include "geometry/closest_point.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/triangle_mesh.h"
 
 #include <algorithm>
 #include <array>

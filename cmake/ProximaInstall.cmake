@@ -2,8 +2,7 @@
 include(CMakePackageConfigHelpers)
 
 get_property(layers GLOBAL PROPERTY PROXIMA_LAYERS)
-install(TARGETS proxima ${layers} EXPORT proximaTargets FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/proxima
-  INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/proxima)
+install(TARGETS proxima ${layers} EXPORT proximaTargets FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(EXPORT proximaTargets NAMESPACE proxima:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/proxima)
 configure_package_config_file(cmake/proximaConfig.cmake.in proximaConfig.cmake
   INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/proxima)

@@ -48,17 +48,20 @@ function(proxima_own_units)
     COMPILE_DEFINITIONS HWY_DISABLED_TARGETS=HWY_SSSE3)
 endfunction()
 
-# proxima_add_layer(NAME HEADERS ... SOURCES ... LINK ... PRIVATE_LINK ...)
-# One static library per layer: target proxima_NAME, exported as proxima::NAME.
+# proxima_add_layer(NAME PUBLIC_HEADERS ... HEADERS ... SOURCES ... LINK ... PRIVATE_LINK ...)
+# One static library per layer: target proxima_NAME, exported as proxima::NAME. Public headers lie in
+# include/proxima and are installed; the others are for the project itself.
 function(proxima_add_layer name)
-  cmake_parse_arguments(ARG "" "" "HEADERS;SOURCES;LINK;PRIVATE_LINK" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "PUBLIC_HEADERS;HEADERS;SOURCES;LINK;PRIVATE_LINK" ${ARGN})
   set(target proxima_${name})
   add_library(${target} STATIC ${ARG_SOURCES})
   add_library(proxima::${name} ALIAS ${target})
+  list(TRANSFORM ARG_PUBLIC_HEADERS PREPEND ${PROJECT_SOURCE_DIR}/include/proxima/)
   target_sources(${target} PUBLIC FILE_SET HEADERS
-    BASE_DIRS ${PROJECT_SOURCE_DIR}/src FILES ${ARG_HEADERS})
+    BASE_DIRS ${PROJECT_SOURCE_DIR}/include FILES ${ARG_PUBLIC_HEADERS})
   target_compile_features(${target} PUBLIC cxx_std_20)
-  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/src)
+  target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>
+    PRIVATE ${PROJECT_SOURCE_DIR}/include)
   target_link_libraries(${target} PUBLIC ${ARG_LINK}
     PRIVATE ${ARG_PRIVATE_LINK} $<BUILD_INTERFACE:proxima_developer_options>)
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
@@ -66,4 +69,19 @@ function(proxima_add_layer name)
     proxima_share_headers(${target})
   endif()
   set_property(GLOBAL APPEND PROPERTY PROXIMA_LAYERS ${target})
+
+  # The index, queries and touch have no public headers yet: until then the headers as they stand in
+  # src are installed, too, below proxima/internal. Their paths will change.
+  foreach(header IN LISTS ARG_HEADERS)
+    cmake_path(GET header PARENT_PATH folder)
+    install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/proxima/internal/${name}/${folder})
+  endforeach()
+  target_include_directories(${target} INTERFACE
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/proxima/internal>)
+
+  # The internal headers, each compiled alone by the build preset `headers` like the public ones.
+  add_library(${target}_internal INTERFACE)
+  target_sources(${target}_internal INTERFACE FILE_SET HEADERS
+    BASE_DIRS ${PROJECT_SOURCE_DIR}/src FILES ${ARG_HEADERS})
+  target_link_libraries(${target}_internal INTERFACE ${target})
 endfunction()

@@ -1,7 +1,6 @@
 #include <iostream>
-#include <minkowski/make_polyhedron.h>
-#include <minkowski/minkowski_sum.h>
-#include <minkowski/sum_queries.h>
+#include <proxima/convex_polyhedron.h>
+#include <proxima/minkowski_sum.h>
 
 int main()
 {

@@ -2,7 +2,7 @@
 #include <index/file/proximity_file.h>
 #include <index/lists/build_proximity_octree.h>
 #include <iostream>
-#include <mesh/sample_meshes.h>
+#include <proxima/sample_meshes.h>
 #include <query/closest/closest_feature.h>
 
 namespace {

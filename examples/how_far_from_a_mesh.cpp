@@ -1,7 +1,7 @@
 #include <index/lists/build_proximity_octree.h>
 #include <iostream>
-#include <mesh/sample_meshes.h>
-#include <mesh/topology.h>
+#include <proxima/sample_meshes.h>
+#include <proxima/topology.h>
 #include <query/closest/closest_feature.h>
 #include <query/closest/signed_distance.h>
 

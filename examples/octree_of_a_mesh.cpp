@@ -1,7 +1,6 @@
 #include <iostream>
-#include <mesh/mesh_io.h>
-#include <octree/build_octree.h>
-#include <octree/statistics.h>
+#include <proxima/mesh_io.h>
+#include <proxima/octree.h>
 
 int main(int argc, char** argv)
 {

@@ -1,7 +1,7 @@
 // A plate comes down on a hand that rests: prints how the force rises, tick by tick.
 #include "haptics/force/haptic_renderer.h"
 #include "haptics/scene/touch_scene.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/sample_meshes.h"
 
 #include <cstdio>
 

@@ -1,6 +1,6 @@
 #include <index/build_mesh_index.h>
 #include <iostream>
-#include <mesh/sample_meshes.h>
+#include <proxima/sample_meshes.h>
 #include <query/culling/cull_volume.h>
 #include <vector>
 

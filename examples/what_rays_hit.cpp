@@ -1,7 +1,7 @@
 #include <index/build_mesh_index.h>
 #include <iostream>
-#include <mesh/sample_meshes.h>
 #include <optional>
+#include <proxima/sample_meshes.h>
 #include <query/rays/cast_ray.h>
 #include <vector>
 

@@ -1,8 +1,8 @@
-#include <geometry/rigid_transform.h>
 #include <index/build_mesh_index.h>
 #include <index/slabs/build_distance_index.h>
 #include <iostream>
-#include <mesh/sample_meshes.h>
+#include <proxima/geometry.h>
+#include <proxima/sample_meshes.h>
 #include <query/contact/intersect_meshes.h>
 #include <query/contact/intersection_contour.h>
 #include <query/distance/mesh_distance.h>

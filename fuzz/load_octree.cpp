@@ -1,8 +1,9 @@
 // Feeds files with right checksums and any content to the octree loader, and walks through what it
 // accepts. Seeds are made by: proxima octree cube --depth 2 --save fuzz/corpus/octree/cube.pxo
+#include "base/binary_file.h"
 #include "exact_copy.h"
-#include "octree/octree_file.h"
-#include "octree/statistics.h"
+#include "proxima/octree.h"
+#include "proxima/octree_io.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,10 +1,11 @@
 // Feeds files with right checksums and any content to the loader of proximity octrees, queries what
 // it accepts, and makes its mesh again. Seeds are octrees of the cube, the octahedron (one leaf)
 // and torus:8x6 to depth 2.
+#include "base/binary_file.h"
 #include "exact_copy.h"
 #include "index/file/proximity_file.h"
 #include "index/lists/octree_mesh.h"
-#include "mesh/topology.h"
+#include "proxima/topology.h"
 #include "query/closest/closest_feature.h"
 
 #include <cstddef>

@@ -1,7 +1,7 @@
 // Reads any bytes as a mesh of one format: refused with a reason, or a mesh that keeps its
 // promises.
 #include "base/check.h"
-#include "mesh/mesh_io.h"
+#include "proxima/mesh_io.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -13,7 +13,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto mesh = read_mesh_from_memory(
         std::as_bytes(std::span(data, size)), MeshFormat::PROXIMA_FUZZED_FORMAT,
         {.weld = size % 2 == 0 ? Weld::by_format : Weld::exact_positions,
-         .budget = {.bytes = budget}});
+         .execution = {.budget = {.bytes = budget}}});
     if (!mesh) {
         PROXIMA_CHECK(!mesh.error().message.empty());
         PROXIMA_CHECK(!mesh.error().where.empty());

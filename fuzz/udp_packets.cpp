@@ -6,7 +6,7 @@
 #include "haptics/device/device_input.h"
 #include "haptics/device/remote_servo.h"
 #include "haptics/device/udp_device.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/sample_meshes.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,8 +1,8 @@
 // Cancelling work at moments that can be repeated.
 #pragma once
 
-#include "base/progress.h"
-#include "base/result.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
 
 #include <cstdint>
 #include <filesystem>

@@ -7,7 +7,7 @@
 // (on_surface), 1 (pseudonormal), 2 (winding_number).
 #pragma once
 
-#include "base/result.h"
+#include "proxima/result.h"
 #include "query/closest/closest_feature.h"
 #include "query/closest/signed_distance.h"
 

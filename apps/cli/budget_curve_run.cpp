@@ -89,8 +89,7 @@ private:
                                                    {.budget_bytes = budget * triangles,
                                                     .margin = options_.margin,
                                                     .max_depth = options_.depths.back(),
-                                                    .threads = session_.threads(),
-                                                    .progress = &session_.progress()});
+                                                    .execution = session_.execution()});
         if (!octree) return tl::unexpected(octree.error());
         CurveRow row;
         row.budget = budget;
@@ -196,8 +195,7 @@ Status run_budget_curve(const ProximityCommandOptions& options, Session& session
 {
     const auto mesh = session.load_model(options.model);
     if (!mesh) return tl::unexpected(mesh.error());
-    const auto topology =
-        build_topology(*mesh, {.threads = session.threads(), .progress = &session.progress()});
+    const auto topology = build_topology(*mesh, {.execution = session.execution()});
     if (!topology) return at_model(topology.error(), options.model);
     const auto curve = CurveRun(options, *mesh, *topology, session).run();
     if (!curve) return at_model(curve.error(), options.model);

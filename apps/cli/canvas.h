@@ -9,7 +9,7 @@
 
 #include "base/progress.h"
 #include "cli/image.h"
-#include "geometry/vec.h"
+#include "proxima/geometry.h"
 
 #include <array>
 #include <vector>

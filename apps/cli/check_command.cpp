@@ -9,7 +9,7 @@
 #include "cli/proximity_file_model.h"
 #include "cli/text_table.h"
 #include "index/build_mesh_index.h"
-#include "mesh/mesh_report.h"
+#include "proxima/mesh_report.h"
 #include "query/contact/self_intersection.h"
 
 #include <CLI/CLI.hpp>
@@ -213,10 +213,11 @@ Result<std::optional<SelfIntersections>> intersections_of(const TriangleMesh& me
     if (!checked_bounding_box(mesh)) return std::nullopt;
     Progress* const progress = &session.progress();
     const ProgressBar shown(session.progress(), session.bar());
-    const auto index = build_mesh_index(mesh, {.threads = session.threads(), .progress = progress});
+    const auto index =
+        build_mesh_index(mesh, {.execution = {.threads = session.threads(), .progress = progress}});
     if (!index) return tl::unexpected(index.error());
-    auto found =
-        find_self_intersections(*index, {.threads = session.threads(), .progress = progress});
+    auto found = find_self_intersections(
+        *index, {.execution = {.threads = session.threads(), .progress = progress}});
     if (!found) return tl::unexpected(found.error());
     return std::move(*found);
 }
@@ -239,7 +240,7 @@ Status check_mesh(const std::string& model, Session& session)
     if (!mesh) return tl::unexpected(mesh.error());
     auto report = [&] {
         const ProgressBar shown(session.progress(), session.bar());
-        return report_mesh(*mesh, {.threads = session.threads(), .progress = &session.progress()});
+        return report_mesh(*mesh, {.execution = session.execution()});
     }();
     if (!report) return at_model(report.error(), model);
     const auto intersections = intersections_of(*mesh, session);
@@ -254,7 +255,7 @@ Status check_mesh(const std::string& model, Session& session)
 Command add_check_command(CLI::App& app)
 {
     CLI::App* const parser =
-        app.add_subcommand("check", "Say what is wrong with a mesh or a saved octree");
+        app.add_subcommand("check", "Report what is wrong with a mesh or a saved octree");
     const auto options = std::make_shared<CheckOptions>();
     constexpr ModelKinds kinds = ModelKinds::meshes_and_all_octrees;
     add_model_option(*parser, options->model, kinds);

@@ -1,8 +1,8 @@
 // Whether a saved octree is what its file says.
 #pragma once
 
-#include "base/result.h"
 #include "cli/session.h"
+#include "proxima/result.h"
 
 #include <string>
 

@@ -54,9 +54,8 @@ Status check_proximity_file(const std::string& path, const std::string& mesh, Se
     const std::vector<Vec3> places = places_to_ask(*surface);
     {
         const ProgressBar shown(session.progress(), session.bar());
-        const Status status =
-            check_answers(*octree, surface->mesh, surface->topology, places,
-                          {.progress = &session.progress(), .threads = session.threads()});
+        const Status status = check_answers(*octree, surface->mesh, surface->topology, places,
+                                            {.execution = session.execution()});
         if (!status) return at_model(status.error(), path);
     }
     const ProximityStatistics counts = octree->statistics();

@@ -1,8 +1,8 @@
 // Whether a saved proximity octree is what its file says, and answers as its triangles do.
 #pragma once
 
-#include "base/result.h"
 #include "cli/session.h"
+#include "proxima/result.h"
 
 #include <string>
 

@@ -1,4 +1,5 @@
 // proxima closest: the closest feature of a mesh for each point of a file.
+#include "base/parallel.h"
 #include "cli/answer_table.h"
 #include "cli/closest_searcher.h"
 #include "cli/commands.h"
@@ -120,7 +121,8 @@ private:
         }
         // Cannot fail: sizes agree and the table holds finite numbers.
         (void)closest_features(searcher_.octree, std::span(points).first(count),
-                               std::span(answers_).subspan(begin, count));
+                               std::span(answers_).subspan(begin, count),
+                               {.execution = {.threads = {1}}});
         if (searcher_.sign) {
             for (std::size_t i = 0; i < count; ++i)
                 signs_[begin + i] = sign_of(*searcher_.sign, answers_[begin + i], points[i]);
@@ -166,7 +168,8 @@ Status run_closest(const ClosestOptions& options, Session& session)
     if (Status status = check_rows(options.out, session); !status) return status;
     const auto table = [&] {
         const ProgressBar shown(session.progress(), session.bar());
-        return read_number_table(options.points, "x,y,z", {.progress = &session.progress()});
+        return read_number_table(options.points, "x,y,z",
+                                 {.execution = {.progress = &session.progress()}});
     }();
     if (!table) return tl::unexpected(table.error());
     const auto searcher = make_closest_searcher(

@@ -37,10 +37,9 @@ Status build(const std::string& model, const ClosestSearcherOptions& options, Se
     if (!surface) return tl::unexpected(surface.error());
     searcher.surface = std::move(*surface);
     const ProgressBar shown(session.progress(), session.bar());
-    auto octree = build_proximity_octree(searcher.surface.mesh, searcher.surface.topology,
-                                         {.budget_bytes = options.budget_bytes,
-                                          .threads = session.threads(),
-                                          .progress = &session.progress()});
+    auto octree = build_proximity_octree(
+        searcher.surface.mesh, searcher.surface.topology,
+        {.budget_bytes = options.budget_bytes, .execution = session.execution()});
     if (!octree) return at_model(octree.error(), model);
     searcher.octree = std::move(*octree);
     searcher.build_seconds = watch.seconds();
@@ -61,7 +60,7 @@ make_closest_searcher(const std::string& model, const ClosestSearcherOptions& op
     const Stopwatch watch;
     const ProgressBar shown(session.progress(), session.bar());
     auto sign = build_surface_sign(searcher->surface.mesh, searcher->surface.topology,
-                                   {.threads = session.threads(), .progress = &session.progress()});
+                                   {.execution = session.execution()});
     if (!sign) return at_model(sign.error(), model);
     searcher->sign = std::move(*sign);
     searcher->build_seconds += watch.seconds();

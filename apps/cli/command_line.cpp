@@ -82,7 +82,9 @@ int run(const Command& command, const CommonOptions& options)
 
 int parse_and_run(int argc, char** argv, const char* version, std::span<const AddCommand> adders)
 {
-    CLI::App app("One octree for every spatial question about a triangle mesh.", "proxima");
+    CLI::App app(
+        "Spatial queries on triangle meshes: closest features, rays, contact, culling, touch.",
+        "proxima");
     app.set_version_flag("--version", version);
     app.require_subcommand(1);
     app.get_formatter()->column_width(32);

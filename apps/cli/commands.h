@@ -1,8 +1,8 @@
 // The subcommands: each adds its options to the parser and returns what runs it.
 #pragma once
 
-#include "base/result.h"
 #include "cli/session.h"
+#include "proxima/result.h"
 
 #include <functional>
 

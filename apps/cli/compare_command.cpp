@@ -64,8 +64,7 @@ Status run_compare(const CompareOptions& options, Session& session)
     const auto mesh = session.load_model(options.model);
     if (!mesh) return tl::unexpected(mesh.error());
     MethodRaceOptions race = options.race;
-    race.threads = session.threads_to_measure();
-    race.progress = &session.progress();
+    race.execution = {session.threads_to_measure(), &session.progress()};
     const auto rows = [&] {
         const ProgressBar shown(session.progress(), session.bar());
         return race_methods(*mesh, race);
@@ -76,7 +75,7 @@ Status run_compare(const CompareOptions& options, Session& session)
                               "interleaved runs\n\n{}\n{}\n",
                               options.model, mesh->triangle_count(), race.threshold,
                               race.exactness == Exactness::exact ? ", exact" : "",
-                              threads_text(race.threads), race.repeats, race_text(*rows),
+                              threads_text(race.execution.threads), race.repeats, race_text(*rows),
                               agreement_text(*rows)));
     nlohmann::ordered_json result = {{"model", options.model},
                                      {"triangles", mesh->triangle_count()},
@@ -113,8 +112,7 @@ Command add_compare_command(CLI::App& app)
     parser->add_flag_callback(
         "--exact", [options] { options->race.exactness = Exactness::exact; },
         "Let the thesis's methods decide exactly too: all methods then give one octree");
-    parser
-        ->add_option("--repeats", options->race.repeats, "Runs of each, of which the median counts")
+    parser->add_option("--repeats", options->race.repeats, "Runs of each method; the median counts")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str()
         ->type_name("N");

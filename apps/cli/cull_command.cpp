@@ -7,7 +7,7 @@
 #include "cli/stopwatch.h"
 #include "cli/triangle_file.h"
 #include "index/build_mesh_index.h"
-#include "octree/build_octree.h"
+#include "proxima/octree.h"
 #include "query/culling/cull_cells.h"
 #include "query/culling/cull_volume.h"
 
@@ -38,7 +38,7 @@ CullMode mode_of(const CullOptions& options)
 /// A row a,b,c,d per plane.
 Result<ViewVolume> read_volume(const std::string& path, Progress* progress)
 {
-    const auto table = read_number_table(path, "a,b,c,d", {.progress = progress});
+    const auto table = read_number_table(path, "a,b,c,d", {.execution = {.progress = progress}});
     if (!table) return tl::unexpected(table.error());
     std::vector<ViewPlane> planes(table->rows());
     for (std::size_t i = 0; i < planes.size(); ++i) {
@@ -88,12 +88,10 @@ Result<std::unique_ptr<Culled>> prepare(const CullOptions& options, Session& ses
     auto octree = build_octree(culled->mesh, {.max_depth = options.depth,
                                               .threshold = options.threshold,
                                               .classification = Classification::none,
-                                              .threads = session.threads(),
-                                              .progress = &session.progress()});
+                                              .execution = session.execution()});
     if (!octree) return at_model(octree.error(), options.model);
     culled->octree = std::move(*octree);
-    auto index = build_mesh_index(culled->mesh,
-                                  {.threads = session.threads(), .progress = &session.progress()});
+    auto index = build_mesh_index(culled->mesh, {.execution = session.execution()});
     if (!index) return at_model(index.error(), options.model);
     culled->index = std::move(*index);
     culled->build_seconds = watch.seconds();
@@ -155,7 +153,7 @@ Status run_cull(const CullOptions& options, Session& session)
                                            {.up = up_axis_of_model(options.model),
                                             .volume = &culled.volume,
                                             .mode = mode_of(options),
-                                            .progress = &session.progress()});
+                                            .execution = {.progress = &session.progress()}});
             if (!image) return tl::unexpected(image.error());
             if (Status status = write_png(*image, options.picture, &session.progress()); !status)
                 return status;
@@ -182,7 +180,7 @@ Status run_cull(const CullOptions& options, Session& session)
 Command add_cull_command(CLI::App& app)
 {
     CLI::App* const parser = app.add_subcommand(
-        "cull", "Find the triangles and cells that a camera sees, hidden or not");
+        "cull", "Find the triangles and cells in a camera's view; occlusion is not tested");
     const auto options = std::make_shared<CullOptions>();
     add_model_option(*parser, options->model);
     parser
@@ -198,11 +196,11 @@ Command add_cull_command(CLI::App& app)
         ->type_name("FILE");
     parser
         ->add_option("--picture", options->picture,
-                     "Draw the mesh, what is visible set off, with the visible cells: .png")
+                     "Draw the mesh with visible triangles and cells highlighted: .png")
         ->type_name("FILE");
     parser->add_flag(
         "--exact", options->exact,
-        "Only what has a point in common with the volume, not all that no plane drops");
+        "Only what has a point in common with the volume, instead of all that no plane rejects");
     parser->add_option("--depth", options->depth, "Depth of the octree for cells")
         ->check(CLI::Range(0, max_octree_depth))
         ->type_name("N");

@@ -5,11 +5,11 @@
 //     write_figure(figure, "plot.svg");
 #pragma once
 
-#include "base/progress.h"
-#include "base/result.h"
 #include "cli/image.h"
 #include "cli/lettering.h"
-#include "geometry/vec.h"
+#include "proxima/execution.h"
+#include "proxima/geometry.h"
+#include "proxima/result.h"
 
 #include <string>
 #include <vector>

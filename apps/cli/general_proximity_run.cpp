@@ -46,12 +46,13 @@ Status write_octree(const ProximityCommandOptions& options, const ProximityOctre
 {
     Progress* const progress = &session.progress();
     if (!options.save.empty()) {
-        Status status = save_proximity_octree(octree, options.save, {.progress = progress});
+        Status status =
+            save_proximity_octree(octree, options.save, {.execution = {.progress = progress}});
         if (!status) return status;
         session.print(fmt::format("wrote {}\n", options.save));
     }
     for (const std::string& path : options.exports) {
-        Status status = export_proximity(octree, path, {.progress = progress});
+        Status status = export_proximity(octree, path, {.execution = {.progress = progress}});
         if (!status) return status;
         session.print(fmt::format("wrote {}\n", path));
     }
@@ -64,19 +65,19 @@ Result<std::vector<GeneralRow>> build_rows(const ProximityCommandOptions& option
     const ProgressBar shown(session.progress(), session.bar());
     Progress* const progress = &session.progress();
     const auto topology =
-        build_topology(mesh, {.threads = session.threads(), .progress = progress});
+        build_topology(mesh, {.execution = {.threads = session.threads(), .progress = progress}});
     if (!topology) return tl::unexpected(topology.error());
     std::vector<Vec3> queries; // not before a build found the mesh to be one
     std::vector<GeneralRow> rows;
     for (const int depth : options.depths) {
         const PeakMemory memory;
         const Stopwatch watch;
-        const auto octree = build_proximity_octree(mesh, *topology,
-                                                   {.budget_bytes = budget_of(options, mesh),
-                                                    .margin = options.margin,
-                                                    .max_depth = depth,
-                                                    .threads = session.threads(),
-                                                    .progress = progress});
+        const auto octree = build_proximity_octree(
+            mesh, *topology,
+            {.budget_bytes = budget_of(options, mesh),
+             .margin = options.margin,
+             .max_depth = depth,
+             .execution = {.threads = session.threads(), .progress = progress}});
         if (!octree) return tl::unexpected(octree.error());
         GeneralRow row;
         row.depth = depth;

@@ -1,8 +1,8 @@
 // A picture in memory, and how it becomes a PNG file.
 #pragma once
 
-#include "base/progress.h"
-#include "base/result.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
 
 #include <array>
 #include <cstdint>

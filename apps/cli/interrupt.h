@@ -1,7 +1,7 @@
 // Ctrl-C, the request to terminate and the end of the terminal, handed on to the work in progress.
 #pragma once
 
-#include "base/progress.h"
+#include "proxima/execution.h"
 
 namespace proxima {
 

@@ -11,7 +11,7 @@
 #include "geometry/triangle_intersection.h"
 #include "index/build_mesh_index.h"
 #include "index/slabs/build_distance_index.h"
-#include "octree/build_octree.h"
+#include "proxima/octree.h"
 #include "query/contact/containment.h"
 #include "query/distance/mesh_distance.h"
 #include "thesis/intersect_octrees.h"
@@ -94,21 +94,17 @@ Status prepare(Body& body, const std::string& model, const IntersectOptions& opt
     auto octree = build_octree(body.mesh, {.max_depth = options.depth,
                                            .threshold = options.threshold,
                                            .classification = Classification::none,
-                                           .threads = session.threads(),
-                                           .progress = &session.progress()});
+                                           .execution = session.execution()});
     if (!octree) return at_model(octree.error(), model);
     body.octree = std::move(*octree);
-    auto index = build_mesh_index(body.mesh,
-                                  {.threads = session.threads(), .progress = &session.progress()});
+    auto index = build_mesh_index(body.mesh, {.execution = session.execution()});
     if (!index) return at_model(index.error(), model);
     body.index = std::move(*index);
-    auto enclosure =
-        build_enclosure(body.mesh, {.threads = session.threads(), .progress = &session.progress()});
+    auto enclosure = build_enclosure(body.mesh, {.execution = session.execution()});
     if (!enclosure) return at_model(enclosure.error(), model);
     body.enclosure = std::move(*enclosure);
     if (!options.distance) return {};
-    auto distances = build_distance_index(
-        body.index, {.threads = session.threads(), .progress = &session.progress()});
+    auto distances = build_distance_index(body.index, {.execution = session.execution()});
     if (!distances) return at_model(distances.error(), model);
     body.distances = std::move(*distances);
     return {};
@@ -330,10 +326,11 @@ Status run_intersect(const IntersectOptions& options, Session& session)
             seconds += answer.seconds;
             if (i < shown_poses) text += fmt::format("pose {}: {}", i, text_of(answer, options));
             if (i == 0 && !options.picture.empty()) {
-                const auto image = draw_intersection(
-                    {a->mesh, b->mesh, a->octree, b->octree, poses[0], answer.leaves,
-                     answer.contour},
-                    {.up = up_axis_of_model(options.model_a), .progress = &session.progress()});
+                const auto image =
+                    draw_intersection({a->mesh, b->mesh, a->octree, b->octree, poses[0],
+                                       answer.leaves, answer.contour},
+                                      {.up = up_axis_of_model(options.model_a),
+                                       .execution = {.progress = &session.progress()}});
                 if (!image) return tl::unexpected(image.error());
                 if (Status status = write_png(*image, options.picture, &session.progress());
                     !status)

@@ -1,5 +1,6 @@
 #include "cli/intersection_picture.h"
 
+#include "base/progress.h"
 #include "cli/canvas.h"
 #include "cli/picture_scene.h"
 
@@ -116,7 +117,7 @@ void draw_contour(Canvas& canvas, const Camera& camera, const IntersectionContou
 
 Result<Image> draw_intersection(const IntersectionScene& scene, const PictureOptions& options)
 {
-    Canvas canvas(options.width, options.height, options.progress);
+    Canvas canvas(options.width, options.height, options.execution.progress);
     canvas.fill_background(srgb(0xFBFCFE), srgb(0xE3E8EF));
     const TriangleMesh mesh_b = moved(scene.mesh_b, scene.pose_b);
     const std::vector<Corners> boxes_a = boxes_of(scene.octree_a, scene.leaves, &LeafPair::a, {});
@@ -135,8 +136,9 @@ Result<Image> draw_intersection(const IntersectionScene& scene, const PictureOpt
     const CandidateTriangles candidates =
         candidate_triangles(scene.octree_a, scene.octree_b, scene.leaves);
     draw_mesh(canvas, camera, scene.mesh_a, marking(candidates.a, srgb(0xEBD9D5)),
-              options.progress);
-    draw_mesh(canvas, camera, mesh_b, marking(candidates.b, srgb(0xD6E6D6)), options.progress);
+              options.execution.progress);
+    draw_mesh(canvas, camera, mesh_b, marking(candidates.b, srgb(0xD6E6D6)),
+              options.execution.progress);
     canvas.darken_creases(14.0, 0.45F);
     draw_contour(canvas, camera, scene.contour);
     for (const auto* boxes : {&boxes_a, &boxes_b}) {
@@ -145,7 +147,7 @@ Result<Image> draw_intersection(const IntersectionScene& scene, const PictureOpt
     for (const Corners& box : boxes_a) draw_box(canvas, camera, box, srgb(0xC62828));
     for (const Corners& box : boxes_b) draw_box(canvas, camera, box, srgb(0x2E7D32));
     Image image = canvas.image();
-    if (is_cancelled(options.progress))
+    if (is_cancelled(options.execution.progress))
         return fail(ErrorCode::cancelled, "drawing was stopped on request");
     return image;
 }

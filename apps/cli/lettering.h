@@ -2,7 +2,7 @@
 #pragma once
 
 #include "cli/canvas.h"
-#include "geometry/vec.h"
+#include "proxima/geometry.h"
 
 #include <array>
 #include <string_view>

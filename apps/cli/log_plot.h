@@ -2,7 +2,7 @@
 #pragma once
 
 #include "cli/figure.h"
-#include "geometry/vec.h"
+#include "proxima/geometry.h"
 
 #include <span>
 #include <string>

@@ -1,10 +1,11 @@
 #include "cli/method_race.h"
 
+#include "base/parallel.h"
 #include "base/text.h"
 #include "cli/stopwatch.h"
 #include "cli/text_table.h"
 #include "octree/same_cells.h"
-#include "octree/statistics.h"
+#include "proxima/octree.h"
 
 #include <algorithm>
 #include <fmt/core.h>
@@ -43,8 +44,7 @@ Result<std::vector<Contender>> run_depth(const TriangleMesh& mesh, int depth,
                                               .method = contender.method,
                                               .exactness = options.exactness,
                                               .classification = Classification::none,
-                                              .threads = options.threads,
-                                              .progress = options.progress});
+                                              .execution = options.execution});
             contender.seconds.push_back(watch.seconds());
             if (!octree) return tl::unexpected(octree.error());
             contender.octree = *octree;

@@ -3,7 +3,8 @@
 #pragma once
 
 #include "cli/names.h"
-#include "octree/build_octree.h"
+#include "proxima/execution.h"
+#include "proxima/octree.h"
 
 #include <cstdint>
 #include <optional>
@@ -18,8 +19,7 @@ struct MethodRaceOptions {
     std::uint32_t threshold = 1;
     Exactness exactness = Exactness::rounded;
     int repeats = 3; ///< runs of each, interleaved; one that takes over a second runs once
-    Threads threads = {};
-    Progress* progress = nullptr;
+    Execution execution = {};
 };
 
 struct RaceRow {

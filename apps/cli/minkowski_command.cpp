@@ -5,10 +5,12 @@
 #include "cli/names.h"
 #include "cli/stopwatch.h"
 #include "cli/text_table.h"
-#include "mesh/mesh_format.h"
-#include "mesh/sample_meshes.h"
+#include "minkowski/count_sum.h"
 #include "minkowski/export_sum.h"
-#include "minkowski/make_polyhedron.h"
+#include "minkowski/operation_counts.h"
+#include "proxima/convex_polyhedron.h"
+#include "proxima/mesh_io.h"
+#include "proxima/sample_meshes.h"
 
 #include <CLI/CLI.hpp>
 #include <array>
@@ -57,8 +59,9 @@ Result<ConvexPolyhedron> load_operand(const std::string& model, const Options& o
     const auto mesh = session.load_model(model);
     if (!mesh) return tl::unexpected(mesh.error());
     Progress* const progress = &session.progress();
-    auto polyhedron = options.take_hull ? convex_hull(mesh->positions(), {}, progress)
-                                        : polyhedron_of_mesh(*mesh, {options.tolerance, progress});
+    auto polyhedron = options.take_hull
+                          ? convex_hull(mesh->positions(), {}, progress)
+                          : polyhedron_of_mesh(*mesh, {options.tolerance, session.execution()});
     if (polyhedron) return polyhedron;
     Error error = polyhedron.error();
     // Nothing helps where there is no mesh or no number.
@@ -94,8 +97,8 @@ Result<CountedMethods> count_methods(const ConvexPolyhedron& a, const ConvexPoly
     TextTable table(
         {"Method", "Dots", "Crosses", "Flops", "Add", "Sub", "Mul", "Div", "Neg", "Compare"});
     for (const MinkowskiMethod method : methods) {
-        const auto counted =
-            count_minkowski_sum(a, b, {.method = method, .progress = &session.progress()});
+        const auto counted = count_minkowski_sum(
+            a, b, {.method = method, .execution = {.progress = &session.progress()}});
         if (!counted) {
             if (counted.error().code == ErrorCode::cancelled)
                 return tl::unexpected(counted.error());
@@ -146,8 +149,8 @@ Status run_minkowski(const Options& options, Session& session)
     if (!b) return tl::unexpected(b.error());
 
     const Stopwatch watch;
-    const auto unscaled =
-        minkowski_sum(*a, *b, {.method = options.method, .progress = &session.progress()});
+    const auto unscaled = minkowski_sum(
+        *a, *b, {.method = options.method, .execution = {.progress = &session.progress()}});
     if (!unscaled) return tl::unexpected(unscaled.error());
     const MinkowskiSum sum = unscaled->scaled(options.scale);
     const double seconds = watch.seconds();
@@ -163,7 +166,8 @@ Status run_minkowski(const Options& options, Session& session)
         counted = std::move(*counts);
     }
     if (!options.out.empty()) {
-        const Status status = export_sum(sum, options.out, {.progress = &session.progress()});
+        const Status status =
+            export_sum(sum, options.out, {.execution = {.progress = &session.progress()}});
         if (!status) return status;
     }
 
@@ -211,7 +215,7 @@ Status run_minkowski(const Options& options, Session& session)
 Command add_minkowski_command(CLI::App& app)
 {
     CLI::App* const parser =
-        app.add_subcommand("minkowski", "Sum two convex models: all points a + b of both");
+        app.add_subcommand("minkowski", "Sum two convex models: all points a + b");
     const auto options = std::make_shared<Options>();
     for (std::size_t i = 0; i < 2; ++i) {
         parser

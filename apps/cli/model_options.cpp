@@ -2,8 +2,8 @@
 
 #include "base/text.h"
 #include "cli/names.h"
-#include "mesh/mesh_format.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/mesh_io.h"
+#include "proxima/sample_meshes.h"
 
 #include <CLI/CLI.hpp>
 #include <array>

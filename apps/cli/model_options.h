@@ -1,9 +1,9 @@
 // The options that several subcommands have in the same words.
 #pragma once
 
-#include "base/result.h"
 #include "cli/octree_picture.h"
-#include "octree/octree.h"
+#include "proxima/octree.h"
+#include "proxima/result.h"
 
 #include <string>
 

@@ -2,8 +2,8 @@
 // text that a terminal can show.
 #pragma once
 
-#include "base/result.h"
-#include "octree/octree.h"
+#include "proxima/octree.h"
+#include "proxima/result.h"
 
 #include <array>
 #include <cstddef>

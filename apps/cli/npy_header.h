@@ -3,7 +3,7 @@
 //     \x93NUMPY | version 2 | length 2 or 4 | {'descr': '<f8', 'fortran_order': False, 'shape': ...
 #pragma once
 
-#include "base/result.h"
+#include "proxima/result.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,6 +1,8 @@
 #include "cli/number_table.h"
 
 #include "base/file_extension.h"
+#include "base/memory_budget.h"
+#include "base/progress.h"
 #include "base/text.h"
 #include "cli/npy_header.h"
 #include "mesh/io/number_text.h"
@@ -60,7 +62,7 @@ public:
         file.path_ = path;
         file.size_ = size;
         file.progress_ = progress;
-        if (progress != nullptr) progress->begin_stage("reading numbers", size);
+        begin_stage(progress, "reading numbers", size);
         return file;
     }
 
@@ -78,7 +80,7 @@ public:
             return fail(ErrorCode::file_not_found, "the system stopped reading this file", path_);
         }
         const auto done = static_cast<std::size_t>(stream_.gcount());
-        if (progress_ != nullptr) progress_->advance(done);
+        advance_stage(progress_, done);
         return done;
     }
 
@@ -378,10 +380,11 @@ Result<NumberTable> read_npy(InputFile& file, std::string_view names, MemoryBudg
 Result<NumberTable> read_number_table(const std::string& path, std::string_view columns,
                                       const NumberTableOptions& options)
 {
-    auto file = InputFile::open(path, options.progress);
+    auto file = InputFile::open(path, options.execution.progress);
     if (!file) return tl::unexpected(file.error());
-    if (lower_case_extension(path) == ".npy") return read_npy(*file, columns, options.budget);
-    return CsvReader(*file, columns, options.budget).read();
+    if (lower_case_extension(path) == ".npy")
+        return read_npy(*file, columns, options.execution.budget);
+    return CsvReader(*file, columns, options.execution.budget).read();
 }
 
 } // namespace proxima

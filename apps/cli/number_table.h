@@ -6,9 +6,8 @@
 // A .npy file holds one array of shape (rows, columns), float32 or float64, in C or Fortran order.
 #pragma once
 
-#include "base/memory_budget.h"
-#include "base/progress.h"
-#include "base/result.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
 
 #include <cstddef>
 #include <string>
@@ -26,8 +25,7 @@ struct NumberTable {
 };
 
 struct NumberTableOptions {
-    Progress* progress = nullptr; ///< stage "reading numbers", steps are bytes
-    MemoryBudget budget = {};     ///< of the table
+    Execution execution = {}; ///< stage "reading numbers", steps are bytes; budget: of the table
 };
 
 /// Reads the file, by its extension as .npy or as CSV. `columns` are their names, "x,y,z". About

@@ -9,10 +9,8 @@
 #include "cli/octree_picture.h"
 #include "cli/statistics_text.h"
 #include "cli/stopwatch.h"
-#include "octree/build_octree.h"
-#include "octree/export.h"
-#include "octree/octree_file.h"
-#include "octree/statistics.h"
+#include "proxima/octree.h"
+#include "proxima/octree_io.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -66,7 +64,8 @@ struct OctreeAndMesh {
 /// The picture, of the cells alone where there is no mesh.
 Status draw(const OctreeAndMesh& model, UpAxis up, const std::string& path, Progress& progress)
 {
-    const auto image = draw_octree(model.octree, model.mesh, {.up = up, .progress = &progress});
+    const auto image =
+        draw_octree(model.octree, model.mesh, {.up = up, .execution = {.progress = &progress}});
     if (!image) return tl::unexpected(image.error());
     return write_png(*image, path, &progress);
 }
@@ -85,7 +84,7 @@ Status write_outputs(const OctreeCommandOptions& options, const OctreeAndMesh& m
     };
     if (!options.save.empty()) {
         const auto save = [&] {
-            return save_octree(model.octree, options.save, {.progress = progress});
+            return save_octree(model.octree, options.save, {.execution = {.progress = progress}});
         };
         if (auto status = write(options.save, save); !status) return status;
     }
@@ -94,7 +93,8 @@ Status write_outputs(const OctreeCommandOptions& options, const OctreeAndMesh& m
         const auto write_export = [&] {
             return lower_case_extension(path) == ".png"
                        ? draw(model, up_axis_of_model(shape), path, *progress)
-                       : export_octree(model.octree, model.mesh, path, {.progress = progress});
+                       : export_octree(model.octree, model.mesh, path,
+                                       {.execution = {.progress = progress}});
         };
         if (auto status = write(path, write_export); !status) return status;
     }
@@ -112,9 +112,9 @@ Result<OctreeAndMesh> build(const OctreeCommandOptions& options, Session& sessio
         .exactness = options.exact ? Exactness::exact : Exactness::rounded,
         .subdivision = options.uniform ? Subdivision::uniform : Subdivision::adaptive,
         .root_shape = options.root,
-        .budget = {options.budget_mb * 1'000'000},
-        .threads = session.threads(),
-        .progress = &session.progress()};
+        .execution = {.threads = session.threads(),
+                      .progress = &session.progress(),
+                      .budget = {options.budget_mb * 1'000'000}}};
     const Stopwatch watch;
     auto octree = [&] {
         const ProgressBar shown(session.progress(), session.bar());

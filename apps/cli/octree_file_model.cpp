@@ -3,7 +3,7 @@
 #include "base/file_extension.h"
 #include "base/text.h"
 #include "cli/proximity_file_model.h"
-#include "octree/octree_file.h"
+#include "proxima/octree_io.h"
 
 #include <CLI/CLI.hpp>
 
@@ -41,7 +41,7 @@ void add_mesh_option(CLI::App& parser, const std::string& model, ModelKinds kind
 Result<Octree> load_octree_file(const std::string& path, Session& session)
 {
     const ProgressBar shown(session.progress(), session.bar());
-    return load_octree(path, {.progress = &session.progress()});
+    return load_octree(path, {.execution = {.progress = &session.progress()}});
 }
 
 Result<TriangleMesh> load_mesh_of(const Octree& octree, const std::string& mesh, Session& session)

@@ -1,10 +1,10 @@
 // A saved octree in the place of MODEL, and the mesh that may be named beside it.
 #pragma once
 
-#include "base/result.h"
 #include "cli/model_options.h"
 #include "cli/session.h"
-#include "octree/octree.h"
+#include "proxima/octree.h"
+#include "proxima/result.h"
 
 #include <string>
 #include <string_view>

@@ -1,9 +1,10 @@
 #include "cli/octree_picture.h"
 
+#include "base/progress.h"
 #include "cli/canvas.h"
 #include "cli/picture_scene.h"
 #include "geometry/view_contact.h"
-#include "octree/traverse.h"
+#include "proxima/octree.h"
 #include "query/culling/cull_cells.h"
 
 #include <algorithm>
@@ -114,7 +115,7 @@ void draw_edges(Canvas& canvas, const Camera& camera, const Box& box, const Colo
 std::vector<Leaf> occupied_leaves(const Octree& octree, const PictureOptions& options)
 {
     std::vector<Leaf> leaves;
-    LeafCollector collector{octree, leaves, options.progress};
+    LeafCollector collector{octree, leaves, options.execution.progress};
     if (options.volume == nullptr) {
         traverse(octree, collector);
     } else {
@@ -130,7 +131,8 @@ std::vector<Leaf> occupied_leaves(const Octree& octree, const PictureOptions& op
 void draw_leaves(Canvas& canvas, const Camera& camera, std::span<const Leaf> leaves,
                  const PictureOptions& options)
 {
-    StageSteps steps(options.progress, "drawing the cells", 2 * leaves.size(), cells_per_step);
+    StageSteps steps(options.execution.progress, "drawing the cells", 2 * leaves.size(),
+                     cells_per_step);
     if (leaves.empty()) return;
     const int coarsest = options.depths ? (*options.depths)[0] : depth(leaves.back().key);
     const int finest =
@@ -161,7 +163,7 @@ void draw_leaves(Canvas& canvas, const Camera& camera, std::span<const Leaf> lea
 Result<Image> draw_octree(const Octree& octree, const TriangleMesh& mesh,
                           const PictureOptions& options)
 {
-    Canvas canvas(options.width, options.height, options.progress);
+    Canvas canvas(options.width, options.height, options.execution.progress);
     canvas.fill_background(srgb(0xFBFCFE), srgb(0xE3E8EF));
     const std::vector<Leaf> leaves = occupied_leaves(octree, options);
     std::vector<Vec3> corners;
@@ -181,12 +183,12 @@ Result<Image> draw_octree(const Octree& octree, const TriangleMesh& mesh,
     }
     Camera camera(shown, options.up);
     camera.fit(corners, options.width, options.height);
-    draw_mesh(canvas, camera, mesh, surface_color(mesh, options), options.progress);
-    if (options.progress != nullptr) options.progress->begin_stage("shading", 1);
+    draw_mesh(canvas, camera, mesh, surface_color(mesh, options), options.execution.progress);
+    begin_stage(options.execution.progress, "shading", 1);
     canvas.darken_creases(14.0, 0.55F);
     draw_leaves(canvas, camera, leaves, options);
     Image image = canvas.image();
-    if (is_cancelled(options.progress)) {
+    if (is_cancelled(options.execution.progress)) {
         return fail(ErrorCode::cancelled, "drawing was stopped on request");
     }
     return image;

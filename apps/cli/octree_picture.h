@@ -2,11 +2,11 @@
 // or with the part that a camera sees set off.
 #pragma once
 
-#include "base/progress.h"
-#include "base/result.h"
 #include "cli/image.h"
-#include "mesh/triangle_mesh.h"
-#include "octree/octree.h"
+#include "proxima/execution.h"
+#include "proxima/octree.h"
+#include "proxima/result.h"
+#include "proxima/triangle_mesh.h"
 #include "query/culling/cull_volume.h"
 
 #include <array>
@@ -29,7 +29,7 @@ struct PictureOptions {
     /// finest of them have these colours.
     std::optional<Box> frame = {};
     std::optional<std::array<int, 2>> depths = {};
-    Progress* progress = nullptr; ///< stages "drawing the mesh", "shading" and "drawing the cells"
+    Execution execution = {}; ///< stages "drawing the mesh", "shading" and "drawing the cells"
 };
 
 /// Draws the mesh, shaded, and the edges of the leaves that hold triangles, seen three-quarter from

@@ -82,8 +82,7 @@ Result<std::unique_ptr<PatchModel>> load_model(const std::string& name, Session&
         return tl::unexpected(status.error());
     const Stopwatch watch;
     const ProgressBar shown(session.progress(), session.bar());
-    auto index = build_mesh_index(model->surface.mesh,
-                                  {.threads = session.threads(), .progress = &session.progress()});
+    auto index = build_mesh_index(model->surface.mesh, {.execution = session.execution()});
     if (!index) return at_model(index.error(), name);
     model->index = std::move(*index);
     model->seconds += watch.seconds();
@@ -238,7 +237,7 @@ void add_point_option(CLI::App& parser, Vec3& point)
                 }
                 point = {(*coordinates)[0], (*coordinates)[1], (*coordinates)[2]};
             },
-            "The point whose closest place the patch is round")
+            "The point; the patch surrounds the closest point of the mesh")
         ->required()
         ->type_name("X,Y,Z");
 }
@@ -274,7 +273,7 @@ void add_extent_options(CLI::App& parser, PatchOptions& options)
 Command add_patch_command(CLI::App& app)
 {
     CLI::App* const parser = app.add_subcommand(
-        "patch", "Find the triangles round the place of a mesh that is closest to a point");
+        "patch", "Find the triangles round the point of a mesh that is closest to a given point");
     const auto options = std::make_shared<PatchOptions>();
     add_model_option(*parser, options->model, ModelKinds::meshes_and_proximity_octrees);
     add_point_option(*parser, options->point);

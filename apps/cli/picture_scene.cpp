@@ -1,5 +1,6 @@
 #include "cli/picture_scene.h"
 
+#include "base/progress.h"
 #include "cli/lamps.h"
 
 #include <algorithm>

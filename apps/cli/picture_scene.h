@@ -1,10 +1,10 @@
 // The scene of a picture: an eye that sees all of it, lamps, and meshes shaded by them.
 #pragma once
 
-#include "base/progress.h"
 #include "cli/canvas.h"
 #include "cli/octree_picture.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/execution.h"
+#include "proxima/triangle_mesh.h"
 
 #include <functional>
 #include <span>

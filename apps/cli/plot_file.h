@@ -1,9 +1,9 @@
 // Numbers as a table or as a drawing of them: by the name of the file.
 #pragma once
 
-#include "base/progress.h"
-#include "base/result.h"
 #include "cli/figure.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
 
 #include <string>
 

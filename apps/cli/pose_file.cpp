@@ -28,7 +28,7 @@ bool has_header(const std::string& path)
 
 Result<std::vector<RigidTransform>> read_poses(const std::string& path, Progress* progress)
 {
-    const auto table = read_number_table(path, pose_columns, {.progress = progress});
+    const auto table = read_number_table(path, pose_columns, {.execution = {.progress = progress}});
     if (!table) return tl::unexpected(table.error());
     const bool binary = lower_case_extension(path) == ".npy";
     const std::size_t first_line = binary ? 0 : has_header(path) ? 2 : 1;

@@ -1,9 +1,9 @@
 // Poses that a command reads: rows of 12 numbers, the 3 x 4 matrix (R | t) row by row.
 #pragma once
 
-#include "base/progress.h"
-#include "base/result.h"
-#include "geometry/rigid_transform.h"
+#include "proxima/execution.h"
+#include "proxima/geometry.h"
+#include "proxima/result.h"
 
 #include <string>
 #include <vector>

@@ -1,7 +1,7 @@
 // A line on the terminal that shows how far long work is; nothing where stderr is no terminal.
 #pragma once
 
-#include "base/progress.h"
+#include "proxima/execution.h"
 
 #include <condition_variable>
 #include <mutex>

@@ -8,7 +8,7 @@
 #include "cli/proximity_command_options.h"
 #include "index/lists/build_proximity_octree.h"
 #include "index/lists/grow_cells.h"
-#include "octree/cell.h"
+#include "proxima/octree.h"
 
 #include <CLI/CLI.hpp>
 #include <limits>
@@ -168,9 +168,10 @@ Command add_proximity_command(CLI::App& app)
     add_depth_option(*parser, options->depths);
     add_threshold_options(*parser, options->thresholds);
     parser
-        ->add_option("--margin", options->margin,
-                     concat("How much larger the root is than the tight cube, per edge: 0 to ",
-                            max_proximity_margin, ", thesis to ", max_root_margin))
+        ->add_option(
+            "--margin", options->margin,
+            concat("By how much the root's edge exceeds the tight cube's, relative to it: 0 to ",
+                   max_proximity_margin, ", thesis to ", max_root_margin))
         ->capture_default_str()
         ->type_name("M");
     parser
@@ -194,8 +195,8 @@ Command add_proximity_command(CLI::App& app)
         ->type_name("FILE");
     parser
         ->add_option("--budget-curve", options->budget_curves,
-                     "Instead: how quick queries are with octrees of 100 to 12000 bytes per "
-                     "triangle, to .csv, .svg, .png (general method)")
+                     "Instead: time queries with octrees of 100 to 12000 bytes per triangle, to "
+                     ".csv, .svg, .png (general method)")
         ->excludes("--budget-mb")
         ->excludes("--save")
         ->excludes("--export")

@@ -44,15 +44,13 @@ void refuse_beside_proximity_file(CLI::App& parser, const std::string& model,
 Result<ProximityOctree> load_proximity_file(const std::string& path, Session& session)
 {
     const ProgressBar shown(session.progress(), session.bar());
-    return load_proximity_octree(path,
-                                 {.progress = &session.progress(), .threads = session.threads()});
+    return load_proximity_octree(path, {.execution = session.execution()});
 }
 
 Result<ModelSurface> surface_of(TriangleMesh mesh, const std::string& model, Session& session)
 {
     const ProgressBar shown(session.progress(), session.bar());
-    auto topology =
-        build_topology(mesh, {.threads = session.threads(), .progress = &session.progress()});
+    auto topology = build_topology(mesh, {.execution = session.execution()});
     if (!topology) return at_model(topology.error(), model);
     return ModelSurface{std::move(mesh), std::move(*topology)};
 }

@@ -1,11 +1,11 @@
 // A saved proximity octree in the place of MODEL, and the surface that it was built of.
 #pragma once
 
-#include "base/result.h"
 #include "cli/session.h"
 #include "index/lists/proximity_octree.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/result.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 
 #include <string>
 #include <vector>

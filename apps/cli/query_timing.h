@@ -2,7 +2,7 @@
 #pragma once
 
 #include "index/lists/proximity_octree.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cstddef>
 #include <span>

@@ -1,5 +1,7 @@
 #include "cli/ray_picture.h"
 
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "cli/canvas.h"
 #include "query/rays/cells_along_ray.h"
 
@@ -71,7 +73,7 @@ Image draw_weights(const Octree& octree, const RayList& rays, const PictureSize&
     const auto width = static_cast<std::size_t>(size.width);
     const auto height = static_cast<std::size_t>(size.height);
     std::vector<float> weights(width * height, 0.0F);
-    if (progress != nullptr) progress->begin_stage("casting rays", height);
+    begin_stage(progress, "casting rays", height);
     parallel_for(height, threads, [&](std::size_t y) {
         if (is_cancelled(progress)) return;
         for (std::size_t pixel = y * width; pixel < (y + 1) * width; ++pixel) {
@@ -83,7 +85,7 @@ Image draw_weights(const Octree& octree, const RayList& rays, const PictureSize&
             });
             weights[pixel] = static_cast<float>(weight);
         }
-        if (progress != nullptr) progress->advance(1);
+        advance_stage(progress, 1);
     });
     const float full = usual_most(weights);
     Image image = empty_image(size);

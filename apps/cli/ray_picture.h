@@ -2,10 +2,10 @@
 // of the thesis, for every pixel), or the triangle that it hits first, shaded.
 #pragma once
 
-#include "base/parallel.h"
 #include "cli/image.h"
 #include "cli/ray_sources.h"
-#include "octree/octree.h"
+#include "proxima/execution.h"
+#include "proxima/octree.h"
 #include "query/rays/ray_hit.h"
 
 #include <cstddef>

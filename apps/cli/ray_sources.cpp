@@ -26,7 +26,7 @@ bool begins_with_range(const std::string& path)
 
 Result<NumberTable> read_table(const std::string& path, Progress* progress)
 {
-    const NumberTableOptions options{.progress = progress};
+    const NumberTableOptions options{.execution = {.progress = progress}};
     if (lower_case_extension(path) != ".npy") {
         return read_number_table(path, begins_with_range(path) ? long_columns : short_columns,
                                  options);

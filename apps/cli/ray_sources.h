@@ -1,11 +1,10 @@
 // Where the rays of proxima raycast come from: a file, or a camera in front of the model.
 #pragma once
 
-#include "base/progress.h"
-#include "base/result.h"
 #include "cli/octree_picture.h"
-#include "geometry/ray.h"
-#include "geometry/shapes.h"
+#include "proxima/execution.h"
+#include "proxima/geometry.h"
+#include "proxima/result.h"
 
 #include <cstddef>
 #include <optional>

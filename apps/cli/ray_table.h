@@ -1,9 +1,8 @@
 // Answers of proxima raycast as files, as CSV or as NumPy's .npy (all columns float64).
 //
-//     index,t,triangle,u,v                                             hits: t inf, triangle -1 for
-//     a 0,2.5,17,0.25,0.5                                                miss
-//     ray,cell_depth,cx,cy,cz,enter,exit,chord,penetration             cells, in order along each
-//     ray
+//     index,t,triangle,u,v                                     hits; a miss has t inf, triangle -1
+//     0,2.5,17,0.25,0.5
+//     ray,cell_depth,cx,cy,cz,enter,exit,chord,penetration     cells, in order along each ray
 #pragma once
 
 #include "cli/answer_table.h"

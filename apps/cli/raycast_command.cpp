@@ -1,5 +1,6 @@
 // proxima raycast: what rays hit, or which cells of the octree they go through.
 #include "base/file_extension.h"
+#include "base/parallel.h"
 #include "cli/commands.h"
 #include "cli/model_options.h"
 #include "cli/ray_picture.h"
@@ -8,7 +9,7 @@
 #include "cli/row_writer.h"
 #include "cli/stopwatch.h"
 #include "index/build_mesh_index.h"
-#include "octree/build_octree.h"
+#include "proxima/octree.h"
 #include "query/rays/cast_ray.h"
 
 #include <CLI/CLI.hpp>
@@ -100,13 +101,11 @@ Result<std::unique_ptr<Casting>> prepare(const RaycastOptions& options, Session&
     auto octree = build_octree(casting->mesh, {.max_depth = options.depth,
                                                .threshold = options.threshold,
                                                .classification = Classification::none,
-                                               .threads = session.threads(),
-                                               .progress = &session.progress()});
+                                               .execution = session.execution()});
     if (!octree) return at_model(octree.error(), options.model);
     casting->octree = std::move(*octree);
     if (!wants_cells(options)) {
-        auto index = build_mesh_index(
-            casting->mesh, {.threads = session.threads(), .progress = &session.progress()});
+        auto index = build_mesh_index(casting->mesh, {.execution = session.execution()});
         if (!index) return at_model(index.error(), options.model);
         casting->index = std::move(*index);
     }
@@ -135,7 +134,8 @@ Status cast_at_triangles(const RaycastOptions& options, Casting& casting, Sessio
             hits.resize(rays.size());
             const Stopwatch watch;
             // Cannot fail: sizes agree.
-            (void)closest_hits(casting.index, rays, hits, {.threads = session.threads()});
+            (void)closest_hits(casting.index, rays, hits,
+                               {.execution = {.threads = session.threads()}});
             casting.seconds += watch.seconds();
             casting.hits += static_cast<std::uint64_t>(
                 std::ranges::count_if(hits, [](const auto& hit) { return hit.has_value(); }));

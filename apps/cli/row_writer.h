@@ -3,9 +3,9 @@
 
 #include "base/output_file.h"
 #include "base/parallel.h"
-#include "base/result.h"
 #include "cli/answer_table.h"
 #include "cli/session.h"
+#include "proxima/result.h"
 
 #include <cstddef>
 #include <optional>

@@ -2,8 +2,8 @@
 
 #include "base/output_file.h"
 #include "base/text.h"
-#include "mesh/mesh_io.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/mesh_io.h"
+#include "proxima/sample_meshes.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -68,8 +68,8 @@ Status Session::finish() const
 Result<TriangleMesh> Session::load_model(const std::string& model)
 {
     const ProgressBar shown(progress_, bar());
-    if (is_sample_mesh_name(model)) return sample_mesh(model, {.progress = &progress_});
-    return read_mesh(model, {.progress = &progress_});
+    if (is_sample_mesh_name(model)) return sample_mesh(model, {.execution = execution()});
+    return read_mesh(model, {.execution = execution()});
 }
 
 Status Session::check_running() const

@@ -1,11 +1,10 @@
 // What every subcommand has: the common options, progress that Ctrl-C stops, and where output goes.
 #pragma once
 
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
 #include "cli/progress_bar.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
+#include "proxima/triangle_mesh.h"
 
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -35,6 +34,11 @@ public:
 
     /// As --threads says, all without it.
     [[nodiscard]] Threads threads() const noexcept { return {options_.threads.value_or(0)}; }
+    /// The threads and progress of a command, for the options of what it calls.
+    [[nodiscard]] Execution execution() noexcept
+    {
+        return {.threads = threads(), .progress = &progress()};
+    }
 
     /// As --threads says, one without it: for measurements, which others must be able to repeat.
     [[nodiscard]] Threads threads_to_measure() const noexcept

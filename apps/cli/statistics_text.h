@@ -1,8 +1,7 @@
 // An octree's statistics as the tables that people read.
 #pragma once
 
-#include "octree/octree.h"
-#include "octree/statistics.h"
+#include "proxima/octree.h"
 
 #include <string>
 

@@ -45,9 +45,8 @@ Status run_tables(const TablesOptions& options, Session& session)
 {
     ThesisComparisonOptions comparison = options.comparison;
     if (comparison.meshes.empty()) comparison.meshes = meshes_beside_checkout();
-    comparison.threads = session.threads();
+    comparison.execution = session.execution();
     comparison.threads_to_measure = session.threads_to_measure();
-    comparison.progress = &session.progress();
     nlohmann::ordered_json tables = nlohmann::ordered_json::array();
     for (const ThesisTable& table : thesis_tables()) {
         if (!options.only.wants(table.number)) continue;
@@ -76,7 +75,7 @@ Status run_tables(const TablesOptions& options, Session& session)
 Command add_tables_command(CLI::App& app)
 {
     CLI::App* const parser =
-        app.add_subcommand("tables", "Print every table of the thesis, ours beside its values");
+        app.add_subcommand("tables", "Print tables of the thesis with our values beside its own");
     const auto options = std::make_shared<TablesOptions>();
     options->only.add_to(*parser);
     parser

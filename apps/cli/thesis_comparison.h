@@ -1,9 +1,8 @@
 // The thesis's tables, measured here and set beside its values.
 #pragma once
 
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
 
 #include <nlohmann/json.hpp>
 #include <span>
@@ -15,9 +14,8 @@ namespace proxima {
 
 struct ThesisComparisonOptions {
     std::string meshes; ///< folder with the models of Table 2.3, empty where none is known
-    Threads threads = {};
     Threads threads_to_measure = {1}; ///< for Table 3.3
-    Progress* progress = nullptr;
+    Execution execution = {};
 };
 
 /// One table: rows for people and for programs, and a note for every difference.

@@ -2,6 +2,7 @@
 #include "base/text.h"
 #include "cli/text_table.h"
 #include "cli/thesis_comparison.h"
+#include "minkowski/operation_counts.h"
 #include "octree/operation_table.h"
 
 namespace proxima {

@@ -3,10 +3,9 @@
 #include "cli/text_table.h"
 #include "cli/thesis_comparison.h"
 #include "cli/thesis_tables.h"
-#include "mesh/mesh_io.h"
-#include "mesh/sample_meshes.h"
-#include "octree/build_octree.h"
-#include "octree/statistics.h"
+#include "proxima/mesh_io.h"
+#include "proxima/octree.h"
+#include "proxima/sample_meshes.h"
 
 #include <cmath>
 #include <filesystem>
@@ -41,8 +40,7 @@ Result<OctreeStatistics> sphere_statistics(const TriangleMesh& sphere, const the
                                  .threshold = row.threshold,
                                  .exactness = Exactness::exact,
                                  .classification = Classification::none,
-                                 .threads = options.threads,
-                                 .progress = options.progress})
+                                 .execution = options.execution})
         .map(octree_statistics);
 }
 
@@ -128,8 +126,7 @@ Status add_model(const thesis::Model& model, const TriangleMesh& mesh,
                                       .exactness = Exactness::exact,
                                       .root_shape = shape,
                                       .classification = Classification::none,
-                                      .threads = options.threads,
-                                      .progress = options.progress};
+                                      .execution = options.execution};
             const auto octree =
                 pass == 0 ? build_octree(mesh, build) : build_octree_two_pass(mesh, build);
             if (!octree) return tl::unexpected(octree.error());
@@ -192,7 +189,7 @@ Result<ThesisComparison> compare_table_2_3(const ThesisComparisonOptions& option
                 concat(model.name, " is absent: ", why, "; --meshes names the folder."));
             continue;
         }
-        const auto mesh = read_mesh(path, {.progress = options.progress});
+        const auto mesh = read_mesh(path, {.execution = options.execution});
         if (!mesh) return tl::unexpected(mesh.error());
         if (mesh->triangle_count() != model.triangles) {
             comparison.notes.push_back(concat(model.name, " has ", mesh->triangle_count(),

@@ -61,18 +61,18 @@ Result<std::vector<ThesisRow>> build_thesis_rows(const ProximityCommandOptions& 
     Progress* const progress = &session.progress();
     const MemoryBudget budget = {options.budget_mb * 1'000'000};
     const auto topology = build_topology(
-        mesh, {.threads = session.threads(), .budget = budget, .progress = progress});
+        mesh,
+        {.execution = {.threads = session.threads(), .progress = progress, .budget = budget}});
     if (!topology) return tl::unexpected(topology.error());
     std::vector<ThesisRow> rows;
     for (const int depth : options.depths) {
         const Stopwatch watch;
-        const auto octree = build_thesis_proximity_octree(mesh, *topology,
-                                                          {.max_depth = depth,
-                                                           .thresholds = options.thresholds,
-                                                           .margin = options.margin,
-                                                           .threads = session.threads(),
-                                                           .budget = budget,
-                                                           .progress = progress});
+        const auto octree = build_thesis_proximity_octree(
+            mesh, *topology,
+            {.max_depth = depth,
+             .thresholds = options.thresholds,
+             .margin = options.margin,
+             .execution = {.threads = session.threads(), .progress = progress, .budget = budget}});
         const double seconds = watch.seconds();
         if (!octree) return tl::unexpected(octree.error());
         rows.push_back(count(*octree, circumscribed_sphere(mesh)));

@@ -1,7 +1,7 @@
 // The figures of the thesis's tables, as printed there.
 #pragma once
 
-#include "octree/octree.h"
+#include "proxima/octree.h"
 
 #include <array>
 #include <cstdint>

@@ -4,7 +4,7 @@
 #include "cli/text_table.h"
 #include "cli/thesis_comparison.h"
 #include "cli/thesis_tables.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/sample_meshes.h"
 
 #include <algorithm>
 #include <fmt/core.h>
@@ -15,8 +15,8 @@ Result<ThesisComparison> compare_table_3_3(const ThesisComparisonOptions& option
 {
     const auto ship = sample_mesh("spaceship:33000");
     if (!ship) return tl::unexpected(ship.error());
-    const MethodRaceOptions race{.threads = options.threads_to_measure,
-                                 .progress = options.progress};
+    const MethodRaceOptions race{.execution = {.threads = options.threads_to_measure,
+                                               .progress = options.execution.progress}};
     const auto rows = race_methods(*ship, race);
     if (!rows) return tl::unexpected(rows.error());
 
@@ -45,7 +45,7 @@ Result<ThesisComparison> compare_table_3_3(const ThesisComparisonOptions& option
     }
     comparison.text = fmt::format(
         "spaceship:33000, threshold 1, {}, medians of up to {} interleaved runs\n\n{}\n",
-        threads_text(race.threads), race.repeats, table.text());
+        threads_text(race.execution.threads), race.repeats, table.text());
     comparison.notes = {
         "The thesis measured another ship of 33,000 triangles, AKIRA, on a Pentium 4 of 3.2 GHz: "
         "seconds tell of the machines, ratios of the methods.",

@@ -1,6 +1,7 @@
 #include "cli/touch_device.h"
 
 #include "base/text.h"
+#include "geometry/exact_predicates.h"
 #include "haptics/device/dhd_device.h"
 #include "haptics/device/hand_device.h"
 #include "haptics/device/hand_script.h"

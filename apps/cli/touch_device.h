@@ -1,12 +1,12 @@
 // The devices that a model can be touched with, by the names of the command line.
 #pragma once
 
-#include "base/result.h"
 #include "haptics/device/device.h"
 #include "haptics/device/simulated_hand.h"
 #include "haptics/device/workspace_map.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/result.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cstdint>
 #include <memory>

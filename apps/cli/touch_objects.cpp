@@ -87,12 +87,10 @@ Result<std::unique_ptr<TouchModel>> load_touch_scene(const ScenePlan& plan, Forc
     std::vector<std::unique_ptr<const TouchBody>> bodies;
     std::uint32_t triangles = 0;
     for (std::size_t i = 0; i < plan.models.size(); ++i) {
-        auto body = load_body(plan.models[i],
-                              {.material = objects[i].material,
-                               .shading = shading,
-                               .threads = session.threads(),
-                               .progress = &session.progress()},
-                              session);
+        auto body = load_body(
+            plan.models[i],
+            {.material = objects[i].material, .shading = shading, .execution = session.execution()},
+            session);
         if (!body) return tl::unexpected(body.error());
         const std::uint64_t fingerprint = (*body)->octree().mesh_fingerprint();
         if (objects[i].mesh_fingerprint != 0 && objects[i].mesh_fingerprint != fingerprint) {

@@ -1,10 +1,10 @@
 // The scene of a plan, and what a session says of its objects.
 #pragma once
 
-#include "base/result.h"
 #include "cli/session.h"
 #include "cli/touch_plan.h"
 #include "cli/touch_session.h"
+#include "proxima/result.h"
 
 #include <memory>
 #include <nlohmann/json_fwd.hpp>

@@ -76,16 +76,18 @@ void add_hand_options(CLI::App& parser, HandModel& hand)
             ->capture_default_str()
             ->type_name(unit);
     };
-    add("--hand-mass", hand.mass, "Of a simulated hand and the device in it, kg", "M", 1e-3, 1e3);
+    add("--hand-mass", hand.mass, "Mass of a simulated hand and its device together, kg", "M", 1e-3,
+        1e3);
     add("--hand-stiffness", hand.hand_stiffness,
-        "Of the spring that pulls a simulated hand along its script, N/m; 0 lets go", "K", 0, 1e5);
-    add("--hand-damping", hand.hand_damping, "Beside that spring, N s/m", "B", 0, 1e3);
+        "Stiffness of the spring that pulls a simulated hand along its script, N/m; 0 lets go", "K",
+        0, 1e5);
+    add("--hand-damping", hand.hand_damping, "Damping of that spring, N s/m", "B", 0, 1e3);
     add("--device-damping", hand.device_damping,
-        "Of the device in a simulated hand, viscous, N s/m", "B", 0, 1e3);
-    add("--device-friction", hand.coulomb_friction, "Of the device in a simulated hand, dry, N",
+        "Viscous damping of a simulated hand's device, N s/m", "B", 0, 1e3);
+    add("--device-friction", hand.coulomb_friction, "Dry friction of a simulated hand's device, N",
         "F", 0, 1e2);
-    add("--encoder-step", hand.encoder_step, "Of the device in a simulated hand, m; 0 for none",
-        "M", 0, 1e-4);
+    add("--encoder-step", hand.encoder_step,
+        "Encoder step of a simulated hand's device, m; 0 for none", "M", 0, 1e-4);
     parser
         .add_option("--delay", hand.delay_ticks,
                     "Ticks by which a simulated hand feels forces late")
@@ -183,7 +185,7 @@ void add_touch_options(CLI::App& parser, TouchCommandOptions& options)
         ->check(number_from(0.001, 86400.0))
         ->capture_default_str()
         ->type_name("S");
-    parser.add_option("--seed", options.seed, "Of the hand's script")
+    parser.add_option("--seed", options.seed, "Seed of the hand's script")
         ->check([](const std::string& text) {
             return parse_whole(text) ? std::string()
                                      : concat(text, " is no whole number from 0 to 2^64 - 1");
@@ -193,22 +195,22 @@ void add_touch_options(CLI::App& parser, TouchCommandOptions& options)
     add_hand_options(parser, options.hand);
     parser
         .add_option("--limits", options.limits,
-                    "Whose force, stiffness, damping and workspace are the most: " +
+                    "Limits of force, stiffness, damping and workspace, by device: " +
                         names_of_devices() + "; the device's own without it, an omni's of a hand")
         ->check([](const std::string& name) {
             return find_device(name) ? std::string()
                                      : concat(name, " is no device: they are ", names_of_devices());
         })
         ->type_name("NAME");
-    parser.add_option("--stiffness", options.stiffness, "Of the surface, N/m")
+    parser.add_option("--stiffness", options.stiffness, "Stiffness of the surface, N/m")
         ->check(number_from(0.0, 1e5))
         ->capture_default_str()
         ->type_name("K");
-    parser.add_option("--damping", options.damping, "Of the surface, N s/m")
+    parser.add_option("--damping", options.damping, "Damping of the surface, N s/m")
         ->check(number_from(0.0, 1e3))
         ->capture_default_str()
         ->type_name("B");
-    parser.add_option("--radius", options.radius, "Of the proxy, m; 0 is a point")
+    parser.add_option("--radius", options.radius, "Radius of the proxy, m; 0 is a point")
         ->check(number_from(0.0, 0.1))
         ->capture_default_str()
         ->type_name("R");
@@ -222,8 +224,8 @@ void add_touch_options(CLI::App& parser, TouchCommandOptions& options)
                     "Let forces lean along smooth normals, over edges that are not sharp");
     parser
         .add_option("--force", options.force,
-                    "What a spring pulls towards: a proxy that stays outside, or penalty, the "
-                    "baseline: the nearest place of the surface")
+                    "What the spring pulls towards: a proxy that stays outside, or, as a baseline, "
+                    "the nearest point of the surface (penalty)")
         ->check(CLI::IsMember({"proxy", "penalty"}))
         ->capture_default_str()
         ->type_name("LAW");
@@ -231,11 +233,12 @@ void add_touch_options(CLI::App& parser, TouchCommandOptions& options)
                     "Tick after tick without waiting: the same forces, sooner");
     parser
         .add_option("--scale", options.scale,
-                    "Motions in the model, over those that fit it into the workspace")
+                    "Motions in the model, relative to those that fit it into the workspace")
         ->check(number_from(1e-3, 1e3))
         ->capture_default_str()
         ->type_name("F");
-    parser.add_option("--axes", options.axes, "What x, y and z are of the device's axes: x,-z,y")
+    parser
+        .add_option("--axes", options.axes, "Our x, y and z in the device's axes, such as x,-z,y")
         ->check([](const std::string& text) {
             const auto axes = parse_axes(text);
             return axes ? std::string() : axes.error().message;
@@ -263,7 +266,9 @@ void add_touch_options(CLI::App& parser, TouchCommandOptions& options)
         ->check(number_from(1.0, 1000.0))
         ->capture_default_str()
         ->type_name("HZ");
-    parser.add_option("--graphics-rate", options.graphics_rate, "Of what a terminal shows")
+    parser
+        .add_option("--graphics-rate", options.graphics_rate,
+                    "Rate at which a terminal shows force and rate, Hz")
         ->check(number_from(1.0, 1000.0))
         ->capture_default_str()
         ->type_name("HZ");

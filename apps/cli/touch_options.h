@@ -1,9 +1,9 @@
 // What `proxima touch` is told on its command line, and what of it goes together.
 #pragma once
 
-#include "base/result.h"
 #include "cli/touch_objects.h"
 #include "cli/touch_session.h"
+#include "proxima/result.h"
 
 #include <CLI/App.hpp>
 #include <cstdint>

@@ -8,7 +8,6 @@
 // Beside it, for the account, a proxy that touches the whole model follows the same device.
 #pragma once
 
-#include "base/result.h"
 #include "haptics/force/contact_force.h"
 #include "haptics/force/haptic_renderer.h"
 #include "haptics/loop/collision_loop.h"
@@ -17,6 +16,7 @@
 #include "haptics/proxy/contact_cache.h"
 #include "haptics/proxy/proxy.h"
 #include "haptics/surface/contact_patch.h"
+#include "proxima/result.h"
 
 #include <atomic>
 #include <cstdint>

@@ -2,7 +2,7 @@
 
 #include "base/text.h"
 #include "cli/names.h"
-#include "geometry/rigid_transform.h"
+#include "proxima/geometry.h"
 
 #include <CLI/CLI.hpp>
 #include <Eigen/Geometry>

@@ -2,9 +2,9 @@
 // --material say of an object by its number where it stands, how it moves and what it is made of.
 #pragma once
 
-#include "base/result.h"
 #include "haptics/loop/recording.h"
 #include "haptics/scene/scripted_scene.h"
+#include "proxima/result.h"
 
 #include <CLI/App.hpp>
 #include <numbers>

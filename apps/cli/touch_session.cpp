@@ -34,9 +34,8 @@ Status build_octree_of(TouchModel& model, const std::string& name, Session& sess
     if (!surface) return tl::unexpected(surface.error());
     model.surface = std::move(*surface);
     const ProgressBar shown(session.progress(), session.bar());
-    auto octree =
-        build_proximity_octree(model.surface.mesh, model.surface.topology,
-                               {.threads = session.threads(), .progress = &session.progress()});
+    auto octree = build_proximity_octree(model.surface.mesh, model.surface.topology,
+                                         {.execution = session.execution()});
     if (!octree) return at_model(octree.error(), name);
     model.octree = std::move(*octree);
     return {};

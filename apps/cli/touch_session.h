@@ -1,7 +1,6 @@
 // A session of touching: a device, real or simulated, a model, and the loop between them.
 #pragma once
 
-#include "base/result.h"
 #include "cli/proximity_file_model.h"
 #include "cli/session.h"
 #include "cli/touch_device.h"
@@ -15,6 +14,7 @@
 #include "haptics/loop/servo_loop.h"
 #include "haptics/scene/scripted_scene.h"
 #include "haptics/surface/contact_surface.h"
+#include "proxima/result.h"
 
 #include <cstdint>
 #include <memory>

@@ -4,8 +4,8 @@
 #include "base/output_file.h"
 #include "base/text.h"
 #include "cli/npy_header.h"
-#include "mesh/mesh_io.h"
-#include "mesh/sub_mesh.h"
+#include "proxima/mesh_io.h"
+#include "proxima/mesh_repair.h"
 
 #include <algorithm>
 #include <array>
@@ -58,7 +58,7 @@ Status write_triangle_file(const TriangleMesh& mesh, std::span<const TriangleId>
     if (Status status = check_triangle_file_format(path); !status) return status;
     const std::string extension = lower_case_extension(path);
     if (is_mesh_extension(extension))
-        return write_mesh(sub_mesh(mesh, triangles), path, {.progress = progress});
+        return write_mesh(sub_mesh(mesh, triangles), path, {.execution = {.progress = progress}});
     const std::string text = extension == ".csv" ? csv_of(triangles) : npy_of(triangles);
     auto file = OutputFile::create(path, {progress, text.size()});
     if (!file) return tl::unexpected(file.error());

@@ -5,9 +5,9 @@
 //     .obj .ply .stl      the mesh, triangles in the given order
 #pragma once
 
-#include "base/progress.h"
-#include "base/result.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
+#include "proxima/triangle_mesh.h"
 
 #include <span>
 #include <string>

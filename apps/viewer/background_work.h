@@ -1,12 +1,12 @@
 // One piece of work at a time in a thread of its own, watched and cancelled from another.
 //
 //     BackgroundWork<Result<Octree>> work;
-//     work.start([=](Progress& progress) { return build_octree(*mesh, {.progress = &progress}); });
+//     work.start([=](Progress& progress) { return build_octree(*mesh, {.execution = {.progress = &progress}}); });
 //     while (!work.is_finished()) draw(work.progress());
 //     const auto octree = work.take();
 #pragma once
 
-#include "base/progress.h"
+#include "proxima/execution.h"
 
 #include <atomic>
 #include <functional>

@@ -1,6 +1,6 @@
 #include "viewer/camera.h"
 
-#include "geometry/shapes.h"
+#include "proxima/geometry.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,8 +2,7 @@
 #pragma once
 
 #include "cli/canvas.h"
-#include "geometry/shapes.h"
-#include "geometry/vec.h"
+#include "proxima/geometry.h"
 
 #include <span>
 

@@ -1,7 +1,7 @@
 // An OpenGL 3.3 context that needs no display: EGL without a surface.
 #pragma once
 
-#include "base/result.h"
+#include "proxima/result.h"
 
 namespace proxima {
 

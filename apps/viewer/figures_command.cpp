@@ -2,6 +2,7 @@
 #include "base/output_file.h"
 #include "base/text.h"
 #include "cli/only_option.h"
+#include "proxima/execution.h"
 #include "viewer/commands.h"
 #include "viewer/figures/figure_pages.h"
 
@@ -54,7 +55,7 @@ Status run_figures(const FiguresOptions& options, Session& session)
     Progress* const progress = &session.progress();
     const auto renderer = make_renderer(options, progress);
     if (!renderer) return tl::unexpected(renderer.error());
-    const FigureContext context = {session.threads(), progress};
+    const Execution context = {session.threads(), progress};
     std::vector<FigurePage> pages;
     nlohmann::ordered_json made = nlohmann::ordered_json::array();
     for (const ThesisFigure& figure : thesis_figures()) {

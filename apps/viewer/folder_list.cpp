@@ -1,8 +1,9 @@
 #include "viewer/folder_list.h"
 
+#include "base/progress.h"
 #include "base/text.h"
-#include "mesh/mesh_format.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/mesh_io.h"
+#include "proxima/sample_meshes.h"
 
 #include <algorithm>
 #include <cstdlib>

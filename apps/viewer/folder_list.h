@@ -1,8 +1,8 @@
 // What a folder offers to somebody who looks for a model: folders, and files that can be read.
 #pragma once
 
-#include "base/progress.h"
-#include "base/result.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
 
 #include <cstdint>
 #include <filesystem>

@@ -1,7 +1,7 @@
 // OpenGL's objects as owners. All need a current context, also to be destroyed.
 #pragma once
 
-#include "base/result.h"
+#include "proxima/result.h"
 
 #include <epoxy/gl.h>
 #include <string>

@@ -6,8 +6,8 @@
 //     cells     pose I     ───┘
 #pragma once
 
-#include "geometry/rigid_transform.h"
-#include "minkowski/convex_polyhedron.h"
+#include "proxima/convex_polyhedron.h"
+#include "proxima/geometry.h"
 #include "viewer/scene.h"
 
 #include <memory>

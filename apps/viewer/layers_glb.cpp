@@ -1,5 +1,6 @@
 #include "viewer/layers_glb.h"
 
+#include "base/progress.h"
 #include "mesh/io/glb_file.h"
 
 #include <algorithm>

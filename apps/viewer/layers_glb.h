@@ -1,8 +1,8 @@
 // What is shown as binary glTF, for other programs.
 #pragma once
 
-#include "base/progress.h"
-#include "base/result.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
 #include "viewer/scene.h"
 
 #include <filesystem>

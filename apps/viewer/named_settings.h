@@ -1,7 +1,7 @@
 // Settings of panels by name, as the command line gives them: --set "cut plane=on" --set depth=7.
 #pragma once
 
-#include "base/result.h"
+#include "proxima/result.h"
 #include "viewer/controls.h"
 
 #include <functional>

@@ -8,7 +8,8 @@
 // changed while it runs. Handles are places that the mouse drags.
 #pragma once
 
-#include "base/result.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
 #include "viewer/controls.h"
 #include "viewer/scene_shapes.h"
 #include "viewer/view_models.h"
@@ -44,7 +45,7 @@ struct PanelPicture {
     std::string problem = {}; ///< what could not be done, though there is a picture; empty: nothing
 };
 
-using PanelTask = std::function<Result<PanelPicture>(const WorkContext&)>;
+using PanelTask = std::function<Result<PanelPicture>(const Execution&)>;
 
 /// What a panel built last, and for which key. Tasks of one panel run one after another.
 template <class Key, class Value>

@@ -1,6 +1,6 @@
 #include "viewer/query_shapes.h"
 
-#include "mesh/sub_mesh.h"
+#include "proxima/mesh_repair.h"
 
 #include <algorithm>
 #include <cmath>

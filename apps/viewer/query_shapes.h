@@ -1,9 +1,9 @@
 // Shapes that show what queries answer: figures and panels draw them alike.
 #pragma once
 
-#include "geometry/view_volume.h"
-#include "minkowski/minkowski_sum.h"
-#include "octree/octree.h"
+#include "proxima/minkowski_sum.h"
+#include "proxima/octree.h"
+#include "proxima/view_volume.h"
 #include "query/rays/cells_along_ray.h"
 #include "thesis/intersect_octrees.h"
 #include "viewer/scene_shapes.h"

@@ -1,9 +1,9 @@
 // Who draws scenes.
 #pragma once
 
-#include "base/progress.h"
-#include "base/result.h"
 #include "cli/image.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
 #include "viewer/camera.h"
 #include "viewer/scene.h"
 

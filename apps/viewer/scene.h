@@ -9,8 +9,8 @@
 
 #include "cli/canvas.h"
 #include "cli/lettering.h"
-#include "geometry/shapes.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/geometry.h"
+#include "proxima/triangle_mesh.h"
 
 #include <array>
 #include <string>

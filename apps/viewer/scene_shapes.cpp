@@ -1,7 +1,7 @@
 #include "viewer/scene_shapes.h"
 
-#include "mesh/sample_meshes.h"
-#include "mesh/topology.h"
+#include "proxima/sample_meshes.h"
+#include "proxima/topology.h"
 
 #include <cmath>
 #include <numbers>

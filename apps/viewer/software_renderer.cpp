@@ -1,3 +1,4 @@
+#include "base/progress.h"
 #include "cli/lamps.h"
 #include "viewer/renderer.h"
 

@@ -99,8 +99,8 @@ Status write_files(const Viewer& viewer, const ViewOptions& options, Session& se
 /// The picture without a window.
 Status run_headless(const ViewOptions& options, Session& session)
 {
-    Viewer viewer(
-        {.threads = session.threads(), .budget = {options.budget_mb * bytes_per_megabyte}});
+    Viewer viewer({.execution = {.threads = session.threads(),
+                                 .budget = {options.budget_mb * bytes_per_megabyte}}});
     viewer.resize(options.size);
     if (Status status = prepare(viewer, options); !status) return status;
     viewer.open(options.models);
@@ -126,10 +126,10 @@ Status run_view(const ViewOptions& options, Session& session)
     if (Status status = session.check_outputs({options.snapshot, options.glb}); !status)
         return status;
     if (!options.needs_window()) return run_headless(options, session);
-    Viewer viewer({.threads = session.threads(),
-                   .budget = {options.budget_mb * bytes_per_megabyte},
-                   .pictures = Pictures::live,
-                   .wake = wake_window});
+    Viewer viewer({.pictures = Pictures::live,
+                   .wake = wake_window,
+                   .execution = {.threads = session.threads(),
+                                 .budget = {options.budget_mb * bytes_per_megabyte}}});
     if (Status status = prepare(viewer, options); !status) return status;
     if (Status status = run_window(viewer, {.models = options.models,
                                             .size = options.size,
@@ -156,7 +156,7 @@ Command add_view_command(CLI::App& app)
             "model", options->models,
             "Models: files or built-ins, see proxima octree; the window asks for one without it")
         ->type_name("MODEL");
-    parser->add_option("--panel", options->panel, "What to begin with: model, octree, ...")
+    parser->add_option("--panel", options->panel, "Panel to begin with: model, octree, ...")
         ->capture_default_str()
         ->type_name("NAME");
     parser
@@ -182,7 +182,7 @@ Command add_view_command(CLI::App& app)
                 }
                 options->size = *size;
             },
-            "Of the window or the picture (default 1280x820)")
+            "Size of the window or the picture (default 1280x820)")
         ->type_name("WxH");
     parser
         ->add_option("--budget-mb", options->budget_mb,
@@ -198,7 +198,7 @@ Command add_view_command(CLI::App& app)
                      "as JSON: for programs that drive it")
         ->type_name("FILE");
     parser->add_flag("--gl-debug", options->debug,
-                     "Let OpenGL check every call; its complaints are an error in the end");
+                     "Let OpenGL check every call, and fail in the end if it complained");
     parser->final_callback([options] { check_usage(*options); });
     return {parser, [options](Session& session) { return run_view(*options, session); }};
 }

@@ -4,8 +4,9 @@
 #include "base/text.h"
 #include "cli/model_options.h"
 #include "index/build_mesh_index.h"
-#include "mesh/mesh_io.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/execution.h"
+#include "proxima/mesh_io.h"
+#include "proxima/sample_meshes.h"
 #include "query/rays/cast_ray.h"
 #include "viewer/scene_shapes.h"
 
@@ -31,10 +32,11 @@ std::shared_ptr<const Scene> surface_scene(const TriangleMesh& mesh, const Color
     return scene;
 }
 
-Result<TriangleMesh> read_model(const std::string& name, const WorkContext& context)
+Result<TriangleMesh> read_model(const std::string& name, const Execution& context)
 {
-    if (is_sample_mesh_name(name)) return sample_mesh(name, {.progress = context.progress});
-    return read_mesh(name, {.progress = context.progress, .budget = context.budget});
+    if (is_sample_mesh_name(name))
+        return sample_mesh(name, {.execution = {.progress = context.progress}});
+    return read_mesh(name, {.execution = {.progress = context.progress, .budget = context.budget}});
 }
 
 /// The edge of an equilateral triangle as large as they are on average.
@@ -68,7 +70,7 @@ Feature nearest_part(const ViewModel& model, TriangleId id, const RayHit& hit)
 
 Result<std::shared_ptr<const ViewModel>> make_view_model(std::string name, TriangleMesh mesh,
                                                          const Vec3& up, std::size_t number,
-                                                         const WorkContext& context)
+                                                         const Execution& context)
 {
     if (Status fits = check_budget(context.budget, bytes_per_triangle * mesh.triangle_count(),
                                    concat("showing ", mesh.triangle_count(), " triangles"),
@@ -76,10 +78,9 @@ Result<std::shared_ptr<const ViewModel>> make_view_model(std::string name, Trian
         !fits) {
         return at_model(fits.error(), name);
     }
-    auto topology =
-        build_topology(mesh, {.threads = context.threads, .progress = context.progress});
+    auto topology = build_topology(mesh, {.execution = context});
     if (!topology) return at_model(topology.error(), name);
-    auto rays = build_mesh_index(mesh, {.threads = context.threads, .progress = context.progress});
+    auto rays = build_mesh_index(mesh, {.execution = context});
     if (!rays) return at_model(rays.error(), name);
     auto model = std::make_shared<ViewModel>();
     for (const Vec3& position : mesh.positions()) model->box.extend(position);
@@ -95,7 +96,7 @@ Result<std::shared_ptr<const ViewModel>> make_view_model(std::string name, Trian
     return model;
 }
 
-Result<ViewModels> load_view_models(std::span<const std::string> names, const WorkContext& context,
+Result<ViewModels> load_view_models(std::span<const std::string> names, const Execution& context,
                                     ViewModels before)
 {
     ViewModels models = std::move(before);

@@ -1,14 +1,11 @@
 // The models that a window shows, with what every panel needs of them.
 #pragma once
 
-#include "base/memory_budget.h"
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
-#include "geometry/ray.h"
 #include "index/mesh_index.h"
-#include "mesh/feature.h"
-#include "mesh/topology.h"
+#include "proxima/execution.h"
+#include "proxima/geometry.h"
+#include "proxima/result.h"
+#include "proxima/topology.h"
 #include "viewer/layers.h"
 
 #include <memory>
@@ -18,13 +15,6 @@
 #include <vector>
 
 namespace proxima {
-
-/// Who works, and who watches.
-struct WorkContext {
-    Threads threads = {};
-    Progress* progress = nullptr;
-    MemoryBudget budget = {}; ///< of a model and of each thing that is built of it
-};
 
 /// Immutable.
 struct ViewModel {
@@ -46,13 +36,12 @@ using ViewModels = std::vector<std::shared_ptr<const ViewModel>>;
 /// reading; budget_exceeded where showing it would take more memory than the budget; invalid_mesh
 /// (empty, NaN); cancelled. The error's place names the model.
 [[nodiscard]] Result<ViewModels> load_view_models(std::span<const std::string> names,
-                                                  const WorkContext& context,
-                                                  ViewModels before = {});
+                                                  const Execution& context, ViewModels before = {});
 
 /// A mesh that is there already, as model number `number`. Errors as above.
 [[nodiscard]] Result<std::shared_ptr<const ViewModel>>
 make_view_model(std::string name, TriangleMesh mesh, const Vec3& up, std::size_t number,
-                const WorkContext& context);
+                const Execution& context);
 
 /// Of all.
 [[nodiscard]] Box bounding_box(const ViewModels& models);

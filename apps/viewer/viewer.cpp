@@ -1,5 +1,6 @@
 #include "viewer/viewer.h"
 
+#include "base/progress.h"
 #include "base/text.h"
 
 #include <algorithm>
@@ -97,8 +98,8 @@ void Viewer::open(std::vector<std::string> names, Placing placing)
     loading_error_.reset();
     ViewModels kept = placing == Placing::beside ? models_ : ViewModels{};
     loading_.start(
-        [names = std::move(names), kept = std::move(kept), threads = options_.threads,
-         budget = options_.budget](Progress& progress) {
+        [names = std::move(names), kept = std::move(kept), threads = options_.execution.threads,
+         budget = options_.execution.budget](Progress& progress) {
             return within_memory([&] {
                 return load_view_models(names, {threads, &progress, budget}, kept);
             });
@@ -149,8 +150,8 @@ void Viewer::start_task()
     started_ = wanted_;
     start_time_ = std::chrono::steady_clock::now();
     working_.start(
-        [task = panels_[panel_]->task(models_), threads = options_.threads,
-         budget = options_.budget](Progress& progress) {
+        [task = panels_[panel_]->task(models_), threads = options_.execution.threads,
+         budget = options_.execution.budget](Progress& progress) {
             return within_memory([&] { return task({threads, &progress, budget}); });
         },
         options_.wake);

@@ -1,7 +1,7 @@
 // The viewer without its window: models, panels, the camera and what the mouse does, and work in
 // the background. A window shows it, the command line makes one picture of it, tests do both.
 //
-//     Viewer viewer({.threads = threads});
+//     Viewer viewer({.execution = {.threads = threads}});
 //     viewer.open({"bunny.obj"});                       // returns at once
 //     for (;;) {
 //         viewer.update(seconds);
@@ -9,7 +9,8 @@
 //     }
 #pragma once
 
-#include "base/result.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
 #include "viewer/background_work.h"
 #include "viewer/camera.h"
 #include "viewer/controls.h"
@@ -35,10 +36,9 @@ enum class Placing : std::uint8_t {
 };
 
 struct ViewerOptions {
-    Threads threads = {};
-    MemoryBudget budget = {}; ///< of a model and of what is built of it
     Pictures pictures = Pictures::still;
     std::function<void()> wake = {}; ///< called by the worker when there is something to take
+    Execution execution = {};        ///< budget: of a model and of what is built of it
 };
 
 class Viewer {

@@ -1,6 +1,7 @@
 #include "base/binary_file.h"
 
 #include "base/mapped_file.h"
+#include "base/progress.h"
 #include "base/text.h"
 
 #include <algorithm>
@@ -48,7 +49,7 @@ std::uint64_t checksum(std::span<const std::byte> bytes, Progress* progress) noe
 {
     constexpr std::size_t block = std::size_t{1} << 22U;
     if (bytes.size() <= block) {
-        if (progress != nullptr) progress->advance(bytes.size());
+        advance_stage(progress, bytes.size());
         return XXH3_64bits(bytes.data(), bytes.size());
     }
     XXH3_state_t state;
@@ -57,14 +58,14 @@ std::uint64_t checksum(std::span<const std::byte> bytes, Progress* progress) noe
         const auto part = bytes.first(std::min(block, bytes.size()));
         XXH3_64bits_update(&state, part.data(), part.size());
         bytes = bytes.subspan(part.size());
-        if (progress != nullptr) progress->advance(part.size());
+        advance_stage(progress, part.size());
     }
     return XXH3_64bits_digest(&state);
 }
 
 void begin_checksums(Progress* progress, std::uint64_t bytes) noexcept
 {
-    if (progress != nullptr) progress->begin_stage("checksums", bytes);
+    begin_stage(progress, "checksums", bytes);
 }
 
 /// Of header and table as they lie in the file, but with zeros for the checksum itself.

@@ -10,8 +10,8 @@
 #pragma once
 
 #include "base/output_file.h"
-#include "base/progress.h"
-#include "base/result.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
 
 #include <array>
 #include <cstddef>
@@ -57,12 +57,6 @@ requires std::has_unique_object_representations_v<T> || std::is_floating_point_v
 /// Sets a file's checksums to those of its bytes, as far as it has a table; what a crafted file has
 /// done. For tests of readers, whose damaged files checksums would refuse before anything else.
 void reseal_binary_file(std::span<std::byte> bytes) noexcept;
-
-/// How far a file is checked when it is opened.
-enum class Verification : std::uint8_t {
-    full,     ///< checksums of all sections: reads the whole file
-    structure ///< header and table only: time independent of the file's size
-};
 
 /// An open file of sections, memory-mapped and read-only; copies share the mapping. The file must
 /// not be changed by others while it is open. Thread safe.

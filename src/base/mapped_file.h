@@ -1,7 +1,7 @@
 // A whole file as an array of bytes, read by the system when they are touched.
 #pragma once
 
-#include "base/result.h"
+#include "proxima/result.h"
 
 #include <cstddef>
 #include <filesystem>

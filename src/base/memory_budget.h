@@ -1,18 +1,13 @@
 // Memory limits of operations whose size grows with their options.
 #pragma once
 
-#include "base/result.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
 
 #include <cstdint>
 #include <string_view>
 
 namespace proxima {
-
-/// How much memory an operation may use for its result and its scratch, in bytes.
-/// 0 = three quarters of the machine's memory, or of the container's limit, or of `ulimit -v`.
-struct MemoryBudget {
-    std::uint64_t bytes = 0;
-};
 
 /// The limit in bytes that `budget` stands for.
 [[nodiscard]] std::uint64_t budget_bytes(MemoryBudget budget);

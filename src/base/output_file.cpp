@@ -1,6 +1,7 @@
 #include "base/output_file.h"
 
 #include "base/check.h"
+#include "base/progress.h"
 
 #include <atomic>
 #include <cerrno>

@@ -7,8 +7,8 @@
 //     return file->commit();                                         // commit, which repeats them
 #pragma once
 
-#include "base/progress.h"
-#include "base/result.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -49,15 +49,16 @@ int thread_count(Threads threads) noexcept
     return threads.count > 0 ? threads.count : tbb::this_task_arena::max_concurrency();
 }
 
-void detail::parallel_for(std::size_t count, int threads, LoopBody body, void* context)
+void parallel_for(std::size_t count, Threads allowed, FunctionRef<void(std::size_t)> body)
 {
+    const int threads = thread_count(allowed);
     if (threads <= 1 || count <= 1) {
-        for (std::size_t index = 0; index < count; ++index) body(context, index);
+        for (std::size_t index = 0; index < count; ++index) body(index);
         return;
     }
-    const auto task = [body, context](std::size_t index) {
+    const auto task = [body](std::size_t index) {
         acquire(&fork_flag);
-        body(context, index);
+        body(index);
         release(&join_flag);
     };
     // More threads than processors are given only on demand, and refused with a line on stderr.

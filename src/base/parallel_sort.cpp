@@ -1,5 +1,8 @@
 #include "base/parallel_sort.h"
 
+#include "base/parallel.h"
+#include "base/progress.h"
+
 #include <algorithm>
 #include <cstdint>
 #include <span>
@@ -20,7 +23,7 @@ constexpr std::size_t short_bucket = 8192; // as many as caches hold
 bool sort_keys(std::vector<KeyedIndex>& items, unsigned key_bits, Threads threads,
                Progress* progress)
 {
-    if (progress != nullptr) progress->begin_stage("sorting", items.size());
+    begin_stage(progress, "sorting", items.size());
     const unsigned rest_bits = key_bits - radix_digit_bits;
     const std::size_t per_chunk =
         std::max(least_chunk, (items.size() + most_chunks - 1) / most_chunks);
@@ -74,7 +77,7 @@ bool sort_keys(std::vector<KeyedIndex>& items, unsigned key_bits, Threads thread
                 steps);
             std::ranges::copy(long_bucket, own.begin());
         }
-        if (progress != nullptr) progress->advance(first - begin);
+        advance_stage(progress, first - begin);
     });
     items.swap(sorted);
     return !is_cancelled(progress);

@@ -1,9 +1,8 @@
 // Sorting of many integer keys with a payload on several threads.
 #pragma once
 
-#include "base/parallel.h"
-#include "base/progress.h"
 #include "base/radix_sort.h"
+#include "proxima/execution.h"
 
 #include <vector>
 

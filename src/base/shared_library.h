@@ -1,7 +1,7 @@
 // Libraries that are opened at run time: a program that can use them runs without them too.
 #pragma once
 
-#include "base/result.h"
+#include "proxima/result.h"
 
 #include <memory>
 #include <span>

@@ -1,7 +1,7 @@
 // Datagrams to and from other programs: IPv4, never waiting.
 #pragma once
 
-#include "base/result.h"
+#include "proxima/result.h"
 
 #include <cstddef>
 #include <cstdint>

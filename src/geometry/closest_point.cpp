@@ -6,7 +6,7 @@
 namespace proxima {
 namespace {
 
-/// The place along a direction of the foot of v, in multiples of the direction.
+/// The parameter of the foot of v along a direction, in multiples of the direction.
 double foot(const Vec3& v, const Vec3& direction, double squared_length)
 {
     return squared_length > 0 ? v.dot(direction) / squared_length : 0;
@@ -16,7 +16,7 @@ double foot(const Vec3& v, const Vec3& direction, double squared_length)
 
 Vec3 Segment::at(double t) const noexcept
 {
-    // From the nearer end, so that both ends come out exactly.
+    // Computes from the nearer end, so that both ends are exact.
     if (t <= 0.5) return from + t * (to - from);
     return to + (1 - t) * (from - to);
 }
@@ -30,8 +30,8 @@ SegmentPoint closest_point(const Segment& segment, const Vec3& p) noexcept
 
 std::optional<TrianglePoint> closest_point_inside(const Triangle& triangle, const Vec3& p) noexcept
 {
-    // The longest side u is the base and h the height on it, so that a sliver's height is found
-    // without cancellation to be as small as it is.
+    // The longest side u is the base and h the height on it, so that a sliver's height is computed
+    // without cancellation.
     const auto& v = triangle.vertices;
     const std::array<Vec3, 3> sides = {v[1] - v[0], v[2] - v[1], v[0] - v[2]};
     std::size_t base = 0;
@@ -58,7 +58,7 @@ std::optional<TrianglePoint> closest_point_inside(const Triangle& triangle, cons
     result.weights[base] = at_base;
     result.weights[next] = at_next;
     result.weights[apex] = at_apex;
-    // As seen from the corner that weighs most, which keeps rounding small.
+    // Computes from the corner with the largest weight, which keeps rounding small.
     const auto heaviest =
         static_cast<std::size_t>(std::ranges::max_element(result.weights) - result.weights.begin());
     const std::size_t second = (heaviest + 1) % 3;
@@ -109,8 +109,8 @@ SegmentPair closest_points(const Segment& first, const Segment& second) noexcept
         best = {one, two};
     };
 
-    // Inside both: along the longer one, u, and across it, so that nearly parallel ones keep what
-    // little crosses u to full precision.
+    // Closest points inside both segments. Splitting along and across the longer one, u, keeps the
+    // small part across u at full precision for nearly parallel segments.
     const Vec3 along_first = first.to - first.from;
     const Vec3 along_second = second.to - second.from;
     const bool second_is_longer = along_second.squaredNorm() > along_first.squaredNorm();
@@ -135,7 +135,7 @@ SegmentPair closest_points(const Segment& first, const Segment& second) noexcept
             }
         }
     }
-    // An end of either.
+    // Otherwise an end of one segment is closest.
     offer({first.from, 0}, closest_point(second, first.from));
     offer({first.to, 1}, closest_point(second, first.to));
     offer(closest_point(first, second.from), {second.from, 0});

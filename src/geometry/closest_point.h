@@ -11,8 +11,7 @@
 // \pre for all: finite; differences of coordinates below 1e150. Below 1e-150 they count as none.
 #pragma once
 
-#include "geometry/shapes.h"
-#include "geometry/vec.h"
+#include "proxima/geometry.h"
 
 #include <array>
 #include <cstddef>

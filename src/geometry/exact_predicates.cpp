@@ -11,9 +11,9 @@ namespace {
 
 using detail::WideInteger;
 
-// Numbers of the exact stages: what difference() and sum_difference() make, and what +, - and *
-// make of it. sum_difference(p, a, b, s) is p - a - s b, of degree two: for wide integers in units
-// of 2^-2148, where the others count in 2^-1074.
+// Numbers of the exact stages: results of difference() and sum_difference(), and of +, - and * on
+// these. sum_difference(p, a, b, s) is p - a - s b, of degree two. Wide integers hold it in units
+// of 2^-2148, and differences in units of 2^-1074.
 struct ByExpansions {
     static auto difference(double a, double b) noexcept { return detail::exact_difference(a, b); }
     static auto sum_difference(double p, double a, double b, double s) noexcept
@@ -52,7 +52,7 @@ bool fits_quartic(const SumDisplacement& w) noexcept
            detail::fits_quartic_expansion(w.scale);
 }
 
-/// |u x v| at most, component by component, whatever cancels in it.
+/// An upper bound of |u x v| by component that ignores cancellation.
 Vec3 cross_sizes(const Vec3& u, const Vec3& v) noexcept
 {
     const Vec3 p = u.cwiseAbs();
@@ -189,8 +189,7 @@ int cross_component_sign(const Displacement& u, const Displacement& v, int axis)
 int determinant_sign(const Displacement& u, const Displacement& v,
                      const SumDisplacement& w) noexcept
 {
-    // One rounding more than a difference has, and of terms that may cancel: bounded by their
-    // sizes.
+    // One rounding more than in a difference, of terms that may cancel: bounded by their sizes.
     const Vec3 p = u.rounded();
     const Vec3 q = v.rounded();
     const Vec3 normal = p.cross(q);
@@ -198,7 +197,7 @@ int determinant_sign(const Displacement& u, const Displacement& v,
     const Vec3 reach = w.point.cwiseAbs() + w.a.cwiseAbs() + std::abs(w.scale) * w.b.cwiseAbs();
     const double value = normal.dot(w.rounded());
     const double size = sizes.dot(reach);
-    // The last term: what scale * b lost by underflow.
+    // The last term bounds what scale * b loses by underflow.
     const double error = 16 * unit_roundoff * size + 0x1p-1070 * sizes.sum();
     if (size >= safe_sum && reach.maxCoeff() <= safe_size) {
         if (value - error > 0) return 1;
@@ -218,7 +217,7 @@ int cross_component_sign(const Displacement& u, const SumDisplacement& w, int ax
 
 Vec3 unit_normal(const Displacement& u, const Displacement& v) noexcept
 {
-    // Differences with what rounding left of them, scaled by powers of two so that products neither
+    // Differences and their rounding errors, scaled by powers of two so that products neither
     // overflow nor vanish.
     struct Scaled {
         Vec3 rounded;

@@ -7,8 +7,7 @@
 // (wide_integer.h) do, slowly. So the answers are exact for all finite doubles.
 #pragma once
 
-#include "geometry/shapes.h"
-#include "geometry/vec.h"
+#include "proxima/geometry.h"
 
 namespace proxima {
 
@@ -20,16 +19,6 @@ namespace proxima {
 /// points (a, b, c counter-clockwise seen from d), -1 on the other, 0 coplanar. Exact.
 /// \pre all finite. Cost: about 10 ns, 1 us where the filter fails. Thread safe, no allocation.
 [[nodiscard]] int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) noexcept;
-
-/// A displacement known exactly though no double may hold it: from one point to another, or a
-/// vector as given, from the origin.
-struct Displacement {
-    Vec3 from = Vec3::Zero();
-    Vec3 to = Vec3::Zero();
-
-    /// Rounded once per component.
-    [[nodiscard]] Vec3 rounded() const noexcept { return to - from; }
-};
 
 /// Sign of the determinant (u x v) . w: +1 if the three turn like the axes, -1 mirrored, 0 if they
 /// lie in a plane. Exact. \pre all finite. Cost as orient3d's.

@@ -18,8 +18,8 @@ using detail::Meeting;
 using detail::Three;
 using detail::within_range;
 
-/// Where corners are along the ray, measured on the direction's largest component. What tiny
-/// directions put out of reach of doubles stays within them: differences of places are finite.
+/// Parameters of the corners along the ray, measured on the direction's largest component. They are
+/// clamped so that differences stay finite for tiny directions.
 Three corner_places(const Ray& ray, const Triangle& triangle) noexcept
 {
     int axis = 0;
@@ -40,9 +40,9 @@ Meeting corner_point(std::size_t corner, const Three& places) noexcept
     return at;
 }
 
-/// Points and directions for sums whose size matters, not the sign alone: as they are where
-/// expansions can hold them, otherwise in units of the largest coordinate, with those that are
-/// nothing beside it left out.
+/// Points and directions for sums whose size matters as well as their sign. Where expansions cannot
+/// hold them they are in units of the largest coordinate, and coordinates that are negligible
+/// beside it are dropped.
 struct Conditioned {
     Ray ray;
     Triangle triangle;
@@ -120,7 +120,7 @@ private:
     {
         return {ray_.origin, triangle_.vertices[corner]};
     }
-    /// Exact in sign, and in size as far as that can be.
+    /// The value, exact in sign and, where expansions hold it, in size.
     [[nodiscard]] double weight(std::size_t a, std::size_t b) const noexcept
     {
         const Vec3& o = conditioned_.ray.origin;
@@ -176,7 +176,7 @@ private:
         return at;
     }
 
-    /// The ray's line and the triangle are in one plane: they share a stretch, if anything.
+    /// The ray's line and the triangle lie in one plane: they share an interval or nothing.
     [[nodiscard]] std::optional<RayTriangleHit> find_in_plane() const noexcept
     {
         int axis = side_axis(0, 1);
@@ -195,7 +195,7 @@ private:
         const auto by_t = [](const Meeting& one, const Meeting& other) { return one.t < other.t; };
         const auto [first, last] = std::minmax_element(met.begin(), met.begin() + count, by_t);
         if (first->t >= ray_.t_min || last->t < ray_.t_min) return within_range(ray_, *first);
-        // The ray begins within the stretch.
+        // The ray begins inside the interval.
         const double share = (ray_.t_min - first->t) / (last->t - first->t);
         Meeting start;
         start.t = ray_.t_min;

@@ -8,8 +8,7 @@
 // same determinant: a line through an edge or a corner meets every triangle there.
 #pragma once
 
-#include "geometry/ray.h"
-#include "geometry/shapes.h"
+#include "proxima/geometry.h"
 
 #include <algorithm>
 #include <cstdint>

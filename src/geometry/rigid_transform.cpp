@@ -1,6 +1,7 @@
-#include "geometry/rigid_transform.h"
+#include "proxima/geometry.h"
 
 #include "base/text.h"
+#include "geometry/exact_predicates.h"
 
 #include <cmath>
 

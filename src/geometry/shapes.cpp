@@ -1,4 +1,4 @@
-#include "geometry/shapes.h"
+#include "proxima/geometry.h"
 
 namespace proxima {
 

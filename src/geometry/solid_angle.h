@@ -6,7 +6,7 @@
 // real axis.
 #pragma once
 
-#include "geometry/shapes.h"
+#include "proxima/geometry.h"
 
 #include <cmath>
 #include <numbers>

@@ -46,7 +46,7 @@ struct Bounded {
     [[nodiscard]] bool surely_not_positive() const noexcept { return value + error <= 0; }
 };
 
-// One of the two ways to see a projection: as if N_k >= 0 (positive) or N_k < 0 (negative).
+// The assumed sign of a projection: N_k >= 0 (positive) or N_k < 0 (negative).
 enum class Side : std::uint8_t { positive, negative };
 
 constexpr unsigned bit(int index) noexcept
@@ -69,14 +69,14 @@ bool boxes_apart(const Triangle& triangle, const Box& box) noexcept
     return apart;
 }
 
-// The filter, and what it leaves to exact arithmetic.
+// The filter, and the exact test for what it cannot decide.
 class TriangleBoxTest {
 public:
     TriangleBoxTest(const Triangle& triangle, const Box& box) noexcept
         : triangle_(triangle), box_(box)
     {}
 
-    /// All stages in double.
+    /// All stages in doubles.
     [[nodiscard]] Answer filter() noexcept
     {
         if (boxes_apart(triangle_, box_)) return Answer::apart;
@@ -168,8 +168,8 @@ private:
         return {first - second, edge_error * (std::abs(first) + std::abs(second)) + underflow};
     }
 
-    // Whether some edge surely has the box beyond it; notes the edges that are unsure. All three
-    // are computed before the only branch: what they say is unpredictable.
+    // Whether the box surely lies beyond some edge; notes the edges that are unsure. All three are
+    // computed before the only branch, because their results are unpredictable.
     template <int Axis>
     [[nodiscard]] bool side_apart(Side side) noexcept
     {
@@ -185,7 +185,7 @@ private:
         return apart != 0;
     }
 
-    // The axis is a constant so that its neighbours are: the loops unroll to straight code.
+    // The axis is a template constant, so that the loops unroll to straight code.
     template <int Axis>
     [[nodiscard]] bool axis_apart() noexcept
     {
@@ -200,8 +200,8 @@ private:
         return plane_is_unsure_ || (unsure_[0] | unsure_[1] | apart_[0] | apart_[1]) != 0;
     }
 
-    // Where nothing can have underflowed, terms that are zero are truly zero: what is made of them
-    // is certain after all. Triangles parallel to axes are full of such terms.
+    // Where nothing can have underflowed, terms that are zero are truly zero, and results that
+    // depend on them alone are certain. Triangles parallel to axes have many such terms.
     void drop_true_zeros() noexcept
     {
         for (int axis = 0; axis < 3; ++axis) {

@@ -16,7 +16,7 @@
 // its three edges supply both sides, so degenerate triangles need no case of their own.
 #pragma once
 
-#include "geometry/shapes.h"
+#include "proxima/geometry.h"
 
 namespace proxima {
 

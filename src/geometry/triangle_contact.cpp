@@ -21,8 +21,8 @@ bool boxes_apart(const Triangle& a, const Triangle& b) noexcept
     return (a_high.array() < b_low.array()).any() || (b_high.array() < a_low.array()).any();
 }
 
-/// On which sides of the other's plane the corners are. All nought: in the plane, or the other has
-/// no area.
+/// On which sides of the other triangle's plane the corners lie. All zero means in the plane, or
+/// that the other triangle has no area.
 Sides sides_of(const Triangle& triangle, const Triangle& other) noexcept
 {
     Sides sides{};
@@ -55,14 +55,14 @@ int put_lone_corner_first(Triangle& triangle, const Sides& sides) noexcept
     return 0;
 }
 
-/// Both planes cut the other triangle: what they cut out of their common line are two stretches,
-/// each from the lone corner's one edge to its other one.
+/// Each plane cuts the other triangle. The triangles cut two intervals out of the planes' common
+/// line, each between the two edges of the lone corner.
 bool stretches_meet(Triangle a, const Sides& sides_of_a, Triangle b,
                     const Sides& sides_of_b) noexcept
 {
     const int side_of_a = put_lone_corner_first(a, sides_of_a);
     const int side_of_b = put_lone_corner_first(b, sides_of_b);
-    // Face the planes so that both lone corners are above.
+    // Orients the planes so that both lone corners are above.
     if (side_of_a < 0) std::swap(b.vertices[1], b.vertices[2]);
     if (side_of_b < 0) std::swap(a.vertices[1], a.vertices[2]);
     return orient3d(a[1], b[0], a[0], b[1]) <= 0 && orient3d(a[0], b[0], a[2], b[2]) <= 0;
@@ -76,7 +76,7 @@ bool segment_meets_triangle(const Vec3& p, const Vec3& q, const Triangle& triang
     const int q_side = orient3d(triangle[0], triangle[1], triangle[2], q);
     if (p_side * q_side > 0) return false;
     if (p_side == 0 && q_side == 0) return !intersect({{p, q, q}}, triangle).empty();
-    // The line passes through where it turns one way round all sides.
+    // The line passes through the triangle where it turns the same way round all sides.
     int least = 0;
     int most = 0;
     for (int i = 0; i < 3; ++i) {

@@ -1,8 +1,7 @@
 // Whether triangles and segments meet, exactly: by signs of orientation determinants alone.
 #pragma once
 
-#include "geometry/shapes.h"
-#include "geometry/vec.h"
+#include "proxima/geometry.h"
 
 namespace proxima {
 

@@ -26,7 +26,7 @@ public:
         }
     }
 
-    /// The corners and the other triangle.
+    /// Tries each corner against the other triangle.
     void try_corners() noexcept
     {
         for (std::size_t i = 0; i < 3; ++i) {
@@ -37,7 +37,7 @@ public:
         }
     }
 
-    /// The insides of sides; with their ends once more.
+    /// Tries each pair of sides.
     void try_sides() noexcept
     {
         for (std::size_t i = 0; i < 3; ++i) {
@@ -48,8 +48,8 @@ public:
         }
     }
 
-    /// Whether planes across the line between the closest points, through them, have all corners
-    /// behind them, but for a few roundings: nothing is nearer by more than these.
+    /// Whether all corners lie behind the planes through the closest points, across the line
+    /// between them, up to a few roundings. Then no pair is nearer by more than these.
     [[nodiscard]] bool surely_closest() const noexcept
     {
         const Vec3 gap = best_.second.point - best_.first.point;
@@ -80,7 +80,7 @@ public:
 
     [[nodiscard]] ClosestTrianglePoints& best() noexcept { return best_; }
 
-    /// The least squared distance that is told from none.
+    /// The least squared distance that differs from zero.
     static constexpr double tiny = std::numeric_limits<double>::min();
 
 private:

@@ -24,10 +24,10 @@ TrianglePart side_part(int from, int to) noexcept
 
 } // namespace
 
-// Not of this file alone: what the header befriends has members of it.
+// Not in an unnamed namespace: the class that the header befriends has members of this type.
 namespace detail {
 
-/// A triangle as the simplex that it is: three, two or one of its corners.
+/// A triangle as a simplex of three, two or one of its corners.
 struct Simplex {
     Triangle triangle;
     std::array<int, 3> corners = {0, 1, 2};
@@ -55,13 +55,13 @@ struct Simplex {
     }
     [[nodiscard]] int vertex_count() const noexcept { return dimension + 1; }
     [[nodiscard]] int edge_count() const noexcept { return dimension == 2 ? 3 : dimension; }
-    /// The vertex after one, round the triangle.
+    /// The next vertex round the triangle.
     [[nodiscard]] int after(int vertex) const noexcept { return (vertex + 1) % vertex_count(); }
     [[nodiscard]] TrianglePart vertex_part(int vertex) const noexcept
     {
         return corner_part(corners[static_cast<std::size_t>(vertex)]);
     }
-    /// Edge k joins vertex k and the one after.
+    /// Edge k joins vertex k and the next one.
     [[nodiscard]] TrianglePart part_of_edge(int edge) const noexcept
     {
         return side_part(corners[static_cast<std::size_t>(edge)],
@@ -75,7 +75,7 @@ namespace {
 
 using detail::Simplex;
 
-/// Without one coordinate.
+/// The point without one coordinate.
 Vec2 shadow(const Vec3& point, int axis) noexcept
 {
     return {point[(axis + 1) % 3], point[(axis + 2) % 3]};
@@ -94,7 +94,7 @@ std::optional<TrianglePart> part_at(const Vec3& point, const Simplex& segment) n
     return segment.part_of_edge(0);
 }
 
-/// The same of a triangle. \pre the point lies in its plane
+/// The part of a triangle in whose interior the point lies. \pre the point lies in its plane
 std::optional<TrianglePart> part_in_plane(const Vec3& point, const Triangle& triangle) noexcept
 {
     // Seen along an axis that keeps the triangle's area.
@@ -172,7 +172,8 @@ public:
 private:
     using Sides = std::array<int, 3>;
 
-    /// Of the simplex's vertices from the other's plane, if it has one. False: all on one side.
+    /// Finds the sides of the simplex's vertices over the other's plane, if it has one. Returns
+    /// false where all are on one side.
     static bool find_sides(const Simplex& simplex, const Simplex& other, Sides& sides) noexcept
     {
         sides = {};
@@ -302,7 +303,7 @@ struct Edge {
     Vec3 from;
     Vec3 to;
 
-    /// Of a triangle, in an order that does not depend on the triangle's.
+    /// The corners of a triangle in an order that does not depend on the triangle's own order.
     Edge(const Triangle& triangle, TrianglePart part) noexcept
         : from(triangle[number_of(part)]), to(triangle[(number_of(part) + 1) % 3])
     {
@@ -319,8 +320,8 @@ struct Edge {
     }
 };
 
-/// Brings coordinates into the range of exact_determinant: by a power of two, and what is then
-/// still too small is nought beside the largest one.
+/// Brings coordinates into the range of exact_determinant by a power of two. Coordinates that are
+/// still too small become zero: they are negligible beside the largest one.
 class Scaling {
 public:
     void see(const Vec3& point) noexcept { size_ = std::max(size_, point.cwiseAbs().maxCoeff()); }
@@ -340,7 +341,8 @@ private:
     double size_ = 0;
 };
 
-/// Between the ends, which are `ahead` and `behind` off what the edge crosses there.
+/// The point between the ends, whose distances from the crossed plane or line are `ahead` and
+/// `behind`.
 Vec3 place_between(const Edge& edge, double ahead, double behind) noexcept
 {
     const double sum = std::abs(ahead) + std::abs(behind);

@@ -10,8 +10,7 @@
 #pragma once
 
 #include "geometry/closest_point.h"
-#include "geometry/shapes.h"
-#include "geometry/vec.h"
+#include "proxima/geometry.h"
 
 #include <array>
 #include <compare>

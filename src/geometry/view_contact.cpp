@@ -1,5 +1,6 @@
 #include "geometry/view_contact.h"
 
+#include "geometry/view_plane.h"
 #include "geometry/whole_numbers.h"
 
 #include <algorithm>
@@ -72,7 +73,7 @@ public:
             const std::uint32_t next = i + 1 == count_ ? 0 : i + 1;
             const std::uint16_t edge = corners[i].edge;
             if (signs_[i] >= 0) {
-                // What is cut off behind it begins with the new line.
+                // The new corner begins with the line of the cut.
                 const bool leaves = signs_[i] == 0 && signs_[next] < 0;
                 cut[kept++] = {corners[i].before, corners[i].after, leaves ? line : edge};
             }

@@ -9,8 +9,8 @@
 // with error bounds, and where those do not tell, in whole numbers.
 #pragma once
 
-#include "geometry/shapes.h"
-#include "geometry/view_volume.h"
+#include "proxima/geometry.h"
+#include "proxima/view_volume.h"
 
 namespace proxima {
 

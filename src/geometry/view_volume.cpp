@@ -1,7 +1,8 @@
-#include "geometry/view_volume.h"
+#include "proxima/view_volume.h"
 
 #include "base/text.h"
 #include "geometry/exact_predicates.h"
+#include "geometry/view_plane.h"
 
 namespace proxima {
 

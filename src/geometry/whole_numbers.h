@@ -1,8 +1,8 @@
 // Doubles as whole numbers of a grid of their own, so that exact arithmetic on them stays short.
 #pragma once
 
-#include "geometry/vec.h"
 #include "geometry/wide_integer.h"
+#include "proxima/geometry.h"
 
 #include <algorithm>
 #include <array>

@@ -2,7 +2,9 @@
 
 #include "base/fixed_stack.h"
 #include "base/morton_code.h"
+#include "base/parallel.h"
 #include "base/parallel_sort.h"
+#include "base/progress.h"
 #include "index/row_tables.h"
 
 #include <algorithm>
@@ -112,7 +114,7 @@ public:
     {
         const auto count = static_cast<std::uint32_t>(keys_.size());
         tree_.nodes.resize(count - 1);
-        if (progress_ != nullptr) progress_->begin_stage("cutting cells", count);
+        begin_stage(progress_, "cutting cells", count);
         std::vector<Run> runs; // large ones, and the first small ones below them, depth first
         for_each_run(tree_.root(), [&](const Run& run) {
             runs.push_back(run);
@@ -134,7 +136,7 @@ public:
             std::vector<CoverCosts> pending;
             for (std::size_t i = below.size(); i-- > 0;) choose_cover(below[i], pending);
             costs[task] = pending.back();
-            if (progress_ != nullptr) progress_->advance(top.count);
+            advance_stage(progress_, top.count);
         });
         if (is_cancelled(progress_)) return false;
         std::vector<CoverCosts> pending;

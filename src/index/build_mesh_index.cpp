@@ -1,10 +1,13 @@
 #include "index/build_mesh_index.h"
 
 #include "base/grow_buffer.h"
+#include "base/memory_budget.h"
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "base/text.h"
 #include "index/binary_tree.h"
 #include "index/row_tables.h"
-#include "octree/build_octree.h"
+#include "proxima/octree.h"
 
 #include <algorithm>
 #include <bit>
@@ -331,7 +334,7 @@ public:
     /// The top of the tree first, then side by side the parts below it.
     bool write_blocks(Threads threads, Progress* progress)
     {
-        if (progress != nullptr) progress->begin_stage("writing mesh index", tree_.order.size());
+        begin_stage(progress, "writing mesh index", tree_.order.size());
         constexpr double root_extent = 2.1; // rays come from the box [-1.01, 1.01]
         root_ = 1U | (tree_.is_leaf(tree_.root()) ? index_leaf_bit : 0U);
         const auto is_part = [](const BinaryTree::Child& at) {
@@ -364,7 +367,7 @@ public:
             BlockWriter writer(mesh_, tree_, blocks, i == 0 ? top_end : ends[i - 1]);
             writer.write(parts[i], [](const PendingBlock&) { return false; });
             is_exact[i] = writer.has_exact_leaves() ? 1 : 0;
-            if (progress != nullptr) progress->advance(parts[i].child.count);
+            advance_stage(progress, parts[i].child.count);
         });
         has_exact_leaves_ = std::ranges::all_of(is_exact, [](auto exact) { return exact != 0; });
         blocks_ = blocks;
@@ -416,20 +419,22 @@ Result<MeshIndex> build_mesh_index(const TriangleMesh& mesh, const MeshIndexOpti
                            " triangles, this mesh has ", mesh.triangle_count()));
     }
     const std::uint64_t needed = mesh.triangle_count() * (scratch_bytes + index_bytes);
-    if (auto status = check_budget(options.budget, needed, "the mesh index", "raise the budget");
+    if (auto status =
+            check_budget(options.execution.budget, needed, "the mesh index", "raise the budget");
         !status)
         return tl::unexpected(status.error());
     const auto cancelled = [] {
         return fail(ErrorCode::cancelled, "mesh index: stopped on request");
     };
-    auto tree = build_binary_tree(mesh, *box, tight_root(*box, RootShape::cube), options.threads,
-                                  options.progress);
+    auto tree = build_binary_tree(mesh, *box, tight_root(*box, RootShape::cube),
+                                  options.execution.threads, options.execution.progress);
     if (!tree) return tl::unexpected(tree.error());
     MeshIndexWriter writer(mesh, std::move(*tree));
-    if (!writer.write_blocks(options.threads, options.progress)) return cancelled();
-    const auto edges = number_edges(mesh, options.threads, options.progress);
+    if (!writer.write_blocks(options.execution.threads, options.execution.progress))
+        return cancelled();
+    const auto edges = number_edges(mesh, options.execution.threads, options.execution.progress);
     if (!edges) return cancelled();
-    writer.write_rows(*edges, options.threads);
+    writer.write_rows(*edges, options.execution.threads);
     return writer.result();
 }
 

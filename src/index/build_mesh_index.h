@@ -4,19 +4,15 @@
 //     auto hit = closest_hit(*index, {.origin = eye, .direction = view});
 #pragma once
 
-#include "base/memory_budget.h"
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
 #include "index/mesh_index.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
+#include "proxima/triangle_mesh.h"
 
 namespace proxima {
 
 struct MeshIndexOptions {
-    MemoryBudget budget = {}; ///< index and scratch
-    Threads threads = {};
-    Progress* progress = nullptr; ///< watched and obeyed where given
+    Execution execution = {}; ///< budget: index and scratch
 };
 
 /// Keeps nothing of the mesh. The same bits for any number of threads. Errors: invalid_mesh (empty,

@@ -14,9 +14,9 @@
 // of cells with a single child are left out, and levels are joined where that makes fewer steps.
 #pragma once
 
-#include "geometry/shapes.h"
 #include "index/triangle_row.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/geometry.h"
+#include "proxima/triangle_mesh.h"
 
 #include <array>
 #include <cstddef>

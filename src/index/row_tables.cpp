@@ -1,5 +1,7 @@
 #include "index/row_tables.h"
 
+#include "base/parallel.h"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>

@@ -2,11 +2,10 @@
 #pragma once
 
 #include "base/grow_buffer.h"
-#include "base/parallel.h"
-#include "geometry/shapes.h"
 #include "index/triangle_row.h"
 #include "mesh/edge_numbers.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/execution.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cstdint>
 #include <span>

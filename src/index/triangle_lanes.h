@@ -2,7 +2,7 @@
 #pragma once
 
 #include "index/triangle_row.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/triangle_mesh.h"
 
 #include <array>
 #include <bit>

@@ -7,8 +7,8 @@
 // Most scans were written as floats: their rows hold the doubles exactly in half the space.
 #pragma once
 
-#include "geometry/shapes.h"
-#include "mesh/feature.h"
+#include "proxima/geometry.h"
+#include "proxima/topology.h"
 
 #include <array>
 #include <cstddef>

@@ -1,6 +1,8 @@
 #include "index/triangle_tree.h"
 
 #include "base/check.h"
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "base/text.h"
 
 #include <algorithm>
@@ -192,17 +194,17 @@ Result<TriangleTree> build_triangle_tree(const TriangleMesh& mesh,
     if (!bounds) return tl::unexpected(bounds.error());
     TriangleTreeBuilder builder(mesh, order, *bounds);
     const std::size_t tasks = (builder.group_blocks() + blocks_per_task - 1) / blocks_per_task;
-    if (options.progress != nullptr) options.progress->begin_stage("triangle tree", tasks);
-    parallel_for(tasks, options.threads, [&](std::size_t task) {
-        if (is_cancelled(options.progress)) return;
+    begin_stage(options.execution.progress, "triangle tree", tasks);
+    parallel_for(tasks, options.execution.threads, [&](std::size_t task) {
+        if (is_cancelled(options.execution.progress)) return;
         const std::size_t end =
             std::min<std::size_t>((task + 1) * blocks_per_task, builder.group_blocks());
         for (std::size_t block = task * blocks_per_task; block < end; ++block) {
             builder.fill_groups(static_cast<std::uint32_t>(block));
         }
-        if (options.progress != nullptr) options.progress->advance(1);
+        advance_stage(options.execution.progress, 1);
     });
-    if (is_cancelled(options.progress)) {
+    if (is_cancelled(options.execution.progress)) {
         return fail(ErrorCode::cancelled, "triangle tree: stopped on request");
     }
     builder.fill_parents();

@@ -13,12 +13,11 @@
 // the bound. Distances to boxes are doubles: right for any finite point, however far.
 #pragma once
 
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
-#include "geometry/shapes.h"
-#include "mesh/triangle_mesh.h"
-#include "octree/traverse.h"
+#include "proxima/execution.h"
+#include "proxima/geometry.h"
+#include "proxima/octree.h"
+#include "proxima/result.h"
+#include "proxima/triangle_mesh.h"
 
 #include <array>
 #include <cstddef>
@@ -36,8 +35,7 @@ struct RankRange {
 };
 
 struct TriangleTreeOptions {
-    Threads threads = {};
-    Progress* progress = nullptr; ///< watched and obeyed where given
+    Execution execution = {};
 };
 
 /// Boxes of eight entries. Places without an entry are empty boxes.

@@ -10,8 +10,8 @@
 #pragma once
 
 #include "base/fixed_stack.h"
-#include "geometry/shapes.h"
 #include "index/mesh_index.h"
+#include "proxima/geometry.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -9,7 +9,7 @@
 //                  surface goes through: what the tip of a probe does near a model
 #pragma once
 
-#include "mesh/triangle_mesh.h"
+#include "proxima/triangle_mesh.h"
 
 #include <array>
 #include <cstddef>

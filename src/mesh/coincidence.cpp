@@ -51,7 +51,7 @@ std::vector<std::uint32_t> first_at_position(const TriangleMesh& mesh)
 std::vector<std::uint32_t> first_coincident(const TriangleMesh& mesh,
                                             std::span<const std::uint32_t> same_position)
 {
-    // Where ids differ and places do not, some corner has its place in common with another vertex.
+    // Triangles with different ids at equal positions share a position between two vertices.
     std::vector<bool> shares_place(mesh.vertex_count(), false);
     for (std::uint32_t vertex = 0; vertex < mesh.vertex_count(); ++vertex) {
         if (same_position[vertex] == vertex) continue;

@@ -1,8 +1,8 @@
 // What lies at the same place under different ids: vertices, triangles, seams. Internal.
 #pragma once
 
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cstdint>
 #include <span>

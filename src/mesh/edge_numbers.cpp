@@ -1,6 +1,8 @@
 #include "mesh/edge_numbers.h"
 
 #include "base/grow_buffer.h"
+#include "base/parallel.h"
+#include "base/progress.h"
 
 #include <algorithm>
 #include <bit>
@@ -230,9 +232,9 @@ private:
 
 Result<EdgeNumbers> number_edges(const TriangleMesh& mesh, Threads threads, Progress* progress)
 {
-    if (progress != nullptr) progress->begin_stage("numbering edges", stages);
+    begin_stage(progress, "numbering edges", stages);
     const auto stopped = [&] {
-        if (progress != nullptr) progress->advance(1);
+        advance_stage(progress, 1);
         return is_cancelled(progress);
     };
     const auto cancelled = [] { return fail(ErrorCode::cancelled, "edges: stopped on request"); };

@@ -1,4 +1,4 @@
-#include "mesh/mesh_format.h"
+#include "proxima/mesh_io.h"
 
 #include "base/file_extension.h"
 

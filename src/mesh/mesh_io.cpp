@@ -1,4 +1,4 @@
-#include "mesh/mesh_io.h"
+#include "proxima/mesh_io.h"
 
 #include "base/text.h"
 #include "mesh/io/mesh_source.h"
@@ -93,7 +93,8 @@ Result<TriangleMesh> read_mesh(const std::filesystem::path& path, const ReadOpti
     if (!format && !std::filesystem::is_directory(path, ignored)) {
         return unknown_extension(path, known_mesh_extensions());
     }
-    const auto bytes = detail::read_file(path, options.budget, options.progress);
+    const auto bytes =
+        detail::read_file(path, options.execution.budget, options.execution.progress);
     if (!bytes) return tl::unexpected(bytes.error());
     return read_source({path.string(), bytes->text()}, path, *format, options);
 }

@@ -1,11 +1,14 @@
-#include "mesh/mesh_report.h"
+#include "proxima/mesh_report.h"
 
+#include "base/memory_budget.h"
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "base/text.h"
 #include "geometry/exact_predicates.h"
 #include "mesh/coincidence.h"
 #include "mesh/mesh_report_texts.h"
 #include "mesh/surface_parts.h"
-#include "mesh/topology.h"
+#include "proxima/topology.h"
 
 #include <algorithm>
 #include <cmath>
@@ -30,7 +33,7 @@ using detail::SurfaceComponent;
 constexpr std::size_t triangles_per_task = 8192;
 constexpr std::uint64_t stage_count = 5;
 
-// Products of three lengths stay in double's range between these.
+// Products of three lengths between these stay in the range of doubles.
 constexpr double smallest_safe_extent = 1e-100;
 constexpr double largest_safe_coordinate = 1e100;
 
@@ -74,14 +77,12 @@ public:
     Result<MeshReport> examine()
     {
         if (const Status fits = check_bytes(); !fits) return tl::unexpected(fits.error());
-        if (options_.progress != nullptr) {
-            options_.progress->begin_stage("mesh report", stage_count);
-        }
+        begin_stage(options_.execution.progress, "mesh report", stage_count);
         for (const auto step : {&MeshExaminer::examine_positions, &MeshExaminer::examine_triangles,
                                 &MeshExaminer::examine_edges, &MeshExaminer::examine_components}) {
             (this->*step)();
-            if (options_.progress != nullptr) options_.progress->advance(1);
-            if (is_cancelled(options_.progress)) {
+            advance_stage(options_.execution.progress, 1);
+            if (is_cancelled(options_.execution.progress)) {
                 return fail(ErrorCode::cancelled, "mesh report: stopped on request");
             }
         }
@@ -98,7 +99,7 @@ private:
         constexpr std::uint64_t per_item = 5 * sizeof(std::uint32_t); // of first_equal_items
         constexpr std::uint64_t per_triangle = per_item + 5 * sizeof(std::uint32_t) + 1;
         constexpr std::uint64_t per_edge = sizeof(EdgeUse);
-        return check_budget(options_.budget,
+        return check_budget(options_.execution.budget,
                             topology_.bytes() + per_edge * topology_.edge_count() +
                                 per_item * mesh_.vertex_count() +
                                 per_triangle * mesh_.triangle_count(),
@@ -176,7 +177,7 @@ private:
     {
         std::vector<std::uint8_t> without_area(mesh_.triangle_count(), 0);
         parallel_for((mesh_.triangle_count() + triangles_per_task - 1) / triangles_per_task,
-                     options_.threads, [&](std::size_t task) {
+                     options_.execution.threads, [&](std::size_t task) {
                          const std::size_t begin = task * triangles_per_task;
                          const std::size_t end =
                              std::min(begin + triangles_per_task, mesh_.triangle_count());
@@ -313,14 +314,12 @@ private:
         }
     }
 
-    // Would the mesh be closed if vertices at one position were one?
+    // Decides whether the mesh would be closed if vertices at equal positions were joined.
     Status examine_welded()
     {
         if (report_.closed || report_.find(FindingKind::duplicate_vertices) == nullptr) return {};
-        const Result<bool> closed = is_closed_if_welded(mesh_, same_position_,
-                                                        {.threads = options_.threads,
-                                                         .budget = options_.budget,
-                                                         .progress = options_.progress});
+        const Result<bool> closed =
+            is_closed_if_welded(mesh_, same_position_, {.execution = options_.execution});
         if (!closed) return tl::unexpected(closed.error());
         report_.closed_if_welded = *closed;
         return {};
@@ -386,8 +385,7 @@ const MeshFinding* MeshReport::find(FindingKind kind) const noexcept
 
 Result<MeshReport> report_mesh(const TriangleMesh& mesh, const MeshReportOptions& options)
 {
-    const Result<Topology> topology = build_topology(
-        mesh, {.threads = options.threads, .budget = options.budget, .progress = options.progress});
+    const Result<Topology> topology = build_topology(mesh, {.execution = options.execution});
     if (!topology) return tl::unexpected(topology.error());
     return report_mesh(mesh, *topology, options);
 }

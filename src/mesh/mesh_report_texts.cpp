@@ -70,7 +70,7 @@ QueryOutlook expect(QueryKind query, Outlook outlook, std::string_view reason)
     return {query, outlook, std::string(reason)};
 }
 
-/// "no_triangles" as people write it.
+/// The name of a finding in words: "no triangles".
 std::string spaced(std::string_view name)
 {
     std::string text(name);

@@ -1,7 +1,7 @@
 // The words of a mesh report: how bad each finding is, what it means, what still works. Internal.
 #pragma once
 
-#include "mesh/mesh_report.h"
+#include "proxima/mesh_report.h"
 
 namespace proxima::detail {
 

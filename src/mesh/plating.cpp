@@ -1,6 +1,7 @@
 #include "mesh/plating.h"
 
 #include "base/check.h"
+#include "base/progress.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +13,7 @@ namespace {
 
 using Corners = std::array<std::uint32_t, 4>;
 
-// Explicit order of operations, so that sizes have the same bits everywhere.
+// The order of operations is explicit, so that sizes have the same bits everywhere.
 double length(const Vec3& v) noexcept
 {
     return std::sqrt(v.x() * v.x() + v.y() * v.y() + v.z() * v.z());
@@ -24,7 +25,7 @@ Vec3 cross(const Vec3& a, const Vec3& b) noexcept
             a.x() * b.y() - a.y() * b.x()};
 }
 
-// Where a quad lies, for the shapes that grow on it.
+// The frame of a quad, for the shapes that grow on it.
 struct Patch {
     std::array<Vec3, 4> corners;
     Vec3 center;
@@ -95,7 +96,7 @@ private:
         }
     }
 
-    // How many cells along a side make them roughly square, now and then one more.
+    // The number of cells along a side that makes them roughly square, at random one more.
     std::size_t cells(double side, double small_side) noexcept
     {
         const double ratio = std::min(side / small_side, 5.0);
@@ -121,7 +122,7 @@ private:
         return static_cast<std::uint32_t>(surface_.positions.size() - 1);
     }
 
-    // The patch's corners moved towards its centre by a part of the way, and up.
+    // The patch's corners, moved a part of the way towards its centre and lifted.
     Corners add_ring(const Patch& patch, double inset, double height)
     {
         Corners ring{};

@@ -11,8 +11,8 @@
 #pragma once
 
 #include "base/progress.h"
-#include "geometry/vec.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/geometry.h"
+#include "proxima/triangle_mesh.h"
 
 #include <array>
 #include <cstdint>

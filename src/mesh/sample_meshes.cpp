@@ -1,4 +1,4 @@
-#include "mesh/sample_meshes.h"
+#include "proxima/sample_meshes.h"
 
 #include "base/memory_budget.h"
 #include "base/text.h"
@@ -18,7 +18,7 @@ using detail::max_icosphere_subdivisions;
 using detail::sphere;
 using detail::torus;
 
-// The part of `name` behind its first colon; nothing where there is no colon.
+// The part of `name` after its first colon; nothing where there is no colon.
 std::optional<std::string_view> size_text(std::string_view name) noexcept
 {
     const std::size_t colon = name.find(':');
@@ -74,11 +74,11 @@ std::uint64_t saturated_product(std::uint64_t a, std::uint64_t b) noexcept
     return b != 0 && a > most / b ? most : a * b;
 }
 
-// A vertex per two triangles, and the growth of nothing: arrays are reserved.
+// A vertex per two triangles. Arrays are reserved and do not grow.
 constexpr std::uint64_t grid_bytes = sizeof(TriangleCorners) + sizeof(Vec3) / 2;
-// The topology of the last but one level comes on top.
+// The topology of the last but one level is in memory too.
 constexpr std::uint64_t icosphere_bytes = 2 * grid_bytes;
-// Faces, their queue, and the arrays as they grow.
+// Faces, their queue, and the growing arrays.
 constexpr std::uint64_t spaceship_bytes = 4 * grid_bytes;
 
 Result<TriangleMesh> sized_sphere(std::string_view name, const SampleOptions& options)
@@ -91,7 +91,8 @@ Result<TriangleMesh> sized_sphere(std::string_view name, const SampleOptions& op
     const std::uint64_t pairs = saturated_product(size->first - 1, size->second);
     const Status fits = check_size(name, saturated_product(pairs, 2), grid_bytes);
     if (!fits) return tl::unexpected(fits.error());
-    return sphere(static_cast<int>(size->first), static_cast<int>(size->second), options.progress);
+    return sphere(static_cast<int>(size->first), static_cast<int>(size->second),
+                  options.execution.progress);
 }
 
 Result<TriangleMesh> sized_icosphere(std::string_view name, const SampleOptions& options)
@@ -103,7 +104,7 @@ Result<TriangleMesh> sized_icosphere(std::string_view name, const SampleOptions&
     }
     const Status fits = check_size(name, std::uint64_t{20} << (2 * *size), icosphere_bytes);
     if (!fits) return tl::unexpected(fits.error());
-    return icosphere(static_cast<int>(*size), options.progress);
+    return icosphere(static_cast<int>(*size), options.execution.progress);
 }
 
 Result<TriangleMesh> sized_torus(std::string_view name, const SampleOptions& options)
@@ -116,7 +117,8 @@ Result<TriangleMesh> sized_torus(std::string_view name, const SampleOptions& opt
     const std::uint64_t quads = saturated_product(size->first, size->second);
     const Status fits = check_size(name, saturated_product(quads, 2), grid_bytes);
     if (!fits) return tl::unexpected(fits.error());
-    return torus(static_cast<int>(size->first), static_cast<int>(size->second), options.progress);
+    return torus(static_cast<int>(size->first), static_cast<int>(size->second),
+                 options.execution.progress);
 }
 
 Result<TriangleMesh> sized_spaceship(std::string_view name, const SampleOptions& options)

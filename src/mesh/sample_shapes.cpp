@@ -1,9 +1,10 @@
 #include "mesh/sample_shapes.h"
 
 #include "base/check.h"
-#include "mesh/sample_meshes.h"
-#include "mesh/topology.h"
+#include "base/progress.h"
 #include "mesh/unit_circle.h"
+#include "proxima/sample_meshes.h"
+#include "proxima/topology.h"
 
 #include <cmath>
 #include <utility>
@@ -33,17 +34,18 @@ tl::unexpected<Error> making_cancelled()
     return fail(ErrorCode::cancelled, "making the mesh was stopped on request");
 }
 
-// Explicit order of operations: the same bits whatever a vector library does.
+// The order of operations is explicit, so that the bits do not depend on a vector library.
 Vec3 on_unit_sphere(const Vec3& point) noexcept
 {
     const double squared = point.x() * point.x() + point.y() * point.y() + point.z() * point.z();
     return point / std::sqrt(squared);
 }
 
-// Every triangle into four; new vertices follow the old ones in the order of the edges.
+// Splits every triangle into four. New vertices follow the old ones in the order of the edges.
 Result<TriangleMesh> subdivided_sphere(const TriangleMesh& mesh, Progress* progress)
 {
-    const Result<Topology> topology = build_topology(mesh, {.threads = {1}, .progress = progress});
+    const Result<Topology> topology =
+        build_topology(mesh, {.execution = {.threads = {1}, .progress = progress}});
     if (is_cancelled(progress)) return making_cancelled();
     PROXIMA_CHECK(topology.has_value());
     StageSteps steps = making_mesh(progress, 4 * mesh.triangle_count());

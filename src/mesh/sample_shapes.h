@@ -1,9 +1,9 @@
 // The round samples, watched while they are made. Internal to sample_meshes.
 #pragma once
 
-#include "base/progress.h"
-#include "base/result.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
+#include "proxima/triangle_mesh.h"
 
 namespace proxima::detail {
 

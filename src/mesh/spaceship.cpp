@@ -1,9 +1,10 @@
 // The built-in ship: lofted parts, as fine as the size allows, and plating up to the exact count.
+#include "base/progress.h"
 #include "base/text.h"
 #include "mesh/plating.h"
-#include "mesh/sample_meshes.h"
 #include "mesh/spaceship_parts.h"
 #include "mesh/unit_circle.h"
+#include "proxima/sample_meshes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -153,7 +154,7 @@ private:
         surface_.triangles.push_back(corners);
     }
 
-    // A left-handed frame turns outside in, unless every face is turned as well.
+    // A left-handed frame reverses orientation, so every face is reversed as well.
     [[nodiscard]] bool is_mirrored() const noexcept
     {
         return part_.direction == Direction::to_port;
@@ -169,7 +170,7 @@ private:
         return first_ + ring * segments_ + segment % segments_;
     }
 
-    // Uneven on purpose: from bare plates to crowded ones, 1 : 64.
+    // Density is uneven on purpose, from bare plates to crowded ones, 1 : 64.
     [[nodiscard]] double cell_detail() noexcept
     {
         return std::ldexp(1.0, -static_cast<int>(dice_.next() % 7));
@@ -224,7 +225,7 @@ Result<TriangleMesh> make_spaceship(std::size_t triangles, const SampleOptions& 
     while (lofted_triangles(parts, level + 1) <= smooth) ++level;
 
     // Most triangles are counted twice: when their quad grows, and when it is cut.
-    StageSteps steps(options.progress, "making mesh", 2 * triangles);
+    StageSteps steps(options.execution.progress, "making mesh", 2 * triangles);
     QuadSurface surface;
     Dice dice(33000);
     for (const ShipPart& part : parts) {

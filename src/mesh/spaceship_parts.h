@@ -8,7 +8,7 @@
 // x is forward, y to port, z up. Sizes in ship units: the hull is 4 long.
 #pragma once
 
-#include "geometry/vec.h"
+#include "proxima/geometry.h"
 
 #include <cstdint>
 #include <span>

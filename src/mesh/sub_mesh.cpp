@@ -1,4 +1,4 @@
-#include "mesh/sub_mesh.h"
+#include "proxima/mesh_repair.h"
 
 #include <algorithm>
 #include <utility>

@@ -23,7 +23,7 @@ void for_neighbours(const TriangleMesh& mesh, const Topology& topology, const Vi
     }
 }
 
-/// Takes points to where the longest side of the bounds is 1, however small that is.
+/// Scales points so that the longest side of the bounds is 1, however small it was.
 class UnitBounds {
 public:
     explicit UnitBounds(const Box& bounds) noexcept
@@ -130,7 +130,8 @@ std::vector<std::uint32_t> first_duplicates(const TriangleMesh& mesh, const Topo
     for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
         first[id] = id;
         if (!is_proper(mesh.triangles()[id])) continue;
-        // Equal triangles share all edges: look at the one with the fewest.
+        // Equal triangles share all edges, so it is enough to look at the edge with the fewest
+        // triangles.
         std::span<const TriangleId> around = topology.triangles(topology.edges(TriangleId{id})[0]);
         for (const EdgeId edge : topology.edges(TriangleId{id})) {
             const auto others = topology.triangles(edge);

@@ -3,9 +3,9 @@
 // A proper triangle has three different vertex ids; the others are neighbours of nothing.
 #pragma once
 
-#include "geometry/shapes.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/geometry.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cstdint>
 #include <span>

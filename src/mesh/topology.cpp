@@ -1,5 +1,7 @@
-#include "mesh/topology.h"
+#include "proxima/topology.h"
 
+#include "base/memory_budget.h"
+#include "base/progress.h"
 #include "base/text.h"
 #include "mesh/edge_numbers.h"
 
@@ -73,7 +75,8 @@ public:
     // Edges, numbered where their first side stands.
     Status list_edges()
     {
-        Result<EdgeNumbers> numbers = number_edges(mesh_, options_.threads, options_.progress);
+        Result<EdgeNumbers> numbers =
+            number_edges(mesh_, options_.execution.threads, options_.execution.progress);
         if (!numbers) return tl::unexpected(numbers.error());
         if (Status fits = check_bytes(numbers->first_sides.size()); !fits) return fits;
         topology_.triangle_edges_ = std::move(numbers->triangle_edges);
@@ -129,17 +132,14 @@ private:
         const std::uint64_t per_side = 2 * sizeof(TriangleId);
         const std::uint64_t per_edge =
             sizeof(EdgeVertices) + sizeof(std::uint32_t) + 2 * sizeof(EdgeId);
-        return check_budget(options_.budget,
+        return check_budget(options_.execution.budget,
                             per_vertex * mesh_.vertex_count() +
                                 (3 * per_side + edge_number_bytes) * mesh_.triangle_count() +
                                 per_edge * edges,
                             "the topology", "raise the budget");
     }
 
-    void advance() const noexcept
-    {
-        if (options_.progress != nullptr) options_.progress->advance(1);
-    }
+    void advance() const noexcept { advance_stage(options_.execution.progress, 1); }
 
     const TriangleMesh& mesh_;
     const TopologyOptions& options_;
@@ -176,11 +176,11 @@ Result<Topology> build_topology(const TriangleMesh& mesh, const TopologyOptions&
     TopologyBuilder builder(mesh, options);
     if (const Status fits = builder.check_limits(); !fits) return tl::unexpected(fits.error());
     if (const Status listed = builder.list_edges(); !listed) return tl::unexpected(listed.error());
-    if (options.progress != nullptr) options.progress->begin_stage("topology", topology_stages);
+    begin_stage(options.execution.progress, "topology", topology_stages);
     builder.list_stars();
-    if (is_cancelled(options.progress)) return cancelled();
+    if (is_cancelled(options.execution.progress)) return cancelled();
     builder.list_edge_triangles();
-    if (is_cancelled(options.progress)) return cancelled();
+    if (is_cancelled(options.execution.progress)) return cancelled();
     builder.list_vertex_edges();
     return builder.result();
 }

@@ -1,4 +1,4 @@
-#include "mesh/triangle_mesh.h"
+#include "proxima/triangle_mesh.h"
 
 #include "base/text.h"
 

@@ -2,6 +2,7 @@
 
 #include "base/hilbert_code.h"
 #include "base/morton_code.h"
+#include "base/progress.h"
 
 #include <algorithm>
 #include <array>

@@ -1,9 +1,9 @@
 // Triangles in the order of their places in space, so that neighbours have near ranks.
 #pragma once
 
-#include "base/progress.h"
 #include "base/radix_sort.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/execution.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cstdint>
 #include <optional>

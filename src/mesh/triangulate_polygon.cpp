@@ -118,7 +118,8 @@ bool PolygonTriangulator::is_ear(std::uint32_t corner)
     const Vec2& c = ring_[ring_[corner].next].position;
     const auto blocks = [&](std::uint32_t other) {
         const Vec2& p = ring_[other].position;
-        // Corners at the same place, as where a bridge leads to a hole, touch but do not block.
+        // Corners at equal positions, such as those of a bridge to a hole, touch the ear and do not
+        // block it.
         if (p == a || p == b || p == c) return false;
         return orientation(a, b, p) >= 0 && orientation(b, c, p) >= 0 && orientation(c, a, p) >= 0;
     };
@@ -143,7 +144,7 @@ std::uint32_t PolygonTriangulator::corner_of_last_resort() const noexcept
     return convex;
 }
 
-// The two neighbours may be ears now, and where they became convex they stand in nobody's way.
+// The two neighbours may be ears now. Where they became convex they no longer block other ears.
 void PolygonTriangulator::remove(std::uint32_t corner)
 {
     const std::uint32_t previous = ring_[corner].previous;

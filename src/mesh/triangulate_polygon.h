@@ -7,7 +7,7 @@
 //     0-----1               0----------1
 #pragma once
 
-#include "mesh/triangle_mesh.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cstdint>
 #include <span>

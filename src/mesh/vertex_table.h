@@ -7,7 +7,7 @@
 #pragma once
 
 #include "base/grow_buffer.h"
-#include "geometry/vec.h"
+#include "proxima/geometry.h"
 
 #include <algorithm>
 #include <bit>

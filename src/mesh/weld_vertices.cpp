@@ -1,9 +1,13 @@
 #include "mesh/weld_vertices.h"
 
+#include "base/progress.h"
 #include "mesh/vertex_table.h"
+#include "proxima/execution.h"
+#include "proxima/mesh_repair.h"
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 namespace proxima {
 
@@ -22,7 +26,7 @@ bool weld_vertices(std::vector<Vec3>& positions, std::vector<TriangleCorners>& t
             table.prefetch(hashes[i]);
         }
         for (std::size_t i = 0; i < count; ++i) {
-            // What is kept moves to the front, never past the vertex that is looked at.
+            // Kept vertices move to the front, never beyond the current vertex.
             const Vec3 position = positions[begin + i];
             const std::uint32_t next = table.size();
             const std::uint32_t id = table.find_or_add(hashes[i], position, positions.data());
@@ -42,6 +46,15 @@ bool weld_vertices(std::vector<Vec3>& positions, std::vector<TriangleCorners>& t
 std::uint64_t weld_scratch_bytes(std::uint64_t vertex_count) noexcept
 {
     return VertexTable::bytes_for(vertex_count) + vertex_count * sizeof(std::uint32_t);
+}
+
+Result<TriangleMesh> weld_vertices(const TriangleMesh& mesh, const Execution& execution)
+{
+    std::vector<Vec3> positions(mesh.positions().begin(), mesh.positions().end());
+    std::vector<TriangleCorners> triangles(mesh.triangles().begin(), mesh.triangles().end());
+    if (!weld_vertices(positions, triangles, execution.progress))
+        return fail(ErrorCode::cancelled, "cancelled while welding vertices");
+    return make_triangle_mesh(std::move(positions), std::move(triangles));
 }
 
 } // namespace proxima

@@ -1,8 +1,8 @@
 // Giving every position one vertex: the shared vertices that formats without indices have lost.
 #pragma once
 
-#include "base/progress.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/execution.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cstdint>
 #include <vector>

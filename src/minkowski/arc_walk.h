@@ -6,6 +6,7 @@
 #pragma once
 
 #include "minkowski/facet_maker.h"
+#include "minkowski/facet_sign.h"
 #include "minkowski/gaussian_map.h"
 
 #include <algorithm>
@@ -53,14 +54,14 @@ public:
             std::uint32_t through = no_facet;
             for (const PolyhedronNeighbour& next : theirs_.neighbours(at)) {
                 const Displacement step = {theirs_.vertex(at), theirs_.vertex(next.vertex)};
-                if (ours_.template normal_sign<Scalar>(arc.to, step) <= 0) continue;
+                if (normal_sign<Scalar>(ours_, arc.to, step) <= 0) continue;
                 const PolyhedronEdge& edge = theirs_.edges()[next.edge];
                 const bool forward = edge.from == at;
                 const std::uint32_t left = forward ? edge.left : edge.right;
                 const std::uint32_t right = forward ? edge.right : edge.left;
-                const int left_sign = theirs_.template normal_sign<Scalar>(left, arc.along);
+                const int left_sign = normal_sign<Scalar>(theirs_, left, arc.along);
                 if (left_sign < 0) continue;
-                const int right_sign = theirs_.template normal_sign<Scalar>(right, arc.along);
+                const int right_sign = normal_sign<Scalar>(theirs_, right, arc.along);
                 if (right_sign > 0) continue;
                 if (left_sign > 0 && right_sign < 0) {
                     if (!crossing(next.edge, forward ? 1 : -1)) return at;
@@ -93,7 +94,7 @@ private:
         const auto loop = vertices.view().vertices;
         const auto is_higher = [&](std::size_t from, std::size_t to) {
             const Displacement step = {theirs_.vertex(loop[from]), theirs_.vertex(loop[to])};
-            return ours_.template normal_sign<Scalar>(our_facet, step) > 0;
+            return normal_sign<Scalar>(ours_, our_facet, step) > 0;
         };
         place %= loop.size();
         const auto after = [&](std::size_t i) { return i + 1 == loop.size() ? 0 : i + 1; };

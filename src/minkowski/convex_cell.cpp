@@ -90,7 +90,7 @@ double ConvexCell::volume() const
 
 double ConvexCell::volume_within(const HalfSpace& half_space) const
 {
-    // Pyramids from an apex on the cut, for which the cut itself adds none.
+    // Sums pyramids from an apex on the cut; the cut itself then adds none.
     bool is_beyond = false;
     bool is_cut = false;
     Vec3 apex = Vec3::Zero();

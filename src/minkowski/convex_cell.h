@@ -2,8 +2,8 @@
 // pieces of facets in them.
 #pragma once
 
-#include "geometry/shapes.h"
-#include "minkowski/convex_polyhedron.h"
+#include "proxima/convex_polyhedron.h"
+#include "proxima/geometry.h"
 
 #include <vector>
 

@@ -1,4 +1,5 @@
-#include "minkowski/convex_hull.h"
+#include "minkowski/span_a_line.h"
+#include "proxima/convex_polyhedron.h"
 
 #include "minkowski/polyhedron_assembler.h"
 #include "minkowski/quickhull.h"
@@ -112,7 +113,7 @@ Result<ConvexPolyhedron> hull_of_pointed(const HullVertices& vertices, Progress*
 bool span_a_line(std::span<const Vec3> rays)
 {
     if (rays.size() < 2) return false;
-    // They do where the origin is no corner of the hull of it and them.
+    // The rays span a line where the origin is not a corner of the hull of origin and rays.
     std::vector<Vec3> ends = {Vec3::Zero()};
     ends.insert(ends.end(), rays.begin(), rays.end());
     const auto hull = hull_of_pointed({ends, static_cast<std::uint32_t>(ends.size())}, nullptr);

@@ -2,7 +2,8 @@
 
 #include "base/check.h"
 #include "base/text.h"
-#include "minkowski/convex_hull.h"
+#include "geometry/exact_predicates.h"
+#include "proxima/convex_polyhedron.h"
 
 #include <algorithm>
 #include <cmath>
@@ -65,7 +66,8 @@ std::optional<std::vector<Vec2>> outermost(std::span<const Vec2> rays)
         if (turn(clockwise, ray) < 0) clockwise = ray;
         if (turn(counter_clockwise, ray) > 0) counter_clockwise = ray;
     }
-    // In a cone of less than half a turn all lie between these; in a wider one some do not.
+    // In a cone of less than half a turn all rays lie between these two; in a wider one some do
+    // not.
     const auto turns_left = [](const Vec2& u, const Vec2& v) {
         return turn(u, v) > 0 || same_way(u, v);
     };

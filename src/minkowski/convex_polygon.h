@@ -6,18 +6,17 @@
 //     edge e   p(e) -> p(e+1), the interior to its left, the outward normal to its right; of an
 //              unbounded one edge m-1 goes out along rays()[0], and edge m comes in along rays()[1]
 //
-//         \         the region of the corner p0 that two rays bound (a Voronoi region,
-//         thesis 4.3.3):
-//          p0       edges p0 -> rays()[0] (out) and rays()[1] -> p0 (in), interior between them
+//         \      the region of the corner p0 that two rays bound (a Voronoi region, thesis 4.3.3):
+//          p0    edges p0 -> rays()[0] (out) and rays()[1] -> p0 (in), interior between them
 //         /
 //
 // One corner alone is a point, two a segment with an edge on either side; a half-line is a corner
 // whose two rays are the same.
 #pragma once
 
-#include "base/result.h"
 #include "geometry/exact_predicates.h"
-#include "geometry/vec.h"
+#include "proxima/geometry.h"
+#include "proxima/result.h"
 
 #include <span>
 #include <vector>

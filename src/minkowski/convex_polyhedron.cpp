@@ -1,4 +1,9 @@
-#include "minkowski/convex_polyhedron.h"
+#include "proxima/convex_polyhedron.h"
+
+#include "geometry/exact_predicates.h"
+#include "minkowski/facet_sign.h"
+
+#include <algorithm>
 
 namespace proxima {
 
@@ -6,7 +11,7 @@ HalfSpace ConvexPolyhedron::half_space(std::uint32_t facet) const noexcept
 {
     const NormalFactors factors = normal_factors(facet);
     const Vec3 normal = unit_normal(factors.u, factors.v);
-    // The farthest corner of the loop: rounding leaves none of them outside by more than itself.
+    // Uses the farthest corner of the loop, so that no corner lies outside by more than rounding.
     double offset = -std::numeric_limits<double>::infinity();
     for (const std::uint32_t corner : facet_loop(facet)) {
         if (!is_ray(corner)) offset = std::max(offset, normal.dot(vertices_[corner]));
@@ -39,10 +44,15 @@ ConvexPolyhedron::NormalFactors ConvexPolyhedron::normal_factors(std::uint32_t f
     return {to(b), to(c)};
 }
 
-int ConvexPolyhedron::exact_normal_sign(std::uint32_t facet,
-                                        const Displacement& direction) const noexcept
+int ConvexPolyhedron::normal_sign(std::uint32_t facet, const Displacement& direction) const noexcept
 {
-    const NormalFactors normal = normal_factors(facet);
+    return FacetSign::of<double>(*this, facet, direction);
+}
+
+int FacetSign::exact(const ConvexPolyhedron& polyhedron, std::uint32_t facet,
+                     const Displacement& direction) noexcept
+{
+    const ConvexPolyhedron::NormalFactors normal = polyhedron.normal_factors(facet);
     return determinant_sign(normal.u, normal.v, direction);
 }
 

@@ -28,7 +28,7 @@ DrawnSurface draw_facets(const Body& body, std::vector<Vec3> positions, VertexOf
                 surface.corners.push_back(loop[i]);
                 continue;
             }
-            // A ray between two points ends twice.
+            // A ray between two points is drawn with two ends.
             const std::uint32_t before = loop[(i + loop.size() - 1) % loop.size()];
             const std::uint32_t after = loop[(i + 1) % loop.size()];
             if (!body.is_ray(before)) surface.corners.push_back(end_of.at({before, loop[i]}));

@@ -1,10 +1,10 @@
 // Polyhedra and sums as surfaces to draw and to write: polygons over positions, rays cut off.
 #pragma once
 
-#include "base/result.h"
-#include "mesh/triangle_mesh.h"
-#include "minkowski/convex_polyhedron.h"
-#include "minkowski/minkowski_sum.h"
+#include "proxima/convex_polyhedron.h"
+#include "proxima/minkowski_sum.h"
+#include "proxima/result.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cstdint>
 #include <span>

@@ -75,7 +75,7 @@ Status export_glb(const MinkowskiSum& sum, const DrawnSurface& surface,
         for (std::size_t i = 0; i < 3; ++i) part.colour[i] = colour_of(origin)[i] / 255.0;
         for (std::uint32_t f = 0; f < sum.facet_count(); ++f) {
             if (sum.facet(f).origin != origin) continue;
-            // Corners of their own, so that viewers shade facets flat.
+            // Each facet has its own corners, so that viewers shade it flat.
             const auto polygon = surface.polygon(f);
             const auto first = static_cast<std::uint32_t>(part.points.size());
             for (const std::uint32_t corner : polygon)
@@ -136,9 +136,11 @@ Status export_sum(const MinkowskiSum& sum, const std::filesystem::path& path,
     const auto surface = draw(sum, options.ray_length);
     if (!surface) return tl::unexpected(surface.error());
     const std::string extension = lower_case_extension(path);
-    if (extension == ".obj") return write_text(obj_text(sum, *surface), path, options.progress);
-    if (extension == ".ply") return write_text(ply_text(sum, *surface), path, options.progress);
-    return export_glb(sum, *surface, path, options.progress);
+    if (extension == ".obj")
+        return write_text(obj_text(sum, *surface), path, options.execution.progress);
+    if (extension == ".ply")
+        return write_text(ply_text(sum, *surface), path, options.execution.progress);
+    return export_glb(sum, *surface, path, options.execution.progress);
 }
 
 } // namespace proxima

@@ -8,9 +8,9 @@
 // Red facets are A's, blue ones B's, purple ones of both, green ones swept.
 #pragma once
 
-#include "base/progress.h"
-#include "base/result.h"
-#include "minkowski/minkowski_sum.h"
+#include "proxima/execution.h"
+#include "proxima/minkowski_sum.h"
+#include "proxima/result.h"
 
 #include <array>
 #include <filesystem>
@@ -26,7 +26,7 @@ namespace proxima {
 
 struct SumExportOptions {
     double ray_length = 1; ///< how long rays are drawn
-    Progress* progress = nullptr;
+    Execution execution = {};
 };
 
 /// Error unsupported_format where export_sum could not write to a file of this name.

@@ -1,6 +1,7 @@
 #include "minkowski/face_sum.h"
 
 #include "base/check.h"
+#include "geometry/exact_predicates.h"
 
 #include <optional>
 #include <utility>
@@ -103,7 +104,7 @@ public:
         return {Vec3::Zero(), polyhedron_.vertex(vertex)};
     }
 
-    /// Goes to the point where the turn starts that begins with a direction.
+    /// Moves to the point at which the turn that begins with a direction starts.
     void start_at(const FacePlane& plane, const Displacement& first) noexcept
     {
         at_ = 0;
@@ -115,7 +116,7 @@ public:
         steps_left_ = edge_count(at_);
     }
 
-    /// The same for a turn all around that starts to the right.
+    /// Moves to the start of a full turn that begins to the right.
     void start_lowest(const FacePlane& plane) noexcept
     {
         at_ = 0;

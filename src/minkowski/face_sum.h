@@ -7,22 +7,13 @@
 // The vertices of the sum are pairs (i, j) of vertices; no coordinate is computed.
 #pragma once
 
-#include "minkowski/convex_polyhedron.h"
+#include "proxima/minkowski_sum.h"
 
 #include <cstdint>
 #include <span>
 #include <vector>
 
 namespace proxima::detail {
-
-/// A corner of a sum's facet: a point of A and one of B, or a ray of either.
-struct SumCorner {
-    enum class Kind : std::uint8_t { point, ray_of_a, ray_of_b };
-
-    Kind kind = Kind::point;
-    std::uint32_t a = 0; ///< vertex of A; 0 for a ray of B
-    std::uint32_t b = 0; ///< vertex of B; 0 for a ray of A
-};
 
 /// A face: one vertex, the two of an edge, or the loop of a facet counter-clockwise about the
 /// common outward normal. Rays stand together.

@@ -24,8 +24,8 @@ void for_each_side(const FacetLoops& loops, Action action)
 
 std::vector<PolyhedronEdge> edges_of_loops(const FacetLoops& loops)
 {
-    // Sides from a lower to a higher vertex make the edges, filed by the lower vertex; those the
-    // other way find them there.
+    // Sides from a lower to a higher vertex make the edges and are listed at the lower vertex.
+    // Sides in the other direction find them there.
     std::vector<std::uint32_t> first(loops.vertex_count + 1, 0);
     for_each_side(loops, [&](std::uint32_t, std::uint32_t from, std::uint32_t to) {
         if (from < to) ++first[from + 1];

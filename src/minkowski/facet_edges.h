@@ -1,7 +1,7 @@
 // The edges of a surface from the loops of its facets.
 #pragma once
 
-#include "minkowski/convex_polyhedron.h"
+#include "proxima/convex_polyhedron.h"
 
 #include <cstdint>
 #include <span>

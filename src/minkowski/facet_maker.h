@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/check.h"
+#include "minkowski/face_sum.h"
 #include "minkowski/gaussian_map.h"
 #include "minkowski/sum_assembler.h"
 

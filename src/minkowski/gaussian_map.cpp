@@ -1,6 +1,8 @@
 #include "minkowski/gaussian_map.h"
 
 #include "base/check.h"
+#include "geometry/exact_predicates.h"
+#include "minkowski/facet_sign.h"
 #include "minkowski/operation_counts.h"
 
 #include <array>
@@ -25,9 +27,9 @@ SupportFace support_face(const ConvexPolyhedron& polyhedron, const ConvexPolyhed
                          std::uint32_t other_facet, std::uint32_t start) noexcept
 {
     const auto sign_along = [&](const Displacement& d) noexcept {
-        return other.template normal_sign<Scalar>(other_facet, d);
+        return normal_sign<Scalar>(other, other_facet, d);
     };
-    // Up to a point that no neighbour exceeds; up to two edges there are level.
+    // Climbs to a point that no neighbour exceeds. Up to two edges there are level.
     std::uint32_t vertex = start;
     std::array<std::uint32_t, 2> level{};
     int level_count = 0;
@@ -49,7 +51,7 @@ SupportFace support_face(const ConvexPolyhedron& polyhedron, const ConvexPolyhed
     }
     if (level_count == 0) return {0, vertex, vertex};
     if (level_count == 1) return {1, vertex, level[0]};
-    // The facet between both; of a polygon, that which looks the right way.
+    // The facet between both edges; for a polygon, the side that faces the direction.
     const PolyhedronEdge& first = polyhedron.edges()[level[0]];
     const PolyhedronEdge& second = polyhedron.edges()[level[1]];
     const bool left_is_shared = first.left == second.left || first.left == second.right;
@@ -69,11 +71,11 @@ ArcCrossing arcs_cross(const ConvexPolyhedron& a, const PolyhedronEdge& edge_a,
 {
     const Displacement along_a = a.direction(edge_a);
     const Displacement along_b = b.direction(edge_b);
-    const int left_a = a.template normal_sign<Scalar>(edge_a.left, along_b);
-    if (left_a == 0 || a.template normal_sign<Scalar>(edge_a.right, along_b) != -left_a)
+    const int left_a = normal_sign<Scalar>(a, edge_a.left, along_b);
+    if (left_a == 0 || normal_sign<Scalar>(a, edge_a.right, along_b) != -left_a)
         return ArcCrossing::none;
-    if (b.template normal_sign<Scalar>(edge_b.left, along_a) != -left_a) return ArcCrossing::none;
-    if (b.template normal_sign<Scalar>(edge_b.right, along_a) != left_a) return ArcCrossing::none;
+    if (normal_sign<Scalar>(b, edge_b.left, along_a) != -left_a) return ArcCrossing::none;
+    if (normal_sign<Scalar>(b, edge_b.right, along_a) != left_a) return ArcCrossing::none;
     return left_a > 0 ? ArcCrossing::plus : ArcCrossing::minus;
 }
 

@@ -1,17 +1,16 @@
-// The Gaussian map of a convex polyhedron: outward directions, seen as a sphere (thesis 3.2.1 and
-// 6).
+// The Gaussian map of a convex polyhedron: outward directions, seen as a sphere (thesis 3.2.1, 6).
 //
-//     facet  -> a point      its normal
-//     edge   -> an arc       from the normal of its left facet to that of its right one, < 180
-//     degrees vertex -> a region     all directions in which it is the farthest point ray    -> a
-//     border     directions beyond which the polyhedron goes on forever
+//     facet  -> a point    its normal
+//     edge   -> an arc     from the normal of its left facet to that of its right one, below pi
+//     vertex -> a region   all directions in which it is the farthest point
+//     ray    -> a border   directions beyond which the polyhedron goes on forever
 //
 // Laid over each other, the maps of A and B make that of their Minkowski sum: its facets are the
 // points of either map and the crossings of their arcs. All questions here are signs of
 // determinants of coordinate differences, and answered exactly.
 #pragma once
 
-#include "minkowski/convex_polyhedron.h"
+#include "proxima/convex_polyhedron.h"
 
 #include <cstdint>
 #include <optional>

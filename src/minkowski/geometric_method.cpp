@@ -1,6 +1,7 @@
 #include "minkowski/geometric_method.h"
 
 #include "minkowski/operation_counts.h"
+#include "minkowski/scalar_vector.h"
 
 namespace proxima {
 

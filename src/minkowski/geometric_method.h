@@ -23,8 +23,8 @@
 // - Collinearity is judged from differences within A and within B, not between rounded sums.
 #pragma once
 
-#include "geometry/shapes.h"
 #include "minkowski/scalar_vector.h"
+#include "proxima/geometry.h"
 
 #include <array>
 #include <cstddef>

@@ -1,6 +1,7 @@
-#include "minkowski/half_space_intersection.h"
+#include "proxima/convex_polyhedron.h"
 
-#include "minkowski/convex_hull.h"
+#include "base/progress.h"
+#include "geometry/exact_predicates.h"
 #include "minkowski/quickhull.h"
 
 #include <Eigen/LU>
@@ -57,8 +58,8 @@ std::optional<Ball> largest_ball(std::vector<Plane> planes, Real reach, Progress
         const Real4 solution = solver.solve(offsets);
         const Ball ball = {Real3(solution.head<3>()), solution[3]};
 
-        // The plane that cuts deepest into the ball comes in; on long runs the first that cuts, so
-        // that no set of planes comes again [bland-1977].
+        // The plane that cuts deepest into the ball enters the basis. On long runs the first plane
+        // that cuts enters, so that no basis repeats [bland-1977].
         std::size_t entering = planes.size();
         Real deepest = 1e-15L * reach;
         for (std::size_t i = 0; i < planes.size(); ++i) {
@@ -70,7 +71,8 @@ std::optional<Ball> largest_ball(std::vector<Plane> planes, Real reach, Progress
         }
         if (entering == planes.size()) return ball;
 
-        // Its (n, 1) as a combination of those touched: the one it drives to zero first goes out.
+        // Writes its (n, 1) as a combination of the touched planes. The first one that becomes zero
+        // leaves the basis.
         Real4 column;
         column << planes[entering].normal, Real(1);
         Real4 unit;
@@ -95,7 +97,7 @@ std::optional<Ball> largest_ball(std::vector<Plane> planes, Real reach, Progress
     return std::nullopt;
 }
 
-/// Leaves one of vectors that are closer than a distance.
+/// Keeps one of the vectors that are closer than a distance.
 void merge_close(std::vector<Vec3>& vectors, double distance)
 {
     std::ranges::sort(vectors, [](const Vec3& p, const Vec3& q) {
@@ -204,7 +206,7 @@ Real3 shared_direction(std::span<const Plane* const> planes, const Vec3& like)
     return best.dot(like.cast<Real>()) < 0 ? Real3(-best) : best;
 }
 
-/// What the planes' half-spaces hold: a corner to a tolerance, a ray of length 1.
+/// Tests whether the half-spaces contain a corner, up to a tolerance, or a ray of length 1.
 class Inside {
 public:
     Inside(const std::vector<Plane>& planes, const Real3& center)
@@ -247,7 +249,7 @@ public:
     }
 
 private:
-    /// In doubles, which decide most of it, and a bound of the error.
+    /// The value in doubles, which decides most cases, and a bound of its error.
     struct Height {
         double value;
         double error;
@@ -361,7 +363,7 @@ Result<ConvexPolyhedron> polyhedron_of_half_spaces(std::span<const HalfSpace> gi
                     "or thinner than 1e-12 of the largest offset");
     }
 
-    // The origin stands for the plane at infinity.
+    // The origin represents the plane at infinity.
     std::vector<Vec3> duals = {Vec3::Zero()};
     for (const Plane& plane : planes) {
         const Real distance = plane.offset - plane.normal.dot(ball->center);

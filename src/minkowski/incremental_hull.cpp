@@ -2,6 +2,7 @@
 
 #include "minkowski/geometric_method.h"
 #include "minkowski/operation_counts.h"
+#include "minkowski/scalar_vector.h"
 
 #include <algorithm>
 #include <cmath>

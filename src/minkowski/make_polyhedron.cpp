@@ -1,7 +1,8 @@
-#include "minkowski/make_polyhedron.h"
+#include "proxima/convex_polyhedron.h"
 
 #include "base/text.h"
-#include "mesh/topology.h"
+#include "geometry/exact_predicates.h"
+#include "proxima/topology.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +20,7 @@ std::string point_text(const Vec3& p)
 /// Every edge has two triangles, and all are connected across edges.
 Status check_surface(const TriangleMesh& mesh, Progress* progress)
 {
-    const auto topology = build_topology(mesh, {.progress = progress});
+    const auto topology = build_topology(mesh, {.execution = {.progress = progress}});
     if (!topology) return tl::unexpected(topology.error());
     for (std::uint32_t e = 0; e < topology->edge_count(); ++e) {
         const auto count = topology->triangles(EdgeId{e}).size();
@@ -83,7 +84,7 @@ private:
     std::uint32_t at_ = 0;
 };
 
-/// All of the hull is on one side of every triangle's plane.
+/// Checks that the whole hull lies on one side of every triangle's plane.
 Status check_convex(const TriangleMesh& mesh, const ConvexPolyhedron& hull, double tolerance)
 {
     Climber above(hull);
@@ -153,7 +154,7 @@ Result<ConvexPolyhedron> polyhedron_of_mesh(const TriangleMesh& mesh,
 {
     const auto bounds = checked_bounding_box(mesh);
     if (!bounds) return tl::unexpected(bounds.error());
-    if (Status status = check_surface(mesh, options.progress); !status)
+    if (Status status = check_surface(mesh, options.execution.progress); !status)
         return tl::unexpected(status.error());
     std::vector<bool> is_used(mesh.vertex_count(), false);
     for (const auto& corners : mesh.triangles()) {
@@ -163,7 +164,7 @@ Result<ConvexPolyhedron> polyhedron_of_mesh(const TriangleMesh& mesh,
     for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
         if (is_used[v]) points.push_back(mesh.positions()[v]);
     }
-    auto hull = convex_hull(points, {}, options.progress);
+    auto hull = convex_hull(points, {}, options.execution.progress);
     if (!hull) return hull;
     if (hull->dimension() < 3) {
         return fail(ErrorCode::invalid_mesh,
@@ -201,7 +202,7 @@ ConvexPolyhedron mirrored(const ConvexPolyhedron& polyhedron)
         for (Vec3& v : result) v = -v;
         return result;
     };
-    // The hull of a hull's own vertices: it cannot fail.
+    // The hull of a hull's vertices cannot fail.
     return convex_hull(negated(polyhedron.points()), negated(polyhedron.rays())).value();
 }
 

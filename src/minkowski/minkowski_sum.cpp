@@ -1,14 +1,15 @@
-#include "minkowski/minkowski_sum.h"
+#include "proxima/minkowski_sum.h"
+#include "minkowski/count_sum.h"
 
 #include "base/check.h"
+#include "geometry/exact_predicates.h"
+#include "minkowski/operation_counts.h"
 #include "minkowski/sum_baselines.h"
 #include "minkowski/sum_by_arcs.h"
 
 #include <cmath>
 
 namespace proxima {
-
-using detail::SumCorner;
 
 MinkowskiSum MinkowskiSum::scaled(double lambda) const noexcept
 {
@@ -66,13 +67,13 @@ Result<MinkowskiSum> sum_on(const ConvexPolyhedron& a, const ConvexPolyhedron& b
 {
     switch (options.method) {
     case MinkowskiMethod::geometric:
-        return detail::sum_by_geometric_method<Scalar>(a, b, options.progress);
+        return detail::sum_by_geometric_method<Scalar>(a, b, options.execution.progress);
     case MinkowskiMethod::hull:
-        return detail::sum_by_hull<Scalar>(a, b, options.progress);
+        return detail::sum_by_hull<Scalar>(a, b, options.execution.progress);
     case MinkowskiMethod::arcs:
         break;
     }
-    return detail::sum_by_arcs<Scalar>(a, b, options.progress);
+    return detail::sum_by_arcs<Scalar>(a, b, options.execution.progress);
 }
 
 } // namespace

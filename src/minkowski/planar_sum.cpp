@@ -1,8 +1,9 @@
 #include "minkowski/planar_sum.h"
 
 #include "base/text.h"
-#include "minkowski/convex_hull.h"
+#include "geometry/exact_predicates.h"
 #include "minkowski/geometric_method.h"
+#include "proxima/convex_polyhedron.h"
 
 #include <algorithm>
 #include <cmath>

@@ -16,9 +16,9 @@
 // on where rays are cut.
 #pragma once
 
-#include "base/result.h"
 #include "minkowski/convex_polygon.h"
-#include "minkowski/minkowski_sum.h"
+#include "proxima/minkowski_sum.h"
+#include "proxima/result.h"
 
 #include <span>
 #include <vector>

@@ -202,7 +202,7 @@ void PolyhedronAssembler::keep_facets()
         facet.first = loop_first_[f];
         facet.size = loop_first_[f + 1] - loop_first_[f];
         const auto loop = polyhedron.facet_loop(static_cast<std::uint32_t>(f));
-        // Corners far apart give the normal its digits; the first must be a point.
+        // Corners that are far apart give the normal precision. The first must be a point.
         std::size_t start = 0;
         while (polyhedron.is_ray(loop[start])) ++start;
         const std::size_t size = loop.size();

@@ -1,8 +1,8 @@
 // Puts a convex polyhedron together from what is known of its surface.
 #pragma once
 
-#include "minkowski/convex_polyhedron.h"
 #include "minkowski/quickhull.h"
+#include "proxima/convex_polyhedron.h"
 
 #include <cstdint>
 #include <span>

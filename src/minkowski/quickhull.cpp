@@ -1,6 +1,7 @@
 #include "minkowski/quickhull.h"
 
 #include "base/check.h"
+#include "base/progress.h"
 #include "geometry/exact_predicates.h"
 
 #include <algorithm>
@@ -96,7 +97,7 @@ private:
         return face;
     }
 
-    /// How high vertex v stands above the face, about, and surely which side it is on.
+    /// The approximate height of vertex v above the face, and its exact side.
     struct Height {
         double value;
         int side;
@@ -113,7 +114,7 @@ private:
         return {value, hull_side(vertices_, face.triangle.vertices, v)};
     }
 
-    /// Lets vertex v wait with the face if it sees it.
+    /// Adds vertex v to the face's waiting list if v sees the face.
     bool wait_with(std::uint32_t face_index, std::uint32_t v)
     {
         Face& face = faces_[face_index];

@@ -9,9 +9,9 @@
 // unbounded polyhedron is a bounded one, perhaps with a face at infinity (three rays).
 #pragma once
 
-#include "base/progress.h"
-#include "base/result.h"
-#include "geometry/vec.h"
+#include "proxima/execution.h"
+#include "proxima/geometry.h"
+#include "proxima/result.h"
 
 #include <array>
 #include <cstdint>

@@ -5,7 +5,7 @@
 // counting scalar know that a product of vectors took place (operation_counts.h).
 #pragma once
 
-#include "geometry/vec.h"
+#include "proxima/geometry.h"
 
 namespace proxima {
 

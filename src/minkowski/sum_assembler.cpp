@@ -8,8 +8,6 @@
 
 namespace proxima {
 
-using detail::SumCorner;
-
 namespace {
 
 constexpr std::uint32_t no_number = no_facet;
@@ -90,7 +88,7 @@ void SumAssembler::add_half_space(const SumFacet& facet, const SumCorner& suppor
 
 void SumAssembler::number_corners()
 {
-    // A ray that both have is A's.
+    // A ray of both operands counts as A's.
     const auto in_a = [&](const SumCorner& corner) {
         const auto rays = a().rays();
         const auto found = std::ranges::find_if(

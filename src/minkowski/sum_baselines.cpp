@@ -1,8 +1,10 @@
 #include "minkowski/sum_baselines.h"
 
+#include "base/progress.h"
 #include "minkowski/geometric_method.h"
 #include "minkowski/incremental_hull.h"
 #include "minkowski/operation_counts.h"
+#include "minkowski/scalar_vector.h"
 #include "minkowski/sum_assembler.h"
 
 #include <algorithm>
@@ -86,7 +88,7 @@ private:
     }
     [[nodiscard]] const Vec3& sum(int pair) const { return sums_[static_cast<std::size_t>(pair)]; }
 
-    /// The facet or edge of a polyhedron whose vertices are these; facets first.
+    /// Finds the facet or edge of a polyhedron with these vertices; facets first.
     struct Part {
         int dimension;
         std::uint32_t item;
@@ -241,11 +243,11 @@ Result<MinkowskiSum> sum_by_geometric_method(const ConvexPolyhedron& a, const Co
     const Vertices<Scalar> vertices(a, b);
     const std::vector<CandidateNormal<Scalar>> normals = candidate_normals<Scalar>(a, b);
 
-    // In batches, to be stopped between them.
+    // Works in batches and can be stopped between them.
     constexpr std::size_t batch = 256;
     std::vector<Vec3> outward;
     std::vector<SupportPlane<Scalar>> planes(2 * batch);
-    if (progress != nullptr) progress->begin_stage("pushing planes", normals.size());
+    begin_stage(progress, "pushing planes", normals.size());
     for (std::size_t first = 0; first < normals.size(); first += batch) {
         if (is_cancelled(progress)) return fail(ErrorCode::cancelled, "stopped on request");
         const auto some =
@@ -254,7 +256,7 @@ Result<MinkowskiSum> sum_by_geometric_method(const ConvexPolyhedron& a, const Co
             {vertices.a, vertices.b, vertices.sums}, some, planes);
         for (int i = 0; i < count; ++i)
             outward.push_back(to_plain(planes[static_cast<std::size_t>(i)].normal));
-        if (progress != nullptr) progress->advance(some.size());
+        advance_stage(progress, some.size());
     }
     return sum_of_planes(a, b, vertices.plain_sums, outward);
 }

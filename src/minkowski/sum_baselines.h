@@ -10,9 +10,9 @@
 // and is eliminated (3.2.1). They are what minkowski_sum's `arcs` is measured and tested against.
 #pragma once
 
-#include "base/progress.h"
-#include "base/result.h"
-#include "minkowski/minkowski_sum.h"
+#include "proxima/execution.h"
+#include "proxima/minkowski_sum.h"
+#include "proxima/result.h"
 
 namespace proxima::detail {
 

@@ -1,11 +1,14 @@
 #include "minkowski/sum_by_arcs.h"
 
+#include "base/progress.h"
 #include "minkowski/arc_walk.h"
-#include "minkowski/convex_hull.h"
 #include "minkowski/facet_maker.h"
+#include "minkowski/facet_sign.h"
 #include "minkowski/gaussian_map.h"
 #include "minkowski/operation_counts.h"
+#include "minkowski/span_a_line.h"
 #include "minkowski/sum_assembler.h"
+#include "proxima/convex_polyhedron.h"
 
 #include <utility>
 #include <vector>
@@ -18,7 +21,7 @@ constexpr std::size_t max_sum_corners = std::size_t{1} << 28U;
 
 using Kind = SumCorner::Kind;
 
-/// Both are polygons or bodies.
+/// The sum of polygons or bodies.
 template <class Scalar>
 class Overlay {
 public:
@@ -30,10 +33,8 @@ public:
 
     Result<MinkowskiSum> build(bool holds_line)
     {
-        if (progress_ != nullptr) {
-            progress_->begin_stage("summing polyhedra",
-                                   sum_.a().facet_count() + sum_.b().facet_count());
-        }
+        begin_stage(progress_, "summing polyhedra",
+                    sum_.a().facet_count() + sum_.b().facet_count());
         const bool bodies = sum_.a().dimension() == 3 && sum_.b().dimension() == 3;
         const bool done = bodies && sum_.b().is_bounded()   ? walk_arcs_of_a()
                           : bodies && sum_.a().is_bounded() ? walk_arcs_of_b()
@@ -50,7 +51,7 @@ public:
 private:
     [[nodiscard]] bool go_on()
     {
-        if (progress_ != nullptr) progress_->advance(1);
+        advance_stage(progress_, 1);
         return has_room();
     }
 
@@ -134,7 +135,7 @@ private:
             to_do.pop_back();
             if (!go_on()) return false;
             const auto sign_along = [&, f = facet](const Displacement& d) noexcept {
-                return theirs.template normal_sign<Scalar>(f, d);
+                return normal_sign<Scalar>(theirs, f, d);
             };
             if (ends_along(ours, sign_along)) {
                 if (sign_along({ours.vertex(start), ours.vertex(last)}) > 0) start = last;
@@ -215,7 +216,7 @@ private:
     std::vector<bool> is_taken_; ///< facets of B that are parallel to one of A
 };
 
-/// One of both is a segment or a half-line.
+/// The sum where one operand is a segment or a half-line.
 template <class Scalar>
 class Sweep {
 public:
@@ -230,7 +231,7 @@ public:
         const Displacement along = line.direction(line.edges()[0]);
         const bool ends = line.is_bounded();
         for (std::uint32_t f = 0; f < body.facet_count(); ++f) {
-            const int sign = body.template normal_sign<Scalar>(f, along);
+            const int sign = normal_sign<Scalar>(body, f, along);
             if (sign > 0 && !ends) continue;
             const std::uint32_t end = sign > 0 ? 1 : 0;
             const SupportFace face = sign == 0 ? SupportFace{1, 0, 0} : SupportFace{0, end, end};
@@ -242,9 +243,8 @@ public:
         }
         for (std::uint32_t e = 0; e < body.edges().size(); ++e) {
             const PolyhedronEdge& edge = body.edges()[e];
-            const int left = body.template normal_sign<Scalar>(edge.left, along);
-            if (left == 0 || body.template normal_sign<Scalar>(edge.right, along) != -left)
-                continue;
+            const int left = normal_sign<Scalar>(body, edge.left, along);
+            if (left == 0 || normal_sign<Scalar>(body, edge.right, along) != -left) continue;
             if (line_is_b_) {
                 facets_.add_swept(e, 0, left);
             } else {
@@ -260,7 +260,7 @@ private:
     bool line_is_b_;
 };
 
-/// Both are segments or half-lines.
+/// The sum of two segments or half-lines.
 MinkowskiSum sum_of_lines(const ConvexPolyhedron& a, const ConvexPolyhedron& b)
 {
     SumAssembler sum(a, b);
@@ -272,7 +272,7 @@ MinkowskiSum sum_of_lines(const ConvexPolyhedron& a, const ConvexPolyhedron& b)
         facets.add_swept(0, 0, -1);
         return std::move(sum).finish();
     }
-    // From the ends that lie back to those that lie ahead, as A points.
+    // From the rear ends to the front ends, in A's direction.
     const bool same = point_same_way(along_a, along_b);
     SumCorner back = {Kind::point, 0, same ? 0U : 1U};
     SumCorner ahead = {Kind::point, 1, same ? 1U : 0U};
@@ -285,7 +285,7 @@ MinkowskiSum sum_of_lines(const ConvexPolyhedron& a, const ConvexPolyhedron& b)
     return std::move(sum).finish_line({back, ahead});
 }
 
-/// One of both is a point: the other one, moved.
+/// The sum where one operand is a point: the other one, moved.
 MinkowskiSum sum_with_point(const ConvexPolyhedron& a, const ConvexPolyhedron& b)
 {
     SumAssembler sum(a, b);

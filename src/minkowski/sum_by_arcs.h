@@ -9,9 +9,9 @@
 // the arc, or through a facet's normal where that lies on the arc [fogel-2007, fukuda-2004].
 #pragma once
 
-#include "base/progress.h"
-#include "base/result.h"
-#include "minkowski/minkowski_sum.h"
+#include "proxima/execution.h"
+#include "proxima/minkowski_sum.h"
+#include "proxima/result.h"
 
 namespace proxima::detail {
 

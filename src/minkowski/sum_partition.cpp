@@ -83,7 +83,7 @@ private:
         partition_.depth_ = std::max(partition_.depth_, depth);
         const double volume = cell.volume();
         const double cost_of_leaf = leaf_cost(pieces.size());
-        // No split costs less than one evaluation.
+        // A split costs at least one evaluation.
         const auto saving = [&](double cost) { return (cost_of_leaf - cost) * volume / volume_; };
         if (depth == options_.max_depth || !(saving(1) > options_.min_saving))
             return add_leaf(std::move(pieces));
@@ -136,7 +136,7 @@ private:
 
     [[nodiscard]] Child add_leaf(std::vector<Piece> pieces)
     {
-        // Large pieces stop most points.
+        // Large pieces decide most points.
         std::ranges::stable_sort(pieces, [](const Piece& a, const Piece& b) {
             return detail::area(a.corners) > detail::area(b.corners);
         });

@@ -36,9 +36,9 @@
 // large sum a tree of 0.2 s is paid back after 28,000 questions.
 #pragma once
 
-#include "base/result.h"
-#include "geometry/shapes.h"
-#include "minkowski/minkowski_sum.h"
+#include "proxima/geometry.h"
+#include "proxima/minkowski_sum.h"
+#include "proxima/result.h"
 
 #include <cstdint>
 #include <span>

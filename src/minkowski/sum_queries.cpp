@@ -1,7 +1,8 @@
-#include "minkowski/sum_queries.h"
+#include "proxima/minkowski_sum.h"
 
 #include "base/check.h"
-#include "minkowski/make_polyhedron.h"
+#include "geometry/exact_predicates.h"
+#include "proxima/convex_polyhedron.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,8 +11,6 @@
 namespace proxima {
 namespace {
 
-using detail::SumCorner;
-
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 SumDisplacement from_corner(const MinkowskiSum& sum, const SumCorner& corner, const Vec3& point)
@@ -19,7 +18,7 @@ SumDisplacement from_corner(const MinkowskiSum& sum, const SumCorner& corner, co
     return {point, sum.a().vertex(corner.a), sum.b().vertex(corner.b), sum.scale()};
 }
 
-/// Of the sum's edge between two corners: that of A or B which it comes from. From a point.
+/// The edge of A or B from which the sum's edge between two corners comes. It starts at a point.
 Displacement edge_direction(const MinkowskiSum& sum, std::uint32_t from, std::uint32_t to)
 {
     const SumCorner& p = sum.corner(from);
@@ -205,7 +204,7 @@ SurfacePoint signed_distance(const MinkowskiSum& sum, const Vec3& point) noexcep
     for (std::uint32_t f = 0; f < sum.facet_count(); ++f) {
         const HalfSpace plane = scaled.half_space(f);
         if (is_inside) {
-            // What rounding lifts above a plane touches it.
+            // A point that only rounding lifts above a plane touches it.
             const double height = plane.normal.dot(x) - plane.offset;
             const double depth = std::min(height, 0.0);
             if (depth > best.distance) best = {depth, x - height * plane.normal, plane.normal, f};
@@ -243,7 +242,8 @@ Result<Separation> separation(const ConvexPolyhedron& a, const ConvexPolyhedron&
         return fail(ErrorCode::invalid_argument,
                     "the sum of these unbounded polyhedra holds a whole line: cut one of them off");
     }
-    // The origin in it means that they overlap; B escapes by moving the sum off the origin.
+    // The origin lies in the sum if and only if they overlap. Moving B moves the sum off the
+    // origin.
     const SurfacePoint origin = signed_distance(*sum, Vec3::Zero());
     return Separation{origin.distance, -origin.direction};
 }

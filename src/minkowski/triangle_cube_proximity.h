@@ -16,8 +16,7 @@
 // (triangle_box.h), touching included. No allocation, any thread.
 #pragma once
 
-#include "geometry/shapes.h"
-#include "geometry/vec.h"
+#include "proxima/geometry.h"
 
 #include <optional>
 

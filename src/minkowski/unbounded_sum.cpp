@@ -1,6 +1,6 @@
 #include "minkowski/unbounded_sum.h"
 
-#include "minkowski/convex_hull.h"
+#include "proxima/convex_polyhedron.h"
 
 #include <algorithm>
 #include <cmath>
@@ -41,7 +41,7 @@ Result<CutSum> sum_by_cutting(const ConvexPolyhedron& a, const ConvexPolyhedron&
     if (!cut_a) return tl::unexpected(cut_a.error());
     const auto cut_b = cut_rays(b, length, progress);
     if (!cut_b) return tl::unexpected(cut_b.error());
-    auto intermediate = minkowski_sum(*cut_a, *cut_b, {.progress = progress});
+    auto intermediate = minkowski_sum(*cut_a, *cut_b, {.execution = {.progress = progress}});
     if (!intermediate) return tl::unexpected(intermediate.error());
     CutSum result = {std::move(*intermediate), {}, {}};
     const auto obstructs = [&](const Vec3& normal) {

@@ -8,9 +8,9 @@
 // the same for every length, as support is that of the points wherever no ray goes along a normal.
 #pragma once
 
-#include "base/progress.h"
-#include "base/result.h"
-#include "minkowski/minkowski_sum.h"
+#include "proxima/execution.h"
+#include "proxima/minkowski_sum.h"
+#include "proxima/result.h"
 
 #include <cstdint>
 #include <vector>

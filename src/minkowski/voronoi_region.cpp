@@ -1,7 +1,7 @@
 #include "minkowski/voronoi_region.h"
 
 #include "geometry/exact_predicates.h"
-#include "minkowski/convex_hull.h"
+#include "proxima/convex_polyhedron.h"
 
 #include <array>
 

@@ -11,9 +11,9 @@
 // By rays instead of half-spaces neither matters: the normals are the rays.
 #pragma once
 
-#include "base/result.h"
-#include "geometry/shapes.h"
-#include "minkowski/convex_polyhedron.h"
+#include "proxima/convex_polyhedron.h"
+#include "proxima/geometry.h"
+#include "proxima/result.h"
 
 #include <span>
 

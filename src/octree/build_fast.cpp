@@ -1,5 +1,8 @@
 #include "octree/build_fast.h"
 
+#include "base/memory_budget.h"
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "octree/coarse_bins.h"
 #include "octree/top_tree.h"
 
@@ -58,7 +61,7 @@ Status grow_range(const SnappedMesh& mesh, const CoarseBins& bins,
             {lower_corner(cell, bins.depth), bins.depth, bins.triangles(cell)}, test, output);
         if (!root) return tl::unexpected(root.error());
         roots[i] = *root;
-        if (limits.progress != nullptr) limits.progress->advance(bins.count(cell));
+        advance_stage(limits.progress, bins.count(cell));
     }
     return {};
 }
@@ -138,22 +141,20 @@ Result<OctreeOutput> build_fast(const TriangleMesh& mesh, const OctreeFrame& fra
     const auto fits = check_budget({limits.budget_bytes}, limits.used_bytes, "the octree's scratch",
                                    "raise the budget");
     if (!fits) return tl::unexpected(fits.error());
-    if (options.progress != nullptr) {
-        options.progress->begin_stage("snapping", mesh.vertex_count() + 2 * mesh.triangle_count());
-    }
-    const SnappedMesh snapped(mesh, frame, options.threads, options.progress);
-    if (is_cancelled(options.progress)) return cancelled_build();
+    begin_stage(options.execution.progress, "snapping",
+                mesh.vertex_count() + 2 * mesh.triangle_count());
+    const SnappedMesh snapped(mesh, frame, options.execution.threads, options.execution.progress);
+    if (is_cancelled(options.execution.progress)) return cancelled_build();
     const int bin_depth = choose_bin_depth(snapped, options.max_depth);
-    const CoarseBins bins = bin_triangles(snapped, bin_depth, options.threads, options.progress);
-    if (is_cancelled(options.progress)) return cancelled_build();
+    const CoarseBins bins =
+        bin_triangles(snapped, bin_depth, options.execution.threads, options.execution.progress);
+    if (is_cancelled(options.execution.progress)) return cancelled_build();
 
     OctreeOutput output;
     const std::vector<SubtreeSlot> slots = build_top_tree(bins, options.threshold, output);
-    if (options.progress != nullptr) {
-        options.progress->begin_stage("octree", bins.ids.size());
-    }
+    begin_stage(options.execution.progress, "octree", bins.ids.size());
     std::vector<OctreeNode> roots(slots.size());
-    if (thread_count(options.threads) == 1) {
+    if (thread_count(options.execution.threads) == 1) {
         // One thread writes in place; offsets are final.
         const Status status =
             grow_range(snapped, bins, slots, 0, slots.size(), limits, output, roots);
@@ -164,7 +165,7 @@ Result<OctreeOutput> build_fast(const TriangleMesh& mesh, const OctreeFrame& fra
         const auto bounds = balance(bins, slots, chunk_count);
         std::vector<OctreeOutput> chunks(bounds.size() - 1);
         std::vector<Status> statuses(chunks.size());
-        parallel_for(chunks.size(), options.threads, [&](std::size_t index) {
+        parallel_for(chunks.size(), options.execution.threads, [&](std::size_t index) {
             statuses[index] = grow_range(snapped, bins, slots, bounds[index], bounds[index + 1],
                                          limits, chunks[index], roots);
         });
@@ -177,7 +178,8 @@ Result<OctreeOutput> build_fast(const TriangleMesh& mesh, const OctreeFrame& fra
         auto status = check_budget({limits.budget_bytes}, limits.used_bytes + joined, "the octree",
                                    "use one thread, lower the depth or raise the budget");
         if (status) {
-            status = join(chunks, bounds, slots, roots, options.threads, options.progress, output);
+            status = join(chunks, bounds, slots, roots, options.execution.threads,
+                          options.execution.progress, output);
         }
         if (!status) return tl::unexpected(status.error());
     }

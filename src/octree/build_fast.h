@@ -1,8 +1,8 @@
 // The fast builder: snapped grid, coarse bins, subtrees in vector lanes, joined in a fixed order.
 #pragma once
 
-#include "octree/build_octree.h"
 #include "octree/grow_subtree.h"
+#include "proxima/octree.h"
 
 namespace proxima {
 

@@ -1,5 +1,7 @@
-#include "octree/build_octree.h"
+#include "proxima/octree.h"
 
+#include "base/memory_budget.h"
+#include "base/progress.h"
 #include "base/text.h"
 #include "octree/build_fast.h"
 #include "octree/build_with_test.h"
@@ -120,12 +122,12 @@ Result<OctreeOutput> build_arrays(const TriangleMesh& mesh, const OctreeFrame& f
     GrowLimits limits;
     limits.max_depth = options.max_depth;
     limits.threshold = uniform ? 0 : options.threshold;
-    limits.budget_bytes = budget_bytes(options.budget);
-    limits.progress = options.progress;
+    limits.budget_bytes = budget_bytes(options.execution.budget);
+    limits.progress = options.execution.progress;
     if (uniform) {
         const std::uint64_t cells = ((std::uint64_t{1} << (3 * (options.max_depth + 1))) - 1) / 7;
         const auto status = check_budget(
-            options.budget, cells * (sizeof(OctreeNode) + 2 * sizeof(std::uint32_t)),
+            options.execution.budget, cells * (sizeof(OctreeNode) + 2 * sizeof(std::uint32_t)),
             "the uniform octree", "lower the depth, subdivide adaptively or raise the budget");
         if (!status) return tl::unexpected(status.error());
     }
@@ -159,9 +161,7 @@ Result<Octree> build_unguarded(const TriangleMesh& mesh, const OctreeOptions& op
     Octree octree = Octree::adopt(frame, parameters, mesh.triangle_count(), storage->nodes.span(),
                                   storage->references.span(), storage);
     if (options.classification == Classification::none) return octree;
-    return classify_cells(
-        octree, mesh,
-        {.threads = options.threads, .progress = options.progress, .budget = options.budget});
+    return classify_cells(octree, mesh, {.execution = options.execution});
 }
 
 } // namespace

@@ -2,10 +2,13 @@
 // triangle, re-prepared for each depth (thesis 3.4: the sum is made once per triangle and depth).
 #pragma once
 
+#include "base/memory_budget.h"
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "geometry/triangle_box.h"
-#include "octree/build_octree.h"
 #include "octree/grow_subtree.h"
 #include "octree/overlap_tests.h"
+#include "proxima/octree.h"
 
 #include <numeric>
 #include <vector>
@@ -30,20 +33,19 @@ public:
     void find_touched(const SplitLevel& level, int depth, std::uint32_t* masks) override
     {
         prepare(level, depth + 1);
-        if (options_.progress != nullptr) {
-            options_.progress->begin_stage("octree level", level.cells.size());
-        }
+        begin_stage(options_.execution.progress, "octree level", level.cells.size());
         constexpr std::size_t chunk = 64;
         const std::size_t count = level.cells.size();
         // Few cells of many pairs at the top, many of few below: chunks of both.
-        parallel_for((count + chunk - 1) / chunk, options_.threads, [&](std::size_t index) {
-            const std::size_t end = std::min(count, (index + 1) * chunk);
-            for (std::size_t cell = index * chunk; cell < end; ++cell) {
-                if (is_cancelled(options_.progress)) return;
-                test_cell(level, level.cells[cell], depth, masks);
-                if (options_.progress != nullptr) options_.progress->advance(1);
-            }
-        });
+        parallel_for((count + chunk - 1) / chunk, options_.execution.threads,
+                     [&](std::size_t index) {
+                         const std::size_t end = std::min(count, (index + 1) * chunk);
+                         for (std::size_t cell = index * chunk; cell < end; ++cell) {
+                             if (is_cancelled(options_.execution.progress)) return;
+                             test_cell(level, level.cells[cell], depth, masks);
+                             advance_stage(options_.execution.progress, 1);
+                         }
+                     });
     }
 
 private:
@@ -56,13 +58,14 @@ private:
         }
         const Vec3 half = frame_.edge / static_cast<double>(std::uint64_t{2} << child_depth);
         constexpr std::size_t chunk = 256;
-        parallel_for((tests_.size() + chunk - 1) / chunk, options_.threads, [&](std::size_t index) {
-            if (is_cancelled(options_.progress)) return;
-            const std::size_t end = std::min(tests_.size(), (index + 1) * chunk);
-            for (std::size_t id = index * chunk; id < end; ++id) {
-                if (is_used[id] != 0) tests_[id].set_half_size(half);
-            }
-        });
+        parallel_for((tests_.size() + chunk - 1) / chunk, options_.execution.threads,
+                     [&](std::size_t index) {
+                         if (is_cancelled(options_.execution.progress)) return;
+                         const std::size_t end = std::min(tests_.size(), (index + 1) * chunk);
+                         for (std::size_t id = index * chunk; id < end; ++id) {
+                             if (is_used[id] != 0) tests_[id].set_half_size(half);
+                         }
+                     });
     }
 
     void test_cell(const SplitLevel& level, const SplitCell& cell, int depth,
@@ -75,7 +78,7 @@ private:
             centers[child] = boxes[child].center();
         }
         for (std::uint32_t pair = cell.first; pair < cell.first + cell.count; ++pair) {
-            if (pair % 1024 == 0 && is_cancelled(options_.progress)) return;
+            if (pair % 1024 == 0 && is_cancelled(options_.execution.progress)) return;
             const std::uint32_t id = level.triangle[pair];
             std::uint32_t mask = 0;
             for (unsigned child = 0; child < 8; ++child) {

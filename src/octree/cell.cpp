@@ -1,4 +1,4 @@
-#include "octree/cell.h"
+#include "proxima/octree.h"
 
 #include "base/morton_code.h"
 

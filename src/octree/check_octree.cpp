@@ -1,5 +1,6 @@
 #include "octree/check_octree.h"
 
+#include "base/progress.h"
 #include "base/text.h"
 #include "geometry/triangle_box.h"
 #include "octree/check_structure.h"
@@ -61,7 +62,7 @@ private:
         if (leaf) {
             const auto list = octree_.triangles(cell);
             listed.assign(list.begin(), list.end());
-            if (progress_ != nullptr) progress_->advance(listed.size());
+            advance_stage(progress_, listed.size());
             if (const Status status = check_list(cell, listed, touching); !status) {
                 return tl::unexpected<Error>(status.error());
             }

@@ -1,10 +1,10 @@
 // The octree's invariants: what every builder owes and every query relies on.
 #pragma once
 
-#include "base/progress.h"
-#include "base/result.h"
-#include "mesh/triangle_mesh.h"
-#include "octree/octree.h"
+#include "proxima/execution.h"
+#include "proxima/octree.h"
+#include "proxima/result.h"
+#include "proxima/triangle_mesh.h"
 
 namespace proxima {
 

@@ -1,6 +1,7 @@
 #include "octree/check_structure.h"
 
 #include "base/fixed_stack.h"
+#include "base/progress.h"
 #include "base/text.h"
 
 #include <bit>

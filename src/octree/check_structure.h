@@ -1,9 +1,9 @@
 // Whether an octree's arrays form an octree at all: the part of the invariants that needs no mesh.
 #pragma once
 
-#include "base/progress.h"
-#include "base/result.h"
-#include "octree/octree.h"
+#include "proxima/execution.h"
+#include "proxima/octree.h"
+#include "proxima/result.h"
 
 namespace proxima {
 

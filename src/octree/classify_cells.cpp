@@ -2,6 +2,9 @@
 
 #include "base/disjoint_sets.h"
 #include "base/fixed_stack.h"
+#include "base/memory_budget.h"
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "base/text.h"
 #include "octree/empty_cells.h"
 #include "octree/hole_caps.h"
@@ -90,7 +93,10 @@ private:
         return fail(ErrorCode::cancelled, "stopped while classifying cells");
     }
 
-    [[nodiscard]] bool cancelled() const noexcept { return is_cancelled(options_.progress); }
+    [[nodiscard]] bool cancelled() const noexcept
+    {
+        return is_cancelled(options_.execution.progress);
+    }
     [[nodiscard]] bool capped() const noexcept { return caps_.triangle_count() > 0; }
     [[nodiscard]] DisjointSets& regions() noexcept { return capped() ? regions_ : components_; }
     [[nodiscard]] bool at_cap(CellNumber cell) const noexcept { return capped() && at_cap_[cell]; }
@@ -102,7 +108,7 @@ private:
 
     void begin_stage(const char* name, std::uint64_t steps) const noexcept
     {
-        if (options_.progress != nullptr) options_.progress->begin_stage(name, steps);
+        proxima::begin_stage(options_.execution.progress, name, steps);
     }
 
     /// Calls body(i) for i in [0, count) on all threads.
@@ -110,12 +116,13 @@ private:
     void for_each(const char* stage, std::size_t count, const Body& body) const
     {
         begin_stage(stage, count);
-        parallel_for((count + chunk - 1) / chunk, options_.threads, [&](std::size_t part) {
-            if (cancelled()) return;
-            const std::size_t end = std::min(count, (part + 1) * chunk);
-            for (std::size_t i = part * chunk; i < end; ++i) body(i);
-            if (options_.progress != nullptr) options_.progress->advance(end - part * chunk);
-        });
+        parallel_for((count + chunk - 1) / chunk, options_.execution.threads,
+                     [&](std::size_t part) {
+                         if (cancelled()) return;
+                         const std::size_t end = std::min(count, (part + 1) * chunk);
+                         for (std::size_t i = part * chunk; i < end; ++i) body(i);
+                         advance_stage(options_.execution.progress, end - part * chunk);
+                     });
     }
 
     /// Descends with each cap to the empty cells that it may touch.
@@ -150,7 +157,7 @@ private:
             components_.unite(a, b);
             if (capped() && !at_cap_[a] && !at_cap_[b]) regions_.unite(a, b);
         };
-        EmptyFaces(octree_, cells_, meet, options_.progress).visit_all();
+        EmptyFaces(octree_, cells_, meet, options_.execution.progress).visit_all();
     }
 
     /// Regions without caps, by their smallest cells; each starts at its largest.
@@ -187,7 +194,7 @@ private:
         // Rounded lists may lack a triangle that a ray crosses.
         if (octree_.parameters().exact && caps_.triangle_count() <= most_caps_for_rays) {
             const RegionRays rays(octree_, mesh_, caps_, cells_, areas_);
-            tie_regions(rays, windings, options_.threads, options_.progress);
+            tie_regions(rays, windings, options_.execution.threads, options_.execution.progress);
         }
         ask_winding_numbers(outside, windings);
         if (cancelled()) return;
@@ -209,12 +216,12 @@ private:
         }
         const auto direct = static_cast<std::size_t>(std::ranges::count(at_cap_, true));
         if (asked.size() + direct > few_queries) {
-            auto built = build_winding_number(mesh_, {options_.threads, options_.progress});
+            auto built = build_winding_number(mesh_, {options_.execution});
             if (!built) return; // cancelled
             winding_ = std::move(*built);
         }
         if (capped()) {
-            auto built = build_winding_number(caps_, {options_.threads, options_.progress});
+            auto built = build_winding_number(caps_, {options_.execution});
             if (!built) return; // cancelled
             cap_winding_ = std::move(*built);
         }
@@ -374,12 +381,13 @@ Result<Octree> classify_cells(const Octree& octree, const TriangleMesh& mesh,
     // Nodes and their first cells; keys, sets, regions and counts of cells; edges of the mesh.
     const std::uint64_t needed =
         octree.nodes().size() * 12 + cells * 48 + mesh.triangle_count() * 100;
-    if (const Status status = check_budget(options.budget, needed, "classifying the cells",
-                                           "lower the depth or raise the budget");
+    if (const Status status =
+            check_budget(options.execution.budget, needed, "classifying the cells",
+                         "lower the depth or raise the budget");
         !status) {
         return tl::unexpected<Error>(status.error());
     }
-    auto caps = hole_caps(mesh, options.progress);
+    auto caps = hole_caps(mesh, options.execution.progress);
     if (!caps) return tl::unexpected<Error>(caps.error());
     return Classifier(octree, mesh, std::move(*caps), options).run();
 }

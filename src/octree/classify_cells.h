@@ -10,19 +10,15 @@
 // (region_rays.h); only where no ray leads out are solid angles summed.
 #pragma once
 
-#include "base/memory_budget.h"
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
-#include "mesh/triangle_mesh.h"
-#include "octree/octree.h"
+#include "proxima/execution.h"
+#include "proxima/octree.h"
+#include "proxima/result.h"
+#include "proxima/triangle_mesh.h"
 
 namespace proxima {
 
 struct ClassifyOptions {
-    Threads threads = {};
-    Progress* progress = nullptr;
-    MemoryBudget budget = {}; ///< the copied nodes and scratch
+    Execution execution = {}; ///< budget: the copied nodes and scratch
 };
 
 /// A copy of the octree whose empty leaves are inner (winding number of the centre >= 1/2) or

@@ -1,5 +1,8 @@
 #include "octree/coarse_bins.h"
 
+#include "base/parallel.h"
+#include "base/progress.h"
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -72,7 +75,7 @@ public:
             find_cells_of_boxes(mesh_.arrays(), first, count, depth_, mesh_.margin(), lowest.data(),
                                 highest.data());
             for (std::uint32_t i = 0; i < count; ++i) cover_one(first + i, lowest[i], highest[i]);
-            if (progress_ != nullptr) progress_->advance(count);
+            advance_stage(progress_, count);
             if (is_cancelled(progress_)) break;
         }
         flush_block();
@@ -322,7 +325,7 @@ CoarseBins bin_triangles(const SnappedMesh& mesh, int depth, Threads threads, Pr
         binners[range].visit_pairs([&](std::uint32_t triangle, std::uint32_t cell) {
             bins.ids[places[range][cell]++] = triangle;
         });
-        if (progress != nullptr) progress->advance(count / ranges);
+        advance_stage(progress, count / ranges);
     });
     return bins;
 }

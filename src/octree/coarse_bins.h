@@ -4,8 +4,8 @@
 //     ids     4 9 11 | 0 4 8 9 | ...      triangles that touch the cell, ascending
 #pragma once
 
-#include "base/parallel.h"
 #include "octree/snapped_mesh.h"
+#include "proxima/execution.h"
 
 #include <cstdint>
 #include <span>

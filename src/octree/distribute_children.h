@@ -6,9 +6,9 @@
 #pragma once
 
 #include "base/grow_buffer.h"
-#include "mesh/triangle_mesh.h"
-#include "octree/octree.h"
 #include "octree/snapped_overlap.h"
+#include "proxima/octree.h"
+#include "proxima/triangle_mesh.h"
 
 #include <array>
 #include <cstddef>

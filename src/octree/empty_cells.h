@@ -5,7 +5,7 @@
 #pragma once
 
 #include "base/progress.h"
-#include "octree/octree.h"
+#include "proxima/octree.h"
 
 #include <array>
 #include <cstdint>

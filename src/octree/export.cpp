@@ -1,4 +1,4 @@
-#include "octree/export.h"
+#include "proxima/octree_io.h"
 
 #include "base/file_extension.h"
 #include "base/text.h"

@@ -1,8 +1,9 @@
 // The mesh and the edges of its boundary leaves as binary glTF.
+#include "base/progress.h"
 #include "base/text.h"
 #include "mesh/io/glb_file.h"
-#include "octree/export.h"
 #include "octree/leaf_boxes.h"
+#include "proxima/octree_io.h"
 
 #include <array>
 #include <limits>
@@ -69,12 +70,12 @@ Status export_glb(const Octree& octree, const TriangleMesh& mesh, const std::fil
                   const ExportOptions& options)
 {
     const Vec3 origin = octree.box(octree.root()).center();
-    auto surface = mesh_geometry(mesh, origin, options.progress);
+    auto surface = mesh_geometry(mesh, origin, options.execution.progress);
     if (!surface) return tl::unexpected(surface.error());
-    auto boxes = box_geometry(octree, origin, options.progress);
+    auto boxes = box_geometry(octree, origin, options.execution.progress);
     if (!boxes) return tl::unexpected(boxes.error());
     return write_glb(std::array{std::move(*surface), std::move(*boxes)}, origin, path,
-                     options.progress);
+                     options.execution.progress);
 }
 
 } // namespace proxima

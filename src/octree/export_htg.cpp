@@ -1,6 +1,7 @@
-#include "octree/export.h"
+#include "base/progress.h"
 #include "octree/leaf_boxes.h"
 #include "octree/vtk_cells.h"
+#include "proxima/octree_io.h"
 
 #include <array>
 
@@ -9,7 +10,7 @@ namespace proxima {
 Status export_htg(const Octree& octree, const std::filesystem::path& path,
                   const ExportOptions& options)
 {
-    StageSteps steps(options.progress, "collecting cells", octree.nodes().size());
+    StageSteps steps(options.execution.progress, "collecting cells", octree.nodes().size());
     SplitCells cells;
     std::vector<std::uint8_t> classes;
     std::vector<std::uint8_t> depths;
@@ -33,7 +34,8 @@ Status export_htg(const Octree& octree, const std::filesystem::path& path,
     }
     const std::array<CellData, 3> data = {cell_data("class", classes), cell_data("depth", depths),
                                           cell_data("triangles", triangles)};
-    return write_hyper_tree(octree.box(octree.root()), cells, data, path, options.progress);
+    return write_hyper_tree(octree.box(octree.root()), cells, data, path,
+                            options.execution.progress);
 }
 
 } // namespace proxima

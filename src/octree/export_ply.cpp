@@ -1,7 +1,7 @@
 #include "base/output_file.h"
 #include "base/text.h"
-#include "octree/export.h"
 #include "octree/leaf_boxes.h"
+#include "proxima/octree_io.h"
 
 #include <array>
 #include <bit>
@@ -53,7 +53,7 @@ Status export_ply(const Octree& octree, const std::filesystem::path& path,
 {
     constexpr std::size_t bytes_per_vertex = 3 * sizeof(double) + 3;
     constexpr std::size_t bytes_per_face = 1 + 4 * sizeof(std::uint32_t) + 3 + 2;
-    const auto found = leaf_boxes(octree, LeafChoice::all, options.progress);
+    const auto found = leaf_boxes(octree, LeafChoice::all, options.execution.progress);
     if (!found) return tl::unexpected(found.error());
     const std::vector<LeafBox>& leaves = *found;
     if (8 * leaves.size() > std::numeric_limits<std::uint32_t>::max()) {
@@ -62,8 +62,9 @@ Status export_ply(const Octree& octree, const std::filesystem::path& path,
                                           "as .vtu or .htg"),
                     path.string());
     }
-    auto file = OutputFile::create(
-        path, {options.progress, leaves.size() * (8 * bytes_per_vertex + 6 * bytes_per_face)});
+    auto file =
+        OutputFile::create(path, {options.execution.progress,
+                                  leaves.size() * (8 * bytes_per_vertex + 6 * bytes_per_face)});
     if (!file) return tl::unexpected<Error>(file.error());
     const char* const order = std::endian::native == std::endian::little ? "little" : "big";
     Status status = file->write(

@@ -1,6 +1,6 @@
-#include "octree/export.h"
 #include "octree/leaf_boxes.h"
 #include "octree/vtk_cells.h"
+#include "proxima/octree_io.h"
 
 #include <array>
 
@@ -9,7 +9,7 @@ namespace proxima {
 Status export_vtu(const Octree& octree, const std::filesystem::path& path,
                   const ExportOptions& options)
 {
-    const auto leaves = leaf_boxes(octree, LeafChoice::all, options.progress);
+    const auto leaves = leaf_boxes(octree, LeafChoice::all, options.execution.progress);
     if (!leaves) return tl::unexpected(leaves.error());
     std::vector<std::uint8_t> classes;
     std::vector<std::uint8_t> depths;
@@ -22,7 +22,7 @@ Status export_vtu(const Octree& octree, const std::filesystem::path& path,
     const std::array<CellData, 3> data = {cell_data("class", classes), cell_data("depth", depths),
                                           cell_data("triangles", triangles)};
     return write_leaf_voxels(octree.frame(), octree.parameters().max_depth, *leaves, data, path,
-                             options.progress);
+                             options.execution.progress);
 }
 
 } // namespace proxima

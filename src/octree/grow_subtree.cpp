@@ -1,6 +1,7 @@
 #include "octree/grow_subtree.h"
 
 #include "base/memory_budget.h"
+#include "base/progress.h"
 #include "base/text.h"
 
 #include <limits>

@@ -1,10 +1,10 @@
 // Grows the part of an octree below one cell, level by level, with any child test.
 #pragma once
 
-#include "base/progress.h"
-#include "base/result.h"
 #include "octree/distribute_children.h"
 #include "octree/snapped_mesh.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
 
 #include <array>
 #include <atomic>

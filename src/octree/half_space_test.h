@@ -2,6 +2,7 @@
 // (thesis 3.6.1).
 #pragma once
 
+#include "minkowski/scalar_vector.h"
 #include "octree/rounding_bounds.h"
 
 #include <array>

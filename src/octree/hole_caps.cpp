@@ -1,6 +1,7 @@
 #include "octree/hole_caps.h"
 
 #include "base/disjoint_sets.h"
+#include "base/progress.h"
 #include "base/radix_sort.h"
 
 #include <algorithm>
@@ -133,7 +134,8 @@ std::optional<std::vector<UnbalancedEdge>> unbalanced_edges(const TriangleMesh& 
     const std::uint64_t match_steps = mesh.vertex_count() + 2 * mesh.triangle_count();
     StageSteps steps(progress, "looking for holes",
                      (radix_passes(hash_bits) + 1) * mesh.vertex_count() + 2 * match_steps);
-    // What is balanced by vertices is so by positions too, and needs no search for equal ones.
+    // Edges that are balanced by vertex ids are balanced by positions too, and need no search for
+    // equal positions.
     auto by_vertex = unbalanced_edges(
         mesh, [](std::uint32_t corner) { return corner; }, steps);
     if (!by_vertex || by_vertex->empty()) return by_vertex;

@@ -6,9 +6,9 @@
 // middle to its edges makes them balanced too.
 #pragma once
 
-#include "base/progress.h"
-#include "base/result.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
+#include "proxima/triangle_mesh.h"
 
 namespace proxima {
 

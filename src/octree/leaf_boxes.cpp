@@ -1,7 +1,8 @@
 #include "octree/leaf_boxes.h"
 
+#include "base/progress.h"
 #include "base/radix_sort.h"
-#include "octree/traverse.h"
+#include "proxima/octree.h"
 
 #include <algorithm>
 

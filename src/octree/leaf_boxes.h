@@ -1,9 +1,9 @@
 // An octree's leaves as boxes on the lattice of its deepest cells: what exports draw.
 #pragma once
 
-#include "base/progress.h"
-#include "base/result.h"
-#include "octree/octree.h"
+#include "proxima/execution.h"
+#include "proxima/octree.h"
+#include "proxima/result.h"
 
 #include <array>
 #include <cstdint>

@@ -1,4 +1,4 @@
-#include "octree/octree.h"
+#include "proxima/octree.h"
 
 #include <utility>
 

@@ -1,5 +1,6 @@
-#include "octree/octree_file.h"
+#include "proxima/octree_io.h"
 
+#include "base/binary_file.h"
 #include "base/text.h"
 #include "octree/check_structure.h"
 
@@ -55,7 +56,8 @@ OctreeFileHeader file_header(const Octree& octree)
     return header;
 }
 
-/// Values that the enums and bools of memory do not have must be refused before they get there.
+/// Values that are not values of the enums and bools in memory must be refused before they are
+/// converted.
 bool representable(const OctreeFileHeader& header)
 {
     return header.max_depth <= static_cast<std::uint32_t>(max_octree_depth) &&
@@ -98,7 +100,7 @@ Result<Octree> octree_of(const BinaryFile& file, const std::string& name, Progre
     }
     Octree octree = make_octree(headers->front(), *nodes, *references, file.storage());
     if (const Status status = check_structure(octree, progress); !status) {
-        // What would be a fault of the program in an octree of its own is damage in a file.
+        // A broken invariant of a built octree is a bug; in a file it is damage.
         const bool stopped = status.error().code == ErrorCode::cancelled;
         return fail(stopped ? ErrorCode::cancelled : ErrorCode::malformed_file,
                     describe(status.error()), name);
@@ -116,23 +118,24 @@ Status save_octree(const Octree& octree, const std::filesystem::path& path,
         binary_section(header_section, std::span(&header, 1)),
         binary_section(nodes_section, octree.nodes()),
         binary_section(references_section, octree.references())};
-    return write_binary_file(path, octree_format, sections, options.progress);
+    return write_binary_file(path, octree_format, sections, options.execution.progress);
 }
 
 Result<Octree> load_octree(const std::filesystem::path& path, const LoadOptions& options)
 {
-    const auto file = BinaryFile::open(path, octree_format, options.verify, options.progress);
+    const auto file =
+        BinaryFile::open(path, octree_format, options.verify, options.execution.progress);
     if (!file) return tl::unexpected<Error>(file.error());
-    return octree_of(*file, path.string(), options.progress);
+    return octree_of(*file, path.string(), options.execution.progress);
 }
 
 Result<Octree> load_octree(std::span<const std::byte> bytes, std::shared_ptr<const void> storage,
                            const std::string& name, const LoadOptions& options)
 {
     const auto file = BinaryFile::read(bytes, std::move(storage), name, octree_format,
-                                       options.verify, options.progress);
+                                       options.verify, options.execution.progress);
     if (!file) return tl::unexpected<Error>(file.error());
-    return octree_of(*file, name, options.progress);
+    return octree_of(*file, name, options.execution.progress);
 }
 
 } // namespace proxima

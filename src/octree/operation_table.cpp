@@ -3,6 +3,8 @@
 #include "base/check.h"
 #include "minkowski/geometric_method.h"
 #include "minkowski/incremental_hull.h"
+#include "minkowski/operation_counts.h"
+#include "minkowski/scalar_vector.h"
 #include "minkowski/triangle_cube_descent.h"
 #include "minkowski/triangle_cube_sum.h"
 #include "octree/overlap_index_tracking.h"
@@ -25,7 +27,7 @@ struct Pair {
     bool general_position = false; ///< random coordinates
 };
 
-/// Makes pairs, the same on every machine: the standard fixes the engine, not its distributions.
+/// Makes the same pairs on every machine: the standard fixes the engine and not the distributions.
 class PairSource {
 public:
     [[nodiscard]] Pair next()
@@ -49,7 +51,7 @@ private:
     unsigned number_ = 0;
 };
 
-/// Keeps a row at its worst.
+/// Keeps the worst counts of a row.
 class WorstCase {
 public:
     explicit WorstCase(std::string method, std::optional<ThesisOperationCounts> thesis = {})

@@ -1,6 +1,7 @@
 #include "octree/overlap_index_tracking.h"
 
 #include "minkowski/operation_counts.h"
+#include "minkowski/scalar_vector.h"
 
 namespace proxima {
 

@@ -1,6 +1,7 @@
 #include "octree/overlap_pairwise.h"
 
 #include "minkowski/operation_counts.h"
+#include "minkowski/scalar_vector.h"
 
 #include <cmath>
 #include <span>
@@ -8,7 +9,7 @@
 namespace proxima {
 namespace {
 
-/// What is known of a <= b when their difference is b - a, off by at most the error.
+/// What is known of a <= b when b - a has been computed with at most this error.
 struct Bound {
     bool surely_holds = false;
     bool surely_fails = false;
@@ -77,8 +78,8 @@ void BasicPairwiseTest<Scalar>::set_half_size(const Vec3& half_size) noexcept
             }
         }
     }
-    // The plane's tolerance covers n.p; n.u is off by at most seven times as much, half size and
-    // all.
+    // The plane's tolerance covers n.p. n.u is off by at most seven times as much, half size
+    // included.
     const double plane_error = 8 * bounds.tolerance(features_.normal_magnitude, bounds.reach);
     for (int k = 0; k < 3; ++k) {
         HitError& error = cell_edge_errors_[static_cast<std::size_t>(k)];

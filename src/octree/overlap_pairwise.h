@@ -18,6 +18,7 @@
 // So parallel pairs (n.u = 0) are skipped, and segments and points need no case of their own.
 #pragma once
 
+#include "minkowski/scalar_vector.h"
 #include "octree/rounding_bounds.h"
 
 #include <array>

@@ -1,6 +1,7 @@
 #include "octree/overlap_separating_axis.h"
 
 #include "minkowski/operation_counts.h"
+#include "minkowski/scalar_vector.h"
 
 #include <cmath>
 
@@ -59,7 +60,7 @@ void BasicSeparatingAxisTest<Scalar>::set_half_size(const Vec3& half_size) noexc
         Axis& axis = axes_[i];
         const Vector3<Scalar>& l = axis.direction;
         axis.radius = half.x() * abs(l.x()) + half.y() * abs(l.y()) + half.z() * abs(l.z());
-        // Only n has components in which something cancelled; the offsets of products are its.
+        // Only n has components with cancellation; the offsets of products inherit it.
         const Vec3 magnitude =
             i < one_projection
                 ? normal_magnitude_

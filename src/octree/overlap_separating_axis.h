@@ -14,6 +14,7 @@
 // and is exactly zero in a component exactly when the edge is.
 #pragma once
 
+#include "minkowski/scalar_vector.h"
 #include "octree/rounding_bounds.h"
 
 #include <array>

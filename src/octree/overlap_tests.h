@@ -1,7 +1,7 @@
 // The thesis's four triangle-cell overlap tests, behind one interface (thesis 3.2-3.6).
 #pragma once
 
-#include "geometry/shapes.h"
+#include "proxima/geometry.h"
 
 #include <concepts>
 

@@ -1,5 +1,7 @@
 #include "octree/region_rays.h"
 
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "geometry/exact_predicates.h"
 
 #include <algorithm>
@@ -55,7 +57,7 @@ Crossing crossing(const AxisSegment& segment, const Triangle& triangle) noexcept
 
 } // namespace
 
-/// A ray on its way: from where it last left its region, past some leaves.
+/// A ray under way: it left its last region and has passed some leaves.
 struct RegionRays::Ray {
     Vec3 from = Vec3::Zero();
     int axis = 0;
@@ -115,8 +117,9 @@ std::optional<RegionRays::End> RegionRays::cast(std::uint32_t region, int direct
     const auto axis = static_cast<std::size_t>(direction / 2);
     const bool up = direction % 2 != 0;
 
-    // Through a place of the first cell's face that no symmetry favours, diagonals included.
-    // Between two planes of the deepest cells, so that whole numbers tell which cells it passes.
+    // The ray leaves through a point of the first cell's face that lies on no line of symmetry,
+    // diagonals included. It lies between two planes of the deepest cells, so that integers tell
+    // which cells it passes.
     constexpr std::array<double, 3> parts = {0.381966, 0.276393, 0.447214};
     const CellKey key = cells_.keys[regions_.start[region]];
     const auto shift = static_cast<unsigned>(deepest - depth(key));
@@ -138,7 +141,7 @@ std::optional<RegionRays::End> RegionRays::cast(std::uint32_t region, int direct
         const double exit_plane = frame.plane(ray.axis, exit, deepest);
         const std::uint32_t here = place.is_empty ? regions_.of_cell[place.id] : EmptyRegions::none;
         if (here == region) {
-            // Closed empty cells are free of triangles: so is their face.
+            // A closed empty cell is free of triangles, and so is its face.
             ray.from[ray.axis] = exit_plane;
             ray.passed.clear();
         } else if (here != EmptyRegions::none) {
@@ -175,14 +178,14 @@ void tie_regions(const RegionRays& rays, DisjointOffsets& windings, Threads thre
             if (!are_tied(windings, region, outside)) untied.push_back(region);
         }
         if (untied.empty() || is_cancelled(progress)) return;
-        if (progress != nullptr) progress->begin_stage("regions", untied.size());
+        begin_stage(progress, "regions", untied.size());
         ends.assign(untied.size(), std::nullopt);
         parallel_for((untied.size() + chunk - 1) / chunk, threads, [&](std::size_t part) {
             const std::size_t end = std::min(untied.size(), (part + 1) * chunk);
             for (std::size_t i = part * chunk; i < end && !is_cancelled(progress); ++i) {
                 ends[i] = rays.cast(untied[i], direction);
             }
-            if (progress != nullptr) progress->advance(end - part * chunk);
+            advance_stage(progress, end - part * chunk);
         });
         for (std::size_t i = 0; i < untied.size(); ++i) {
             if (!ends[i]) continue;

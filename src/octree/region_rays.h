@@ -1,19 +1,17 @@
 // How the winding numbers of two regions of empty cells differ: signed crossings of a line between
 // them, counted exactly.
 //
-//     +-------+---+---+-------+    A ray along an axis leaves an empty cell, passes leaves that
-//     hold | empty | l | l | empty |    triangles and ends at the next empty cell of another
-//     region, or |     --+--/+---+-->    |    outside the root. Every triangle that it crosses is
-//     listed in a
-//     +-------+-/-+---+-------+    leaf that it passes. Crossed outwards, it takes 1 away.
+//     +-------+---+---+-------+   A ray along an axis leaves an empty cell, passes leaves that hold
+//     | empty | l | l | empty |   triangles, and ends at the next empty cell of another region or
+//     |     --+--/+---+-->    |   outside the root. Every triangle that it crosses is listed in a
+//     +-------+-/-+---+-------+   leaf that it passes. Crossed outwards, it takes 1 away.
 #pragma once
 
 #include "base/disjoint_sets.h"
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "mesh/triangle_mesh.h"
 #include "octree/empty_cells.h"
-#include "octree/octree.h"
+#include "proxima/execution.h"
+#include "proxima/octree.h"
+#include "proxima/triangle_mesh.h"
 
 #include <array>
 #include <cstdint>

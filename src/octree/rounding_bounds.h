@@ -18,9 +18,9 @@
 // products could overflow or underflow, nothing is certain.
 #pragma once
 
-#include "geometry/shapes.h"
 #include "minkowski/geometric_method.h"
 #include "octree/overlap_tests.h"
+#include "proxima/geometry.h"
 
 #include <optional>
 

@@ -1,7 +1,7 @@
 // Equality of octrees as trees, whatever the order of their records.
 #pragma once
 
-#include "octree/octree.h"
+#include "proxima/octree.h"
 
 namespace proxima {
 

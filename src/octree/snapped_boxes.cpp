@@ -22,7 +22,7 @@ void find_cells_of_boxes(const SnappedArrays& mesh, std::size_t first, std::size
     for (std::size_t block = 0; block < count; block += hn::Lanes(di)) {
         Ints corner[3][3];
         for (std::size_t j = 0; j < 3; ++j) {
-            // Lanes beyond the last triangle see it again.
+            // Lanes beyond the last triangle repeat it.
             load_points(
                 [&](std::size_t lane) {
                     const std::size_t triangle = first + HWY_MIN(block + lane, count - 1);

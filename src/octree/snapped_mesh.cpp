@@ -1,5 +1,7 @@
 #include "octree/snapped_mesh.h"
 
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "geometry/triangle_box.h"
 
 #include <algorithm>
@@ -22,7 +24,7 @@ double snapping_error(const OctreeFrame& frame) noexcept
     return 0.5 + grid_steps * unit * (distance.maxCoeff() + 4);
 }
 
-/// Vertices outside the root or NaN are none that a triangle uses: anywhere will do.
+/// Vertices outside the root or NaN are not used by a triangle, so any grid point will do.
 std::int32_t snap(double offset, double scale) noexcept
 {
     const double step = std::nearbyint(offset * scale);
@@ -47,7 +49,7 @@ SnappedMesh::SnappedMesh(const TriangleMesh& mesh, const OctreeFrame& frame, Thr
             vertices_[vertex] = {snap(offset[0], scale[0]), snap(offset[1], scale[1]),
                                  snap(offset[2], scale[2]), 0};
         }
-        if (progress != nullptr) progress->advance(end - index * chunk);
+        advance_stage(progress, end - index * chunk);
     });
 }
 
@@ -56,7 +58,7 @@ void SnappedMesh::load(std::span<const std::uint32_t> ids, const GridPoint& orig
 {
     local.origin = origin;
     local.ids = ids;
-    // Lanes without a triangle of their own look at the first.
+    // Lanes without a triangle use the first one.
     local.triangles.resize(std::max<std::size_t>(ids.size(), 1));
     for (std::size_t slot = 0; slot < ids.size(); ++slot) {
         const TriangleCorners& corners = mesh_.triangles()[ids[slot]];
@@ -109,7 +111,8 @@ void SnappedMesh::find_touched(const LocalTriangles& local, const PairLevel& lev
         std::uint32_t left = unsure.children;
         if (level.allowed != nullptr) left &= level.allowed[unsure.pair];
         std::uint32_t& mask = masks[unsure.pair];
-        // The triangle touches the cell: if one child is left and no other touched, it is that.
+        // The triangle touches the cell. If a single child is left and no other is touched, the
+        // triangle touches it.
         const bool decided = mask == 0 && std::has_single_bit(left);
         if (decided) mask = left;
         for (; !decided && left != 0; left &= left - 1) {

@@ -1,12 +1,11 @@
 // A mesh's vertices on the grid of the vector lanes, and the exact word on what lanes leave open.
 #pragma once
 
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "mesh/triangle_mesh.h"
-#include "octree/cell.h"
 #include "octree/snapped_boxes.h"
 #include "octree/snapped_overlap.h"
+#include "proxima/execution.h"
+#include "proxima/octree.h"
+#include "proxima/triangle_mesh.h"
 
 #include <array>
 #include <cstdint>

@@ -44,7 +44,7 @@ std::size_t test_boxes(const SnappedTriangle* triangles, const SnappedLevel& lev
     const IntTag di;
     const MaskTag dm;
     const auto margin = hn::Set(di, level.margin);
-    // Lanes of integers compare strictly.
+    // Integer lanes have strict comparisons only.
     const auto above_margin = hn::Set(di, level.margin + 1);
     const auto below_minus_margin = hn::Set(di, -level.margin - 1);
     const auto outside = hn::Set(di, level.half - level.margin + 1);
@@ -228,7 +228,7 @@ HWY_INLINE void test_edges(const Lanes& lanes, Words& possible, Words& certain)
     certain = hn::And(certain, axis_certain);
 }
 
-/// Takes back certainty where a box plane or the sign of a normal component is near.
+/// Removes certainty where a box plane or the sign of a normal component is within its bound.
 HWY_INLINE Words trust(const SnappedLevel& level, const Lanes& lanes, const Ints (&corner)[3][3],
                        Words certain)
 {
@@ -290,7 +290,7 @@ void test_planes_and_edges(const SnappedTriangle* triangles, const SnappedLevel&
         const auto is_open = hn::FirstN(dm, open_count - first);
         const auto touched = hn::And(open, certain);
         const auto undecided = hn::And(open, hn::AndNot(certain, possible));
-        // Each pair is open once, so the lanes write to different places.
+        // Each pair is open once, so lanes write to different elements.
         HWY_ALIGN std::uint32_t touched_lanes[HWY_MAX_BYTES / sizeof(std::uint32_t)];
         hn::Store(touched, dm, touched_lanes);
         const std::size_t count = HWY_MIN(hn::Lanes(df), open_count - first);

@@ -1,6 +1,4 @@
-#include "octree/statistics.h"
-
-#include "octree/traverse.h"
+#include "proxima/octree.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,6 @@
 #include "octree/vtk_cells.h"
 
+#include "base/progress.h"
 #include "base/text.h"
 #include "octree/vtk_xml.h"
 

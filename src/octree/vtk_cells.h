@@ -2,10 +2,10 @@
 // corners (.vtu), or the tree itself, inner cells included (.htg).
 #pragma once
 
-#include "base/progress.h"
-#include "base/result.h"
-#include "octree/cell.h"
 #include "octree/leaf_boxes.h"
+#include "proxima/execution.h"
+#include "proxima/octree.h"
+#include "proxima/result.h"
 
 #include <concepts>
 #include <cstddef>

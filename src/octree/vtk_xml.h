@@ -5,7 +5,7 @@
 #pragma once
 
 #include "base/output_file.h"
-#include "base/result.h"
+#include "proxima/result.h"
 
 #include <cstddef>
 #include <cstdint>

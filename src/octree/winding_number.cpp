@@ -16,6 +16,8 @@
 // Only symmetric trace-free parts of the moments matter: derivatives of 1/R are such tensors.
 #include "octree/winding_number.h"
 
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "geometry/solid_angle.h"
 #include "mesh/triangle_order.h"
 
@@ -78,7 +80,7 @@ void remove_traces(WindingCluster& cluster) noexcept
     add_product(o, {1.0, 1.0, 1.0, 0.0, 0.0, 0.0}, trace, -0.6);
 }
 
-/// What is needed of a cluster only while its parents are made.
+/// The data of a cluster that is needed only while its parents are made.
 struct Extent {
     Box box;             ///< in the mesh's coordinates
     double area = 0.0;   ///< in units, as below
@@ -291,29 +293,29 @@ Result<WindingNumber> build_winding_number(const TriangleMesh& mesh, const Windi
     winding.unit_ = unit_for(bounds.extent().maxCoeff());
     std::vector<WindingCluster>& clusters = winding.clusters_;
     {
-        const auto items = triangle_order(mesh, bounds, SpaceCurve::morton, options.progress);
+        const auto items =
+            triangle_order(mesh, bounds, SpaceCurve::morton, options.execution.progress);
         if (!items) return cancelled();
         winding.order_.reserve(items->size());
         for (const KeyedIndex& item : *items) winding.order_.push_back(TriangleId{item.index});
         append_clusters(clusters, *items, 0, static_cast<std::uint32_t>(items->size()));
     }
-    if (options.progress != nullptr) {
-        options.progress->begin_stage("winding number", mesh.triangle_count());
-    }
+    begin_stage(options.execution.progress, "winding number", mesh.triangle_count());
     std::vector<Extent> extents(clusters.size());
     constexpr std::size_t chunk = 256;
-    parallel_for((clusters.size() + chunk - 1) / chunk, options.threads, [&](std::size_t part) {
-        if (is_cancelled(options.progress)) return;
-        const std::size_t end = std::min(clusters.size(), (part + 1) * chunk);
-        for (std::size_t i = part * chunk; i < end; ++i) {
-            if (!is_leaf(clusters, i)) continue;
-            fill_leaf(clusters[i], extents[i], mesh,
-                      winding.order().subspan(clusters[i].first, clusters[i].count),
-                      winding.unit());
-            if (options.progress != nullptr) options.progress->advance(clusters[i].count);
-        }
-    });
-    if (is_cancelled(options.progress)) return cancelled();
+    parallel_for((clusters.size() + chunk - 1) / chunk, options.execution.threads,
+                 [&](std::size_t part) {
+                     if (is_cancelled(options.execution.progress)) return;
+                     const std::size_t end = std::min(clusters.size(), (part + 1) * chunk);
+                     for (std::size_t i = part * chunk; i < end; ++i) {
+                         if (!is_leaf(clusters, i)) continue;
+                         fill_leaf(clusters[i], extents[i], mesh,
+                                   winding.order().subspan(clusters[i].first, clusters[i].count),
+                                   winding.unit());
+                         advance_stage(options.execution.progress, clusters[i].count);
+                     }
+                 });
+    if (is_cancelled(options.execution.progress)) return cancelled();
     for (std::size_t i = clusters.size(); i-- > 0;) {
         if (!is_leaf(clusters, i)) {
             const std::size_t left = i + 1;

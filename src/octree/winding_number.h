@@ -9,10 +9,9 @@
 // out; from near, its triangles are summed exactly.
 #pragma once
 
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
+#include "proxima/triangle_mesh.h"
 
 #include <array>
 #include <cstdint>
@@ -28,8 +27,7 @@ struct WindingEstimate {
 };
 
 struct WindingOptions {
-    Threads threads = {};
-    Progress* progress = nullptr;
+    Execution execution = {};
 };
 
 /// Triangles `first` to `first + count` of WindingNumber::order, seen from far away. Lengths are in

@@ -10,8 +10,8 @@
 // thesis's hundred sums of two octrees of depth ten are these 15 pairs of constants.
 #pragma once
 
-#include "geometry/rigid_transform.h"
-#include "octree/cell.h"
+#include "proxima/geometry.h"
+#include "proxima/octree.h"
 
 #include <array>
 #include <cmath>

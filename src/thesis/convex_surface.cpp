@@ -2,7 +2,7 @@
 
 #include "base/text.h"
 #include "geometry/exact_predicates.h"
-#include "minkowski/make_polyhedron.h"
+#include "proxima/convex_polyhedron.h"
 
 #include <algorithm>
 
@@ -119,7 +119,7 @@ Result<ConvexSurface> check_convex_surface(const TriangleMesh& mesh, const Topol
     if (const auto bounds = checked_bounding_box(mesh); !bounds)
         return tl::unexpected(bounds.error());
     if (Status status = check_areas(mesh); !status) return tl::unexpected(status.error());
-    const auto hull = polyhedron_of_mesh(mesh, {options.convexity_tolerance, options.progress});
+    const auto hull = polyhedron_of_mesh(mesh, {options.convexity_tolerance, options.execution});
     if (!hull) return tl::unexpected(hull.error());
     if (Status status = check_directions(mesh, topology); !status)
         return tl::unexpected(status.error());

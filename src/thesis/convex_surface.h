@@ -8,10 +8,10 @@
 // quite convex: both are decided up to a tolerance, 0 for none.
 #pragma once
 
-#include "base/progress.h"
-#include "base/result.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 
 #include <vector>
 
@@ -26,7 +26,7 @@ struct ConvexSurfaceOptions {
     /// The largest sine of the angle between faces that count as one plane. Faces that are exactly
     /// coplanar always do.
     double flat_sine = 1e-8;
-    Progress* progress = nullptr;
+    Execution execution = {};
 };
 
 struct ConvexSurface {

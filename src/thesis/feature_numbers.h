@@ -1,8 +1,7 @@
 // One number for every feature of a mesh: vertices, then edges, then faces.
 #pragma once
 
-#include "mesh/feature.h"
-#include "mesh/topology.h"
+#include "proxima/topology.h"
 
 #include <array>
 #include <cstddef>

@@ -5,11 +5,10 @@
 //     const auto shape = voronoi_region_mesh(mesh, topology, {FeatureKind::vertex, 3}, 0.5);
 #pragma once
 
-#include "base/result.h"
-#include "mesh/feature.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
-#include "minkowski/convex_polyhedron.h"
+#include "proxima/convex_polyhedron.h"
+#include "proxima/result.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cstdint>
 

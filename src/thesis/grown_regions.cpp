@@ -1,9 +1,12 @@
 #include "thesis/grown_regions.h"
 
+#include "base/memory_budget.h"
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "base/text.h"
-#include "minkowski/make_polyhedron.h"
-#include "minkowski/minkowski_sum.h"
 #include "minkowski/voronoi_region.h"
+#include "proxima/convex_polyhedron.h"
+#include "proxima/minkowski_sum.h"
 
 #include <array>
 #include <atomic>
@@ -60,7 +63,7 @@ public:
                 if ((origin == FacetOrigin::a || origin == FacetOrigin::both) != of_region)
                     continue;
                 const Vec3 normal = sum->half_space(f).normal;
-                const detail::SumCorner& rest = sum->support(f);
+                const SumCorner& rest = sum->support(f);
                 planes.push_back({normal, normal.dot(region->vertex(rest.a)) + margin,
                                   normal.dot(cube_.vertex(rest.b))});
             }
@@ -201,14 +204,15 @@ Result<GrownRegions> grow_regions(const TriangleMesh& mesh, const Topology& topo
     const RegionGrower grower(mesh, topology, surface, root);
     const std::size_t features = FeatureNumbers(topology).count();
     std::vector<RegionBlock> blocks((features + block - 1) / block);
-    const std::uint64_t limit = budget_bytes(options.budget);
+    const std::uint64_t limit = budget_bytes(options.execution.budget);
     std::atomic<std::uint64_t> used{0};
-    if (options.progress != nullptr) options.progress->begin_stage("Voronoi regions", features);
-    parallel_for(blocks.size(), options.threads, [&](std::size_t i) {
+    begin_stage(options.execution.progress, "Voronoi regions", features);
+    parallel_for(blocks.size(), options.execution.threads, [&](std::size_t i) {
         RegionBlock& output = blocks[i];
         const std::size_t end = std::min(features, (i + 1) * block);
         for (std::size_t number = i * block; number < end && !output.error; ++number) {
-            if (is_cancelled(options.progress) || used.load(std::memory_order_relaxed) > limit)
+            if (is_cancelled(options.execution.progress) ||
+                used.load(std::memory_order_relaxed) > limit)
                 return;
             const std::size_t before = output.planes.size();
             const Status status = grower.append(static_cast<std::uint32_t>(number), output.planes);
@@ -217,12 +221,12 @@ Result<GrownRegions> grow_regions(const TriangleMesh& mesh, const Topology& topo
             // In the block, and again in the result.
             used += 2 * (output.planes.size() - before) * sizeof(GrowingPlane);
         }
-        if (options.progress != nullptr) options.progress->advance(end - i * block);
+        advance_stage(options.execution.progress, end - i * block);
     });
-    if (is_cancelled(options.progress)) {
+    if (is_cancelled(options.execution.progress)) {
         return fail(ErrorCode::cancelled, "the proximity octree was stopped on request");
     }
-    if (Status status = check_budget(options.budget, used, "the Voronoi regions",
+    if (Status status = check_budget(options.execution.budget, used, "the Voronoi regions",
                                      "raise the budget or take a mesh of fewer triangles");
         !status)
         return tl::unexpected(status.error());

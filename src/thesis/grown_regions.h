@@ -7,13 +7,11 @@
 // of vertices at every size (index tracking), so that a cell costs one dot product per facet.
 #pragma once
 
-#include "base/memory_budget.h"
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
-#include "octree/cell.h"
+#include "proxima/execution.h"
+#include "proxima/octree.h"
+#include "proxima/result.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 #include "thesis/convex_surface.h"
 #include "thesis/feature_numbers.h"
 
@@ -32,9 +30,7 @@ struct GrowingPlane {
 };
 
 struct GrownRegionsOptions {
-    Threads threads = {};
-    MemoryBudget budget = {}; ///< result and scratch
-    Progress* progress = nullptr;
+    Execution execution = {}; ///< budget: result and scratch
 };
 
 /// The planes of all features of a convex mesh. Immutable; members may be called from any thread.

@@ -9,9 +9,8 @@
 #pragma once
 
 #include "base/fixed_stack.h"
-#include "geometry/rigid_transform.h"
-#include "octree/octree.h"
-#include "octree/traverse.h"
+#include "proxima/geometry.h"
+#include "proxima/octree.h"
 #include "thesis/cell_pair_axes.h"
 
 #include <cstdint>

@@ -1,5 +1,8 @@
 #include "thesis/label_cells.h"
 
+#include "base/memory_budget.h"
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "geometry/exact_predicates.h"
 #include "geometry/triangle_box.h"
 
@@ -144,24 +147,25 @@ Result<LabelledCells> CellLabeller::children(const LabelledCells& level,
     const std::size_t count = 8 * cells.size();
     const std::size_t block = block_size(count, level.closest.numbers.size());
     std::vector<LabelledCells> blocks((count + block - 1) / block);
-    const std::uint64_t limit = budget_bytes(options.budget);
+    const std::uint64_t limit = budget_bytes(options.execution.budget);
     std::atomic<std::uint64_t> used{options.held_bytes};
-    if (options.progress != nullptr) options.progress->begin_stage("labelling cells", count);
-    parallel_for(blocks.size(), options.threads, [&](std::size_t i) {
+    begin_stage(options.execution.progress, "labelling cells", count);
+    parallel_for(blocks.size(), options.execution.threads, [&](std::size_t i) {
         const std::size_t end = std::min(count, (i + 1) * block);
         for (std::size_t at = i * block; at < end; ++at) {
-            if (is_cancelled(options.progress) || used.load(std::memory_order_relaxed) > limit)
+            if (is_cancelled(options.execution.progress) ||
+                used.load(std::memory_order_relaxed) > limit)
                 return;
             const std::uint64_t before = blocks[i].bytes();
             append_child(level, cells[at / 8], static_cast<int>(at % 8), blocks[i]);
             // In the block, again in the level, and once more as leaves.
             used += 3 * (blocks[i].bytes() - before);
         }
-        if (options.progress != nullptr) options.progress->advance(end - i * block);
+        advance_stage(options.execution.progress, end - i * block);
     });
-    if (is_cancelled(options.progress))
+    if (is_cancelled(options.execution.progress))
         return fail(ErrorCode::cancelled, "the proximity octree was stopped on request");
-    if (Status status = check_budget(options.budget, used, "the proximity octree",
+    if (Status status = check_budget(options.execution.budget, used, "the proximity octree",
                                      "lower the depth, raise the thresholds or the budget");
         !status)
         return tl::unexpected(status.error());

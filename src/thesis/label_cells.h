@@ -4,13 +4,11 @@
 // A feature that misses a cell misses its children, so that only the parent's lists are asked.
 #pragma once
 
-#include "base/memory_budget.h"
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
-#include "octree/octree.h"
+#include "proxima/execution.h"
+#include "proxima/octree.h"
+#include "proxima/result.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 #include "thesis/feature_numbers.h"
 #include "thesis/grown_regions.h"
 
@@ -63,9 +61,7 @@ struct LabelledCells {
 
 struct LabelOptions {
     std::uint64_t held_bytes = 0; ///< already in use, of the budget
-    MemoryBudget budget = {};
-    Threads threads = {};
-    Progress* progress = nullptr;
+    Execution execution = {};
 };
 
 /// Labels the cells of one root. Keeps references to what it is given. Thread safe.

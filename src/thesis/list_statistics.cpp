@@ -4,7 +4,7 @@
 #include "base/fixed_stack.h"
 #include "index/lists/proximity_cells.h"
 #include "index/lists/proximity_octree.h"
-#include "octree/cell.h"
+#include "proxima/octree.h"
 #include "thesis/thesis_proximity_octree.h"
 
 #include <algorithm>

@@ -5,8 +5,8 @@
 //     statistics.mean; statistics.share_up_to(16); statistics.weights[5];   // lists of 5 features
 #pragma once
 
-#include "geometry/shapes.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/geometry.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cstdint>
 #include <span>

@@ -1,8 +1,8 @@
 // The feature closest to a point, by the thesis's proximity octree (thesis 4.3).
 #pragma once
 
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 #include "query/closest/closest_feature.h"
 #include "thesis/thesis_proximity_octree.h"
 

@@ -1,7 +1,8 @@
 #include "thesis/thesis_proximity_octree.h"
 
+#include "base/progress.h"
 #include "base/text.h"
-#include "octree/build_octree.h"
+#include "proxima/octree.h"
 #include "thesis/convex_surface.h"
 #include "thesis/grown_regions.h"
 #include "thesis/label_cells.h"
@@ -160,9 +161,9 @@ Result<ThesisProximityOctree> build(const TriangleMesh& mesh, const Topology& to
 {
     if (Status status = check_options(options); !status) return tl::unexpected(status.error());
     if (Status status = check_mesh(mesh, topology); !status) return tl::unexpected(status.error());
-    Progress* const progress = options.progress;
+    Progress* const progress = options.execution.progress;
     const auto surface = check_convex_surface(
-        mesh, topology, {options.convexity_tolerance, options.flat_sine, progress});
+        mesh, topology, {options.convexity_tolerance, options.flat_sine, options.execution});
     if (!surface) return tl::unexpected(surface.error());
 
     ThesisProximityOctree::Parts parts;
@@ -171,8 +172,7 @@ Result<ThesisProximityOctree> build(const TriangleMesh& mesh, const Topology& to
     parts.thresholds = options.thresholds;
     parts.margin = options.margin;
     parts.features = {topology.vertex_count(), topology.edge_count(), topology.triangle_count()};
-    const auto regions = grow_regions(mesh, topology, *surface, parts.frame,
-                                      {options.threads, options.budget, progress});
+    const auto regions = grow_regions(mesh, topology, *surface, parts.frame, {options.execution});
     if (!regions) return tl::unexpected(regions.error());
 
     const FeatureNumbers numbers(topology);
@@ -185,8 +185,7 @@ Result<ThesisProximityOctree> build(const TriangleMesh& mesh, const Topology& to
         if (split->empty()) break;
         if (is_cancelled(progress)) return labels_stopped();
         const std::uint64_t held = regions->bytes() + bytes_of(parts) + level.bytes();
-        auto children =
-            labeller.children(level, *split, {held, options.budget, options.threads, progress});
+        auto children = labeller.children(level, *split, {held, options.execution});
         if (!children) return tl::unexpected(children.error());
         level = std::move(*children);
     }
@@ -236,8 +235,7 @@ Result<ThesisProximityOctree> build_thesis_proximity_octree(const TriangleMesh& 
 Result<ThesisProximityOctree> build_thesis_proximity_octree(const TriangleMesh& mesh,
                                                             const ThesisProximityOptions& options)
 {
-    const auto topology = build_topology(
-        mesh, {.threads = options.threads, .budget = options.budget, .progress = options.progress});
+    const auto topology = build_topology(mesh, {.execution = options.execution});
     if (!topology) return tl::unexpected(topology.error());
     return build_thesis_proximity_octree(mesh, *topology, options);
 }

@@ -17,14 +17,11 @@
 #pragma once
 
 #include "base/fixed_stack.h"
-#include "base/memory_budget.h"
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
-#include "mesh/feature.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
-#include "octree/octree.h"
+#include "proxima/execution.h"
+#include "proxima/octree.h"
+#include "proxima/result.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 
 #include <array>
 #include <cstdint>
@@ -64,9 +61,7 @@ struct ThesisProximityOptions {
     double margin = 0.5; ///< root edge = (1 + margin) times the tight cube's; 0 to max_root_margin
     double convexity_tolerance = 1e-9; ///< see ConvexSurfaceOptions
     double flat_sine = 1e-8;           ///< see ConvexSurfaceOptions
-    Threads threads = {};
-    MemoryBudget budget = {};     ///< result and scratch, without mesh and topology
-    Progress* progress = nullptr; ///< watched and obeyed where given
+    Execution execution = {};          ///< budget: result and scratch, without mesh and topology
 };
 
 /// One leaf, and what it lists.

@@ -1,7 +1,7 @@
 #include "cli/figure.h"
 
 #include "cli/lettering.h"
-#include "geometry/shapes.h"
+#include "proxima/geometry.h"
 
 #include <gtest/gtest.h>
 #include <set>

@@ -1,8 +1,8 @@
 #include "cli/intersection_picture.h"
 
 #include "cancellation.h"
-#include "mesh/sample_meshes.h"
-#include "octree/build_octree.h"
+#include "proxima/octree.h"
+#include "proxima/sample_meshes.h"
 
 #include <gtest/gtest.h>
 
@@ -29,8 +29,9 @@ struct Scene {
     }
     [[nodiscard]] Result<Image> draw(Progress* progress = nullptr) const
     {
-        return draw_intersection({mesh, mesh, octree, octree, pose, leaves, contour},
-                                 {.width = 200, .height = 150, .progress = progress});
+        return draw_intersection(
+            {mesh, mesh, octree, octree, pose, leaves, contour},
+            {.width = 200, .height = 150, .execution = {.progress = progress}});
     }
 };
 

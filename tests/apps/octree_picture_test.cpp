@@ -2,8 +2,8 @@
 
 #include "cancellation.h"
 #include "folder_test.h"
-#include "mesh/sample_meshes.h"
-#include "octree/build_octree.h"
+#include "proxima/octree.h"
+#include "proxima/sample_meshes.h"
 
 #include <algorithm>
 #include <array>
@@ -29,7 +29,8 @@ TEST_F(OctreePicture, StopsAtEveryStage)
 {
     testing::cancel_at_every_stage(
         [&](Progress& progress) {
-            return draw_octree(octree, mesh, {.width = 200, .height = 150, .progress = &progress});
+            return draw_octree(octree, mesh,
+                               {.width = 200, .height = 150, .execution = {.progress = &progress}});
         },
         [] { return true; }, 5);
 }

@@ -1,4 +1,4 @@
-#include "geometry/rigid_transform.h"
+#include "proxima/geometry.h"
 
 #include <gtest/gtest.h>
 

@@ -3,9 +3,9 @@
 // planes, of any scale.
 #pragma once
 
-#include "geometry/view_volume.h"
+#include "proxima/view_volume.h"
 
-#include "geometry/shapes.h"
+#include "proxima/geometry.h"
 
 #include <cmath>
 #include <cstdint>

@@ -1,6 +1,7 @@
-#include "geometry/view_volume.h"
+#include "proxima/view_volume.h"
 
 #include "geometry/test_volumes.h"
+#include "geometry/view_plane.h"
 #include "oracles/half_space_system.h"
 
 #include <gtest/gtest.h>

@@ -6,7 +6,7 @@
 #include "haptics/device/simulated_hand.h"
 #include "haptics/loop/quality_report.h"
 #include "haptics/loop/recording.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/sample_meshes.h"
 
 #include <gtest/gtest.h>
 

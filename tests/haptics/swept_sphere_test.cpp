@@ -1,6 +1,7 @@
 #include "haptics/surface/swept_sphere.h"
 
 #include "geometry/closest_point.h"
+#include "geometry/exact_predicates.h"
 
 #include <gtest/gtest.h>
 

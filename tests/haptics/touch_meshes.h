@@ -1,9 +1,9 @@
 // Meshes that proxies are tried on, and paths of a hand over them.
 #pragma once
 
-#include "mesh/sample_meshes.h"
-#include "mesh/triangle_mesh.h"
 #include "octree/small_meshes.h"
+#include "proxima/sample_meshes.h"
+#include "proxima/triangle_mesh.h"
 
 #include <random>
 #include <string>

@@ -3,8 +3,8 @@
 
 #include "haptics/device/simulated_hand.h"
 #include "haptics/force/haptic_renderer.h"
-#include "mesh/sample_meshes.h"
 #include "octree/small_meshes.h"
+#include "proxima/sample_meshes.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,9 +4,13 @@
     base  geometry  mesh  minkowski  octree  index  query  haptics  thesis  lab  apps
     <------------------------------------ a file includes its own folder and those to its left
 
+The public headers, include/proxima, each belong to one of these layers. They include public headers
+of their own layer and those to its left, Eigen and the standard library only; result.h also
+tl/expected.hpp. proxima.h includes all of them, and the library's own files never include it.
+
 An app sees only itself among the apps, the viewer also the
 command line, and the program's main file all. Includes are
-written as the path below src/ or apps/, files never include each other in a circle, and foreign
+written as the path below src/, include/ or apps/, files never include each other in a circle, and foreign
 headers stay in the layers that may use them. Nobody, tests and benchmarks neither, writes for one
 processor: vector code goes through Highway, in base and in the kernels named below.
 
@@ -29,6 +33,18 @@ PROGRAM = "apps/cli/main.cpp"
 FOREIGN = {"Eigen": None, "hwy": {"base"}, "tl": None, "xxhash.h": None, "sys": None, "netinet": {"base"},
            "sanitizer": {"base"}, "tbb": {"base"}, "oneapi": {"base"}, "assimp": {"mesh"}}
 FOREIGN_TO_ALL_BUT_APPS = {"CLI", "fmt", "nlohmann", "png.h", "GLFW", "epoxy", "imgui.h", "pybind11", "gtest"}
+
+# Public headers and the layer that implements them.
+PUBLIC = {
+    "execution.h": "base", "function_ref.h": "base", "result.h": "base",
+    "geometry.h": "geometry", "view_volume.h": "geometry",
+    "mesh_io.h": "mesh", "mesh_repair.h": "mesh", "mesh_report.h": "mesh", "sample_meshes.h": "mesh",
+    "topology.h": "mesh", "triangle_mesh.h": "mesh",
+    "convex_polyhedron.h": "minkowski", "minkowski_sum.h": "minkowski",
+    "octree.h": "octree", "octree_io.h": "octree",
+}
+EVERYTHING = Path("include/proxima/proxima.h")
+PUBLIC_FOREIGN = {"result.h": {"tl"}}
 
 # Files outside base that are compiled once per instruction set.
 KERNELS = {f"src/octree/{name}" for name in (
@@ -53,15 +69,21 @@ OTHER_FOLDERS = ("tests", "bench", "fuzz", "examples")
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
 
 
+def is_public(path):
+    return path.parts[0] == "include"
+
+
 def layer_of(path):
-    """Layer of a path below the root, such as src/mesh/x.h or apps/cli/x.h."""
+    """Layer of a path below the root, such as src/mesh/x.h, include/proxima/x.h or apps/cli/x.h."""
     parts = path.parts
+    if is_public(path):
+        return PUBLIC.get(path.name)
     return "apps" if parts[0] == "apps" else parts[1] if len(parts) > 2 else None
 
 
 def room_of(path):
     """What a file may always include: its layer, or for an app its own folder."""
-    return path.parts[:2]
+    return path.parts[:2] if path.parts[0] == "apps" else layer_of(path)
 
 
 def intrinsics_problem(name):
@@ -72,6 +94,9 @@ def foreign_problem(name, source):
     first, layer = name.split("/")[0], layer_of(source)
     if INTRINSICS.match(name):
         return intrinsics_problem(name)
+    if is_public(source) and ("/" in name or first in FOREIGN or name.endswith(".h")):
+        allowed = first == "Eigen" or first in PUBLIC_FOREIGN.get(source.name, set())
+        return None if allowed else f"<{name}> is not for public headers"
     if first == "hwy" and source.as_posix() in KERNELS:
         return None
     if layer == "apps":
@@ -88,6 +113,10 @@ def foreign_problem(name, source):
 
 def edge_problem(source, target):
     """Why `source` may not include `target`, both paths below the root; None where it may."""
+    if is_public(source) and not is_public(target):
+        return f"a public header must not include {target}"
+    if target == EVERYTHING:
+        return "proxima.h is for users only"
     if room_of(source) == room_of(target):
         return None
     one, other = layer_of(source), layer_of(target)
@@ -124,18 +153,32 @@ def circles(graph):
     return found
 
 
+def problems_of_everything(root):
+    """proxima.h names every public header and nothing else."""
+    text = (root / EVERYTHING).read_text()
+    named = [match[2] for match in map(INCLUDE.match, text.splitlines()) if match]
+    there = sorted(f"proxima/{path.name}" for path in (root / EVERYTHING.parent).glob("*.h") if path.name != EVERYTHING.name)
+    if named != there:
+        wrong = sorted(set(named) ^ set(there)) or ["their order"]
+        yield f"{EVERYTHING}:1: it must include all public headers, by name: {', '.join(wrong)}"
+
+
 def problems_of_file(root, source, targets):
     """Broken rules of one file; adds the project's files that it includes to `targets`."""
+    if source == EVERYTHING:
+        yield from problems_of_everything(root)
+        return
     layer = layer_of(source)
     if layer not in RANK:
-        yield f"{source}:1: {layer or 'src'} is no layer: they are {', '.join(RANK)}"
+        yield (f"{source}:1: a public header without a layer: name it in include_rule.py" if is_public(source)
+               else f"{source}:1: {layer or 'src'} is no layer: they are {', '.join(RANK)}")
         return
     for number, line in enumerate((root / source).read_text().splitlines(), 1):
         match = INCLUDE.match(line)
         if not match:
             continue
         quoted, name = match[1] == '"', match[2]
-        target = next((folder / name for folder in (Path("src"), Path("apps"))
+        target = next((folder / name for folder in (Path("src"), Path("include"), Path("apps"))
                        if (root / folder / name).is_file()), None)
         if target is not None and ".." not in target.parts:
             problem = edge_problem(source, target)
@@ -143,7 +186,7 @@ def problems_of_file(root, source, targets):
                 problem = problem or f'write "{name}": it is our own'
             targets.add(target)
         elif quoted:
-            problem = f'"{name}" is no path below src/ or apps/'
+            problem = f'"{name}" is no path below src/, include/ or apps/'
         else:
             problem = foreign_problem(name, source)
         if problem:
@@ -159,7 +202,7 @@ def intrinsics_in(root, source):
 
 def problems(root):
     graph, found = {}, []
-    files = [path.relative_to(root) for folder in ("src", "apps") for path in (root / folder).rglob("*")
+    files = [path.relative_to(root) for folder in ("src", "include", "apps") for path in (root / folder).rglob("*")
              if path.suffix in (".h", ".cpp")]
     for source in sorted(files):
         graph[source] = set()

@@ -6,9 +6,13 @@ from pathlib import Path
 import include_rule
 
 GOOD = {
-    "src/base/result.h": "#include <tl/expected.hpp>\n",
-    "src/base/parallel.cpp": '#include "base/result.h"\n#include <tbb/parallel_for.h>\n',
-    "src/mesh/mesh.h": '#include "base/result.h"\n#include <Eigen/Core>\n#include <vector>\n',
+    "include/proxima/result.h": "#include <string>\n#include <tl/expected.hpp>\n",
+    "include/proxima/geometry.h": '#include "proxima/result.h"\n#include <Eigen/Core>\n#include <vector>\n',
+    "include/proxima/octree.h": "#include <vector>\n",
+    "include/proxima/proxima.h": '#include "proxima/geometry.h"\n#include "proxima/octree.h"\n#include "proxima/result.h"\n',
+    "src/base/parallel.h": "",
+    "src/base/parallel.cpp": '#include "proxima/result.h"\n#include <tbb/parallel_for.h>\n',
+    "src/mesh/mesh.h": '#include "proxima/geometry.h"\n#include <Eigen/Core>\n#include <vector>\n',
     "src/index/region.h": '#include "mesh/mesh.h"\n',
     "src/query/ray.h": '#include "mesh/mesh.h"\n',
     "apps/cli/main.cpp": '#include "cli/model.h"\n#include "query/ray.h"\n#include <CLI/CLI.hpp>\n',
@@ -61,8 +65,8 @@ class IncludeRule(unittest.TestCase):
 
     def test_catches_paths_that_are_not_from_the_root(self):
         self.check("src/mesh/wrong.h", '#include "mesh.h"\n', "no path below")
-        self.check("src/mesh/wrong.h", '#include "../base/result.h"\n', "no path below")
-        self.check("src/mesh/wrong.h", "#  include <base/result.h>\n", "our own")
+        self.check("src/mesh/wrong.h", '#include "../base/parallel.h"\n', "no path below")
+        self.check("src/mesh/wrong.h", "#  include <base/parallel.h>\n", "our own")
 
     def test_catches_foreign_headers_out_of_place(self):
         self.check("src/mesh/wrong.h", "#include <tbb/parallel_for.h>\n", "for base only")
@@ -80,6 +84,32 @@ class IncludeRule(unittest.TestCase):
     def test_accepts_vector_code_where_it_belongs(self):
         for name in ("src/base/simd.cpp", "src/octree/snapped_overlap.cpp"):
             self.assertEqual(problems_with({name: "#include <hwy/highway.h>\n"}), [])
+
+    def test_catches_a_public_header_that_shows_the_inside(self):
+        good = GOOD["include/proxima/geometry.h"]
+        for include, reason in (('"base/parallel.h"', "must not include src/base/parallel.h"),
+                                ("<tbb/parallel_for.h>", "not for public headers"),
+                                ("<tl/expected.hpp>", "not for public headers"),
+                                ("<xxhash.h>", "not for public headers"),
+                                ("<hwy/highway.h>", "not for public headers"),
+                                ("<immintrin.h>", "one processor")):
+            self.check("include/proxima/geometry.h", f"{good}#include {include}\n", ":4:", reason)
+
+    def test_catches_a_public_header_of_a_layer_to_the_right(self):
+        self.check("include/proxima/geometry.h", '#include "proxima/octree.h"\n', "geometry must not include octree")
+        self.check("src/base/parallel.h", '#include "proxima/geometry.h"\n', "base must not include geometry")
+
+    def test_catches_a_public_header_without_a_layer(self):
+        found = problems_with({"include/proxima/odd.h": "", "include/proxima/proxima.h":
+                               "".join(f'#include "proxima/{name}.h"\n' for name in ("geometry", "octree", "odd", "result"))})
+        self.assertEqual(len(found), 1, found)
+        self.assertIn("without a layer", found[0])
+
+    def test_catches_a_public_header_that_everything_leaves_out(self):
+        self.check("include/proxima/proxima.h", '#include "proxima/geometry.h"\n#include "proxima/octree.h"\n', "proxima/result.h")
+
+    def test_catches_the_library_including_everything(self):
+        self.check("src/mesh/wrong.cpp", '#include "proxima/proxima.h"\n', "for users only")
 
     def test_catches_circles(self):
         found = problems_with({

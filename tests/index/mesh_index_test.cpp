@@ -204,9 +204,10 @@ TEST(MeshIndex, HasExactLeavesOfFloatsWhereverTheyLie)
 TEST(MeshIndex, IsTheSameForAnyNumberOfThreads)
 {
     const TriangleMesh torus = torus_mesh(1.0, 0.4, 100, 80);
-    const MeshIndex truth = build_mesh_index(torus, {.threads = {1}}).value();
+    const MeshIndex truth = build_mesh_index(torus, {.execution = {.threads = {1}}}).value();
     for (const int threads : {2, 3}) {
-        const MeshIndex other = build_mesh_index(torus, {.threads = {threads}}).value();
+        const MeshIndex other =
+            build_mesh_index(torus, {.execution = {.threads = {threads}}}).value();
         const auto is_same = [](const auto& a, const auto& b) {
             return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
         };
@@ -225,10 +226,13 @@ TEST(MeshIndex, RefusesWhatItCannotBeBuiltOf)
     const TriangleMesh cube = cube_mesh(Vec3::Zero(), 1.0);
     const auto code = [](const auto& result) { return result.error().code; };
     EXPECT_EQ(code(build_mesh_index(TriangleMesh())), ErrorCode::invalid_mesh);
-    EXPECT_EQ(code(build_mesh_index(cube, {.budget = {100}})), ErrorCode::budget_exceeded);
+    EXPECT_EQ(code(build_mesh_index(cube, {.execution = {.budget = {100}}})),
+              ErrorCode::budget_exceeded);
     const TriangleMesh large = torus_mesh(1.0, 0.4, 120, 100);
     cancel_at_every_stage(
-        [&](Progress& progress) { return build_mesh_index(large, {.progress = &progress}); },
+        [&](Progress& progress) {
+            return build_mesh_index(large, {.execution = {.progress = &progress}});
+        },
         [] { return true; });
 }
 

@@ -2,10 +2,11 @@
 // duplicated, degenerate, slivers, soups.
 #pragma once
 
-#include "mesh/sample_meshes.h"
-#include "mesh/topology.h"
+#include "minkowski/scalar_vector.h"
 #include "octree/nasty_meshes.h"
 #include "octree/small_meshes.h"
+#include "proxima/sample_meshes.h"
+#include "proxima/topology.h"
 
 #include <random>
 #include <string>

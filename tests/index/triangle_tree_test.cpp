@@ -196,8 +196,10 @@ TEST(TriangleTree, HasTheSameBitsForAnyThreadsAndInstructions)
 {
     const TriangleMesh mesh = sample_mesh("spaceship:20000").value();
     const std::vector<TriangleId> order = order_of(mesh);
-    const TriangleTree one = build_triangle_tree(mesh, order, {.threads = {1}}).value();
-    const TriangleTree three = build_triangle_tree(mesh, order, {.threads = {3}}).value();
+    const TriangleTree one =
+        build_triangle_tree(mesh, order, {.execution = {.threads = {1}}}).value();
+    const TriangleTree three =
+        build_triangle_tree(mesh, order, {.execution = {.threads = {3}}}).value();
     ASSERT_EQ(one.blocks().size(), three.blocks().size());
     for (std::size_t i = 0; i < one.blocks().size(); ++i) {
         EXPECT_EQ(one.blocks()[i].lower, three.blocks()[i].lower);
@@ -245,7 +247,9 @@ TEST(TriangleTree, RefusesWhatHasNoDistancesAndStopsOnRequest)
     EXPECT_TRUE(build_triangle_tree(scaled(1e-300), order));
     Progress progress;
     progress.cancel();
-    EXPECT_EQ(build_triangle_tree(scaled(1.0), order, {.progress = &progress}).error().code,
+    EXPECT_EQ(build_triangle_tree(scaled(1.0), order, {.execution = {.progress = &progress}})
+                  .error()
+                  .code,
               ErrorCode::cancelled);
 }
 

@@ -3,7 +3,7 @@
 
 #include "index/build_mesh_index.h"
 #include "index/test_meshes.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/sample_meshes.h"
 #include "query/closest/closest_feature.h"
 
 #include <gtest/gtest.h>

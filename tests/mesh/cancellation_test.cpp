@@ -1,8 +1,8 @@
 // Everything in this layer that takes long stops when asked to, and leaves nothing behind.
 #include "cancellation.h"
 #include "mesh/mesh_files.h"
-#include "mesh/mesh_io.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/mesh_io.h"
+#include "proxima/sample_meshes.h"
 
 #include <array>
 
@@ -54,7 +54,8 @@ TEST_F(Cancellation, OfReading)
             SCOPED_TRACE(name + (weld == Weld::never ? "" : ", welded"));
             cancel_at_every_stage(
                 [&](Progress& progress) {
-                    return read_mesh(path(name), {.weld = weld, .progress = &progress});
+                    return read_mesh(path(name),
+                                     {.weld = weld, .execution = {.progress = &progress}});
                 },
                 [] { return true; }, weld == Weld::never ? 2 : 3);
         }
@@ -69,7 +70,7 @@ TEST_F(Cancellation, OfWriting)
         const auto before = files_in(path("."));
         cancel_at_every_stage(
             [&](Progress& progress) {
-                return write_mesh(large_mesh(), path(name), {.progress = &progress});
+                return write_mesh(large_mesh(), path(name), {.execution = {.progress = &progress}});
             },
             [&] { return files_in(path(".")) == before; }, 4);
     }
@@ -81,7 +82,9 @@ TEST(CancellationOfSamples, WhateverTheShape)
          {"sphere:100x100", "icosphere:5", "torus:100x100", "spaceship:40000"}) {
         SCOPED_TRACE(name);
         cancel_at_every_stage(
-            [&](Progress& progress) { return sample_mesh(name, {.progress = &progress}); },
+            [&](Progress& progress) {
+                return sample_mesh(name, {.execution = {.progress = &progress}});
+            },
             [] { return true; }, 3);
     }
 }
@@ -89,7 +92,7 @@ TEST(CancellationOfSamples, WhateverTheShape)
 TEST(CancellationOfSamples, LeavesTheMeshAsItWasWhereNobodyAsks)
 {
     Progress progress;
-    const auto watched = sample_mesh("spaceship:40000", {.progress = &progress});
+    const auto watched = sample_mesh("spaceship:40000", {.execution = {.progress = &progress}});
     const auto alone = sample_mesh("spaceship:40000");
     ASSERT_TRUE(watched && alone);
     EXPECT_TRUE(std::ranges::equal(watched->positions(), alone->positions()));

@@ -49,7 +49,8 @@ std::string glb_of(std::string json)
 
 Error error_of_scene(const Scene& scene)
 {
-    return error_of(glb_of(json_of(scene)), MeshFormat::glb, {.budget = ten_megabytes});
+    return error_of(glb_of(json_of(scene)), MeshFormat::glb,
+                    {.execution = {.budget = ten_megabytes}});
 }
 
 class GltfDemand : public testing::Test {
@@ -71,8 +72,8 @@ TEST_F(GltfDemand, ReadsHonestScenes)
     };
     const std::size_t triangles[] = {1, 2, 5, 100, 1};
     for (std::size_t i = 0; i < std::size(scenes); ++i) {
-        const auto mesh =
-            read_text(glb_of(json_of(scenes[i])), MeshFormat::glb, {.budget = ten_megabytes});
+        const auto mesh = read_text(glb_of(json_of(scenes[i])), MeshFormat::glb,
+                                    {.execution = {.budget = ten_megabytes}});
         ASSERT_TRUE(mesh) << i << ": " << describe(mesh.error());
         EXPECT_EQ(mesh->triangle_count(), triangles[i]) << i;
     }
@@ -125,8 +126,8 @@ TEST_F(GltfDemand, CountsWhatGltf1Names)
     for (int i = 1; i <= 30; ++i) {
         nodes += concat("\"n", i - 1, R"(":{"children":["n)", i, R"(","n)", i, R"("]},)");
     }
-    const Error error =
-        error_of(json + nodes + R"("n30":{}}})", MeshFormat::gltf, {.budget = ten_megabytes});
+    const Error error = error_of(json + nodes + R"("n30":{}}})", MeshFormat::gltf,
+                                 {.execution = {.budget = ten_megabytes}});
     EXPECT_EQ(error.code, ErrorCode::budget_exceeded) << describe(error);
 }
 

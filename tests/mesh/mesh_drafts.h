@@ -1,8 +1,8 @@
 // Meshes to be broken on purpose, and what is reported of them.
 #pragma once
 
-#include "mesh/mesh_report.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/mesh_report.h"
+#include "proxima/sample_meshes.h"
 
 #include <limits>
 #include <vector>

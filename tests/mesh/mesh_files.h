@@ -3,7 +3,7 @@
 #pragma once
 
 #include "folder_test.h"
-#include "mesh/mesh_io.h"
+#include "proxima/mesh_io.h"
 
 #include <algorithm>
 #include <cstdlib>

@@ -106,8 +106,9 @@ TEST(MeshIoDamage, EveryMutationIsRefusedOrReadAsAValidMesh)
             const std::string damaged =
                 mutate(seed.content, seeds[random() % seeds.size()].content, random);
             const std::vector<char> copy(damaged.begin(), damaged.end());
-            const auto mesh = read_mesh_from_memory(std::as_bytes(std::span(copy)), seed.format,
-                                                    {.budget = {.bytes = 10'000'000}});
+            const auto mesh =
+                read_mesh_from_memory(std::as_bytes(std::span(copy)), seed.format,
+                                      {.execution = {.budget = {.bytes = 10'000'000}}});
             if (!copy.empty()) expect_refused_or_valid(mesh);
             read += mesh ? 1 : 0;
         }

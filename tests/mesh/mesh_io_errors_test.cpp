@@ -107,7 +107,7 @@ TEST(MeshIoErrors, RefuseCountsThatTheFileCannotHold)
     };
     for (const auto& [format, text] : files) {
         // Any allocation by the promised counts would exceed this.
-        const Error error = error_of(text, format, {.budget = {.bytes = 100'000}});
+        const Error error = error_of(text, format, {.execution = {.budget = {.bytes = 100'000}}});
         EXPECT_EQ(error.code, ErrorCode::malformed_file) << describe(error) << "\n" << text;
     }
 }
@@ -136,8 +136,9 @@ TEST(MeshIoErrors, KeepTheMemoryBudget)
 {
     std::string obj;
     for (int i = 0; i < 20'000; ++i) obj += "v 1 1 1\nf 1 1 1 1\n";
-    EXPECT_TRUE(read_text(obj, MeshFormat::obj, {.budget = {.bytes = 20'000'000}}));
-    const Error error = error_of(obj, MeshFormat::obj, {.budget = {.bytes = 1'000'000}});
+    EXPECT_TRUE(read_text(obj, MeshFormat::obj, {.execution = {.budget = {.bytes = 20'000'000}}}));
+    const Error error =
+        error_of(obj, MeshFormat::obj, {.execution = {.budget = {.bytes = 1'000'000}}});
     EXPECT_EQ(error.code, ErrorCode::budget_exceeded);
     EXPECT_NE(error.message.find("OBJ data"), std::string::npos);
 }
@@ -147,7 +148,8 @@ TEST(MeshIoErrors, StopWhenAsked)
     for (const SeedFile& seed : seed_files()) {
         Progress progress;
         progress.cancel();
-        const auto mesh = read_text(seed.content, seed.format, {.progress = &progress});
+        const auto mesh =
+            read_text(seed.content, seed.format, {.execution = {.progress = &progress}});
         ASSERT_FALSE(mesh) << seed.name;
         EXPECT_EQ(mesh.error().code, ErrorCode::cancelled) << seed.name;
     }

@@ -271,8 +271,9 @@ TEST(MeshIo, RefusesScenesThatPromiseMoreThanTheBudgetBeforeAssimpTakesIt)
     const fs::path corpus = fs::path(PROXIMA_SOURCE_DIR) / "fuzz" / "corpus";
     std::string gltf = file_content(corpus / "gltf" / "two_tetrahedra.gltf");
     gltf.replace(gltf.find("\"count\":4"), 9, "\"count\": 4e9");
-    EXPECT_EQ(error_of(gltf, MeshFormat::gltf, {.budget = {.bytes = 100'000'000}}).code,
-              ErrorCode::budget_exceeded);
+    EXPECT_EQ(
+        error_of(gltf, MeshFormat::gltf, {.execution = {.budget = {.bytes = 100'000'000}}}).code,
+        ErrorCode::budget_exceeded);
     const std::string glb = file_content(corpus / "glb" / "two_tetrahedra.glb");
     for (const std::size_t length_byte : {11U, 15U}) { // of the file, of its first part
         std::string damaged = glb;
@@ -388,7 +389,7 @@ TEST(MeshIo, ReportsProgress)
     std::string obj;
     for (int i = 0; i < 400'000; ++i) obj += "v 1 1 1\n";
     Progress progress;
-    ASSERT_TRUE(read_text(obj, MeshFormat::obj, {.progress = &progress}));
+    ASSERT_TRUE(read_text(obj, MeshFormat::obj, {.execution = {.progress = &progress}}));
     EXPECT_STREQ(progress.stage(), "reading mesh");
     EXPECT_GT(progress.fraction(), 0.5);
 }

@@ -1,7 +1,7 @@
 // What the report says of edges: holes, fins, and triangles that face the wrong way.
 #include "mesh/mesh_drafts.h"
-#include "mesh/mesh_report.h"
-#include "mesh/topology.h"
+#include "proxima/mesh_report.h"
+#include "proxima/topology.h"
 
 #include <cmath>
 #include <gtest/gtest.h>

@@ -1,8 +1,8 @@
 // The mesh report against definitions taken literally: all pairs, breadth-first search.
-#include "mesh/mesh_report.h"
+#include "proxima/mesh_report.h"
 
 #include "mesh/random_soups.h"
-#include "mesh/topology.h"
+#include "proxima/topology.h"
 
 #include <gtest/gtest.h>
 
@@ -185,8 +185,8 @@ TEST(MeshReportRandom, AgreesWithTheDefinitionsOnSoups)
 TEST(MeshReportRandom, IsTheSameForAnyNumberOfThreads)
 {
     for (std::uint32_t seed = 0; seed < 50; ++seed) {
-        const auto one = report_mesh(random_soup(seed), {.threads = {1}});
-        const auto three = report_mesh(random_soup(seed), {.threads = {3}});
+        const auto one = report_mesh(random_soup(seed), {.execution = {.threads = {1}}});
+        const auto three = report_mesh(random_soup(seed), {.execution = {.threads = {3}}});
         ASSERT_EQ(one->findings.size(), three->findings.size());
         for (std::size_t k = 0; k < one->findings.size(); ++k) {
             EXPECT_EQ(one->findings[k].kind, three->findings[k].kind);

@@ -1,8 +1,8 @@
-#include "mesh/mesh_report.h"
+#include "proxima/mesh_report.h"
 
 #include "mesh/mesh_drafts.h"
-#include "mesh/sample_meshes.h"
-#include "mesh/topology.h"
+#include "proxima/sample_meshes.h"
+#include "proxima/topology.h"
 
 #include <gtest/gtest.h>
 
@@ -285,14 +285,17 @@ TEST(MeshReport, StopsOnRequestAndKeepsToItsBudget)
 {
     Progress progress;
     progress.cancel();
-    EXPECT_EQ(report_mesh(make_cube(), {.progress = &progress}).error().code, ErrorCode::cancelled);
+    EXPECT_EQ(report_mesh(make_cube(), {.execution = {.progress = &progress}}).error().code,
+              ErrorCode::cancelled);
     const TriangleMesh cube = make_cube();
     const auto topology = build_topology(cube);
-    EXPECT_EQ(report_mesh(cube, *topology, {.progress = &progress}).error().code,
+    EXPECT_EQ(report_mesh(cube, *topology, {.execution = {.progress = &progress}}).error().code,
               ErrorCode::cancelled);
-    EXPECT_EQ(report_mesh(cube, *topology, {.budget = {topology->bytes()}}).error().code,
+    EXPECT_EQ(
+        report_mesh(cube, *topology, {.execution = {.budget = {topology->bytes()}}}).error().code,
+        ErrorCode::budget_exceeded);
+    EXPECT_EQ(report_mesh(cube, {.execution = {.budget = {10}}}).error().code,
               ErrorCode::budget_exceeded);
-    EXPECT_EQ(report_mesh(cube, {.budget = {10}}).error().code, ErrorCode::budget_exceeded);
 }
 
 } // namespace

@@ -178,8 +178,9 @@ TEST_F(MeshWriterTest, LeavesNothingBehindWhenItCannotWrite)
 
     Progress progress;
     progress.cancel();
-    EXPECT_EQ(write_mesh(mesh, path("mesh.ply"), {.progress = &progress}).error().code,
-              ErrorCode::cancelled);
+    EXPECT_EQ(
+        write_mesh(mesh, path("mesh.ply"), {.execution = {.progress = &progress}}).error().code,
+        ErrorCode::cancelled);
     EXPECT_EQ(entries(), 0);
 
     // A disk that fills up, and a limit on file sizes in a child of its own.

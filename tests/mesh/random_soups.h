@@ -2,7 +2,7 @@
 // small integer grid, duplicates, branching edges, unused vertices.
 #pragma once
 
-#include "mesh/triangle_mesh.h"
+#include "proxima/triangle_mesh.h"
 
 #include <random>
 

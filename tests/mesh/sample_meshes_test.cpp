@@ -1,8 +1,8 @@
-#include "mesh/sample_meshes.h"
+#include "proxima/sample_meshes.h"
 
 #include "geometry/exact_predicates.h"
-#include "mesh/topology.h"
 #include "mesh/unit_circle.h"
+#include "proxima/topology.h"
 
 #include <gtest/gtest.h>
 #include <xxhash.h>

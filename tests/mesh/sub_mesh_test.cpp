@@ -1,6 +1,6 @@
-#include "mesh/sub_mesh.h"
+#include "proxima/mesh_repair.h"
 
-#include "mesh/sample_meshes.h"
+#include "proxima/sample_meshes.h"
 
 #include <gtest/gtest.h>
 #include <random>

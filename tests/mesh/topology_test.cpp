@@ -1,8 +1,8 @@
-#include "mesh/topology.h"
+#include "proxima/topology.h"
 
 #include "mesh/edge_numbers.h"
 #include "mesh/random_soups.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/sample_meshes.h"
 
 #include <gtest/gtest.h>
 
@@ -103,7 +103,8 @@ TEST(Topology, AgreesWithTheSlowOneOnRandomSoups)
     for (std::uint32_t seed = 0; seed < 2000; ++seed) {
         SCOPED_TRACE(seed);
         const TriangleMesh mesh = random_soup(seed);
-        const auto topology = build_topology(mesh, {.threads = {static_cast<int>(1 + seed % 2)}});
+        const auto topology =
+            build_topology(mesh, {.execution = {.threads = {static_cast<int>(1 + seed % 2)}}});
         ASSERT_TRUE(topology);
         expect_equal(mesh, *topology, slow_topology(mesh));
     }
@@ -156,8 +157,8 @@ TEST(Topology, KeepsDegenerateTrianglesAsSegmentsAndPoints)
 TEST(Topology, IsTheSameForAnyNumberOfThreads)
 {
     const auto mesh = make_spaceship(60000);
-    const auto one = build_topology(*mesh, {.threads = {1}});
-    const auto three = build_topology(*mesh, {.threads = {3}});
+    const auto one = build_topology(*mesh, {.execution = {.threads = {1}}});
+    const auto three = build_topology(*mesh, {.execution = {.threads = {3}}});
     ASSERT_EQ(one->edge_count(), three->edge_count());
     for (std::uint32_t id = 0; id < one->edge_count(); ++id) {
         ASSERT_EQ(one->vertices(EdgeId{id}), three->vertices(EdgeId{id}));
@@ -180,19 +181,19 @@ TEST(Topology, RefusesWhatTheBudgetCannotHold)
 {
     const TriangleMesh mesh = make_sphere(20, 20);
     const auto whole = build_topology(mesh);
-    const auto refused = build_topology(mesh, {.budget = {whole->bytes() - 1}});
+    const auto refused = build_topology(mesh, {.execution = {.budget = {whole->bytes() - 1}}});
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::budget_exceeded);
     const auto scratch =
         mesh.triangle_count() * (edge_number_bytes - sizeof(std::array<EdgeId, 3>));
-    EXPECT_TRUE(build_topology(mesh, {.budget = {whole->bytes() + scratch}}));
+    EXPECT_TRUE(build_topology(mesh, {.execution = {.budget = {whole->bytes() + scratch}}}));
 }
 
 TEST(Topology, StopsOnRequest)
 {
     Progress progress;
     progress.cancel();
-    const auto stopped = build_topology(make_cube(), {.progress = &progress});
+    const auto stopped = build_topology(make_cube(), {.execution = {.progress = &progress}});
     ASSERT_FALSE(stopped);
     EXPECT_EQ(stopped.error().code, ErrorCode::cancelled);
     EXPECT_STREQ(progress.stage(), "numbering edges");

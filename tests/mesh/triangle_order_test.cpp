@@ -2,7 +2,7 @@
 
 #include "base/hilbert_code.h"
 #include "base/morton_code.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/sample_meshes.h"
 
 #include <cmath>
 #include <gtest/gtest.h>

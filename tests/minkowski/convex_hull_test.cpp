@@ -1,6 +1,7 @@
 // Hulls against a brute force over all triples of whole points, in exact arithmetic.
-#include "minkowski/convex_hull.h"
+#include "proxima/convex_polyhedron.h"
 
+#include "geometry/exact_predicates.h"
 #include "polytopes.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "minkowski/half_space_intersection.h"
+#include "proxima/convex_polyhedron.h"
 
 #include "minkowski/unbounded_sum.h"
 #include "polytopes.h"

@@ -1,11 +1,10 @@
-#include "minkowski/make_polyhedron.h"
+#include "proxima/convex_polyhedron.h"
 
-#include "mesh/sample_meshes.h"
 #include "minkowski/drawn_surface.h"
-#include "minkowski/half_space_intersection.h"
 #include "minkowski/unbounded_sum.h"
 #include "minkowski/voronoi_region.h"
 #include "polytopes.h"
+#include "proxima/sample_meshes.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Minkowski sums against CGAL's convex hull of all pair sums, with exact predicates.
-#include "minkowski/sum_queries.h"
 #include "polytopes.h"
+#include "proxima/minkowski_sum.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Surface_mesh.h>

@@ -1,6 +1,7 @@
 // Minkowski sums by arcs against a brute force in whole numbers: all candidate normals, all pairs.
-#include "minkowski/minkowski_sum.h"
+#include "minkowski/count_sum.h"
 #include "polytopes.h"
+#include "proxima/minkowski_sum.h"
 
 #include <gtest/gtest.h>
 
@@ -422,7 +423,8 @@ TEST(MinkowskiSum, IsStoppedOnRequest)
          {MinkowskiMethod::arcs, MinkowskiMethod::geometric, MinkowskiMethod::hull}) {
         Progress progress;
         progress.cancel();
-        const auto sum = minkowski_sum(a, a, {.method = method, .progress = &progress});
+        const auto sum =
+            minkowski_sum(a, a, {.method = method, .execution = {.progress = &progress}});
         ASSERT_FALSE(sum);
         EXPECT_EQ(sum.error().code, ErrorCode::cancelled);
     }

@@ -1,5 +1,7 @@
 #include "minkowski/operation_counts.h"
 
+#include "minkowski/scalar_vector.h"
+
 #include <gtest/gtest.h>
 
 #include <thread>

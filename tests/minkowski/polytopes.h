@@ -1,7 +1,7 @@
 // Polyhedra for the tests: of whole coordinates, nasty and plain, from a seed.
 #pragma once
 
-#include "minkowski/convex_hull.h"
+#include "proxima/convex_polyhedron.h"
 
 #include <cstdint>
 #include <random>

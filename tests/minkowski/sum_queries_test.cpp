@@ -1,7 +1,7 @@
-#include "minkowski/sum_queries.h"
+#include "proxima/minkowski_sum.h"
 
-#include "minkowski/make_polyhedron.h"
 #include "polytopes.h"
+#include "proxima/convex_polyhedron.h"
 
 #include <gtest/gtest.h>
 

@@ -1,15 +1,14 @@
-#include "octree/build_octree.h"
+#include "proxima/octree.h"
 
 #include "base/simd.h"
 #include "geometry/triangle_box.h"
-#include "mesh/sample_meshes.h"
 #include "octree/check_octree.h"
 #include "octree/check_structure.h"
 #include "octree/nasty_meshes.h"
 #include "octree/same_cells.h"
 #include "octree/same_octree.h"
 #include "octree/slow_builder.h"
-#include "octree/statistics.h"
+#include "proxima/sample_meshes.h"
 
 #include <gtest/gtest.h>
 
@@ -39,7 +38,7 @@ OctreeOptions random_options(std::uint32_t seed)
     options.threshold = random() % 2 == 0 ? 1U : static_cast<std::uint32_t>(random() % 12);
     options.root_shape = random() % 4 == 0 ? RootShape::box : RootShape::cube;
     options.classification = Classification::none;
-    options.threads = {1};
+    options.execution.threads = {1};
     return options;
 }
 
@@ -89,7 +88,7 @@ TEST(BuildOctree, FewTrianglesAtTheGreatestDepthStayExact)
                                                  .threshold = 0,
                                                  .exactness = Exactness::exact,
                                                  .classification = Classification::none,
-                                                 .threads = {1}});
+                                                 .execution = {.threads = {1}}});
         ASSERT_TRUE(octree) << describe(octree.error());
         const Octree slow = slow_octree(
             *mesh, {.max_depth = max_octree_depth, .threshold = 0, .root = octree->frame()},
@@ -202,16 +201,17 @@ TEST(BuildOctree, SameBitsForEveryThreadCountAndInstructionSet)
     meshes.push_back(*make_spaceship(6000));
     for (std::uint32_t seed = 0; seed < 30; ++seed) meshes.push_back(nasty_mesh(seed));
     for (std::size_t i = 0; i < meshes.size(); ++i) {
-        OctreeOptions options{.max_depth = i < 2 ? 7 : 5, .threshold = 4, .threads = {1}};
+        OctreeOptions options{
+            .max_depth = i < 2 ? 7 : 5, .threshold = 4, .execution = {.threads = {1}}};
         const auto expected = build_octree(meshes[i], options);
         ASSERT_TRUE(expected) << describe(expected.error());
         for (const int threads : {2, 3, 8}) {
-            options.threads = {threads};
+            options.execution.threads = {threads};
             const auto octree = build_octree(meshes[i], options);
             ASSERT_TRUE(octree);
             EXPECT_TRUE(same_arrays(*octree, *expected)) << "mesh " << i << " threads " << threads;
         }
-        options.threads = {1};
+        options.execution.threads = {1};
         for (const SimdTarget& target : simd_targets()) {
             force_simd_target(target);
             const auto octree = build_octree(meshes[i], options);
@@ -325,7 +325,8 @@ TEST(BuildOctree, RefusesWhatItCannotBuild)
               std::string::npos);
     for (const OverlapMethod method : all_methods) {
         const std::string message =
-            code(make_sphere(100, 100), {.max_depth = 9, .method = method, .budget = {300'000}});
+            code(make_sphere(100, 100),
+                 {.max_depth = 9, .method = method, .execution = {.budget = {300'000}}});
         EXPECT_NE(message.find("budget"), std::string::npos) << message;
     }
     EXPECT_NE(code(cube, {.max_depth = 19, .subdivision = Subdivision::uniform}).find("uniform"),
@@ -338,8 +339,8 @@ TEST(BuildOctree, StopsWhenCancelled)
     for (const OverlapMethod method : all_methods) {
         Progress progress;
         progress.cancel();
-        const auto before =
-            build_octree(mesh, {.max_depth = 9, .method = method, .progress = &progress});
+        const auto before = build_octree(
+            mesh, {.max_depth = 9, .method = method, .execution = {.progress = &progress}});
         ASSERT_FALSE(before);
         EXPECT_EQ(before.error().code, ErrorCode::cancelled);
     }
@@ -350,7 +351,8 @@ TEST(BuildOctree, StopsWhenCancelled)
         progress.cancel();
     });
     const auto octree = build_octree(
-        mesh, {.max_depth = 12, .method = OverlapMethod::pairwise, .progress = &progress});
+        mesh,
+        {.max_depth = 12, .method = OverlapMethod::pairwise, .execution = {.progress = &progress}});
     canceller.join();
     ASSERT_FALSE(octree);
     EXPECT_EQ(octree.error().code, ErrorCode::cancelled);

@@ -1,12 +1,11 @@
 // Everything in this layer that takes long stops when asked to, and leaves nothing behind.
 #include "cancellation.h"
 #include "folder_test.h"
-#include "mesh/sample_meshes.h"
-#include "octree/build_octree.h"
 #include "octree/check_octree.h"
 #include "octree/classify_cells.h"
-#include "octree/export.h"
-#include "octree/octree_file.h"
+#include "proxima/octree.h"
+#include "proxima/octree_io.h"
+#include "proxima/sample_meshes.h"
 
 #include <algorithm>
 
@@ -37,13 +36,15 @@ TEST_F(OctreeCancellation, OfSavingAndLoading)
     const auto before = files_in(folder());
     cancel_at_every_stage(
         [&](Progress& progress) {
-            return save_octree(large_octree(), file, {.progress = &progress});
+            return save_octree(large_octree(), file, {.execution = {.progress = &progress}});
         },
         [&] { return files_in(folder()) == before; }, 3);
 
     ASSERT_TRUE(save_octree(large_octree(), file));
     cancel_at_every_stage(
-        [&](Progress& progress) { return load_octree(file, {.progress = &progress}); },
+        [&](Progress& progress) {
+            return load_octree(file, {.execution = {.progress = &progress}});
+        },
         [] { return true; }, 3);
 }
 
@@ -56,7 +57,7 @@ TEST_F(OctreeCancellation, OfExporting)
         cancel_at_every_stage(
             [&](Progress& progress) {
                 return export_octree(large_octree(), large_mesh(), path(name),
-                                     {.progress = &progress});
+                                     {.execution = {.progress = &progress}});
             },
             [&] { return files_in(folder()) == before; }, 5);
     }
@@ -69,11 +70,11 @@ TEST(OctreeBuildCancellation, AtEveryStage)
             SCOPED_TRACE(threads);
             cancel_at_every_stage(
                 [&](Progress& progress) {
-                    return build_octree(large_mesh(), {.max_depth = 6,
-                                                       .threshold = 4,
-                                                       .subdivision = subdivision,
-                                                       .threads = {threads},
-                                                       .progress = &progress});
+                    return build_octree(
+                        large_mesh(), {.max_depth = 6,
+                                       .threshold = 4,
+                                       .subdivision = subdivision,
+                                       .execution = {.threads = {threads}, .progress = &progress}});
                 },
                 [] { return true; }, 6);
         }
@@ -92,7 +93,8 @@ TEST(OctreeBuildCancellation, OfClassifyingAMeshWithAHole)
     ASSERT_TRUE(octree);
     cancel_at_every_stage(
         [&](Progress& progress) {
-            return classify_cells(*octree, *open, {.threads = {1}, .progress = &progress});
+            return classify_cells(*octree, *open,
+                                  {.execution = {.threads = {1}, .progress = &progress}});
         },
         [] { return true; }, 6);
 }

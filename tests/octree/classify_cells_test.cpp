@@ -3,9 +3,8 @@
 #include "octree/check_structure.h"
 #include "octree/slow_builder.h"
 #include "octree/small_meshes.h"
-#include "octree/statistics.h"
-#include "octree/traverse.h"
 #include "octree/winding_number.h"
+#include "proxima/octree.h"
 
 #include <gtest/gtest.h>
 #include <random>
@@ -104,7 +103,7 @@ Truth slow_classes(const Octree& octree, const TriangleMesh& mesh)
 
 void expect_right(const Octree& octree, const TriangleMesh& mesh)
 {
-    const auto classified = classify_cells(octree, mesh, {.threads = {1}});
+    const auto classified = classify_cells(octree, mesh, {.execution = {.threads = {1}}});
     ASSERT_TRUE(classified) << describe(classified.error());
     const Status status = check_structure(*classified);
     EXPECT_TRUE(status) << describe(status.error());
@@ -334,9 +333,10 @@ TEST(ClassifyCells, SameBitsForAnyNumberOfThreads)
     const TriangleMesh open =
         without(torus_mesh(1.0, 0.4, 60, 30), [](std::size_t i) { return i < 200; });
     const Octree octree = exact_octree(open, {.max_depth = 6});
-    const auto one = classify_cells(octree, open, {.threads = {1}}).value();
+    const auto one = classify_cells(octree, open, {.execution = {.threads = {1}}}).value();
     for (const int threads : {2, 5}) {
-        const auto more = classify_cells(octree, open, {.threads = {threads}}).value();
+        const auto more =
+            classify_cells(octree, open, {.execution = {.threads = {threads}}}).value();
         EXPECT_EQ(one.parameters(), more.parameters());
         EXPECT_TRUE(std::equal(one.nodes().begin(), one.nodes().end(), more.nodes().begin(),
                                more.nodes().end()));
@@ -351,11 +351,11 @@ TEST(ClassifyCells, RefusesAndStops)
     const TriangleMesh ball = sphere_mesh(Vec3::Zero(), 1.0, 12, 12);
     const Octree octree = slow_octree(ball, {.max_depth = 4});
     EXPECT_EQ(classify_cells(octree, torus()).error().code, ErrorCode::invalid_argument);
-    EXPECT_EQ(classify_cells(octree, ball, {.budget = {1000}}).error().code,
+    EXPECT_EQ(classify_cells(octree, ball, {.execution = {.budget = {1000}}}).error().code,
               ErrorCode::budget_exceeded);
     Progress progress;
     progress.cancel();
-    EXPECT_EQ(classify_cells(octree, ball, {.progress = &progress}).error().code,
+    EXPECT_EQ(classify_cells(octree, ball, {.execution = {.progress = &progress}}).error().code,
               ErrorCode::cancelled);
 }
 

@@ -1,7 +1,7 @@
 // An octree whose arrays a test may break.
 #pragma once
 
-#include "octree/octree.h"
+#include "proxima/octree.h"
 
 #include <memory>
 #include <vector>

@@ -1,11 +1,11 @@
-#include "octree/export.h"
+#include "proxima/octree_io.h"
 
 #include "base/text.h"
 #include "octree/classify_cells.h"
 #include "octree/exported_leaves.h"
 #include "octree/slow_builder.h"
 #include "octree/small_meshes.h"
-#include "octree/traverse.h"
+#include "proxima/octree.h"
 
 #include <algorithm>
 #include <filesystem>

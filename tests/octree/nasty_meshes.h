@@ -2,7 +2,7 @@
 // triangles together, far from the origin, at any scale.
 #pragma once
 
-#include "mesh/triangle_mesh.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cmath>
 #include <cstdint>

@@ -1,12 +1,13 @@
-#include "octree/octree_file.h"
+#include "proxima/octree_io.h"
 
 #include "damaged_files.h"
 #include "exact_copy.h"
 
+#include "base/binary_file.h"
 #include "octree/classify_cells.h"
 #include "octree/slow_builder.h"
 #include "octree/small_meshes.h"
-#include "octree/statistics.h"
+#include "proxima/octree.h"
 
 #include <cstring>
 #include <filesystem>

@@ -1,5 +1,7 @@
 #include "octree/operation_table.h"
 
+#include "minkowski/operation_counts.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 // of cells in awkward places, however their centres and half sizes were rounded.
 #include "geometry/triangle_box.h"
 #include "octree/all_overlap_tests.h"
-#include "octree/cell.h"
+#include "proxima/octree.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
 #include "octree/region_rays.h"
 
-#include "mesh/sample_meshes.h"
-#include "octree/build_octree.h"
 #include "octree/hole_caps.h"
 #include "octree/small_meshes.h"
 #include "octree/winding_number.h"
+#include "proxima/octree.h"
+#include "proxima/sample_meshes.h"
 
 #include <gtest/gtest.h>
 #include <random>

@@ -1,7 +1,7 @@
 // Equality of octrees' arrays, with words for what differs.
 #pragma once
 
-#include "octree/octree.h"
+#include "proxima/octree.h"
 
 #include <gtest/gtest.h>
 

@@ -4,8 +4,7 @@
 // given overlap test, thirteen separating axes in long double if none is given.
 #pragma once
 
-#include "octree/build_octree.h"
-#include "octree/octree.h"
+#include "proxima/octree.h"
 
 #include <cmath>
 #include <memory>

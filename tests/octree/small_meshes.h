@@ -1,7 +1,7 @@
 // Small meshes by hand for the octree's tests: cubes, spheres, tori, and ways to combine them.
 #pragma once
 
-#include "mesh/triangle_mesh.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cmath>
 #include <functional>

@@ -1,4 +1,4 @@
-#include "octree/statistics.h"
+#include "proxima/octree.h"
 
 #include "octree/slow_builder.h"
 #include "octree/small_meshes.h"

@@ -137,8 +137,8 @@ TEST(WindingNumber, CountsAHalfAsInside)
 TEST(WindingNumber, HasTheSameBitsForAnyNumberOfThreads)
 {
     const TriangleMesh mesh = torus_mesh(1.0, 0.3, 120, 60);
-    const auto one = build_winding_number(mesh, {.threads = {1}}).value();
-    const auto three = build_winding_number(mesh, {.threads = {3}}).value();
+    const auto one = build_winding_number(mesh, {.execution = {.threads = {1}}}).value();
+    const auto three = build_winding_number(mesh, {.execution = {.threads = {3}}}).value();
     for (const Vec3& point : random_points(bounding_box(mesh), 200, 2)) {
         EXPECT_EQ(winding_number(one, point).value, winding_number(three, point).value);
     }
@@ -153,7 +153,9 @@ TEST(WindingNumber, RefusesWhatHasNoSurfaceAndStopsOnRequest)
     Progress progress;
     progress.cancel();
     EXPECT_EQ(
-        build_winding_number(cube_mesh(Vec3::Zero(), 1.0), {.progress = &progress}).error().code,
+        build_winding_number(cube_mesh(Vec3::Zero(), 1.0), {.execution = {.progress = &progress}})
+            .error()
+            .code,
         ErrorCode::cancelled);
 }
 

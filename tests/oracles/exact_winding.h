@@ -3,7 +3,7 @@
 #pragma once
 
 #include "geometry/exact_predicates.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/triangle_mesh.h"
 
 #include <array>
 #include <optional>

@@ -6,8 +6,8 @@
 // of any size. It knows nothing of corners, lines or signs of determinants.
 #pragma once
 
-#include "geometry/shapes.h"
-#include "geometry/view_plane.h"
+#include "proxima/geometry.h"
+#include "proxima/view_volume.h"
 
 #include <array>
 #include <cstddef>

@@ -3,6 +3,8 @@
 // (Caratheodory). Degenerate triangles are no special case.
 #pragma once
 
+#include "geometry/exact_predicates.h"
+
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "geometry/closest_point.h"
-#include "geometry/shapes.h"
+#include "proxima/geometry.h"
 
 #include <algorithm>
 #include <array>

@@ -1,10 +1,10 @@
 // Convex meshes for the tests: round, flat, thin, random, with coplanar faces and parallel edges.
 #pragma once
 
-#include "mesh/sample_meshes.h"
-#include "mesh/triangle_mesh.h"
-#include "minkowski/convex_hull.h"
 #include "minkowski/drawn_surface.h"
+#include "proxima/convex_polyhedron.h"
+#include "proxima/sample_meshes.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cmath>
 #include <random>

@@ -2,9 +2,9 @@
 #include "thesis/feature_regions.h"
 
 #include "index/lists/region_oracle.h"
-#include "mesh/mesh_report.h"
-#include "minkowski/make_polyhedron.h"
 #include "minkowski/unbounded_sum.h"
+#include "proxima/convex_polyhedron.h"
+#include "proxima/mesh_report.h"
 #include "thesis/convex_meshes.h"
 
 #include <gtest/gtest.h>

@@ -2,10 +2,10 @@
 
 #include "counted_allocations.h"
 #include "geometry/triangle_contact.h"
-#include "mesh/sample_meshes.h"
-#include "octree/build_octree.h"
 #include "octree/nasty_meshes.h"
 #include "octree/small_meshes.h"
+#include "proxima/octree.h"
+#include "proxima/sample_meshes.h"
 
 #include <algorithm>
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 #include "thesis/list_statistics.h"
 
 #include "index/lists/build_proximity_octree.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/sample_meshes.h"
 #include "thesis/thesis_proximity_octree.h"
 
 #include <array>

@@ -2,6 +2,7 @@
 #include "thesis/thesis_proximity_octree.h"
 
 #include "geometry/closest_point.h"
+#include "geometry/exact_predicates.h"
 #include "geometry/triangle_box.h"
 #include "index/lists/region_oracle.h"
 #include "thesis/convex_meshes.h"
@@ -349,8 +350,8 @@ TEST(ThesisLabels, AreTheSameForAnyNumberOfThreads)
 {
     const TriangleMesh mesh = make_sphere(20, 20);
     const Topology topology = *build_topology(mesh);
-    const auto one = built(mesh, topology, {.max_depth = 4, .threads = {1}});
-    const auto four = built(mesh, topology, {.max_depth = 4, .threads = {4}});
+    const auto one = built(mesh, topology, {.max_depth = 4, .execution = {.threads = {1}}});
+    const auto four = built(mesh, topology, {.max_depth = 4, .execution = {.threads = {4}}});
     EXPECT_EQ(one.node_count(), four.node_count());
     EXPECT_EQ(one.reference_count(), four.reference_count());
     std::vector<ThesisCell> cells;
@@ -396,7 +397,8 @@ TEST(ThesisLabels, RefuseWhatIsNoOption)
         EXPECT_EQ(octree.error().code, ErrorCode::invalid_argument);
     }
     const auto small = build_thesis_proximity_octree(
-        make_sphere(20, 20), {.max_depth = 9, .thresholds = {0, 0, 0}, .budget = {20'000'000}});
+        make_sphere(20, 20),
+        {.max_depth = 9, .thresholds = {0, 0, 0}, .execution = {.budget = {20'000'000}}});
     ASSERT_FALSE(small);
     EXPECT_EQ(small.error().code, ErrorCode::budget_exceeded);
 }
@@ -408,7 +410,7 @@ TEST(ThesisLabels, CanBeStoppedAtAnyReport)
         Progress progress;
         progress.cancel_after(reports);
         const auto octree = build_thesis_proximity_octree(
-            mesh, {.max_depth = 3, .threads = {1}, .progress = &progress});
+            mesh, {.max_depth = 3, .execution = {.threads = {1}, .progress = &progress}});
         if (!progress.cancelled()) {
             EXPECT_TRUE(octree);
             EXPECT_GT(reports, 20U);

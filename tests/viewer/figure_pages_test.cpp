@@ -1,6 +1,7 @@
 #include "viewer/figures/figure_pages.h"
 
 #include "folder_test.h"
+#include "proxima/execution.h"
 #include "viewer/scene_shapes.h"
 
 #include <fstream>
@@ -19,7 +20,7 @@ protected:
     std::unique_ptr<Renderer> renderer = make_software_renderer();
 };
 
-Result<FigureContent> two_panels(const FigureContext& /*context*/)
+Result<FigureContent> two_panels(const Execution& /*context*/)
 {
     FigureContent content;
     content.caption = "a < b & c";
@@ -32,7 +33,7 @@ Result<FigureContent> two_panels(const FigureContext& /*context*/)
     return content;
 }
 
-Result<FigureContent> drawing(const FigureContext& /*context*/)
+Result<FigureContent> drawing(const Execution& /*context*/)
 {
     FigureContent content;
     content.caption = "a drawing";
@@ -40,7 +41,7 @@ Result<FigureContent> drawing(const FigureContext& /*context*/)
     return content;
 }
 
-Result<FigureContent> failing(const FigureContext& /*context*/)
+Result<FigureContent> failing(const Execution& /*context*/)
 {
     return fail(ErrorCode::broken_invariant, "no figure");
 }

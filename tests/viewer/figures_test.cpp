@@ -1,5 +1,6 @@
 // Figures of octrees and sums show what they must: their parts against the library and against slow
 // oracles, and the colours of those parts in the picture. What figures there are.
+#include "proxima/execution.h"
 #include "viewer/figure_parts.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/figure_pages.h"
@@ -153,7 +154,7 @@ TEST(Figures, LinesCrossWordsByTheirWidth)
 TEST(Figures, SumsInSpaceShowFacetsByOrigin)
 {
     struct Expectation {
-        Result<FigureContent> (*make)(const FigureContext&);
+        Result<FigureContent> (*make)(const Execution&);
         std::size_t normals;
         int channel; // of the colour that stands out
     };

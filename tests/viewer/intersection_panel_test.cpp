@@ -1,6 +1,6 @@
 // Two meshes that meet, or do not, without a window.
-#include "mesh/mesh_io.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/mesh_io.h"
+#include "proxima/sample_meshes.h"
 #include "query/rays/brute_force.h"
 #include "viewer/shown_viewer.h"
 

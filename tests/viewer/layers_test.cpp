@@ -1,7 +1,7 @@
 // Layers: moved, cut and coloured alike by OpenGL and in one flat scene; uploaded once.
 #include "base/text.h"
 #include "folder_test.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/sample_meshes.h"
 #include "viewer/layers.h"
 #include "viewer/layers_glb.h"
 #include "viewer/renderer.h"

@@ -1,5 +1,6 @@
 // Cones of features, held against a search over all features of the mesh.
-#include "mesh/sample_meshes.h"
+#include "geometry/exact_predicates.h"
+#include "proxima/sample_meshes.h"
 #include "query/closest/brute_force.h"
 #include "viewer/panels/local_cone.h"
 

@@ -1,5 +1,5 @@
 // What is wrong with a model, drawn and counted.
-#include "mesh/mesh_io.h"
+#include "proxima/mesh_io.h"
 #include "viewer/shown_viewer.h"
 
 #include <filesystem>

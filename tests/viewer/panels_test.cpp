@@ -1,6 +1,5 @@
 // What panels show without a window, held against slow oracles.
-#include "octree/build_octree.h"
-#include "octree/statistics.h"
+#include "proxima/octree.h"
 #include "query/closest/brute_force.h"
 #include "viewer/shown_viewer.h"
 

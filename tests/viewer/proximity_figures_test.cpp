@@ -1,4 +1,5 @@
 // Figures of Voronoi regions and proximity octrees show what they must.
+#include "proxima/execution.h"
 #include "query/closest/brute_force.h"
 #include "viewer/figure_parts.h"
 #include "viewer/figures/voronoi_figures.h"
@@ -41,7 +42,7 @@ TEST(ProximityFigures, ListedCellsAreThoseThatTheRegionMeets)
 TEST(ProximityFigures, VoronoiRegionsAreBoundedByTheirPlanes)
 {
     struct Expectation {
-        Result<FigureContent> (*make)(const FigureContext&);
+        Result<FigureContent> (*make)(const Execution&);
         std::size_t planes;
         std::size_t rays;
     };

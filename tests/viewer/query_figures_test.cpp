@@ -1,6 +1,6 @@
 // Figures of queries show what those answer, and what slow oracles do.
 #include "index/build_mesh_index.h"
-#include "octree/traverse.h"
+#include "proxima/octree.h"
 #include "query/closest/brute_force.h"
 #include "query/contact/intersect_meshes.h"
 #include "viewer/figure_parts.h"

@@ -1,6 +1,6 @@
 // Voronoi regions as far as they are true, held against distances to all features of the mesh.
 #include "index/lists/build_proximity_octree.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/sample_meshes.h"
 #include "query/closest/brute_force.h"
 #include "viewer/panels/region_shape.h"
 

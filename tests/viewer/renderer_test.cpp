@@ -1,6 +1,6 @@
 #include "viewer/renderer.h"
 
-#include "mesh/sample_meshes.h"
+#include "proxima/sample_meshes.h"
 #include "viewer/scene_shapes.h"
 
 #include <gtest/gtest.h>

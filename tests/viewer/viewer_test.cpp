@@ -79,7 +79,7 @@ TEST(Viewer, LoadingIsWatchedAndStopped)
 
 TEST(Viewer, RefusesWhatIsBeyondItsMemory)
 {
-    Viewer viewer({.budget = {20'000'000}});
+    Viewer viewer({.execution = {.budget = {20'000'000}}});
     viewer.open({"icosphere:4"}); // 5,120 triangles
     const Status small = viewer.finish();
     ASSERT_TRUE(small) << describe(small.error());

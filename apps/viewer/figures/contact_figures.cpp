@@ -1,6 +1,7 @@
 // Figures 5.2 and 5.4: what lies near a cursor, and where two meshes meet.
-#include "mesh/sample_meshes.h"
-#include "octree/build_octree.h"
+#include "proxima/execution.h"
+#include "proxima/octree.h"
+#include "proxima/sample_meshes.h"
 #include "query/neighbourhood/neighbourhood.h"
 #include "thesis/thesis_closest.h"
 #include "viewer/figures/figure_colors.h"
@@ -38,13 +39,14 @@ Vec3 place_above_a_triangle(const TriangleMesh& mesh)
 
 } // namespace
 
-Result<TouchedPlace> touched_place(const FigureContext& context)
+Result<TouchedPlace> touched_place(const Execution& context)
 {
     TriangleMesh mesh = make_sphere(20, 24);
-    const auto topology = build_topology(mesh, {.threads = context.threads});
+    const auto topology = build_topology(mesh, {.execution = {.threads = context.threads}});
     if (!topology) return tl::unexpected(topology.error());
     const auto octree = build_thesis_proximity_octree(
-        mesh, *topology, {.max_depth = 4, .thresholds = {4, 6, 6}, .threads = context.threads});
+        mesh, *topology,
+        {.max_depth = 4, .thresholds = {4, 6, 6}, .execution = {.threads = context.threads}});
     if (!octree) return tl::unexpected(octree.error());
     const Vec3 cursor = place_above_a_triangle(mesh);
     const auto cell = octree->locate(cursor);
@@ -60,7 +62,7 @@ Result<TouchedPlace> touched_place(const FigureContext& context)
     return TouchedPlace{std::move(mesh), cursor, *closest, std::move(rings), octree->box(*cell)};
 }
 
-Result<FigureContent> figure_5_2(const FigureContext& context)
+Result<FigureContent> figure_5_2(const Execution& context)
 {
     const auto touched = touched_place(context);
     if (!touched) return tl::unexpected(touched.error());
@@ -95,11 +97,10 @@ Result<FigureContent> figure_5_2(const FigureContext& context)
     return content;
 }
 
-Result<MeetingSpheres> meeting_spheres(const FigureContext& context)
+Result<MeetingSpheres> meeting_spheres(const Execution& context)
 {
     TriangleMesh a = make_sphere(30, 30);
-    const OctreeOptions options = {
-        .max_depth = 4, .threshold = 4, .threads = context.threads, .progress = context.progress};
+    const OctreeOptions options = {.max_depth = 4, .threshold = 4, .execution = context};
     auto octree = build_octree(a, options);
     if (!octree) return tl::unexpected(octree.error());
     RigidTransform pose;
@@ -116,7 +117,7 @@ Result<MeetingSpheres> meeting_spheres(const FigureContext& context)
                           std::move(leaves), std::move(candidates)};
 }
 
-Result<FigureContent> figure_5_4(const FigureContext& context)
+Result<FigureContent> figure_5_4(const Execution& context)
 {
     const auto spheres = meeting_spheres(context);
     if (!spheres) return tl::unexpected(spheres.error());

@@ -1,7 +1,8 @@
 // Figures 5.7 and 5.8: culling by a view volume.
-#include "mesh/sample_meshes.h"
-#include "mesh/sub_mesh.h"
-#include "octree/build_octree.h"
+#include "proxima/execution.h"
+#include "proxima/mesh_repair.h"
+#include "proxima/octree.h"
+#include "proxima/sample_meshes.h"
 #include "query/culling/cull_cells.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/query_figures.h"
@@ -50,14 +51,11 @@ std::string culling_words(const CulledShip& ship)
 
 } // namespace
 
-Result<CulledShip> culled_ship(const FigureContext& context)
+Result<CulledShip> culled_ship(const Execution& context)
 {
-    auto mesh = make_spaceship(33000, {.progress = context.progress});
+    auto mesh = make_spaceship(33000, {.execution = {.progress = context.progress}});
     if (!mesh) return tl::unexpected(mesh.error());
-    auto octree = build_octree(*mesh, {.max_depth = 5,
-                                       .threshold = 40,
-                                       .threads = context.threads,
-                                       .progress = context.progress});
+    auto octree = build_octree(*mesh, {.max_depth = 5, .threshold = 40, .execution = context});
     if (!octree) return tl::unexpected(octree.error());
     const PerspectiveCamera camera = {.eye = Vec3(0.6, -2.2, 0.9),
                                       .forward = Vec3(-0.12, 0.95, -0.33),
@@ -81,7 +79,7 @@ Result<CulledShip> culled_ship(const FigureContext& context)
     return ship;
 }
 
-Result<FigureContent> figure_5_7(const FigureContext& context)
+Result<FigureContent> figure_5_7(const Execution& context)
 {
     const auto ship = culled_ship(context);
     if (!ship) return tl::unexpected(ship.error());
@@ -95,7 +93,7 @@ Result<FigureContent> figure_5_7(const FigureContext& context)
     return content;
 }
 
-Result<FigureContent> figure_5_8(const FigureContext& context)
+Result<FigureContent> figure_5_8(const Execution& context)
 {
     const auto ship = culled_ship(context);
     if (!ship) return tl::unexpected(ship.error());

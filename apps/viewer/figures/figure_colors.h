@@ -2,7 +2,7 @@
 // thesis has them.
 #pragma once
 
-#include "octree/octree.h"
+#include "proxima/octree.h"
 
 namespace proxima::figure_colors {
 

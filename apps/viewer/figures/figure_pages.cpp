@@ -1,6 +1,7 @@
 #include "viewer/figures/figure_pages.h"
 
 #include "cli/stopwatch.h"
+#include "proxima/execution.h"
 #include "viewer/figures/figure_colors.h"
 
 #include <algorithm>
@@ -96,7 +97,7 @@ std::string figure_file_stem(std::string_view number)
 
 Result<FigurePage> write_figure_page(const ThesisFigure& figure,
                                      const std::filesystem::path& folder, Renderer& renderer,
-                                     const FigureContext& context)
+                                     const Execution& context)
 {
     const Stopwatch watch;
     const auto content = figure.make(context);

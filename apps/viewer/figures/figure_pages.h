@@ -1,8 +1,8 @@
 // Figures as files: pictures, drawings, and the sheet that shows all of them.
 #pragma once
 
-#include "base/progress.h"
-#include "base/result.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
 #include "viewer/figures/thesis_figure.h"
 #include "viewer/renderer.h"
 
@@ -32,8 +32,7 @@ struct FigurePage {
 /// Errors: what making and drawing it say, file_not_writable, cancelled.
 [[nodiscard]] Result<FigurePage> write_figure_page(const ThesisFigure& figure,
                                                    const std::filesystem::path& folder,
-                                                   Renderer& renderer,
-                                                   const FigureContext& context);
+                                                   Renderer& renderer, const Execution& context);
 
 /// An HTML page of pictures, captions, the command that makes each, and what is missing.
 [[nodiscard]] std::string figure_sheet(std::span<const FigurePage> pages,

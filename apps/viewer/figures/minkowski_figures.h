@@ -1,8 +1,9 @@
 // Figures of thesis chapter 3: Minkowski sums in the plane and in space.
 #pragma once
 
-#include "minkowski/minkowski_sum.h"
 #include "minkowski/planar_sum.h"
+#include "proxima/execution.h"
+#include "proxima/minkowski_sum.h"
 #include "viewer/figures/thesis_figure.h"
 
 #include <array>
@@ -21,20 +22,20 @@ namespace proxima {
 /// The sum of figures 3.7 to 3.11: A a cube, B an octahedron.
 [[nodiscard]] Result<MinkowskiSum> explained_sum();
 
-[[nodiscard]] Result<FigureContent> figure_3_1(const FigureContext& context);
-[[nodiscard]] Result<FigureContent> figure_3_2(const FigureContext& context);
-[[nodiscard]] Result<FigureContent> figure_3_3(const FigureContext& context);
-[[nodiscard]] Result<FigureContent> figure_3_4(const FigureContext& context);
-[[nodiscard]] Result<FigureContent> figure_3_5(const FigureContext& context);
-[[nodiscard]] Result<FigureContent> figure_3_6(const FigureContext& context);
-[[nodiscard]] Result<FigureContent> figure_3_7(const FigureContext& context);
-[[nodiscard]] Result<FigureContent> figure_3_8(const FigureContext& context);
-[[nodiscard]] Result<FigureContent> figure_3_9(const FigureContext& context);
-[[nodiscard]] Result<FigureContent> figure_3_10(const FigureContext& context);
-[[nodiscard]] Result<FigureContent> figure_3_11(const FigureContext& context);
-[[nodiscard]] Result<FigureContent> figure_3_12(const FigureContext& context);
-[[nodiscard]] Result<FigureContent> figure_3_13(const FigureContext& context);
-[[nodiscard]] Result<FigureContent> figure_3_14(const FigureContext& context);
-[[nodiscard]] Result<FigureContent> figure_3_15(const FigureContext& context);
+[[nodiscard]] Result<FigureContent> figure_3_1(const Execution& context);
+[[nodiscard]] Result<FigureContent> figure_3_2(const Execution& context);
+[[nodiscard]] Result<FigureContent> figure_3_3(const Execution& context);
+[[nodiscard]] Result<FigureContent> figure_3_4(const Execution& context);
+[[nodiscard]] Result<FigureContent> figure_3_5(const Execution& context);
+[[nodiscard]] Result<FigureContent> figure_3_6(const Execution& context);
+[[nodiscard]] Result<FigureContent> figure_3_7(const Execution& context);
+[[nodiscard]] Result<FigureContent> figure_3_8(const Execution& context);
+[[nodiscard]] Result<FigureContent> figure_3_9(const Execution& context);
+[[nodiscard]] Result<FigureContent> figure_3_10(const Execution& context);
+[[nodiscard]] Result<FigureContent> figure_3_11(const Execution& context);
+[[nodiscard]] Result<FigureContent> figure_3_12(const Execution& context);
+[[nodiscard]] Result<FigureContent> figure_3_13(const Execution& context);
+[[nodiscard]] Result<FigureContent> figure_3_14(const Execution& context);
+[[nodiscard]] Result<FigureContent> figure_3_15(const Execution& context);
 
 } // namespace proxima

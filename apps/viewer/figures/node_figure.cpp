@@ -1,7 +1,7 @@
 // Figure 2.5: the octree as a data structure, drawn from one that was built.
-#include "mesh/sample_meshes.h"
-#include "octree/build_octree.h"
-#include "octree/statistics.h"
+#include "proxima/execution.h"
+#include "proxima/octree.h"
+#include "proxima/sample_meshes.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/octree_figures.h"
 
@@ -113,13 +113,13 @@ std::optional<int> leaf_of_type(const Octree& octree, const Cell& cell, CellClas
 
 } // namespace
 
-Result<FigureContent> figure_2_5(const FigureContext& context)
+Result<FigureContent> figure_2_5(const Execution& context)
 {
     // No cell has both inner and outer children, as all eight meet in its middle: two are opened.
     const TriangleMesh mesh = make_icosphere(2);
     const OctreeFrame root_frame = {Vec3::Constant(-1.2), Vec3::Constant(2.8)};
-    const auto octree =
-        build_octree(mesh, {.max_depth = 2, .root = root_frame, .threads = context.threads});
+    const auto octree = build_octree(
+        mesh, {.max_depth = 2, .root = root_frame, .execution = {.threads = context.threads}});
     if (!octree) return tl::unexpected(octree.error());
     const Cell root = octree->root();
     const std::array opened = {octree->child(root, 0), octree->child(root, 7)};

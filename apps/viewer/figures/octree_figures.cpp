@@ -2,11 +2,11 @@
 #include "viewer/figures/octree_figures.h"
 
 #include "cli/octree_picture.h"
-#include "mesh/mesh_io.h"
-#include "mesh/sample_meshes.h"
-#include "octree/build_octree.h"
 #include "octree/leaf_boxes.h"
-#include "octree/statistics.h"
+#include "proxima/execution.h"
+#include "proxima/mesh_io.h"
+#include "proxima/octree.h"
+#include "proxima/sample_meshes.h"
 
 #include <array>
 #include <filesystem>
@@ -19,17 +19,17 @@ constexpr ViewSize panel_size = {.width = 720, .height = 600};
 constexpr ViewSize flat_panel = {.width = 720, .height = 460}; // for what is wide and low
 
 Result<PicturePanel> picture_of(const Octree& octree, const TriangleMesh& mesh, std::string title,
-                                PictureOptions options, const FigureContext& context)
+                                PictureOptions options, const Execution& context)
 {
-    options.progress = context.progress;
+    options.execution.progress = context.progress;
     auto image = draw_octree(octree, mesh, options);
     if (!image) return tl::unexpected(image.error());
     return PicturePanel{std::move(title), std::move(*image)};
 }
 
-OctreeOptions options_for(int depth, const FigureContext& context)
+OctreeOptions options_for(int depth, const Execution& context)
 {
-    return {.max_depth = depth, .threads = context.threads, .progress = context.progress};
+    return {.max_depth = depth, .execution = context};
 }
 
 /// "1 cell", "9 cells".
@@ -39,7 +39,7 @@ std::string counted(std::uint64_t count, const char* one, const char* more)
 }
 
 /// What holds the leaves that hold triangles.
-Result<Box> box_of_leaves(const Octree& octree, const FigureContext& context)
+Result<Box> box_of_leaves(const Octree& octree, const Execution& context)
 {
     const auto leaves = leaf_boxes(octree, LeafChoice::boundary, context.progress);
     if (!leaves) return tl::unexpected(leaves.error());
@@ -53,8 +53,7 @@ Result<Box> box_of_leaves(const Octree& octree, const FigureContext& context)
 
 /// A panel for each depth, all seen from one place, and what the leaves are in words.
 Result<std::string> add_depths(FigureContent& content, const TriangleMesh& mesh,
-                               std::span<const int> depths, ViewSize size,
-                               const FigureContext& context)
+                               std::span<const int> depths, ViewSize size, const Execution& context)
 {
     std::string counts;
     PictureOptions options = {.width = size.width, .height = size.height, .up = UpAxis::z};
@@ -102,27 +101,27 @@ struct LoadedModel {
     UpAxis up = UpAxis::z;
 };
 
-Result<LoadedModel> load(const BenchmarkModel& model, const FigureContext& context)
+Result<LoadedModel> load(const BenchmarkModel& model, const Execution& context)
 {
     std::error_code error;
     const std::filesystem::path file = model.file;
     if (!file.empty() && std::filesystem::exists(file, error)) {
-        auto mesh = read_mesh(file, {.progress = context.progress});
+        auto mesh = read_mesh(file, {.execution = {.progress = context.progress}});
         if (mesh) return LoadedModel{file.filename().string(), std::move(*mesh), UpAxis::y};
         // Without assimp there is no 3DS: the stand-in is shown then too.
         if (mesh.error().code != ErrorCode::unsupported_format) return tl::unexpected(mesh.error());
     }
-    auto mesh = sample_mesh(model.stand_in, {.progress = context.progress});
+    auto mesh = sample_mesh(model.stand_in, {.execution = {.progress = context.progress}});
     if (!mesh) return tl::unexpected(mesh.error());
     return LoadedModel{model.stand_in, std::move(*mesh), UpAxis::z};
 }
 
 } // namespace
 
-Result<FigureContent> figure_2_6(const FigureContext& context)
+Result<FigureContent> figure_2_6(const Execution& context)
 {
     constexpr std::array depths = {0, 1, 2, 3, 4, 5};
-    const auto mesh = sample_mesh("sphere:100x100", {.progress = context.progress});
+    const auto mesh = sample_mesh("sphere:100x100", {.execution = {.progress = context.progress}});
     if (!mesh) return tl::unexpected(mesh.error());
     FigureContent content;
     const auto counts = add_depths(content, *mesh, depths, panel_size, context);
@@ -135,7 +134,7 @@ Result<FigureContent> figure_2_6(const FigureContext& context)
     return content;
 }
 
-Result<FigureContent> figure_2_7(const FigureContext& context)
+Result<FigureContent> figure_2_7(const Execution& context)
 {
     FigureContent content;
     content.columns = 2;
@@ -172,10 +171,10 @@ Result<FigureContent> figure_2_7(const FigureContext& context)
     return content;
 }
 
-Result<FigureContent> figure_3_16(const FigureContext& context)
+Result<FigureContent> figure_3_16(const Execution& context)
 {
     constexpr std::array depths = {3, 4, 5, 6};
-    const auto mesh = make_spaceship(33000, {.progress = context.progress});
+    const auto mesh = make_spaceship(33000, {.execution = {.progress = context.progress}});
     if (!mesh) return tl::unexpected(mesh.error());
     FigureContent content;
     content.columns = 2;

@@ -1,6 +1,7 @@
 // Figures of thesis chapter 2 and 3.16: quadtrees and octrees.
 #pragma once
 
+#include "proxima/execution.h"
 #include "viewer/figures/quadtree.h"
 #include "viewer/figures/thesis_figure.h"
 
@@ -19,11 +20,11 @@ struct CurveQuadtree {
 /// The quadtree of a circle of 96 edges.
 [[nodiscard]] Result<CurveQuadtree> circle_quadtree(int depth, Subdivision subdivision);
 
-[[nodiscard]] Result<FigureContent> figure_2_3(const FigureContext& context);
-[[nodiscard]] Result<FigureContent> figure_2_4(const FigureContext& context);
-[[nodiscard]] Result<FigureContent> figure_2_5(const FigureContext& context);
-[[nodiscard]] Result<FigureContent> figure_2_6(const FigureContext& context);
-[[nodiscard]] Result<FigureContent> figure_2_7(const FigureContext& context);
-[[nodiscard]] Result<FigureContent> figure_3_16(const FigureContext& context);
+[[nodiscard]] Result<FigureContent> figure_2_3(const Execution& context);
+[[nodiscard]] Result<FigureContent> figure_2_4(const Execution& context);
+[[nodiscard]] Result<FigureContent> figure_2_5(const Execution& context);
+[[nodiscard]] Result<FigureContent> figure_2_6(const Execution& context);
+[[nodiscard]] Result<FigureContent> figure_2_7(const Execution& context);
+[[nodiscard]] Result<FigureContent> figure_3_16(const Execution& context);
 
 } // namespace proxima

@@ -1,4 +1,5 @@
 // Figures 3.1 to 3.6: the Minkowski sum of a triangle and a rectangle by pushing lines.
+#include "proxima/execution.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/minkowski_figures.h"
 #include "viewer/figures/planar_panel.h"
@@ -169,7 +170,7 @@ Result<PlanarSum> explained_planar_sum()
     return planar_sum(*a, *b);
 }
 
-Result<FigureContent> figure_3_1(const FigureContext& /*context*/)
+Result<FigureContent> figure_3_1(const Execution& /*context*/)
 {
     const auto sum = explained_planar_sum();
     if (!sum) return tl::unexpected(sum.error());
@@ -209,7 +210,7 @@ Result<FigureContent> figure_3_1(const FigureContext& /*context*/)
     return content;
 }
 
-Result<FigureContent> figure_3_2(const FigureContext& /*context*/)
+Result<FigureContent> figure_3_2(const Execution& /*context*/)
 {
     const auto sum = explained_planar_sum();
     if (!sum) return tl::unexpected(sum.error());
@@ -231,22 +232,22 @@ Result<FigureContent> figure_3_2(const FigureContext& /*context*/)
     return content;
 }
 
-Result<FigureContent> figure_3_3(const FigureContext& /*context*/)
+Result<FigureContent> figure_3_3(const Execution& /*context*/)
 {
     return pushing_figure(first_triangle_line);
 }
 
-Result<FigureContent> figure_3_4(const FigureContext& /*context*/)
+Result<FigureContent> figure_3_4(const Execution& /*context*/)
 {
     return parallel_figure(FacetOrigin::b);
 }
 
-Result<FigureContent> figure_3_5(const FigureContext& /*context*/)
+Result<FigureContent> figure_3_5(const Execution& /*context*/)
 {
     return pushing_figure(first_rectangle_line);
 }
 
-Result<FigureContent> figure_3_6(const FigureContext& /*context*/)
+Result<FigureContent> figure_3_6(const Execution& /*context*/)
 {
     return parallel_figure(FacetOrigin::a);
 }
@@ -267,7 +268,7 @@ Vec2 number_offset(const PlanarSum& sum, int point)
 
 } // namespace
 
-Result<FigureContent> figure_3_14(const FigureContext& /*context*/)
+Result<FigureContent> figure_3_14(const Execution& /*context*/)
 {
     const auto sum = explained_planar_sum();
     if (!sum) return tl::unexpected(sum.error());

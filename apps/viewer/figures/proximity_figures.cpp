@@ -1,6 +1,7 @@
 // Figures 4.1, 4.2 and 5.3: proximity quadtrees and octrees, and their lists.
 #include "cli/list_histogram.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/execution.h"
+#include "proxima/sample_meshes.h"
 #include "thesis/feature_regions.h"
 #include "thesis/list_statistics.h"
 #include "viewer/figures/figure_colors.h"
@@ -120,7 +121,7 @@ Result<ProximityQuadtree> proximity_quadtree()
     return ProximityQuadtree{std::move(*polygon), std::move(*leaves), half};
 }
 
-Result<FigureContent> figure_4_1(const FigureContext& /*context*/)
+Result<FigureContent> figure_4_1(const Execution& /*context*/)
 {
     const auto tree = proximity_quadtree();
     if (!tree) return tl::unexpected(tree.error());
@@ -156,14 +157,16 @@ Result<FigureContent> figure_4_1(const FigureContext& /*context*/)
     return content;
 }
 
-Result<ListedFeature> sphere_with_listed_feature(const FigureContext& context)
+Result<ListedFeature> sphere_with_listed_feature(const Execution& context)
 {
     TriangleMesh mesh = make_sphere(12, 16);
-    const auto topology = build_topology(mesh, {.threads = context.threads});
+    const auto topology = build_topology(mesh, {.execution = {.threads = context.threads}});
     if (!topology) return tl::unexpected(topology.error());
-    auto octree = build_thesis_proximity_octree(
-        mesh, *topology,
-        {.max_depth = 4, .thresholds = {6, 12, 8}, .margin = 0.8, .threads = context.threads});
+    auto octree = build_thesis_proximity_octree(mesh, *topology,
+                                                {.max_depth = 4,
+                                                 .thresholds = {6, 12, 8},
+                                                 .margin = 0.8,
+                                                 .execution = {.threads = context.threads}});
     if (!octree) return tl::unexpected(octree.error());
     // A vertex that faces the camera: the cone of its region is seen from the side.
     std::uint32_t best = 0;
@@ -181,7 +184,7 @@ Result<ListedFeature> sphere_with_listed_feature(const FigureContext& context)
     return result;
 }
 
-Result<FigureContent> figure_4_2(const FigureContext& context)
+Result<FigureContent> figure_4_2(const Execution& context)
 {
     const auto shown = sphere_with_listed_feature(context);
     if (!shown) return tl::unexpected(shown.error());
@@ -244,20 +247,18 @@ Result<FigureContent> figure_4_2(const FigureContext& context)
     return content;
 }
 
-Result<FigureContent> figure_5_3(const FigureContext& context)
+Result<FigureContent> figure_5_3(const Execution& context)
 {
     constexpr std::array depths = {2, 3, 4, 5};
-    const auto mesh = sample_mesh("sphere:50x50", {.progress = context.progress});
+    const auto mesh = sample_mesh("sphere:50x50", {.execution = {.progress = context.progress}});
     if (!mesh) return tl::unexpected(mesh.error());
-    const auto topology =
-        build_topology(*mesh, {.threads = context.threads, .progress = context.progress});
+    const auto topology = build_topology(*mesh, {.execution = context});
     if (!topology) return tl::unexpected(topology.error());
     std::vector<HistogramSeries> series;
     std::string means;
     for (const int depth : depths) {
         const auto octree = build_thesis_proximity_octree(
-            *mesh, *topology,
-            {.max_depth = depth, .threads = context.threads, .progress = context.progress});
+            *mesh, *topology, {.max_depth = depth, .execution = context});
         if (!octree) return tl::unexpected(octree.error());
         series.push_back(
             {depth, list_statistics(outer_list_lengths(*octree, circumscribed_sphere(*mesh)))});

@@ -6,10 +6,10 @@
 //     the square around c meets the set       where c lies in that sum
 #pragma once
 
-#include "base/result.h"
-#include "geometry/vec.h"
 #include "minkowski/convex_polygon.h"
-#include "octree/octree.h"
+#include "proxima/geometry.h"
+#include "proxima/octree.h"
+#include "proxima/result.h"
 
 #include <span>
 #include <vector>

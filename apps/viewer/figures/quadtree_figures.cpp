@@ -1,5 +1,6 @@
 // Figures 2.3 and 2.4: the quadtree of a circle, uniform and adaptive.
-#include "mesh/sample_meshes.h"
+#include "proxima/execution.h"
+#include "proxima/sample_meshes.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/octree_figures.h"
 #include "viewer/figures/planar_panel.h"
@@ -107,12 +108,12 @@ Result<CurveQuadtree> circle_quadtree(int depth, Subdivision subdivision)
     return CurveQuadtree{std::move(*curve), std::move(*leaves), depth};
 }
 
-Result<FigureContent> figure_2_3(const FigureContext& /*context*/)
+Result<FigureContent> figure_2_3(const Execution& /*context*/)
 {
     return circle_figure(Subdivision::uniform);
 }
 
-Result<FigureContent> figure_2_4(const FigureContext& /*context*/)
+Result<FigureContent> figure_2_4(const Execution& /*context*/)
 {
     return circle_figure(Subdivision::adaptive);
 }

@@ -2,10 +2,11 @@
 // and culling by a view volume.
 #pragma once
 
-#include "geometry/rigid_transform.h"
-#include "geometry/view_volume.h"
-#include "mesh/triangle_mesh.h"
-#include "octree/octree.h"
+#include "proxima/execution.h"
+#include "proxima/geometry.h"
+#include "proxima/octree.h"
+#include "proxima/triangle_mesh.h"
+#include "proxima/view_volume.h"
 #include "query/closest/closest_feature.h"
 #include "thesis/intersect_octrees.h"
 #include "viewer/figures/thesis_figure.h"
@@ -22,7 +23,7 @@ struct TouchedPlace {
     std::vector<TriangleId> around; ///< that share a vertex with the closest feature, without it
     Box leaf;                       ///< of the proximity octree, that holds the cursor
 };
-[[nodiscard]] Result<TouchedPlace> touched_place(const FigureContext& context);
+[[nodiscard]] Result<TouchedPlace> touched_place(const Execution& context);
 
 /// Figure 5.4: two spheres that reach into each other.
 struct MeetingSpheres {
@@ -34,7 +35,7 @@ struct MeetingSpheres {
     std::vector<LeafPair> leaves;
     CandidateTriangles candidates;
 };
-[[nodiscard]] Result<MeetingSpheres> meeting_spheres(const FigureContext& context);
+[[nodiscard]] Result<MeetingSpheres> meeting_spheres(const Execution& context);
 
 /// Figures 5.7 and 5.8: a mesh, a camera's volume, and the leaves that it sees.
 struct CulledShip {
@@ -45,11 +46,11 @@ struct CulledShip {
     std::vector<Cell> cells;           ///< visible and holding triangles
     std::vector<TriangleId> triangles; ///< that these hold, ascending
 };
-[[nodiscard]] Result<CulledShip> culled_ship(const FigureContext& context);
+[[nodiscard]] Result<CulledShip> culled_ship(const Execution& context);
 
-[[nodiscard]] Result<FigureContent> figure_5_2(const FigureContext& context);
-[[nodiscard]] Result<FigureContent> figure_5_4(const FigureContext& context);
-[[nodiscard]] Result<FigureContent> figure_5_7(const FigureContext& context);
-[[nodiscard]] Result<FigureContent> figure_5_8(const FigureContext& context);
+[[nodiscard]] Result<FigureContent> figure_5_2(const Execution& context);
+[[nodiscard]] Result<FigureContent> figure_5_4(const Execution& context);
+[[nodiscard]] Result<FigureContent> figure_5_7(const Execution& context);
+[[nodiscard]] Result<FigureContent> figure_5_8(const Execution& context);
 
 } // namespace proxima

@@ -1,8 +1,9 @@
 #include "viewer/figures/ray_figures.h"
 
-#include "mesh/sample_meshes.h"
-#include "mesh/sub_mesh.h"
-#include "octree/build_octree.h"
+#include "proxima/execution.h"
+#include "proxima/mesh_repair.h"
+#include "proxima/octree.h"
+#include "proxima/sample_meshes.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/scene_figure.h"
 #include "viewer/query_shapes.h"
@@ -69,7 +70,7 @@ ScenePanel lit_panel(std::string title, const LitCells& lit, const Weight& weigh
 
 } // namespace
 
-Result<LitCells> fully_lit_cells(const FigureContext& context)
+Result<LitCells> fully_lit_cells(const Execution& context)
 {
     // Depth 3: eight cells across [-1, 1]; the ray runs through the middle of a column.
     const Ray ray = {.origin = Vec3(-3, -0.375, 0.125), .direction = Vec3(1, 0, 0)};
@@ -77,22 +78,20 @@ Result<LitCells> fully_lit_cells(const FigureContext& context)
                      {.max_depth = 3,
                       .subdivision = Subdivision::uniform,
                       .root = OctreeFrame{Vec3::Constant(-1), Vec3::Constant(2)},
-                      .threads = context.threads,
-                      .progress = context.progress});
+                      .execution = context});
 }
 
-Result<LitCells> variously_lit_cells(const FigureContext& context)
+Result<LitCells> variously_lit_cells(const Execution& context)
 {
     const Ray ray = {.origin = Vec3(-2.738, -1.524, 0.298), .direction = Vec3(1, 0.49, -0.189)};
     return lit_cells(make_icosphere(3), ray,
                      {.max_depth = 4,
                       .threshold = 4,
                       .root = OctreeFrame{Vec3::Constant(-1), Vec3::Constant(2)},
-                      .threads = context.threads,
-                      .progress = context.progress});
+                      .execution = context});
 }
 
-Result<FigureContent> figure_5_5(const FigureContext& context)
+Result<FigureContent> figure_5_5(const Execution& context)
 {
     const auto lit = fully_lit_cells(context);
     if (!lit) return tl::unexpected(lit.error());
@@ -110,7 +109,7 @@ Result<FigureContent> figure_5_5(const FigureContext& context)
     return content;
 }
 
-Result<FigureContent> figure_5_6(const FigureContext& context)
+Result<FigureContent> figure_5_6(const Execution& context)
 {
     const auto lit = variously_lit_cells(context);
     if (!lit) return tl::unexpected(lit.error());

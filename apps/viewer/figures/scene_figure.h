@@ -1,7 +1,7 @@
 // What figures of scenes have in common.
 #pragma once
 
-#include "minkowski/minkowski_sum.h"
+#include "proxima/minkowski_sum.h"
 #include "viewer/figures/thesis_figure.h"
 #include "viewer/scene_shapes.h"
 

@@ -1,7 +1,8 @@
 // Figures 3.7 to 3.11: the Minkowski sum of a cube and an octahedron, facets by where they come
 // from.
-#include "mesh/sample_meshes.h"
-#include "minkowski/make_polyhedron.h"
+#include "proxima/convex_polyhedron.h"
+#include "proxima/execution.h"
+#include "proxima/sample_meshes.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/minkowski_figures.h"
 #include "viewer/figures/scene_figure.h"
@@ -66,7 +67,7 @@ Result<MinkowskiSum> explained_sum()
     return minkowski_sum(*cube, *octahedron);
 }
 
-Result<FigureContent> figure_3_7(const FigureContext& /*context*/)
+Result<FigureContent> figure_3_7(const Execution& /*context*/)
 {
     const auto sum = explained_sum();
     if (!sum) return tl::unexpected(sum.error());
@@ -86,22 +87,22 @@ Result<FigureContent> figure_3_7(const FigureContext& /*context*/)
     return content;
 }
 
-Result<FigureContent> figure_3_8(const FigureContext& /*context*/)
+Result<FigureContent> figure_3_8(const Execution& /*context*/)
 {
     return origin_figure(FacetOrigin::a, "are parallel to facets of the cube A");
 }
 
-Result<FigureContent> figure_3_9(const FigureContext& /*context*/)
+Result<FigureContent> figure_3_9(const Execution& /*context*/)
 {
     return origin_figure(FacetOrigin::b, "are parallel to facets of the octahedron B");
 }
 
-Result<FigureContent> figure_3_10(const FigureContext& /*context*/)
+Result<FigureContent> figure_3_10(const Execution& /*context*/)
 {
     return origin_figure(FacetOrigin::swept, "edges of B sweep out along edges of A");
 }
 
-Result<FigureContent> figure_3_11(const FigureContext& /*context*/)
+Result<FigureContent> figure_3_11(const Execution& /*context*/)
 {
     const auto sum = explained_sum();
     if (!sum) return tl::unexpected(sum.error());

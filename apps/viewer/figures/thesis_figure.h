@@ -1,16 +1,15 @@
 // The figures of the thesis, made anew from what the library computes.
 //
 //     for (const ThesisFigure& figure : thesis_figures()) {
-//         const auto drawn = figure.make({.progress = &progress});     // what it shows
+//         const auto drawn = figure.make({.execution = {.progress = &progress}});     // what it shows
 //         const auto image = figure_picture(*drawn, renderer);         // figure_pages.h
 //     }
 #pragma once
 
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
 #include "cli/figure.h"
 #include "cli/image.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
 #include "viewer/camera.h"
 #include "viewer/scene.h"
 
@@ -47,15 +46,10 @@ struct FigureContent {
     int columns = 3; ///< of panels
 };
 
-struct FigureContext {
-    Threads threads = {};
-    Progress* progress = nullptr;
-};
-
 struct ThesisFigure {
     std::string_view number; ///< "3.14"
     std::string_view title;
-    Result<FigureContent> (*make)(const FigureContext& context) = nullptr;
+    Result<FigureContent> (*make)(const Execution& context) = nullptr;
 };
 
 /// A figure of the thesis that is not made, and why.

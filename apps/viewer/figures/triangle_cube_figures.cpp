@@ -1,6 +1,7 @@
 // Figures 3.12, 3.13 and 3.15: triangles and cubes.
 #include "geometry/triangle_box.h"
-#include "minkowski/make_polyhedron.h"
+#include "proxima/convex_polyhedron.h"
+#include "proxima/execution.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/minkowski_figures.h"
 #include "viewer/figures/scene_figure.h"
@@ -59,7 +60,7 @@ constexpr std::array cube_halves = {0.36, 0.18};
 
 } // namespace
 
-Result<FigureContent> figure_3_12(const FigureContext& /*context*/)
+Result<FigureContent> figure_3_12(const Execution& /*context*/)
 {
     FigureContent content;
     content.columns = 2;
@@ -80,7 +81,7 @@ Result<FigureContent> figure_3_12(const FigureContext& /*context*/)
     return content;
 }
 
-Result<FigureContent> figure_3_13(const FigureContext& /*context*/)
+Result<FigureContent> figure_3_13(const Execution& /*context*/)
 {
     FigureContent content;
     content.columns = 2;
@@ -110,7 +111,7 @@ Result<FigureContent> figure_3_13(const FigureContext& /*context*/)
     return content;
 }
 
-Result<FigureContent> figure_3_15(const FigureContext& /*context*/)
+Result<FigureContent> figure_3_15(const Execution& /*context*/)
 {
     struct Case {
         const char* title;

@@ -1,7 +1,8 @@
 // Figures 4.7 to 4.9: Minkowski sums of unbounded Voronoi regions, cut, summed and opened again.
-#include "minkowski/make_polyhedron.h"
 #include "minkowski/planar_sum.h"
 #include "minkowski/unbounded_sum.h"
+#include "proxima/convex_polyhedron.h"
+#include "proxima/execution.h"
 #include "thesis/feature_regions.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/minkowski_figures.h"
@@ -107,7 +108,7 @@ Box cube_at(const Vec3& center)
 
 } // namespace
 
-Result<FigureContent> figure_4_7(const FigureContext& /*context*/)
+Result<FigureContent> figure_4_7(const Execution& /*context*/)
 {
     const auto sum = cone_and_square();
     if (!sum) return tl::unexpected(sum.error());
@@ -160,7 +161,7 @@ Result<FigureContent> figure_4_7(const FigureContext& /*context*/)
     return content;
 }
 
-Result<FigureContent> figure_4_8(const FigureContext& /*context*/)
+Result<FigureContent> figure_4_8(const Execution& /*context*/)
 {
     const TriangleMesh mesh = make_pyramid();
     const auto topology = build_topology(mesh);
@@ -193,7 +194,7 @@ Result<FigureContent> figure_4_8(const FigureContext& /*context*/)
     return content;
 }
 
-Result<FigureContent> figure_4_9(const FigureContext& /*context*/)
+Result<FigureContent> figure_4_9(const Execution& /*context*/)
 {
     const TriangleMesh mesh = make_pyramid();
     const auto topology = build_topology(mesh);

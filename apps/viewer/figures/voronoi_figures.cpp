@@ -1,7 +1,8 @@
 // Figures 4.3 to 4.6: Voronoi regions of the features of convex bodies.
 #include "viewer/figures/voronoi_figures.h"
 
-#include "mesh/sample_meshes.h"
+#include "proxima/execution.h"
+#include "proxima/sample_meshes.h"
 #include "thesis/feature_regions.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/scene_figure.h"
@@ -123,13 +124,13 @@ TriangleMesh make_pyramid()
         {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}, {0, 2, 1}, {0, 3, 2}});
 }
 
-Result<FigureContent> figure_4_3(const FigureContext& /*context*/)
+Result<FigureContent> figure_4_3(const Execution& /*context*/)
 {
     return pyramid_figure({FeatureKind::face, 0},
                           "the triangle moved along its normal, a prism without an end");
 }
 
-Result<FigureContent> figure_4_4(const FigureContext& /*context*/)
+Result<FigureContent> figure_4_4(const Execution& /*context*/)
 {
     const auto topology = build_topology(make_pyramid());
     if (!topology) return tl::unexpected(topology.error());
@@ -138,13 +139,13 @@ Result<FigureContent> figure_4_4(const FigureContext& /*context*/)
                           "a wedge between the regions of its two triangles");
 }
 
-Result<FigureContent> figure_4_5(const FigureContext& /*context*/)
+Result<FigureContent> figure_4_5(const Execution& /*context*/)
 {
     return pyramid_figure({FeatureKind::vertex, 4},
                           "a cone between the regions of the edges that meet there");
 }
 
-Result<FigureContent> figure_4_6(const FigureContext& /*context*/)
+Result<FigureContent> figure_4_6(const Execution& /*context*/)
 {
     struct Body {
         const char* name;

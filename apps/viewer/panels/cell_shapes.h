@@ -2,7 +2,7 @@
 #pragma once
 
 #include "octree/leaf_boxes.h"
-#include "octree/octree.h"
+#include "proxima/octree.h"
 #include "viewer/scene_shapes.h"
 
 #include <span>

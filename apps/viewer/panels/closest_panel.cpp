@@ -1,4 +1,5 @@
 // The feature of a model closest to a cursor, its neighbours, and the leaf that knew: figure 5.2.
+#include "proxima/execution.h"
 #include "query/closest/closest_feature.h"
 #include "query/neighbourhood/neighbourhood.h"
 #include "viewer/figures/figure_colors.h"
@@ -95,7 +96,7 @@ public:
     [[nodiscard]] PanelTask task(const ViewModels& models) const override
     {
         return [models, model = model(), settings = settings_,
-                proximity = proximity_](const WorkContext& context) -> Result<PanelPicture> {
+                proximity = proximity_](const Execution& context) -> Result<PanelPicture> {
             const auto octree = proximity_of(*proximity, model, context);
             if (!octree) return tl::unexpected(octree.error());
             QuerySteps steps;

@@ -1,5 +1,6 @@
 // Culling by the volume of a second camera: figures 5.7 and 5.8.
-#include "geometry/view_volume.h"
+#include "proxima/execution.h"
+#include "proxima/view_volume.h"
 #include "query/culling/cull_cells.h"
 #include "query/culling/cull_volume.h"
 #include "viewer/figures/figure_colors.h"
@@ -97,7 +98,7 @@ public:
     [[nodiscard]] PanelTask task(const ViewModels& models) const override
     {
         return [models, model = model(), settings = settings_,
-                kept = kept_](const WorkContext& context) -> Result<PanelPicture> {
+                kept = kept_](const Execution& context) -> Result<PanelPicture> {
             const auto octree = octree_of(*kept, settings.octree, *model, context);
             if (!octree) return tl::unexpected(octree.error());
             const PerspectiveCamera camera = second_camera(settings, *model);

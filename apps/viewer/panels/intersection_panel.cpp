@@ -1,5 +1,6 @@
 // Two meshes, one of them moved: leaves that meet, their triangles, and the contour: figure 5.4.
 #include "index/slabs/build_distance_index.h"
+#include "proxima/execution.h"
 #include "query/contact/containment.h"
 #include "query/contact/intersect_meshes.h"
 #include "query/contact/intersection_contour.h"
@@ -66,16 +67,16 @@ Vec3 first_place(const IntersectionSettings& settings, const ViewModel& a, const
 class Separation {
 public:
     [[nodiscard]] Status add(PanelPicture& picture, const ViewModel& a, const ViewModel& b,
-                             const RigidTransform& pose, const WorkContext& context)
+                             const RigidTransform& pose, const Execution& context)
     {
         const auto sides = sides_.get(0, [&]() -> Result<Sides> {
-            auto near_a = build_distance_index(a.rays, {context.budget, context.threads});
+            auto near_a = build_distance_index(a.rays, {.execution = context});
             if (!near_a) return tl::unexpected(near_a.error());
-            auto near_b = build_distance_index(b.rays, {context.budget, context.threads});
+            auto near_b = build_distance_index(b.rays, {.execution = context});
             if (!near_b) return tl::unexpected(near_b.error());
-            auto round_a = build_enclosure(a.mesh, {context.threads, context.progress});
+            auto round_a = build_enclosure(a.mesh, {.execution = context});
             if (!round_a) return tl::unexpected(round_a.error());
-            auto round_b = build_enclosure(b.mesh, {context.threads, context.progress});
+            auto round_b = build_enclosure(b.mesh, {.execution = context});
             if (!round_b) return tl::unexpected(round_b.error());
             return Sides{std::move(*near_a), std::move(*near_b), std::move(*round_a),
                          std::move(*round_b)};
@@ -172,7 +173,7 @@ public:
     {
         return [a = models.front(), b = second_of(models), settings = settings_, kept_a = kept_a_,
                 kept_b = kept_b_,
-                separation = separation_](const WorkContext& context) -> Result<PanelPicture> {
+                separation = separation_](const Execution& context) -> Result<PanelPicture> {
             const OctreeChoice choice = {1, settings.depth, settings.threshold};
             const auto octree_a = octree_of(*kept_a, choice, *a, context);
             if (!octree_a) return tl::unexpected(octree_a.error());

@@ -2,7 +2,7 @@
 
 #include "base/text.h"
 #include "geometry/exact_predicates.h"
-#include "geometry/shapes.h"
+#include "proxima/geometry.h"
 
 #include <algorithm>
 #include <cmath>

@@ -10,10 +10,9 @@
 //     outside                behind
 #pragma once
 
-#include "base/result.h"
-#include "mesh/feature.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/result.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cstdint>
 #include <vector>

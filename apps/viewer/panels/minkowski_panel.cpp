@@ -1,7 +1,8 @@
 // The Minkowski sum of two convex bodies: facets by where they come from, and B growing from
 // nothing, which pushes the planes of A outward: chapter 3.
-#include "mesh/sample_meshes.h"
-#include "minkowski/make_polyhedron.h"
+#include "proxima/convex_polyhedron.h"
+#include "proxima/execution.h"
+#include "proxima/sample_meshes.h"
 #include "viewer/figures/scene_figure.h"
 #include "viewer/panels/panels.h"
 #include "viewer/query_shapes.h"
@@ -64,13 +65,13 @@ Result<ConvexPolyhedron> make_body(Body body, const ViewModel& model)
 }
 
 Result<MinkowskiSum> make_sum(const SumChoice& bodies, const ViewModel& model,
-                              const WorkContext& context)
+                              const Execution& context)
 {
     const auto a = make_body(bodies.a, model);
     if (!a) return tl::unexpected(a.error());
     const auto b = make_body(bodies.b, model);
     if (!b) return tl::unexpected(b.error());
-    return minkowski_sum(*a, *b, {.progress = context.progress});
+    return minkowski_sum(*a, *b, {.execution = {.progress = context.progress}});
 }
 
 const EdgeStyle sum_edges = {.name = "edges", .color = srgb(0x333333), .width = 1.6};
@@ -143,7 +144,7 @@ public:
     [[nodiscard]] PanelTask task(const ViewModels& models) const override
     {
         return [model = models.front(), settings = settings_,
-                kept = kept_](const WorkContext& context) -> Result<PanelPicture> {
+                kept = kept_](const Execution& context) -> Result<PanelPicture> {
             const auto made = kept->get(settings.bodies,
                                         [&] { return make_sum(settings.bodies, *model, context); });
             if (!made) return tl::unexpected(made.error());

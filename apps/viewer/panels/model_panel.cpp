@@ -1,6 +1,7 @@
 // The models as they are: surface, edges, and what is wrong with them.
 #include "base/text.h"
-#include "mesh/mesh_report.h"
+#include "proxima/execution.h"
+#include "proxima/mesh_report.h"
 #include "viewer/panels/panels.h"
 
 #include <algorithm>
@@ -97,7 +98,7 @@ struct Reports {
     std::shared_ptr<const Scene> flaws;
 };
 
-Result<Reports> report(const ViewModels& models, const WorkContext& context)
+Result<Reports> report(const ViewModels& models, const Execution& context)
 {
     Reports reports;
     auto flaws = std::make_shared<Scene>();
@@ -108,9 +109,7 @@ Result<Reports> report(const ViewModels& models, const WorkContext& context)
         facts.push_back({"triangles", concat(model->mesh.triangle_count())});
         facts.push_back({"vertices", concat(model->mesh.vertex_count())});
         facts.push_back({"edges", concat(model->topology.edge_count())});
-        const auto found = report_mesh(
-            model->mesh,
-            {.threads = context.threads, .budget = context.budget, .progress = context.progress});
+        const auto found = report_mesh(model->mesh, {.execution = context});
         if (!found) return tl::unexpected(found.error());
         for (const MeshFinding& finding : found->findings)
             facts.push_back({words_for(finding.kind), count_of(finding)});
@@ -144,7 +143,7 @@ public:
     [[nodiscard]] PanelTask task(const ViewModels& models) const override
     {
         return [models, settings = settings_,
-                reports = reports_](const WorkContext& context) -> Result<PanelPicture> {
+                reports = reports_](const Execution& context) -> Result<PanelPicture> {
             PanelPicture picture;
             picture.layers =
                 model_layers(models, settings.smooth ? Smoothing::smooth : Smoothing::flat);

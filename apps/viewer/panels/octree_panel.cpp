@@ -1,8 +1,8 @@
 // The octree of a model: its cells by depth, class or count, cut open by a plane.
 #include "base/text.h"
 #include "cli/names.h"
-#include "octree/build_octree.h"
-#include "octree/statistics.h"
+#include "proxima/execution.h"
+#include "proxima/octree.h"
 #include "viewer/panels/cell_shapes.h"
 #include "viewer/panels/panels.h"
 
@@ -51,16 +51,14 @@ struct BuiltOctree {
 };
 
 Result<BuiltOctree> build(const ViewModel& model, const BuildSettings& settings,
-                          const WorkContext& context)
+                          const Execution& context)
 {
     const OctreeOptions options = {.max_depth = settings.depth,
                                    .threshold = static_cast<std::uint32_t>(settings.threshold),
                                    .method = all_methods[settings.method],
                                    .subdivision = settings.subdivision,
                                    .root_shape = settings.root,
-                                   .budget = context.budget,
-                                   .threads = context.threads,
-                                   .progress = context.progress};
+                                   .execution = context};
     const auto begin = std::chrono::steady_clock::now();
     auto octree = settings.two_pass ? build_octree_two_pass(model.mesh, options)
                                     : build_octree(model.mesh, options);
@@ -234,7 +232,7 @@ public:
     {
         const auto model = models[static_cast<std::size_t>(settings_.build.model - 1)];
         return [model, settings = settings_,
-                kept = kept_](const WorkContext& context) -> Result<PanelPicture> {
+                kept = kept_](const Execution& context) -> Result<PanelPicture> {
             const auto built =
                 kept->get(settings.build, [&] { return build(*model, settings.build, context); });
             if (!built) return tl::unexpected(built.error());

@@ -1,5 +1,6 @@
 // A ray through an octree: the cells along it, lit by their weights, and what it hits: figures 5.5
 // and 5.6.
+#include "proxima/execution.h"
 #include "query/rays/cast_ray.h"
 #include "query/rays/cells_along_ray.h"
 #include "viewer/figures/figure_colors.h"
@@ -105,7 +106,7 @@ public:
     [[nodiscard]] PanelTask task(const ViewModels& models) const override
     {
         return [models, model = model(), settings = settings_,
-                kept = kept_](const WorkContext& context) -> Result<PanelPicture> {
+                kept = kept_](const Execution& context) -> Result<PanelPicture> {
             const auto octree = octree_of(*kept, settings.octree, *model, context);
             if (!octree) return tl::unexpected(octree.error());
             const Ray ray = {.origin = settings.from.at,

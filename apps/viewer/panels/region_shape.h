@@ -14,8 +14,8 @@
 // ways there is none.
 #pragma once
 
-#include "base/result.h"
 #include "index/lists/proximity_octree.h"
+#include "proxima/result.h"
 #include "viewer/panels/local_cone.h"
 #include "viewer/scene.h"
 #include "viewer/view_models.h"

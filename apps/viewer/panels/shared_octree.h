@@ -1,7 +1,8 @@
 // The octree that a query panel asks: depth and threshold as settings, built when they change.
 #pragma once
 
-#include "octree/build_octree.h"
+#include "proxima/execution.h"
+#include "proxima/octree.h"
 #include "viewer/panel.h"
 
 #include <algorithm>
@@ -28,14 +29,12 @@ using KeptOctree = Kept<OctreeChoice, Octree>;
 [[nodiscard]] inline Result<std::shared_ptr<const Octree>> octree_of(KeptOctree& kept,
                                                                      const OctreeChoice& choice,
                                                                      const ViewModel& model,
-                                                                     const WorkContext& context)
+                                                                     const Execution& context)
 {
     return kept.get(choice, [&] {
         return build_octree(model.mesh, {.max_depth = choice.depth,
                                          .threshold = static_cast<std::uint32_t>(choice.threshold),
-                                         .budget = context.budget,
-                                         .threads = context.threads,
-                                         .progress = context.progress});
+                                         .execution = context});
     });
 }
 

@@ -2,6 +2,7 @@
 
 #include "base/text.h"
 #include "index/lists/build_proximity_octree.h"
+#include "proxima/execution.h"
 #include "query/closest/leaf_candidates.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/query_shapes.h"
@@ -13,11 +14,10 @@ namespace proxima {
 
 Result<std::shared_ptr<const ProximityOctree>>
 proximity_of(SharedProximity& shared, const std::shared_ptr<const ViewModel>& model,
-             const WorkContext& context)
+             const Execution& context)
 {
     return shared.get(model, [&] {
-        return build_proximity_octree(model->mesh, model->topology,
-                                      {.threads = context.threads, .progress = context.progress});
+        return build_proximity_octree(model->mesh, model->topology, {.execution = context});
     });
 }
 

@@ -1,8 +1,9 @@
 // Proximity octrees of models, built once for all panels that ask them.
 #pragma once
 
-#include "geometry/shapes.h"
 #include "index/lists/proximity_octree.h"
+#include "proxima/execution.h"
+#include "proxima/geometry.h"
 #include "viewer/panel.h"
 
 #include <cstdint>
@@ -16,7 +17,7 @@ using SharedProximity = Kept<std::shared_ptr<const ViewModel>, ProximityOctree>;
 /// That of the model. Errors as build_proximity_octree.
 [[nodiscard]] Result<std::shared_ptr<const ProximityOctree>>
 proximity_of(SharedProximity& shared, const std::shared_ptr<const ViewModel>& model,
-             const WorkContext& context);
+             const Execution& context);
 
 /// A leaf of a proximity octree, and what it lists.
 struct ProximityLeaf {

@@ -3,6 +3,7 @@
 #include "base/text.h"
 #include "haptics/device/hand_device.h"
 #include "haptics/loop/snapshot.h"
+#include "proxima/execution.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/panels/panels.h"
 #include "viewer/panels/placed_point.h"
@@ -180,7 +181,7 @@ public:
     [[nodiscard]] PanelTask task(const ViewModels& models) const override
     {
         return [models, model = model(), settings = settings_, proximity = proximity_, slot = slot_,
-                pictures = pictures_](const WorkContext& context) -> Result<PanelPicture> {
+                pictures = pictures_](const Execution& context) -> Result<PanelPicture> {
             if (pictures == Pictures::still && !settings.by_mouse()) {
                 return fail(ErrorCode::invalid_argument,
                             concat(settings.device.device(),

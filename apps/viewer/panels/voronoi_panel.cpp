@@ -1,4 +1,5 @@
 // Voronoi regions of a model's features, and the proximity octree that stores them: chapter 4.
+#include "proxima/execution.h"
 #include "thesis/list_statistics.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/panels/panels.h"
@@ -195,7 +196,7 @@ public:
     [[nodiscard]] PanelTask task(const ViewModels& models) const override
     {
         return [models, model = model(), settings = settings_,
-                proximity = proximity_](const WorkContext& context) -> Result<PanelPicture> {
+                proximity = proximity_](const Execution& context) -> Result<PanelPicture> {
             const auto octree = proximity_of(*proximity, model, context);
             if (!octree) return tl::unexpected(octree.error());
             const Feature feature = {settings.kind, static_cast<std::uint32_t>(settings.number)};

@@ -1,8 +1,8 @@
 #include "viewer/window/file_panel.h"
 
 #include "base/text.h"
-#include "mesh/mesh_format.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/mesh_io.h"
+#include "proxima/sample_meshes.h"
 #include "viewer/window/input_text.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // A window with an OpenGL 3.3 context and Dear ImGui in it, as an owner.
 #pragma once
 
-#include "base/result.h"
+#include "proxima/result.h"
 #include "viewer/camera.h"
 
 struct GLFWwindow;

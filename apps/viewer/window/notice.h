@@ -8,7 +8,7 @@
 //     └───────┴─┴────────────────────────┴─┘
 #pragma once
 
-#include "geometry/vec.h"
+#include "proxima/geometry.h"
 #include "viewer/window/imgui_controls.h"
 
 #include <string>

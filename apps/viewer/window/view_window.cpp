@@ -1,5 +1,6 @@
 #include "viewer/window/view_window.h"
 
+#include "base/progress.h"
 #include "base/text.h"
 #include "viewer/window/file_panel.h"
 #include "viewer/window/glfw_window.h"

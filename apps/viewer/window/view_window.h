@@ -1,8 +1,8 @@
 // The window of `proxima view`: GLFW, Dear ImGui and OpenGL 3.3.
 #pragma once
 
-#include "base/progress.h"
-#include "base/result.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
 #include "viewer/viewer.h"
 
 #include <string>

@@ -2,7 +2,7 @@
 // events. Where each control is, the facts, the work in progress, what was uploaded.
 #pragma once
 
-#include "base/result.h"
+#include "proxima/result.h"
 #include "viewer/viewer.h"
 #include "viewer/window/imgui_controls.h"
 

@@ -13,9 +13,8 @@
 // what no hand does, turns the device's frame, and hands button events over.
 #pragma once
 
-#include "geometry/rigid_transform.h"
-#include "geometry/vec.h"
 #include "haptics/loop/servo_loop.h"
+#include "proxima/geometry.h"
 
 #include <array>
 #include <cstddef>

@@ -1,10 +1,9 @@
 // Between a device and the renderer: believes only what a hand can do, turns the device's axes,
 // lets the user re-grip, and hands button events over.
 //
-//     device.read() ──▶ watch ──▶ turn and clutch ──▶ renderer.tick() ──▶ turn back ──▶
-//     device.write()
-//                         │               │
-//                     InputReport     ButtonQueue
+//     device.read() ─▶ watch ─▶ turn, clutch ─▶ renderer.tick() ─▶ turn back ─▶ device.write()
+//                        │            │
+//                   InputReport  ButtonQueue
 //
 //     DeviceInput input(device.info());
 //     const RenderTick& felt = renderer.tick(input.accept(device.read()), 1e-3);

@@ -8,11 +8,11 @@
 // the way is what is tried.
 #pragma once
 
-#include "base/result.h"
-#include "geometry/vec.h"
 #include "haptics/device/workspace_map.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/geometry.h"
+#include "proxima/result.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cstdint>
 #include <span>

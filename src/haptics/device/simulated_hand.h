@@ -9,8 +9,8 @@
 // [colgate-1997], and no limit cycle below K = 2 friction / step [abbott-2005].
 #pragma once
 
-#include "geometry/vec.h"
 #include "haptics/device/device.h"
+#include "proxima/geometry.h"
 
 #include <array>
 #include <cstddef>

@@ -14,7 +14,7 @@
 // sample it is taken to be at rest.
 #pragma once
 
-#include "geometry/vec.h"
+#include "proxima/geometry.h"
 
 #include <array>
 #include <cstddef>

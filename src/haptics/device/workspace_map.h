@@ -1,8 +1,7 @@
 // From the device's metres to the model's units and back: a uniform scale and a translation.
 #pragma once
 
-#include "geometry/shapes.h"
-#include "geometry/vec.h"
+#include "proxima/geometry.h"
 
 namespace proxima {
 

@@ -9,8 +9,8 @@
 // patch is lost.
 #pragma once
 
-#include "geometry/vec.h"
 #include "haptics/device/device.h"
+#include "proxima/geometry.h"
 
 #include <cstdint>
 

@@ -9,7 +9,7 @@
 // shorter than those that are: so four are compared with four.
 #pragma once
 
-#include "geometry/vec.h"
+#include "proxima/geometry.h"
 
 #include <array>
 #include <cstddef>

@@ -14,8 +14,8 @@
 // them, and are seen by where they turn (fast_oscillations.h).
 #pragma once
 
-#include "geometry/vec.h"
 #include "haptics/force/fast_oscillations.h"
+#include "proxima/geometry.h"
 
 #include <array>
 #include <cstddef>

@@ -13,8 +13,8 @@
 // as long, for what holds the device has not changed.
 #pragma once
 
-#include "geometry/vec.h"
 #include "haptics/force/oscillation_detector.h"
+#include "proxima/geometry.h"
 
 #include <cstdint>
 

@@ -1,7 +1,7 @@
 #include "haptics/loop/recording.h"
 
 #include "base/binary_file.h"
-#include "mesh/topology.h"
+#include "proxima/topology.h"
 
 #include <algorithm>
 #include <bit>

@@ -4,10 +4,10 @@
 // them but the models, of which it has the fingerprints. Of a scene it has how its objects moved.
 #pragma once
 
-#include "base/result.h"
 #include "haptics/device/device.h"
 #include "haptics/force/haptic_renderer.h"
 #include "haptics/scene/scripted_scene.h"
+#include "proxima/result.h"
 
 #include <array>
 #include <cstdint>

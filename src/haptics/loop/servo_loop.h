@@ -10,7 +10,7 @@
 #pragma once
 
 #include "haptics/loop/latency_histogram.h"
-#include "octree/traverse.h"
+#include "proxima/octree.h"
 
 #include <cstdint>
 #include <string>

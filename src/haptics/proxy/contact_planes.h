@@ -8,7 +8,7 @@
 // multiplier instead may end inside of one that was dropped.
 #pragma once
 
-#include "geometry/vec.h"
+#include "proxima/geometry.h"
 
 #include <array>
 #include <cstddef>

@@ -9,9 +9,9 @@
 // begins within a thin wall beside it, and where all is narrow there is no place.
 #pragma once
 
-#include "geometry/vec.h"
 #include "haptics/proxy/slide_sphere.h"
 #include "haptics/surface/contact_surface.h"
+#include "proxima/geometry.h"
 
 #include <optional>
 

@@ -14,11 +14,11 @@
 // The result does not depend on which other triangles the surface offers or in what order.
 #pragma once
 
-#include "geometry/vec.h"
 #include "haptics/proxy/contact_cache.h"
 #include "haptics/proxy/contact_planes.h"
 #include "haptics/proxy/touched_places.h"
 #include "haptics/surface/contact_surface.h"
+#include "proxima/geometry.h"
 
 #include <algorithm>
 #include <array>

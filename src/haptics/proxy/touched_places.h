@@ -2,9 +2,9 @@
 #pragma once
 
 #include "geometry/closest_point.h"
-#include "geometry/vec.h"
 #include "haptics/proxy/contact_cache.h"
 #include "haptics/surface/contact_surface.h"
+#include "proxima/geometry.h"
 
 #include <cstddef>
 #include <cstdint>

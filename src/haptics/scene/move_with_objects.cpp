@@ -1,6 +1,7 @@
 #include "haptics/scene/move_with_objects.h"
 
 #include "geometry/closest_point.h"
+#include "geometry/exact_predicates.h"
 #include "haptics/surface/swept_sphere.h"
 
 #include <algorithm>

@@ -10,10 +10,10 @@
 // corner that they form. Where they leave no room between them there is no such place.
 #pragma once
 
-#include "geometry/vec.h"
 #include "haptics/proxy/contact_planes.h"
 #include "haptics/proxy/slide_sphere.h"
 #include "haptics/scene/touch_scene.h"
+#include "proxima/geometry.h"
 
 #include <array>
 #include <cstddef>

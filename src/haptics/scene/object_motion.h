@@ -7,8 +7,7 @@
 // jumps. One that knows velocities gives them, and the object coasts on until it hears more.
 #pragma once
 
-#include "geometry/rigid_transform.h"
-#include "geometry/vec.h"
+#include "proxima/geometry.h"
 
 namespace proxima {
 

@@ -7,10 +7,8 @@
 // A pose follows from the time alone, so that what was felt can be felt again, bit for bit.
 #pragma once
 
-#include "base/result.h"
-#include "geometry/rigid_transform.h"
-#include "geometry/shapes.h"
-#include "geometry/vec.h"
+#include "proxima/geometry.h"
+#include "proxima/result.h"
 
 #include <cstdint>
 

@@ -8,13 +8,13 @@
 // Words come at the same ticks in every session: what was felt replays bit for bit.
 #pragma once
 
-#include "base/result.h"
-#include "geometry/rigid_transform.h"
 #include "haptics/scene/object_script.h"
 #include "haptics/scene/touch_body.h"
 #include "haptics/scene/touch_scene.h"
 #include "haptics/surface/surface_feel.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/geometry.h"
+#include "proxima/result.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cstdint>
 #include <memory>

@@ -47,8 +47,7 @@ public:
         }
         TouchBody& body = *body_;
         body.mesh_ = std::move(mesh);
-        auto topology = build_topology(
-            body.mesh_, {.threads = options_.threads, .progress = options_.progress});
+        auto topology = build_topology(body.mesh_, {.execution = options_.execution});
         if (!topology) return tl::unexpected(topology.error());
         body.topology_ = std::move(*topology);
         if (octree != nullptr) {
@@ -59,8 +58,7 @@ public:
             return tl::unexpected(status.error());
         }
         auto sign =
-            build_surface_sign(body.mesh_, body.topology_,
-                               {.threads = options_.threads, .progress = options_.progress});
+            build_surface_sign(body.mesh_, body.topology_, {.execution = options_.execution});
         if (!sign) return tl::unexpected(sign.error());
         if (sign->is_local()) body.sign_ = std::move(*sign);
         body.bounds_ = bounding_box(body.mesh_);
@@ -78,9 +76,8 @@ public:
 private:
     [[nodiscard]] Status build_octree()
     {
-        auto built =
-            build_proximity_octree(body_->mesh_, body_->topology_,
-                                   {.threads = options_.threads, .progress = options_.progress});
+        auto built = build_proximity_octree(body_->mesh_, body_->topology_,
+                                            {.execution = options_.execution});
         if (!built) return tl::unexpected(built.error());
         body_->octree_ = std::move(*built);
         return {};

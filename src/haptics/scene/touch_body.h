@@ -3,15 +3,14 @@
 //     auto body = build_touch_body(std::move(mesh), {.material = {.stiffness = 300}});
 #pragma once
 
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
 #include "haptics/surface/contact_surface.h"
 #include "haptics/surface/shading_normals.h"
 #include "haptics/surface/surface_feel.h"
 #include "index/lists/proximity_octree.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 #include "query/closest/signed_distance.h"
 
 #include <memory>
@@ -29,8 +28,7 @@ struct TouchBodyOptions {
     std::optional<SurfaceMaterial> material;  ///< none: the renderer's own settings
     ForceShading shading = ForceShading::off; ///< on: with normals for it
     BodySearch search = BodySearch::octree;
-    Threads threads = {};
-    Progress* progress = nullptr;
+    Execution execution = {};
 };
 
 /// Immutable. Questions are noexcept and without allocation.

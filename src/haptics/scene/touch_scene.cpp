@@ -1,6 +1,7 @@
 #include "haptics/scene/touch_scene.h"
 
 #include "base/check.h"
+#include "geometry/exact_predicates.h"
 #include "haptics/proxy/slide_sphere.h"
 
 #include <algorithm>

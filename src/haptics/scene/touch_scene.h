@@ -14,13 +14,13 @@
 // is near is moved into the scene's.
 #pragma once
 
-#include "base/result.h"
 #include "haptics/loop/snapshot.h"
 #include "haptics/scene/object_cache.h"
 #include "haptics/scene/object_motion.h"
 #include "haptics/scene/touch_body.h"
 #include "haptics/surface/contact_surface.h"
 #include "haptics/surface/surface_feel.h"
+#include "proxima/result.h"
 
 #include <cstdint>
 #include <memory>

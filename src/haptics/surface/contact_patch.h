@@ -18,7 +18,7 @@
 #include "haptics/surface/near_groups.h"
 #include "haptics/surface/patch_groups.h"
 #include "index/lists/proximity_octree.h"
-#include "mesh/topology.h"
+#include "proxima/topology.h"
 #include "query/neighbourhood/neighbourhood.h"
 
 #include <algorithm>

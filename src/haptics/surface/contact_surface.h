@@ -8,13 +8,12 @@
 // scene (touch_scene.h), which keeps what is near, and of a patch's surface: by one thread.
 #pragma once
 
-#include "geometry/shapes.h"
-#include "geometry/vec.h"
 #include "haptics/surface/contact_triangle.h"
 #include "haptics/surface/triangle_groups.h"
 #include "index/lists/proximity_octree.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/geometry.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,8 +1,8 @@
 // A triangle that a proxy may meet.
 #pragma once
 
-#include "geometry/shapes.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/geometry.h"
+#include "proxima/triangle_mesh.h"
 
 namespace proxima {
 

@@ -1,9 +1,8 @@
 // Which groups of a surface are near a place: what a metric patch refers to.
 //
-//     surface   blocks of eight groups of eight triangles, in an order that keeps neighbours
-//     together near      those of the blocks whose boxes are within a reach, in that order, and a
-//     tree of
-//               boxes over them; the triangles stay where they are
+//     surface   blocks of eight groups of eight triangles, in an order that keeps neighbours near
+//     near      the blocks whose boxes are within a reach, in that order, and a tree of boxes over
+//               them; the triangles stay where they are
 //
 // Blocks are counted by distance before any is taken: where there are more than there is room for,
 // the reach that has room is known from the counts. A patch of 100,000 triangles takes 0.1 ms.

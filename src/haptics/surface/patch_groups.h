@@ -1,9 +1,9 @@
 // The groups of a patch's own triangles: what lets a proxy ask it as quickly as the proximity
 // octree.
 //
-//     triangles   t0..t7   t8..t15  ...       in the order of the patch, in which neighbours are
-//     near groups      g0       g1       ...       corners as floats (triangle_groups.h) tree boxes
-//     of groups, boxes of eights of boxes, ...     (triangle_tree.h)
+//     triangles   t0..t7   t8..t15  ...    in the order of the patch, in which neighbours are near
+//     groups      g0       g1       ...    corners as floats (triangle_groups.h)
+//     tree        boxes of groups, boxes of eight boxes, ...    (triangle_tree.h)
 //
 // Made by who makes the patch, in room that was allocated before.
 #pragma once

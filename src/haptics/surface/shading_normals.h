@@ -9,8 +9,8 @@
 #pragma once
 
 #include "haptics/surface/surface_feel.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 
 #include <array>
 #include <vector>

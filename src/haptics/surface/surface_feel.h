@@ -2,8 +2,8 @@
 // face. Asked by triangle, where something touches.
 #pragma once
 
-#include "geometry/vec.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/geometry.h"
+#include "proxima/triangle_mesh.h"
 
 #include <optional>
 

@@ -8,8 +8,8 @@
 // lengths of perpendiculars, not differences of squares.
 #pragma once
 
-#include "geometry/shapes.h"
-#include "geometry/vec.h"
+#include "geometry/exact_predicates.h"
+#include "proxima/geometry.h"
 
 #include <optional>
 

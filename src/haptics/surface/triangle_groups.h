@@ -8,8 +8,7 @@
 // rest by rank: to be looked at in doubles.
 #pragma once
 
-#include "geometry/shapes.h"
-#include "geometry/vec.h"
+#include "proxima/geometry.h"
 
 #include <array>
 #include <cstddef>

@@ -1,5 +1,6 @@
 #include "index/file/proximity_file.h"
 
+#include "base/binary_file.h"
 #include "base/text.h"
 #include "index/lists/build_proximity_octree.h"
 #include "index/lists/check_proximity_structure.h"
@@ -196,8 +197,7 @@ Result<ProximityOctree> octree_of(const BinaryFile& file, const std::string& nam
     ProximityOctree octree =
         ProximityOctree::adopt(frame, static_cast<int>(header.table_depth), arrays, &storage->tree,
                                statistics_of(header), header.fingerprint, storage);
-    if (const Status status = check_structure(octree, {options.progress, options.threads});
-        !status) {
+    if (const Status status = check_structure(octree, {options.execution}); !status) {
         // What would be a fault of the program in an octree of its own is damage in a file.
         const bool stopped = status.error().code == ErrorCode::cancelled;
         return fail(stopped ? ErrorCode::cancelled : ErrorCode::malformed_file,
@@ -237,13 +237,14 @@ Status save_proximity_octree(const ProximityOctree& octree, const std::filesyste
         binary_section(vertex_places_section, arrays.vertex_places),
         binary_section(edge_places_section, arrays.edge_places),
         section_of(tree_section, octree.tree().blocks())};
-    return write_binary_file(path, proximity_format, sections, options.progress);
+    return write_binary_file(path, proximity_format, sections, options.execution.progress);
 }
 
 Result<ProximityOctree> load_proximity_octree(const std::filesystem::path& path,
                                               const ProximityLoadOptions& options)
 {
-    const auto file = BinaryFile::open(path, proximity_format, options.verify, options.progress);
+    const auto file =
+        BinaryFile::open(path, proximity_format, options.verify, options.execution.progress);
     if (!file) return tl::unexpected(file.error());
     return octree_of(*file, path.string(), options);
 }
@@ -254,7 +255,7 @@ Result<ProximityOctree> load_proximity_octree(std::span<const std::byte> bytes,
                                               const ProximityLoadOptions& options)
 {
     const auto file = BinaryFile::read(bytes, std::move(storage), name, proximity_format,
-                                       options.verify, options.progress);
+                                       options.verify, options.execution.progress);
     if (!file) return tl::unexpected(file.error());
     return octree_of(*file, name, options);
 }

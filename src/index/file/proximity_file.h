@@ -9,12 +9,11 @@
 #pragma once
 
 #include "base/binary_file.h"
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
 #include "index/lists/proximity_octree.h"
-#include "mesh/triangle_mesh.h"
-#include "octree/octree_file.h"
+#include "proxima/execution.h"
+#include "proxima/octree_io.h"
+#include "proxima/result.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cstddef>
 #include <filesystem>
@@ -27,8 +26,8 @@ namespace proxima {
 struct ProximityLoadOptions {
     /// As LoadOptions has it.
     Verification verify = Verification::full;
-    Progress* progress = nullptr; ///< stages "checksums" and "checking the octree", in bytes
-    Threads threads = {};         ///< that check
+    /// Stages "checksums" and "checking the octree", in bytes; threads: that check.
+    Execution execution = {};
 };
 
 /// The same octree gives the same bytes. Errors: invalid_argument (a refitted octree: build it

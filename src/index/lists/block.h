@@ -11,8 +11,8 @@
 // of the least distance is looked at again in doubles.
 #pragma once
 
-#include "geometry/shapes.h"
 #include "index/lists/cost_model.h"
+#include "proxima/geometry.h"
 
 #include <array>
 #include <cstddef>

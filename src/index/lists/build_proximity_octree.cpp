@@ -1,6 +1,7 @@
 #include "index/lists/build_proximity_octree.h"
 
 #include "base/hash.h"
+#include "base/progress.h"
 #include "base/text.h"
 #include "index/lists/cut_cells.h"
 #include "index/lists/emit_octree.h"
@@ -43,14 +44,14 @@ public:
     {
         auto storage = std::make_shared<ProximityStorage>();
         if (!sort_triangles()) return tl::unexpected(cancelled());
-        auto tree = build_triangle_tree(
-            mesh_, order_, {.threads = options_.threads, .progress = options_.progress});
+        auto tree = build_triangle_tree(mesh_, order_, {.execution = options_.execution});
         if (!tree) return tl::unexpected(tree.error());
         storage->tree = std::move(*tree);
-        const auto edges = number_edges(mesh_, options_.threads, options_.progress);
+        const auto edges =
+            number_edges(mesh_, options_.execution.threads, options_.execution.progress);
         if (!edges) return tl::unexpected(edges.error());
-        storage->rows = make_row_tables(mesh_, *edges, order_, options_.threads);
-        if (is_cancelled(options_.progress)) return tl::unexpected(cancelled());
+        storage->rows = make_row_tables(mesh_, *edges, order_, options_.execution.threads);
+        if (is_cancelled(options_.execution.progress)) return tl::unexpected(cancelled());
         const std::uint64_t fixed = storage->rows.bytes() + storage->tree.bytes();
         const std::uint64_t least = fixed + least_cell_bytes;
         const std::uint64_t budget = options_.budget_bytes != 0
@@ -75,7 +76,8 @@ public:
 private:
     bool sort_triangles()
     {
-        const auto items = triangle_order(mesh_, bounds_, SpaceCurve::morton, options_.progress);
+        const auto items =
+            triangle_order(mesh_, bounds_, SpaceCurve::morton, options_.execution.progress);
         if (!items) return false;
         order_.reserve(items->size());
         for (const KeyedIndex& item : *items) order_.push_back(TriangleId{item.index});
@@ -96,21 +98,21 @@ private:
 
     [[nodiscard]] EmitOptions emit_options() const
     {
-        return {frame_.frame_half(), options_.threads, options_.progress};
+        return {frame_.frame_half(), options_.execution};
     }
 
     /// Cells that a budget of so many bytes may need, and few more.
     std::optional<GrownForest> grow(double bytes)
     {
         const auto features =
-            collect_local_features(mesh_, topology_, order_, frame_, options_.progress);
+            collect_local_features(mesh_, topology_, order_, frame_, options_.execution.progress);
         if (!features) return std::nullopt;
-        const auto density = QueryDensity::sample(mesh_, bounds_, frame_, options_.progress);
+        const auto density =
+            QueryDensity::sample(mesh_, bounds_, frame_, options_.execution.progress);
         if (!density) return std::nullopt;
         GrowOptions growing;
         growing.max_depth = options_.max_depth;
-        growing.threads = options_.threads;
-        growing.progress = options_.progress;
+        growing.execution = options_.execution;
         auto top = grow_top(*features, *density, frame_.frame_half(), growing);
         if (!top) return std::nullopt;
         if (!grow_sample(*features, *density, *top, bytes, growing)) return std::nullopt;
@@ -301,8 +303,7 @@ Result<ProximityOctree> build_proximity_octree(const TriangleMesh& mesh,
                                                const ProximityOptions& options)
 {
     TopologyOptions topology_options;
-    topology_options.threads = options.threads;
-    topology_options.progress = options.progress;
+    topology_options.execution = options.execution;
     const auto topology = build_topology(mesh, topology_options);
     if (!topology) return tl::unexpected(topology.error());
     return build_proximity_octree(mesh, *topology, options);

@@ -5,13 +5,12 @@
 //     const ClosestFeature closest = closest_feature(*octree, point);
 #pragma once
 
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
 #include "index/lists/grow_cells.h"
 #include "index/lists/proximity_octree.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cstdint>
 
@@ -41,8 +40,7 @@ struct ProximityOptions {
     double margin = 0.5; ///< root edge = (1 + margin) times the mesh's longest extent; 0 to
                          ///< max_proximity_margin
     int max_depth = max_proximity_depth;
-    Threads threads = {};
-    Progress* progress = nullptr;
+    Execution execution = {};
 };
 
 /// Within the budget, the octree whose queries are expected to be cheapest (cost_model.h). Exact:

@@ -1,5 +1,6 @@
 #include "index/lists/check_arena.h"
 
+#include "base/progress.h"
 #include "base/text.h"
 #include "index/lists/block.h"
 

@@ -1,8 +1,8 @@
 // Whether the blocks of a proximity octree's arena are sound, and which of them leaves name.
 #pragma once
 
-#include "base/result.h"
 #include "index/lists/check_work.h"
+#include "proxima/result.h"
 
 #include <atomic>
 #include <cstddef>

@@ -1,6 +1,7 @@
 #include "index/lists/check_cells.h"
 
 #include "base/fixed_stack.h"
+#include "base/progress.h"
 #include "base/text.h"
 #include "index/lists/grow_cells.h"
 

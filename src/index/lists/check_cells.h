@@ -2,11 +2,12 @@
 #pragma once
 
 #include "base/atomic_bits.h"
-#include "base/result.h"
+#include "base/progress.h"
 #include "index/lists/check_arena.h"
 #include "index/lists/check_work.h"
 #include "index/lists/proximity_cells.h"
 #include "index/lists/proximity_octree.h"
+#include "proxima/result.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,12 +1,13 @@
 #include "index/lists/check_proximity_structure.h"
 
 #include "base/atomic_bits.h"
+#include "base/progress.h"
 #include "base/text.h"
 #include "index/lists/build_proximity_octree.h"
 #include "index/lists/check_arena.h"
 #include "index/lists/check_cells.h"
 #include "index/lists/check_work.h"
-#include "mesh/topology.h"
+#include "proxima/topology.h"
 
 #include <algorithm>
 #include <atomic>
@@ -201,12 +202,11 @@ Status check_all(const ProximityOctree& octree, const CheckWork& work)
 
 Status check_structure(const ProximityOctree& octree, const CheckStructureOptions& options)
 {
-    if (options.progress != nullptr)
-        options.progress->begin_stage("checking the octree", octree.bytes());
-    Status status = check_all(octree, {options.threads, options.progress});
+    begin_stage(options.execution.progress, "checking the octree", octree.bytes());
+    Status status = check_all(octree, CheckWork(options.execution));
     if (status || status.error().code == ErrorCode::cancelled) return status;
     // Which of two claims to one thing comes second depends on threads; the message shall not.
-    return check_all(octree, {{1}, options.progress});
+    return check_all(octree, CheckWork({.threads = {1}, .progress = options.execution.progress}));
 }
 
 } // namespace proxima

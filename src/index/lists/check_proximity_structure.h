@@ -2,16 +2,14 @@
 // no mesh.
 #pragma once
 
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
 #include "index/lists/proximity_octree.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
 
 namespace proxima {
 
 struct CheckStructureOptions {
-    Progress* progress = nullptr; ///< stage "checking the octree", steps are bytes
-    Threads threads = {};
+    Execution execution = {}; ///< stage "checking the octree", steps are bytes
 };
 
 /// Checks that every query stays inside the arrays and ends, in as many steps and blocks as the

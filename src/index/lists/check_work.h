@@ -4,7 +4,8 @@
 
 #include "base/parallel.h"
 #include "base/progress.h"
-#include "base/result.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -17,11 +18,10 @@ public:
     /// Bytes of a task, and between looks at whether to stop.
     static constexpr std::uint64_t task_bytes = std::uint64_t{1} << 18U;
 
-    CheckWork(Threads threads, Progress* progress) noexcept : threads_(threads), progress_(progress)
-    {}
+    explicit CheckWork(const Execution& execution) noexcept : execution_(execution) {}
 
     /// For one task's steps, in bytes.
-    [[nodiscard]] StageSteps steps() const noexcept { return {progress_, task_bytes}; }
+    [[nodiscard]] StageSteps steps() const noexcept { return {execution_.progress, task_bytes}; }
 
     [[nodiscard]] static tl::unexpected<Error> stopped()
     {
@@ -34,8 +34,8 @@ public:
     [[nodiscard]] Status run(std::size_t tasks, Check&& check) const
     {
         std::vector<Status> found(tasks);
-        parallel_for(tasks, threads_, [&](std::size_t task) {
-            found[task] = is_cancelled(progress_) ? Status(stopped()) : check(task);
+        parallel_for(tasks, execution_.threads, [&](std::size_t task) {
+            found[task] = is_cancelled(execution_.progress) ? Status(stopped()) : check(task);
         });
         for (const Status& status : found) {
             if (!status) return status;
@@ -44,8 +44,7 @@ public:
     }
 
 private:
-    Threads threads_;
-    Progress* progress_;
+    Execution execution_;
 };
 
 } // namespace proxima

@@ -1,5 +1,7 @@
 #include "index/lists/emit_octree.h"
 
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "index/lists/emit_tree.h"
 #include "index/lists/join_trees.h"
 #include "index/lists/proximity_cells.h"
@@ -62,17 +64,17 @@ std::optional<std::vector<EmittedTree>> emit_trees(std::span<const GrownTree> tr
                                                    const EmitOptions& options)
 {
     std::vector<EmittedTree> emitted(trees.size());
-    if (options.progress != nullptr) options.progress->begin_stage("blocks", trees.size());
-    parallel_for(trees.size(), options.threads, [&](std::size_t i) {
-        if (is_cancelled(options.progress)) return;
+    begin_stage(options.execution.progress, "blocks", trees.size());
+    parallel_for(trees.size(), options.execution.threads, [&](std::size_t i) {
+        if (is_cancelled(options.execution.progress)) return;
         if (used[i]) {
             auto emitter = pool.take();
             emitted[i] = emitter->emit(trees[i]);
             pool.give_back(std::move(emitter));
         }
-        if (options.progress != nullptr) options.progress->advance(1);
+        advance_stage(options.execution.progress, 1);
     });
-    if (is_cancelled(options.progress)) return std::nullopt;
+    if (is_cancelled(options.execution.progress)) return std::nullopt;
     return emitted;
 }
 

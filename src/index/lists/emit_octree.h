@@ -2,11 +2,10 @@
 #pragma once
 
 #include "base/grow_buffer.h"
-#include "base/parallel.h"
-#include "base/progress.h"
 #include "index/lists/grow_cells.h"
 #include "index/lists/proximity_octree.h"
 #include "index/lists/shared_blocks.h"
+#include "proxima/execution.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -29,8 +28,7 @@ struct EmittedOctree {
 
 struct EmitOptions {
     double frame_half = 1;
-    Threads threads = {};
-    Progress* progress = nullptr;
+    Execution execution = {};
 };
 
 /// Of a forest that was cut. Null where cancelled. The same for any number of threads. About 1 us

@@ -5,7 +5,7 @@
 #include "index/lists/proximity_octree.h"
 #include "index/lists/rank_blocks.h"
 #include "index/lists/shared_blocks.h"
-#include "octree/cell.h"
+#include "proxima/octree.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -2,6 +2,7 @@
 
 #include "base/file_extension.h"
 #include "base/fixed_stack.h"
+#include "base/progress.h"
 #include "base/text.h"
 #include "index/lists/grow_cells.h"
 #include "index/lists/proximity_cells.h"
@@ -111,8 +112,8 @@ Status export_proximity(const ProximityOctree& octree, const std::filesystem::pa
     }
     const auto root = root_word(octree.arrays());
     if (!root) return tl::unexpected(root.error());
-    return extension == ".vtu" ? export_leaves(octree, *root, path, options.progress)
-                               : export_tree(octree, *root, path, options.progress);
+    return extension == ".vtu" ? export_leaves(octree, *root, path, options.execution.progress)
+                               : export_tree(octree, *root, path, options.execution.progress);
 }
 
 } // namespace proxima

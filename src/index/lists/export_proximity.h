@@ -4,9 +4,9 @@
 //     .htg   VTK HyperTreeGrid 2.0, the tree itself              depth; both 0 for split cells
 #pragma once
 
-#include "base/result.h"
 #include "index/lists/proximity_octree.h"
-#include "octree/export.h"
+#include "proxima/octree_io.h"
+#include "proxima/result.h"
 
 #include <filesystem>
 

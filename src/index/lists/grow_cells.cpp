@@ -1,5 +1,7 @@
 #include "index/lists/grow_cells.h"
 
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "index/lists/cell_cover.h"
 #include "index/lists/domination.h"
 #include "index/lists/local_region.h"
@@ -105,7 +107,7 @@ public:
         const GrownCell grown = tree.cells[place];
         const double as_leaf = options_.cost.leaf(grown.probability, grown.triangles);
         const int level = depth(cell.key);
-        if (!may_split(grown, level) || is_cancelled(options_.progress)) return as_leaf;
+        if (!may_split(grown, level) || is_cancelled(options_.execution.progress)) return as_leaf;
 
         auto& scratch = lists_at(level);
         split(cell.cube, list, scratch);
@@ -186,29 +188,28 @@ std::optional<GrownTop> grow_top(const LocalFeatures& features, const QueryDensi
     };
     for (int depth = 0; depth < top_depth; ++depth) {
         drop_finished(depth);
-        if (options.progress != nullptr)
-            options.progress->begin_stage("topmost cells", 9 * level.size());
+        begin_stage(options.execution.progress, "topmost cells", 9 * level.size());
         std::vector<std::array<OpenCell, 8>> next(level.size());
-        parallel_for(level.size(), options.threads, [&](std::size_t i) {
-            if (is_cancelled(options.progress)) return;
+        parallel_for(level.size(), options.execution.threads, [&](std::size_t i) {
+            if (is_cancelled(options.execution.progress)) return;
             CellGrower own(features, density, options);
             CellGrower::Lists lists;
             own.find_in_reach(level[i].cube, level[i].features, lists);
             next[i] = children_of(level[i], density);
             for (std::size_t k = 0; k < 8; ++k) next[i][k].features = std::move(lists[k]);
-            if (options.progress != nullptr) options.progress->advance(1);
+            advance_stage(options.execution.progress, 1);
         });
         // Child by child: there is work for several threads from the root on.
         std::vector<GrownTree> described(8 * level.size());
-        parallel_for(described.size(), options.threads, [&](std::size_t i) {
-            if (is_cancelled(options.progress)) return;
+        parallel_for(described.size(), options.execution.threads, [&](std::size_t i) {
+            if (is_cancelled(options.execution.progress)) return;
             CellGrower own(features, density, options);
             OpenCell& one = next[i / 8][i % 8];
             own.drop_farther(one.cube, one.features);
             described[i].cells.push_back(own.describe(one, one.features, described[i]));
-            if (options.progress != nullptr) options.progress->advance(1);
+            advance_stage(options.execution.progress, 1);
         });
-        if (is_cancelled(options.progress)) return std::nullopt;
+        if (is_cancelled(options.execution.progress)) return std::nullopt;
         std::vector<OpenCell> cells;
         for (std::size_t i = 0; i < described.size(); ++i) {
             GrownTree& tree = top.tree;
@@ -236,9 +237,9 @@ std::optional<std::vector<GrownTree>> grow_below(const LocalFeatures& features,
                                                  const GrowOptions& options)
 {
     std::vector<GrownTree> trees(open.size());
-    if (options.progress != nullptr) options.progress->begin_stage("cells", open.size());
-    parallel_for(open.size(), options.threads, [&](std::size_t i) {
-        if (is_cancelled(options.progress)) return;
+    begin_stage(options.execution.progress, "cells", open.size());
+    parallel_for(open.size(), options.execution.threads, [&](std::size_t i) {
+        if (is_cancelled(options.execution.progress)) return;
         CellGrower grower(features, density, options);
         GrownTree& tree = trees[i];
         tree.key = open[i]->key;
@@ -246,9 +247,9 @@ std::optional<std::vector<GrownTree>> grow_below(const LocalFeatures& features,
         (void)grower.grow(*open[i], open[i]->features, 0, tree);
         tree.cells.shrink_to_fit();
         tree.lists.shrink_to_fit();
-        if (options.progress != nullptr) options.progress->advance(1);
+        advance_stage(options.execution.progress, 1);
     });
-    if (is_cancelled(options.progress)) return std::nullopt;
+    if (is_cancelled(options.execution.progress)) return std::nullopt;
     return trees;
 }
 

@@ -9,13 +9,12 @@
 // on threads.
 #pragma once
 
-#include "base/parallel.h"
-#include "base/progress.h"
 #include "index/lists/cost_model.h"
 #include "index/lists/local_features.h"
 #include "index/lists/local_region.h"
 #include "index/lists/query_density.h"
-#include "octree/cell.h"
+#include "proxima/execution.h"
+#include "proxima/octree.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -83,8 +82,7 @@ struct GrowOptions {
     int max_depth = max_proximity_depth; ///< of any cell
     std::size_t max_triangles = list_triangles; ///< lists this short are not split
     std::size_t stride = 1;                     ///< of the trees below the top, only each stride-th
-    Threads threads = {};
-    Progress* progress = nullptr;
+    Execution execution = {};
 };
 
 /// The topmost levels: breadth-first. Null where cancelled.

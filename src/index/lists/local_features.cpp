@@ -1,5 +1,7 @@
 #include "index/lists/local_features.h"
 
+#include "base/progress.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -13,11 +13,10 @@
 // covered: planes lie outside of the true ones by at least `float_margin`.
 #pragma once
 
-#include "base/progress.h"
 #include "index/lists/root_frame.h"
-#include "mesh/feature.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/execution.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cstdint>
 #include <optional>

@@ -6,10 +6,10 @@
 //     Status same = check_edges(*octree, *topology);   // its answers name edges of this topology
 #pragma once
 
-#include "base/result.h"
 #include "index/lists/proximity_octree.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/result.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 
 namespace proxima {
 

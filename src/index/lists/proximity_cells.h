@@ -2,8 +2,8 @@
 // exports want the levels above it as well.
 #pragma once
 
-#include "base/result.h"
 #include "index/lists/proximity_octree.h"
+#include "proxima/result.h"
 
 #include <array>
 #include <cstdint>

@@ -20,10 +20,10 @@
 // blocks is bounded when the octree is built.
 #pragma once
 
-#include "base/result.h"
 #include "index/lists/root_frame.h"
 #include "index/triangle_row.h"
 #include "index/triangle_tree.h"
+#include "proxima/result.h"
 
 #include <array>
 #include <cstddef>

@@ -1,5 +1,6 @@
 #include "index/lists/query_density.h"
 
+#include "base/progress.h"
 #include "base/radix_sort.h"
 
 #include <algorithm>

@@ -2,10 +2,10 @@
 // within 1 % of the diagonal of the surface.
 #pragma once
 
-#include "base/progress.h"
 #include "index/lists/root_frame.h"
-#include "mesh/triangle_mesh.h"
-#include "octree/cell.h"
+#include "proxima/execution.h"
+#include "proxima/octree.h"
+#include "proxima/triangle_mesh.h"
 
 #include <array>
 #include <cstdint>

@@ -1,8 +1,7 @@
 // The root cube of a proximity octree, and its own coordinates: centre 0, half edge in (1/2, 1].
 #pragma once
 
-#include "geometry/shapes.h"
-#include "geometry/vec.h"
+#include "proxima/geometry.h"
 
 namespace proxima {
 

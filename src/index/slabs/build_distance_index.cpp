@@ -1,5 +1,9 @@
 #include "index/slabs/build_distance_index.h"
 
+#include "base/memory_budget.h"
+#include "base/parallel.h"
+#include "base/progress.h"
+
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
@@ -50,7 +54,7 @@ public:
         if (triangles_.triangle_count() > 0)
             found.push_back({triangles_.root(), Vec3::Zero(), Vec3::Constant(root_half)});
         for (std::size_t i = 0; i < found.size(); ++i) add_children(found[i].reference, found);
-        if (progress != nullptr) progress->begin_stage("fitting slabs", found.size());
+        begin_stage(progress, "fitting slabs", found.size());
         const std::size_t tasks = (found.size() + blocks_per_task - 1) / blocks_per_task;
         parallel_for(tasks, threads, [&](std::size_t task) {
             if (is_cancelled(progress)) return;
@@ -58,7 +62,7 @@ public:
             const std::size_t end = std::min(found.size(), first + blocks_per_task);
             for (std::size_t i = first; i < end; ++i)
                 (*slabs_)[found[i].reference & ~index_leaf_bit] = slab_of(found[i]);
-            if (progress != nullptr) progress->advance(end - first);
+            advance_stage(progress, end - first);
         });
         return !is_cancelled(progress);
     }
@@ -164,12 +168,12 @@ Result<DistanceIndex> build_distance_index(const MeshIndex& triangles,
 {
     const std::uint64_t needed =
         triangles.blocks().size() * (sizeof(BlockSlab) + sizeof(DistanceIndexWriter::BoxedBlock));
-    if (auto status =
-            check_budget(options.budget, needed, "the distance index", "raise the budget");
+    if (auto status = check_budget(options.execution.budget, needed, "the distance index",
+                                   "raise the budget");
         !status)
         return tl::unexpected(status.error());
     DistanceIndexWriter writer(triangles);
-    if (!writer.write(options.threads, options.progress))
+    if (!writer.write(options.execution.threads, options.execution.progress))
         return fail(ErrorCode::cancelled, "distance index: stopped on request");
     return writer.result();
 }

@@ -4,18 +4,14 @@
 //     auto near = mesh_distance(*index, *other, pose_of_other);
 #pragma once
 
-#include "base/memory_budget.h"
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
 #include "index/slabs/distance_index.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
 
 namespace proxima {
 
 struct DistanceIndexOptions {
-    MemoryBudget budget = {}; ///< slabs
-    Threads threads = {};
-    Progress* progress = nullptr; ///< watched and obeyed where given
+    Execution execution = {}; ///< budget: slabs
 };
 
 /// The mesh index is shared, not copied. The same bits for any number of threads. Errors:

@@ -2,9 +2,9 @@
 // indices. Numbers are little-endian floats and 32-bit integers, so everything is aligned to 4.
 #pragma once
 
-#include "base/progress.h"
-#include "base/result.h"
-#include "geometry/vec.h"
+#include "proxima/execution.h"
+#include "proxima/geometry.h"
+#include "proxima/result.h"
 
 #include <array>
 #include <cstdint>

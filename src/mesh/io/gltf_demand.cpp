@@ -1,5 +1,6 @@
 #include "mesh/io/gltf_demand.h"
 
+#include "base/memory_budget.h"
 #include "base/text.h"
 #include "mesh/io/json_text.h"
 
@@ -13,7 +14,7 @@ namespace {
 
 using Id = JsonText::Id;
 
-// What assimp 5.2 makes of one of each, in bytes, rounded up.
+// Bytes that assimp 5.2 allocates for one of each, rounded up.
 constexpr double bytes_of_attribute = 32;    // a vector or colour, and its copy while it is read
 constexpr double bytes_of_bone_weight = 96;  // four joints and weights of a vertex
 constexpr double bytes_of_corner = 24;       // a third of a triangle
@@ -29,7 +30,7 @@ constexpr double bytes_of_material = 20000;
 constexpr int max_node_depth = 1000;
 constexpr double longest_file = 0x1p40;
 
-// The items of "accessors", "nodes" and so on: an array in glTF 2, named in glTF 1.
+// The items of "accessors", "nodes" and so on: an array in glTF 2, an object by name in glTF 1.
 struct Section {
     std::vector<Id> items;
     std::unordered_map<std::string_view, std::size_t> by_name;
@@ -81,14 +82,14 @@ private:
         return std::nullopt;
     }
 
-    // The children of a member, if it is there.
+    // The children of a member, if the member exists.
     [[nodiscard]] std::vector<Id> list(Id id, std::string_view key) const
     {
         const auto found = json_.member(id, key);
         return found ? json_.children(*found) : std::vector<Id>{};
     }
 
-    // A number that is not there asks for nothing; below zero, for more than there is.
+    // A missing number demands nothing. A negative number demands more than any file has.
     [[nodiscard]] double amount(Id id, std::string_view key) const
     {
         const double number = json_.number(id, key, 0);
@@ -101,21 +102,21 @@ private:
         return found ? amount(accessors_.items[*found], "count") : 0;
     }
 
-    // All that is not of a mesh or a node.
+    // Everything that belongs to neither a mesh nor a node.
     [[nodiscard]] double loose_bytes() const
     {
         double all = 0;
         for (const Id buffer : section("buffers").items) all += amount(buffer, "byteLength");
         for (const Section* section : {&views_, &accessors_}) {
             for (const Id item : section->items) {
-                // Sums with offsets beyond any file would run over.
+                // Larger values would overflow when offsets are added.
                 for (const std::string_view key : {"byteOffset", "byteLength", "byteStride"}) {
                     if (amount(item, key) > longest_file) all = HUGE_VAL;
                 }
             }
         }
         for (const Id accessor : accessors_.items) {
-            // Zeros but for a few are written out.
+            // A sparse accessor is expanded to all of its zeros.
             const bool is_sparse = json_.member(accessor, "sparse").has_value();
             all += is_sparse ? amount(accessor, "count") * bytes_of_matrix : 0;
         }
@@ -185,7 +186,7 @@ private:
         const bool is_loose = json_.number(primitive, "mode", triangles) != triangles;
         double all = bytes_of_mesh + attributes +
                      corners * (is_loose ? bytes_of_loose_corner : bytes_of_corner);
-        // A morph target is a copy of the mesh, changed.
+        // A morph target is a modified copy of the mesh.
         for (const Id target : list(primitive, "targets")) {
             all += bytes_of_mesh + attributes;
             for (const Id moved : json_.children(target)) {
@@ -195,8 +196,8 @@ private:
         return all;
     }
 
-    // By node: how deep it is above its leaves, and the bytes of its whole subtree: one that has
-    // two parents is there twice.
+    // For each node its height above its leaves and the bytes of its subtree. A node with two
+    // parents counts twice.
     Status measure_nodes()
     {
         enum class State : std::uint8_t { fresh, open, done };
@@ -256,7 +257,7 @@ private:
         return found;
     }
 
-    // A node without its children. Each mesh below a skin gets all of its bones.
+    // The bytes of a node without its children. Each mesh with a skin gets all of the skin's bones.
     [[nodiscard]] double own_bytes(Id node) const
     {
         const auto skin_reference = json_.member(node, "skin");
@@ -278,7 +279,7 @@ private:
         return all;
     }
 
-    // Of the scene that needs most.
+    // The demand of the scene that needs most.
     [[nodiscard]] double scene_bytes() const
     {
         double most = 0;

@@ -1,5 +1,6 @@
 #include "mesh/io/json_text.h"
 
+#include "base/memory_budget.h"
 #include "base/text.h"
 #include "mesh/io/number_text.h"
 
@@ -9,8 +10,8 @@ namespace proxima::detail {
 
 namespace {
 
-// A code unit of UTF-16 as UTF-8. Halves of a pair are written one by one: the same name has
-// the same bytes wherever it is escaped.
+// Writes a code unit of UTF-16 as UTF-8. The halves of a surrogate pair are written one by one, so
+// that equal names have equal bytes however they are escaped.
 void append_unit(std::string& text, unsigned unit)
 {
     if (unit < 0x80) {
@@ -74,7 +75,8 @@ public:
     }
 
 private:
-    // Open arrays and objects are a list instead of calls: the text decides how many there are.
+    // Open arrays and objects are kept in a list. Recursion would let the text choose the depth of
+    // the stack.
     Status read_all()
     {
         std::vector<JsonText::Id> open;
@@ -83,12 +85,12 @@ private:
             if (auto status = close_all(open); !status) return status;
         } while (!open.empty());
         skip_space();
-        // A reader of zero-terminated text sees nothing behind a zero.
+        // Readers of zero-terminated text would stop at a zero byte.
         if (place_ != end_ && *place_ != '\0') return refuse("there is more behind its end");
         return {};
     }
 
-    // One value with its key; of an array or object only the beginning.
+    // Reads one value with its key; of an array or object only the beginning.
     Status read_value(std::vector<JsonText::Id>& open)
     {
         JsonText::Value value;
@@ -127,7 +129,7 @@ private:
         return {};
     }
 
-    // Closes what ends here, up to where the next value begins.
+    // Closes the arrays and objects that end here, up to the next value.
     Status close_all(std::vector<JsonText::Id>& open)
     {
         while (!open.empty()) {

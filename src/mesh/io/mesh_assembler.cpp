@@ -1,5 +1,7 @@
 #include "mesh/io/mesh_assembler.h"
 
+#include "base/memory_budget.h"
+#include "base/progress.h"
 #include "base/text.h"
 #include "mesh/triangulate_polygon.h"
 #include "mesh/weld_vertices.h"
@@ -49,7 +51,7 @@ bool MeshAssembler::reserve_welded(std::size_t more)
 {
     const std::uint64_t needed = welded_.size() + more;
     if (needed > welded_.capacity()) {
-        // The old table and the new one live side by side for a moment.
+        // The old and the new table exist together while one is copied.
         const std::uint64_t vertices = std::max<std::uint64_t>(needed, 2 * welded_.capacity());
         if (!fits_budget(VertexTable::bytes_for(vertices))) return false;
         welded_.reserve(vertices);
@@ -93,14 +95,14 @@ bool MeshAssembler::add_polygon(std::span<const std::uint32_t> corners)
     return true;
 }
 
-// The file, the old arrays and the new one live side by side while one grows.
+// While an array grows, the file, the old arrays and the new array exist together.
 bool MeshAssembler::fits_budget(std::uint64_t more_bytes)
 {
     const std::uint64_t needed = source_.text.size() + positions_.capacity() * sizeof(Vec3) +
                                  triangles_.capacity() * sizeof(TriangleCorners) +
                                  polygons_.capacity() * sizeof(Polygon) +
                                  (welded_.size() > 0 ? welded_.bytes() : 0) + more_bytes;
-    auto status = check_budget(options_.budget, needed, "reading " + source_.name,
+    auto status = check_budget(options_.execution.budget, needed, "reading " + source_.name,
                                "raise the budget or decimate the mesh");
     if (!status) error_ = std::move(status.error());
     return status.has_value();
@@ -123,7 +125,7 @@ Status MeshAssembler::cut_polygons()
                         source_.name);
         }
         constexpr std::size_t large = 64;
-        if ((count > large || polygon % large == 0) && is_cancelled(options_.progress)) {
+        if ((count > large || polygon % large == 0) && is_cancelled(options_.execution.progress)) {
             return tl::unexpected(reading_cancelled(source_.name));
         }
     }
@@ -136,7 +138,7 @@ Result<TriangleMesh> MeshAssembler::finish(Vertices vertices)
     if (auto status = cut_polygons(); !status) return tl::unexpected(status.error());
     if (vertices == Vertices::welded && welded_.size() == 0) {
         if (!fits_budget(weld_scratch_bytes(positions_.size()))) return tl::unexpected(error_);
-        if (!weld_vertices(positions_, triangles_, options_.progress)) {
+        if (!weld_vertices(positions_, triangles_, options_.execution.progress)) {
             return tl::unexpected(reading_cancelled(source_.name));
         }
         positions_.shrink_to_fit();

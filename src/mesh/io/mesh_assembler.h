@@ -2,8 +2,8 @@
 #pragma once
 
 #include "mesh/io/mesh_source.h"
-#include "mesh/mesh_io.h"
 #include "mesh/vertex_table.h"
+#include "proxima/mesh_io.h"
 
 #include <cstdint>
 #include <span>

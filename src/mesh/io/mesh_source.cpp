@@ -1,5 +1,7 @@
 #include "mesh/io/mesh_source.h"
 
+#include "base/memory_budget.h"
+#include "base/progress.h"
 #include "base/text.h"
 
 #include <algorithm>
@@ -14,7 +16,7 @@ namespace proxima::detail {
 
 namespace {
 
-// Closes on every way out.
+// Closes the file on every return.
 class Descriptor {
 public:
     explicit Descriptor(const std::filesystem::path& path) noexcept

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "base/grow_buffer.h"
-#include "base/memory_budget.h"
 #include "base/progress.h"
-#include "base/result.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
 
 #include <cstddef>
 #include <filesystem>
@@ -44,7 +44,7 @@ public:
     ReadProgress(Progress* progress, std::string_view text) noexcept
         : progress_(progress), reported_(text.data()), next_(text.data())
     {
-        if (progress_ != nullptr) progress_->begin_stage("reading mesh", text.size());
+        begin_stage(progress_, "reading mesh", text.size());
     }
 
     /// False where the reader shall stop.

@@ -1,7 +1,9 @@
 #include "mesh/io/mesh_writers.h"
 
 #include "base/output_file.h"
+#include "base/progress.h"
 #include "base/text.h"
+#include "geometry/exact_predicates.h"
 
 #include <bit>
 #include <charconv>
@@ -14,14 +16,14 @@ namespace proxima::detail {
 
 namespace {
 
-// Collects a file's bytes and hands them on in blocks; the first failure stays.
+// Collects a file's bytes and writes them in blocks. Keeps the first failure.
 class MeshOutput {
 public:
     MeshOutput(const TriangleMesh& mesh, const std::filesystem::path& path,
                const WriteOptions& options)
-        : name_(path.string()), progress_(options.progress)
+        : name_(path.string()), progress_(options.execution.progress)
     {
-        if (progress_ != nullptr) progress_->begin_stage("writing mesh", mesh.triangle_count());
+        begin_stage(progress_, "writing mesh", mesh.triangle_count());
         auto file = OutputFile::create(path);
         if (file) {
             file_ = std::move(*file);
@@ -47,7 +49,7 @@ public:
         return *this;
     }
 
-    /// Three numbers apart by blanks.
+    /// Writes three numbers separated by blanks.
     template <class Triple>
     MeshOutput& numbers(const Triple& values)
     {
@@ -64,14 +66,14 @@ public:
         return *this;
     }
 
-    /// Between records. False where writing shall stop.
+    /// Called between records. Returns false where writing should stop.
     [[nodiscard]] bool may_continue()
     {
         if (block_.size() >= block_size) flush();
         return status_.has_value();
     }
 
-    /// A triangle is done.
+    /// Counts a finished triangle.
     void advance()
     {
         if (++triangles_done_ % report_interval != 0 || progress_ == nullptr) return;
@@ -143,7 +145,7 @@ Status write_stl_binary(const TriangleMesh& mesh, const std::filesystem::path& p
                         const WriteOptions& options)
 {
     MeshOutput file(mesh, path, options);
-    // Not "solid": readers take that for text.
+    // A header that starts with "solid" would be read as text.
     std::string header = "binary STL written by proxima";
     header.resize(80, ' ');
     file.text(header).bytes(static_cast<std::uint32_t>(mesh.triangle_count()));

@@ -1,7 +1,7 @@
 // Writers of mesh files, one per format; write_mesh chooses.
 #pragma once
 
-#include "mesh/mesh_io.h"
+#include "proxima/mesh_io.h"
 
 #include <filesystem>
 

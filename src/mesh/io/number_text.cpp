@@ -16,7 +16,7 @@ bool starts_with_any_case(const char* begin, const char* end, std::string_view w
     });
 }
 
-// What "1.#INF" and its relatives stand for, as the C library of old Windows compilers wrote them.
+// The values of "1.#INF" and similar words, as the C library of old Windows compilers wrote them.
 const char* parse_windows_special(const char* begin, const char* end, double& value) noexcept
 {
     constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -64,7 +64,7 @@ const char* parse_real_slowly(const char* begin, const char* end, double& value)
     const char* place = begin;
     const bool negative = place < end && *place == '-';
     if (place < end && (*place == '-' || *place == '+')) ++place;
-    // A second sign would be taken by from_chars.
+    // from_chars would accept a second sign.
     if (place == end || *place == '-' || *place == '+') return nullptr;
     double magnitude = 0;
     const char* stop = parse_windows_special(place, end, magnitude);

@@ -152,7 +152,7 @@ private:
                              "float, double or int8 to float64)"));
     }
 
-    // Behind "end_header", where a binary body starts right after the line end.
+    // The body starts after "end_header": a binary one right after the line end.
     Result<PlyHeader> finish()
     {
         if (!has_format_) return refuse(ErrorCode::malformed_file, "the header has no format line");

@@ -23,7 +23,7 @@ constexpr std::string_view passed_over[] = {
     "cdc",  "maplib", "ctech",  "shadow_obj", "trace_obj", "res",  "c_interp", "stech",  "d_interp",
 };
 
-// Statements whose surface would get lost.
+// Statements of surfaces that this reader cannot keep.
 constexpr std::string_view not_read[] = {"surf", "bsp", "bzp", "cdp", "call", "csh"};
 
 class ObjReader : TextMeshReader<ObjCursor> {
@@ -122,7 +122,7 @@ private:
 
         const auto known = static_cast<std::int64_t>(mesh_.vertex_count());
         if (index == 0 || index < -known || index > index_limit) return refuse_index(index);
-        // Vertices may follow later: whether they did is asked at the end.
+        // Vertices may follow later, so indices are checked at the end.
         const std::int64_t vertex = index < 0 ? known + index : index - 1;
         if (vertex > largest_index_) {
             largest_index_ = vertex;

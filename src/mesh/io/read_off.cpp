@@ -64,7 +64,7 @@ private:
         return true;
     }
 
-    // Vertices, faces and, as nobody needs it, perhaps edges.
+    // The counts of vertices, faces and, optionally, edges.
     bool read_counts()
     {
         std::int64_t counts[3] = {0, 0, 0};
@@ -77,7 +77,7 @@ private:
         }
         vertex_count_ = static_cast<std::uint64_t>(counts[0]);
         face_count_ = static_cast<std::uint64_t>(counts[1]);
-        // A value takes a digit and what parts it from the next; a face its length and 3 corners.
+        // A value takes at least a digit and a separator; a face at least its length and 3 corners.
         const std::uint64_t vertex_bytes = 2 * (3 + least_extra_);
         const std::uint64_t face_bytes = 8;
         const std::uint64_t available = cursor_.remaining() + 1;

@@ -36,7 +36,7 @@ int axis_of(const PlyProperty& property) noexcept
     return property.name == "z" ? 2 : -1;
 }
 
-// Turns the indices of a strip list into triangles, every second one turned over.
+// Turns the indices of a strip list into triangles and reverses every second one.
 class StripCutter {
 public:
     enum class Step : std::uint8_t { taken, stray_corners, refused };
@@ -58,7 +58,7 @@ public:
         return step;
     }
 
-    /// The end of a strip; one of one or two corners would get lost.
+    /// Ends a strip. Strips of one or two corners are refused, because they would be lost.
     Step end()
     {
         const bool stray = length_ == 1 || length_ == 2;
@@ -78,7 +78,7 @@ class BodyReader {
 public:
     BodyReader(const MeshSource& source, const ReadOptions& options, const PlyHeader& header)
         : source_(source), header_(header), values_(header.body), mesh_(source, options),
-          progress_(options.progress, source.text)
+          progress_(options.execution.progress, source.text)
     {}
 
     Result<TriangleMesh> read(Vertices vertices)
@@ -125,7 +125,7 @@ private:
         });
     }
 
-    // So that no count makes us allocate more than the file can fill.
+    // No count may allocate more than the file can fill.
     bool can_hold_all()
     {
         std::uint64_t least = 0;
@@ -267,7 +267,7 @@ private:
         return true;
     }
 
-    // How many items a list has, if the file can hold so many.
+    // The length of a list, if the file can hold that many items.
     bool read_length(const PlyProperty& list, std::int64_t& length)
     {
         if (!values_.integer(*list.length_type, length)) return refuse_value();

@@ -33,7 +33,7 @@ std::uint32_t load_uint32(const char* bytes) noexcept
            std::uint32_t{octets[3]} << 24U;
 }
 
-/// Of the triangle at `place`; the normal comes before the corners.
+/// The corners of the triangle at `place`. The normal precedes them.
 Vec3 load_corner(const char* place, std::size_t corner) noexcept
 {
     const auto value = [&](std::size_t index) {
@@ -62,7 +62,7 @@ Result<TriangleMesh> read_binary(const MeshSource& source, const ReadOptions& op
 {
     const std::string_view text = source.text;
     MeshAssembler mesh(source, options);
-    ReadProgress progress(options.progress, text);
+    ReadProgress progress(options.execution.progress, text);
     const std::uint32_t count = load_uint32(text.data() + header_bytes);
     const bool welds = vertices == Vertices::welded;
     // A closed surface has half as many vertices as triangles.
@@ -184,7 +184,8 @@ private:
         return positions_.size() < MeshAssembler::weld_block || add_facets() || refused_by_mesh();
     }
 
-    // Those that wait: many at a time, so that the memory of one is fetched while others are met.
+    // Looks up many waiting corners at a time, so that the memory of one is fetched while others
+    // are compared.
     bool add_facets()
     {
         corners_.resize(positions_.size());

@@ -1,6 +1,8 @@
 #include "mesh/io/read_with_assimp.h"
 
+#include "base/progress.h"
 #include "base/text.h"
+#include "geometry/exact_predicates.h"
 #include "mesh/io/gltf_demand.h"
 
 #include <assimp/Importer.hpp>
@@ -33,7 +35,7 @@ std::uint32_t glb_number(std::string_view text, std::size_t place)
     return value;
 }
 
-// Assimp takes the lengths of a GLB's parts at their word and allocates by them.
+// Assimp trusts the lengths of a GLB's parts and allocates that much. This checks them first.
 //
 //     "glTF" | version | length of all | then parts: length, kind, content
 //     version 1: length and kind of the JSON follow the header as a first part would
@@ -86,7 +88,7 @@ Status check_before_reading(const MeshSource& source, MeshFormat format, MemoryB
         if (auto status = check_glb_lengths(source); !status) return status;
     }
     const std::string_view json = json_of(source, format);
-    // What its glTF readers do not know, assimp would give to readers that are not safe.
+    // Assimp passes what its glTF readers do not recognise to readers that are not safe.
     const std::size_t first = json.find_first_not_of(" \t\r\n");
     if (first == std::string_view::npos || json[first] != '{') {
         return fail(ErrorCode::malformed_file,
@@ -96,7 +98,7 @@ Status check_before_reading(const MeshSource& source, MeshFormat format, MemoryB
     return check_gltf_demand(source, json, budget);
 }
 
-// One mesh of the scene in one place.
+// One mesh of the scene at one position.
 struct Instance {
     const aiMesh* mesh = nullptr;
     Transform transform;
@@ -111,7 +113,7 @@ public:
     Result<TriangleMesh> read(Vertices vertices)
     {
         if (!find_instances()) return tl::unexpected(error_);
-        // All together, before any is taken: one mesh may stand in a million places.
+        // Counts everything before taking anything: one mesh may be instanced a million times.
         std::uint64_t vertex_count = 0;
         std::uint64_t face_count = 0;
         for (const Instance& instance : instances_) {
@@ -122,7 +124,7 @@ public:
             return tl::unexpected(mesh_.error());
         }
         for (const Instance& instance : instances_) {
-            if (is_cancelled(options_.progress))
+            if (is_cancelled(options_.execution.progress))
                 return tl::unexpected(reading_cancelled(source_.name));
             if (!add(instance)) return tl::unexpected(error_);
         }
@@ -148,7 +150,7 @@ private:
                 }
                 instances_.push_back({scene_.mMeshes[mesh], transform});
             }
-            // Last child first onto the stack, so that meshes come in the order of the file.
+            // Pushes the last child first, so that meshes come in the order of the file.
             for (unsigned i = next.node->mNumChildren; i > 0; --i) {
                 pending.push_back({next.node->mChildren[i - 1], transform});
             }
@@ -168,7 +170,7 @@ private:
                 return refused_by_mesh();
             }
         }
-        // A mirror turns the inside out unless the corners change their order.
+        // A mirroring transform reverses orientation, so the corners change their order.
         const bool mirrored = linear.determinant() < 0;
         std::vector<std::uint32_t> corners;
         for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
@@ -225,12 +227,12 @@ Result<TriangleMesh> read_with_assimp(const MeshSource& source, const std::files
                                       MeshFormat format, const ReadOptions& options,
                                       Vertices vertices)
 {
-    ReadProgress progress(options.progress, source.text);
-    if (auto status = check_before_reading(source, format, options.budget); !status) {
+    ReadProgress progress(options.execution.progress, source.text);
+    if (auto status = check_before_reading(source, format, options.execution.budget); !status) {
         return tl::unexpected(status.error());
     }
     try {
-        // No post-processing: joining vertices and finding degenerates go by tolerances.
+        // No post-processing: assimp joins vertices and finds degenerate triangles by tolerances.
         Assimp::Importer importer;
         constexpr unsigned no_steps = 0;
         const aiScene* scene =

@@ -14,7 +14,7 @@ class TextMeshReader {
 protected:
     TextMeshReader(const MeshSource& source, const ReadOptions& options)
         : source_(source), cursor_(source.text), mesh_(source, options),
-          progress_(options.progress, source.text)
+          progress_(options.execution.progress, source.text)
     {}
 
     [[nodiscard]] const Error& error() const noexcept { return error_; }

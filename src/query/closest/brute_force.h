@@ -1,8 +1,8 @@
 // The slow search that the fast ones are held to: every feature is asked.
 #pragma once
 
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 #include "query/closest/closest_feature.h"
 
 namespace proxima {

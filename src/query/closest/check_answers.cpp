@@ -1,5 +1,6 @@
 #include "query/closest/check_answers.h"
 
+#include "base/progress.h"
 #include "base/text.h"
 #include "index/lists/check_work.h"
 #include "query/closest/brute_force.h"
@@ -52,15 +53,14 @@ Status check_answers(const ProximityOctree& octree, const TriangleMesh& mesh,
                      const Topology& topology, std::span<const Vec3> points,
                      const CheckAnswersOptions& options)
 {
-    if (options.progress != nullptr)
-        options.progress->begin_stage("asking every triangle", points.size());
+    begin_stage(options.execution.progress, "asking every triangle", points.size());
     const Rounding rounding(mesh);
-    const CheckWork work(options.threads, options.progress);
+    const CheckWork work(options.execution);
     return work.run(points.size(), [&](std::size_t i) -> Status {
         const Vec3& p = points[i];
         const ClosestFeature found = closest_feature(octree, p);
         const ClosestFeature right = closest_feature_by_brute_force(mesh, topology, p);
-        if (options.progress != nullptr) options.progress->advance(1);
+        advance_stage(options.execution.progress, 1);
         if (is_right(found, right, rounding.of(p))) return {};
         return fail(
             ErrorCode::broken_invariant,

@@ -1,13 +1,12 @@
 // Whether a proximity octree's answers are right: the part of its invariants that needs its mesh.
 #pragma once
 
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
-#include "geometry/vec.h"
 #include "index/lists/proximity_octree.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/execution.h"
+#include "proxima/geometry.h"
+#include "proxima/result.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 #include "query/closest/closest_feature.h"
 
 #include <span>
@@ -19,8 +18,7 @@ namespace proxima {
 [[nodiscard]] std::string text_of(const ClosestFeature& answer);
 
 struct CheckAnswersOptions {
-    Progress* progress = nullptr; ///< stage "asking every triangle", steps are points
-    Threads threads = {};
+    Execution execution = {}; ///< stage "asking every triangle", steps are points
 };
 
 /// Asks the octree and every triangle for the feature closest to each point: it must be the same,

@@ -1,4 +1,6 @@
 #include "base/hilbert_code.h"
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "base/radix_sort.h"
 #include "base/text.h"
 #include "query/closest/closest_feature.h"
@@ -273,15 +275,15 @@ Status closest_features(const MeshIndex& index, std::span<const Vec3> points,
                         (options.order == BatchOrder::automatic && pays_to_sort(index, points));
     // Sorted ones in chunks as large as the threads leave them.
     const std::size_t share =
-        points.size() / static_cast<std::size_t>(thread_count(options.threads)) + 1;
+        points.size() / static_cast<std::size_t>(thread_count(options.execution.threads)) + 1;
     const std::size_t chunk =
         sorted ? std::clamp(share, chunk_points, sorted_chunk_points) : chunk_points;
     const std::size_t chunks = (points.size() + chunk - 1) / chunk;
     std::atomic<std::size_t> bad{points.size()};
-    if (options.progress != nullptr)
-        options.progress->begin_stage("closest features", points.size());
-    parallel_for(chunks, options.threads, [&](std::size_t i) {
-        if (is_cancelled(options.progress)) return;
+    if (options.execution.progress != nullptr)
+        options.execution.progress->begin_stage("closest features", points.size());
+    parallel_for(chunks, options.execution.threads, [&](std::size_t i) {
+        if (is_cancelled(options.execution.progress)) return;
         const std::size_t first = i * chunk;
         const std::size_t count = std::min(chunk, points.size() - first);
         const ClosestOutputs own{part_of(outputs.answers, first, count),
@@ -289,9 +291,9 @@ Status closest_features(const MeshIndex& index, std::span<const Vec3> points,
                                  part_of(outputs.triangles, first, count)};
         const std::size_t finite = answer_chunk(index, points.subspan(first, count), own, sorted);
         if (finite < count) keep_least(bad, first + finite);
-        if (options.progress != nullptr) options.progress->advance(count);
+        if (options.execution.progress != nullptr) options.execution.progress->advance(count);
     });
-    if (is_cancelled(options.progress))
+    if (is_cancelled(options.execution.progress))
         return fail(ErrorCode::cancelled, "searching closest features was cancelled");
     if (bad < points.size()) {
         return fail(ErrorCode::invalid_argument,

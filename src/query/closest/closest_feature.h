@@ -9,13 +9,11 @@
 // radius that is NaN or below 0.
 #pragma once
 
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
-#include "geometry/vec.h"
-#include "mesh/feature.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/execution.h"
+#include "proxima/geometry.h"
+#include "proxima/result.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 
 #include <array>
 #include <cmath>
@@ -122,9 +120,8 @@ enum class BatchOrder : std::uint8_t {
 };
 
 struct BatchOptions {
-    Threads threads = {1};
-    Progress* progress = nullptr; ///< stage "closest features", steps are points
     BatchOrder order = BatchOrder::automatic;
+    Execution execution = {}; ///< stage "closest features", steps are points
 };
 
 /// The same for many points, several at a time, so that their memory accesses overlap, and many

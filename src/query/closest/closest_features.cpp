@@ -1,4 +1,6 @@
 #include "base/morton_code.h"
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "base/radix_sort.h"
 #include "base/text.h"
 #include "query/closest/closest_feature.h"
@@ -258,24 +260,23 @@ Status closest_features(const ProximityOctree& octree, std::span<const Vec3> poi
         order = pays_to_sort(octree, points) ? BatchOrder::sorted : BatchOrder::as_given;
     // Sorted ones in chunks as large as the threads leave them.
     const std::size_t share =
-        points.size() / static_cast<std::size_t>(thread_count(options.threads)) + 1;
+        points.size() / static_cast<std::size_t>(thread_count(options.execution.threads)) + 1;
     const std::size_t chunk = order == BatchOrder::sorted
                                   ? std::clamp(share, chunk_points, sorted_chunk_points)
                                   : chunk_points;
     const std::size_t chunks = (points.size() + chunk - 1) / chunk;
     std::atomic<std::size_t> bad{points.size()};
-    if (options.progress != nullptr)
-        options.progress->begin_stage("closest features", points.size());
-    parallel_for(chunks, options.threads, [&](std::size_t i) {
-        if (is_cancelled(options.progress)) return;
+    begin_stage(options.execution.progress, "closest features", points.size());
+    parallel_for(chunks, options.execution.threads, [&](std::size_t i) {
+        if (is_cancelled(options.execution.progress)) return;
         const std::size_t first = i * chunk;
         const std::size_t count = std::min(chunk, points.size() - first);
         const std::size_t finite = answer_chunk(octree, points.subspan(first, count),
                                                 answers.subspan(first, count), order);
         if (finite < count) keep_least(bad, first + finite);
-        if (options.progress != nullptr) options.progress->advance(count);
+        advance_stage(options.execution.progress, count);
     });
-    if (is_cancelled(options.progress)) {
+    if (is_cancelled(options.execution.progress)) {
         return fail(ErrorCode::cancelled, "searching closest features was cancelled");
     }
     if (bad < points.size()) {

@@ -17,8 +17,8 @@
 #pragma once
 
 #include "index/triangle_row.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 #include "query/closest/closest_feature.h"
 
 #include <array>

@@ -2,9 +2,9 @@
 // blocks put aside, and the candidates. In units of the index's frame (MeshIndex::scale).
 #pragma once
 
-#include "geometry/vec.h"
 #include "index/mesh_index.h"
 #include "index/triangle_row.h"
+#include "proxima/geometry.h"
 #include "query/closest/feature_distance.h"
 
 #include <array>

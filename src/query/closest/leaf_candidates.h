@@ -9,9 +9,9 @@
 // the box.
 #pragma once
 
-#include "geometry/shapes.h"
 #include "index/lists/proximity_octree.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/geometry.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cstddef>
 #include <optional>

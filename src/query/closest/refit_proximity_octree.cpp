@@ -1,6 +1,8 @@
 #include "query/closest/refit_proximity_octree.h"
 #include "query/closest/closest_feature.h"
 
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "base/text.h"
 #include "geometry/closest_point.h"
 #include "index/lists/block.h"
@@ -205,13 +207,12 @@ bool drop_reached_lists(const LeafStaler& staler, ReachedCell root, const RefitO
         }
         cells = std::move(next);
     }
-    if (options.progress != nullptr)
-        options.progress->begin_stage("leaves that triangles moved into", cells.size());
-    parallel_for(cells.size(), options.threads, [&](std::size_t i) {
+    begin_stage(options.execution.progress, "leaves that triangles moved into", cells.size());
+    parallel_for(cells.size(), options.execution.threads, [&](std::size_t i) {
         staler.visit(cells[i]);
-        if (options.progress != nullptr) options.progress->advance(1);
+        advance_stage(options.execution.progress, 1);
     });
-    return !is_cancelled(options.progress);
+    return !is_cancelled(options.execution.progress);
 }
 
 /// Features that have a triangle that moved.
@@ -268,16 +269,16 @@ Result<ProximityOctree> refit_proximity_octree(const ProximityOctree& octree,
     }
     auto storage = std::make_shared<RefitStorage>();
     storage->old = octree;
-    auto tree = build_triangle_tree(mesh, moved->order, {options.threads, options.progress});
+    auto tree = build_triangle_tree(mesh, moved->order, {options.execution});
     if (!tree) return tl::unexpected(tree.error());
     storage->tree = std::move(*tree);
-    const auto edges = number_edges(mesh, options.threads, options.progress);
+    const auto edges = number_edges(mesh, options.execution.threads, options.execution.progress);
     if (!edges) return refit_stopped();
-    storage->rows = make_row_tables(mesh, *edges, moved->order, options.threads);
+    storage->rows = make_row_tables(mesh, *edges, moved->order, options.execution.threads);
     storage->nodes.resize(old.nodes.size());
     std::ranges::copy(old.nodes, storage->nodes.begin());
     const std::span<std::uint64_t> nodes{storage->nodes.data(), storage->nodes.size()};
-    if (is_cancelled(options.progress)) return refit_stopped();
+    if (is_cancelled(options.execution.progress)) return refit_stopped();
 
     auto root = root_word(old);
     if (!root) return tl::unexpected(root.error());
@@ -286,10 +287,11 @@ Result<ProximityOctree> refit_proximity_octree(const ProximityOctree& octree,
         const std::vector<std::uint32_t> of_blocks = moved_of_blocks(old.arena, moved->moved);
         drop_moved_lists(old, of_blocks, nodes);
         drop_moved_lists(old, of_blocks, {&*root, 1});
-        const auto features =
-            collect_local_features(mesh, topology, moved->order, octree.frame(), options.progress);
+        const auto features = collect_local_features(mesh, topology, moved->order, octree.frame(),
+                                                     options.execution.progress);
         if (!features) return refit_stopped();
-        const LeafStaler staler(octree, mesh, *features, moved->order, nodes, options.progress);
+        const LeafStaler staler(octree, mesh, *features, moved->order, nodes,
+                                options.execution.progress);
         ReachedCell cell;
         cell.cube = {{0, 0, 0}, static_cast<float>(octree.frame().frame_half())};
         cell.word = *root;

@@ -9,18 +9,16 @@
 // exact, and queries slower where the mesh moved, until the octree is built again.
 #pragma once
 
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
 #include "index/lists/proximity_octree.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 
 namespace proxima {
 
 struct RefitOptions {
-    Threads threads = {};
-    Progress* progress = nullptr;
+    Execution execution = {};
 };
 
 /// The octree of `mesh`, which has the triangles of the octree's own mesh and vertices elsewhere;

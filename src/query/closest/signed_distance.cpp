@@ -1,5 +1,6 @@
 #include "query/closest/signed_distance.h"
 
+#include "base/parallel.h"
 #include "geometry/exact_predicates.h"
 #include "index/build_mesh_index.h"
 #include "mesh/surface_parts.h"
@@ -299,14 +300,12 @@ std::uint64_t SurfaceSign::bytes() const noexcept
 Result<SurfaceSign> build_surface_sign(const TriangleMesh& mesh, const Topology& topology,
                                        const MeshIndex& index, const SurfaceSignOptions& options)
 {
-    auto winding =
-        build_winding_number(mesh, {.threads = options.threads, .progress = options.progress});
+    auto winding = build_winding_number(mesh, {.execution = options.execution});
     if (!winding) return tl::unexpected(winding.error());
-    auto sides = find_surface_sides(index, topology, *winding,
-                                    {.threads = options.threads, .progress = options.progress});
+    auto sides = find_surface_sides(index, topology, *winding, {.execution = options.execution});
     if (!sides) return tl::unexpected(sides.error());
     SurfaceSignBuilder builder(topology, std::move(*winding), std::move(*sides));
-    builder.fill_vertices(options.threads);
+    builder.fill_vertices(options.execution.threads);
     builder.measure();
     return builder.result();
 }
@@ -314,8 +313,7 @@ Result<SurfaceSign> build_surface_sign(const TriangleMesh& mesh, const Topology&
 Result<SurfaceSign> build_surface_sign(const TriangleMesh& mesh, const Topology& topology,
                                        const SurfaceSignOptions& options)
 {
-    const auto index =
-        build_mesh_index(mesh, {.threads = options.threads, .progress = options.progress});
+    const auto index = build_mesh_index(mesh, {.execution = options.execution});
     if (!index) return tl::unexpected(index.error());
     return build_surface_sign(mesh, topology, *index, options);
 }

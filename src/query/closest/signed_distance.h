@@ -14,13 +14,12 @@
 // there. Outside of the box of a surface that separates, all is outside, however far.
 #pragma once
 
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
 #include "index/mesh_index.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
 #include "octree/winding_number.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 #include "query/closest/closest_feature.h"
 #include "query/closest/surface_sides.h"
 
@@ -94,8 +93,7 @@ private:
 };
 
 struct SurfaceSignOptions {
-    Threads threads = {};
-    Progress* progress = nullptr; ///< watched and obeyed where given
+    Execution execution = {};
 };
 
 /// Examines the surface: 3 us per triangle of a closed mesh, 1 us of others, on one thread. Errors:

@@ -1,6 +1,8 @@
 #include "query/closest/surface_sides.h"
 
 #include "base/disjoint_sets.h"
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "geometry/exact_predicates.h"
 #include "geometry/solid_angle.h"
 #include "geometry/triangle_contact.h"
@@ -292,15 +294,14 @@ Result<std::vector<std::uint8_t>> find_contacts(const MeshIndex& tree, const Tri
     std::vector<std::uint8_t> areas(count, 0);
     std::vector<std::uint8_t> contacts(count, 0);
     const auto for_all = [&](const auto& visit) {
-        parallel_for(tasks, options.threads, [&](std::size_t task) {
-            if (is_cancelled(options.progress)) return;
+        parallel_for(tasks, options.execution.threads, [&](std::size_t task) {
+            if (is_cancelled(options.execution.progress)) return;
             const std::size_t end = std::min(count, (task + 1) * triangles_per_task);
             for (std::size_t i = task * triangles_per_task; i < end; ++i) visit(i);
-            if (options.progress != nullptr)
-                options.progress->advance(end - task * triangles_per_task);
+            advance_stage(options.execution.progress, end - task * triangles_per_task);
         });
     };
-    if (options.progress != nullptr) options.progress->begin_stage("self-contacts", 2 * count);
+    begin_stage(options.execution.progress, "self-contacts", 2 * count);
     for_all([&](std::size_t i) {
         areas[i] = has_area(mesh, TriangleId{static_cast<std::uint32_t>(i)}) ? 1 : 0;
     });
@@ -310,7 +311,7 @@ Result<std::vector<std::uint8_t>> find_contacts(const MeshIndex& tree, const Tri
         if (areas[index(id)] == 0) return;
         contacts[index(id)] = meets_another(tree, mesh, areas, id, clearance) ? 1 : 0;
     });
-    if (is_cancelled(options.progress)) return sides_stopped();
+    if (is_cancelled(options.execution.progress)) return sides_stopped();
     return contacts;
 }
 
@@ -344,17 +345,18 @@ Result<std::vector<SurfaceSides>> find_surface_sides(const MeshIndex& tree,
     if (!contacts) return tl::unexpected(contacts.error());
     Patches patches = find_patches(mesh, topology, uses, *contacts);
     const std::size_t count = patches.items.size();
-    if (options.progress != nullptr) options.progress->begin_stage("surface sides", count);
-    parallel_for(task_count(count, patches_per_task), options.threads, [&](std::size_t task) {
-        if (is_cancelled(options.progress)) return;
-        const std::size_t first = task * patches_per_task;
-        const std::size_t end = std::min(count, first + patches_per_task);
-        for (std::size_t i = first; i < end; ++i) {
-            patches.items[i].sides = sides_of(patches.items[i], winding);
-        }
-        if (options.progress != nullptr) options.progress->advance(end - first);
-    });
-    if (is_cancelled(options.progress)) return sides_stopped();
+    begin_stage(options.execution.progress, "surface sides", count);
+    parallel_for(task_count(count, patches_per_task), options.execution.threads,
+                 [&](std::size_t task) {
+                     if (is_cancelled(options.execution.progress)) return;
+                     const std::size_t first = task * patches_per_task;
+                     const std::size_t end = std::min(count, first + patches_per_task);
+                     for (std::size_t i = first; i < end; ++i) {
+                         patches.items[i].sides = sides_of(patches.items[i], winding);
+                     }
+                     advance_stage(options.execution.progress, end - first);
+                 });
+    if (is_cancelled(options.execution.progress)) return sides_stopped();
     for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
         const std::uint32_t patch = patches.of_triangle[i];
         if (patch != Patches::none) sides[i] = patches.items[patch].sides;

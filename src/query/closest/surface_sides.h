@@ -12,13 +12,12 @@
 // inside out has no inside, and of two that overlap only the triangles along the seam are doubtful.
 #pragma once
 
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
 #include "index/mesh_index.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
 #include "octree/winding_number.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cstdint>
 #include <vector>
@@ -34,8 +33,7 @@ enum class SurfaceSides : std::uint8_t {
 };
 
 struct SurfaceSidesOptions {
-    Threads threads = {};
-    Progress* progress = nullptr; ///< watched and obeyed where given
+    Execution execution = {};
 };
 
 /// The sides of every triangle, by id; doubtful for those without an area, and for those that meet

@@ -8,8 +8,8 @@
 // p are the points of A as they are, q those of B before the pose moves them.
 #pragma once
 
-#include "geometry/rigid_transform.h"
 #include "index/mesh_index.h"
+#include "proxima/geometry.h"
 
 #include <array>
 #include <cstdint>

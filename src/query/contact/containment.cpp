@@ -1,6 +1,7 @@
 #include "query/contact/containment.h"
 
 #include "base/disjoint_sets.h"
+#include "base/progress.h"
 #include "geometry/exact_predicates.h"
 #include "mesh/coincidence.h"
 
@@ -25,12 +26,11 @@ public:
         result.bounds_ = *bounds;
         same_place_ = detail::first_at_position(mesh_);
         result.parts_ = find_parts();
-        if (is_cancelled(options_.progress)) return stopped();
+        if (is_cancelled(options_.execution.progress)) return stopped();
         result.method_ = find_method();
-        if (is_cancelled(options_.progress)) return stopped();
+        if (is_cancelled(options_.execution.progress)) return stopped();
         if (result.method_ != InsideMethod::winding_number) return result;
-        auto winding = build_winding_number(
-            mesh_, {.threads = options_.threads, .progress = options_.progress});
+        auto winding = build_winding_number(mesh_, {.execution = options_.execution});
         if (!winding) return tl::unexpected(winding.error());
         result.winding_ = std::move(*winding);
         return result;

@@ -9,12 +9,11 @@
 // asked by one of its vertices, since a part that does not cross a surface is on one side of it.
 #pragma once
 
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
-#include "geometry/rigid_transform.h"
-#include "mesh/triangle_mesh.h"
 #include "octree/winding_number.h"
+#include "proxima/execution.h"
+#include "proxima/geometry.h"
+#include "proxima/result.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cstdint>
 #include <optional>
@@ -56,8 +55,7 @@ private:
 };
 
 struct EnclosureOptions {
-    Threads threads = {};
-    Progress* progress = nullptr; ///< watched and obeyed where given
+    Execution execution = {};
 };
 
 /// Errors: invalid_mesh (empty, NaN), cancelled. O(triangles log triangles), up to 1 us each.

@@ -1,5 +1,7 @@
 #include "query/contact/intersect_meshes.h"
 
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "base/text.h"
 #include "query/contact/contact_search.h"
 
@@ -178,17 +180,17 @@ constexpr std::size_t poses_per_task = 4;
 template <class Task>
 Status for_poses(std::size_t count, const PairOptions& options, const Task& task)
 {
-    if (options.progress != nullptr) options.progress->begin_stage("intersecting meshes", count);
-    parallel_for((count + poses_per_task - 1) / poses_per_task, options.threads,
+    begin_stage(options.execution.progress, "intersecting meshes", count);
+    parallel_for((count + poses_per_task - 1) / poses_per_task, options.execution.threads,
                  [&](std::size_t chunk) {
                      const std::size_t end = std::min(count, (chunk + 1) * poses_per_task);
                      for (std::size_t i = chunk * poses_per_task; i < end; ++i) {
-                         if (is_cancelled(options.progress)) return;
+                         if (is_cancelled(options.execution.progress)) return;
                          task(i);
-                         if (options.progress != nullptr) options.progress->advance(1);
+                         advance_stage(options.execution.progress, 1);
                      }
                  });
-    if (is_cancelled(options.progress))
+    if (is_cancelled(options.execution.progress))
         return fail(ErrorCode::cancelled, "intersecting meshes: stopped on request");
     return {};
 }

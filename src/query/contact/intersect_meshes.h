@@ -13,11 +13,10 @@
 // another one does not meet it. \pre of all: the pose is rigid (make_rigid_transform).
 #pragma once
 
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
-#include "geometry/rigid_transform.h"
 #include "index/mesh_index.h"
+#include "proxima/execution.h"
+#include "proxima/geometry.h"
+#include "proxima/result.h"
 
 #include <compare>
 #include <cstddef>
@@ -89,8 +88,7 @@ void visit_intersecting_pairs(const MeshIndex& a, const MeshIndex& b, const Rigi
 }
 
 struct PairOptions {
-    Threads threads = {1};
-    Progress* progress = nullptr; ///< stage "intersecting meshes", steps are poses
+    Execution execution = {}; ///< stage "intersecting meshes", steps are poses
 };
 
 /// The same for many poses. Answers are those of single ones, for any number of threads. Errors:

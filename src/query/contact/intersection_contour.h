@@ -9,9 +9,9 @@
 // equal the coordinates of different ends are. Vertices at one position are one.
 #pragma once
 
-#include "geometry/rigid_transform.h"
-#include "mesh/feature.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/geometry.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 #include "query/contact/intersect_meshes.h"
 
 #include <array>

@@ -38,29 +38,28 @@ namespace proxima::HWY_NAMESPACE {
 // E < 2.1 X.
 //
 // Height of a vertex q over the plane of p_0 with normal n = e x f: n is off by 4 E * 2.1 X + 2
-// (2.1 X)^2 + 3 u E^2 < 8.7 E X + 9 X^2, |q - p_0| <= 2 S in each number: off by 3 ((8.7 E X + 9
-// X^2) (2 S
-// + 2 X) + 2 E^2 2 X), and for rounding, computed as n.q - n.p_0, 60 u E^2 S < 5.5 E^2 X more. That
-// is below 72 X (E + X) (S + X), as S >= E.
+// (2.1 X)^2 + 3 u E^2 < 8.7 E X + 9 X^2, |q - p_0| <= 2 S in each number. The height is off by
+//     3 ((8.7 E X + 9 X^2) (2 S + 2 X) + 2 E^2 2 X)
+// and for rounding, computed as n.q - n.p_0, by 60 u E^2 S < 5.5 E^2 X more. That is below
+//     72 X (E + X) (S + X),  as S >= E.
 //
 // For a pair by itself, from p_0: P bounds |p_1 - p_0| and |p_2 - p_0|, F |q_1 - q_0| and |q_2 -
 // q_0|, Q every |q - p_0|, in each number. Differences are off by 2.4 X (2 X and a rounding, 11 u
 // of each of these sizes being below 2 X), n = e_0 x (p_2 - p_0) by 10 P X + 12 X^2 as above.
-//     height n . q of q       3 ((10 P X + 12 X^2) (Q + 2.4 X) + 2 P^2 2.4 X), for rounding 18 u
-//     P^2 Q
-//                             < 3.3 P^2 X: below 44 X (P + 2 X) (P + Q + 2 X)
-//     height m . p - m . q_0  m the normal of q, p at most P + Q =: W away: 3 ((10 F X + 12 X^2) (W
-//     +
-//                             4.8 X) + 2 F^2 4.8 X), for rounding 24 u F^2 W < 6.6 F^2 X: below 44
-//                             X (F + 2 X) (W + F + 2 X)
-//     side of two edges       e_i . M_j + f_j . (p_i x e_i), M_j = q_j x f_j off by 4.8 Q X + 10.7
-//     F X +
-//                             11.6 X^2; p_i x e_i is 0, n, 0, and f_j . n a difference of heights.
-//                             The worst is i = 1, |e_1| <= 2 P: X (28.8 P Q + 137 P F + 28.8 Q F
-//                             + 37.6 P^2)
-//                             + X^2 (142 P + 35 Q + 149 F) + 171 X^3, roundings of at most 90 u P Q
-//                             F and 48 u P^2 Q among them: below 72 X (P + F + 2 X) (P + Q + F + 2
-//                             X)
+//     height n . q of q       3 ((10 P X + 12 X^2) (Q + 2.4 X) + 2 P^2 2.4 X), for rounding
+//                             18 u P^2 Q < 3.3 P^2 X:
+//                             below 44 X (P + 2 X) (P + Q + 2 X)
+//     height m . p - m . q_0  m the normal of q, p at most P + Q =: W away:
+//                             3 ((10 F X + 12 X^2) (W + 4.8 X) + 2 F^2 4.8 X), for rounding
+//                             24 u F^2 W < 6.6 F^2 X:
+//                             below 44 X (F + 2 X) (W + F + 2 X)
+//     side of two edges       e_i . M_j + f_j . (p_i x e_i), M_j = q_j x f_j off by
+//                             4.8 Q X + 10.7 F X + 11.6 X^2; p_i x e_i is 0, n, 0, and f_j . n a
+//                             difference of heights. The worst is i = 1, |e_1| <= 2 P:
+//                             X (28.8 P Q + 137 P F + 28.8 Q F + 37.6 P^2)
+//                             + X^2 (142 P + 35 Q + 149 F) + 171 X^3,
+//                             roundings of at most 90 u P Q F and 48 u P^2 Q among them:
+//                             below 72 X (P + F + 2 X) (P + Q + F + 2 X)
 struct LeafBounds {
     float off = 0;          ///< X
     float own_height = 0;   ///< over own planes

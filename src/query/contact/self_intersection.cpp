@@ -1,5 +1,7 @@
 #include "query/contact/self_intersection.h"
 
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "geometry/exact_predicates.h"
 #include "geometry/triangle_contact.h"
 #include "geometry/triangle_intersection.h"
@@ -56,8 +58,7 @@ Result<SelfIntersections> find_self_intersections(const MeshIndex& index,
                                                   const SelfIntersectionOptions& options)
 {
     const std::uint32_t rows = index.triangle_count();
-    if (options.progress != nullptr)
-        options.progress->begin_stage("finding self-intersections", rows);
+    begin_stage(options.execution.progress, "finding self-intersections", rows);
     SelfIntersections result;
     // Rows of the index, so that neighbours are looked for where the last ones were. Rounds have a
     // fixed size: where the work ends does not depend on threads.
@@ -65,10 +66,10 @@ Result<SelfIntersections> find_self_intersections(const MeshIndex& index,
         const std::uint32_t chunks =
             std::min(round_chunks, (rows - start + chunk_rows - 1) / chunk_rows);
         std::vector<std::vector<TrianglePair>> found(chunks);
-        parallel_for(chunks, options.threads, [&](std::size_t chunk) {
+        parallel_for(chunks, options.execution.threads, [&](std::size_t chunk) {
             const std::uint32_t first = start + static_cast<std::uint32_t>(chunk) * chunk_rows;
             const std::uint32_t end = std::min(rows, first + chunk_rows);
-            StageSteps steps(options.progress, 64);
+            StageSteps steps(options.execution.progress, 64);
             for (std::uint32_t row = first; row < end; ++row) {
                 if (!steps.done(1) || found[chunk].size() > options.max_pairs) return;
                 const Triangle triangle = index.triangle(row);
@@ -81,7 +82,7 @@ Result<SelfIntersections> find_self_intersections(const MeshIndex& index,
                                        });
             }
         });
-        if (is_cancelled(options.progress))
+        if (is_cancelled(options.execution.progress))
             return fail(ErrorCode::cancelled, "finding self-intersections: stopped on request");
         for (const auto& pairs : found)
             result.pairs.insert(result.pairs.end(), pairs.begin(), pairs.end());

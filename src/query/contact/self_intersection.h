@@ -9,10 +9,9 @@
 // triangle_intersection.h, and found through the mesh index of the mesh.
 #pragma once
 
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
 #include "index/mesh_index.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
 #include "query/contact/intersect_meshes.h"
 
 #include <cstddef>
@@ -27,8 +26,7 @@ namespace proxima {
 
 struct SelfIntersectionOptions {
     std::size_t max_pairs = 1'000'000; ///< stops where more were found
-    Threads threads = {};
-    Progress* progress = nullptr; ///< stage "finding self-intersections", steps are triangles
+    Execution execution = {};          ///< stage "finding self-intersections", steps are triangles
 };
 
 struct SelfIntersections {

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "base/fixed_stack.h"
-#include "geometry/shapes.h"
 #include "index/mesh_index.h"
+#include "proxima/geometry.h"
 #include "query/contact/contact_search.h"
 
 #include <cstddef>

@@ -6,9 +6,8 @@
 // are visited without a test.
 #pragma once
 
-#include "geometry/view_volume.h"
-#include "octree/octree.h"
-#include "octree/traverse.h"
+#include "proxima/octree.h"
+#include "proxima/view_volume.h"
 #include "query/culling/cull_volume.h"
 
 #include <type_traits>

@@ -2,6 +2,7 @@
 
 #include "base/fixed_stack.h"
 #include "geometry/view_contact.h"
+#include "geometry/view_plane.h"
 #include "query/culling/prepare_volume.h"
 
 #include <algorithm>

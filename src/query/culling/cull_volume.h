@@ -14,8 +14,8 @@
 // Culling).
 #pragma once
 
-#include "geometry/view_volume.h"
 #include "index/mesh_index.h"
+#include "proxima/view_volume.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -3,8 +3,8 @@
 //     n . x + d >= 0   with   x = c + y / s   is   n . y + (n . c + d) s >= 0,  over |n|_1
 #pragma once
 
-#include "geometry/view_volume.h"
 #include "index/mesh_index.h"
+#include "proxima/view_volume.h"
 
 #include <array>
 #include <cstdint>

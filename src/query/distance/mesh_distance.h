@@ -15,10 +15,9 @@
 #pragma once
 
 #include "geometry/closest_point.h"
-#include "geometry/rigid_transform.h"
-#include "geometry/vec.h"
 #include "index/slabs/distance_index.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/geometry.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cstdint>
 #include <limits>

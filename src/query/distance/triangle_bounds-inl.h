@@ -3,8 +3,7 @@
 // instruction set.
 //
 //     at most     the distance of any two points: of nine pairs of sides, the nearest; of six
-//     corners
-//                 and the other triangle, where the foot is on its inside
+//                 corners and the other triangle, where the foot is on its inside
 //     at least    the gap along any direction: between the nearest of these points, and along both
 //                 normals
 //

@@ -3,7 +3,7 @@
 #include "base/check.h"
 #include "index/triangle_lanes.h"
 #include "index/visit_near.h"
-#include "octree/traverse.h"
+#include "proxima/octree.h"
 
 #include <algorithm>
 #include <array>

@@ -3,8 +3,9 @@
 //
 //     NeighbourhoodScratch scratch(mesh);                   // once per mesh and thread
 //     std::array<TriangleId, 256> buffer;
-//     const Neighbourhood near = collect_rings(mesh, topology, closest.feature, 2, scratch,
-//     buffer); if (!near.complete) ...                               // the buffer was too small
+//     const Neighbourhood near =
+//         collect_rings(mesh, topology, closest.feature, 2, scratch, buffer);
+//     if (!near.complete) ...                               // the buffer was too small
 //     for (const TriangleId id : std::span(buffer).first(near.count)) ...
 //
 // Everything is written to the caller's buffer. Nothing allocates, locks or throws. A buffer that
@@ -12,9 +13,8 @@
 #pragma once
 
 #include "index/mesh_index.h"
-#include "mesh/feature.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 #include "query/closest/feature_distance.h"
 
 #include <cstdint>

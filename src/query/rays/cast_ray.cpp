@@ -1,5 +1,7 @@
 #include "query/rays/cast_ray.h"
 
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "base/text.h"
 #include "query/rays/prepare_ray.h"
 
@@ -199,16 +201,16 @@ Status for_chunks(std::span<const Ray> rays, std::size_t room, const RayBatchOpt
                            "t_min at most t_max"),
                     "rays");
     }
-    if (options.progress != nullptr) options.progress->begin_stage("casting rays", rays.size());
+    begin_stage(options.execution.progress, "casting rays", rays.size());
     const std::size_t tasks = (rays.size() + rays_per_task - 1) / rays_per_task;
-    parallel_for(tasks, options.threads, [&](std::size_t i) {
-        if (is_cancelled(options.progress)) return;
+    parallel_for(tasks, options.execution.threads, [&](std::size_t i) {
+        if (is_cancelled(options.execution.progress)) return;
         const std::size_t first = i * rays_per_task;
         const std::size_t count = std::min(rays_per_task, rays.size() - first);
         task(first, rays.subspan(first, count));
-        if (options.progress != nullptr) options.progress->advance(count);
+        advance_stage(options.execution.progress, count);
     });
-    if (is_cancelled(options.progress))
+    if (is_cancelled(options.execution.progress))
         return fail(ErrorCode::cancelled, "casting rays: stopped on request");
     return {};
 }

@@ -8,10 +8,9 @@
 // and lie anywhere. An invalid ray (ray.h) hits nothing.
 #pragma once
 
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
 #include "index/mesh_index.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
 #include "query/rays/ray_hit.h"
 
 #include <cstddef>
@@ -62,8 +61,7 @@ void visit_hits(const MeshIndex& index, const Ray& ray, Faces faces, Visitor&& v
 
 struct RayBatchOptions {
     Faces faces = Faces::both;
-    Threads threads = {1};
-    Progress* progress = nullptr; ///< stage "casting rays", steps are rays
+    Execution execution = {}; ///< stage "casting rays", steps are rays
 };
 
 /// The same for many rays, several at a time, so that their memory accesses overlap. Of sixteen in

@@ -8,9 +8,8 @@
 // that this can be, is 1 through the middle of the cell and 0 along its border.
 #pragma once
 
-#include "geometry/ray.h"
-#include "octree/octree.h"
-#include "octree/traverse.h"
+#include "proxima/geometry.h"
+#include "proxima/octree.h"
 
 #include <type_traits>
 #include <vector>

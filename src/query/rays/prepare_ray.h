@@ -5,9 +5,9 @@
 //     t = (t_mesh r - t0)           r = s / k, so that p + t d k is the same point
 #pragma once
 
-#include "geometry/ray.h"
 #include "geometry/ray_triangle.h"
 #include "index/mesh_index.h"
+#include "proxima/geometry.h"
 #include "query/rays/ray_hit.h"
 
 #include <algorithm>

@@ -5,8 +5,8 @@
 //             is computed, and every search computes it there
 #pragma once
 
-#include "geometry/ray.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/geometry.h"
+#include "proxima/triangle_mesh.h"
 
 namespace proxima {
 

@@ -5,8 +5,8 @@
 #include "haptics/force/haptic_renderer.h"
 #include "haptics/scene/scripted_scene.h"
 #include "haptics/scenes_to_touch.h"
-#include "mesh/sample_meshes.h"
-#include "mesh/topology.h"
+#include "proxima/sample_meshes.h"
+#include "proxima/topology.h"
 
 #include <algorithm>
 #include <array>

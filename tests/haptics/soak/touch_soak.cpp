@@ -22,7 +22,7 @@
 #include "haptics/soak/scene_soak.h"
 #include "haptics/touch_meshes.h"
 #include "index/lists/build_proximity_octree.h"
-#include "mesh/mesh_io.h"
+#include "proxima/mesh_io.h"
 
 #include <CLI/CLI.hpp>
 

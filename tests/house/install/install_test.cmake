@@ -1,7 +1,8 @@
 # Installs into an empty prefix, then builds and runs a separate project against it, by find_package
-# and by pkg-config.
+# and by pkg-config. Before that, looks at what was installed (installed_headers.py).
 #
-#     cmake -DBUILD=<build folder> -DWORK=<folder to use> -DCXX=<compiler> -DLIBDIR=<lib> -P install_test.cmake
+#     cmake -DBUILD=<build folder> -DWORK=<folder to use> -DCXX=<compiler> -DLIBDIR=<lib> -DPYTHON=<python>
+#       -P install_test.cmake
 function(run)
   execute_process(COMMAND ${ARGV} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
   if(NOT status EQUAL 0)
@@ -13,7 +14,7 @@ endfunction()
 
 function(expect_answer program)
   run(${program})
-  if(NOT output STREQUAL "12 6 4 2 1 3\n")
+  if(NOT output STREQUAL "12 6 PLACE 6\n")
     message(FATAL_ERROR "${program} printed: ${output}")
   endif()
 endfunction()
@@ -21,12 +22,16 @@ endfunction()
 file(REMOVE_RECURSE ${WORK})
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
 
+set(ENV{PKG_CONFIG_PATH} ${WORK}/prefix/${LIBDIR}/pkgconfig)
+run(pkg-config --cflags proxima)
+separate_arguments(flags UNIX_COMMAND "${output}")
+run(${PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/installed_headers.py ${WORK}/prefix/include ${CXX} ${flags})
+
 run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${WORK}/build -G Ninja -DCMAKE_CXX_COMPILER=${CXX}
   -DCMAKE_PREFIX_PATH=${WORK}/prefix -DCMAKE_BUILD_TYPE=Release)
 run(${CMAKE_COMMAND} --build ${WORK}/build)
 expect_answer(${WORK}/build/uses_proxima)
 
-set(ENV{PKG_CONFIG_PATH} ${WORK}/prefix/${LIBDIR}/pkgconfig)
 run(pkg-config --cflags --libs proxima)
 separate_arguments(flags UNIX_COMMAND "${output}")
 run(${CXX} ${CMAKE_CURRENT_LIST_DIR}/main.cpp -o ${WORK}/by_pkg_config ${flags})

@@ -1,6 +1,7 @@
 // Proximity octrees come back from files as they were; damaged files are refused or harmless.
 #include "index/file/proximity_file.h"
 
+#include "base/binary_file.h"
 #include "base/text.h"
 #include "cancellation.h"
 #include "damaged_files.h"
@@ -9,7 +10,7 @@
 #include "index/lists/build_proximity_octree.h"
 #include "index/lists/check_proximity_structure.h"
 #include "index/test_meshes.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/sample_meshes.h"
 #include "query/closest/closest_feature.h"
 
 #include <algorithm>
@@ -170,8 +171,10 @@ TEST_F(ProximityFile, SameMeshSameBytes)
     // Doubles that no floats hold: their rows have bytes to fill up.
     const TriangleMesh thirds = testing::moved(mesh, [](const Vec3& p) { return Vec3(p / 3); });
     for (const TriangleMesh* one : {&mesh, &thirds}) {
-        const std::string bytes = saved(build_proximity_octree(*one, {.threads = {1}}).value());
-        EXPECT_EQ(saved(build_proximity_octree(*one, {.threads = {3}}).value()), bytes);
+        const std::string bytes =
+            saved(build_proximity_octree(*one, {.execution = {.threads = {1}}}).value());
+        EXPECT_EQ(saved(build_proximity_octree(*one, {.execution = {.threads = {3}}}).value()),
+                  bytes);
     }
 }
 
@@ -293,12 +296,14 @@ TEST_F(ProximityFile, StopsWhenAskedTo)
     ASSERT_TRUE(load_proximity_octree(path("octree.pxp")));
     testing::cancel_at_every_stage(
         [&](Progress& progress) {
-            return load_proximity_octree(path("octree.pxp"), {.progress = &progress});
+            return load_proximity_octree(path("octree.pxp"),
+                                         {.execution = {.progress = &progress}});
         },
         nothing_kept);
     testing::cancel_at_every_stage(
         [&](Progress& progress) {
-            return save_proximity_octree(octree, path("other.pxp"), {.progress = &progress});
+            return save_proximity_octree(octree, path("other.pxp"),
+                                         {.execution = {.progress = &progress}});
         },
         nothing_kept);
 }

@@ -5,8 +5,8 @@
 #include "folder_test.h"
 #include "index/lists/build_proximity_octree.h"
 #include "index/test_meshes.h"
-#include "mesh/sample_meshes.h"
 #include "octree/exported_leaves.h"
+#include "proxima/sample_meshes.h"
 #include "query/closest/closest_feature.h"
 
 #include <algorithm>
@@ -156,7 +156,9 @@ TEST_F(ExportProximity, NamesWhatIsWrong)
                   ErrorCode::file_not_writable);
     Progress cancelled;
     cancelled.cancel();
-    EXPECT_EQ(export_proximity(octree, path("x.vtu"), {.progress = &cancelled}).error().code,
+    EXPECT_EQ(export_proximity(octree, path("x.vtu"), {.execution = {.progress = &cancelled}})
+                  .error()
+                  .code,
               ErrorCode::cancelled);
     EXPECT_EQ(entries(), 0);
 }

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "index/lists/local_features.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 
 #include <span>
 #include <stdexcept>

@@ -5,7 +5,7 @@
 #include "cancellation.h"
 #include "counted_allocations.h"
 #include "index/test_meshes.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/sample_meshes.h"
 #include "query/closest/brute_force.h"
 
 #include <cmath>
@@ -157,7 +157,7 @@ TEST(ProximityOctree, HasTheSameBitsForAnyThreadsAndInstructionSet)
 {
     const TriangleMesh mesh = sample_mesh("torus:24x36").value();
     const std::vector<Vec3> points = proximity_points(mesh, 500, 4);
-    const ProximityOctree one = build(mesh, {.threads = {1}});
+    const ProximityOctree one = build(mesh, {.execution = {.threads = {1}}});
     std::vector<ClosestFeature> answers(points.size());
     ASSERT_TRUE(closest_features(one, points, answers));
     const auto expect_same = [&](const ProximityOctree& other) {
@@ -170,11 +170,12 @@ TEST(ProximityOctree, HasTheSameBitsForAnyThreadsAndInstructionSet)
         for (std::size_t i = 0; i < points.size(); ++i)
             ASSERT_TRUE(same_answer(answers[i], closest_feature(other, points[i]))) << i;
     };
-    for (const int threads : {2, 3, 8}) expect_same(build(mesh, {.threads = {threads}}));
+    for (const int threads : {2, 3, 8})
+        expect_same(build(mesh, {.execution = {.threads = {threads}}}));
     for (const SimdTarget& target : simd_targets()) {
         SCOPED_TRACE(target.name);
         force_simd_target(target);
-        expect_same(build(mesh, {.threads = {2}}));
+        expect_same(build(mesh, {.execution = {.threads = {2}}}));
         restore_simd_targets();
     }
 }
@@ -189,8 +190,8 @@ TEST(ProximityOctree, BatchesAnswerAsSingleQueries)
         for (const BatchOrder order :
              {BatchOrder::automatic, BatchOrder::as_given, BatchOrder::sorted}) {
             std::ranges::fill(answers, ClosestFeature{});
-            ASSERT_TRUE(
-                closest_features(octree, points, answers, {.threads = {threads}, .order = order}));
+            ASSERT_TRUE(closest_features(octree, points, answers,
+                                         {.order = order, .execution = {.threads = {threads}}}));
             for (std::size_t i = 0; i < points.size(); ++i)
                 ASSERT_TRUE(same_answer(answers[i], closest_feature(octree, points[i]))) << i;
         }
@@ -207,8 +208,8 @@ TEST(ProximityOctree, RefusesBatchesThatCannotBe)
     points[4321][1] = std::numeric_limits<double>::quiet_NaN();
     points[4999][1] = std::numeric_limits<double>::infinity();
     for (const BatchOrder order : {BatchOrder::automatic, BatchOrder::sorted}) {
-        const Status status =
-            closest_features(octree, points, answers, {.threads = {2}, .order = order});
+        const Status status = closest_features(octree, points, answers,
+                                               {.order = order, .execution = {.threads = {2}}});
         ASSERT_FALSE(status);
         EXPECT_NE(status.error().message.find("4321"), std::string::npos) << status.error().message;
     }
@@ -283,7 +284,9 @@ TEST(ProximityOctree, StopsWhenAskedTo)
 {
     const TriangleMesh mesh = sample_mesh("torus:30x40").value();
     testing::cancel_at_every_stage(
-        [&](Progress& progress) { return build_proximity_octree(mesh, {.progress = &progress}); },
+        [&](Progress& progress) {
+            return build_proximity_octree(mesh, {.execution = {.progress = &progress}});
+        },
         [] { return true; });
 }
 

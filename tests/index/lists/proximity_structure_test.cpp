@@ -5,7 +5,7 @@
 #include "index/lists/build_proximity_octree.h"
 #include "index/test_meshes.h"
 #include "lab/query_sets.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/sample_meshes.h"
 #include "query/closest/check_answers.h"
 
 #include <algorithm>
@@ -48,7 +48,7 @@ struct EditableOctree {
     {
         const ProximityOctree edited = adopted();
         const auto message = [&](int threads) {
-            const Status status = check_structure(edited, {.threads = {threads}});
+            const Status status = check_structure(edited, {.execution = {.threads = {threads}}});
             return status ? std::string() : describe(status.error());
         };
         std::string found = message(1);
@@ -250,7 +250,8 @@ TEST(ProximityAnswers, AreThoseOfAllTrianglesUntilOneIsLeftOut)
     for (const QuerySet& set : query_sets(mesh, 500, 3))
         points.insert(points.end(), set.points.begin(), set.points.end());
     const auto message = [&](const ProximityOctree& of, int threads) {
-        const Status status = check_answers(of, mesh, topology, points, {.threads = {threads}});
+        const Status status =
+            check_answers(of, mesh, topology, points, {.execution = {.threads = {threads}}});
         return status ? std::string() : describe(status.error());
     };
     EXPECT_EQ(message(octree, 1), "");
@@ -279,7 +280,8 @@ TEST(ProximityAnswers, CanBeCancelled)
     Progress progress;
     progress.cancel();
     const std::vector<Vec3> points(10, Vec3::Ones());
-    const Status status = check_answers(octree, mesh, topology, points, {.progress = &progress});
+    const Status status =
+        check_answers(octree, mesh, topology, points, {.execution = {.progress = &progress}});
     ASSERT_FALSE(status);
     EXPECT_EQ(status.error().code, ErrorCode::cancelled);
 }

@@ -3,10 +3,9 @@
 // library makes regions of.
 #pragma once
 
-#include "mesh/feature.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
 #include "oracles/quad_distance.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cmath>
 #include <vector>

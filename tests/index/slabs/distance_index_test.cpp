@@ -107,16 +107,18 @@ TEST(DistanceIndex, IsTheSameForAnyNumberOfThreadsAndStopsOnRequest)
 {
     const TriangleMesh torus = torus_mesh(1.0, 0.4, 100, 80);
     const MeshIndex triangles = build_mesh_index(torus).value();
-    const DistanceIndex truth = build_distance_index(triangles, {.threads = {1}}).value();
-    const DistanceIndex other = build_distance_index(triangles, {.threads = {3}}).value();
+    const DistanceIndex truth =
+        build_distance_index(triangles, {.execution = {.threads = {1}}}).value();
+    const DistanceIndex other =
+        build_distance_index(triangles, {.execution = {.threads = {3}}}).value();
     ASSERT_EQ(other.slabs().size(), truth.slabs().size());
     EXPECT_EQ(std::memcmp(other.slabs().data(), truth.slabs().data(), truth.slabs().size_bytes()),
               0);
-    EXPECT_EQ(build_distance_index(triangles, {.budget = {100}}).error().code,
+    EXPECT_EQ(build_distance_index(triangles, {.execution = {.budget = {100}}}).error().code,
               ErrorCode::budget_exceeded);
     cancel_at_every_stage(
         [&](Progress& progress) {
-            return build_distance_index(triangles, {.progress = &progress});
+            return build_distance_index(triangles, {.execution = {.progress = &progress}});
         },
         [] { return true; });
     EXPECT_TRUE(build_distance_index(MeshIndex()).has_value());

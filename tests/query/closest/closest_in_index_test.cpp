@@ -118,7 +118,7 @@ TEST(ClosestInIndex, MeasuresFarFromTheOriginAsNearIt)
     const TriangleMesh near = moved(far, [&](const Vec3& p) { return Vec3(p - away); }); // exactly
     const MeshIndex far_index = build_mesh_index(far).value();
     const MeshIndex near_index = build_mesh_index(near).value();
-    const auto octree = build_proximity_octree(far, {.threads = {1}}).value();
+    const auto octree = build_proximity_octree(far, {.execution = {.threads = {1}}}).value();
     for (const Vec3& at : proximity_points(near, 300, 21)) {
         const Vec3 p = at + away;
         const auto found = closest_feature(far_index, p);
@@ -137,7 +137,7 @@ TEST(ClosestInIndex, AnswersAsTheProximityOctree)
         SCOPED_TRACE(name);
         const TriangleMesh mesh = sample_mesh(name).value();
         const MeshIndex index = build_mesh_index(mesh).value();
-        const auto octree = build_proximity_octree(mesh, {.threads = {1}}).value();
+        const auto octree = build_proximity_octree(mesh, {.execution = {.threads = {1}}}).value();
         for (const Vec3& p : proximity_points(mesh, 2000, 17))
             expect_same(closest_feature(index, p), closest_feature(octree, p));
     }
@@ -290,10 +290,12 @@ TEST(ClosestInIndex, BatchesHaveTheSameAnswersForEveryNumberOfThreads)
     const MeshIndex index = build_mesh_index(mesh).value();
     const std::vector<Vec3> points = proximity_points(mesh, 30000, 15);
     std::vector<ClosestFeature> first(points.size());
-    ASSERT_TRUE(closest_features(index, points, {.answers = first}));
+    ASSERT_TRUE(
+        closest_features(index, points, {.answers = first}, {.execution = {.threads = {1}}}));
     for (const int threads : {2, 3, 7}) {
         std::vector<ClosestFeature> answers(points.size());
-        ASSERT_TRUE(closest_features(index, points, {.answers = answers}, {.threads = {threads}}));
+        ASSERT_TRUE(closest_features(index, points, {.answers = answers},
+                                     {.execution = {.threads = {threads}}}));
         for (std::size_t i = 0; i < points.size(); ++i) expect_same(answers[i], first[i]);
     }
 }
@@ -318,11 +320,11 @@ TEST(ClosestInIndex, BatchesSayWhatIsWrong)
     }
     Progress progress;
     progress.cancel();
-    EXPECT_EQ(
-        closest_features(index, points, {.squared_distances = distances}, {.progress = &progress})
-            .error()
-            .code,
-        ErrorCode::cancelled);
+    EXPECT_EQ(closest_features(index, points, {.squared_distances = distances},
+                               {.execution = {.progress = &progress}})
+                  .error()
+                  .code,
+              ErrorCode::cancelled);
 }
 
 } // namespace

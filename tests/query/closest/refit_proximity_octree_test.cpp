@@ -5,7 +5,7 @@
 #include "index/file/proximity_file.h"
 #include "index/lists/build_proximity_octree.h"
 #include "index/test_meshes.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/sample_meshes.h"
 #include "query/closest/brute_force.h"
 #include "query/closest/closest_feature.h"
 
@@ -146,8 +146,10 @@ TEST(RefitProximityOctree, IsTheSameForAnyNumberOfThreads)
     const TriangleMesh other = moved(mesh, [&](std::size_t i, const Vec3& p) -> Vec3 {
         return i % 90 == 0 ? Vec3(p + random_step(random, 0.01)) : p;
     });
-    const auto one = refit_proximity_octree(built, other, topology, {.threads = {1}}).value();
-    const auto four = refit_proximity_octree(built, other, topology, {.threads = {4}}).value();
+    const auto one =
+        refit_proximity_octree(built, other, topology, {.execution = {.threads = {1}}}).value();
+    const auto four =
+        refit_proximity_octree(built, other, topology, {.execution = {.threads = {4}}}).value();
     EXPECT_TRUE(std::ranges::equal(one.arrays().nodes, four.arrays().nodes));
     EXPECT_TRUE(std::ranges::equal(one.arrays().table, four.arrays().table));
     EXPECT_EQ(one.statistics(), four.statistics());
@@ -197,7 +199,8 @@ TEST(RefitProximityOctree, StopsAtEveryStage)
     });
     cancel_at_every_stage(
         [&](Progress& progress) {
-            return refit_proximity_octree(built, other, topology, {{1}, &progress});
+            return refit_proximity_octree(built, other, topology,
+                                          {.execution = {.threads = {1}, .progress = &progress}});
         },
         [] { return true; });
 }

@@ -2,8 +2,8 @@
 
 #include "counted_allocations.h"
 #include "geometry/triangle_contact.h"
-#include "mesh/mesh_io.h"
 #include "oracles/exact_winding.h"
+#include "proxima/mesh_io.h"
 #include "query/closest/brute_force.h"
 #include "query/closest/signed_mesh.h"
 #include "query/neighbourhood/neighbourhood.h"
@@ -349,8 +349,10 @@ TEST(SignedDistance, HasTheSameAnswersForAnyThreadsAndDoesNotAllocate)
     const TriangleMesh mesh =
         joined(sample_mesh("spaceship:1300").value(), ball(Vec3(9, 9, 9), 1.0));
     const Signed of(mesh);
-    const auto one = build_surface_sign(of.mesh, of.topology, of.index, {.threads = {1}}).value();
-    const auto three = build_surface_sign(of.mesh, of.topology, {.threads = {3}}).value();
+    const auto one =
+        build_surface_sign(of.mesh, of.topology, of.index, {.execution = {.threads = {1}}}).value();
+    const auto three =
+        build_surface_sign(of.mesh, of.topology, {.execution = {.threads = {3}}}).value();
     EXPECT_TRUE(std::ranges::equal(one.sides(), three.sides()));
     EXPECT_TRUE(std::ranges::equal(one.pseudonormals(), three.pseudonormals()));
     const std::vector<Vec3> points = proximity_points(mesh, 300, 31);
@@ -381,8 +383,8 @@ TEST(SignedDistance, SaysWhyThereIsNone)
     for (std::uint64_t reports = 1;; ++reports) {
         Progress progress;
         progress.cancel_after(reports);
-        const auto sign =
-            build_surface_sign(mesh, topology, {.threads = {1}, .progress = &progress});
+        const auto sign = build_surface_sign(
+            mesh, topology, {.execution = {.threads = {1}, .progress = &progress}});
         if (sign) break;
         EXPECT_EQ(sign.error().code, ErrorCode::cancelled);
         // Each stage looks a few times per triangle: the index of the build among them.

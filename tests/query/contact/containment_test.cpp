@@ -2,9 +2,9 @@
 
 #include "cancellation.h"
 #include "counted_allocations.h"
-#include "mesh/sample_meshes.h"
 #include "octree/small_meshes.h"
 #include "oracles/column_winding.h"
+#include "proxima/sample_meshes.h"
 
 #include <gtest/gtest.h>
 #include <random>
@@ -151,7 +151,8 @@ TEST(Containment, AllocatesNothingAndCanBeCancelled)
     EXPECT_EQ(allocation_count(), before);
     Progress progress;
     progress.cancel();
-    EXPECT_EQ(build_enclosure(open, {.progress = &progress}).error().code, ErrorCode::cancelled);
+    EXPECT_EQ(build_enclosure(open, {.execution = {.progress = &progress}}).error().code,
+              ErrorCode::cancelled);
 }
 
 } // namespace

@@ -4,6 +4,7 @@
 #include "index/test_meshes.h"
 #include "octree/nasty_meshes.h"
 #include "octree/small_meshes.h"
+#include "proxima/octree.h"
 #include "query/contact/intersect_meshes.h"
 #include "query/contact/test_poses.h"
 

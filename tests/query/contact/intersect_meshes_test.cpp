@@ -8,6 +8,7 @@
 #include "mesh/random_soups.h"
 #include "octree/nasty_meshes.h"
 #include "octree/small_meshes.h"
+#include "proxima/octree.h"
 #include "query/contact/test_poses.h"
 
 #include <gtest/gtest.h>
@@ -302,7 +303,7 @@ TEST(IntersectMeshes, BatchesAnswerAsSinglePosesForAnyNumberOfThreads)
     for (RigidTransform& pose : poses) pose = generate();
     for (const int threads : {1, 3}) {
         const auto answers = std::make_unique<bool[]>(poses.size());
-        const PairOptions options{.threads = {threads}};
+        const PairOptions options{.execution = {.threads = {threads}}};
         ASSERT_TRUE(meshes_intersect(a, b, poses, {answers.get(), poses.size()}, options));
         const auto lists = intersecting_pairs(a, b, poses, options);
         ASSERT_TRUE(lists);
@@ -318,7 +319,7 @@ TEST(IntersectMeshes, BatchesAnswerAsSinglePosesForAnyNumberOfThreads)
     }
     cancel_at_every_stage(
         [&](Progress& progress) {
-            return intersecting_pairs(a, b, poses, {.progress = &progress});
+            return intersecting_pairs(a, b, poses, {.execution = {.progress = &progress}});
         },
         [] { return true; });
 }

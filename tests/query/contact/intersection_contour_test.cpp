@@ -2,8 +2,8 @@
 
 #include "geometry/closest_point.h"
 #include "geometry/triangle_intersection.h"
-#include "mesh/sample_meshes.h"
 #include "octree/small_meshes.h"
+#include "proxima/sample_meshes.h"
 #include "query/contact/join_segments.h"
 #include "query/contact/test_poses.h"
 

@@ -2,8 +2,8 @@
 // Polygon Mesh Processing.
 #include "geometry/exact_predicates.h"
 #include "index/build_mesh_index.h"
-#include "mesh/sample_meshes.h"
 #include "octree/small_meshes.h"
+#include "proxima/sample_meshes.h"
 #include "query/contact/self_intersection.h"
 
 #include <gtest/gtest.h>

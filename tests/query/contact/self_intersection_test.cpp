@@ -3,9 +3,9 @@
 #include "index/build_mesh_index.h"
 #include "index/test_meshes.h"
 #include "mesh/random_soups.h"
-#include "mesh/sample_meshes.h"
 #include "octree/nasty_meshes.h"
 #include "octree/small_meshes.h"
+#include "proxima/sample_meshes.h"
 
 #include <algorithm>
 #include <gtest/gtest.h>
@@ -124,8 +124,10 @@ TEST(SelfIntersection, StopsAtItsLimitWhateverTheThreads)
     const TriangleMesh heap = mesh_of({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)},
                                       std::vector<TriangleCorners>(1000, {0, 1, 2}));
     const MeshIndex index = index_of(heap);
-    const auto one = find_self_intersections(index, {.max_pairs = 5000, .threads = {1}});
-    const auto two = find_self_intersections(index, {.max_pairs = 5000, .threads = {2}});
+    const auto one =
+        find_self_intersections(index, {.max_pairs = 5000, .execution = {.threads = {1}}});
+    const auto two =
+        find_self_intersections(index, {.max_pairs = 5000, .execution = {.threads = {2}}});
     EXPECT_FALSE(one->complete);
     EXPECT_EQ(one->pairs.size(), 5000U);
     EXPECT_EQ(one->pairs, two->pairs);
@@ -134,7 +136,7 @@ TEST(SelfIntersection, StopsAtItsLimitWhateverTheThreads)
     EXPECT_EQ(all->pairs.size(), 1000U * 999 / 2);
     Progress progress;
     progress.cancel();
-    EXPECT_EQ(find_self_intersections(index, {.progress = &progress}).error().code,
+    EXPECT_EQ(find_self_intersections(index, {.execution = {.progress = &progress}}).error().code,
               ErrorCode::cancelled);
 }
 

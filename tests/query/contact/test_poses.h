@@ -2,9 +2,9 @@
 // along the axes, hardly turned, anyhow; and all pairs by brute force.
 #pragma once
 
-#include "geometry/rigid_transform.h"
 #include "geometry/triangle_contact.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/geometry.h"
+#include "proxima/triangle_mesh.h"
 #include "query/contact/intersect_meshes.h"
 
 #include <Eigen/Geometry>

@@ -3,8 +3,9 @@
 #include "counted_allocations.h"
 #include "geometry/test_volumes.h"
 #include "geometry/view_contact.h"
+#include "geometry/view_plane.h"
 #include "index/test_meshes.h"
-#include "octree/build_octree.h"
+#include "proxima/octree.h"
 
 #include <gtest/gtest.h>
 

@@ -2,6 +2,7 @@
 #include "index/build_mesh_index.h"
 #include "octree/nasty_meshes.h"
 #include "octree/small_meshes.h"
+#include "proxima/octree.h"
 #include "query/rays/cast_ray.h"
 #include "query/rays/test_rays.h"
 

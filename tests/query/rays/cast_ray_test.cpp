@@ -179,7 +179,7 @@ TEST(CastRay, BatchesAnswerAsSingleRaysForAnyNumberOfThreads)
     const std::vector<Ray> rays = rays_for(torus, 5000, 11);
     for (const int threads : {1, 3}) {
         for (const Faces faces : all_faces) {
-            const RayBatchOptions options{.faces = faces, .threads = {threads}};
+            const RayBatchOptions options{.faces = faces, .execution = {.threads = {threads}}};
             std::vector<std::optional<RayHit>> closest(rays.size());
             const auto any = std::make_unique<bool[]>(rays.size());
             ASSERT_TRUE(closest_hits(index, rays, closest, options));

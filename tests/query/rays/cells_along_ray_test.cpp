@@ -1,9 +1,9 @@
 #include "query/rays/cells_along_ray.h"
 
 #include "counted_allocations.h"
-#include "octree/build_octree.h"
 #include "octree/small_meshes.h"
 #include "oracles/integer_overlap.h"
+#include "proxima/octree.h"
 #include "query/rays/test_rays.h"
 
 #include <gtest/gtest.h>

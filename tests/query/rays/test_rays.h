@@ -2,9 +2,9 @@
 // away, of any length, with ranges that begin or end near hits.
 #pragma once
 
-#include "geometry/ray.h"
 #include "index/build_mesh_index.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/geometry.h"
+#include "proxima/triangle_mesh.h"
 
 #include <array>
 #include <cmath>

@@ -13,8 +13,8 @@
 
 #include "index/lists/proximity_octree.h"
 #include "index/mesh_index.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 #include "query/closest/closest_feature.h"
 
 #include <cstdint>

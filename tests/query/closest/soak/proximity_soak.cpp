@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "index/build_mesh_index.h"
 #include "index/lists/build_proximity_octree.h"
+#include "proxima/execution.h"
 #include "query/closest/soak/closest_check.h"
 #include "query/closest/soak/sign_check.h"
 #include "query/closest/soak/soak_meshes.h"
@@ -27,8 +28,8 @@ struct SoakOptions {
     std::uint64_t points = 10'000'000;
     std::uint64_t signs = 1'000'000;
     std::uint64_t seed = 1;
-    Threads threads = {};
     std::vector<std::string> meshes;
+    Execution execution = {};
 };
 
 /// Points that a thread makes and checks at a time.
@@ -72,13 +73,13 @@ Result<std::vector<ProximityOctree>> build_octrees(const TriangleMesh& mesh,
                                                    const Topology& topology, Threads threads)
 {
     std::vector<ProximityOctree> octrees;
-    auto usual = build_proximity_octree(mesh, topology, {.threads = threads});
+    auto usual = build_proximity_octree(mesh, topology, {.execution = {.threads = threads}});
     if (!usual) return tl::unexpected(usual.error());
     octrees.push_back(std::move(*usual));
     std::uint64_t budget = 60 * mesh.triangle_count();
     while (octrees.size() < 2) {
-        auto tight =
-            build_proximity_octree(mesh, topology, {.budget_bytes = budget, .threads = threads});
+        auto tight = build_proximity_octree(
+            mesh, topology, {.budget_bytes = budget, .execution = {.threads = threads}});
         if (tight) {
             octrees.push_back(std::move(*tight));
         } else if (tight.error().code == ErrorCode::budget_exceeded) {
@@ -151,15 +152,16 @@ private:
         if (!topology) return fail_mesh(named, topology.error());
         const auto index = build_mesh_index(mesh);
         if (!index) return fail_mesh(named, index.error());
-        const auto octrees = build_octrees(mesh, *topology, options_.threads);
+        const auto octrees = build_octrees(mesh, *topology, options_.execution.threads);
         if (!octrees) return fail_mesh(named, octrees.error());
 
         const PointMaker maker(mesh, *topology, octrees->front());
         const ClosestCheck check({mesh, *topology, *index}, *octrees);
         for (std::size_t s = 0; s < all_point_sets.size(); ++s) {
             const std::uint64_t count = options_.points * shares[s] / (100 * meshes) + 1;
-            const auto tally = check_points<ClosestTally>(
-                maker, all_point_sets[s], count, options_.seed, ++row_, options_.threads, check);
+            const auto tally =
+                check_points<ClosestTally>(maker, all_point_sets[s], count, options_.seed, ++row_,
+                                           options_.execution.threads, check);
             print_row(named.name, name_of(all_point_sets[s]), tally);
             all_.add(tally);
         }
@@ -179,7 +181,7 @@ private:
         SignTally sum;
         for (const PointSet set : {PointSet::volume, PointSet::near_surface, PointSet::boundaries})
             sum.add(check_points<SignTally>(maker, set, count / 3 + 1, options_.seed, ++row_,
-                                            options_.threads, check));
+                                            options_.execution.threads, check));
         print_signs(named.name + (closed ? " (closed)" : " (open)"), sum);
         all_signs_.add(sum);
     }
@@ -228,7 +230,7 @@ try {
     app.add_option("--points", options.points, "Closest features asked for, over all meshes");
     app.add_option("--signs", options.signs, "Signs asked for, over all meshes");
     app.add_option("--seed", options.seed, "Seed of points and random meshes");
-    app.add_option("--threads", options.threads.count, "0: all that the machine offers")
+    app.add_option("--threads", options.execution.threads.count, "0: all that the machine offers")
         ->check(CLI::Range(0, 1024));
     app.add_option("--mesh", options.meshes, "Only the mesh of this name, as printed")
         ->allow_extra_args(false);

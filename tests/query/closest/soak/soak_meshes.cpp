@@ -1,8 +1,8 @@
 #include "query/closest/soak/soak_meshes.h"
 
 #include "index/test_meshes.h"
-#include "mesh/mesh_io.h"
-#include "mesh/sample_meshes.h"
+#include "proxima/mesh_io.h"
+#include "proxima/sample_meshes.h"
 
 #include <cmath>
 #include <filesystem>

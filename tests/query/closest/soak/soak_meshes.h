@@ -1,7 +1,7 @@
 // What the soak goes through: built-in meshes, scanned ones, and those that hurt.
 #pragma once
 
-#include "mesh/triangle_mesh.h"
+#include "proxima/triangle_mesh.h"
 
 #include <functional>
 #include <string>

@@ -8,8 +8,8 @@
 #pragma once
 
 #include "index/lists/proximity_octree.h"
-#include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
 
 #include <array>
 #include <cstdint>

@@ -3,12 +3,15 @@
 //     auto volume = make_perspective_volume({.eye = {0, 0, 5}, .forward = {0, 0, -1}});
 //     auto wedge = make_view_volume(planes);          // any closed half-spaces
 //
-// A volume is exactly the points that its planes, taken as the doubles they are, have in common.
+// A volume is exactly the set of points that its planes, taken as the doubles they are, have in
+// common.
 #pragma once
 
-#include "base/result.h"
-#include "geometry/view_plane.h"
+#include "proxima/geometry.h"
+#include "proxima/result.h"
 
+#include <array>
+#include <cstddef>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -16,6 +19,15 @@
 #include <vector>
 
 namespace proxima {
+
+/// The points with normal . x + offset >= 0. The normal points inward and may have any length.
+struct ViewPlane {
+    Vec3 normal = Vec3::UnitZ();
+    double offset = 0;
+};
+
+/// The one point on three planes: known exactly though no doubles may hold it.
+using PlaneMeeting = std::array<ViewPlane, 3>;
 
 /// As many planes as a volume may have.
 inline constexpr std::size_t max_view_planes = 1024;

@@ -7,9 +7,9 @@
 // degenerate triangles, and has the same bits on every machine.
 #pragma once
 
-#include "base/progress.h"
-#include "base/result.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cstddef>
 #include <string_view>
@@ -27,7 +27,7 @@ inline constexpr std::size_t max_sample_triangles = std::size_t{1} << 27U;
 [[nodiscard]] std::string_view sample_mesh_names() noexcept;
 
 struct SampleOptions {
-    Progress* progress = nullptr; ///< stage "making mesh", steps are triangles
+    Execution execution = {}; ///< stage "making mesh", steps are triangles
 };
 
 /// The mesh of a name: `sphere:STACKSxSLICES`, `icosphere:N`, `cube`, `octahedron`, `torus:NxM`,

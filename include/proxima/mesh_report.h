@@ -4,18 +4,16 @@
 //     for (const MeshFinding& finding : report->findings) {
 //         std::cout << finding.count << ' ' << name_of(finding.kind) << ": " << finding.meaning;
 //     }
-//     for (const QueryOutlook& query : report->outlook) ...   // octree: works, sign: with care,
-//     ...
+//     for (const QueryOutlook& query : report->outlook) ...   // octree: works, sign: with care, ...
 //
-// Whether the surface intersects itself is not examined: query/self_intersection.h does.
+// Whether the surface intersects itself is not examined: self_intersections() does that.
 #pragma once
 
-#include "base/memory_budget.h"
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
+#include "proxima/triangle_mesh.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -134,10 +132,8 @@ struct MeshReport {
 inline constexpr double far_from_origin_ratio = 1e6;
 
 struct MeshReportOptions {
-    std::size_t max_ids = 5; ///< elements that each finding names
-    Threads threads = {};
-    MemoryBudget budget = {};     ///< scratch, topology included where it is built here
-    Progress* progress = nullptr; ///< watched and obeyed where given
+    std::size_t max_ids = 5;  ///< elements that each finding names
+    Execution execution = {}; ///< budget: scratch, topology included where it is built here
 };
 
 /// Examines any mesh, NaN and all. The same for any number of threads. Errors: limit_exceeded

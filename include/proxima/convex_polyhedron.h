@@ -1,5 +1,7 @@
-// Convex polyhedra, bounded and not, with everything a Minkowski sum asks of them (thesis 3.2,
-// 4.3.3).
+// Convex polyhedra, bounded and not: hulls, and what a Minkowski sum asks of them (thesis 3.2, 4.3.3).
+//
+//     auto box = convex_hull(corners);                 // 6 facets of 4 corners, not 12 triangles
+//     auto wedge = convex_hull({p0, p1}, {n0, n1});    // p0 p1 swept along all between n0 and n1
 //
 //     points   p0 p1 ... p(m-1)            the corners; at least one
 //     rays     r0 r1 ...                   directions in which it goes on forever; none if bounded
@@ -10,18 +12,18 @@
 //     edge     from a point to a point or a ray, between the facets to its left and right
 //
 // Every point and ray is extreme, every facet is a whole one (coplanar pieces are merged), decided
-// by exact predicates on the doubles given. It may be flat: a polygon has a facet on either side,
-// a segment one edge and no facet, a point neither. What holds a whole line (a half-space, a slab)
-// has no corner to start from and is refused.
+// by exact predicates on the doubles given. A polyhedron may be flat: a polygon has a facet on
+// either side, a segment one edge and no facet, a point neither. What holds a whole line (a
+// half-space, a slab) has no corner to start from and is refused.
 #pragma once
 
-#include "geometry/exact_predicates.h"
-#include "geometry/shapes.h"
-#include "geometry/vec.h"
-#include "minkowski/scalar_vector.h"
+#include "proxima/execution.h"
+#include "proxima/geometry.h"
+#include "proxima/result.h"
+#include "proxima/triangle_mesh.h"
 
 #include <array>
-#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -128,29 +130,13 @@ public:
         return facets_[facet].normal;
     }
 
-    /// The sign of a facet's outward normal . direction. Exact. Scalar is double, or one that
-    /// counts what the filter does (operation_counts.h). \pre |direction| <= 2^302
-    template <class Scalar = double>
-    [[nodiscard]] int normal_sign(std::uint32_t facet, const Displacement& direction) const noexcept
-    {
-        using std::abs;
-        // Where this filter fails, exact numbers decide.
-        const Facet& plane = facets_[facet];
-        const Vector3<Scalar> d =
-            to_scalar<Scalar>(direction.to) - to_scalar<Scalar>(direction.from);
-        const Scalar value = dot(to_scalar<Scalar>(plane.normal), d);
-        const Scalar error = Scalar(plane.tolerance) * (abs(d.x()) + abs(d.y()) + abs(d.z())) +
-                             Scalar(underflow_slack);
-        if (value > error) return 1;
-        if (value < -error) return -1;
-        return exact_normal_sign(facet, direction);
-    }
+    /// The sign of a facet's outward normal . direction. Exact. \pre |direction| <= 2^302
+    [[nodiscard]] int normal_sign(std::uint32_t facet,
+                                  const Displacement& direction) const noexcept;
 
 private:
     friend class PolyhedronAssembler;
-
-    /// More than the three products of a normal and a direction lose by underflow, 2^-1075 each.
-    static constexpr double underflow_slack = std::numeric_limits<double>::min();
+    friend struct FacetSign;
 
     struct Facet {
         Vec3 normal;          ///< u x v, rounded
@@ -159,9 +145,6 @@ private:
         std::uint32_t first = 0;                ///< loop: [first, first + size)
         std::uint32_t size = 0;
     };
-
-    [[nodiscard]] int exact_normal_sign(std::uint32_t facet,
-                                        const Displacement& direction) const noexcept;
 
     int dimension_ = 0;
     std::size_t point_count_ = 0;
@@ -172,5 +155,72 @@ private:
     std::vector<std::uint32_t> star_first_;
     std::vector<PolyhedronNeighbour> stars_;
 };
+
+/// Coordinates of a polyhedron are no larger: products of them must stay finite.
+inline constexpr double max_polyhedron_coordinate = 0x1p+300;
+
+/// The smallest convex set that holds the points and all half-lines from them along the rays. Any
+/// dimension; points and rays that are not extreme are left out, the others keep their order. Exact
+/// for the doubles given: facets of any number of corners, no two of them in one plane.
+/// Errors: invalid_argument (no point; NaN or infinity; a ray of no length; rays that span a whole
+/// line: such a set has no corner), limit_exceeded (a coordinate above max_polyhedron_coordinate,
+/// or more than 2^31 vertices), cancelled. O(n log n) for n vertices in random order.
+[[nodiscard]] Result<ConvexPolyhedron> convex_hull(std::span<const Vec3> points,
+                                                   std::span<const Vec3> rays = {},
+                                                   Progress* progress = nullptr);
+
+struct ConvexMeshOptions {
+    /// How far a vertex may stand beyond the plane of a triangle, per diagonal of the bounding box:
+    /// coordinates of round shapes are rounded, so their faces are never quite flat.
+    double tolerance = 1e-9;
+    Execution execution = {};
+};
+
+/// The polyhedron that a closed convex mesh bounds: the exact hull of its vertices, once every edge
+/// has two triangles, all are connected, no vertex stands beyond a triangle's plane, and the area
+/// is that of the hull. Which way the triangles are turned does not matter. Errors: invalid_mesh
+/// (empty; NaN or infinity; an open or branching edge; several components; all vertices in one
+/// plane; not convex), saying where; limit_exceeded (coordinates beyond max_polyhedron_coordinate);
+/// cancelled. O(n log n).
+[[nodiscard]] Result<ConvexPolyhedron> polyhedron_of_mesh(const TriangleMesh& mesh,
+                                                          const ConvexMeshOptions& options = {});
+
+/// A triangle: of dimension 2, or less if its corners are in a line. Errors as convex_hull.
+[[nodiscard]] Result<ConvexPolyhedron> polyhedron_of_triangle(const Triangle& triangle);
+
+/// A box. Errors as convex_hull; invalid_argument for an empty one.
+[[nodiscard]] Result<ConvexPolyhedron> polyhedron_of_box(const Box& box);
+
+/// -x for all x of the polyhedron.
+[[nodiscard]] ConvexPolyhedron mirrored(const ConvexPolyhedron& polyhedron);
+
+/// How far outside a half-space a corner may be, per distance from the origin.
+inline constexpr double half_space_tolerance = 1e-14;
+/// How far a ray of length 1 may lead out of a half-space, per unit along it.
+inline constexpr double half_space_ray_tolerance = 1e-11;
+/// The smallest ball that counts as a volume, per largest offset.
+inline constexpr double min_ball_radius = 1e-12;
+
+/// All x with normal . x <= offset for every plane; the normals may have any length. Corners are
+/// solved from their planes in extended precision, then rounded. Corners closer than 1e-12 of the
+/// largest distance from the origin (or 1e-3 of the largest ball's radius, if less) become one, and
+/// rays within 1e-9; what is farther than 1e11 times the largest offset is a ray. The exact hull of
+/// these is returned, so a facet of more than three corners may come apart into facets that differ
+/// by rounding.
+///
+/// What is returned has been checked. With the planes' normals of length 1 and c the centre of the
+/// largest ball: every corner p is in every half-space to half_space_tolerance * (|p| + |c|), every
+/// ray of length 1 along it to half_space_ray_tolerance, and every facet lies in one of the planes,
+/// as far as corners that became one allow. What fails is refused. In an unbounded set, |c| may be
+/// several times the largest offset.
+///
+/// Errors: invalid_argument (NaN or infinity; a normal of no length; no point in common; nothing
+/// with a volume in common, or less than a ball of radius min_ball_radius times the largest offset;
+/// a whole line in common; not right to the tolerances above), limit_exceeded (a normal too
+/// long, or an offset per length of its normal beyond max_polyhedron_coordinate), cancelled.
+/// O(n log n) for the corners, n times the simplex steps (a few dozen), and O(n m) for the check of
+/// m corners and facets.
+[[nodiscard]] Result<ConvexPolyhedron> polyhedron_of_half_spaces(std::span<const HalfSpace> planes,
+                                                                 Progress* progress = nullptr);
 
 } // namespace proxima

@@ -1,15 +1,14 @@
 // The immutable triangle mesh that everything is built from.
 //
-//     positions  v0 v1 v2 ...            double, the order of the file
-//     triangles  (0,1,2) (2,1,3) ...     indices into positions, counter-clockwise seen from
-//     outside
+//     positions  v0 v1 v2 ...            doubles, in the order of the file
+//     triangles  (0,1,2) (2,1,3) ...     indices into positions, counter-clockwise seen from outside
 #pragma once
 
-#include "base/result.h"
-#include "geometry/shapes.h"
-#include "geometry/vec.h"
+#include "proxima/geometry.h"
+#include "proxima/result.h"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>

@@ -7,17 +7,23 @@
 // Corners are pairs: point i of A and point j of B, a_i + lambda b_j for a scale lambda of B, and
 // facets rest on such pairs: the thesis's index tracking (3.5), which holds for every pair of
 // convex polyhedra as long as neither is turned.
+//
+// With the mirrored B, A (+) (-B) answers for the pair: B moved by t overlaps A exactly if t is in
+// it, the distance of t from it is the distance of the two, and the depth of t in it is how far B
+// must move to be free.
 #pragma once
 
-#include "base/progress.h"
-#include "base/result.h"
-#include "minkowski/convex_polyhedron.h"
-#include "minkowski/face_sum.h"
-#include "minkowski/operation_counts.h"
+#include "proxima/convex_polyhedron.h"
+#include "proxima/execution.h"
+#include "proxima/geometry.h"
+#include "proxima/result.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace proxima {
@@ -39,6 +45,15 @@ struct SumFacet {
     std::int8_t turn = 1; ///< swept: the normal is turn (edge of A x edge of B)
     std::uint32_t a = no_facet;
     std::uint32_t b = no_facet;
+};
+
+/// A corner of a sum's facet: a point of A and one of B, or a ray of either.
+struct SumCorner {
+    enum class Kind : std::uint8_t { point, ray_of_a, ray_of_b };
+
+    Kind kind = Kind::point;
+    std::uint32_t a = 0; ///< vertex of A; 0 for a ray of B
+    std::uint32_t b = 0; ///< vertex of B; 0 for a ray of A
 };
 
 /// An edge of the sum, as those of ConvexPolyhedron.
@@ -77,7 +92,7 @@ public:
         return vertex >= parts_->point_count;
     }
     /// What a vertex is made of.
-    [[nodiscard]] const detail::SumCorner& corner(std::uint32_t vertex) const noexcept
+    [[nodiscard]] const SumCorner& corner(std::uint32_t vertex) const noexcept
     {
         return parts_->corners[vertex];
     }
@@ -97,7 +112,7 @@ public:
         return std::span(parts_->loops).subspan(first, parts_->loop_first[facet + 1] - first);
     }
     /// The pair that the facet rests on at every scale (thesis 3.5).
-    [[nodiscard]] const detail::SumCorner& support(std::uint32_t facet) const noexcept
+    [[nodiscard]] const SumCorner& support(std::uint32_t facet) const noexcept
     {
         return parts_->supports[facet];
     }
@@ -120,9 +135,9 @@ private:
         int dimension = 0;
         bool holds_line = false;
         std::size_t point_count = 0;
-        std::vector<detail::SumCorner> corners; ///< points, then rays
+        std::vector<SumCorner> corners; ///< points, then rays
         std::vector<SumFacet> facets;
-        std::vector<detail::SumCorner> supports; ///< one per facet, a point
+        std::vector<SumCorner> supports; ///< one per facet, a point
         std::vector<std::uint32_t> loop_first;
         std::vector<std::uint32_t> loops;
         std::vector<SumEdge> edges;
@@ -136,7 +151,7 @@ private:
 
 struct MinkowskiOptions {
     MinkowskiMethod method = MinkowskiMethod::arcs;
-    Progress* progress = nullptr;
+    Execution execution = {};
 };
 
 /// The sum of A and B. With `arcs` it has exactly the facets of the sum of the polyhedra that the
@@ -151,18 +166,39 @@ struct MinkowskiOptions {
                                                  const ConvexPolyhedron& b,
                                                  const MinkowskiOptions& options = {});
 
-/// What a sum cost.
-struct CountedSum {
-    MinkowskiSum sum;
-    OperationCounts counts;
+/// Whether the closed sum holds the point, for the doubles given: exact. O(facets). Thread safe, no
+/// allocation. \pre point finite
+[[nodiscard]] bool contains(const MinkowskiSum& sum, const Vec3& point) noexcept;
+
+/// The place of the surface that is nearest to a point.
+struct SurfacePoint {
+    double distance = 0; ///< negative inside; in the mesh's units
+    Vec3 nearest = Vec3::Zero();
+    Vec3 direction = Vec3::Zero();  ///< of length 1: outward to the surface from inside, from the
+                                    ///< surface to the point from outside
+    std::uint32_t facet = no_facet; ///< that holds `nearest`; none of a point or a segment
 };
 
-/// The same on numbers that count what is done to them: the thesis's Table 3.2 for any operands. Of
-/// `arcs` the signs of the Gaussian maps are counted, filters included; its merging of faces, and
-/// the few signs that exact numbers decide, are not arithmetic of a scalar. Errors as
-/// minkowski_sum.
-[[nodiscard]] Result<CountedSum> count_minkowski_sum(const ConvexPolyhedron& a,
-                                                     const ConvexPolyhedron& b,
-                                                     const MinkowskiOptions& options = {});
+/// The signed distance of a point from the sum's surface, rounded; a flat sum has no inside. O(size
+/// of the sum). Thread safe, no allocation. \pre point finite, the sum holds no line
+[[nodiscard]] SurfacePoint signed_distance(const MinkowskiSum& sum, const Vec3& point) noexcept;
+
+/// How far the point may go along a direction before it leaves the sum: infinity where it never
+/// does (facets that it slides along but for rounding do not end it), nothing where it is not in
+/// the sum. Thesis 3.1's directional penetration depth. O(facets). \pre point finite, direction of
+/// length 1, the sum is no point, segment or polygon
+[[nodiscard]] std::optional<double> directional_depth(const MinkowskiSum& sum, const Vec3& point,
+                                                      const Vec3& direction) noexcept;
+
+/// How two polyhedra stand to each other.
+struct Separation {
+    double distance = 0;           ///< negative where they overlap: the depth of penetration
+    Vec3 direction = Vec3::Zero(); ///< of length 1 (none for segments that touch), from A to B:
+                                   ///< moving B by -distance along it lets both just touch
+};
+
+/// Distance or minimum penetration depth of two polyhedra. Builds their sum: errors as
+/// minkowski_sum, and invalid_argument where the sum holds a line.
+[[nodiscard]] Result<Separation> separation(const ConvexPolyhedron& a, const ConvexPolyhedron& b);
 
 } // namespace proxima

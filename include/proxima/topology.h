@@ -1,4 +1,4 @@
-// Who touches whom in a mesh: edges with all their triangles, vertex stars, neighbours.
+// The features of a mesh and their neighbours: edges with all their triangles, vertex stars.
 //
 //     edge       two vertices (ascending) and its 1, 2 or more triangles (ascending)
 //     triangle   three edges: edge k joins corner k and corner k + 1
@@ -6,23 +6,37 @@
 //
 // Edge ids count the edges by first appearance over the triangles ascending, edges (v0v1, v1v2,
 // v2v0). A triangle that repeats a vertex is a segment or a point: (a, a, b) has no edge at aa and
-// the edge ab at both other sides, listed there once; (a, a, a) has none. Either is once in the
-// stars of its vertices. Thesis 4.3.2 works on these features.
+// the edge ab at both other sides, listed there once; (a, a, a) has none. Such a triangle appears
+// once in the star of each of its vertices. Thesis 4.3.2 works on these features.
 #pragma once
 
-#include "base/memory_budget.h"
-#include "base/parallel.h"
-#include "base/progress.h"
-#include "base/result.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
+#include "proxima/triangle_mesh.h"
 
 #include <array>
+#include <compare>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <span>
 #include <vector>
 
 namespace proxima {
+
+/// Ordered by dimension.
+enum class FeatureKind : std::uint8_t { vertex, edge, face };
+
+/// One feature: a VertexId, an EdgeId of the topology, or a TriangleId as a plain number.
+struct Feature {
+    FeatureKind kind = FeatureKind::vertex;
+    std::uint32_t id = 0;
+
+    friend constexpr bool operator==(const Feature&, const Feature&) = default;
+    /// By kind (vertex < edge < face), then id: the order that settles ties.
+    // NOLINTNEXTLINE(modernize-use-nullptr): clang-tidy 14 sees a null where comparisons are made
+    friend constexpr std::strong_ordering operator<=>(const Feature&, const Feature&) = default;
+};
 
 enum class EdgeId : std::uint32_t {};
 
@@ -44,9 +58,7 @@ using EdgeVertices = std::array<VertexId, 2>;
 inline constexpr std::size_t max_topology_triangles = std::numeric_limits<std::uint32_t>::max() / 6;
 
 struct TopologyOptions {
-    Threads threads = {};
-    MemoryBudget budget = {};     ///< result and scratch, without the mesh
-    Progress* progress = nullptr; ///< watched and obeyed where given
+    Execution execution = {}; ///< budget: result and scratch, without the mesh
 };
 
 /// Immutable. All members are noexcept, do not allocate, and may be called from any thread.

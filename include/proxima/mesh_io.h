@@ -4,22 +4,35 @@
 //     if (!mesh) { std::cerr << describe(mesh.error()); ... }   // bunny.obj:12: vertex 9 ... of 8
 //     auto status = write_mesh(*mesh, "bunny.ply");
 //
-// OBJ, PLY, STL and OFF are read by readers of our own, in double: vertices and faces keep the
-// order of the file. 3DS, glTF and GLB, whose numbers are float32, come through assimp where the
-// library was built with PROXIMA_WITH_ASSIMP.
+// OBJ, PLY, STL and OFF are read in double precision: vertices and faces keep the order of the file.
+// 3DS, glTF and GLB, whose numbers are float32, are read by assimp where the library was built with
+// PROXIMA_WITH_ASSIMP.
 #pragma once
 
-#include "base/memory_budget.h"
-#include "base/progress.h"
-#include "mesh/mesh_format.h"
-#include "mesh/triangle_mesh.h"
+#include "proxima/execution.h"
+#include "proxima/result.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
+#include <string>
+#include <string_view>
 
 namespace proxima {
+
+enum class MeshFormat : std::uint8_t { obj, ply, stl, off, three_ds, gltf, glb };
+
+/// Short name for messages: "OBJ", "3DS".
+[[nodiscard]] std::string_view format_name(MeshFormat format) noexcept;
+
+/// The format that the extension of `path` stands for, in any letter case.
+[[nodiscard]] std::optional<MeshFormat> format_of_path(const std::filesystem::path& path);
+
+/// ".obj, .ply, .stl, ...": the extensions that format_of_path knows.
+[[nodiscard]] std::string known_mesh_extensions();
 
 /// Whether vertices at exactly the same position become one. by_format: for STL, which has no
 /// indices, and for 3DS, which repeats vertices along its smoothing groups.
@@ -27,8 +40,8 @@ enum class Weld : std::uint8_t { by_format, never, exact_positions };
 
 struct ReadOptions {
     Weld weld = Weld::by_format;
-    Progress* progress = nullptr; ///< stages "loading file", "reading mesh": steps are bytes
-    MemoryBudget budget = {};     ///< the file, the mesh and the scratch together
+    /// Stages "loading file", "reading mesh": steps are bytes; budget: the file, the mesh and the scratch together.
+    Execution execution = {};
 };
 
 /// Reads the mesh of a file, its format told by the extension. All objects and groups become one
@@ -55,7 +68,7 @@ enum class StlEncoding : std::uint8_t { ascii, binary };
 struct WriteOptions {
     PlyEncoding ply = PlyEncoding::binary; ///< binary: little-endian, float64
     StlEncoding stl = StlEncoding::binary; ///< binary: float32, the format has no other
-    Progress* progress = nullptr;          ///< stage "writing mesh", steps are triangles
+    Execution execution = {};              ///< stage "writing mesh", steps are triangles
 };
 
 /// Writes OBJ, PLY or STL, told by the extension, as OutputFile does: whole or not at all.

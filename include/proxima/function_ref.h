@@ -1,0 +1,46 @@
+// A reference to a callable: what queries take as a visitor.
+//
+//     const auto seen = [&](TriangleId id) { ids.push_back(id); };
+//     visit(index, box, seen);         // void visit(..., FunctionRef<void(TriangleId)> visitor)
+#pragma once
+
+#include <concepts>
+#include <memory>
+#include <type_traits>
+#include <utility>
+
+namespace proxima {
+
+template <class Signature>
+class FunctionRef;
+
+/// Two pointers, made from any callable of the signature, const or not. It neither copies the
+/// callable nor allocates; the callable must outlive it, as a temporary in a call does.
+template <class Return, class... Arguments>
+class FunctionRef<Return(Arguments...)> {
+public:
+    template <class Callable>
+    requires(!std::same_as<std::remove_cvref_t<Callable>, FunctionRef> &&
+             std::is_invocable_r_v<Return, Callable&, Arguments...>)
+        // NOLINTNEXTLINE(google-explicit-constructor, bugprone-forwarding-reference-overload): as a call reads
+        FunctionRef(Callable&& callable)
+    noexcept
+        : object_(const_cast<void*>(static_cast<const void*>(std::addressof(callable)))),
+          call_([](void* object, Arguments... arguments) -> Return {
+              return (*static_cast<std::remove_reference_t<Callable>*>(object))(
+                  std::forward<Arguments>(arguments)...);
+          })
+    {}
+
+    /// Calls the callable, which may throw what it likes.
+    Return operator()(Arguments... arguments) const
+    {
+        return call_(object_, std::forward<Arguments>(arguments)...);
+    }
+
+private:
+    void* object_;
+    Return (*call_)(void*, Arguments...);
+};
+
+} // namespace proxima

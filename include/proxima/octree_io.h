@@ -1,0 +1,77 @@
+// Octrees in files: saved and mapped again (.pxo), or exported to other programs.
+//
+//     .pxo   the octree itself: written whole or not at all, used in place when loaded
+//     .vtu   all leaves as voxels that share their corners     cell data: class, depth, triangles
+//     .htg   VTK HyperTreeGrid 2.0, the tree itself            the same, inner cells included
+//     .ply   all leaves as boxes of six quads                  colours by class, and class, depth
+//     .glb   the mesh and its boundary leaves' edges           glTF 2.0, with materials
+//
+// "class" is the number of CellClass: 0 outer, 1 inner, 2 boundary, 3 unclassified.
+// docs/file_format.md describes every byte of .pxo; ParaView, MeshLab, Blender and web viewers read
+// the others.
+#pragma once
+
+#include "proxima/execution.h"
+#include "proxima/octree.h"
+#include "proxima/result.h"
+#include "proxima/triangle_mesh.h"
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+
+namespace proxima {
+
+struct LoadOptions {
+    /// `full` also compares the checksums, so that any damage is found. Both check the structure
+    /// (check_structure.h), so that no content of a file can lead a query out of its arrays.
+    Verification verify = Verification::full;
+    Execution execution = {}; ///< stages "checksums" (bytes) and "checking the octree" (nodes)
+};
+
+struct SaveOptions {
+    Execution execution = {}; ///< stages "checksums" and "writing", steps are bytes
+};
+
+/// The same octree gives the same bytes. Errors: file_not_writable, cancelled. O(bytes).
+[[nodiscard]] Status save_octree(const Octree& octree, const std::filesystem::path& path,
+                                 const SaveOptions& options = {});
+
+/// The octree on the memory-mapped file, which must not change while the octree lives. Errors:
+/// file_not_found, unsupported_format (foreign file, newer version, other byte order),
+/// malformed_file (truncated, damaged, contradicting itself), cancelled. O(nodes + references).
+[[nodiscard]] Result<Octree> load_octree(const std::filesystem::path& path,
+                                         const LoadOptions& options = {});
+
+/// The same from a file's bytes in memory, aligned to 64, which `storage` keeps alive.
+[[nodiscard]] Result<Octree> load_octree(std::span<const std::byte> bytes,
+                                         std::shared_ptr<const void> storage,
+                                         const std::string& name, const LoadOptions& options = {});
+
+struct ExportOptions {
+    Execution execution = {}; ///< several stages, the last one "writing"
+};
+
+/// Writes the format that the extension names (upper or lower case), whole or not at all.
+/// Coordinates are doubles, the octree's exact planes, except in .glb: floats relative to the
+/// root's centre, which is the nodes' translation. `mesh` is used by .glb only.
+/// Errors: unsupported_format, file_not_writable, limit_exceeded (a .glb beyond 4 GB or
+/// coordinates beyond float), cancelled. O(leaves) memory; points cost a sort.
+[[nodiscard]] Status export_octree(const Octree& octree, const TriangleMesh& mesh,
+                                   const std::filesystem::path& path,
+                                   const ExportOptions& options = {});
+
+// One function per format, for any extension.
+[[nodiscard]] Status export_vtu(const Octree& octree, const std::filesystem::path& path,
+                                const ExportOptions& options = {});
+[[nodiscard]] Status export_htg(const Octree& octree, const std::filesystem::path& path,
+                                const ExportOptions& options = {});
+[[nodiscard]] Status export_ply(const Octree& octree, const std::filesystem::path& path,
+                                const ExportOptions& options = {});
+[[nodiscard]] Status export_glb(const Octree& octree, const TriangleMesh& mesh,
+                                const std::filesystem::path& path,
+                                const ExportOptions& options = {});
+
+} // namespace proxima

@@ -1,0 +1,62 @@
+#!/usr/bin/env python3
+"""What users find after an installation: a folder of at most thirty headers, each of which compiles alone and
+includes the others, Eigen and the standard library only; result.h also tl/expected.hpp. Headers of queries, which
+have no public ones yet, lie below proxima/internal and are not looked at.
+
+    installed_headers.py INCLUDE_FOLDER COMPILER FLAGS...     exit status 1 where that is not so
+"""
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+MOST_HEADERS = 30
+INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]', re.MULTILINE)
+STANDARD = re.compile(r"^[a-z_]+$")
+
+
+def wrong_includes(folder, header):
+    """Includes of a header that are none of the few that it may have."""
+    for quote, name in INCLUDE.findall((folder / header).read_text()):
+        ours = quote == '"' and name.startswith("proxima/") and (folder / name).is_file()
+        foreign = quote == "<" and (STANDARD.match(name) or name.startswith("Eigen/"))
+        expected = header.name == "result.h" and name == "tl/expected.hpp"
+        if not (ours or foreign or expected):
+            yield f"{header} includes {name}"
+
+
+def compile_alone(header, compiler, flags):
+    """What the compiler says of a source that includes the header twice and nothing else."""
+    with tempfile.TemporaryDirectory() as work:
+        source = Path(work, "alone.cpp")
+        source.write_text(2 * f"#include <{header}>\n")
+        done = subprocess.run([compiler, "-Wall", "-Wextra", "-Werror", "-fsyntax-only", *flags, source],
+                              capture_output=True, text=True)
+    return [] if done.returncode == 0 else [f"{header} does not compile alone:\n{done.stderr}"]
+
+
+def main():
+    folder, compiler, flags = Path(sys.argv[1]), sys.argv[2], sys.argv[3:]
+    internal = folder / "proxima" / "internal"
+    headers = sorted(path.relative_to(folder) for path in folder.rglob("*")
+                     if path.is_file() and internal not in path.parents)
+    print("installed:", *headers)
+    problems = [f"{header} is not proxima/NAME.h" for header in headers
+                if header.parent != Path("proxima") or header.suffix != ".h"]
+    if not 0 < len(headers) <= MOST_HEADERS:
+        problems.append(f"{len(headers)} headers are installed, at most {MOST_HEADERS} should be")
+    for header in headers:
+        problems += wrong_includes(folder, header)
+    with ThreadPoolExecutor(os.cpu_count()) as compilers:
+        for found in compilers.map(lambda header: compile_alone(header, compiler, flags), headers):
+            problems += found
+    for problem in problems:
+        print(problem)
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
