@@ -3,6 +3,7 @@
 #include "base/text.h"
 #include "oracles/quad_distance.h"
 #include "query/closest/brute_force.h"
+#include "query/closest/feature_distance.h"
 #include "query/closest/check_answers.h"
 
 #include <algorithm>
