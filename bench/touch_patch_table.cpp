@@ -110,8 +110,8 @@ int run_patch_table(const std::string& mesh, const PatchTableOptions& options)
     const WorkspaceMap map = (*loaded)->map;
     proxima::TouchModel model;
     model.surface = {std::move((*loaded)->mesh), std::move((*loaded)->topology)};
-    model.octree = std::move((*loaded)->octree);
-    model.contact = std::make_unique<OctreeContactSurface>(model.octree);
+    model.index = std::move((*loaded)->index);
+    model.contact = std::make_unique<IndexContactSurface>(model.index);
     std::printf(
         "%s, %zu triangles: patches at 100 Hz, a period late, in %llu ticks of each script\n",
         mesh.c_str(), model.surface.mesh.triangle_count(),

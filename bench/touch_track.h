@@ -69,7 +69,7 @@ struct TrackTimes {
 /// The octree's surface asked anew for every question of a tick.
 class AskedSurface final : public ContactSurface {
 public:
-    explicit AskedSurface(const OctreeContactSurface& surface) : surface_(surface) {}
+    explicit AskedSurface(const IndexContactSurface& surface) : surface_(surface) {}
     [[nodiscard]] const SurfaceScale& scale() const noexcept override { return surface_.scale(); }
     [[nodiscard]] std::size_t collect(const Vec3& p, double distance,
                                       std::span<ContactTriangle> buffer) const noexcept override
@@ -82,7 +82,7 @@ public:
     }
 
 private:
-    const OctreeContactSurface& surface_;
+    const IndexContactSurface& surface_;
 };
 
 } // namespace proxima::bench

@@ -1,4 +1,4 @@
-#include <index/lists/build_proximity_octree.h>
+#include <index/build_mesh_index.h>
 #include <iostream>
 #include <mesh/sample_meshes.h>
 #include <mesh/topology.h>
@@ -24,14 +24,14 @@ int main()
     if (!topology) return failed(topology.error());
 
     // Once for a mesh: by what closest features are found, and what tells inside from outside.
-    const auto octree = build_proximity_octree(*mesh, *topology);
-    if (!octree) return failed(octree.error());
+    const auto built = build_mesh_index(*mesh);
+    if (!built) return failed(built.error());
     const auto sign = build_surface_sign(*mesh, *topology);
     if (!sign) return failed(sign.error());
 
     // From any thread, in about a microsecond: no lock, no allocation.
     for (const Vec3& p : {Vec3(0, 0, 0), Vec3(0.8, 0, 0), Vec3(2, 1, 0)}) {
-        const SignedDistance found = sign_of(*sign, closest_feature(*octree, p), p);
+        const SignedDistance found = sign_of(*sign, closest_feature(*built, p).value(), p);
         std::cout << (found.distance < 0 ? "inside" : "outside") << ", " << found.distance
                   << " from triangle " << index(found.closest.triangle) << " at "
                   << found.closest.point.transpose() << '\n';

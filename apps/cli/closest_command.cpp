@@ -4,7 +4,7 @@
 #include "cli/commands.h"
 #include "cli/model_options.h"
 #include "cli/number_table.h"
-#include "cli/proximity_file_model.h"
+#include "cli/index_file_model.h"
 #include "cli/row_writer.h"
 #include "cli/stopwatch.h"
 #include "query/closest/closest_feature.h"
@@ -22,7 +22,7 @@ namespace proxima {
 
 namespace {
 
-struct ClosestOptions {
+struct ClosestCommandOptions {
     std::string model;
     std::string points;
     std::string out; ///< "-" for stdout, empty for none
@@ -119,8 +119,8 @@ private:
             points[i] = {row[0], row[1], row[2]};
         }
         // Cannot fail: sizes agree and the table holds finite numbers.
-        (void)closest_features(searcher_.octree, std::span(points).first(count),
-                               std::span(answers_).subspan(begin, count));
+        (void)closest_features(searcher_.index, std::span(points).first(count),
+                               {.answers = std::span(answers_).subspan(begin, count)});
         if (searcher_.sign) {
             for (std::size_t i = 0; i < count; ++i)
                 signs_[begin + i] = sign_of(*searcher_.sign, answers_[begin + i], points[i]);
@@ -137,17 +137,17 @@ private:
     AnswerCounts counts_;
 };
 
-std::string text_of(const ClosestOptions& options, const ClosestSearcher& searcher,
+std::string text_of(const ClosestCommandOptions& options, const ClosestSearcher& searcher,
                     const ClosestRun& run, std::size_t queries)
 {
     const AnswerCounts& counts = run.counts();
     const bool loaded = searcher.load_seconds.has_value();
     std::string text = fmt::format(
-        "{}: {} triangles, proximity octree of {:.2f} MB {} in {:.3f} s\n"
+        "{}: {} triangles, index of {:.2f} MB {} in {:.3f} s\n"
         "{} points in {:.3g} ms, {:.0f} ns each; distances {:.6g} to {:.6g}\n"
         "closest: vertices {}, edges {}, faces {}\n",
-        options.model, searcher.octree.triangle_count(),
-        1e-6 * static_cast<double>(searcher.octree.bytes()), loaded ? "loaded" : "built",
+        options.model, searcher.index.triangle_count(),
+        1e-6 * static_cast<double>(searcher.index.bytes()), loaded ? "loaded" : "built",
         loaded ? *searcher.load_seconds : searcher.build_seconds, queries, 1e3 * run.seconds(),
         1e9 * run.seconds() / static_cast<double>(queries), counts.least, counts.most,
         counts.by_kind[0], counts.by_kind[1], counts.by_kind[2]);
@@ -161,7 +161,7 @@ std::string text_of(const ClosestOptions& options, const ClosestSearcher& search
     return text;
 }
 
-Status run_closest(const ClosestOptions& options, Session& session)
+Status run_closest(const ClosestCommandOptions& options, Session& session)
 {
     if (Status status = check_rows(options.out, session); !status) return status;
     const auto table = [&] {
@@ -183,13 +183,13 @@ Status run_closest(const ClosestOptions& options, Session& session)
     if ((*searcher)->load_seconds) load_seconds = *(*searcher)->load_seconds;
     return session.write_json(
         {{"model", options.model},
-         {"triangles", (*searcher)->octree.triangle_count()},
+         {"triangles", (*searcher)->index.triangle_count()},
          {"queries", table->rows()},
          {"seconds", run.seconds()},
          {"ns_per_query", 1e9 * run.seconds() / static_cast<double>(table->rows())},
          {"build_seconds", (*searcher)->build_seconds},
          {"load_seconds", load_seconds},
-         {"bytes", (*searcher)->octree.bytes()}});
+         {"bytes", (*searcher)->index.bytes()}});
 }
 
 } // namespace
@@ -198,8 +198,8 @@ Command add_closest_command(CLI::App& app)
 {
     CLI::App* const parser = app.add_subcommand(
         "closest", "Find the closest vertex, edge or face of a mesh for each point of a file");
-    const auto options = std::make_shared<ClosestOptions>();
-    add_model_option(*parser, options->model, ModelKinds::meshes_and_proximity_octrees);
+    const auto options = std::make_shared<ClosestCommandOptions>();
+    add_model_option(*parser, options->model, ModelKinds::meshes_and_indexes);
     parser
         ->add_option("--points", options->points,
                      "The points: .npy of three columns, else CSV of x,y,z")
@@ -212,10 +212,10 @@ Command add_closest_command(CLI::App& app)
                      "Also the distance with its sign, negative inside, and how it was found");
     parser
         ->add_option("--budget-mb", options->budget_mb,
-                     "Size of the octree at most, in 10^6 bytes (default: 600 bytes per triangle)")
+                     "Build closest-feature lists, of so many 10^6 bytes at most")
         ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40U))
         ->type_name("N");
-    refuse_beside_proximity_file(*parser, options->model, {"--budget-mb"});
+    refuse_beside_index_file(*parser, options->model, {"--budget-mb"});
     return {parser, [options](Session& session) { return run_closest(*options, session); }};
 }
 

@@ -10,7 +10,7 @@
 #include "cli/stopwatch.h"
 #include "geometry/triangle_intersection.h"
 #include "index/build_mesh_index.h"
-#include "index/slabs/build_distance_index.h"
+#include "index/slabs/build_slabs.h"
 #include "octree/build_octree.h"
 #include "query/contact/containment.h"
 #include "query/distance/mesh_distance.h"
@@ -49,7 +49,6 @@ struct Body {
     Octree octree;
     MeshIndex index;
     Enclosure enclosure;
-    DistanceIndex distances; ///< where asked for
 };
 
 /// What was found in one pose.
@@ -107,10 +106,10 @@ Status prepare(Body& body, const std::string& model, const IntersectOptions& opt
     if (!enclosure) return at_model(enclosure.error(), model);
     body.enclosure = std::move(*enclosure);
     if (!options.distance) return {};
-    auto distances = build_distance_index(
-        body.index, {.threads = session.threads(), .progress = &session.progress()});
-    if (!distances) return at_model(distances.error(), model);
-    body.distances = std::move(*distances);
+    auto with = with_slabs(body.index,
+                           {.threads = session.threads(), .progress = &session.progress()});
+    if (!with) return at_model(with.error(), model);
+    body.index = std::move(*with);
     return {};
 }
 
@@ -139,7 +138,7 @@ PoseAnswer find_in(const Body& a, const Body& b, const RigidTransform& pose,
     }
     if (options.distance) {
         const Stopwatch watch;
-        answer.nearest = mesh_distance(a.distances, b.distances, pose, last);
+        answer.nearest = mesh_distance(a.index, b.index, pose, last);
         answer.distance_seconds = watch.seconds();
     }
     return answer;

@@ -5,7 +5,7 @@
 #include "cli/commands.h"
 #include "cli/model_options.h"
 #include "cli/names.h"
-#include "cli/proximity_file_model.h"
+#include "cli/index_file_model.h"
 #include "cli/stopwatch.h"
 #include "cli/triangle_file.h"
 #include "query/closest/surface_search.h"
@@ -58,7 +58,7 @@ Status load_surface(const std::string& name, Session& session, PatchModel& model
         model.surface = std::move(*surface);
         return {};
     };
-    if (!is_proximity_file(name)) {
+    if (!is_index_file(name)) {
         auto mesh = session.load_model(name);
         if (!mesh) return tl::unexpected(mesh.error());
         const Stopwatch watch;
@@ -67,9 +67,9 @@ Status load_surface(const std::string& name, Session& session, PatchModel& model
         return status;
     }
     const Stopwatch watch;
-    auto octree = load_proximity_file(name, session);
-    if (!octree) return tl::unexpected(octree.error());
-    Status status = take(surface_of(*octree, name, session));
+    auto index = load_index_file(name, session);
+    if (!index) return tl::unexpected(index.error());
+    Status status = take(surface_of(*index, name, session));
     model.seconds = watch.seconds();
     return status;
 }
@@ -276,7 +276,7 @@ Command add_patch_command(CLI::App& app)
     CLI::App* const parser = app.add_subcommand(
         "patch", "Find the triangles round the place of a mesh that is closest to a point");
     const auto options = std::make_shared<PatchOptions>();
-    add_model_option(*parser, options->model, ModelKinds::meshes_and_proximity_octrees);
+    add_model_option(*parser, options->model, ModelKinds::meshes_and_indexes);
     add_point_option(*parser, options->point);
     add_extent_options(*parser, *options);
     parser

@@ -1,4 +1,4 @@
-// proxima proximity: builds the proximity octree of a mesh and counts it.
+// proxima proximity: builds the closest-feature lists of a mesh and counts them.
 #include "base/file_extension.h"
 #include "base/text.h"
 #include "cli/commands.h"
@@ -6,7 +6,7 @@
 #include "cli/names.h"
 #include "cli/plot_file.h"
 #include "cli/proximity_command_options.h"
-#include "index/lists/build_proximity_octree.h"
+#include "index/lists/build_lists.h"
 #include "index/lists/grow_cells.h"
 #include "octree/cell.h"
 
@@ -51,7 +51,7 @@ Status run_proximity(const ProximityCommandOptions& options, Session& session)
     outputs.insert(outputs.end(), options.exports.begin(), options.exports.end());
     outputs.push_back(options.save);
     if (Status status = session.check_outputs(outputs); !status) return status;
-    if (Status status = check_extension(options.save, ".pxp"); !status) return status;
+    if (Status status = check_extension(options.save, ".pxi"); !status) return status;
     if (Status status = check_octree_outputs(options); !status) return status;
     if (!options.budget_curves.empty()) return run_budget_curve(options, session);
     return options.method == ProximityMethod::thesis ? run_thesis_proximity(options, session)
@@ -121,7 +121,7 @@ void add_threshold_options(CLI::App& parser, KindThresholds& thresholds)
 void check_margin(const ProximityCommandOptions& options)
 {
     const double largest =
-        options.method == ProximityMethod::thesis ? max_root_margin : max_proximity_margin;
+        options.method == ProximityMethod::thesis ? max_root_margin : max_list_margin;
     if (options.margin >= 0 && options.margin <= largest) return;
     throw CLI::ValidationError("--margin", concat(options.margin, " is no margin: 0 to ", largest,
                                                   options.method == ProximityMethod::thesis
@@ -170,17 +170,17 @@ Command add_proximity_command(CLI::App& app)
     parser
         ->add_option("--margin", options->margin,
                      concat("How much larger the root is than the tight cube, per edge: 0 to ",
-                            max_proximity_margin, ", thesis to ", max_root_margin))
+                            max_list_margin, ", thesis to ", max_root_margin))
         ->capture_default_str()
         ->type_name("M");
     parser
         ->add_option("--budget-mb", options->budget_mb,
-                     "Size of the octree at most, in 10^6 bytes (default: 600 bytes per triangle, "
+                     "Size of the lists at most, in 10^6 bytes (default: 520 bytes per triangle, "
                      "more for small meshes); "
                      "thesis: memory its build may use (default: 3/4 of the machine's)")
         ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40U))
         ->type_name("N");
-    parser->add_option("--save", options->save, "Write the octree: .pxp (general method)")
+    parser->add_option("--save", options->save, "Write the index with the lists: .pxi (general method)")
         ->type_name("FILE");
     parser
         ->add_option("--export", options->exports,

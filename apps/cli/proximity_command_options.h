@@ -21,7 +21,7 @@ struct ProximityCommandOptions {
     std::uint64_t budget_mb = 0; ///< of the result; of the build with the thesis's method
     std::vector<std::string> histograms;
     std::vector<std::string> budget_curves; ///< of the general method: instead of all that
-    std::string save;                       ///< .pxp file, of the general method and one depth
+    std::string save;                       ///< .pxi file, of the general method and one depth
     std::vector<std::string> exports;       ///< .vtu and .htg, the same
 };
 

@@ -149,7 +149,7 @@ Command add_touch_command(CLI::App& app)
     CLI::App* const parser = app.add_subcommand(
         "touch", "Feel models at 1,000 Hz with a haptic device or a simulated hand");
     const auto options = std::make_shared<TouchCommandOptions>();
-    add_model_option(*parser, options->model, ModelKinds::meshes_and_proximity_octrees);
+    add_model_option(*parser, options->model, ModelKinds::meshes_and_indexes);
     parser->add_option("--device", options->device, touch_device_names())
         ->required()
         ->check(touch_device_problem)

@@ -19,11 +19,11 @@ using Json = nlohmann::ordered_json;
 Result<std::unique_ptr<const TouchBody>>
 load_body(const std::string& name, const TouchBodyOptions& options, Session& session)
 {
-    if (is_proximity_file(name)) {
-        auto octree = load_proximity_file(name, session);
-        if (!octree) return tl::unexpected(octree.error());
+    if (is_index_file(name)) {
+        auto index = load_index_file(name, session);
+        if (!index) return tl::unexpected(index.error());
         const ProgressBar shown(session.progress(), session.bar());
-        auto body = build_touch_body(std::move(*octree), options);
+        auto body = build_touch_body(std::move(*index), options);
         if (!body && body.error().code == ErrorCode::broken_invariant)
             return fail(ErrorCode::malformed_file, describe(body.error()), name);
         if (!body) return at_model(body.error(), name);
@@ -94,7 +94,7 @@ Result<std::unique_ptr<TouchModel>> load_touch_scene(const ScenePlan& plan, Forc
                                .progress = &session.progress()},
                               session);
         if (!body) return tl::unexpected(body.error());
-        const std::uint64_t fingerprint = (*body)->octree().mesh_fingerprint();
+        const std::uint64_t fingerprint = (*body)->mesh_index().mesh_fingerprint();
         if (objects[i].mesh_fingerprint != 0 && objects[i].mesh_fingerprint != fingerprint) {
             return fail(ErrorCode::invalid_argument,
                         concat("was recorded with another model as object ", i, " than ",

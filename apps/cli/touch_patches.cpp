@@ -54,7 +54,7 @@ PatchTouch::PatchTouch(const TouchModel& model, const PatchSettings& settings,
                           .latency_seconds = 1 / settings.collision_rate,
                           .speed = settings.hand_speed * map.units_per_metre,
                           .proxy_radius = render.proxy_radius * map.units_per_metre},
-      rings_(model.octree, model.surface.mesh, model.surface.topology), patch_(whole_.scale()),
+      rings_(model.index, model.surface.mesh, model.surface.topology), patch_(whole_.scale()),
       expected_(whole_, proxy_options(render, map, feel)), near_(ContactPatch::most),
       exchange_(room_for(model)), due_(2, ContactPatch(room_for(model)))
 {

@@ -85,7 +85,7 @@ private:
     void compare(const RenderTick& felt) noexcept;
     [[nodiscard]] bool has(const Contact& contact) noexcept;
 
-    const OctreeContactSurface& whole_;
+    const IndexContactSurface& whole_;
     WorkspaceMap map_;
     CollisionOptions options_;
     PatchAccount account_;

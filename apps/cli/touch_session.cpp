@@ -5,7 +5,8 @@
 #include "haptics/device/hand_device.h"
 #include "haptics/loop/snapshot.h"
 #include "haptics/surface/shading_normals.h"
-#include "index/lists/build_proximity_octree.h"
+#include "index/build_mesh_index.h"
+#include "index/lists/build_lists.h"
 #include "query/closest/signed_distance.h"
 
 #include <algorithm>
@@ -26,7 +27,7 @@ std::int64_t nanoseconds_now() noexcept
     return std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1);
 }
 
-Status build_octree_of(TouchModel& model, const std::string& name, Session& session)
+Status build_index_of(TouchModel& model, const std::string& name, Session& session)
 {
     auto mesh = session.load_model(name);
     if (!mesh) return tl::unexpected(mesh.error());
@@ -34,20 +35,23 @@ Status build_octree_of(TouchModel& model, const std::string& name, Session& sess
     if (!surface) return tl::unexpected(surface.error());
     model.surface = std::move(*surface);
     const ProgressBar shown(session.progress(), session.bar());
-    auto octree =
-        build_proximity_octree(model.surface.mesh, model.surface.topology,
-                               {.threads = session.threads(), .progress = &session.progress()});
-    if (!octree) return at_model(octree.error(), name);
-    model.octree = std::move(*octree);
+    auto index = build_mesh_index(
+        model.surface.mesh, {.threads = session.threads(), .progress = &session.progress()});
+    if (index) {
+        index = with_lists(*index,
+                           {.threads = session.threads(), .progress = &session.progress()});
+    }
+    if (!index) return at_model(index.error(), name);
+    model.index = std::move(*index);
     return {};
 }
 
-Status open_octree(TouchModel& model, const std::string& name, Session& session)
+Status open_index(TouchModel& model, const std::string& name, Session& session)
 {
-    auto octree = load_proximity_file(name, session);
-    if (!octree) return tl::unexpected(octree.error());
-    model.octree = std::move(*octree);
-    auto surface = surface_of(model.octree, name, session);
+    auto index = load_index_file(name, session);
+    if (!index) return tl::unexpected(index.error());
+    model.index = std::move(*index);
+    auto surface = surface_of(model.index, name, session);
     if (!surface) return tl::unexpected(surface.error());
     model.surface = std::move(*surface);
     return {};
@@ -139,7 +143,7 @@ private:
     {
         if (model.scene != nullptr) return {model.scene->scene(), map, device, options};
         const ContactSurface& surface = patches == nullptr ? *model.contact : patches->surface();
-        if (parts.sign) return {surface, {&model.octree, &*parts.sign}, map, device, options};
+        if (parts.sign) return {surface, {&model.index, &*parts.sign}, map, device, options};
         return {surface, map, device, options, parts.normals.get()};
     }
 
@@ -184,7 +188,7 @@ std::uint64_t show_live(Snapshot<LiveTouch>& live, ButtonQueue& buttons,
 /// Of one model at rest; a scene's objects have their own.
 std::uint64_t fingerprint_of(const TouchModel& model)
 {
-    return model.scene != nullptr ? 0 : model.octree.mesh_fingerprint();
+    return model.scene != nullptr ? 0 : model.index.mesh_fingerprint();
 }
 
 std::vector<ScriptedObject> objects_of(const TouchModel& model)
@@ -213,10 +217,10 @@ Result<std::unique_ptr<TouchModel>> load_touch_model(const std::string& name, Se
 {
     auto model = std::make_unique<TouchModel>();
     const Stopwatch watch;
-    const Status status = is_proximity_file(name) ? open_octree(*model, name, session)
-                                                  : build_octree_of(*model, name, session);
+    const Status status = is_index_file(name) ? open_index(*model, name, session)
+                                                  : build_index_of(*model, name, session);
     if (!status) return tl::unexpected(status.error());
-    model->contact = std::make_unique<OctreeContactSurface>(model->octree);
+    model->contact = std::make_unique<IndexContactSurface>(model->index);
     model->reach = bounding_box(model->surface.mesh);
     model->build_seconds = watch.seconds();
     return model;

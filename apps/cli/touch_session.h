@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/result.h"
-#include "cli/proximity_file_model.h"
+#include "cli/index_file_model.h"
 #include "cli/session.h"
 #include "cli/touch_device.h"
 #include "cli/touch_patches.h"
@@ -27,8 +27,8 @@ namespace proxima {
 /// What is touched: one model at rest, or a scene of objects.
 struct TouchModel {
     ModelSurface surface; ///< of a scene, all its triangles where they stand at first
-    ProximityOctree octree;
-    std::unique_ptr<OctreeContactSurface> contact; ///< refers to the octree; null of a scene
+    MeshIndex index;
+    std::unique_ptr<IndexContactSurface> contact; ///< refers to the octree; null of a scene
     std::unique_ptr<ScriptedScene> scene;          ///< null of one model at rest
     std::vector<std::string> object_names;         ///< of a scene
     std::vector<std::uint32_t> parts;              ///< first triangles of its objects

@@ -19,6 +19,8 @@ constexpr bool is_leaf(std::uint32_t reference) noexcept
     return (reference & index_leaf_bit) != 0;
 }
 
+} // namespace
+
 void write_run(std::span<const IndexBlock> blocks, IndexNode& node)
 {
     struct Child {
@@ -31,23 +33,22 @@ void write_run(std::span<const IndexBlock> blocks, IndexNode& node)
         const std::uint32_t reference = node.children[place];
         const IndexBlock& child = blocks[place_of(reference)];
         if (place_of(reference) == 0) continue; // nothing there
-        children[count++] = {is_leaf(reference) ? child.leaf.first_row : child.node.first_row,
-                             place};
+        const std::uint32_t first =
+            is_leaf(reference) ? child.leaf.first_row : child.node.first_row;
+        std::uint32_t k = count++;
+        for (; k > 0 && children[k - 1].first > first; --k) children[k] = children[k - 1];
+        children[k] = {first, place};
     }
-    const auto used = std::span(children).first(count);
-    std::ranges::sort(used, {}, &Child::first);
-    node.first_row = used.front().first;
+    node.first_row = children[0].first;
     node.order = ~0U;
     node.starts.fill(0);
     for (std::uint32_t k = 0; k < count; ++k) {
-        const auto [first, place] = used[k];
+        const auto [first, place] = children[k];
         node.order ^= (IndexNode::no_child ^ place) << 4 * k;
         node.starts[place] = static_cast<std::uint16_t>(
             std::min(first - node.first_row, std::uint32_t{IndexNode::far_start}));
     }
 }
-
-} // namespace
 
 void write_runs(std::span<IndexBlock> blocks, std::uint32_t root)
 {

@@ -1,17 +1,14 @@
 #include "index/build_mesh_index.h"
 
-#include "base/grow_buffer.h"
 #include "base/text.h"
 #include "index/binary_tree.h"
+#include "index/block_boxes.h"
 #include "index/block_runs.h"
-#include "index/row_tables.h"
+#include "index/index_storage.h"
 #include "octree/build_octree.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
-#include <limits>
 #include <memory>
 #include <vector>
 
@@ -19,87 +16,10 @@ namespace proxima {
 
 namespace {
 
-// How far boxes are drawn out, in units of the mesh's size and in steps of a node's grid. The
-// kernel computes t of a plane as (32768 + q) (s r) + (g - o) r in floats, u = 2^-24: r = 1 / d is
-// off by 2 u, s r by 1 u more, g - o and its product by 1 u each, the first product and the sum by
-// 1 u each; |g| <= 32768 s + 1, |o| <= 1.01. Times |d| that is at most u (4 * 33023 s + 5 |plane -
-// o| + |o|) < 0.008 s + 12 u. Where the ray's origin was moved to the root it is up to 1 u more,
-// and where d was put away from zero less than 1 u (prepare_ray-inl.h).
-constexpr double own_margin = 20 * 0x1p-24;
-constexpr double step_margin = 1.0 / 64;
-
 // Bytes per triangle at most: keys twice, order, boxes, nodes, rows and blocks.
 constexpr std::uint64_t scratch_bytes = 32 + 4 + 24 + sizeof(BinaryNode);
 constexpr std::uint64_t index_bytes =
     sizeof(TriangleRow<double>) + sizeof(TriangleId) + 2 * sizeof(IndexBlock);
-
-/// One axis of a node's grid.
-struct GridAxis {
-    float origin = 0;
-    float step = 0;
-
-    /// Takes in [lower, upper] with its margins by bytes 0 to 255: one step is left over on each
-    /// side, of which the margins and the rounding of the origin take less than a tenth.
-    static GridAxis around(double lower, double upper) noexcept
-    {
-        constexpr double steps = 253;
-        GridAxis axis;
-        axis.step = static_cast<float>((upper - lower + 2 * own_margin) / steps);
-        const auto step = static_cast<double>(axis.step);
-        axis.origin = static_cast<float>(lower - own_margin - step - 32768 * step);
-        return axis;
-    }
-    [[nodiscard]] double plane(std::uint8_t byte) const noexcept
-    {
-        return static_cast<double>(origin) + (32768.0 + byte) * static_cast<double>(step);
-    }
-    [[nodiscard]] std::uint8_t below(double value) const noexcept
-    {
-        return to_byte(std::floor(steps_to(value - own_margin) - step_margin));
-    }
-    [[nodiscard]] std::uint8_t above(double value) const noexcept
-    {
-        return to_byte(std::ceil(steps_to(value + own_margin) + step_margin));
-    }
-
-private:
-    [[nodiscard]] double steps_to(double value) const noexcept
-    {
-        const auto step_size = static_cast<double>(step);
-        return (value - static_cast<double>(origin) - 32768 * step_size) / step_size;
-    }
-    static std::uint8_t to_byte(double steps) noexcept
-    {
-        return static_cast<std::uint8_t>(std::clamp(steps, 0.0, 255.0));
-    }
-};
-
-/// The upper half of the least such float not below the value.
-std::uint16_t upper_half(double value) noexcept
-{
-    const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(value));
-    return static_cast<std::uint16_t>((bits >> 16U) + 1);
-}
-
-} // namespace
-
-/// On huge pages where the system has them: rays jump about in it.
-struct MeshIndexStorage {
-    GrowBuffer<std::byte> memory; ///< of the blocks, and room to align them
-    std::span<const IndexBlock> blocks;
-    RowTables tables;
-    std::vector<TriangleId> ids;
-
-    void take(std::span<const IndexBlock> made)
-    {
-        memory.resize(made.size_bytes() + alignof(IndexBlock));
-        void* first = memory.data();
-        std::size_t room = memory.size();
-        first = std::align(alignof(IndexBlock), made.size_bytes(), first, room);
-        std::memcpy(first, made.data(), made.size_bytes());
-        blocks = {static_cast<const IndexBlock*>(first), made.size()};
-    }
-};
 
 // Writes the blocks of a tree, depth first.
 class MeshIndexWriter {
@@ -113,7 +33,6 @@ public:
         // The empty leaf that unused places refer to.
         blocks_[empty_leaf].leaf = {};
         std::vector<Pending> pending;
-        constexpr double root_extent = 2.1; // rays come from the box [-1.01, 1.01]
         root_ = 1U | (tree_.is_leaf(tree_.root()) ? index_leaf_bit : 0U);
         pending.push_back({tree_.root(), 1, root_extent});
         while (!pending.empty()) {
@@ -139,22 +58,13 @@ public:
         write_runs(blocks_, root_);
         storage_.take(blocks_);
         storage_.ids = tree_.order;
-        auto storage = std::make_shared<const MeshIndexStorage>(std::move(storage_));
-        MeshIndex result;
-        result.center_ = tree_.frame.center;
-        result.scale_ = tree_.frame.scale;
-        result.unscale_ = 1 / tree_.frame.scale;
-        result.root_ = root_;
-        result.has_exact_leaves_ = has_exact_leaves_;
-        result.triangle_count_ = static_cast<std::uint32_t>(tree_.order.size());
-        result.blocks_ = storage->blocks;
-        result.float_rows_ = storage->tables.float_rows.span();
-        result.double_rows_ = storage->tables.double_rows.span();
-        result.vertex_places_ = storage->tables.vertex_places.span();
-        result.edge_places_ = storage->tables.edge_places.span();
-        result.ids_ = storage->ids;
-        result.storage_ = std::move(storage);
-        return result;
+        MeshIndexParts parts;
+        parts.center = tree_.frame.center;
+        parts.scale = tree_.frame.scale;
+        parts.fingerprint = mesh_fingerprint(mesh_);
+        parts.root = root_;
+        parts.has_exact_leaves = has_exact_leaves_;
+        return index_of(parts, std::move(storage_));
     }
 
 private:
@@ -227,36 +137,21 @@ private:
         blocks_.resize(first + found_.size());
         IndexNode& node = blocks_[at.block].node;
         const FloatBox& box = tree_.box(at.child);
-        std::array<GridAxis, 3> grid;
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            grid[axis] = GridAxis::around(static_cast<double>(box.lower[axis]),
-                                          static_cast<double>(box.upper[axis]));
-            node.origin[axis] = grid[axis].origin;
-            node.step[axis] = grid[axis].step;
-        }
         const std::array<int, 8> place = give_places(box);
+        std::array<const FloatBox*, 8> boxes{};
+        for (std::size_t slot = 0; slot < 8; ++slot) {
+            const auto i = static_cast<std::size_t>(place[slot]);
+            if (i < found_.size()) boxes[slot] = &tree_.box(found_[i]);
+        }
+        const std::array<double, 8> extents = write_boxes(node, box, boxes);
         std::uint32_t block = first;
         const std::size_t mark = pending.size();
         for (std::size_t slot = 0; slot < 8; ++slot) {
-            const auto i = static_cast<std::size_t>(place[slot]);
-            const bool used = i < found_.size();
-            double extent = 0;
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                std::uint8_t& lower = node.planes[axis][slot];
-                std::uint8_t& upper = node.planes[axis][8 + slot];
-                lower =
-                    used ? grid[axis].below(static_cast<double>(tree_.box(found_[i]).lower[axis]))
-                         : 255;
-                upper =
-                    used ? grid[axis].above(static_cast<double>(tree_.box(found_[i]).upper[axis]))
-                         : 0;
-                if (used)
-                    extent = std::max(extent, grid[axis].plane(upper) - grid[axis].plane(lower));
-            }
             node.children[slot] = empty_leaf | index_leaf_bit;
-            if (!used) continue;
-            node.children[slot] = block | (tree_.is_leaf(found_[i]) ? index_leaf_bit : 0U);
-            pending.push_back({found_[i], block++, extent});
+            if (boxes[slot] == nullptr) continue;
+            const Child& child = found_[static_cast<std::size_t>(place[slot])];
+            node.children[slot] = block | (tree_.is_leaf(child) ? index_leaf_bit : 0U);
+            pending.push_back({child, block++, extents[slot]});
         }
         std::reverse(pending.begin() + static_cast<std::ptrdiff_t>(mark), pending.end());
     }
@@ -277,19 +172,12 @@ private:
             }
         }
         for (std::size_t i = 0; i < index_width; ++i) {
-            const std::uint32_t vertex = vertices[i < count ? i : 0];
-            const Vec3& own = mesh_.positions()[vertex];
-            const Vec3 p = tree_.frame.to_frame(own);
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                const auto k = static_cast<Eigen::Index>(axis);
-                leaf.coordinates[axis][i] = static_cast<float>(p[k]);
-                has_exact_leaves_ = has_exact_leaves_ && is_float(p[k]) &&
-                                    p[k] / tree_.frame.scale + tree_.frame.center[k] == own[k];
-            }
+            const Vec3& point = mesh_.positions()[vertices[i < count ? i : 0]];
+            if (!write_vertex(leaf, i, point, tree_.frame)) has_exact_leaves_ = false;
         }
         leaf.first_row = at.child.first;
         leaf.count = static_cast<std::uint16_t>(at.child.count);
-        leaf.extent_bits = upper_half(at.extent + 4 * own_margin);
+        write_extent(leaf, at.extent);
         blocks_[at.block].leaf = leaf;
     }
 
@@ -298,9 +186,11 @@ private:
     std::uint32_t root_ = 0;
     bool has_exact_leaves_ = true;
     std::vector<IndexBlock> blocks_;
-    MeshIndexStorage storage_;
+    IndexStorage storage_;
     std::vector<Child> found_; ///< of the node being written
 };
+
+} // namespace
 
 Result<MeshIndex> build_mesh_index(const TriangleMesh& mesh, const MeshIndexOptions& options)
 {

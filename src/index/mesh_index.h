@@ -10,6 +10,9 @@
 //     ids      the triangle ids of the rows, side by side
 //     places   of each vertex and edge, its lowest triangle and where it is there (place_word)
 //
+// Shelves that an index may have beside: lists (lists/proximity_lists.h) and slabs
+// (slabs/block_slab.h).
+//
 // The order of the rows is the Morton curve of the octree's cells by the triangles' centres. Chains
 // of cells with a single child are left out, and levels are joined where that makes fewer steps.
 #pragma once
@@ -64,79 +67,120 @@ inline constexpr std::uint32_t index_leaf_bit = 1U << 31U;
 /// The most triangles that rows have ids for.
 inline constexpr std::size_t max_index_triangles = std::size_t{1} << 28U;
 
-/// Immutable; copies share the storage. Thread safe. Made by build_mesh_index.
+struct BlockSlab;
+class ProximityLists;
+
+/// The frame and the arrays that every mesh index has.
+struct MeshIndexParts {
+    Vec3 center = Vec3::Zero();
+    double scale = 1;
+    std::uint64_t fingerprint = 0;
+    std::uint32_t root = 0;
+    bool has_exact_leaves = false;
+    std::span<const IndexBlock> blocks;
+    std::span<const TriangleRow<float>> float_rows; ///< or double_rows, not both
+    std::span<const TriangleRow<double>> double_rows;
+    std::span<const TriangleId> ids;
+    std::span<const std::uint32_t> vertex_places;
+    std::span<const std::uint32_t> edge_places;
+};
+
+/// Immutable; copies share the storage. Thread safe. Made by build_mesh_index. What speeds up or
+/// bounds some queries is added by with_lists and with_slabs, which give another index that shares
+/// all that this one has; no answer depends on it.
 class MeshIndex {
 public:
     /// Levels of blocks at most: the 63 bits of a cell's place, then 31 of a triangle's rank.
     static constexpr std::size_t max_levels = 63 + 31;
 
-    [[nodiscard]] std::uint32_t triangle_count() const noexcept { return triangle_count_; }
-    [[nodiscard]] std::size_t vertex_count() const noexcept { return vertex_places_.size(); }
-    [[nodiscard]] std::size_t edge_count() const noexcept { return edge_places_.size(); }
-    [[nodiscard]] std::span<const IndexBlock> blocks() const noexcept { return blocks_; }
-    [[nodiscard]] std::uint32_t root() const noexcept { return root_; }
+    [[nodiscard]] std::uint32_t triangle_count() const noexcept
+    {
+        return static_cast<std::uint32_t>(parts_.ids.size());
+    }
+    [[nodiscard]] std::size_t vertex_count() const noexcept { return parts_.vertex_places.size(); }
+    [[nodiscard]] std::size_t edge_count() const noexcept { return parts_.edge_places.size(); }
+    [[nodiscard]] std::span<const IndexBlock> blocks() const noexcept { return parts_.blocks; }
+    [[nodiscard]] std::uint32_t root() const noexcept { return parts_.root; }
     [[nodiscard]] std::span<const TriangleRow<float>> float_rows() const noexcept
     {
-        return float_rows_;
+        return parts_.float_rows;
     }
     [[nodiscard]] std::span<const TriangleRow<double>> double_rows() const noexcept
     {
-        return double_rows_;
+        return parts_.double_rows;
     }
 
     /// Ids of the triangles in the order of the leaves.
-    [[nodiscard]] std::span<const TriangleId> ids() const noexcept { return ids_; }
+    [[nodiscard]] std::span<const TriangleId> ids() const noexcept { return parts_.ids; }
     /// The corners of a row. \pre row < triangle_count()
     [[nodiscard]] Triangle triangle(std::uint32_t row) const noexcept
     {
-        return double_rows_.empty() ? float_rows_[row].corners() : double_rows_[row].corners();
+        return parts_.double_rows.empty() ? parts_.float_rows[row].corners()
+                                          : parts_.double_rows[row].corners();
     }
     /// The id of a row's triangle. \pre row < triangle_count()
-    [[nodiscard]] TriangleId id(std::uint32_t row) const noexcept { return ids_[row]; }
+    [[nodiscard]] TriangleId id(std::uint32_t row) const noexcept { return parts_.ids[row]; }
 
     /// Of each vertex and each edge of the mesh, by id: its lowest triangle and where it is there
     /// (place_word). Edges are numbered as Topology does.
     [[nodiscard]] std::span<const std::uint32_t> vertex_places() const noexcept
     {
-        return vertex_places_;
+        return parts_.vertex_places;
     }
     [[nodiscard]] std::span<const std::uint32_t> edge_places() const noexcept
     {
-        return edge_places_;
+        return parts_.edge_places;
     }
 
     /// Whether coordinate * unscale() + center() of a leaf's vertex, in doubles, is the mesh's own.
-    [[nodiscard]] bool has_exact_leaves() const noexcept { return has_exact_leaves_; }
+    [[nodiscard]] bool has_exact_leaves() const noexcept { return parts_.has_exact_leaves; }
 
     /// Blocks are in multiples of unscale(), 1 / scale(), from center(). The scale is a power of
     /// two, and the mesh within [-1, 1] on each axis.
-    [[nodiscard]] const Vec3& center() const noexcept { return center_; }
-    [[nodiscard]] double scale() const noexcept { return scale_; }
+    [[nodiscard]] const Vec3& center() const noexcept { return parts_.center; }
+    [[nodiscard]] double scale() const noexcept { return parts_.scale; }
     [[nodiscard]] double unscale() const noexcept { return unscale_; }
 
-    /// Bytes of all arrays.
-    [[nodiscard]] std::uint64_t bytes() const noexcept
-    {
-        return blocks_.size_bytes() + float_rows_.size_bytes() + double_rows_.size_bytes() +
-               ids_.size_bytes() + vertex_places_.size_bytes() + edge_places_.size_bytes();
-    }
+    /// Identifies the mesh: positions and triangles, see mesh_fingerprint().
+    [[nodiscard]] std::uint64_t mesh_fingerprint() const noexcept { return parts_.fingerprint; }
+
+    /// Closest-feature lists (proximity_lists.h); null where there are none.
+    [[nodiscard]] const ProximityLists* lists() const noexcept { return lists_.get(); }
+
+    /// Slabs about all blocks (block_slab.h) and seven more to be read along; empty where there are
+    /// none.
+    [[nodiscard]] std::span<const BlockSlab> slabs() const noexcept { return slabs_; }
+
+    /// Bytes of all arrays, those that other indexes share too.
+    [[nodiscard]] std::uint64_t bytes() const noexcept;
+
+    /// Takes parts that satisfy the layout above; `storage` keeps them alive. These three are for
+    /// builders and the file reader: they check, these do not.
+    [[nodiscard]] static MeshIndex adopt(const MeshIndexParts& parts,
+                                         std::shared_ptr<const void> storage) noexcept;
+    [[nodiscard]] MeshIndex adopt_lists(std::shared_ptr<const ProximityLists> lists) const noexcept;
+    [[nodiscard]] MeshIndex adopt_slabs(std::span<const BlockSlab> slabs,
+                                        std::shared_ptr<const void> storage) const noexcept;
 
 private:
-    friend class MeshIndexWriter;
-
-    Vec3 center_ = Vec3::Zero();
-    double scale_ = 1;
+    MeshIndexParts parts_;
     double unscale_ = 1;
-    std::uint32_t root_ = 0;
-    std::uint32_t triangle_count_ = 0;
-    bool has_exact_leaves_ = false;
-    std::span<const IndexBlock> blocks_;
-    std::span<const TriangleRow<float>> float_rows_; ///< or double_rows_, not both
-    std::span<const TriangleRow<double>> double_rows_;
-    std::span<const TriangleId> ids_;
-    std::span<const std::uint32_t> vertex_places_;
-    std::span<const std::uint32_t> edge_places_;
     std::shared_ptr<const void> storage_;
+    std::shared_ptr<const ProximityLists> lists_;
+    std::span<const BlockSlab> slabs_;
+    std::shared_ptr<const void> slab_storage_;
 };
+
+/// Bytes of the parts of an index, which add up to bytes().
+struct MeshIndexBytes {
+    std::uint64_t blocks = 0;
+    std::uint64_t rows = 0;
+    std::uint64_t ids = 0;
+    std::uint64_t places = 0;
+    std::uint64_t lists = 0;
+    std::uint64_t slabs = 0;
+};
+
+[[nodiscard]] MeshIndexBytes bytes_of(const MeshIndex& index) noexcept;
 
 } // namespace proxima

@@ -71,4 +71,7 @@ private:
 /// with a NaN or infinite coordinate. O(triangles).
 [[nodiscard]] Result<Box> checked_bounding_box(const TriangleMesh& mesh);
 
+/// A number that differs for meshes with other positions or triangles. O(mesh).
+[[nodiscard]] std::uint64_t mesh_fingerprint(const TriangleMesh& mesh);
+
 } // namespace proxima

@@ -3,7 +3,7 @@
 #include "base/check.h"
 #include "base/fixed_stack.h"
 #include "index/lists/proximity_cells.h"
-#include "index/lists/proximity_octree.h"
+#include "index/lists/proximity_lists.h"
 #include "octree/cell.h"
 #include "thesis/thesis_proximity_octree.h"
 
@@ -64,24 +64,24 @@ std::vector<std::uint32_t> outer_list_lengths(const ThesisProximityOctree& octre
     return lengths;
 }
 
-LeafLists list_lengths(const ProximityOctree& octree)
+LeafLists list_lengths(const ProximityLists& lists)
 {
-    const ProximityArrays& arrays = octree.arrays();
+    const ProximityArrays& arrays = lists.arrays();
     const auto root = root_word(arrays);
     PROXIMA_CHECK(root.has_value());
-    LeafLists lists;
+    LeafLists leaves;
     FixedStack<ProximityCell, 7 * max_octree_depth + 1> pending;
     pending.push({*root, 0, {}});
     while (!pending.empty()) {
         const ProximityCell cell = pending.pop();
         if (proximity_word::is_leaf(cell.word)) {
-            lists.lengths.push_back(list_length(arrays, cell.word));
-            lists.volumes.push_back(std::ldexp(1.0, -3 * cell.depth));
+            leaves.lengths.push_back(list_length(arrays, cell.word));
+            leaves.volumes.push_back(std::ldexp(1.0, -3 * cell.depth));
             continue;
         }
         for (std::uint32_t octant = 8; octant-- > 0;) pending.push(child(arrays, cell, octant));
     }
-    return lists;
+    return leaves;
 }
 
 } // namespace proxima

@@ -1,4 +1,4 @@
-// How long the lists of a proximity octree are: thesis figure 5.3.
+// How long the lists of leaves are: thesis figure 5.3.
 //
 //     std::vector<std::uint32_t> lengths = outer_list_lengths(octree, circumscribed_sphere(mesh));
 //     const ListStatistics statistics = list_statistics(lengths);
@@ -14,7 +14,7 @@
 
 namespace proxima {
 
-class ProximityOctree;
+class ProximityLists;
 class ThesisProximityOctree;
 
 /// A histogram of lengths and what it says.
@@ -64,6 +64,6 @@ struct LeafLists {
 
 /// In Morton order: every leaf that the builder made, whatever level the table has. O(leaves), 12
 /// bytes each. \pre the octree is sound, as built and read ones are
-[[nodiscard]] LeafLists list_lengths(const ProximityOctree& octree);
+[[nodiscard]] LeafLists list_lengths(const ProximityLists& lists);
 
 } // namespace proxima

@@ -207,7 +207,7 @@ class BudgetCurve(ProgramTest):
 
     def test_usage(self):
         curve = ("--budget-curve", self.folder / "c.csv")
-        for other in (("--budget-mb", 3), ("--save", self.folder / "a.pxp"), ("--histogram", self.folder / "h.csv"),
+        for other in (("--budget-mb", 3), ("--save", self.folder / "a.pxi"), ("--histogram", self.folder / "h.csv"),
                       ("--export", self.folder / "e.vtu")):
             self.refuse("proximity", "cube", *curve, *other, status=2, says=("--budget-curve", other[0]))
         self.refuse("proximity", "cube", *curve, "--depth", "1-3", status=2, says="--budget-curve")

@@ -4,7 +4,7 @@
 #include "haptics/device/simulated_hand.h"
 #include "haptics/force/haptic_renderer.h"
 #include "haptics/scenes_to_touch.h"
-#include "index/lists/build_proximity_octree.h"
+#include "index/listed_index.h"
 
 #include <gtest/gtest.h>
 
@@ -28,8 +28,8 @@ TEST(FreePlace, is_free_wherever_one_is_found)
 {
     SlideRoom room;
     for (const TouchMesh& named : touch_meshes()) {
-        const auto octree = *build_proximity_octree(named.mesh);
-        const OctreeContactSurface surface(octree);
+        const auto listed = *testing::listed_index(named.mesh);
+        const IndexContactSurface surface(listed);
         const double size = surface.scale().extent;
         const double skin = 0x1p-40 * surface.scale().reach;
         int found = 0;
@@ -54,8 +54,8 @@ TEST(FreePlace, is_free_wherever_one_is_found)
 TEST(FreePlace, near_a_wall_it_is_the_nearest_on_the_same_side)
 {
     const TriangleMesh mesh = thin_plate(); // 1 mm, in 2 m
-    const auto octree = *build_proximity_octree(mesh);
-    const OctreeContactSurface surface(octree);
+    const auto listed = *testing::listed_index(mesh);
+    const IndexContactSurface surface(listed);
     SlideRoom room;
     for (const double side : {1.0, -1.0}) {
         const auto free = find_free_place(surface, 0.02, Vec3(0.31, 0.12, side * 0.003), room);
@@ -76,8 +76,8 @@ TEST(FreePlace, in_a_crevice_it_is_at_the_mouth)
     const TriangleMesh mesh =
         mesh_of({Vec3(0, -5, 0), Vec3(0, 5, 0), Vec3(3 * s, 0, 3 * c), Vec3(-3 * s, 0, 3 * c)},
                 {{0, 1, 2}, {1, 0, 3}});
-    const auto octree = *build_proximity_octree(mesh);
-    const OctreeContactSurface surface(octree);
+    const auto listed = *testing::listed_index(mesh);
+    const IndexContactSurface surface(listed);
     SlideRoom room;
     const double radius = 0.05;
     const double lowest = radius / s; // where a sphere rests on both
@@ -107,8 +107,8 @@ TriangleMesh stack()
 TEST(Proxy, feels_nothing_where_it_has_no_room)
 {
     const TriangleMesh mesh = stack();
-    const auto octree = *build_proximity_octree(mesh);
-    const OctreeContactSurface surface(octree);
+    const auto listed = *testing::listed_index(mesh);
+    const IndexContactSurface surface(listed);
     Proxy proxy(surface, {.radius = 0.02});
     proxy.place(Vec3(0, 0, 0.003));
     EXPECT_FALSE(proxy.last().has_room);
@@ -131,8 +131,8 @@ TEST(Proxy, a_sphere_that_begins_in_a_corner_of_the_ship_is_not_stuck)
 {
     const TriangleMesh mesh = *sample_mesh("spaceship:1300");
     const Topology topology = *build_topology(mesh);
-    const auto octree = *build_proximity_octree(mesh, topology);
-    const OctreeContactSurface surface(octree);
+    const auto listed = *testing::listed_index(mesh);
+    const IndexContactSurface surface(listed);
     const WorkspaceMap map = fit_workspace(bounding_box(mesh), 0.1);
     for (const std::uint64_t seed : {1U, 2U, 3U}) {
         const auto script = HandScript::make("corner", mesh, topology, map, seed);

@@ -7,7 +7,7 @@
 #include "haptics/loop/quality_report.h"
 #include "haptics/loop/recording.h"
 #include "haptics/touch_meshes.h"
-#include "index/lists/build_proximity_octree.h"
+#include "index/listed_index.h"
 
 #include <gtest/gtest.h>
 
@@ -26,13 +26,13 @@ constexpr double tick_seconds = 1e-3;
 struct Scene {
     explicit Scene(TriangleMesh model)
         : mesh(std::move(model)), topology(*build_topology(mesh)),
-          octree(*build_proximity_octree(mesh, topology)), surface(octree),
+          listed(*testing::listed_index(mesh)), surface(listed),
           map(fit_workspace(bounding_box(mesh), 0.1))
     {}
     TriangleMesh mesh;
     Topology topology;
-    ProximityOctree octree;
-    OctreeContactSurface surface;
+    MeshIndex listed;
+    IndexContactSurface surface;
     WorkspaceMap map;
 };
 
@@ -66,7 +66,7 @@ Session run(const Scene& scene, std::string_view script, std::uint64_t seed, int
     Session session;
     session.recording.settings.map = scene.map;
     session.recording.settings.render = renderer.options();
-    session.recording.settings.mesh_fingerprint = scene.octree.mesh_fingerprint();
+    session.recording.settings.mesh_fingerprint = scene.listed.mesh_fingerprint();
     session.recording.ticks.reserve(static_cast<std::size_t>(ticks));
     const std::size_t allocations = testing::allocation_count();
     for (int tick = 0; tick < ticks; ++tick) {
@@ -250,7 +250,7 @@ TEST_F(RecordingTest, replays_bit_for_bit)
     auto loaded = load_recording(path);
     ASSERT_TRUE(loaded) << describe(loaded.error());
     EXPECT_EQ(loaded->ticks, session.recording.ticks);
-    EXPECT_EQ(loaded->settings.mesh_fingerprint, scene.octree.mesh_fingerprint());
+    EXPECT_EQ(loaded->settings.mesh_fingerprint, scene.listed.mesh_fingerprint());
     EXPECT_EQ(loaded->settings.map.units_per_metre, scene.map.units_per_metre);
     EXPECT_EQ(loaded->settings.map.center, scene.map.center);
     EXPECT_EQ(loaded->settings.render.proxy_radius, 0.001);

@@ -7,7 +7,7 @@
 #include "haptics/patch_triangles.h"
 #include "haptics/proxy/proxy.h"
 #include "haptics/touch_meshes.h"
-#include "index/lists/build_proximity_octree.h"
+#include "index/listed_index.h"
 
 #include <gtest/gtest.h>
 
@@ -60,10 +60,10 @@ private:
 void feel_both(const TouchMesh& named, int rings, double radius, std::uint32_t seed)
 {
     const auto topology = *build_topology(named.mesh);
-    const auto octree = *build_proximity_octree(named.mesh, topology);
-    const OctreeContactSurface whole(octree);
+    const auto listed = *testing::listed_index(named.mesh);
+    const IndexContactSurface whole(listed);
     const double size = whole.scale().extent;
-    RingPatches made(octree, named.mesh, topology);
+    RingPatches made(listed, named.mesh, topology);
     PatchContactSurface grouped(whole.scale());
     EveryTriangle plain(whole.scale());
     const ProxyOptions options = {
@@ -171,9 +171,9 @@ TEST(PatchGroups, are_made_and_asked_without_allocation)
 {
     const TriangleMesh mesh = *sample_mesh("sphere:60x60");
     const auto topology = *build_topology(mesh);
-    const auto octree = *build_proximity_octree(mesh, topology);
-    const OctreeContactSurface whole(octree);
-    RingPatches rings(octree, mesh, topology);
+    const auto listed = *testing::listed_index(mesh);
+    const IndexContactSurface whole(listed);
+    RingPatches rings(listed, mesh, topology);
     PatchExchange exchange(mesh.triangle_count());
     PatchContactSurface surface(whole.scale());
     Proxy proxy(surface, {.static_friction = 0.4, .dynamic_friction = 0.3});

@@ -9,7 +9,7 @@
 #include "haptics/loop/recording.h"
 #include "haptics/spring_alone.h"
 #include "haptics/touch_meshes.h"
-#include "index/lists/build_proximity_octree.h"
+#include "index/listed_index.h"
 #include "octree/winding_number.h"
 
 #include <gtest/gtest.h>
@@ -30,15 +30,15 @@ constexpr double stiffness = 500;
 struct Inside {
     explicit Inside(TriangleMesh model)
         : mesh(std::move(model)), topology(*build_topology(mesh)),
-          octree(*build_proximity_octree(mesh, topology)), surface(octree),
+          listed(*testing::listed_index(mesh)), surface(listed),
           sign(*build_surface_sign(mesh, topology))
     {}
-    [[nodiscard]] PenaltySurface penalty() const { return {&octree, &sign}; }
+    [[nodiscard]] PenaltySurface penalty() const { return {&listed, &sign}; }
 
     TriangleMesh mesh;
     Topology topology;
-    ProximityOctree octree;
-    OctreeContactSurface surface;
+    MeshIndex listed;
+    IndexContactSurface surface;
     SurfaceSign sign;
     WorkspaceMap map = {20, Vec3::Zero()}; ///< a cube of 2 is 0.1 m wide on the device
 };

@@ -4,7 +4,7 @@
 #include "haptics/force/haptic_renderer.h"
 #include "haptics/scene/object_cache.h"
 #include "haptics/scenes_to_touch.h"
-#include "index/lists/build_proximity_octree.h"
+#include "index/listed_index.h"
 
 #include <gtest/gtest.h>
 
@@ -413,8 +413,8 @@ TEST(SceneCache, a_body_that_is_exchanged_is_asked_anew)
 TEST(ObjectCache, two_places_in_turn_are_both_kept)
 {
     const TriangleMesh mesh = *sample_mesh("torus:100x50");
-    const auto octree = build_proximity_octree(mesh);
-    const OctreeContactSurface surface(*octree);
+    const auto listed = testing::listed_index(mesh);
+    const IndexContactSurface surface(*listed);
     const double edge = surface.scale().mean_edge;
     ObjectCache cache;
     std::vector<ContactTriangle> buffer(4096);

@@ -122,7 +122,7 @@ TEST(ScriptedScene, no_object_leaves_its_reach)
     }
 }
 
-std::unique_ptr<ScriptedScene> moving_scene(BodySearch search = BodySearch::octree)
+std::unique_ptr<ScriptedScene> moving_scene(BodySearch search = BodySearch::index)
 {
     std::vector<std::unique_ptr<const TouchBody>> bodies;
     std::vector<ScriptedObject> objects;

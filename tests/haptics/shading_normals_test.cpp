@@ -5,7 +5,7 @@
 #include "haptics/force/haptic_renderer.h"
 #include "haptics/loop/quality_report.h"
 #include "haptics/scenes_to_touch.h"
-#include "index/lists/build_proximity_octree.h"
+#include "index/listed_index.h"
 
 #include <gtest/gtest.h>
 
@@ -85,8 +85,8 @@ Roundness stroke_round(ForceShading shading, double radius)
 {
     const TriangleMesh mesh = *sample_mesh("icosphere:2"); // 320 triangles
     const Topology topology = *build_topology(mesh);
-    const auto octree = *build_proximity_octree(mesh, topology);
-    const OctreeContactSurface surface(octree);
+    const auto listed = *testing::listed_index(mesh);
+    const IndexContactSurface surface(listed);
     const ShadingNormals normals(mesh, topology);
     Proxy proxy(surface, {.radius = radius, .shading = shading, .feel = &normals});
     proxy.place(Vec3(2, 0, 0));
@@ -135,8 +135,8 @@ TEST(ForceShading, passes_nothing_and_gives_no_energy_away)
     for (const char* const name : {"icosphere:1", "torus:12x8", "spaceship:1300"}) {
         const TriangleMesh mesh = *sample_mesh(name);
         const Topology topology = *build_topology(mesh);
-        const auto octree = *build_proximity_octree(mesh, topology);
-        const OctreeContactSurface surface(octree);
+        const auto listed = *testing::listed_index(mesh);
+        const IndexContactSurface surface(listed);
         const ShadingNormals normals(mesh, topology);
         const WorkspaceMap map = fit_workspace(bounding_box(mesh), 0.1);
         const DeviceLimits omni = *find_device("omni");

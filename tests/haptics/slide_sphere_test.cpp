@@ -5,7 +5,7 @@
 #include "geometry/triangle_contact.h"
 #include "haptics/proxy/proxy.h"
 #include "haptics/touch_meshes.h"
-#include "index/lists/build_proximity_octree.h"
+#include "index/listed_index.h"
 
 #include <gtest/gtest.h>
 
@@ -146,15 +146,15 @@ struct Walk {
     double friction;
 };
 
-/// Walks along a path: nothing is passed, nothing is too near, the octree and all triangles give
+/// Walks along a path: nothing is passed, nothing is too near, the index and all triangles give
 /// the same bits, and no place nearby that can be reached is nearer to the device. Adds the ticks
 /// that touch.
 void check_walk(const Walk& walk, std::uint32_t seed, int ticks, int& touching)
 {
     const TriangleMesh& mesh = walk.named.mesh;
-    const auto octree = build_proximity_octree(mesh);
-    ASSERT_TRUE(octree);
-    const OctreeContactSurface near(*octree);
+    const auto listed = testing::listed_index(mesh);
+    ASSERT_TRUE(listed);
+    const IndexContactSurface near(*listed);
     const MeshContactSurface all(mesh);
     EXPECT_EQ(near.scale().mean_edge, all.scale().mean_edge);
     const double size = all.scale().extent;
@@ -223,8 +223,8 @@ TEST(SlideSphere, nothing_is_passed_on_any_mesh)
 TEST(SlideSphere, a_fast_poke_does_not_pass_a_thin_wall)
 {
     const TriangleMesh mesh = testing::thin_plate();
-    const auto octree = build_proximity_octree(mesh);
-    const OctreeContactSurface surface(*octree);
+    const auto listed = testing::listed_index(mesh);
+    const IndexContactSurface surface(*listed);
     Proxy proxy(surface, {});
     for (int tick = 0; tick < 1000; ++tick) {
         proxy.place(Vec3(0.3, 0.2, 0.7));
@@ -269,8 +269,8 @@ TEST(SlideSphere, valleys_that_are_all_but_flat_are_not_passed)
 TEST(SlideSphere, does_not_allocate)
 {
     const TriangleMesh mesh = *sample_mesh("torus:24x12");
-    const auto octree = build_proximity_octree(mesh);
-    const OctreeContactSurface surface(*octree);
+    const auto listed = testing::listed_index(mesh);
+    const IndexContactSurface surface(*listed);
     Proxy proxy(surface, {.radius = 0.02, .static_friction = 0.4, .dynamic_friction = 0.3});
     HandPath path(mesh, 5);
     std::vector<Vec3> devices;

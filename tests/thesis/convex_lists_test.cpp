@@ -1,6 +1,6 @@
 // On convex meshes two constructions of the same lists: the thesis's, by Minkowski sums of exterior
 // Voronoi regions with the cell, and the general one, by local regions and certificates.
-#include "index/lists/build_proximity_octree.h"
+#include "index/listed_index.h"
 #include "index/lists/cell_cover.h"
 #include "index/lists/domination.h"
 #include "index/lists/local_feature_names.h"
@@ -228,14 +228,13 @@ TEST(ConvexLists, OfLeavesCoverThoseOfTheThesis)
             thesis.push_back(uniform_thesis(mesh, topology, depth));
             cells.push_back(cells_of(thesis.back()));
         }
-        const auto octree = build_proximity_octree(
-            mesh, topology,
+        const auto octree = testing::listed_index(
+            mesh,
             {.budget_bytes = 65536 + 20000 * mesh.triangle_count(), .max_depth = max_depth});
         ASSERT_TRUE(octree) << describe(octree.error());
-        const ProximityArrays& arrays = octree->arrays();
+        const ProximityArrays& arrays = octree->lists()->arrays();
         const auto triangle_of = [&](std::uint32_t rank) {
-            return TriangleId{arrays.double_rows.empty() ? arrays.float_rows[rank].triangle_id()
-                                                         : arrays.double_rows[rank].triangle_id()};
+            return octree->id(rank);
         };
         std::vector<std::uint32_t> ranks;
         std::vector<ProximityCell> pending = {{root_word(arrays).value(), 0, {}}};

@@ -1,6 +1,6 @@
 #include "thesis/list_statistics.h"
 
-#include "index/lists/build_proximity_octree.h"
+#include "index/listed_index.h"
 #include "mesh/sample_meshes.h"
 #include "thesis/thesis_proximity_octree.h"
 
@@ -69,7 +69,7 @@ TEST(ListStatistics, OuterCellsAreOutsideTheCircumscribedSphere)
     EXPECT_GT(outside, 100U);
 }
 
-TEST(ListStatistics, LeavesOfProximityOctreesAreThoseCountedWhenBuilt)
+TEST(ListStatistics, LeavesOfListsAreThoseCountedWhenBuilt)
 {
     const std::array meshes = {make_octahedron(), *sample_mesh("sphere:16x16"),
                                *sample_mesh("torus:40x20"), *sample_mesh("spaceship:2000")};
@@ -78,9 +78,9 @@ TEST(ListStatistics, LeavesOfProximityOctreesAreThoseCountedWhenBuilt)
         // Tables of several depths; a small budget leaves runs of several blocks.
         for (const std::uint64_t bytes_per_triangle : {200U, 600U, 2000U}) {
             const std::uint64_t budget = 4096 + bytes_per_triangle * mesh.triangle_count();
-            const auto octree = *build_proximity_octree(mesh, {.budget_bytes = budget});
-            const LeafLists lists = list_lengths(octree);
-            const ProximityStatistics& counted = octree.statistics();
+            const auto index = *testing::listed_index(mesh, {.budget_bytes = budget});
+            const LeafLists lists = list_lengths(*index.lists());
+            const ProximityStatistics& counted = index.lists()->statistics();
             ASSERT_EQ(lists.volumes.size(), lists.lengths.size());
             EXPECT_EQ(std::accumulate(lists.volumes.begin(), lists.volumes.end(), 0.0), 1.0);
             const auto references =

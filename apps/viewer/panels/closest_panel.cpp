@@ -96,10 +96,10 @@ public:
     {
         return [models, model = model(), settings = settings_,
                 proximity = proximity_](const WorkContext& context) -> Result<PanelPicture> {
-            const auto octree = proximity_of(*proximity, model, context);
-            if (!octree) return tl::unexpected(octree.error());
+            const auto with = proximity_of(*proximity, model, context);
+            if (!with) return tl::unexpected(with.error());
             QuerySteps steps;
-            const ClosestFeature closest = closest_feature(**octree, settings.cursor.at, steps);
+            const ClosestFeature closest = *closest_feature(**with, settings.cursor.at, {}, steps);
             NeighbourhoodScratch scratch(model->mesh);
             std::vector<TriangleId> patch(model->mesh.triangle_count());
             const Neighbourhood near = collect_rings(model->mesh, model->topology, closest.feature,
@@ -107,7 +107,7 @@ public:
             patch.resize(near.count);
             if (closest.feature.kind == FeatureKind::face) std::erase(patch, closest.triangle);
             std::ranges::sort(patch);
-            const auto leaf = leaf_at(**octree, settings.cursor.at);
+            const auto leaf = leaf_at(**with, settings.cursor.at);
             PanelPicture picture;
             picture.layers = model_layers(models, Smoothing::flat);
             picture.layers.push_back({closest_scene(*model, settings, closest, patch, leaf)});
@@ -124,8 +124,8 @@ public:
                 {"steps of the query", fmt::format("{} words, {} blocks, {} rechecks", steps.steps,
                                                    steps.blocks, steps.rechecks)},
                 {"worst case",
-                 fmt::format("{} words, {} blocks", (*octree)->statistics().worst_case_steps,
-                             (*octree)->statistics().worst_case_blocks)}};
+                 fmt::format("{} words, {} blocks", (*with)->lists()->statistics().worst_case_steps,
+                             (*with)->lists()->statistics().worst_case_blocks)}};
             return picture;
         };
     }

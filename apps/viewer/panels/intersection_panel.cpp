@@ -1,5 +1,5 @@
 // Two meshes, one of them moved: leaves that meet, their triangles, and the contour: figure 5.4.
-#include "index/slabs/build_distance_index.h"
+#include "index/slabs/build_slabs.h"
 #include "query/contact/containment.h"
 #include "query/contact/intersect_meshes.h"
 #include "query/contact/intersection_contour.h"
@@ -69,9 +69,9 @@ public:
                              const RigidTransform& pose, const WorkContext& context)
     {
         const auto sides = sides_.get(0, [&]() -> Result<Sides> {
-            auto near_a = build_distance_index(a.rays, {context.budget, context.threads});
+            auto near_a = with_slabs(a.rays, {context.budget, context.threads});
             if (!near_a) return tl::unexpected(near_a.error());
-            auto near_b = build_distance_index(b.rays, {context.budget, context.threads});
+            auto near_b = with_slabs(b.rays, {context.budget, context.threads});
             if (!near_b) return tl::unexpected(near_b.error());
             auto round_a = build_enclosure(a.mesh, {context.threads, context.progress});
             if (!round_a) return tl::unexpected(round_a.error());
@@ -103,7 +103,7 @@ public:
 
 private:
     struct Sides {
-        DistanceIndex near_a, near_b;
+        MeshIndex near_a, near_b;
         Enclosure round_a, round_b;
     };
     Kept<int, Sides> sides_;

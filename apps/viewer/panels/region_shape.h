@@ -15,7 +15,7 @@
 #pragma once
 
 #include "base/result.h"
-#include "index/lists/proximity_octree.h"
+#include "index/mesh_index.h"
 #include "viewer/panels/local_cone.h"
 #include "viewer/scene.h"
 #include "viewer/view_models.h"
@@ -48,7 +48,7 @@ struct RegionShape {
 /// Of the feature's region, at most `length` from it. Errors: those of local_cone. \pre the octree
 /// is the model's, length > 0
 [[nodiscard]] Result<RegionShape>
-region_shape(const ViewModel& model, const ProximityOctree& octree, Feature feature, double length);
+region_shape(const ViewModel& model, const MeshIndex& with, Feature feature, double length);
 
 /// The surfaces "region" and the lines "region's edges".
 void add_region(Scene& scene, const RegionShape& shape, const Color& color);

@@ -1,7 +1,7 @@
 #include "viewer/panels/shared_proximity.h"
 
 #include "base/text.h"
-#include "index/lists/build_proximity_octree.h"
+#include "index/lists/build_lists.h"
 #include "query/closest/leaf_candidates.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/query_shapes.h"
@@ -11,21 +11,20 @@
 
 namespace proxima {
 
-Result<std::shared_ptr<const ProximityOctree>>
+Result<std::shared_ptr<const MeshIndex>>
 proximity_of(SharedProximity& shared, const std::shared_ptr<const ViewModel>& model,
              const WorkContext& context)
 {
     return shared.get(model, [&] {
-        return build_proximity_octree(model->mesh, model->topology,
-                                      {.threads = context.threads, .progress = context.progress});
+        return with_lists(model->rays, {.threads = context.threads, .progress = context.progress});
     });
 }
 
-std::optional<ProximityLeaf> leaf_at(const ProximityOctree& octree, const Vec3& p)
+std::optional<ProximityLeaf> leaf_at(const MeshIndex& index, const Vec3& p)
 {
     ProximityLeaf leaf;
-    leaf.listed.resize(octree.statistics().max_list);
-    const auto found = leaf_candidates(octree, p, leaf.listed);
+    leaf.listed.resize(index.lists()->statistics().max_list);
+    const auto found = leaf_candidates(index, p, leaf.listed);
     if (!found) return std::nullopt;
     leaf.box = found->box;
     leaf.depth = found->depth;

@@ -1,8 +1,8 @@
-// Proximity octrees of models, built once for all panels that ask them.
+// Mesh indexes of models with lists, built once for all panels that ask them.
 #pragma once
 
 #include "geometry/shapes.h"
-#include "index/lists/proximity_octree.h"
+#include "index/mesh_index.h"
 #include "viewer/panel.h"
 
 #include <cstdint>
@@ -11,14 +11,14 @@
 
 namespace proxima {
 
-using SharedProximity = Kept<std::shared_ptr<const ViewModel>, ProximityOctree>;
+using SharedProximity = Kept<std::shared_ptr<const ViewModel>, MeshIndex>;
 
-/// That of the model. Errors as build_proximity_octree.
-[[nodiscard]] Result<std::shared_ptr<const ProximityOctree>>
+/// That of the model. Errors as with_lists.
+[[nodiscard]] Result<std::shared_ptr<const MeshIndex>>
 proximity_of(SharedProximity& shared, const std::shared_ptr<const ViewModel>& model,
              const WorkContext& context);
 
-/// A leaf of a proximity octree, and what it lists.
+/// A leaf of the lists, and what it lists.
 struct ProximityLeaf {
     Box box;
     int depth = 0;
@@ -26,7 +26,7 @@ struct ProximityLeaf {
 };
 
 /// The leaf that holds the point; nothing outside of the root.
-[[nodiscard]] std::optional<ProximityLeaf> leaf_at(const ProximityOctree& octree, const Vec3& p);
+[[nodiscard]] std::optional<ProximityLeaf> leaf_at(const MeshIndex& index, const Vec3& p);
 
 /// The leaf as green glass.
 void add_leaf(Scene& scene, const ProximityLeaf& leaf);

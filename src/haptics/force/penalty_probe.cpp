@@ -6,7 +6,7 @@ namespace proxima {
 
 PenaltyProbe::PenaltyProbe(const PenaltySurface& surface) : surface_(surface)
 {
-    PROXIMA_CHECK(surface.octree != nullptr);
+    PROXIMA_CHECK(surface.index != nullptr);
     PROXIMA_CHECK(surface.sign != nullptr);
 }
 
@@ -22,7 +22,7 @@ const ProxyTick& PenaltyProbe::follow(const Vec3& p) noexcept
 {
     const ProxyTick last = tick_;
     place(p);
-    const SignedDistance at = sign_of(*surface_.sign, closest_feature(*surface_.octree, p), p);
+    const SignedDistance at = sign_of(*surface_.sign, *closest_feature(*surface_.index, p), p);
     const Vec3 out = at.closest.point - p;
     const double depth = out.norm();
     if (!(at.distance < 0) || !(depth > 0)) {

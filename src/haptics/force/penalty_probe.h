@@ -8,7 +8,7 @@
 #pragma once
 
 #include "haptics/proxy/proxy.h"
-#include "index/lists/proximity_octree.h"
+#include "index/mesh_index.h"
 #include "query/closest/signed_distance.h"
 
 #include <array>
@@ -19,7 +19,7 @@ namespace proxima {
 
 /// What knows the nearest place and the inside. Refers to both, of the same mesh.
 struct PenaltySurface {
-    const ProximityOctree* octree = nullptr;
+    const MeshIndex* index = nullptr;
     const SurfaceSign* sign = nullptr;
 };
 

@@ -68,7 +68,7 @@ private:
 };
 
 /// Makes the metric patch for a place. It refers to the surface, which must outlive it.
-void make_patch(ContactPatch& patch, const OctreeContactSurface& surface, const ServoPlace& place,
+void make_patch(ContactPatch& patch, const IndexContactSurface& surface, const ServoPlace& place,
                 const CollisionOptions& options) noexcept;
 
 /// Runs in a thread of its own from construction to destruction.
@@ -76,7 +76,7 @@ class CollisionLoop {
 public:
     /// Refers to surface and exchange, which must outlive it; the surface also every patch that is
     /// still touched, those in the exchange among them.
-    CollisionLoop(const OctreeContactSurface& surface, PatchExchange& exchange,
+    CollisionLoop(const IndexContactSurface& surface, PatchExchange& exchange,
                   const CollisionOptions& options);
     CollisionLoop(const CollisionLoop&) = delete;
     CollisionLoop& operator=(const CollisionLoop&) = delete;

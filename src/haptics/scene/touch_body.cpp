@@ -1,7 +1,8 @@
 #include "haptics/scene/touch_body.h"
 
-#include "index/lists/build_proximity_octree.h"
-#include "index/lists/octree_mesh.h"
+#include "index/build_mesh_index.h"
+#include "index/lists/build_lists.h"
+#include "index/mesh_of.h"
 #include "query/closest/closest_feature.h"
 
 #include <array>
@@ -25,7 +26,7 @@ bool in_range(const SurfaceMaterial& material)
 std::optional<Vec3> TouchBody::nearest_exit(const Vec3& p) const noexcept
 {
     if (!sign_) return std::nullopt;
-    const SignedDistance at = sign_of(*sign_, closest_feature(octree_, p), p);
+    const SignedDistance at = sign_of(*sign_, *closest_feature(index_, p), p);
     if (!(at.distance < 0)) return std::nullopt;
     return at.closest.point;
 }
@@ -38,7 +39,7 @@ public:
     {}
 
     [[nodiscard]] Result<std::unique_ptr<const TouchBody>> build(TriangleMesh mesh,
-                                                                 ProximityOctree* octree)
+                                                                 MeshIndex* index)
     {
         if (options_.material && !in_range(*options_.material)) {
             return fail(ErrorCode::invalid_argument,
@@ -51,11 +52,11 @@ public:
             body.mesh_, {.threads = options_.threads, .progress = options_.progress});
         if (!topology) return tl::unexpected(topology.error());
         body.topology_ = std::move(*topology);
-        if (octree != nullptr) {
-            if (Status status = check_edges(*octree, body.topology_); !status)
+        if (index != nullptr) {
+            if (Status status = check_edges(*index, body.topology_); !status)
                 return tl::unexpected(status.error());
-            body.octree_ = std::move(*octree);
-        } else if (Status status = build_octree(); !status) {
+            body.index_ = std::move(*index);
+        } else if (Status status = build_index(); !status) {
             return tl::unexpected(status.error());
         }
         auto sign =
@@ -67,7 +68,7 @@ public:
         if (options_.search == BodySearch::every_triangle) {
             body.surface_ = std::make_unique<MeshContactSurface>(body.mesh_);
         } else {
-            body.surface_ = std::make_unique<OctreeContactSurface>(body.octree_);
+            body.surface_ = std::make_unique<IndexContactSurface>(body.index_);
         }
         if (options_.shading == ForceShading::on)
             body.normals_ = std::make_unique<ShadingNormals>(body.mesh_, body.topology_);
@@ -76,13 +77,15 @@ public:
     }
 
 private:
-    [[nodiscard]] Status build_octree()
+    [[nodiscard]] Status build_index()
     {
+        const auto plain = build_mesh_index(
+            body_->mesh_, {.threads = options_.threads, .progress = options_.progress});
+        if (!plain) return tl::unexpected(plain.error());
         auto built =
-            build_proximity_octree(body_->mesh_, body_->topology_,
-                                   {.threads = options_.threads, .progress = options_.progress});
+            with_lists(*plain, {.threads = options_.threads, .progress = options_.progress});
         if (!built) return tl::unexpected(built.error());
-        body_->octree_ = std::move(*built);
+        body_->index_ = std::move(*built);
         return {};
     }
 
@@ -96,12 +99,12 @@ Result<std::unique_ptr<const TouchBody>> build_touch_body(TriangleMesh mesh,
     return TouchBodyBuilder(options).build(std::move(mesh), nullptr);
 }
 
-Result<std::unique_ptr<const TouchBody>> build_touch_body(ProximityOctree octree,
+Result<std::unique_ptr<const TouchBody>> build_touch_body(MeshIndex index,
                                                           const TouchBodyOptions& options)
 {
-    auto mesh = mesh_of(octree);
+    auto mesh = mesh_of(index);
     if (!mesh) return tl::unexpected(mesh.error());
-    return TouchBodyBuilder(options).build(std::move(*mesh), &octree);
+    return TouchBodyBuilder(options).build(std::move(*mesh), &index);
 }
 
 } // namespace proxima

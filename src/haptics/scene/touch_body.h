@@ -9,7 +9,7 @@
 #include "haptics/surface/contact_surface.h"
 #include "haptics/surface/shading_normals.h"
 #include "haptics/surface/surface_feel.h"
-#include "index/lists/proximity_octree.h"
+#include "index/mesh_index.h"
 #include "mesh/topology.h"
 #include "mesh/triangle_mesh.h"
 #include "query/closest/signed_distance.h"
@@ -21,14 +21,14 @@ namespace proxima {
 
 /// What a body's questions are answered by.
 enum class BodySearch : bool {
-    octree,
+    index,
     every_triangle ///< slow: what the other is held against
 };
 
 struct TouchBodyOptions {
     std::optional<SurfaceMaterial> material;  ///< none: the renderer's own settings
     ForceShading shading = ForceShading::off; ///< on: with normals for it
-    BodySearch search = BodySearch::octree;
+    BodySearch search = BodySearch::index;
     Threads threads = {};
     Progress* progress = nullptr;
 };
@@ -40,7 +40,7 @@ public:
     TouchBody& operator=(const TouchBody&) = delete;
 
     [[nodiscard]] const TriangleMesh& mesh() const noexcept { return mesh_; }
-    [[nodiscard]] const ProximityOctree& octree() const noexcept { return octree_; }
+    [[nodiscard]] const MeshIndex& mesh_index() const noexcept { return index_; }
     [[nodiscard]] const ContactSurface& surface() const noexcept { return *surface_; }
     [[nodiscard]] const Box& bounds() const noexcept { return bounds_; }
     [[nodiscard]] const std::optional<SurfaceMaterial>& material() const noexcept
@@ -60,7 +60,7 @@ private:
 
     TriangleMesh mesh_;
     Topology topology_;
-    ProximityOctree octree_;
+    MeshIndex index_;
     Box bounds_;
     std::unique_ptr<ContactSurface> surface_;
     std::unique_ptr<ShadingNormals> normals_;
@@ -68,15 +68,16 @@ private:
     std::optional<SurfaceMaterial> material_;
 };
 
-/// Errors: those of build_topology, build_proximity_octree and build_surface_sign;
+/// With lists. Errors: those of build_topology, build_mesh_index, with_lists and
+/// build_surface_sign;
 /// invalid_argument for materials that are not finite, negative, or of more dynamic than static
 /// friction.
 [[nodiscard]] Result<std::unique_ptr<const TouchBody>>
 build_touch_body(TriangleMesh mesh, const TouchBodyOptions& options = {});
 
-/// The same of an octree that is built or was saved, with the mesh that it has. Errors also those
-/// of mesh_of and check_edges.
+/// Of an index that is built or was saved, with the mesh and the shelves that it has. Errors also
+/// those of mesh_of and check_edges.
 [[nodiscard]] Result<std::unique_ptr<const TouchBody>>
-build_touch_body(ProximityOctree octree, const TouchBodyOptions& options = {});
+build_touch_body(MeshIndex index, const TouchBodyOptions& options = {});
 
 } // namespace proxima

@@ -1,4 +1,4 @@
-// Which groups of triangles a ball meets, by the boxes of the proximity octree's triangle tree.
+// Which groups of triangles a ball meets, by the boxes of a triangle tree.
 //
 //     level by level    the boxes of all blocks that the ball meets, eight at a time, in floats
 //     prefetched        a block of the next level as soon as its box is met

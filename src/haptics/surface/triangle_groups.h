@@ -1,6 +1,6 @@
 // Triangles by eights, as floats: what a proxy's questions are sorted out with.
 //
-//     group    eight neighbours of the proximity octree's order, corners from the group's own
+//     group    eight neighbours of the index's order, corners from the group's own
 //     centre boxes    of the groups round a place: what is asked for is held against these first
 //     units    lengths times a power of two, so that the surface's extent is 1 to 2
 //

@@ -1,8 +1,8 @@
-// Whether the blocks of a proximity octree's arena are sound, and which of them leaves name.
+// Whether the blocks of the arena of closest-feature lists are sound, and which of them leaves name.
 #pragma once
 
 #include "base/result.h"
-#include "index/lists/check_work.h"
+#include "index/check_work.h"
 
 #include <atomic>
 #include <cstddef>

@@ -42,9 +42,9 @@ void CellChecker::Part::add(const Part& other)
     run_entries += other.run_entries;
 }
 
-CellChecker::CellChecker(const ProximityOctree& octree, ArenaChecker& arena)
-    : arrays_(octree.arrays()), table_depth_(octree.table_depth()),
-      frame_half_(octree.frame().frame_half()), arena_(arena), run_taken_(arrays_.runs.size())
+CellChecker::CellChecker(const ProximityLists& lists, ArenaChecker& arena)
+    : arrays_(lists.arrays()), table_depth_(lists.table_depth()),
+      frame_half_(lists.frame().frame_half()), arena_(arena), run_taken_(arrays_.runs.size())
 {}
 
 Status CellChecker::run(const CheckWork& work)

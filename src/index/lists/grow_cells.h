@@ -1,4 +1,4 @@
-// The cells of a proximity octree before they are cut to the budget: every cell with its list.
+// The cells of closest-feature lists before they are cut to the budget: every cell with its list.
 //
 //     nodes    { probability | first of 8 children or 0 | list: where, how many }
 //     lists    ranks of triangles, ascending: differences as bytes of 7 bits

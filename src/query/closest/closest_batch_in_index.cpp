@@ -43,10 +43,27 @@ struct ClosestChunk {
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 // After them: it is read once for every instruction set.
-#include "query/closest/search_index-inl.h"
+#include "query/closest/batch_lists-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace proxima::HWY_NAMESPACE {
+
+HWY_INLINE void prefetch_places(const MeshIndex& index, const RowDistance& found)
+{
+    if (found.kind() == FeatureKind::vertex) hwy::Prefetch(&index.vertex_places()[found.id()]);
+    if (found.kind() == FeatureKind::edge) hwy::Prefetch(&index.edge_places()[found.id()]);
+}
+
+HWY_INLINE void write_answer(const ClosestChunk& chunk, std::size_t place, const RowDistance& found)
+{
+    const ClosestOutputs& to = chunk.outputs;
+    if (!to.answers.empty()) to.answers[place] = describe_closest(chunk.index, found);
+    if (!to.squared_distances.empty()) {
+        to.squared_distances[place] =
+            row_scale_of(chunk.index).unscale_squared(found.squared);
+    }
+    if (!to.triangles.empty()) to.triangles[place] = triangle_of(chunk.index, found);
+}
 
 /// The points of a chunk, several of them on their way at once, so that they wait for memory
 /// together. Each starts from the answer found last, which is near where points are in order.
@@ -116,31 +133,15 @@ private:
         last_point_ = p;
         last_distance_ = std::sqrt(found.squared) * chunk_.index.unscale();
         write_last();
-        prefetch_places(found);
+        prefetch_places(chunk_.index, found);
         unwritten_ = found;
         unwritten_place_ = place;
         has_unwritten_ = true;
     }
 
-    void prefetch_places(const RowDistance& found) const
-    {
-        if (found.kind() == FeatureKind::vertex)
-            hwy::Prefetch(&chunk_.index.vertex_places()[found.id()]);
-        if (found.kind() == FeatureKind::edge)
-            hwy::Prefetch(&chunk_.index.edge_places()[found.id()]);
-    }
-
     void write_last()
     {
-        if (!has_unwritten_) return;
-        const ClosestOutputs& to = chunk_.outputs;
-        if (!to.answers.empty())
-            to.answers[unwritten_place_] = describe_closest(chunk_.index, unwritten_);
-        if (!to.squared_distances.empty())
-            to.squared_distances[unwritten_place_] =
-                row_scale_of(chunk_.index).unscale_squared(unwritten_.squared);
-        if (!to.triangles.empty())
-            to.triangles[unwritten_place_] = triangle_of(chunk_.index, unwritten_);
+        if (has_unwritten_) write_answer(chunk_, unwritten_place_, unwritten_);
         has_unwritten_ = false;
     }
 
@@ -158,13 +159,40 @@ private:
     std::array<Flight, together> flights_;
 };
 
+/// The points of a chunk by the index's lists.
+template <class Scalar>
+void search_chunk_in_lists(const ClosestChunk& chunk, std::span<const TriangleRow<Scalar>> rows)
+{
+    std::array<Vec3, queries_together> points;
+    std::array<RowDistance, queries_together> found;
+    for (std::size_t first = 0; first < chunk.points.size(); first += queries_together) {
+        const std::size_t count = HWY_MIN(queries_together, chunk.points.size() - first);
+        for (std::size_t i = 0; i < count; ++i) points[i] = chunk.points[chunk.place(first + i)];
+        search_lists_together(chunk.index, *chunk.index.lists(), rows,
+                              std::span(points).first(count), found.data());
+        for (std::size_t i = 0; i < count; ++i) prefetch_places(chunk.index, found[i]);
+        for (std::size_t i = 0; i < count; ++i)
+            write_answer(chunk, chunk.place(first + i), found[i]);
+    }
+}
+
+template <class Scalar>
+void search_chunk_of(const ClosestChunk& chunk, std::span<const TriangleRow<Scalar>> rows)
+{
+    if (chunk.index.lists() != nullptr) {
+        search_chunk_in_lists(chunk, rows);
+    } else {
+        ChunkSearch<Scalar>(chunk, rows).run();
+    }
+}
+
 void search_chunk(const ClosestChunk& chunk)
 {
     const MeshIndex& index = chunk.index;
     if (index.double_rows().empty()) {
-        ChunkSearch<float>(chunk, index.float_rows()).run();
+        search_chunk_of(chunk, index.float_rows());
     } else {
-        ChunkSearch<double>(chunk, index.double_rows()).run();
+        search_chunk_of(chunk, index.double_rows());
     }
 }
 
@@ -201,11 +229,16 @@ std::array<std::uint32_t, 3> curve_cell(const MeshIndex& index, const Vec3& p) n
     return cell;
 }
 
-/// Whether points that follow each other are mostly apart: then it pays to sort them.
+/// Whether points that follow each other are mostly apart: then it pays to sort them, in lists
+/// where these are beyond all caches.
 bool pays_to_sort(const MeshIndex& index, std::span<const Vec3> points) noexcept
 {
     constexpr std::size_t samples = 64;
+    constexpr std::uint64_t beyond_caches = std::uint64_t{1} << 26U;
     if (points.size() < 4 * samples) return false;
+    if (index.lists() != nullptr &&
+        (points.size() < 8 * chunk_points || index.bytes() < beyond_caches))
+        return false;
     std::size_t apart = 0;
     for (std::size_t i = 0; i < samples; ++i) {
         const std::size_t at = points.size() / samples * i;

@@ -54,7 +54,6 @@ struct ClosestFeature {
 }
 
 class MeshIndex;
-class ProximityOctree;
 struct RowDistance;
 
 struct ClosestOptions {
@@ -67,7 +66,9 @@ struct ClosestOptions {
 
 /// The feature closest to `p`; nothing where p is not finite. Real-time safe: noexcept, no
 /// allocation, no lock; any number of threads. 0.5 to 5 us; longer where many triangles are as
-/// near but for rounding, as seen from a sphere's centre.
+/// near but for rounding, as seen from a sphere's centre. By lists where the index has some: 0.1 to
+/// 1 us, at most statistics().worst_case_steps words and worst_case_blocks blocks in leaves that
+/// have one; the same answer.
 /// Meshes of any size: where squares of distances leave the doubles, squared_distance is 0 or
 /// infinite and all else is right. From farther than 2^500 times the mesh's size all is as far, and
 /// the first vertex is the answer.
@@ -80,42 +81,23 @@ closest_feature(const MeshIndex& index, const Vec3& p, const ClosestOptions& opt
 [[nodiscard]] RowDistance find_closest(const MeshIndex& index, const Vec3& p,
                                        double known) noexcept;
 
-/// The feature closest to `p`. Real-time safe: noexcept, no allocation, no lock, at most
-/// statistics().worst_case_steps words and worst_case_blocks blocks within the root, or, where the
-/// budget left leaves without a list, search_groups() groups of triangles; any number of threads.
-/// 0.1 to 1 us, searches 1 us and more. no_closest_feature() where p is not finite.
-[[nodiscard]] ClosestFeature closest_feature(const ProximityOctree& octree, const Vec3& p) noexcept;
-
-/// The same where it is not farther than `radius`; nothing also where p is not finite, or the
-/// radius NaN or below 0.
-[[nodiscard]] std::optional<ClosestFeature> closest_feature(const ProximityOctree& octree,
-                                                            const Vec3& p, double radius) noexcept;
-
-/// What a query costed: for tests of the worst case and for tuning.
+/// Work counters of one query, for worst-case tests and tuning.
 struct QuerySteps {
-    std::uint32_t steps = 0;    ///< words of table and nodes read
-    std::uint32_t blocks = 0;   ///< of the leaf, scanned
-    std::uint32_t groups = 0;   ///< of the tree's triangles, looked at: in leaves without a list
-    std::uint32_t rechecks = 0; ///< triangles looked at in doubles
+    std::uint32_t steps = 0;    ///< words of the lists' table and nodes read
+    std::uint32_t blocks = 0;   ///< of a leaf's list, scanned
+    std::uint32_t rechecks = 0; ///< triangles of lists looked at in doubles
+    std::uint32_t searches = 0; ///< of the tree: without lists, outside of their root, and in
+                                ///< leaves without one
 };
 
-/// The same, counted.
-[[nodiscard]] ClosestFeature closest_feature(const ProximityOctree& octree, const Vec3& p,
-                                             QuerySteps& steps) noexcept;
-
-/// The same, started from an answer for a point nearby: less work outside of the root and in leaves
-/// of many blocks or without a list, the same in all others. Any answer will do, also of an octree
-/// that was refitted since; the nearer to `p` its point, the better.
-[[nodiscard]] ClosestFeature closest_feature(const ProximityOctree& octree, const Vec3& p,
-                                             const ClosestFeature& earlier) noexcept;
-[[nodiscard]] ClosestFeature closest_feature(const ProximityOctree& octree, const Vec3& p,
-                                             const ClosestFeature& earlier,
-                                             QuerySteps& steps) noexcept;
+/// Like closest_feature(), and counts the work done.
+[[nodiscard]] std::optional<ClosestFeature> closest_feature(const MeshIndex& index, const Vec3& p,
+                                                            const ClosestOptions& options,
+                                                            QuerySteps& steps) noexcept;
 
 /// In which order the points of a batch are searched for.
 enum class BatchOrder : std::uint8_t {
-    automatic, ///< sorted where that is likely to pay: many scattered points, an octree beyond
-               ///< caches
+    automatic, ///< sorted where that is likely to pay: many scattered points
     as_given,
     sorted ///< along a curve through the octree, 2^18 points at a time
 };
@@ -125,14 +107,6 @@ struct BatchOptions {
     Progress* progress = nullptr; ///< stage "closest features", steps are points
     BatchOrder order = BatchOrder::automatic;
 };
-
-/// The same for many points, several at a time, so that their memory accesses overlap, and many
-/// scattered ones in an order in which they meet again what is in the caches. Answers are those of
-/// single queries. Allocates; errors: invalid_argument (sizes differ, a point is not
-/// finite: which), cancelled.
-[[nodiscard]] Status closest_features(const ProximityOctree& octree, std::span<const Vec3> points,
-                                      std::span<ClosestFeature> answers,
-                                      const BatchOptions& options = {});
 
 /// Where a batch writes: each span is empty or has a place for every point.
 struct ClosestOutputs {

@@ -6,14 +6,16 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 // After them: it is read once for every instruction set.
-#include "query/closest/search_index-inl.h"
+#include "query/closest/search_lists-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace proxima::HWY_NAMESPACE {
 
-RowDistance search_one(const MeshIndex& index, const Vec3& p, double known)
+RowDistance search_one(const MeshIndex& index, const Vec3& p, double known, QuerySteps& steps)
 {
-    return search_any_index(index, p, known);
+    return index.double_rows().empty()
+               ? search_shelves(index, index.float_rows(), p, known, steps)
+               : search_shelves(index, index.double_rows(), p, known, steps);
 }
 
 } // namespace proxima::HWY_NAMESPACE
@@ -37,11 +39,20 @@ double rounding_of_points(const MeshIndex& index) noexcept
 
 RowDistance find_closest(const MeshIndex& index, const Vec3& p, double known) noexcept
 {
-    return HWY_DYNAMIC_DISPATCH(search_one)(index, p, known);
+    QuerySteps steps;
+    return HWY_DYNAMIC_DISPATCH(search_one)(index, p, known, steps);
 }
 
 std::optional<ClosestFeature> closest_feature(const MeshIndex& index, const Vec3& p,
                                               const ClosestOptions& options) noexcept
+{
+    QuerySteps steps;
+    return closest_feature(index, p, options, steps);
+}
+
+std::optional<ClosestFeature> closest_feature(const MeshIndex& index, const Vec3& p,
+                                              const ClosestOptions& options,
+                                              QuerySteps& steps) noexcept
 {
     const double radius = options.radius;
     double known = radius;
@@ -49,13 +60,14 @@ std::optional<ClosestFeature> closest_feature(const MeshIndex& index, const Vec3
         const double distance = (p - options.start_from->point).norm() + rounding_of_points(index);
         if (distance < known) known = distance;
     }
-    RowDistance found = find_closest(index, p, known);
+    RowDistance found = HWY_DYNAMIC_DISPATCH(search_one)(index, p, known, steps);
     const auto within = [&](double size) {
         const double scaled = size * index.scale();
         return found.found() && found.squared <= scaled * scaled;
     };
     // Nothing that near: it was no point of this mesh, and what was passed over may be nearer.
-    if (known < radius && !within(known)) found = find_closest(index, p, radius);
+    if (known < radius && !within(known))
+        found = HWY_DYNAMIC_DISPATCH(search_one)(index, p, radius, steps);
     if (!found.found() || !within(radius)) return std::nullopt;
     return describe_closest(index, found);
 }

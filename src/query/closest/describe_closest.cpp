@@ -63,18 +63,6 @@ ClosestFeature describe(const FeaturePlaces& places, const TriangleRow<Scalar>& 
 
 } // namespace
 
-ClosestFeature describe_closest(const ProximityOctree& octree, const RowDistance& found) noexcept
-{
-    if (!found.found()) [[unlikely]]
-        return no_closest_feature();
-    const ProximityArrays& arrays = octree.arrays();
-    const FeaturePlaces places{arrays.vertex_places, arrays.edge_places};
-    const RowScale scale = scale_of(octree);
-    return arrays.double_rows.empty()
-               ? describe(places, arrays.float_rows[found.rank], scale, found)
-               : describe(places, arrays.double_rows[found.rank], scale, found);
-}
-
 ClosestFeature describe_closest(const MeshIndex& index, const RowDistance& found) noexcept
 {
     if (!found.found()) [[unlikely]]

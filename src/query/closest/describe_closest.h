@@ -1,7 +1,6 @@
 // Turns what a search found into the answer in full.
 #pragma once
 
-#include "index/lists/proximity_octree.h"
 #include "index/mesh_index.h"
 #include "index/triangle_row.h"
 #include "query/closest/closest_feature.h"
@@ -10,8 +9,6 @@ namespace proxima {
 
 /// no_closest_feature() where nothing was found. Else the answer named by the lowest triangle that
 /// has the feature. Two loads that may miss the caches: the feature's place, and the row again.
-[[nodiscard]] ClosestFeature describe_closest(const ProximityOctree& octree,
-                                              const RowDistance& found) noexcept;
 [[nodiscard]] ClosestFeature describe_closest(const MeshIndex& index,
                                               const RowDistance& found) noexcept;
 
@@ -22,10 +19,6 @@ namespace proxima {
 [[nodiscard]] inline RowScale row_scale_of(const MeshIndex& index) noexcept
 {
     return {index.scale(), index.unscale()};
-}
-[[nodiscard]] inline RowScale scale_of(const ProximityOctree& octree) noexcept
-{
-    return {octree.frame().scale, 1 / octree.frame().scale};
 }
 
 } // namespace proxima

@@ -28,7 +28,7 @@ public:
     bool run()
     {
         constexpr BlockBox root = {{0, 0, 0}, {1.01F, 1.01F, 1.01F}};
-        pending_.push({0, search_.a.triangles().root(), search_.b.triangles().root(),
+        pending_.push({0, search_.a.root(), search_.b.root(),
                        scaled(root, search_.a_scale), scaled(root, search_.b_scale)});
         while (!pending_.empty()) {
             const PendingPair at = pending_.pop();
@@ -65,7 +65,7 @@ private:
 
     void open_a(const PendingPair& at)
     {
-        const IndexNode& node = search_.a.triangles().blocks()[at.reference_a].node;
+        const IndexNode& node = search_.a.blocks()[at.reference_a].node;
         const ChildBoxes boxes(node, search_.a_scale);
         T squared[8];
         const ChildSlabs slabs(search_.a, node);
@@ -80,7 +80,7 @@ private:
     }
     void open_b(const PendingPair& at)
     {
-        const IndexNode& node = search_.b.triangles().blocks()[at.reference_b].node;
+        const IndexNode& node = search_.b.blocks()[at.reference_b].node;
         const ChildBoxes boxes(node, search_.b_scale);
         T squared[8];
         const ChildSlabs slabs(search_.b, node);
@@ -109,9 +109,9 @@ private:
         for (std::size_t i = 0; i < count; ++i) pending_.push(pair_of(order[i]));
     }
 
-    static void prefetch(const DistanceIndex& index, std::uint32_t reference)
+    static void prefetch(const MeshIndex& index, std::uint32_t reference)
     {
-        const IndexBlock& block = index.triangles().blocks()[reference & ~index_leaf_bit];
+        const IndexBlock& block = index.blocks()[reference & ~index_leaf_bit];
         hwy::Prefetch(&block);
         hwy::Prefetch(reinterpret_cast<const std::byte*>(&block) + 64);
     }
@@ -119,9 +119,9 @@ private:
     bool look_at_leaves(const PendingPair& at)
     {
         const IndexLeaf& leaf_a =
-            search_.a.triangles().blocks()[at.reference_a & ~index_leaf_bit].leaf;
+            search_.a.blocks()[at.reference_a & ~index_leaf_bit].leaf;
         const IndexLeaf& leaf_b =
-            search_.b.triangles().blocks()[at.reference_b & ~index_leaf_bit].leaf;
+            search_.b.blocks()[at.reference_b & ~index_leaf_bit].leaf;
         const auto center = [](const BlockBox& box) {
             return Vec3(double{box.center[0]}, double{box.center[1]}, double{box.center[2]});
         };
@@ -150,11 +150,11 @@ namespace proxima {
 
 HWY_EXPORT(walk_pairs);
 
-std::optional<MeshDistance> mesh_distance_within(const DistanceIndex& a, const DistanceIndex& b,
+std::optional<MeshDistance> mesh_distance_within(const MeshIndex& a, const MeshIndex& b,
                                                  const RigidTransform& pose_b, double farthest,
                                                  const MeshDistance* last) noexcept
 {
-    if (a.triangles().triangle_count() == 0 || b.triangles().triangle_count() == 0 ||
+    if (a.triangle_count() == 0 || b.triangle_count() == 0 ||
         !(farthest >= 0))
         return std::nullopt;
     DistanceSearch search(a, b, pose_b, farthest);
@@ -167,7 +167,7 @@ std::optional<MeshDistance> mesh_distance_within(const DistanceIndex& a, const D
     return search.found() ? std::optional(search.best()) : std::nullopt;
 }
 
-MeshDistance mesh_distance(const DistanceIndex& a, const DistanceIndex& b,
+MeshDistance mesh_distance(const MeshIndex& a, const MeshIndex& b,
                            const RigidTransform& pose_b, const MeshDistance* last) noexcept
 {
     return mesh_distance_within(a, b, pose_b, std::numeric_limits<double>::infinity(), last)

@@ -5,6 +5,7 @@
 //     draw_line(near.point_a, near.point_b);
 //     auto next = mesh_distance(index_a, index_b, next_pose, &near); // starts where they were
 //
+// Indexes with slabs (with_slabs) are searched sooner; the answer is the same without.
 // B's vertices are moved by the pose, rounded to doubles once; the answer is that of all pairs of
 // triangles in doubles (triangle_distance.h). It is the distance of surfaces: a mesh within another
 // has one as well. The same bits on every machine.
@@ -17,7 +18,7 @@
 #include "geometry/closest_point.h"
 #include "geometry/rigid_transform.h"
 #include "geometry/vec.h"
-#include "index/slabs/distance_index.h"
+#include "index/mesh_index.h"
 #include "mesh/triangle_mesh.h"
 
 #include <cstdint>
@@ -50,14 +51,14 @@ struct MeshDistance {
 ///
 /// \pre coordinates, moved ones too, are finite; `last` is of the
 /// same indexes
-[[nodiscard]] MeshDistance mesh_distance(const DistanceIndex& a, const DistanceIndex& b,
+[[nodiscard]] MeshDistance mesh_distance(const MeshIndex& a, const MeshIndex& b,
                                          const RigidTransform& pose_b = {},
                                          const MeshDistance* last = nullptr) noexcept;
 
 /// The same where the distance is at most `farthest`; nothing where it is more, which is found out
 /// sooner.
 [[nodiscard]] std::optional<MeshDistance>
-mesh_distance_within(const DistanceIndex& a, const DistanceIndex& b, const RigidTransform& pose_b,
+mesh_distance_within(const MeshIndex& a, const MeshIndex& b, const RigidTransform& pose_b,
                      double farthest, const MeshDistance* last = nullptr) noexcept;
 
 } // namespace proxima

@@ -206,7 +206,7 @@ std::uint64_t count_passes(const TouchScene& scene, const Vec3& before, std::spa
 SceneTotals run_row(const SoakScene& wanted, const std::string& script_name, double radius,
                     std::uint64_t ticks, std::uint64_t seed)
 {
-    const auto fast = make_scene(wanted, BodySearch::octree);
+    const auto fast = make_scene(wanted, BodySearch::index);
     const auto slow = make_scene(wanted, BodySearch::every_triangle);
     const TouchScene& scene = fast->scene();
     const TriangleMesh mesh = *standing_mesh(scene);

@@ -21,7 +21,7 @@
 #include "haptics/soak/every_triangle.h"
 #include "haptics/soak/scene_soak.h"
 #include "haptics/touch_meshes.h"
-#include "index/lists/build_proximity_octree.h"
+#include "index/listed_index.h"
 #include "mesh/mesh_io.h"
 
 #include <CLI/CLI.hpp>
@@ -98,7 +98,7 @@ class MeshSoak {
 public:
     MeshSoak(const testing::TouchMesh& named, const SoakOptions& options)
         : named_(named), options_(options), topology_(*build_topology(named.mesh)),
-          octree_(*build_proximity_octree(named.mesh, topology_)), surface_(octree_),
+          index_(*testing::listed_index(named.mesh)), surface_(index_),
           all_(named.mesh), map_(fit_workspace(bounding_box(named.mesh), 0.1))
     {}
 
@@ -161,8 +161,8 @@ private:
     const testing::TouchMesh& named_;
     const SoakOptions& options_;
     Topology topology_;
-    ProximityOctree octree_;
-    OctreeContactSurface surface_;
+    MeshIndex index_;
+    IndexContactSurface surface_;
     EveryTriangle all_;
     WorkspaceMap map_;
 };

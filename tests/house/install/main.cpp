@@ -4,7 +4,7 @@
 #include "haptics/proxy/proxy.h"
 #include "haptics/surface/contact_surface.h"
 #include "index/build_mesh_index.h"
-#include "index/lists/build_proximity_octree.h"
+#include "index/lists/build_lists.h"
 #include "mesh/sample_meshes.h"
 #include "minkowski/make_polyhedron.h"
 #include "minkowski/minkowski_sum.h"
@@ -22,12 +22,13 @@ int main()
     const auto sum = minkowski_sum(*polyhedron_of_box({Vec3(0, 0, 0), Vec3(1, 1, 1)}),
                                    *polyhedron_of_box({Vec3(0, 0, 0), Vec3(1, 1, 1)}));
     const auto octree = build_octree(*mesh, {.max_depth = 3});
-    const auto proximity = build_proximity_octree(*mesh, {.budget_bytes = 1'000'000});
-    const auto rays = build_mesh_index(*mesh);
-    if (!sum || !octree || !proximity || !rays) return 1;
-    const ClosestFeature closest = closest_feature(*proximity, Vec3(0, 0, 3));
-    const auto hit = closest_hit(*rays, {Vec3(0.1, 0.2, 3), Vec3(0, 0, -1)});
-    const OctreeContactSurface surface(*proximity);
+    const auto plain = build_mesh_index(*mesh);
+    if (!sum || !octree || !plain) return 1;
+    const auto index = with_lists(*plain, {.budget_bytes = 1'000'000});
+    if (!index) return 1;
+    const ClosestFeature closest = closest_feature(*index, Vec3(0, 0, 3)).value();
+    const auto hit = closest_hit(*index, {Vec3(0.1, 0.2, 3), Vec3(0, 0, -1)});
+    const IndexContactSurface surface(*index);
     Proxy proxy(surface, {});
     proxy.place(Vec3(0.1, 0.2, 3));
     const double held = proxy.follow(Vec3(0.1, 0.2, 0.5)).held.z();

@@ -1,7 +1,7 @@
 #include "base/simd.h"
 #include "counted_allocations.h"
 #include "index/build_mesh_index.h"
-#include "index/lists/build_proximity_octree.h"
+#include "index/listed_index.h"
 #include "index/test_meshes.h"
 #include "query/closest/brute_force.h"
 #include "query/closest/closest_feature.h"

@@ -5,7 +5,8 @@
 #include "counted_allocations.h"
 #include "geometry/triangle_contact.h"
 #include "geometry/triangle_distance.h"
-#include "index/slabs/distance_index_of.h"
+#include "index/build_mesh_index.h"
+#include "index/slabs/build_slabs.h"
 #include "index/test_meshes.h"
 #include "oracles/quad_distance.h"
 
@@ -19,6 +20,12 @@ namespace proxima {
 namespace {
 
 using namespace testing;
+
+/// The index of a mesh, with slabs.
+MeshIndex index_of(const TriangleMesh& mesh)
+{
+    return with_slabs(build_mesh_index(mesh).value()).value();
+}
 
 /// All pairs in doubles: the one with the least distance, then the lowest ids.
 MeshDistance distance_by_brute_force(const TriangleMesh& a, const TriangleMesh& b,
@@ -170,7 +177,7 @@ std::vector<NamedMesh> small_meshes()
 TEST(MeshDistance, IsThatOfAllPairsInDoubles)
 {
     const std::vector<NamedMesh> meshes = small_meshes();
-    std::vector<DistanceIndex> indexes;
+    std::vector<MeshIndex> indexes;
     for (const NamedMesh& named : meshes) indexes.push_back(index_of(named.mesh));
     constexpr std::uint64_t seed = 11;
     int touching = 0;
@@ -200,8 +207,8 @@ TEST(MeshDistance, IsTheSameFromAnyLastAnswerWithinAnyRangeAndOnAnyMachine)
 {
     const TriangleMesh torus = torus_mesh(1.0, 0.4, 60, 40);
     const TriangleMesh ship = sample_mesh("spaceship:1300").value();
-    const DistanceIndex a = index_of(torus);
-    const DistanceIndex b = index_of(ship);
+    const MeshIndex a = index_of(torus);
+    const MeshIndex b = index_of(ship);
     PoseGenerator poses(torus, ship, 5);
     MeshDistance last;
     const std::size_t before = allocation_count();
@@ -245,12 +252,39 @@ TEST(MeshDistance, IsTheSameFromAnyLastAnswerWithinAnyRangeAndOnAnyMachine)
     EXPECT_EQ(allocation_count() - before, uncounted);
 }
 
+TEST(MeshDistance, IsTheSameWithoutSlabs)
+{
+    const TriangleMesh torus = torus_mesh(1.0, 0.4, 60, 40);
+    const TriangleMesh ship = sample_mesh("spaceship:1300").value();
+    const MeshIndex a = build_mesh_index(torus).value();
+    const MeshIndex b = build_mesh_index(ship).value();
+    const MeshIndex slabs_a = with_slabs(a).value();
+    const MeshIndex slabs_b = with_slabs(b).value();
+    EXPECT_TRUE(a.slabs().empty());
+    PoseGenerator poses(torus, ship, 7);
+    for (int i = 0; i < 60; ++i) {
+        SCOPED_TRACE(i);
+        const RigidTransform pose = poses();
+        const MeshDistance truth = mesh_distance(slabs_a, slabs_b, pose);
+        for (const MeshDistance& found :
+             {mesh_distance(a, b, pose), mesh_distance(slabs_a, b, pose),
+              mesh_distance(a, slabs_b, pose)}) {
+            ASSERT_EQ(found.distance, truth.distance);
+            if (truth.distance == 0) continue; // any common point
+            ASSERT_EQ(found.row_a, truth.row_a);
+            ASSERT_EQ(found.row_b, truth.row_b);
+            ASSERT_EQ(found.point_a, truth.point_a);
+            ASSERT_EQ(found.point_b, truth.point_b);
+        }
+    }
+}
+
 TEST(MeshDistance, IsTheSameTheOtherWayRound)
 {
     const TriangleMesh sphere = sphere_mesh(Vec3(3, 2, 1), 1.0, 20, 24);
     const TriangleMesh torus = torus_mesh(1.0, 0.4, 40, 30);
-    const DistanceIndex a = index_of(sphere);
-    const DistanceIndex b = index_of(torus);
+    const MeshIndex a = index_of(sphere);
+    const MeshIndex b = index_of(torus);
     PoseGenerator poses(sphere, torus, 6);
     for (int i = 0; i < 200; ++i) {
         SCOPED_TRACE(i);
@@ -265,7 +299,7 @@ TEST(MeshDistance, IsTheSameTheOtherWayRound)
 TEST(MeshDistance, OfSpheresIsKnown)
 {
     // Polyhedra within the spheres, with vertices at the poles.
-    const DistanceIndex sphere = index_of(sphere_mesh(Vec3::Zero(), 1.0, 40, 60));
+    const MeshIndex sphere = index_of(sphere_mesh(Vec3::Zero(), 1.0, 40, 60));
     const auto apart = [&](double z) {
         RigidTransform pose;
         pose.translation = Vec3(0, 0, z);
@@ -284,7 +318,7 @@ TEST(MeshDistance, OfSpheresIsKnown)
     EXPECT_EQ(apart(0x1p40).distance, 0x1p40 - 2);
     EXPECT_EQ(apart(0x1p100).distance, 0x1p100);
     // Of surfaces: one within the other is not near.
-    const DistanceIndex small = index_of(sphere_mesh(Vec3::Zero(), 0.25, 40, 60));
+    const MeshIndex small = index_of(sphere_mesh(Vec3::Zero(), 0.25, 40, 60));
     const double inner = mesh_distance(sphere, small).distance;
     EXPECT_LE(inner, 0.75);
     EXPECT_GT(inner, 0.74);
@@ -312,8 +346,8 @@ TEST(MeshDistance, ScalesByPowersOfTwo)
 {
     const TriangleMesh torus = torus_mesh(1.0, 0.4, 40, 30);
     const TriangleMesh sphere = sphere_mesh(Vec3(0.5, 0.1, 0.2), 0.3, 12, 16);
-    const DistanceIndex a = index_of(torus);
-    const DistanceIndex b = index_of(sphere);
+    const MeshIndex a = index_of(torus);
+    const MeshIndex b = index_of(sphere);
     PoseGenerator poses(torus, sphere, 8);
     for (int i = 0; i < 30; ++i) {
         SCOPED_TRACE(i);
@@ -329,8 +363,8 @@ TEST(MeshDistance, IsRightAtAnyScaleThatDoublesHold)
 {
     const TriangleMesh torus = torus_mesh(1.0, 0.4, 12, 8);
     const TriangleMesh sphere = sphere_mesh(Vec3(0.5, 0.25, 0.125), 0.25, 6, 8);
-    const DistanceIndex a = index_of(torus);
-    const DistanceIndex b = index_of(sphere);
+    const MeshIndex a = index_of(torus);
+    const MeshIndex b = index_of(sphere);
     PoseGenerator poses(torus, sphere, 9);
     for (int i = 0; i < 12; ++i) {
         const RigidTransform pose = poses();
@@ -345,7 +379,7 @@ TEST(MeshDistance, IsRightAtAnyScaleThatDoublesHold)
 TEST(MeshDistance, IsRightHoweverFarApart)
 {
     const auto apart = [](double size, double x) {
-        const DistanceIndex cube = index_of(cube_mesh(Vec3::Zero(), size));
+        const MeshIndex cube = index_of(cube_mesh(Vec3::Zero(), size));
         RigidTransform pose;
         pose.translation = Vec3(x, 0, 0);
         return mesh_distance(cube, cube, pose);
@@ -373,11 +407,11 @@ TEST(MeshDistance, IsRightHoweverFarApart)
 
 TEST(MeshDistance, OfAnEmptyMeshIsInfinite)
 {
-    const DistanceIndex cube = index_of(cube_mesh(Vec3::Zero(), 1.0));
-    EXPECT_EQ(mesh_distance(cube, DistanceIndex()).distance,
+    const MeshIndex cube = index_of(cube_mesh(Vec3::Zero(), 1.0));
+    EXPECT_EQ(mesh_distance(cube, MeshIndex()).distance,
               std::numeric_limits<double>::infinity());
     EXPECT_FALSE(
-        mesh_distance_within(DistanceIndex(), cube, {}, std::numeric_limits<double>::infinity()));
+        mesh_distance_within(MeshIndex(), cube, {}, std::numeric_limits<double>::infinity()));
 }
 
 } // namespace

@@ -1,6 +1,7 @@
 #include "query/closest/soak/closest_check.h"
 
 #include "base/text.h"
+#include "index/lists/proximity_lists.h"
 #include "oracles/quad_distance.h"
 #include "query/closest/brute_force.h"
 #include "query/closest/check_answers.h"
@@ -36,8 +37,8 @@ void ClosestTally::add(const ClosestTally& other)
     if (first_wrong.empty()) first_wrong = other.first_wrong;
 }
 
-ClosestCheck::ClosestCheck(const SurfaceSearch& search, std::span<const ProximityOctree> octrees)
-    : search_(search), octrees_(octrees)
+ClosestCheck::ClosestCheck(const SurfaceSearch& search, std::span<const MeshIndex> indexes)
+    : search_(search), indexes_(indexes)
 {
     const Box box = bounding_box(search.mesh());
     center_ = box.center();
@@ -116,14 +117,14 @@ ClosestTally ClosestCheck::check(std::span<const Vec3> points) const
     ClosestTally tally;
     std::vector<ClosestFeature> batch(points.size());
     std::vector<ClosestFeature> first(points.size());
-    for (const ProximityOctree& octree : octrees_) {
-        const ProximityStatistics& worst = octree.statistics();
-        const bool is_first = &octree == octrees_.data();
-        const bool batch_ended = closest_features(octree, points, batch).has_value();
+    for (const MeshIndex& listed : indexes_) {
+        const ProximityStatistics& worst = listed.lists()->statistics();
+        const bool is_first = &listed == indexes_.data();
+        const bool batch_ended = closest_features(listed, points, {.answers = batch}).has_value();
         for (std::size_t i = 0; i < points.size(); ++i) {
             const Vec3& p = points[i];
             QuerySteps steps;
-            const ClosestFeature found = closest_feature(octree, p, steps);
+            const ClosestFeature found = closest_feature(listed, p, {}, steps).value();
             std::string wrong;
             if (is_first) {
                 first[i] = found;
@@ -139,19 +140,18 @@ ClosestTally ClosestCheck::check(std::span<const Vec3> points) const
                 wrong = concat("batch: ", text_of(batch[i]), ", not ", text_of(found));
             }
             std::array<std::uint32_t, 3> at{};
-            if (octree.locate(octree.frame().to_frame(p), at)) {
+            if (listed.lists()->locate(listed.lists()->frame().to_frame(p), at)) {
                 const double step_part = static_cast<double>(steps.steps) / worst.worst_case_steps;
                 // Where no leaf has a list, no block is scanned, and none may be.
                 const double block_part =
                     steps.blocks == 0 ? 0.0
                                       : static_cast<double>(steps.blocks) / worst.worst_case_blocks;
-                const std::uint32_t most_groups =
-                    worst.searched_leaves == 0 ? 0 : search_groups(octree.triangle_count());
+                const std::uint32_t most_searches = worst.searched_leaves == 0 ? 0 : 1;
                 tally.worst_steps = std::max(tally.worst_steps, step_part);
                 tally.worst_blocks = std::max(tally.worst_blocks, block_part);
-                if (!(step_part <= 1 && block_part <= 1 && steps.groups <= most_groups)) {
+                if (!(step_part <= 1 && block_part <= 1 && steps.searches <= most_searches)) {
                     wrong = concat("worst case: ", steps.steps, " steps, ", steps.blocks,
-                                   " blocks, ", steps.groups, " groups");
+                                   " blocks, ", steps.searches, " searches");
                 }
             }
             if (wrong.empty()) continue;

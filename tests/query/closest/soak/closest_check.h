@@ -1,4 +1,4 @@
-// Answers of proximity octrees against a search that shares nothing with them but the mesh.
+// Answers of proximity indexes against a search that shares nothing with them but the mesh.
 //
 // The truth is brute force on small meshes, the triangle tree on large ones (surface_search.h,
 // the same answers bit for bit; a few points are asked of brute force there too). Wrong is
@@ -7,11 +7,11 @@
 //         distance where that is greater: far outside)
 //     another feature, unless it is as close but for rounding: a tie that rounding decides
 //     a triangle that is not the lowest of the feature, a closest point that is not there
-//     a batch's answer, or that of an octree within another budget, with other bits
-//     more steps or blocks than the octree says
+//     a batch's answer, or that of lists within another budget, with other bits
+//     more steps or blocks than the index says
 #pragma once
 
-#include "index/lists/proximity_octree.h"
+#include "index/mesh_index.h"
 #include "mesh/topology.h"
 #include "mesh/triangle_mesh.h"
 #include "query/closest/closest_feature.h"
@@ -41,7 +41,7 @@ struct ClosestTally {
 /// Refers to what it is given. check() may be called from any thread.
 class ClosestCheck {
 public:
-    ClosestCheck(const SurfaceSearch& search, std::span<const ProximityOctree> octrees);
+    ClosestCheck(const SurfaceSearch& search, std::span<const MeshIndex> indexes);
 
     [[nodiscard]] ClosestTally check(std::span<const Vec3> points) const;
 
@@ -53,7 +53,7 @@ private:
     [[nodiscard]] double exact_distance(const Feature& feature, const Vec3& p) const;
 
     const SurfaceSearch& search_;
-    std::span<const ProximityOctree> octrees_;
+    std::span<const MeshIndex> indexes_;
     Vec3 center_;
     double diagonal_ = 0;
     double largest_ = 0; ///< coordinate of the mesh

@@ -1,13 +1,13 @@
-// Millions of random points, every answer of the proximity octree checked: scripts/soak proximity.
+// Millions of random points, every answer of the proximity index checked: scripts/soak proximity.
 //
 //     proximity_soak [--points N] [--signs N] [--seed N] [--threads N] [--mesh NAME]...
 //
-// Every mesh is built within its usual budget and within the least that will do. One row per mesh
+// Every mesh is built within its usual budget and within one that leaves most leaves without a list. One row per mesh
 // and kind of points; what the columns mean is in closest_check.h and sign_check.h. The same for
 // the same seed, whatever the threads. Exit status 1 if anything was wrong.
 
 #include "base/parallel.h"
-#include "index/lists/build_proximity_octree.h"
+#include "index/listed_index.h"
 #include "query/closest/soak/closest_check.h"
 #include "query/closest/soak/sign_check.h"
 #include "query/closest/soak/soak_meshes.h"
@@ -66,27 +66,18 @@ Tally check_points(const PointMaker& maker, PointSet set, std::uint64_t count, s
     return sum;
 }
 
-/// Within its usual budget, and within the least that will do, give or take a fifth.
-Result<std::vector<ProximityOctree>> build_octrees(const TriangleMesh& mesh,
-                                                   const Topology& topology, Threads threads)
+/// Within its usual budget, and within one that leaves most leaves without a list.
+Result<std::vector<MeshIndex>> build_indexes(const TriangleMesh& mesh, Threads threads)
 {
-    std::vector<ProximityOctree> octrees;
-    auto usual = build_proximity_octree(mesh, topology, {.threads = threads});
+    std::vector<MeshIndex> indexes;
+    auto usual = testing::listed_index(mesh, {.threads = threads});
     if (!usual) return tl::unexpected(usual.error());
-    octrees.push_back(std::move(*usual));
-    std::uint64_t budget = 60 * mesh.triangle_count();
-    while (octrees.size() < 2) {
-        auto tight =
-            build_proximity_octree(mesh, topology, {.budget_bytes = budget, .threads = threads});
-        if (tight) {
-            octrees.push_back(std::move(*tight));
-        } else if (tight.error().code == ErrorCode::budget_exceeded) {
-            budget += budget / 5;
-        } else {
-            return tl::unexpected(tight.error());
-        }
-    }
-    return octrees;
+    indexes.push_back(std::move(*usual));
+    auto tight = testing::listed_index(
+        mesh, {.budget_bytes = 2048 + 20 * mesh.triangle_count(), .threads = threads});
+    if (!tight) return tl::unexpected(tight.error());
+    indexes.push_back(std::move(*tight));
+    return indexes;
 }
 
 /// Whether every edge is passed as often in one way as in the other: the mesh has an inside.
@@ -150,11 +141,11 @@ private:
         if (!topology) return fail_mesh(named, topology.error());
         const auto search = build_surface_search(mesh, *topology);
         if (!search) return fail_mesh(named, search.error());
-        const auto octrees = build_octrees(mesh, *topology, options_.threads);
-        if (!octrees) return fail_mesh(named, octrees.error());
+        const auto indexes = build_indexes(mesh, options_.threads);
+        if (!indexes) return fail_mesh(named, indexes.error());
 
-        const PointMaker maker(mesh, *topology, octrees->front());
-        const ClosestCheck check(*search, *octrees);
+        const PointMaker maker(mesh, *topology, indexes->front());
+        const ClosestCheck check(*search, *indexes);
         for (std::size_t s = 0; s < all_point_sets.size(); ++s) {
             const std::uint64_t count = options_.points * shares[s] / (100 * meshes) + 1;
             const auto tally = check_points<ClosestTally>(
@@ -164,15 +155,15 @@ private:
         }
         const auto sign = build_surface_sign(*search);
         if (!sign) return fail_mesh(named, sign.error());
-        check_signs(named, *sign, octrees->front(), maker, meshes);
+        check_signs(named, *sign, indexes->front(), maker, meshes);
         (void)std::fflush(stdout);
     }
 
-    void check_signs(const SoakMesh& named, const SurfaceSign& sign, const ProximityOctree& octree,
+    void check_signs(const SoakMesh& named, const SurfaceSign& sign, const MeshIndex& listed,
                      const PointMaker& maker, std::size_t meshes)
     {
         const bool closed = is_closed(sign.mesh(), sign.topology());
-        const SignCheck check(sign, octree, closed);
+        const SignCheck check(sign, listed, closed);
         std::uint64_t count = options_.signs / meshes + 1;
         if (!closed) count = std::min(count, solid_angles / sign.mesh().triangle_count() + 1);
         SignTally sum;

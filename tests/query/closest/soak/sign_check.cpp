@@ -18,8 +18,8 @@ void SignTally::add(const SignTally& other)
     if (first_wrong.empty()) first_wrong = other.first_wrong;
 }
 
-SignCheck::SignCheck(const SurfaceSign& sign, const ProximityOctree& octree, bool closed)
-    : sign_(sign), octree_(octree)
+SignCheck::SignCheck(const SurfaceSign& sign, const MeshIndex& listed, bool closed)
+    : sign_(sign), index_(listed)
 {
     if (closed) columns_.emplace(sign.mesh());
     const Box box = bounding_box(sign.mesh());
@@ -42,7 +42,7 @@ SignTally SignCheck::check(std::span<const Vec3> points) const
 {
     SignTally tally;
     for (const Vec3& p : points) {
-        const SignedDistance found = sign_of(sign_, closest_feature(octree_, p), p);
+        const SignedDistance found = sign_of(sign_, closest_feature(index_, p).value(), p);
         const auto truth = is_inside(p);
         if (!truth || std::abs(found.distance) < 1e-14 * size_) {
             ++tally.undecided;

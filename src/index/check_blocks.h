@@ -1,0 +1,14 @@
+// Whether the blocks of a mesh index are one tree over its rows.
+#pragma once
+
+#include "base/result.h"
+#include "index/check_work.h"
+#include "index/mesh_index.h"
+
+namespace proxima {
+
+/// Errors: broken_invariant, naming a block; cancelled. See check_structure.h.
+/// \pre there are as many ids as rows, at least one; the frame is finite
+[[nodiscard]] Status check_blocks(const MeshIndex& index, const CheckWork& work);
+
+} // namespace proxima
