@@ -1,5 +1,7 @@
 #include "index/block_boxes.h"
 
+#include "index/row_tables.h"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -100,11 +102,12 @@ bool write_vertex(IndexLeaf& leaf, std::size_t vertex, const Vec3& point,
                   const IndexFrame& frame) noexcept
 {
     const Vec3 p = frame.to_frame(point);
+    const double unscale = 1 / frame.scale;
     bool exact = true;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const auto k = static_cast<Eigen::Index>(axis);
         leaf.coordinates[axis][vertex] = static_cast<float>(p[k]);
-        exact = exact && is_float(p[k]) && p[k] / frame.scale + frame.center[k] == point[k];
+        exact = exact && is_float(p[k]) && p[k] * unscale + frame.center[k] == point[k];
     }
     return exact;
 }

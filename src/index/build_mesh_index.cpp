@@ -3,12 +3,14 @@
 #include "base/text.h"
 #include "index/binary_tree.h"
 #include "index/block_boxes.h"
-#include "index/block_runs.h"
 #include "index/index_storage.h"
 #include "octree/build_octree.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstring>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -17,83 +19,95 @@ namespace proxima {
 namespace {
 
 // Bytes per triangle at most: keys twice, order, boxes, nodes, rows and blocks.
-constexpr std::uint64_t scratch_bytes = 32 + 4 + 24 + sizeof(BinaryNode);
+constexpr std::uint64_t scratch_bytes = 32 + 4 + 24 + sizeof(BinaryNode) + edge_number_bytes;
 constexpr std::uint64_t index_bytes =
-    sizeof(TriangleRow<double>) + sizeof(TriangleId) + 2 * sizeof(IndexBlock);
+    sizeof(TriangleRow<double>) + sizeof(TriangleId) + 2 * sizeof(IndexBlock) + 24;
+constexpr std::uint32_t triangles_of_part = 8192;
 
-// Writes the blocks of a tree, depth first.
-class MeshIndexWriter {
+} // namespace
+
+namespace detail {
+
+/// A node or leaf of the tree that is yet to be written.
+struct PendingBlock {
+    BinaryTree::Child child;
+    std::uint32_t block;
+    double extent; ///< the largest edge of the box that queries meet it by
+};
+
+constexpr std::uint32_t empty_leaf = 0; ///< what unused places refer to
+
+/// The runs that cover one best, by at most `most`; in their order.
+void cover(const BinaryTree& tree, const BinaryTree::Child& child, std::uint32_t most,
+           std::vector<BinaryTree::Child>& found)
+{
+    if (tree.is_single(child, most)) {
+        found.push_back(child);
+        return;
+    }
+    const auto [left, right] = tree.children(child);
+    const std::uint32_t share = tree.left_share(child.node, most);
+    cover(tree, left, share, found);
+    cover(tree, right, most - share, found);
+}
+
+/// The children of a wide node.
+void find_children(const BinaryTree& tree, const BinaryTree::Child& child,
+                   std::vector<BinaryTree::Child>& found)
+{
+    const auto [left, right] = tree.children(child);
+    const std::uint32_t share = tree.left_share(child.node, index_width);
+    cover(tree, left, share, found);
+    cover(tree, right, index_width - share, found);
+}
+
+/// How many blocks lie below a run's own, and not below those that `set_aside` takes.
+template <class SetAside>
+std::uint32_t count_blocks(const BinaryTree& tree, const BinaryTree::Child& top,
+                           const SetAside& set_aside)
+{
+    std::uint32_t count = 0;
+    std::vector<BinaryTree::Child> pending{top};
+    while (!pending.empty()) {
+        const BinaryTree::Child at = pending.back();
+        pending.pop_back();
+        if (set_aside(at) || tree.is_leaf(at)) continue;
+        const std::size_t before = pending.size();
+        find_children(tree, at, pending);
+        count += static_cast<std::uint32_t>(pending.size() - before);
+    }
+    return count;
+}
+
+// Writes blocks depth first, the children of a node side by side.
+class BlockWriter {
 public:
-    MeshIndexWriter(const TriangleMesh& mesh, const BinaryTree& tree) : mesh_(mesh), tree_(tree) {}
+    /// New blocks are those from `next` on.
+    BlockWriter(const TriangleMesh& mesh, const BinaryTree& tree, std::span<IndexBlock> blocks,
+                std::uint32_t next)
+        : mesh_(mesh), tree_(tree), blocks_(blocks), next_(next)
+    {}
 
-    bool write_blocks(Progress* progress)
+    /// Writes `top` and what lies below it, but for the blocks that `set_aside` takes.
+    template <class SetAside>
+    void write(const PendingBlock& top, const SetAside& set_aside)
     {
-        StageSteps steps(progress, "writing mesh index", tree_.order.size());
-        blocks_.resize(2);
-        // The empty leaf that unused places refer to.
-        blocks_[empty_leaf].leaf = {};
-        std::vector<Pending> pending;
-        root_ = 1U | (tree_.is_leaf(tree_.root()) ? index_leaf_bit : 0U);
-        pending.push_back({tree_.root(), 1, root_extent});
+        std::vector<PendingBlock> pending{top};
         while (!pending.empty()) {
-            const Pending at = pending.back();
+            const PendingBlock at = pending.back();
             pending.pop_back();
+            if (set_aside(at)) continue;
             if (tree_.is_leaf(at.child)) {
                 write_leaf(at);
-                if (!steps.done(at.child.count)) return false;
             } else {
                 write_node(at, pending);
             }
         }
-        return true;
     }
-
-    void write_rows(const Topology& topology)
-    {
-        storage_.tables = make_row_tables(mesh_, topology, tree_.order);
-    }
-
-    MeshIndex result()
-    {
-        write_runs(blocks_, root_);
-        storage_.take(blocks_);
-        storage_.ids = tree_.order;
-        MeshIndexParts parts;
-        parts.center = tree_.frame.center;
-        parts.scale = tree_.frame.scale;
-        parts.fingerprint = mesh_fingerprint(mesh_);
-        parts.root = root_;
-        parts.has_exact_leaves = has_exact_leaves_;
-        return index_of(parts, std::move(storage_));
-    }
+    [[nodiscard]] bool has_exact_leaves() const noexcept { return has_exact_leaves_; }
 
 private:
     using Child = BinaryTree::Child;
-
-    static constexpr std::uint32_t empty_leaf = 0;
-
-    struct Pending {
-        Child child;
-        std::uint32_t block;
-        double extent; ///< the largest edge of the box that rays meet it by
-    };
-
-    /// The boxes that cover a node best, by at most `most`.
-    void cover(const Child& child, std::uint32_t most, std::vector<Child>& found) const
-    {
-        if (most == 1 || child.count == 1 || tree_.cost(child, most) == tree_.cost(child, 1)) {
-            found.push_back(child);
-            return;
-        }
-        open(child, most, found);
-    }
-    void open(const Child& child, std::uint32_t most, std::vector<Child>& found) const
-    {
-        const auto [left, right] = tree_.children(child.node);
-        const std::uint32_t share = tree_.left_share(child.node, most);
-        cover(left, share, found);
-        cover(right, most - share, found);
-    }
 
     /// Gives children the places of octants: place[slot] = child or none. What lies on the side of
     /// an octant gains by how far; greedily, then by swaps of two.
@@ -129,12 +143,12 @@ private:
         return place;
     }
 
-    void write_node(const Pending& at, std::vector<Pending>& pending)
+    void write_node(const PendingBlock& at, std::vector<PendingBlock>& pending)
     {
         found_.clear();
-        open(at.child, index_width, found_);
-        const auto first = static_cast<std::uint32_t>(blocks_.size());
-        blocks_.resize(first + found_.size());
+        find_children(tree_, at.child, found_);
+        std::uint32_t block = next_;
+        next_ += static_cast<std::uint32_t>(found_.size());
         IndexNode& node = blocks_[at.block].node;
         const FloatBox& box = tree_.box(at.child);
         const std::array<int, 8> place = give_places(box);
@@ -144,7 +158,6 @@ private:
             if (i < found_.size()) boxes[slot] = &tree_.box(found_[i]);
         }
         const std::array<double, 8> extents = write_boxes(node, box, boxes);
-        std::uint32_t block = first;
         const std::size_t mark = pending.size();
         for (std::size_t slot = 0; slot < 8; ++slot) {
             node.children[slot] = empty_leaf | index_leaf_bit;
@@ -154,9 +167,26 @@ private:
             pending.push_back({child, block++, extents[slot]});
         }
         std::reverse(pending.begin() + static_cast<std::ptrdiff_t>(mark), pending.end());
+        write_runs(at.child.first, place, node);
     }
 
-    void write_leaf(const Pending& at)
+    /// Which rows lie below which place.
+    void write_runs(std::uint32_t first_row, const std::array<int, 8>& place, IndexNode& node) const
+    {
+        node.first_row = first_row;
+        node.order = ~0U;
+        node.starts.fill(0);
+        // Children were found in the order of their rows.
+        for (std::size_t slot = 0; slot < 8; ++slot) {
+            const auto i = static_cast<std::size_t>(place[slot]);
+            if (i >= found_.size()) continue;
+            node.order ^= (IndexNode::no_child ^ static_cast<std::uint32_t>(slot)) << 4 * i;
+            node.starts[slot] = static_cast<std::uint16_t>(
+                std::min(found_[i].first - first_row, std::uint32_t{IndexNode::far_start}));
+        }
+    }
+
+    void write_leaf(const PendingBlock& at)
     {
         IndexLeaf leaf = {};
         std::array<std::uint32_t, index_width> vertices{};
@@ -183,14 +213,90 @@ private:
 
     const TriangleMesh& mesh_;
     const BinaryTree& tree_;
-    std::uint32_t root_ = 0;
+    std::span<IndexBlock> blocks_;
+    std::uint32_t next_;
     bool has_exact_leaves_ = true;
-    std::vector<IndexBlock> blocks_;
-    IndexStorage storage_;
-    std::vector<Child> found_; ///< of the node being written
+    std::vector<Child> found_; ///< of the node being written, in the order of their rows
 };
 
-} // namespace
+} // namespace detail
+
+using detail::BlockWriter;
+using detail::count_blocks;
+using detail::empty_leaf;
+using detail::PendingBlock;
+
+// The steps of build_mesh_index, in the order of their calls there.
+class MeshIndexWriter {
+public:
+    MeshIndexWriter(const TriangleMesh& mesh, BinaryTree tree) : mesh_(mesh), tree_(std::move(tree))
+    {}
+
+    /// The top of the tree first, then side by side the parts below it.
+    bool write_blocks(Threads threads, Progress* progress)
+    {
+        if (progress != nullptr) progress->begin_stage("writing mesh index", tree_.order.size());
+        root_ = 1U | (tree_.is_leaf(tree_.root()) ? index_leaf_bit : 0U);
+        const auto is_part = [](const BinaryTree::Child& at) {
+            return at.count <= triangles_of_part;
+        };
+        std::vector<BinaryTree::Child> tops;
+        const std::uint32_t top_end = 2 + count_blocks(tree_, tree_.root(), [&](const auto& at) {
+                                          if (is_part(at)) tops.push_back(at);
+                                          return is_part(at);
+                                      });
+        std::ranges::sort(tops, {}, &BinaryTree::Child::first);
+        std::vector<std::uint32_t> ends(tops.size(), 0);
+        parallel_for(tops.size(), threads, [&](std::size_t i) {
+            ends[i] = count_blocks(tree_, tops[i], [](const auto&) { return false; });
+        });
+        std::uint32_t end = top_end;
+        for (std::uint32_t& each : ends) each = end += each;
+        const std::span<IndexBlock> blocks = storage_.make_blocks(end);
+        blocks[empty_leaf].leaf = {};
+        std::vector<PendingBlock> parts; // with the places that the top gives them
+        BlockWriter top(mesh_, tree_, blocks, 2);
+        top.write({tree_.root(), 1, root_extent}, [&](const PendingBlock& at) {
+            if (is_part(at.child)) parts.push_back(at);
+            return is_part(at.child);
+        });
+        std::ranges::sort(parts, {}, [](const PendingBlock& at) { return at.child.first; });
+        std::vector<unsigned char> is_exact(parts.size(), 0);
+        parallel_for(parts.size(), threads, [&](std::size_t i) {
+            if (is_cancelled(progress)) return;
+            BlockWriter writer(mesh_, tree_, blocks, i == 0 ? top_end : ends[i - 1]);
+            writer.write(parts[i], [](const PendingBlock&) { return false; });
+            is_exact[i] = writer.has_exact_leaves() ? 1 : 0;
+            if (progress != nullptr) progress->advance(parts[i].child.count);
+        });
+        has_exact_leaves_ = std::ranges::all_of(is_exact, [](auto exact) { return exact != 0; });
+        return !is_cancelled(progress);
+    }
+
+    void write_rows(const EdgeNumbers& edges, Threads threads)
+    {
+        storage_.tables = make_row_tables(mesh_, edges, tree_.order, threads);
+    }
+
+    MeshIndex result()
+    {
+        storage_.ids = std::move(tree_.order);
+        MeshIndexParts parts;
+        parts.center = tree_.frame.center;
+        parts.scale = tree_.frame.scale;
+        parts.fingerprint = mesh_fingerprint(mesh_);
+        parts.root = root_;
+        parts.has_exact_leaves = has_exact_leaves_;
+        return index_of(parts, std::move(storage_));
+    }
+
+private:
+    const TriangleMesh& mesh_;
+    BinaryTree tree_;
+    std::uint32_t root_ = 0;
+    bool has_exact_leaves_ = true;
+    IndexStorage storage_;
+};
 
 Result<MeshIndex> build_mesh_index(const TriangleMesh& mesh, const MeshIndexOptions& options)
 {
@@ -205,16 +311,17 @@ Result<MeshIndex> build_mesh_index(const TriangleMesh& mesh, const MeshIndexOpti
     if (auto status = check_budget(options.budget, needed, "the mesh index", "raise the budget");
         !status)
         return tl::unexpected(status.error());
-    const auto topology = build_topology(
-        mesh, {.threads = options.threads, .budget = options.budget, .progress = options.progress});
-    if (!topology) return tl::unexpected(topology.error());
-    const auto tree = build_binary_tree(mesh, *box, tight_root(*box, RootShape::cube),
-                                        options.threads, options.progress);
-    if (!tree) return tl::unexpected(tree.error());
-    MeshIndexWriter writer(mesh, *tree);
-    if (!writer.write_blocks(options.progress))
+    const auto cancelled = [] {
         return fail(ErrorCode::cancelled, "mesh index: stopped on request");
-    writer.write_rows(*topology);
+    };
+    auto tree = build_binary_tree(mesh, *box, tight_root(*box, RootShape::cube), options.threads,
+                                  options.progress);
+    if (!tree) return tl::unexpected(tree.error());
+    MeshIndexWriter writer(mesh, std::move(*tree));
+    if (!writer.write_blocks(options.threads, options.progress)) return cancelled();
+    const auto edges = number_edges(mesh, options.threads, options.progress);
+    if (!edges) return cancelled();
+    writer.write_rows(*edges, options.threads);
     return writer.result();
 }
 

@@ -9,7 +9,6 @@
 #include "base/progress.h"
 #include "base/result.h"
 #include "index/mesh_index.h"
-#include "mesh/topology.h"
 #include "mesh/triangle_mesh.h"
 
 namespace proxima {

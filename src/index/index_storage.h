@@ -5,28 +5,28 @@
 #include "index/mesh_index.h"
 #include "index/row_tables.h"
 
-#include <cstring>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace proxima {
 
-/// Blocks are on huge pages where the system has them: rays jump about in them.
+/// Blocks are on huge pages where the system has them: queries jump about in them.
 struct IndexStorage {
-    GrowBuffer<std::byte> memory; ///< of the blocks, with what aligning them takes
-    std::span<const IndexBlock> blocks;
+    GrowBuffer<std::byte> memory; ///< of the blocks, and what aligning them takes
+    std::span<IndexBlock> blocks;
     RowTables tables;
     std::vector<TriangleId> ids;
 
-    void take(std::span<const IndexBlock> made)
+    /// Blocks with whatever the memory holds.
+    std::span<IndexBlock> make_blocks(std::size_t count)
     {
-        memory.resize(made.size_bytes() + alignof(IndexBlock));
+        memory.resize((count + 1) * sizeof(IndexBlock));
         void* first = memory.data();
-        std::size_t room = memory.size();
-        first = std::align(alignof(IndexBlock), made.size_bytes(), first, room);
-        std::memcpy(first, made.data(), made.size_bytes());
-        blocks = {static_cast<const IndexBlock*>(first), made.size()};
+        std::size_t space = memory.size();
+        first = std::align(alignof(IndexBlock), count * sizeof(IndexBlock), first, space);
+        return blocks = {static_cast<IndexBlock*>(first), count};
     }
 };
 

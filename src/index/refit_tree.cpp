@@ -14,19 +14,13 @@ namespace proxima {
 
 namespace {
 
-bool are_floats(std::span<const Vec3> positions)
-{
-    return std::ranges::all_of(positions, [](const Vec3& p) {
-        return is_float(p[0]) && is_float(p[1]) && is_float(p[2]);
-    });
-}
-
 /// Writes leaves, then boxes from below.
 class BlockRefitter {
 public:
-    BlockRefitter(const MeshIndex& index, const TriangleMesh& mesh, const IndexFrame& frame)
-        : index_(index), mesh_(mesh), frame_(frame),
-          blocks_(index.blocks().begin(), index.blocks().end()), boxes_(blocks_.size())
+    /// `blocks` are a copy of the index's.
+    BlockRefitter(const MeshIndex& index, const TriangleMesh& mesh, const IndexFrame& frame,
+                  std::span<IndexBlock> blocks)
+        : index_(index), mesh_(mesh), frame_(frame), blocks_(blocks), boxes_(blocks.size())
     {}
 
     /// Of a block and all below it.
@@ -50,7 +44,6 @@ public:
         }
     }
 
-    [[nodiscard]] std::span<const IndexBlock> blocks() const noexcept { return blocks_; }
     [[nodiscard]] bool has_exact_leaves() const noexcept { return has_exact_leaves_; }
 
 private:
@@ -110,22 +103,25 @@ private:
     const MeshIndex& index_;
     const TriangleMesh& mesh_;
     IndexFrame frame_;
-    std::vector<IndexBlock> blocks_;
+    std::span<IndexBlock> blocks_;
     std::vector<FloatBox> boxes_; ///< of blocks, once they are written
     bool has_exact_leaves_ = true;
 };
 
 } // namespace
 
-MeshIndex refit_tree(const MeshIndex& index, const TriangleMesh& mesh, const Topology& topology)
+Result<MeshIndex> refit_tree(const MeshIndex& index, const TriangleMesh& mesh, Threads threads,
+                             Progress* progress)
 {
-    const IndexFrame frame = index_frame(bounding_box(mesh), are_floats(mesh.positions()));
-    BlockRefitter refitter(index, mesh, frame);
-    refitter.refit(index.root());
+    const auto edges = number_edges(mesh, threads, progress);
+    if (!edges) return tl::unexpected(edges.error());
+    const IndexFrame frame = index_frame(bounding_box(mesh), has_floats(mesh));
     IndexStorage storage;
-    storage.take(refitter.blocks());
+    std::ranges::copy(index.blocks(), storage.make_blocks(index.blocks().size()).begin());
+    BlockRefitter refitter(index, mesh, frame, storage.blocks);
+    refitter.refit(index.root());
     storage.ids.assign(index.ids().begin(), index.ids().end());
-    storage.tables = make_row_tables(mesh, topology, storage.ids);
+    storage.tables = make_row_tables(mesh, *edges, storage.ids, threads);
     MeshIndexParts parts;
     parts.center = frame.center;
     parts.scale = frame.scale;

@@ -3,8 +3,9 @@
 
 #include "base/grow_buffer.h"
 #include "geometry/shapes.h"
+#include "base/parallel.h"
 #include "index/triangle_row.h"
-#include "mesh/topology.h"
+#include "mesh/edge_numbers.h"
 #include "mesh/triangle_mesh.h"
 
 #include <cstdint>
@@ -24,8 +25,15 @@ struct RowTables {
 /// Whether rows call it thin: less than 1/32 as high as its longest side is long.
 [[nodiscard]] bool is_thin(const Triangle& triangle) noexcept;
 
-/// Rows in the given order, of floats where they hold every position exactly. O(mesh).
-[[nodiscard]] RowTables make_row_tables(const TriangleMesh& mesh, const Topology& topology,
-                                        std::span<const TriangleId> order);
+/// Whether a float, not a subnormal one, holds the same number.
+[[nodiscard]] bool is_float(double value) noexcept;
+
+/// Whether floats hold every position exactly. O(vertices).
+[[nodiscard]] bool has_floats(const TriangleMesh& mesh) noexcept;
+
+/// Rows in the given order, of floats where they hold every position exactly. O(mesh); the same for
+/// any number of threads.
+[[nodiscard]] RowTables make_row_tables(const TriangleMesh& mesh, const EdgeNumbers& edges,
+                                        std::span<const TriangleId> order, Threads threads);
 
 } // namespace proxima

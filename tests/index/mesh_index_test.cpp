@@ -65,10 +65,10 @@ private:
             std::bit_cast<float>(static_cast<std::uint32_t>(leaf.extent_bits) << 16U);
         for (std::uint32_t i = 0; i < leaf.count; ++i) {
             const std::uint32_t row = leaf.first_row + i;
-            ASSERT_LT(row_id(index_, row), mesh_.triangle_count());
-            const TriangleId id{row_id(index_, row)};
-            EXPECT_EQ(index_.ids()[row], id);
-            ++seen_[row_id(index_, row)];
+            const TriangleId id = index_.id(row);
+            ASSERT_LT(proxima::index(id), mesh_.triangle_count());
+            ++seen_[proxima::index(id)];
+            check_names(row, id);
             for (std::size_t corner = 0; corner < 3; ++corner) {
                 const Vec3 p = mesh_.triangle(id).vertices[corner];
                 EXPECT_EQ(index_.triangle(row).vertices[corner], p);

@@ -304,12 +304,11 @@ Result<MeshIndex> refit_index(const MeshIndex& index, const TriangleMesh& mesh,
         return fail(ErrorCode::invalid_argument,
                     "the index is of other triangles: only vertices may have moved", "mesh");
     }
-    MeshIndex refitted = refit_tree(index, mesh, topology);
-    if (is_cancelled(options.progress)) return refit_stopped();
-    if (index.lists() == nullptr) return refitted;
+    auto refitted = refit_tree(index, mesh, options.threads, options.progress);
+    if (!refitted || index.lists() == nullptr) return refitted;
     auto lists = refit_lists(index, mesh, topology, *moved, options);
     if (!lists) return tl::unexpected(lists.error());
-    return refitted.adopt_lists(std::move(*lists));
+    return refitted->adopt_lists(std::move(*lists));
 }
 
 } // namespace proxima
