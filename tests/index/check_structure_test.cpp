@@ -249,7 +249,7 @@ TEST(CheckStructure, NamesWhatIsBroken)
          [](EditableIndex& e) {
              e.rows[7].edges[2] = static_cast<std::uint32_t>(e.edge_places.size());
          }},
-        {"an edge of one vertex", [](EditableIndex& e) { e.rows[7].edges[2] = index(no_edge); }},
+        {"an edge of one vertex", [](EditableIndex& e) { e.rows[7].edges[2] = proxima::index(no_edge); }},
         {"a triangle twice", // the last one: all its vertices and edges have lower triangles
          [](EditableIndex& e) {
              const auto last = static_cast<std::uint32_t>(e.rows.size()) - 1;

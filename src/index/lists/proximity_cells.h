@@ -4,6 +4,7 @@
 
 #include "base/result.h"
 #include "index/lists/proximity_lists.h"
+#include "mesh/triangle_mesh.h"
 
 #include <array>
 #include <cstdint>

@@ -110,9 +110,9 @@ struct BatchOptions {
 
 /// Where a batch writes: each span is empty or has a place for every point.
 struct ClosestOutputs {
-    std::span<ClosestFeature> answers;   ///< in full
-    std::span<double> squared_distances; ///< these and triangles alone are quicker
-    std::span<TriangleId> triangles;
+    std::span<ClosestFeature> answers = {};   ///< in full
+    std::span<double> squared_distances = {}; ///< these and triangles alone are quicker
+    std::span<TriangleId> triangles = {};
 };
 
 /// closest_feature() of many points, several at a time, so that their memory accesses overlap, and

@@ -3,7 +3,7 @@
 #include "index/listed_index.h"
 #include "index/lists/proximity_cells.h"
 #include "index/test_meshes.h"
-#include "index/small_meshes.h"
+#include "octree/small_meshes.h"
 #include "query/closest/brute_force.h"
 #include "query/closest/leaf_candidates.h"
 #include "query/closest/surface_search.h"
