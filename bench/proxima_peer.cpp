@@ -10,6 +10,11 @@
 namespace proxima::bench {
 namespace {
 
+PeerAnswer answer_of(const ClosestFeature& found)
+{
+    return {found.squared_distance, found.triangle};
+}
+
 class ProximaPeer {
 public:
     explicit ProximaPeer(MeshIndex index) : index_(std::move(index)) {}
@@ -18,32 +23,19 @@ public:
     {
         return answer_of(*closest_feature(index_, point));
     }
-
-    /// A few at a time, so that its answers stay in the cache
-    /// until they are taken over.
     void closest(std::span<const Vec3> points, std::span<PeerAnswer> answers)
     {
-        for (std::size_t first = 0; first < points.size(); first += features_.size()) {
-            const auto some =
-                points.subspan(first, std::min(features_.size(), points.size() - first));
-            const auto found = std::span(features_).first(some.size());
-            const Status status = closest_features(index_, some, {.answers = found});
-            PROXIMA_CHECK(status.has_value());
-            std::ranges::transform(found, answers.begin() + static_cast<std::ptrdiff_t>(first),
-                                   answer_of);
-        }
+        features_.resize(points.size());
+        const Status status =
+            closest_features(index_, points, {.answers = features_}, {.threads = {1}});
+        PROXIMA_CHECK(status.has_value());
+        std::ranges::transform(features_, answers.begin(), answer_of);
     }
-
     [[nodiscard]] std::size_t bytes() const { return index_.bytes(); }
 
 private:
-    static PeerAnswer answer_of(const ClosestFeature& found)
-    {
-        return {found.squared_distance, found.triangle};
-    }
-
     MeshIndex index_;
-    std::vector<ClosestFeature> features_ = std::vector<ClosestFeature>(4096);
+    std::vector<ClosestFeature> features_; ///< kept for the next batch
 };
 
 } // namespace
@@ -59,9 +51,15 @@ Result<std::unique_ptr<Contender>> make_proxima_peer(const TriangleMesh& mesh,
     }
     if (!index) return tl::unexpected(index.error());
     const double seconds = 1e-9 * (nanoseconds_now() - start);
-    auto contender = make_contender<ProximaPeer>("proxima", std::move(*index));
+    auto contender = make_contender<ProximaPeer>(bytes_per_triangle == 0 ? "tree" : "proxima",
+                                                 std::move(*index));
     contender->build_seconds = seconds;
     return contender;
+}
+
+Result<std::unique_ptr<Contender>> make_tree_peer(const TriangleMesh& mesh)
+{
+    return make_proxima_peer(mesh, 0);
 }
 
 } // namespace proxima::bench

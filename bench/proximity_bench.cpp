@@ -78,11 +78,14 @@ std::vector<std::unique_ptr<Contender>> all_contenders(const TriangleMesh& mesh,
                                                        std::size_t queries)
 {
     std::vector<std::unique_ptr<Contender>> all;
-    auto ours = make_proxima_peer(mesh);
-    if (ours) {
-        all.push_back(std::move(*ours));
-    } else {
-        say("skipped: " + describe(ours.error()));
+    for (auto* const make : {+[](const TriangleMesh& of) { return make_tree_peer(of); },
+                             +[](const TriangleMesh& of) { return make_proxima_peer(of); }}) {
+        auto ours = make(mesh);
+        if (ours) {
+            all.push_back(std::move(*ours));
+        } else {
+            say("skipped: " + describe(ours.error()));
+        }
     }
 #ifdef PROXIMA_BENCH_EMBREE
     all.push_back(make_contender<EmbreePeer>("embree", mesh, FirstRadius::infinite));

@@ -58,7 +58,7 @@ make_closest_searcher(const std::string& model, const ClosestSearcherOptions& op
     if (!surface) return tl::unexpected(surface.error());
     searcher->surface = std::move(*surface);
     const ProgressBar shown(session.progress(), session.bar());
-    auto sign = build_surface_sign(searcher->surface.mesh, searcher->surface.topology,
+    auto sign = build_surface_sign(searcher->surface.mesh, searcher->surface.topology, searcher->index,
                                    {.threads = session.threads(), .progress = &session.progress()});
     if (!sign) return at_model(sign.error(), model);
     searcher->sign = std::move(*sign);

@@ -8,7 +8,8 @@
 #include "cli/index_file_model.h"
 #include "cli/stopwatch.h"
 #include "cli/triangle_file.h"
-#include "query/closest/surface_search.h"
+#include "index/build_mesh_index.h"
+#include "query/closest/closest_feature.h"
 #include "query/neighbourhood/neighbourhood.h"
 
 #include <CLI/CLI.hpp>
@@ -40,8 +41,8 @@ struct PatchOptions {
 /// is the same.
 struct PatchModel {
     ModelSurface surface;
-    std::optional<SurfaceSearch> search; ///< refers to the surface
-    double seconds = 0;                  ///< making all this, without reading a mesh
+    MeshIndex index;
+    double seconds = 0; ///< making all this, without reading a mesh
 };
 
 struct CollectedPatch {
@@ -81,11 +82,10 @@ Result<std::unique_ptr<PatchModel>> load_model(const std::string& name, Session&
         return tl::unexpected(status.error());
     const Stopwatch watch;
     const ProgressBar shown(session.progress(), session.bar());
-    auto search =
-        build_surface_search(model->surface.mesh, model->surface.topology,
-                             {.threads = session.threads(), .progress = &session.progress()});
-    if (!search) return at_model(search.error(), name);
-    model->search = std::move(*search);
+    auto index = build_mesh_index(model->surface.mesh,
+                                  {.threads = session.threads(), .progress = &session.progress()});
+    if (!index) return at_model(index.error(), name);
+    model->index = std::move(*index);
     model->seconds += watch.seconds();
     return model;
 }
@@ -102,7 +102,7 @@ Result<CollectedPatch> collect_patch(const PatchModel& model, const PatchOptions
     if (!options.radius) patch.ring_ends.resize(most_rings + 1);
 
     const Stopwatch watch;
-    patch.closest = closest_feature(*model.search, options.point);
+    patch.closest = closest_feature(model.index, options.point).value_or(no_closest_feature());
     if (!std::isfinite(patch.closest.squared_distance)) {
         return fail(ErrorCode::invalid_argument,
                     concat("the point is too far from ", options.model,
@@ -111,7 +111,7 @@ Result<CollectedPatch> collect_patch(const PatchModel& model, const PatchOptions
     }
     const Neighbourhood found =
         options.radius
-            ? collect_triangles(*model.search, options.point, *options.radius, patch.triangles)
+            ? collect_triangles(model.index, options.point, *options.radius, patch.triangles)
             : collect_rings(mesh, model.surface.topology, patch.closest.feature,
                             static_cast<int>(most_rings), scratch, patch.triangles,
                             patch.ring_ends);

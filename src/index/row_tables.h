@@ -2,8 +2,8 @@
 #pragma once
 
 #include "base/grow_buffer.h"
-#include "geometry/shapes.h"
 #include "base/parallel.h"
+#include "geometry/shapes.h"
 #include "index/triangle_row.h"
 #include "mesh/edge_numbers.h"
 #include "mesh/triangle_mesh.h"

@@ -60,7 +60,7 @@ public:
             return tl::unexpected(status.error());
         }
         auto sign =
-            build_surface_sign(body.mesh_, body.topology_,
+            build_surface_sign(body.mesh_, body.topology_, body.index_,
                                {.threads = options_.threads, .progress = options_.progress});
         if (!sign) return tl::unexpected(sign.error());
         if (sign->is_local()) body.sign_ = std::move(*sign);

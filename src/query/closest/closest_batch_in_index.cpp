@@ -83,7 +83,7 @@ public:
                 Flight& flight = flights_[i];
                 const Eight3 lanes = lanes_of(flight.query);
                 if (search_step(chunk_.index, rows_, blocks_, lanes, flight.p, flight.query)) {
-                    prefetch_next(blocks_, flight.query);
+                    prefetch_block_of(blocks_, flight.query.next);
                     ++i;
                     continue;
                 }

@@ -56,7 +56,7 @@ struct ClosestFeature {
 class MeshIndex;
 struct RowDistance;
 
-struct ClosestOptions {
+struct ClosestFeatureOptions {
     /// Nothing farther is found. None is where it is NaN or below 0.
     double radius = std::numeric_limits<double>::infinity();
     /// An answer for a point nearby: less work. Any answer will do, of another mesh as well; the
@@ -73,7 +73,8 @@ struct ClosestOptions {
 /// infinite and all else is right. From farther than 2^500 times the mesh's size all is as far, and
 /// the first vertex is the answer.
 [[nodiscard]] std::optional<ClosestFeature>
-closest_feature(const MeshIndex& index, const Vec3& p, const ClosestOptions& options = {}) noexcept;
+closest_feature(const MeshIndex& index, const Vec3& p,
+                const ClosestFeatureOptions& options = {}) noexcept;
 
 /// For searches that know a bound and go on with the row: the closest feature of the index's rows
 /// by the order of answers, in the index's units. `known`, in the mesh's unit: nothing farther is

@@ -44,7 +44,7 @@ RowDistance find_closest(const MeshIndex& index, const Vec3& p, double known) no
 }
 
 std::optional<ClosestFeature> closest_feature(const MeshIndex& index, const Vec3& p,
-                                              const ClosestOptions& options) noexcept
+                                              const ClosestFeatureOptions& options) noexcept
 {
     QuerySteps steps;
     return closest_feature(index, p, options, steps);

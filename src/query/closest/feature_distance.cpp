@@ -30,6 +30,46 @@ Terms cross(const Terms& a, const Terms& b) noexcept
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
+/// A triangle and the ids of its features.
+struct NamedTriangle {
+    Triangle shape;
+    std::uint32_t id;
+    std::array<std::uint32_t, 3> vertices;
+    std::array<std::uint32_t, 3> edges;
+};
+
+template <class Scalar>
+NamedTriangle named(const TriangleRow<Scalar>& row) noexcept
+{
+    return {row.corners(),
+            row.triangle_id(),
+            {row.vertices[0], row.vertices[1], row.vertices[2]},
+            {row.edges[0], row.edges[1], row.edges[2]}};
+}
+
+void offer_features(const NamedTriangle& triangle, const Vec3& p, const RowScale& scale,
+                    NearestFeature& best) noexcept
+{
+    const Triangle& shape = triangle.shape;
+    const auto offer = [&](double squared, FeatureKind kind, std::uint32_t id) {
+        if (!(squared <= best.squared)) return;
+        const NearestFeature found = {squared, {kind, id}};
+        if (found < best) best = found;
+    };
+    offer(foot_inside(shape, p, scale).squared, FeatureKind::face, triangle.id);
+    for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t next = k == 2 ? 0 : k + 1;
+        offer(squared_distance(shape.vertices[k], p, scale), FeatureKind::vertex,
+              triangle.vertices[k]);
+        if (triangle.edges[k] == index(no_edge)) continue;
+        const bool ascends = triangle.vertices[k] < triangle.vertices[next];
+        offer(foot_between(shape.vertices[ascends ? k : next], shape.vertices[ascends ? next : k],
+                           p, scale)
+                  .squared,
+              FeatureKind::edge, triangle.edges[k]);
+    }
+}
+
 std::size_t corner_of(const TriangleCorners& corners, VertexId vertex) noexcept
 {
     const auto place = std::ranges::find(corners, index(vertex));
@@ -110,25 +150,24 @@ ThinInside inside_of_thin(const Triangle& triangle, const Vec3& p, const RowScal
 void offer_triangle(const TriangleMesh& mesh, const Topology& topology, TriangleId triangle,
                     const Vec3& p, const RowScale& scale, NearestFeature& best) noexcept
 {
-    const Triangle shape = mesh.triangle(triangle);
-    const auto offer = [&](double squared, FeatureKind kind, std::uint32_t id) {
-        if (!(squared <= best.squared)) return;
-        const NearestFeature found = {squared, {kind, id}};
-        if (found < best) best = found;
-    };
-    offer(foot_inside(shape, p, scale).squared, FeatureKind::face, index(triangle));
-    const TriangleCorners& corners = mesh.triangles()[index(triangle)];
     const std::array<EdgeId, 3>& edges = topology.edges(triangle);
-    for (std::size_t k = 0; k < 3; ++k) {
-        const std::size_t next = k == 2 ? 0 : k + 1;
-        offer(squared_distance(shape.vertices[k], p, scale), FeatureKind::vertex, corners[k]);
-        if (edges[k] == no_edge) continue;
-        const bool ascends = corners[k] < corners[next];
-        offer(foot_between(shape.vertices[ascends ? k : next], shape.vertices[ascends ? next : k],
-                           p, scale)
-                  .squared,
-              FeatureKind::edge, index(edges[k]));
-    }
+    offer_features({mesh.triangle(triangle),
+                    index(triangle),
+                    mesh.triangles()[index(triangle)],
+                    {index(edges[0]), index(edges[1]), index(edges[2])}},
+                   p, scale, best);
+}
+
+void offer_row(const TriangleRow<float>& row, const Vec3& p, const RowScale& scale,
+               NearestFeature& best) noexcept
+{
+    offer_features(named(row), p, scale, best);
+}
+
+void offer_row(const TriangleRow<double>& row, const Vec3& p, const RowScale& scale,
+               NearestFeature& best) noexcept
+{
+    offer_features(named(row), p, scale, best);
 }
 
 TriangleId lowest_triangle(const Topology& topology, const Feature& feature) noexcept

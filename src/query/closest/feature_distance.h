@@ -90,6 +90,12 @@ struct ThinInside {
 void offer_triangle(const TriangleMesh& mesh, const Topology& topology, TriangleId triangle,
                     const Vec3& p, const RowScale& scale, NearestFeature& best) noexcept;
 
+/// Like offer_triangle, of a row.
+void offer_row(const TriangleRow<float>& row, const Vec3& p, const RowScale& scale,
+               NearestFeature& best) noexcept;
+void offer_row(const TriangleRow<double>& row, const Vec3& p, const RowScale& scale,
+               NearestFeature& best) noexcept;
+
 /// The lowest triangle incident to a feature. \pre it has one
 [[nodiscard]] TriangleId lowest_triangle(const Topology& topology, const Feature& feature) noexcept;
 

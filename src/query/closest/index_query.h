@@ -2,7 +2,6 @@
 // blocks put aside, and the candidates. In units of the index's frame (MeshIndex::scale).
 #pragma once
 
-#include "base/fixed_stack.h"
 #include "geometry/vec.h"
 #include "index/mesh_index.h"
 #include "index/triangle_row.h"
@@ -20,7 +19,7 @@ namespace proxima {
 /// How a search for a point goes.
 enum class QueryStart : std::uint8_t {
     near,    ///< in floats
-    far,     ///< from where floats tell nothing apart: in doubles (FarWalk)
+    far,     ///< from where floats tell nothing apart: in doubles (NearWalk)
     endless, ///< squared distances leave the doubles: the first vertex (first_vertex)
     nothing  ///< the point is not finite, or nothing is wanted
 };
@@ -36,7 +35,7 @@ struct IndexQuery {
     /// The unit roundoff of floats.
     static constexpr float roundoff = 0x1p-24F;
 
-    /// Points farther from the index's center are for FarWalk: each unit of distance adds to the
+    /// Points farther from the index's center are for NearWalk: each unit of distance adds to the
     /// rounding of the point, and so to the candidates.
     static constexpr double far = 64;
 
@@ -49,12 +48,15 @@ struct IndexQuery {
     // Entering a node replaces it by eight at most; eight places are written at once.
     static constexpr std::size_t most_pending = 7 * MeshIndex::max_levels + 1 + 8;
 
+    static constexpr std::uint32_t end = 0xFFFFFFFF; ///< instead of a reference
+
     std::array<float, 3> p;
     float error;  ///< by which rounding the point and the vertices to floats moves distances
     float reach;  ///< nothing farther is wanted
     float most;   ///< its square, more than boxes' distances are rounded
     float least;  ///< squared distance of the nearest triangle so far, as floats have it
     float extent; ///< the largest of the candidates' leaves
+    std::uint32_t next;
     std::uint32_t pending;
     std::uint32_t candidate_count;
     std::array<std::uint32_t, most_pending> references;
@@ -85,9 +87,10 @@ struct IndexQuery {
         least = std::numeric_limits<float>::infinity();
         extent = 0;
         candidate_count = 0;
-        references[0] = index.root();
-        nearness[0] = 0;
+        references[0] = end;
+        nearness[0] = 0; // never beyond reach
         pending = 1;
+        next = index.root();
         best = {};
         return QueryStart::near;
     }
@@ -138,31 +141,6 @@ private:
         const float foot = per_foot * (distance + 1.7321F * leaf_extent);
         return foot * foot;
     }
-};
-
-/// The leaves near a point that may be anywhere, in doubles.
-class FarWalk {
-public:
-    /// `known` as IndexQuery takes it. \pre the point is finite
-    FarWalk(const MeshIndex& index, const Vec3& p, double known) noexcept;
-
-    /// The next leaf within reach; none at the end.
-    [[nodiscard]] const IndexLeaf* next_leaf() noexcept;
-
-    /// Takes an answer's squared distance for a new end of the search.
-    void shrink(double squared) noexcept;
-
-private:
-    struct PendingBlock {
-        double squared;
-        std::uint32_t reference;
-    };
-    void enter(const IndexNode& node) noexcept;
-
-    const MeshIndex& index_;
-    Vec3 p_; ///< in the frame
-    double most_ = 0;
-    FixedStack<PendingBlock, 7 * MeshIndex::max_levels + 1> pending_;
 };
 
 /// The answer where all features are as far: the first vertex that has a triangle. O(rows)

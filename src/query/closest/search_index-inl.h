@@ -16,6 +16,7 @@
 #endif
 
 #include "index/mesh_index.h"
+#include "index/visit_near.h"
 #include "query/closest/describe_closest.h"
 #include "query/closest/index_query.h"
 #include "query/closest/row_distance-inl.h"
@@ -107,17 +108,41 @@ HWY_INLINE hn::Vec<Tag> sorted_down(Tag tag, hn::Vec<Tag> keys)
 
 #endif
 
-/// Puts the children aside that may hold something within the ball, the nearest on top.
-PROXIMA_STEP void put_aside(const IndexNode& node, const Eight& squared, IndexQuery& query)
+HWY_INLINE void prefetch_block_of(const IndexBlock* blocks, std::uint32_t reference)
 {
+    const IndexBlock& block = blocks[reference & ~index_leaf_bit];
+    hwy::Prefetch(&block);
+    hwy::Prefetch(reinterpret_cast<const std::byte*>(&block) + 64);
+}
+
+/// Takes the last of the blocks put aside that are near enough.
+HWY_INLINE void leave(IndexQuery& query)
+{
+    do {
+        --query.pending;
+    } while (query.nearness[query.pending] > query.most);
+    query.next = query.references[query.pending];
+}
+
+/// Goes on to the nearest child that may hold something within the ball and puts the others of
+/// these aside, from far to near.
+PROXIMA_STEP void enter_node(const IndexBlock* blocks, const IndexNode& node, const Eight& squared,
+                             IndexQuery& query)
+{
+    const std::uint32_t first = query.pending;
 #if HWY_TARGET != HWY_SCALAR
     if constexpr (eight_parts == 1) {
         // Whole numbers in the order of the distances, which they are but for the lane in the
         // lowest bits; zero where a child is too far.
         const hn::RebindToSigned<EightTag> whole;
         const auto within = hn::Le(squared.part[0], hn::Set(EightTag(), query.most));
+        const auto count = static_cast<std::uint32_t>(hn::CountTrue(EightTag(), within));
+        if (count == 0) return leave(query);
         const auto bits = hn::BitCast(whole, squared.part[0]);
         const auto keys = hn::Or(hn::AndNot(hn::Set(whole, 7), bits), hn::Iota(whole, 0));
+        const auto nearest = hn::GetLane(hn::MinOfLanes(whole, keys));
+        query.next = node.children[static_cast<std::uint32_t>(nearest) & 7U];
+        prefetch_block_of(blocks, query.next);
         const auto sorted =
             sorted_down(whole, hn::IfThenElseZero(hn::RebindMask(whole, within), keys));
         const auto lanes = hn::And(sorted, hn::Set(whole, 7));
@@ -128,13 +153,14 @@ PROXIMA_STEP void put_aside(const IndexNode& node, const Eight& squared, IndexQu
                    reinterpret_cast<std::int32_t*>(query.references.data() + query.pending));
         hn::StoreU(hn::BitCast(EightTag(), sorted), EightTag(),
                    query.nearness.data() + query.pending);
-        query.pending += static_cast<std::uint32_t>(hn::CountTrue(EightTag(), within));
+        query.pending += count - 1;
+        for (std::uint32_t i = first; i < query.pending; ++i)
+            prefetch_block_of(blocks, query.references[i]);
         return;
     }
 #endif
     float distances[8];
     store_eight(squared, distances);
-    const std::uint32_t first = query.pending;
     for (std::size_t lane = 0; lane < 8; ++lane) {
         if (!(distances[lane] <= query.most)) continue;
         std::uint32_t place = query.pending++;
@@ -144,7 +170,9 @@ PROXIMA_STEP void put_aside(const IndexNode& node, const Eight& squared, IndexQu
         }
         query.nearness[place] = distances[lane];
         query.references[place] = node.children[lane];
+        prefetch_block_of(blocks, node.children[lane]);
     }
+    leave(query);
 }
 
 /// What floats say of a leaf's triangles.
@@ -279,26 +307,14 @@ HWY_INLINE bool search_step(const MeshIndex& index, std::span<const TriangleRow<
                             const IndexBlock* blocks, const Eight3& lanes, const Vec3& p,
                             IndexQuery& query)
 {
-    std::uint32_t next = 0;
-    do {
-        if (query.pending == 0) return false;
-        next = query.references[--query.pending];
-    } while (query.nearness[query.pending] > query.most);
-    const IndexBlock& block = blocks[next & ~index_leaf_bit];
-    if ((next & index_leaf_bit) != 0) {
+    const IndexBlock& block = blocks[query.next & ~index_leaf_bit];
+    if ((query.next & index_leaf_bit) != 0) {
         visit_leaf(index, rows, block.leaf, lanes, p, query);
+        leave(query);
     } else {
-        put_aside(block.node, box_distances(block.node, lanes), query);
+        enter_node(blocks, block.node, box_distances(block.node, lanes), query);
     }
-    return true;
-}
-
-HWY_INLINE void prefetch_next(const IndexBlock* blocks, const IndexQuery& query)
-{
-    if (query.pending == 0) return;
-    const IndexBlock& block = blocks[query.references[query.pending - 1] & ~index_leaf_bit];
-    hwy::Prefetch(&block);
-    hwy::Prefetch(reinterpret_cast<const std::byte*>(&block) + 64);
+    return query.next != IndexQuery::end;
 }
 
 /// As search_index, where floats have nothing to say: boxes and rows in doubles.
@@ -309,7 +325,8 @@ HWY_NOINLINE inline RowDistance search_from_afar(const MeshIndex& index,
 {
     const RowScale scale = row_scale_of(index);
     RowDistance best;
-    FarWalk walk(index, p, known);
+    const double wanted = known * index.scale();
+    NearWalk walk(index, {p, p}, wanted * wanted);
     while (const IndexLeaf* const leaf = walk.next_leaf()) {
         for (std::uint32_t i = 0; i < leaf->count; ++i) {
             const std::uint32_t row = leaf->first_row + i;

@@ -1,6 +1,7 @@
 #include "query/closest/signed_distance.h"
 
 #include "geometry/exact_predicates.h"
+#include "index/build_mesh_index.h"
 #include "mesh/surface_parts.h"
 
 #include <algorithm>
@@ -210,13 +211,13 @@ std::optional<bool> is_inside_locally(const SurfaceSign& sign, const ClosestFeat
 // The steps of build_surface_sign.
 class SurfaceSignBuilder {
 public:
-    SurfaceSignBuilder(const SurfaceSearch& search, WindingNumber winding,
+    SurfaceSignBuilder(const Topology& topology, WindingNumber winding,
                        std::vector<SurfaceSides> sides)
     {
-        sign_.topology_ = &search.topology();
+        sign_.topology_ = &topology;
         sign_.winding_ = std::move(winding);
         sign_.sides_ = std::move(sides);
-        const std::size_t vertices = search.mesh().vertex_count();
+        const std::size_t vertices = sign_.mesh().vertex_count();
         sign_.vertex_sides_.assign(vertices, SurfaceSides::doubtful);
         const auto separate =
             std::ranges::find(sign_.sides_, SurfaceSides::separates) != sign_.sides_.end();
@@ -295,16 +296,16 @@ std::uint64_t SurfaceSign::bytes() const noexcept
            winding_.clusters().size_bytes() + winding_.order().size_bytes();
 }
 
-Result<SurfaceSign> build_surface_sign(const SurfaceSearch& search,
-                                       const SurfaceSignOptions& options)
+Result<SurfaceSign> build_surface_sign(const TriangleMesh& mesh, const Topology& topology,
+                                       const MeshIndex& index, const SurfaceSignOptions& options)
 {
-    auto winding = build_winding_number(search.mesh(),
-                                        {.threads = options.threads, .progress = options.progress});
+    auto winding =
+        build_winding_number(mesh, {.threads = options.threads, .progress = options.progress});
     if (!winding) return tl::unexpected(winding.error());
-    auto sides = find_surface_sides(search, *winding,
+    auto sides = find_surface_sides(index, topology, *winding,
                                     {.threads = options.threads, .progress = options.progress});
     if (!sides) return tl::unexpected(sides.error());
-    SurfaceSignBuilder builder(search, std::move(*winding), std::move(*sides));
+    SurfaceSignBuilder builder(topology, std::move(*winding), std::move(*sides));
     builder.fill_vertices(options.threads);
     builder.measure();
     return builder.result();
@@ -313,10 +314,10 @@ Result<SurfaceSign> build_surface_sign(const SurfaceSearch& search,
 Result<SurfaceSign> build_surface_sign(const TriangleMesh& mesh, const Topology& topology,
                                        const SurfaceSignOptions& options)
 {
-    const auto search = build_surface_search(
-        mesh, topology, {.threads = options.threads, .progress = options.progress});
-    if (!search) return tl::unexpected(search.error());
-    return build_surface_sign(*search, options);
+    const auto index =
+        build_mesh_index(mesh, {.threads = options.threads, .progress = options.progress});
+    if (!index) return tl::unexpected(index.error());
+    return build_surface_sign(mesh, topology, *index, options);
 }
 
 SignedDistance sign_of(const SurfaceSign& sign, const ClosestFeature& closest,

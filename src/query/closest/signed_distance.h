@@ -1,6 +1,6 @@
 // Distances with a sign: negative inside, where the winding number is at least 1/2.
 //
-//     const auto sign = build_surface_sign(search);                       // once
+//     const auto sign = build_surface_sign(mesh, topology, index);        // once
 //     const ClosestFeature closest = closest_feature(octree, p);          // by any search
 //     const SignedDistance d = sign_of(*sign, closest, p);
 //
@@ -17,11 +17,11 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "base/result.h"
+#include "index/mesh_index.h"
 #include "mesh/topology.h"
 #include "mesh/triangle_mesh.h"
 #include "octree/winding_number.h"
 #include "query/closest/closest_feature.h"
-#include "query/closest/surface_search.h"
 #include "query/closest/surface_sides.h"
 
 #include <cstdint>
@@ -99,12 +99,14 @@ struct SurfaceSignOptions {
 };
 
 /// Examines the surface: 3 us per triangle of a closed mesh, 1 us of others, on one thread. Errors:
-/// those of build_winding_number, cancelled. The same bits for any number of threads. The search is
-/// needed here only.
-[[nodiscard]] Result<SurfaceSign> build_surface_sign(const SurfaceSearch& search,
+/// those of build_winding_number, cancelled. The same bits for any number of threads. The index is
+/// needed here only. \pre all are of one mesh
+[[nodiscard]] Result<SurfaceSign> build_surface_sign(const TriangleMesh& mesh,
+                                                     const Topology& topology,
+                                                     const MeshIndex& index,
                                                      const SurfaceSignOptions& options = {});
 
-/// The same where there is no search at hand: builds one for the time being.
+/// Builds an index of its own for the time of the build.
 [[nodiscard]] Result<SurfaceSign> build_surface_sign(const TriangleMesh& mesh,
                                                      const Topology& topology,
                                                      const SurfaceSignOptions& options = {});

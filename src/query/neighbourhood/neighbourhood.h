@@ -11,11 +11,11 @@
 // is too small is never a silent cut: `complete` is false.
 #pragma once
 
+#include "index/mesh_index.h"
 #include "mesh/feature.h"
 #include "mesh/topology.h"
 #include "mesh/triangle_mesh.h"
 #include "query/closest/feature_distance.h"
-#include "query/closest/surface_search.h"
 
 #include <cstdint>
 #include <span>
@@ -87,15 +87,14 @@ private:
 /// All triangles whose squared distance from p, as computed (feature_distance.h), is at most
 /// radius^2, ids ascending. Where they do not fit, some of them, nearer groups first. None where p
 /// is not finite, or the radius NaN or below 0. Thread safe.
-[[nodiscard]] Neighbourhood collect_triangles(const SurfaceSearch& search, const Vec3& p,
-                                              double radius, std::span<TriangleId> buffer) noexcept;
+[[nodiscard]] Neighbourhood collect_triangles(const MeshIndex& index, const Vec3& p, double radius,
+                                              std::span<TriangleId> buffer) noexcept;
 
 /// All vertices, edges and faces that are within the radius of p as closed sets: an edge whose end
 /// point is near counts, and so does a face whose side is. Each once, by kind and id, with its
 /// squared distance. Vertices without a triangle are no features. Where they do not fit, some of
 /// them. None where p is not finite, or the radius NaN or below 0. Thread safe.
-[[nodiscard]] Neighbourhood collect_features(const SurfaceSearch& search, const Vec3& p,
-                                             double radius,
+[[nodiscard]] Neighbourhood collect_features(const MeshIndex& index, const Vec3& p, double radius,
                                              std::span<NearestFeature> buffer) noexcept;
 
 } // namespace proxima

@@ -5,8 +5,8 @@
 #include "index/test_meshes.h"
 #include "octree/small_meshes.h"
 #include "query/closest/brute_force.h"
+#include "query/closest/closest_feature.h"
 #include "query/closest/leaf_candidates.h"
-#include "query/closest/surface_search.h"
 #include "query/neighbourhood/neighbourhood.h"
 
 #include <algorithm>
@@ -26,8 +26,8 @@ struct Coverage {
 };
 
 /// Asks the corners, the centre and some random points of every leaf.
-Coverage ask_every_leaf(const MeshIndex& index, const SurfaceSearch& search,
-                        int random_points)
+Coverage ask_every_leaf(const MeshIndex& index, const MeshIndex& without_lists,
+                        const Topology& topology, int random_points)
 {
     std::mt19937_64 random(11);
     std::uniform_real_distribution<double> part(-1, 1);
@@ -60,9 +60,8 @@ Coverage ask_every_leaf(const MeshIndex& index, const SurfaceSearch& search,
             center[axis] += (2.0 * cell.at[static_cast<std::size_t>(axis)] + 1) * half - frame.half;
         const auto ask = [&](const Vec3& away) {
             const Vec3 p = center + half * away;
-            const ClosestFeature truth = closest_feature(search, p);
-            const auto holding =
-                incident_triangles(search.topology(), truth.feature, truth.triangle);
+            const ClosestFeature truth = closest_feature(without_lists, p).value();
+            const auto holding = incident_triangles(topology, truth.feature, truth.triangle);
             const bool found = std::ranges::any_of(holding, [&](TriangleId triangle) {
                 return std::ranges::binary_search(listed, triangle);
             });
@@ -162,15 +161,14 @@ TEST(LeafCoverage, EveryLeafListsTheClosestFeatureOfItsPoints)
         SCOPED_TRACE(named.name);
         const auto topology = build_topology(named.mesh);
         ASSERT_TRUE(topology);
-        const auto search = build_surface_search(named.mesh, *topology);
-        ASSERT_TRUE(search);
+        const auto plain = build_mesh_index(named.mesh);
+        ASSERT_TRUE(plain);
         for (const std::uint64_t bytes_per_triangle : {200U, 600U}) {
             SCOPED_TRACE(bytes_per_triangle);
             const std::uint64_t budget = 4096 + bytes_per_triangle * named.mesh.triangle_count();
-            const auto index =
-                testing::listed_index(named.mesh, {.budget_bytes = budget});
+            const auto index = testing::listed_index(named.mesh, {.budget_bytes = budget});
             ASSERT_TRUE(index) << describe(index.error());
-            const Coverage coverage = ask_every_leaf(*index, *search, 3);
+            const Coverage coverage = ask_every_leaf(*index, *plain, *topology, 3);
             EXPECT_EQ(coverage.missed, 0U) << "of " << coverage.points;
             EXPECT_EQ(coverage.leaves, index->lists()->statistics().leaves);
             leaves += coverage.leaves;

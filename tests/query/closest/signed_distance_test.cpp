@@ -349,7 +349,7 @@ TEST(SignedDistance, HasTheSameAnswersForAnyThreadsAndDoesNotAllocate)
     const TriangleMesh mesh =
         joined(sample_mesh("spaceship:1300").value(), ball(Vec3(9, 9, 9), 1.0));
     const Signed of(mesh);
-    const auto one = build_surface_sign(of.search, {.threads = {1}}).value();
+    const auto one = build_surface_sign(of.mesh, of.topology, of.index, {.threads = {1}}).value();
     const auto three = build_surface_sign(of.mesh, of.topology, {.threads = {3}}).value();
     EXPECT_TRUE(std::ranges::equal(one.sides(), three.sides()));
     EXPECT_TRUE(std::ranges::equal(one.pseudonormals(), three.pseudonormals()));
@@ -364,7 +364,7 @@ TEST(SignedDistance, HasTheSameAnswersForAnyThreadsAndDoesNotAllocate)
     for (int k = 0; k < 3; ++k) {
         threads.emplace_back([&] {
             for (std::size_t i = 0; i < points.size(); ++i) {
-                const ClosestFeature closest = closest_feature(of.search, points[i]);
+                const ClosestFeature closest = of.closest(points[i]);
                 if (sign_of(three, closest, points[i]).distance != truth[i]) ++wrong;
             }
         });

@@ -1,6 +1,7 @@
 // Meshes with all that signed distances need, for tests of them.
 #pragma once
 
+#include "index/build_mesh_index.h"
 #include "index/test_meshes.h"
 #include "query/closest/signed_distance.h"
 
@@ -13,20 +14,23 @@ namespace proxima::testing {
 struct Signed {
     explicit Signed(TriangleMesh m)
         : mesh(std::move(m)), topology(build_topology(mesh).value()),
-          search(build_surface_search(mesh, topology).value()),
-          sign(build_surface_sign(search).value())
+          index(build_mesh_index(mesh).value()),
+          sign(build_surface_sign(mesh, topology, index).value())
     {}
     Signed(const Signed&) = delete;
     Signed& operator=(const Signed&) = delete;
 
-    [[nodiscard]] SignedDistance at(const Vec3& p) const
+    [[nodiscard]] SignedDistance at(const Vec3& p) const { return sign_of(sign, closest(p), p); }
+
+    /// no_closest_feature() where there is none.
+    [[nodiscard]] ClosestFeature closest(const Vec3& p) const
     {
-        return sign_of(sign, closest_feature(search, p), p);
+        return closest_feature(index, p).value_or(no_closest_feature());
     }
 
     TriangleMesh mesh;
     Topology topology;
-    SurfaceSearch search;
+    MeshIndex index;
     SurfaceSign sign;
 };
 

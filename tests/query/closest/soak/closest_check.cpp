@@ -37,10 +37,10 @@ void ClosestTally::add(const ClosestTally& other)
     if (first_wrong.empty()) first_wrong = other.first_wrong;
 }
 
-ClosestCheck::ClosestCheck(const SurfaceSearch& search, std::span<const MeshIndex> indexes)
+ClosestCheck::ClosestCheck(const SoakSearch& search, std::span<const MeshIndex> indexes)
     : search_(search), indexes_(indexes)
 {
-    const Box box = bounding_box(search.mesh());
+    const Box box = bounding_box(search.mesh);
     center_ = box.center();
     diagonal_ = box.extent().norm();
     largest_ = box.lower.cwiseAbs().cwiseMax(box.upper.cwiseAbs()).maxCoeff();
@@ -48,16 +48,16 @@ ClosestCheck::ClosestCheck(const SurfaceSearch& search, std::span<const MeshInde
 
 ClosestFeature ClosestCheck::truth_at(const Vec3& p, std::size_t place, ClosestTally& tally) const
 {
-    const bool is_small = search_.mesh().triangle_count() <= brute_triangles;
-    if (!is_small && place % brute_stride != 0) return closest_feature(search_, p);
+    const bool is_small = search_.mesh.triangle_count() <= brute_triangles;
+    if (!is_small && place % brute_stride != 0) return closest_feature(search_.index, p).value();
     ++tally.brute;
-    return closest_feature_by_brute_force(search_.mesh(), search_.topology(), p);
+    return closest_feature_by_brute_force(search_.mesh, search_.topology, p);
 }
 
 /// From the whole feature, its borders included.
 double ClosestCheck::exact_distance(const Feature& feature, const Vec3& p) const
 {
-    const TriangleMesh& mesh = search_.mesh();
+    const TriangleMesh& mesh = search_.mesh;
     oracle::Quad squared = 0;
     switch (feature.kind) {
     case FeatureKind::vertex: {
@@ -67,7 +67,7 @@ double ClosestCheck::exact_distance(const Feature& feature, const Vec3& p) const
         break;
     }
     case FeatureKind::edge: {
-        const auto [from, to] = search_.topology().vertices(EdgeId{feature.id});
+        const auto [from, to] = search_.topology.vertices(EdgeId{feature.id});
         squared =
             oracle::squared_distance(oracle::QuadPoint(p), mesh.position(from), mesh.position(to));
         break;
@@ -97,9 +97,9 @@ std::string ClosestCheck::problem(const ClosestFeature& found, const ClosestFeat
         if (!(std::abs(gap) <= rounding)) return "feature";
         ++tally.ties;
     }
-    if (found.triangle != lowest_triangle(search_.topology(), found.feature)) return "triangle";
+    if (found.triangle != lowest_triangle(search_.topology, found.feature)) return "triangle";
 
-    const Triangle triangle = search_.mesh().triangle(found.triangle);
+    const Triangle triangle = search_.mesh.triangle(found.triangle);
     Vec3 point = Vec3::Zero();
     for (int i = 0; i < 3; ++i) {
         const double weight = found.barycentric[static_cast<std::size_t>(i)];

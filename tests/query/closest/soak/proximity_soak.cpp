@@ -7,6 +7,7 @@
 // the same seed, whatever the threads. Exit status 1 if anything was wrong.
 
 #include "base/parallel.h"
+#include "index/build_mesh_index.h"
 #include "index/listed_index.h"
 #include "query/closest/soak/closest_check.h"
 #include "query/closest/soak/sign_check.h"
@@ -139,13 +140,13 @@ private:
         }
         const auto topology = build_topology(mesh);
         if (!topology) return fail_mesh(named, topology.error());
-        const auto search = build_surface_search(mesh, *topology);
-        if (!search) return fail_mesh(named, search.error());
+        const auto index = build_mesh_index(mesh);
+        if (!index) return fail_mesh(named, index.error());
         const auto indexes = build_indexes(mesh, options_.threads);
         if (!indexes) return fail_mesh(named, indexes.error());
 
         const PointMaker maker(mesh, *topology, indexes->front());
-        const ClosestCheck check(*search, *indexes);
+        const ClosestCheck check({mesh, *topology, *index}, *indexes);
         for (std::size_t s = 0; s < all_point_sets.size(); ++s) {
             const std::uint64_t count = options_.points * shares[s] / (100 * meshes) + 1;
             const auto tally = check_points<ClosestTally>(
@@ -153,7 +154,7 @@ private:
             print_row(named.name, name_of(all_point_sets[s]), tally);
             all_.add(tally);
         }
-        const auto sign = build_surface_sign(*search);
+        const auto sign = build_surface_sign(mesh, *topology, *index);
         if (!sign) return fail_mesh(named, sign.error());
         check_signs(named, *sign, indexes->front(), maker, meshes);
         (void)std::fflush(stdout);
