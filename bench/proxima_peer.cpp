@@ -46,8 +46,8 @@ Result<std::unique_ptr<Contender>> make_proxima_peer(const TriangleMesh& mesh,
     const double start = nanoseconds_now();
     auto index = build_mesh_index(mesh, {.threads = {1}});
     if (index && bytes_per_triangle != 0) {
-        index = with_lists(*index, {.budget_bytes = bytes_per_triangle * mesh.triangle_count(),
-                                    .threads = {1}});
+        index = with_lists(
+            *index, {.budget_bytes = bytes_per_triangle * mesh.triangle_count(), .threads = {1}});
     }
     if (!index) return tl::unexpected(index.error());
     const double seconds = 1e-9 * (nanoseconds_now() - start);

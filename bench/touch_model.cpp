@@ -1,7 +1,7 @@
 #include "touch_model.h"
 
-#include "index/file/index_file.h"
 #include "index/build_mesh_index.h"
+#include "index/file/index_file.h"
 #include "index/lists/build_lists.h"
 #include "index/mesh_of.h"
 #include "mesh/mesh_io.h"

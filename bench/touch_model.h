@@ -19,7 +19,7 @@ struct TouchModel {
     Topology topology;
     MeshIndex index;
     std::unique_ptr<IndexContactSurface> surface;
-    WorkspaceMap map;                              ///< to a ball of 0.1 m
+    WorkspaceMap map; ///< to a ball of 0.1 m
 };
 
 /// Of a built-in, a mesh's file, or a saved index's (.pxi). A mesh's index is looked for in

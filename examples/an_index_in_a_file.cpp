@@ -34,7 +34,7 @@ int main()
     if (!again) return failed(again.error());
     const ClosestFeature found = closest_feature(*again, Vec3(0.1, 0.2, 3)).value();
     std::cout << "triangle " << proxima::index(found.triangle) << ", squared distance "
-              << found.squared_distance << ", at most " << again->lists()->statistics().worst_case_steps
-              << " steps\n";
+              << found.squared_distance << ", at most "
+              << again->lists()->statistics().worst_case_steps << " steps\n";
     std::filesystem::remove(path);
 }

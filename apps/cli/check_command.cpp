@@ -1,12 +1,12 @@
 // proxima check: what is wrong with a mesh, where, and what still works; whether an octree file is
 // sound.
 #include "base/text.h"
-#include "cli/check_octree_file.h"
 #include "cli/check_index_file.h"
+#include "cli/check_octree_file.h"
 #include "cli/commands.h"
+#include "cli/index_file_model.h"
 #include "cli/model_options.h"
 #include "cli/octree_file_model.h"
-#include "cli/index_file_model.h"
 #include "cli/text_table.h"
 #include "index/build_mesh_index.h"
 #include "mesh/mesh_report.h"

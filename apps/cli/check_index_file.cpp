@@ -1,7 +1,7 @@
 #include "cli/check_index_file.h"
 
-#include "cli/model_options.h"
 #include "cli/index_file_model.h"
+#include "cli/model_options.h"
 #include "cli/text_table.h"
 #include "index/lists/proximity_lists.h"
 #include "index/mesh_of.h"
@@ -61,7 +61,8 @@ Status check_index_file(const std::string& path, const std::string& mesh, Sessio
         if (!status) return at_model(status.error(), path);
     }
     const bool has_lists = index->lists() != nullptr;
-    const ProximityStatistics counts = has_lists ? index->lists()->statistics() : ProximityStatistics{};
+    const ProximityStatistics counts =
+        has_lists ? index->lists()->statistics() : ProximityStatistics{};
     TextTable table({"Nodes", "Leaves", "Without a list", "Triangles listed", "Deepest",
                      "Longest list", "Bytes"});
     table.add_row({std::to_string(counts.nodes), std::to_string(counts.leaves),

@@ -12,6 +12,6 @@ namespace proxima {
 /// to 3,000 places against all triangles and, where `mesh` is named, that the index is of that
 /// one. Errors: those of load_index, load_model, check_same_mesh and check_answers.
 [[nodiscard]] Status check_index_file(const std::string& path, const std::string& mesh,
-                                          Session& session);
+                                      Session& session);
 
 } // namespace proxima

@@ -2,9 +2,9 @@
 #include "cli/answer_table.h"
 #include "cli/closest_searcher.h"
 #include "cli/commands.h"
+#include "cli/index_file_model.h"
 #include "cli/model_options.h"
 #include "cli/number_table.h"
-#include "cli/index_file_model.h"
 #include "cli/row_writer.h"
 #include "cli/stopwatch.h"
 #include "query/closest/closest_feature.h"
@@ -22,7 +22,7 @@ namespace proxima {
 
 namespace {
 
-struct ClosestCommandOptions {
+struct ClosestOptions {
     std::string model;
     std::string points;
     std::string out; ///< "-" for stdout, empty for none
@@ -137,7 +137,7 @@ private:
     AnswerCounts counts_;
 };
 
-std::string text_of(const ClosestCommandOptions& options, const ClosestSearcher& searcher,
+std::string text_of(const ClosestOptions& options, const ClosestSearcher& searcher,
                     const ClosestRun& run, std::size_t queries)
 {
     const AnswerCounts& counts = run.counts();
@@ -161,7 +161,7 @@ std::string text_of(const ClosestCommandOptions& options, const ClosestSearcher&
     return text;
 }
 
-Status run_closest(const ClosestCommandOptions& options, Session& session)
+Status run_closest(const ClosestOptions& options, Session& session)
 {
     if (Status status = check_rows(options.out, session); !status) return status;
     const auto table = [&] {
@@ -198,7 +198,7 @@ Command add_closest_command(CLI::App& app)
 {
     CLI::App* const parser = app.add_subcommand(
         "closest", "Find the closest vertex, edge or face of a mesh for each point of a file");
-    const auto options = std::make_shared<ClosestCommandOptions>();
+    const auto options = std::make_shared<ClosestOptions>();
     add_model_option(*parser, options->model, ModelKinds::meshes_and_indexes);
     parser
         ->add_option("--points", options->points,

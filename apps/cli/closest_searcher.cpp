@@ -28,8 +28,8 @@ Status build(const std::string& model, std::uint64_t budget_bytes, Session& sess
     if (!mesh) return tl::unexpected(mesh.error());
     const Stopwatch watch;
     const ProgressBar shown(session.progress(), session.bar());
-    auto index = build_mesh_index(
-        *mesh, {.threads = session.threads(), .progress = &session.progress()});
+    auto index =
+        build_mesh_index(*mesh, {.threads = session.threads(), .progress = &session.progress()});
     if (index && budget_bytes != 0) {
         index = with_lists(*index, {.budget_bytes = budget_bytes,
                                     .threads = session.threads(),
@@ -58,8 +58,9 @@ make_closest_searcher(const std::string& model, const ClosestSearcherOptions& op
     if (!surface) return tl::unexpected(surface.error());
     searcher->surface = std::move(*surface);
     const ProgressBar shown(session.progress(), session.bar());
-    auto sign = build_surface_sign(searcher->surface.mesh, searcher->surface.topology, searcher->index,
-                                   {.threads = session.threads(), .progress = &session.progress()});
+    auto sign =
+        build_surface_sign(searcher->surface.mesh, searcher->surface.topology, searcher->index,
+                           {.threads = session.threads(), .progress = &session.progress()});
     if (!sign) return at_model(sign.error(), model);
     searcher->sign = std::move(*sign);
     searcher->build_seconds += watch.seconds();

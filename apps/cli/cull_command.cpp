@@ -1,12 +1,12 @@
 // proxima cull: the triangles and cells within a view volume (thesis section 5.4).
 #include "base/file_extension.h"
 #include "cli/commands.h"
+#include "cli/index_file_model.h"
 #include "cli/model_options.h"
 #include "cli/number_table.h"
 #include "cli/octree_picture.h"
 #include "cli/stopwatch.h"
 #include "cli/triangle_file.h"
-#include "index/build_mesh_index.h"
 #include "octree/build_octree.h"
 #include "query/culling/cull_cells.h"
 #include "query/culling/cull_volume.h"
@@ -92,9 +92,8 @@ Result<std::unique_ptr<Culled>> prepare(const CullOptions& options, Session& ses
                                               .progress = &session.progress()});
     if (!octree) return at_model(octree.error(), options.model);
     culled->octree = std::move(*octree);
-    auto index = build_mesh_index(culled->mesh,
-                                  {.threads = session.threads(), .progress = &session.progress()});
-    if (!index) return at_model(index.error(), options.model);
+    auto index = index_of_model(options.model, culled->mesh, session);
+    if (!index) return tl::unexpected(index.error());
     culled->index = std::move(*index);
     culled->build_seconds = watch.seconds();
     return culled;
@@ -184,7 +183,7 @@ Command add_cull_command(CLI::App& app)
     CLI::App* const parser = app.add_subcommand(
         "cull", "Find the triangles and cells that a camera sees, hidden or not");
     const auto options = std::make_shared<CullOptions>();
-    add_model_option(*parser, options->model);
+    add_model_option(*parser, options->model, ModelKinds::meshes_and_indexes);
     parser
         ->add_option("--frustum", options->frustum,
                      "The view volume: .npy, else CSV, of a,b,c,d per plane, inside where "

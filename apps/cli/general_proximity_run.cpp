@@ -62,8 +62,7 @@ Result<std::vector<GeneralRow>> build_rows(const ProximityCommandOptions& option
 {
     const ProgressBar shown(session.progress(), session.bar());
     Progress* const progress = &session.progress();
-    const auto plain =
-        build_mesh_index(mesh, {.threads = session.threads(), .progress = progress});
+    const auto plain = build_mesh_index(mesh, {.threads = session.threads(), .progress = progress});
     if (!plain) return tl::unexpected(plain.error());
     std::vector<Vec3> queries; // not before a build found the mesh to be one
     std::vector<GeneralRow> rows;

@@ -3,6 +3,7 @@
 #include "base/file_extension.h"
 #include "base/text.h"
 #include "cli/model_options.h"
+#include "index/build_mesh_index.h"
 #include "index/file/index_file.h"
 #include "index/mesh_of.h"
 
@@ -27,7 +28,7 @@ bool is_index_file(const std::string& model)
 }
 
 void refuse_beside_index_file(CLI::App& parser, const std::string& model,
-                                  std::vector<std::string> names)
+                              std::vector<std::string> names)
 {
     parser.parse_complete_callback([&parser, &model, names = std::move(names)] {
         if (!is_index_file(model)) return;
@@ -45,6 +46,17 @@ Result<MeshIndex> load_index_file(const std::string& path, Session& session)
 {
     const ProgressBar shown(session.progress(), session.bar());
     return load_index(path, {.progress = &session.progress(), .threads = session.threads()});
+}
+
+Result<MeshIndex> index_of_model(const std::string& model, const TriangleMesh& mesh,
+                                 Session& session)
+{
+    if (is_index_file(model))
+        return load_index(model, {.progress = &session.progress(), .threads = session.threads()});
+    auto index =
+        build_mesh_index(mesh, {.threads = session.threads(), .progress = &session.progress()});
+    if (!index) return at_model(index.error(), model);
+    return index;
 }
 
 Result<ModelSurface> surface_of(TriangleMesh mesh, const std::string& model, Session& session)

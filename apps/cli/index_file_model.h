@@ -22,10 +22,15 @@ namespace proxima {
 /// Wrong usage where an option of these names, which say how to build, stands beside an index
 /// that is built already. `model` outlives the parser.
 void refuse_beside_index_file(CLI::App& parser, const std::string& model,
-                                  std::vector<std::string> names);
+                              std::vector<std::string> names);
 
 /// The index of the file. Errors as load_index.
 [[nodiscard]] Result<MeshIndex> load_index_file(const std::string& path, Session& session);
+
+/// The index of a model whose mesh was loaded: that of the file, or one that is built. Errors as
+/// load_index and build_mesh_index, with the model as their place.
+[[nodiscard]] Result<MeshIndex> index_of_model(const std::string& model, const TriangleMesh& mesh,
+                                               Session& session);
 
 struct ModelSurface {
     TriangleMesh mesh;

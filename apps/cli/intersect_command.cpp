@@ -3,13 +3,13 @@
 #include "base/output_file.h"
 #include "cli/answer_table.h"
 #include "cli/commands.h"
+#include "cli/index_file_model.h"
 #include "cli/intersection_files.h"
 #include "cli/intersection_picture.h"
 #include "cli/model_options.h"
 #include "cli/pose_file.h"
 #include "cli/stopwatch.h"
 #include "geometry/triangle_intersection.h"
-#include "index/build_mesh_index.h"
 #include "index/slabs/build_slabs.h"
 #include "octree/build_octree.h"
 #include "query/contact/containment.h"
@@ -97,17 +97,16 @@ Status prepare(Body& body, const std::string& model, const IntersectOptions& opt
                                            .progress = &session.progress()});
     if (!octree) return at_model(octree.error(), model);
     body.octree = std::move(*octree);
-    auto index = build_mesh_index(body.mesh,
-                                  {.threads = session.threads(), .progress = &session.progress()});
-    if (!index) return at_model(index.error(), model);
+    auto index = index_of_model(model, body.mesh, session);
+    if (!index) return tl::unexpected(index.error());
     body.index = std::move(*index);
     auto enclosure =
         build_enclosure(body.mesh, {.threads = session.threads(), .progress = &session.progress()});
     if (!enclosure) return at_model(enclosure.error(), model);
     body.enclosure = std::move(*enclosure);
-    if (!options.distance) return {};
-    auto with = with_slabs(body.index,
-                           {.threads = session.threads(), .progress = &session.progress()});
+    if (!options.distance || !body.index.slabs().empty()) return {};
+    auto with =
+        with_slabs(body.index, {.threads = session.threads(), .progress = &session.progress()});
     if (!with) return at_model(with.error(), model);
     body.index = std::move(*with);
     return {};

@@ -180,7 +180,9 @@ Command add_proximity_command(CLI::App& app)
                      "thesis: memory its build may use (default: 3/4 of the machine's)")
         ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40U))
         ->type_name("N");
-    parser->add_option("--save", options->save, "Write the index with the lists: .pxi (general method)")
+    parser
+        ->add_option("--save", options->save,
+                     "Write the index with the lists: .pxi (general method)")
         ->type_name("FILE");
     parser
         ->add_option("--export", options->exports,

@@ -1,13 +1,13 @@
 // proxima raycast: what rays hit, or which cells of the octree they go through.
 #include "base/file_extension.h"
 #include "cli/commands.h"
+#include "cli/index_file_model.h"
 #include "cli/model_options.h"
 #include "cli/ray_picture.h"
 #include "cli/ray_sources.h"
 #include "cli/ray_table.h"
 #include "cli/row_writer.h"
 #include "cli/stopwatch.h"
-#include "index/build_mesh_index.h"
 #include "octree/build_octree.h"
 #include "query/rays/cast_ray.h"
 
@@ -105,9 +105,8 @@ Result<std::unique_ptr<Casting>> prepare(const RaycastOptions& options, Session&
     if (!octree) return at_model(octree.error(), options.model);
     casting->octree = std::move(*octree);
     if (!wants_cells(options)) {
-        auto index = build_mesh_index(
-            casting->mesh, {.threads = session.threads(), .progress = &session.progress()});
-        if (!index) return at_model(index.error(), options.model);
+        auto index = index_of_model(options.model, casting->mesh, session);
+        if (!index) return tl::unexpected(index.error());
         casting->index = std::move(*index);
     }
     casting->build_seconds = watch.seconds();
@@ -269,7 +268,7 @@ Command add_raycast_command(CLI::App& app)
     CLI::App* const parser = app.add_subcommand(
         "raycast", "Find what rays hit first, or the cells of the octree that they go through");
     const auto options = std::make_shared<RaycastOptions>();
-    add_model_option(*parser, options->model);
+    add_model_option(*parser, options->model, ModelKinds::meshes_and_indexes);
     parser
         ->add_option("--rays", options->rays,
                      "The rays: .npy, else CSV, of ox,oy,oz,dx,dy,dz[,tmin,tmax]")

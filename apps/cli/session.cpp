@@ -1,7 +1,10 @@
 #include "cli/session.h"
 
+#include "base/file_extension.h"
 #include "base/output_file.h"
 #include "base/text.h"
+#include "index/file/index_file.h"
+#include "index/mesh_of.h"
 #include "mesh/mesh_io.h"
 #include "mesh/sample_meshes.h"
 
@@ -69,6 +72,13 @@ Result<TriangleMesh> Session::load_model(const std::string& model)
 {
     const ProgressBar shown(progress_, bar());
     if (is_sample_mesh_name(model)) return sample_mesh(model, {.progress = &progress_});
+    if (lower_case_extension(model) == ".pxi") {
+        const auto index = load_index(model, {.progress = &progress_, .threads = threads()});
+        if (!index) return tl::unexpected(index.error());
+        auto mesh = mesh_of(*index);
+        if (!mesh) return fail(ErrorCode::malformed_file, describe(mesh.error()), model);
+        return mesh;
+    }
     return read_mesh(model, {.progress = &progress_});
 }
 

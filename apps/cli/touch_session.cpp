@@ -35,11 +35,10 @@ Status build_index_of(TouchModel& model, const std::string& name, Session& sessi
     if (!surface) return tl::unexpected(surface.error());
     model.surface = std::move(*surface);
     const ProgressBar shown(session.progress(), session.bar());
-    auto index = build_mesh_index(
-        model.surface.mesh, {.threads = session.threads(), .progress = &session.progress()});
+    auto index = build_mesh_index(model.surface.mesh,
+                                  {.threads = session.threads(), .progress = &session.progress()});
     if (index) {
-        index = with_lists(*index,
-                           {.threads = session.threads(), .progress = &session.progress()});
+        index = with_lists(*index, {.threads = session.threads(), .progress = &session.progress()});
     }
     if (!index) return at_model(index.error(), name);
     model.index = std::move(*index);
@@ -218,7 +217,7 @@ Result<std::unique_ptr<TouchModel>> load_touch_model(const std::string& name, Se
     auto model = std::make_unique<TouchModel>();
     const Stopwatch watch;
     const Status status = is_index_file(name) ? open_index(*model, name, session)
-                                                  : build_index_of(*model, name, session);
+                                              : build_index_of(*model, name, session);
     if (!status) return tl::unexpected(status.error());
     model->contact = std::make_unique<IndexContactSurface>(model->index);
     model->reach = bounding_box(model->surface.mesh);

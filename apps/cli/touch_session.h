@@ -29,10 +29,10 @@ struct TouchModel {
     ModelSurface surface; ///< of a scene, all its triangles where they stand at first
     MeshIndex index;
     std::unique_ptr<IndexContactSurface> contact; ///< refers to the octree; null of a scene
-    std::unique_ptr<ScriptedScene> scene;          ///< null of one model at rest
-    std::vector<std::string> object_names;         ///< of a scene
-    std::vector<std::uint32_t> parts;              ///< first triangles of its objects
-    Box reach;                                     ///< what is touched never leaves it
+    std::unique_ptr<ScriptedScene> scene;         ///< null of one model at rest
+    std::vector<std::string> object_names;        ///< of a scene
+    std::vector<std::uint32_t> parts;             ///< first triangles of its objects
+    Box reach;                                    ///< what is touched never leaves it
     double build_seconds = 0;
 };
 

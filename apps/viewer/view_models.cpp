@@ -1,9 +1,12 @@
 #include "viewer/view_models.h"
 
+#include "base/file_extension.h"
 #include "base/memory_budget.h"
 #include "base/text.h"
 #include "cli/model_options.h"
 #include "index/build_mesh_index.h"
+#include "index/file/index_file.h"
+#include "index/mesh_of.h"
 #include "mesh/mesh_io.h"
 #include "mesh/sample_meshes.h"
 #include "query/rays/cast_ray.h"
@@ -34,6 +37,11 @@ std::shared_ptr<const Scene> surface_scene(const TriangleMesh& mesh, const Color
 Result<TriangleMesh> read_model(const std::string& name, const WorkContext& context)
 {
     if (is_sample_mesh_name(name)) return sample_mesh(name, {.progress = context.progress});
+    if (lower_case_extension(name) == ".pxi") {
+        const auto index = load_index(name, {.progress = context.progress});
+        if (!index) return tl::unexpected(index.error());
+        return mesh_of(*index);
+    }
     return read_mesh(name, {.progress = context.progress, .budget = context.budget});
 }
 

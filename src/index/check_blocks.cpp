@@ -58,9 +58,9 @@ public:
         for (std::size_t i = order_.size(); i-- > 0;) {
             const std::uint32_t reference = order_[i];
             const std::uint32_t block = block_of(reference);
-            const char* const fault =
-                is_leaf_reference(reference) ? check_leaf(blocks_[block].leaf, content_[block])
-                                   : check_node(blocks_[block].node, content_[block]);
+            const char* const fault = is_leaf_reference(reference)
+                                          ? check_leaf(blocks_[block].leaf, content_[block])
+                                          : check_node(blocks_[block].node, content_[block]);
             if (fault != no_fault) return bad(fault, block);
             if (!steps.done(sizeof(IndexBlock))) return CheckWork::stopped();
         }
@@ -96,7 +96,8 @@ private:
         if (!add(index_.root())) return bad("no such root", block_of(index_.root()));
         std::size_t done = 0;
         for (std::size_t level = 1; done < order_.size(); ++level) {
-            if (level > MeshIndex::max_levels) return bad("too many levels", block_of(order_[done]));
+            if (level > MeshIndex::max_levels)
+                return bad("too many levels", block_of(order_[done]));
             for (const std::size_t end = order_.size(); done < end; ++done) {
                 const std::uint32_t reference = order_[done];
                 if (is_leaf_reference(reference)) continue;
@@ -192,8 +193,9 @@ private:
         }
         content.first_row = content_[children[0]].first_row;
         content.end_row = content_[children[count - 1]].end_row;
-        return has_runs(node, std::span(children).first(count)) ? no_fault
-                                                                : "the order of its children is wrong";
+        return has_runs(node, std::span(children).first(count))
+                   ? no_fault
+                   : "the order of its children is wrong";
     }
 
     /// Whether a node says where its children's rows begin. `children`: blocks in the order of rows

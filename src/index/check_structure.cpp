@@ -37,7 +37,8 @@ const char* fault_of(const TriangleRow<Scalar>& row, const MeshIndex& index)
         const std::uint32_t to = row.vertices[next];
         if (from >= index.vertex_count()) return "no such vertex";
         if (row.backward(k) != (from > to)) return "a side's direction is wrong";
-        if ((row.edges[k] == proxima::index(no_edge)) != (from == to)) return "an edge of one vertex";
+        if ((row.edges[k] == proxima::index(no_edge)) != (from == to))
+            return "an edge of one vertex";
         if (from != to && row.edges[k] >= index.edge_count()) return "no such edge";
         for (const auto& line : row.coordinates) {
             if (from == to && line[k] != line[next]) return "a vertex at two places";

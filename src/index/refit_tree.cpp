@@ -65,7 +65,8 @@ private:
         for (std::size_t i = 0; i < index_width; ++i)
             write_point(leaf, i, mesh_.positions()[first[0]]);
         for (std::uint32_t i = 0; i < leaf.count; ++i) {
-            const TriangleCorners& corners = mesh_.triangles()[proxima::index(index_.id(leaf.first_row + i))];
+            const TriangleCorners& corners =
+                mesh_.triangles()[proxima::index(index_.id(leaf.first_row + i))];
             for (std::size_t k = 0; k < 3; ++k)
                 write_point(leaf, leaf.corners[k][i], mesh_.positions()[corners[k]]);
         }

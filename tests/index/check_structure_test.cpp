@@ -288,7 +288,11 @@ TEST(CheckStructure, NamesWhatIsBroken)
          [](EditableIndex& e) { e.blocks[e.root].node.origin[2] += e.blocks[e.root].node.step[2] * 3; }},
         {"does not hold", [](EditableIndex& e) { e.blocks[e.root].node.step[1] = float_nan; }},
         {"a box of no child",
-         [](EditableIndex& e) { e.blocks[e.root].node.planes[1][8 + slot_of(e, 0)] = 0; }},
+         [](EditableIndex& e) {
+             auto& planes = e.blocks[e.root].node.planes[1];
+             planes[slot_of(e, 0)] = 255;
+             planes[8 + slot_of(e, 0)] = 0;
+         }},
         {"order of its children", [](EditableIndex& e) { e.blocks[e.root].node.order ^= 1; }},
         {"order of its children", [](EditableIndex& e) { e.blocks[e.root].node.first_row = 5; }},
         {"order of its children",

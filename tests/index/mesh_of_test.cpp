@@ -27,8 +27,8 @@ TEST(MeshOf, IsTheMeshThatItWasBuiltOf)
         const Topology topology = build_topology(*mesh).value();
         for (std::uint32_t i = 0; i < mesh->vertex_count(); ++i) {
             const VertexId vertex{i};
-            const Vec3& expected = topology.triangles(vertex).empty() ? built.center()
-                                                                      : named.mesh.position(vertex);
+            const Vec3& expected =
+                topology.triangles(vertex).empty() ? built.center() : named.mesh.position(vertex);
             for (int k = 0; k < 3; ++k) {
                 ASSERT_EQ(std::bit_cast<std::uint64_t>(mesh->position(vertex)[k]),
                           std::bit_cast<std::uint64_t>(expected[k]))

@@ -229,13 +229,10 @@ TEST(ConvexLists, OfLeavesCoverThoseOfTheThesis)
             cells.push_back(cells_of(thesis.back()));
         }
         const auto octree = testing::listed_index(
-            mesh,
-            {.budget_bytes = 65536 + 20000 * mesh.triangle_count(), .max_depth = max_depth});
+            mesh, {.budget_bytes = 65536 + 20000 * mesh.triangle_count(), .max_depth = max_depth});
         ASSERT_TRUE(octree) << describe(octree.error());
         const ProximityArrays& arrays = octree->lists()->arrays();
-        const auto triangle_of = [&](std::uint32_t rank) {
-            return octree->id(rank);
-        };
+        const auto triangle_of = [&](std::uint32_t rank) { return octree->id(rank); };
         std::vector<std::uint32_t> ranks;
         std::vector<ProximityCell> pending = {{root_word(arrays).value(), 0, {}}};
         while (!pending.empty()) {

@@ -105,8 +105,8 @@ void add_quad(SceneSurface& surface, const std::array<Vec3, 4>& corners)
 
 } // namespace
 
-Result<RegionShape> region_shape(const ViewModel& model, const MeshIndex& with,
-                                 Feature feature, double length)
+Result<RegionShape> region_shape(const ViewModel& model, const MeshIndex& with, Feature feature,
+                                 double length)
 {
     const auto cone = local_cone(model.mesh, model.topology, feature);
     if (!cone) return tl::unexpected(cone.error());

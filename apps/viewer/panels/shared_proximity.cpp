@@ -11,9 +11,9 @@
 
 namespace proxima {
 
-Result<std::shared_ptr<const MeshIndex>>
-proximity_of(SharedProximity& shared, const std::shared_ptr<const ViewModel>& model,
-             const WorkContext& context)
+Result<std::shared_ptr<const MeshIndex>> proximity_of(SharedProximity& shared,
+                                                      const std::shared_ptr<const ViewModel>& model,
+                                                      const WorkContext& context)
 {
     return shared.get(model, [&] {
         return with_lists(model->rays, {.threads = context.threads, .progress = context.progress});

@@ -65,8 +65,7 @@ void fill_metric_patch(ContactPatch& patch, const IndexContactSurface& surface, 
     patch.clearance = surface.clearance(device);
 }
 
-RingPatches::RingPatches(const MeshIndex& index, const TriangleMesh& mesh,
-                         const Topology& topology)
+RingPatches::RingPatches(const MeshIndex& index, const TriangleMesh& mesh, const Topology& topology)
     : index_(index), mesh_(mesh), topology_(topology),
       extent_(bounding_box(mesh).extent().maxCoeff()), scratch_(mesh), ids_(ContactPatch::most)
 {}

@@ -3,9 +3,9 @@
 #include "base/check.h"
 #include "geometry/closest_point.h"
 #include "haptics/surface/find_groups.h"
-#include "index/triangle_lanes.h"
 #include "index/lists/proximity_lists.h"
 #include "index/mesh_of.h"
+#include "index/triangle_lanes.h"
 #include "index/triangle_tree.h"
 #include "query/closest/closest_feature.h"
 

@@ -13,8 +13,7 @@ namespace proxima {
 
 namespace {
 
-constexpr FileFormat index_format{
-    {'P', 'r', 'o', 'x', 'i', 'm', 'a', 'I'}, 1, "mesh index file"};
+constexpr FileFormat index_format{{'P', 'r', 'o', 'x', 'i', 'm', 'a', 'I'}, 1, "mesh index file"};
 
 enum SectionId : std::uint32_t {
     header_section = 1,
@@ -85,7 +84,7 @@ Vec3 vector(const std::array<std::uint64_t, 3>& v)
 
 IndexHeader header_of(const MeshIndex& index)
 {
-    return {bits(index.center()),     bits(index.scale()), index.mesh_fingerprint(), index.root(),
+    return {bits(index.center()), bits(index.scale()), index.mesh_fingerprint(), index.root(),
             index.has_exact_leaves()};
 }
 

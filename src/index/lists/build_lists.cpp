@@ -54,8 +54,8 @@ public:
                                      storage->runs.span(), storage->arena.span()};
         const int table_depth = storage->table_depth;
         const ProximityStatistics statistics = storage->statistics;
-        return std::make_shared<const ProximityLists>(ProximityLists::adopt(
-            frame_, table_depth, arrays, statistics, std::move(storage)));
+        return std::make_shared<const ProximityLists>(
+            ProximityLists::adopt(frame_, table_depth, arrays, statistics, std::move(storage)));
     }
 
 private:

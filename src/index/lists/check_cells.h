@@ -3,8 +3,8 @@
 
 #include "base/atomic_bits.h"
 #include "base/result.h"
-#include "index/lists/check_arena.h"
 #include "index/check_work.h"
+#include "index/lists/check_arena.h"
 #include "index/lists/proximity_cells.h"
 #include "index/lists/proximity_lists.h"
 

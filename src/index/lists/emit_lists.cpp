@@ -133,7 +133,7 @@ std::optional<double> emitted_bytes(std::span<const GrownTree> trees, const Bloc
 }
 
 std::optional<EmittedLists> emit_lists(const GrownForest& forest, const BlockSource& source,
-                                         const EmitOptions& options)
+                                       const EmitOptions& options)
 {
     std::vector<bool> used(forest.below.size());
     find_trees_in_use(forest, 0, used);

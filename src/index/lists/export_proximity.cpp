@@ -104,10 +104,10 @@ Status export_proximity(const ProximityLists& lists, const std::filesystem::path
 {
     const std::string extension = lower_case_extension(path);
     if (extension != ".vtu" && extension != ".htg") {
-        return fail(
-            ErrorCode::unsupported_format,
-            concat("closest-feature lists are exported as .vtu or .htg, not as \"", extension, "\""),
-            path.string());
+        return fail(ErrorCode::unsupported_format,
+                    concat("closest-feature lists are exported as .vtu or .htg, not as \"",
+                           extension, "\""),
+                    path.string());
     }
     const auto root = root_word(lists.arrays());
     if (!root) return tl::unexpected(root.error());

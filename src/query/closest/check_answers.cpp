@@ -48,9 +48,8 @@ std::string text_of(const ClosestFeature& answer)
                   std::sqrt(answer.squared_distance));
 }
 
-Status check_answers(const MeshIndex& index, const TriangleMesh& mesh,
-                     const Topology& topology, std::span<const Vec3> points,
-                     const CheckAnswersOptions& options)
+Status check_answers(const MeshIndex& index, const TriangleMesh& mesh, const Topology& topology,
+                     std::span<const Vec3> points, const CheckAnswersOptions& options)
 {
     if (options.progress != nullptr)
         options.progress->begin_stage("asking every triangle", points.size());
@@ -58,8 +57,7 @@ Status check_answers(const MeshIndex& index, const TriangleMesh& mesh,
     const CheckWork work(options.threads, options.progress);
     return work.run(points.size(), [&](std::size_t i) -> Status {
         const Vec3& p = points[i];
-        const ClosestFeature found =
-            closest_feature(index, p).value_or(no_closest_feature());
+        const ClosestFeature found = closest_feature(index, p).value_or(no_closest_feature());
         const ClosestFeature right = closest_feature_by_brute_force(mesh, topology, p);
         if (options.progress != nullptr) options.progress->advance(1);
         if (is_right(found, right, rounding.of(p))) return {};

@@ -59,8 +59,7 @@ HWY_INLINE void write_answer(const ClosestChunk& chunk, std::size_t place, const
     const ClosestOutputs& to = chunk.outputs;
     if (!to.answers.empty()) to.answers[place] = describe_closest(chunk.index, found);
     if (!to.squared_distances.empty()) {
-        to.squared_distances[place] =
-            row_scale_of(chunk.index).unscale_squared(found.squared);
+        to.squared_distances[place] = row_scale_of(chunk.index).unscale_squared(found.squared);
     }
     if (!to.triangles.empty()) to.triangles[place] = triangle_of(chunk.index, found);
 }

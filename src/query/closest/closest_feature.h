@@ -93,7 +93,7 @@ struct QuerySteps {
 
 /// Like closest_feature(), and counts the work done.
 [[nodiscard]] std::optional<ClosestFeature> closest_feature(const MeshIndex& index, const Vec3& p,
-                                                            const ClosestOptions& options,
+                                                            const ClosestFeatureOptions& options,
                                                             QuerySteps& steps) noexcept;
 
 /// In which order the points of a batch are searched for.

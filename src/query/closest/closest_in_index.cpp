@@ -51,7 +51,7 @@ std::optional<ClosestFeature> closest_feature(const MeshIndex& index, const Vec3
 }
 
 std::optional<ClosestFeature> closest_feature(const MeshIndex& index, const Vec3& p,
-                                              const ClosestOptions& options,
+                                              const ClosestFeatureOptions& options,
                                               QuerySteps& steps) noexcept
 {
     const double radius = options.radius;

@@ -29,7 +29,7 @@ bool is_one_leaf(const ProximityLists& lists, std::uint64_t word, int depth, con
         for (std::uint32_t y = 0; y < edge; ++y)
             for (std::uint32_t x = 0; x < edge; ++x)
                 if (table_word(lists, {(at[0] << below) + x, (at[1] << below) + y,
-                                        (at[2] << below) + z}) != word)
+                                       (at[2] << below) + z}) != word)
                     return false;
     return true;
 }

@@ -3,8 +3,8 @@
 #include "base/text.h"
 #include "geometry/closest_point.h"
 #include "index/lists/block.h"
-#include "index/lists/local_region.h"
 #include "index/lists/local_features.h"
+#include "index/lists/local_region.h"
 #include "index/lists/proximity_cells.h"
 #include "index/lists/proximity_lists.h"
 #include "index/refit_tree.h"
@@ -247,11 +247,9 @@ Status check_input(const MeshIndex& index, const TriangleMesh& mesh, const Topol
 }
 
 /// The lists that are left. \pre the index has some
-Result<std::shared_ptr<const ProximityLists>> refit_lists(const MeshIndex& index,
-                                                          const TriangleMesh& mesh,
-                                                          const Topology& topology,
-                                                          const MovedTriangles& moved,
-                                                          const RefitOptions& options)
+Result<std::shared_ptr<const ProximityLists>>
+refit_lists(const MeshIndex& index, const TriangleMesh& mesh, const Topology& topology,
+            const MovedTriangles& moved, const RefitOptions& options)
 {
     const ProximityLists& lists = *index.lists();
     const ProximityArrays& old = lists.arrays();

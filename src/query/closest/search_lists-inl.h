@@ -31,15 +31,14 @@ struct FoundLeaf {
     int depth = 0;
 };
 
-HWY_INLINE FoundLeaf find_leaf(const ProximityLists& lists,
-                               const std::array<std::uint32_t, 3>& at)
+HWY_INLINE FoundLeaf find_leaf(const ProximityLists& lists, const std::array<std::uint32_t, 3>& at)
 {
     const int depth = lists.table_depth();
     int shift = static_cast<int>(ProximityLists::location_bits) - depth;
     const std::uint64_t* const nodes = lists.arrays().nodes.data();
     std::uint64_t word =
         lists.arrays().table[(std::size_t{at[2] >> shift} << depth | at[1] >> shift) << depth |
-                              at[0] >> shift];
+                             at[0] >> shift];
     while (!proximity_word::is_leaf(word)) {
         --shift;
         word = nodes[word + ((at[0] >> shift & 1U) | (at[1] >> shift & 1U) << 1U |
@@ -100,8 +99,8 @@ void search_run(const MeshIndex& index, const ProximityLists& lists,
         scan_block<true>(block, entry.mask, frame_p, in_units, candidates);
         if (candidates.lanes == 0) continue;
         recheck(candidates, rows, p, row_scale_of(index), best, steps);
-        nearest = std::min(nearest,
-                           std::sqrt(best.squared) * best_to_frame * (1 + 0x1p-40) + 0x1p-44);
+        nearest =
+            std::min(nearest, std::sqrt(best.squared) * best_to_frame * (1 + 0x1p-40) + 0x1p-44);
     }
 }
 
@@ -144,8 +143,7 @@ HWY_INLINE RowDistance search_shelves(const MeshIndex& index,
                                       std::span<const TriangleRow<Scalar>> rows, const Vec3& p,
                                       double known, QuerySteps& steps)
 {
-    if (index.lists() != nullptr)
-        return search_lists(index, *index.lists(), rows, p, known, steps);
+    if (index.lists() != nullptr) return search_lists(index, *index.lists(), rows, p, known, steps);
     ++steps.searches;
     return search_index(index, rows, p, known);
 }

@@ -28,8 +28,8 @@ public:
     bool run()
     {
         constexpr BlockBox root = {{0, 0, 0}, {1.01F, 1.01F, 1.01F}};
-        pending_.push({0, search_.a.root(), search_.b.root(),
-                       scaled(root, search_.a_scale), scaled(root, search_.b_scale)});
+        pending_.push({0, search_.a.root(), search_.b.root(), scaled(root, search_.a_scale),
+                       scaled(root, search_.b_scale)});
         while (!pending_.empty()) {
             const PendingPair at = pending_.pop();
             if (at.bound > squared_limit()) continue;
@@ -118,10 +118,8 @@ private:
 
     bool look_at_leaves(const PendingPair& at)
     {
-        const IndexLeaf& leaf_a =
-            search_.a.blocks()[at.reference_a & ~index_leaf_bit].leaf;
-        const IndexLeaf& leaf_b =
-            search_.b.blocks()[at.reference_b & ~index_leaf_bit].leaf;
+        const IndexLeaf& leaf_a = search_.a.blocks()[at.reference_a & ~index_leaf_bit].leaf;
+        const IndexLeaf& leaf_b = search_.b.blocks()[at.reference_b & ~index_leaf_bit].leaf;
         const auto center = [](const BlockBox& box) {
             return Vec3(double{box.center[0]}, double{box.center[1]}, double{box.center[2]});
         };
@@ -154,9 +152,7 @@ std::optional<MeshDistance> mesh_distance_within(const MeshIndex& a, const MeshI
                                                  const RigidTransform& pose_b, double farthest,
                                                  const MeshDistance* last) noexcept
 {
-    if (a.triangle_count() == 0 || b.triangle_count() == 0 ||
-        !(farthest >= 0))
-        return std::nullopt;
+    if (a.triangle_count() == 0 || b.triangle_count() == 0 || !(farthest >= 0)) return std::nullopt;
     DistanceSearch search(a, b, pose_b, farthest);
     const bool touch = last != nullptr && search.ask(last->row_a, last->row_b);
     if (search.needs_no_walk()) {
@@ -167,8 +163,8 @@ std::optional<MeshDistance> mesh_distance_within(const MeshIndex& a, const MeshI
     return search.found() ? std::optional(search.best()) : std::nullopt;
 }
 
-MeshDistance mesh_distance(const MeshIndex& a, const MeshIndex& b,
-                           const RigidTransform& pose_b, const MeshDistance* last) noexcept
+MeshDistance mesh_distance(const MeshIndex& a, const MeshIndex& b, const RigidTransform& pose_b,
+                           const MeshDistance* last) noexcept
 {
     return mesh_distance_within(a, b, pose_b, std::numeric_limits<double>::infinity(), last)
         .value_or(MeshDistance{});

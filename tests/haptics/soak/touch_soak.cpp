@@ -98,8 +98,8 @@ class MeshSoak {
 public:
     MeshSoak(const testing::TouchMesh& named, const SoakOptions& options)
         : named_(named), options_(options), topology_(*build_topology(named.mesh)),
-          index_(*testing::listed_index(named.mesh)), surface_(index_),
-          all_(named.mesh), map_(fit_workspace(bounding_box(named.mesh), 0.1))
+          index_(*testing::listed_index(named.mesh)), surface_(index_), all_(named.mesh),
+          map_(fit_workspace(bounding_box(named.mesh), 0.1))
     {}
 
     SoakTotals run()

@@ -35,12 +35,10 @@ std::string slurp(const std::filesystem::path& path)
 }
 
 /// Loads from an exact copy of the bytes, so that a sanitizer sees the first one out of bounds.
-Result<MeshIndex> load_bytes(const std::string& bytes,
-                                   Verification verify = Verification::full)
+Result<MeshIndex> load_bytes(const std::string& bytes, Verification verify = Verification::full)
 {
     const auto copy = testing::exact_copy(bytes.data(), bytes.size());
-    return load_index(std::span(copy.get(), bytes.size()), copy, "memory",
-                                 {.verify = verify});
+    return load_index(std::span(copy.get(), bytes.size()), copy, "memory", {.verify = verify});
 }
 
 /// With slabs and lists of so many bytes; without both for none.
@@ -92,8 +90,7 @@ void expect_equal(const MeshIndex& a, const MeshIndex& b)
 }
 
 /// Whether two indexes answer with the same bits.
-void expect_same_answers(const MeshIndex& a, const MeshIndex& b,
-                         std::span<const Vec3> points)
+void expect_same_answers(const MeshIndex& a, const MeshIndex& b, std::span<const Vec3> points)
 {
     for (const Vec3& p : points) {
         const ClosestFeature one = closest_feature(a, p).value();
@@ -255,8 +252,7 @@ TEST_F(IndexFile, NamesTheReason)
         EXPECT_EQ(loaded.error().code, code);
         EXPECT_NE(loaded.error().message.find(why), std::string::npos) << loaded.error().message;
     };
-    expect_refused("ply\nformat ascii 1.0\n", ErrorCode::unsupported_format,
-                   "no mesh index file");
+    expect_refused("ply\nformat ascii 1.0\n", ErrorCode::unsupported_format, "no mesh index file");
     expect_refused("", ErrorCode::unsupported_format, "no mesh index file");
     std::string other = bytes;
     other[7] = 'O'; // an index
@@ -277,8 +273,7 @@ TEST_F(IndexFile, NamesTheReason)
     EXPECT_EQ(load_index(folder()).error().code, ErrorCode::file_not_found);
     EXPECT_EQ(save_index(index, path("missing") / "x.pxi").error().code,
               ErrorCode::file_not_writable);
-    EXPECT_EQ(save_index(index, "/dev/full").error().code,
-              ErrorCode::file_not_writable);
+    EXPECT_EQ(save_index(index, "/dev/full").error().code, ErrorCode::file_not_writable);
 }
 
 TEST_F(IndexFile, StopsWhenAskedTo)
@@ -288,9 +283,7 @@ TEST_F(IndexFile, StopsWhenAskedTo)
     const auto nothing_kept = [&] { return entries() == 1; };
     ASSERT_TRUE(load_index(path("index.pxi")));
     testing::cancel_at_every_stage(
-        [&](Progress& progress) {
-            return load_index(path("index.pxi"), {.progress = &progress});
-        },
+        [&](Progress& progress) { return load_index(path("index.pxi"), {.progress = &progress}); },
         nothing_kept);
     testing::cancel_at_every_stage(
         [&](Progress& progress) {

@@ -166,11 +166,11 @@ TEST(Lists, BatchesAnswerAsSingleQueries)
         for (const BatchOrder order :
              {BatchOrder::automatic, BatchOrder::as_given, BatchOrder::sorted}) {
             std::ranges::fill(answers, ClosestFeature{});
-            ASSERT_TRUE(
-                closest_features(index, points, {.answers = answers},
+            ASSERT_TRUE(closest_features(index, points, {.answers = answers},
                                          {.threads = {threads}, .order = order}));
             for (std::size_t i = 0; i < points.size(); ++i)
-                ASSERT_TRUE(same_answer(answers[i], closest_feature(index, points[i]).value())) << i;
+                ASSERT_TRUE(same_answer(answers[i], closest_feature(index, points[i]).value()))
+                    << i;
         }
     }
 }
@@ -180,8 +180,9 @@ TEST(Lists, RefusesBatchesThatCannotBe)
     const MeshIndex index = build(sample_mesh("cube").value());
     std::vector<Vec3> points(5000, Vec3::Zero());
     std::vector<ClosestFeature> answers(points.size());
-    EXPECT_EQ(closest_features(index, points, {.answers = std::span(answers).first(3)}).error().code,
-              ErrorCode::invalid_argument);
+    EXPECT_EQ(
+        closest_features(index, points, {.answers = std::span(answers).first(3)}).error().code,
+        ErrorCode::invalid_argument);
     points[4321][1] = std::numeric_limits<double>::quiet_NaN();
     points[4999][1] = std::numeric_limits<double>::infinity();
     for (const BatchOrder order : {BatchOrder::automatic, BatchOrder::sorted}) {

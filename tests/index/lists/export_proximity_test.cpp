@@ -34,9 +34,10 @@ Leaf leaf_at(const MeshIndex& octree, const std::array<std::uint32_t, 3>& cell, 
     Leaf leaf{octree.lists()->arrays().table[place], table_depth};
     while (!proximity_word::is_leaf(leaf.word)) {
         ++leaf.depth;
-        leaf.word =
-            octree.lists()->arrays().nodes[leaf.word + (bit(0, leaf.depth) | bit(1, leaf.depth) << 1U |
-                                               bit(2, leaf.depth) << 2U)];
+        leaf.word = octree.lists()
+                        ->arrays()
+                        .nodes[leaf.word + (bit(0, leaf.depth) | bit(1, leaf.depth) << 1U |
+                                            bit(2, leaf.depth) << 2U)];
     }
     return leaf;
 }
@@ -124,7 +125,8 @@ TEST_F(ExportProximity, IsReadBackLeafByLeaf)
         testing::listed_index(torus, {.budget_bytes = 225 * torus.triangle_count()}).value(),
         testing::listed_index(torus, {.budget_bytes = 4000 * torus.triangle_count()}).value(),
         testing::listed_index(one, {.max_depth = 0}).value()};
-    ASSERT_GT(octrees[0].lists()->arrays().runs.size() + octrees[1].lists()->arrays().runs.size(), 0U);
+    ASSERT_GT(octrees[0].lists()->arrays().runs.size() + octrees[1].lists()->arrays().runs.size(),
+              0U);
     ASSERT_GT(octrees[1].lists()->table_depth(), 0);
     ASSERT_EQ(octrees[2].lists()->statistics().leaves, 1U);
     for (const std::string format : {"vtu", "htg"}) {
@@ -150,14 +152,17 @@ TEST_F(ExportProximity, NamesWhatIsWrong)
     const MeshIndex octree = testing::listed_index(sample_mesh("cube").value()).value();
     EXPECT_EQ(export_proximity(*octree.lists(), path("octree.ply")).error().code,
               ErrorCode::unsupported_format);
-    EXPECT_EQ(export_proximity(*octree.lists(), path("octree")).error().code, ErrorCode::unsupported_format);
+    EXPECT_EQ(export_proximity(*octree.lists(), path("octree")).error().code,
+              ErrorCode::unsupported_format);
     for (const char* format : {"vtu", "htg"})
-        EXPECT_EQ(export_proximity(*octree.lists(), path("missing") / concat("x.", format)).error().code,
-                  ErrorCode::file_not_writable);
+        EXPECT_EQ(
+            export_proximity(*octree.lists(), path("missing") / concat("x.", format)).error().code,
+            ErrorCode::file_not_writable);
     Progress cancelled;
     cancelled.cancel();
-    EXPECT_EQ(export_proximity(*octree.lists(), path("x.vtu"), {.progress = &cancelled}).error().code,
-              ErrorCode::cancelled);
+    EXPECT_EQ(
+        export_proximity(*octree.lists(), path("x.vtu"), {.progress = &cancelled}).error().code,
+        ErrorCode::cancelled);
     EXPECT_EQ(entries(), 0);
 }
 

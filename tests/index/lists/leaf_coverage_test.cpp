@@ -89,8 +89,7 @@ TEST(LeafCandidates, HoldTheClosestFeatureOfEveryPointOfTheirBox)
         const Topology topology = build_topology(named.mesh).value();
         for (const std::uint64_t bytes_per_triangle : {200U, 600U}) {
             const std::uint64_t budget = 4096 + bytes_per_triangle * named.mesh.triangle_count();
-            const auto index =
-                testing::listed_index(named.mesh, {.budget_bytes = budget}).value();
+            const auto index = testing::listed_index(named.mesh, {.budget_bytes = budget}).value();
             std::vector<TriangleId> buffer(index.lists()->statistics().max_list);
             for (const Vec3& p : proximity_points(named.mesh, 40, 13)) {
                 const std::size_t before = allocation_count();

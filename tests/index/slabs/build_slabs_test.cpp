@@ -107,12 +107,9 @@ TEST(Slabs, AreTheSameForAnyNumberOfThreadsAndStopOnRequest)
     ASSERT_EQ(other.slabs().size(), truth.slabs().size());
     EXPECT_EQ(std::memcmp(other.slabs().data(), truth.slabs().data(), truth.slabs().size_bytes()),
               0);
-    EXPECT_EQ(with_slabs(triangles, {.budget = {100}}).error().code,
-              ErrorCode::budget_exceeded);
+    EXPECT_EQ(with_slabs(triangles, {.budget = {100}}).error().code, ErrorCode::budget_exceeded);
     cancel_at_every_stage(
-        [&](Progress& progress) {
-            return with_slabs(triangles, {.progress = &progress});
-        },
+        [&](Progress& progress) { return with_slabs(triangles, {.progress = &progress}); },
         [] { return true; });
     EXPECT_TRUE(with_slabs(MeshIndex()).has_value());
 }

@@ -37,8 +37,8 @@ Vec3 random_step(std::mt19937_64& random, double length)
     return length * Vec3{part(random), part(random), part(random)};
 }
 
-void expect_answers(const MeshIndex& index, const TriangleMesh& mesh,
-                    const Topology& topology, std::span<const Vec3> points)
+void expect_answers(const MeshIndex& index, const TriangleMesh& mesh, const Topology& topology,
+                    std::span<const Vec3> points)
 {
     const Box box = bounding_box(mesh);
     const double diagonal = box.extent().norm();
@@ -49,8 +49,7 @@ void expect_answers(const MeshIndex& index, const TriangleMesh& mesh,
         const ClosestFeature found = closest_feature(index, p).value();
         // From any answer the same comes out.
         for (const ClosestFeature& earlier : {found, last, ClosestFeature{}}) {
-            const ClosestFeature warm =
-                closest_feature(index, p, {.start_from = &earlier}).value();
+            const ClosestFeature warm = closest_feature(index, p, {.start_from = &earlier}).value();
             ASSERT_EQ(warm.feature, found.feature) << "at " << p.transpose();
             ASSERT_EQ(warm.squared_distance, found.squared_distance);
         }
@@ -132,7 +131,8 @@ TEST(RefitIndex, KeepsListsAwayFromWhatMoved)
     const ProximityStatistics& counts = refitted.lists()->statistics();
     EXPECT_GT(counts.stale_leaves, 0U);
     EXPECT_LT(counts.stale_leaves, built.lists()->statistics().leaves / 5);
-    EXPECT_EQ(counts.searched_leaves, built.lists()->statistics().searched_leaves + counts.stale_leaves);
+    EXPECT_EQ(counts.searched_leaves,
+              built.lists()->statistics().searched_leaves + counts.stale_leaves);
     QuerySteps steps;
     (void)closest_feature(refitted, {-1.01, 0.1, 0.1}, {}, steps);
     EXPECT_EQ(steps.searches, 0U);

@@ -408,8 +408,7 @@ TEST(MeshDistance, IsRightHoweverFarApart)
 TEST(MeshDistance, OfAnEmptyMeshIsInfinite)
 {
     const MeshIndex cube = index_of(cube_mesh(Vec3::Zero(), 1.0));
-    EXPECT_EQ(mesh_distance(cube, MeshIndex()).distance,
-              std::numeric_limits<double>::infinity());
+    EXPECT_EQ(mesh_distance(cube, MeshIndex()).distance, std::numeric_limits<double>::infinity());
     EXPECT_FALSE(
         mesh_distance_within(MeshIndex(), cube, {}, std::numeric_limits<double>::infinity()));
 }

@@ -40,8 +40,7 @@ std::string_view name_of(PointSet set) noexcept
     return "outside";
 }
 
-PointMaker::PointMaker(const TriangleMesh& mesh, const Topology& topology,
-                       const MeshIndex& listed)
+PointMaker::PointMaker(const TriangleMesh& mesh, const Topology& topology, const MeshIndex& listed)
     : mesh_(mesh), topology_(topology), index_(listed), box_(bounding_box(mesh)),
       diagonal_(box_.extent().norm())
 {
@@ -117,7 +116,8 @@ Vec3 PointMaker::outside(Random& random) const
         Vec3 point;
         const double reach = random() % 2 == 0 ? 3.0 : std::pow(10.0, 6 * part(random));
         for (int axis = 0; axis < 3; ++axis)
-            point[axis] = index_.lists()->frame().center[axis] + reach * half * (2 * part(random) - 1);
+            point[axis] =
+                index_.lists()->frame().center[axis] + reach * half * (2 * part(random) - 1);
         if (!index_.lists()->frame().contains(point)) return point;
     }
 }
