@@ -2,6 +2,7 @@
 #pragma once
 
 #include "geometry/shapes.h"
+#include "index/lists/proximity_lists.h"
 #include "index/mesh_index.h"
 #include "viewer/panel.h"
 
