@@ -37,8 +37,9 @@ KERNELS = {f"src/octree/{name}" for name in (
         "lists/block_scan-inl.h", "lists/domination.cpp", "lists/eight_corners-inl.h", "lists/local_region.cpp",
         "triangle_lanes.cpp", "triangle_tree_search.cpp")} | {
     f"src/query/{name}" for name in (
-        "closest/closest_feature.cpp", "closest/closest_features.cpp", "closest/row_distance-inl.h",
-        "closest/search_octree-inl.h", "contact/box_pairs-inl.h", "contact/eight_points-inl.h",
+        "closest/batch_lists-inl.h", "closest/closest_batch_in_index.cpp", "closest/closest_in_index.cpp",
+        "closest/row_distance-inl.h", "closest/search_index-inl.h",
+        "closest/search_lists-inl.h", "contact/box_pairs-inl.h", "contact/eight_points-inl.h",
         "contact/intersect_meshes.cpp", "contact/leaf_intersection-inl.h", "contact/walk_pairs-inl.h",
         "culling/cull_volume.cpp", "distance/mesh_distance.cpp", "distance/pair_bounds-inl.h", "rays/cast_ray.cpp",
         "rays/intersect_exact-inl.h", "rays/prepare_ray-inl.h", "rays/walk_ray-inl.h")} | {
