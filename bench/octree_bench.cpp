@@ -9,6 +9,7 @@
 #include "mesh/sample_meshes.h"
 #include "octree/build_octree.h"
 #include "octree/statistics.h"
+#include "thesis/octree_generation/build_octree_by.h"
 
 #include <benchmark/benchmark.h>
 #include <malloc.h>
@@ -72,13 +73,12 @@ void build_ours(benchmark::State& state, const Workload& load, OverlapMethod met
 {
     const OctreeOptions options{.max_depth = load.depth,
                                 .threshold = load.threshold,
-                                .method = method,
                                 .classification = Classification::none,
                                 .threads = {threads}};
     std::string text;
     double bytes = 0;
     while (state.KeepRunning()) {
-        auto octree = build_octree(*load.mesh, options);
+        auto octree = build_octree_by(*load.mesh, {.method = method}, options);
         state.PauseTiming();
         if (!octree) {
             state.SkipWithError(describe(octree.error()).c_str());
@@ -96,7 +96,7 @@ void build_ours(benchmark::State& state, const Workload& load, OverlapMethod met
     malloc_trim(0);
     std::ofstream("/proc/self/clear_refs") << 5;
     const double before = kilobytes("VmRSS:");
-    const auto octree = build_octree(*load.mesh, options);
+    const auto octree = build_octree_by(*load.mesh, {.method = method}, options);
     const double peak = (kilobytes("VmHWM:") - before) * 1024;
     state.SetLabel(text);
     state.counters["bytes"] = bytes;
@@ -118,7 +118,7 @@ void build_two_at_once(benchmark::State& state, const Workload& load)
         std::latch start(3);
         const auto build = [&](std::size_t i) {
             start.arrive_and_wait();
-            octrees[i] = build_octree(*load.mesh, options);
+            octrees[i] = build_octree_by(*load.mesh, {.method = method}, options);
         };
         std::jthread one(build, 0);
         std::jthread other(build, 1);

@@ -15,9 +15,9 @@
 
 #include "minkowski/convex_hull.h"
 #include "minkowski/operation_counts.h"
-#include "minkowski/sum_partition.h"
-#include "minkowski/triangle_cube_descent.h"
 #include "partition_workload.h"
+#include "thesis/octree_generation/sum_partition.h"
+#include "thesis/octree_generation/triangle_cube_descent.h"
 
 #include <benchmark/benchmark.h>
 

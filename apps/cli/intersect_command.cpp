@@ -14,7 +14,7 @@
 #include "octree/build_octree.h"
 #include "query/contact/containment.h"
 #include "query/distance/mesh_distance.h"
-#include "thesis/intersect_octrees.h"
+#include "thesis/object_intersections/intersect_octrees.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>

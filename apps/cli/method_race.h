@@ -3,7 +3,7 @@
 #pragma once
 
 #include "cli/names.h"
-#include "octree/build_octree.h"
+#include "thesis/octree_generation/build_octree_by.h"
 
 #include <cstdint>
 #include <optional>

@@ -9,6 +9,7 @@
 #include "mesh/sample_meshes.h"
 #include "minkowski/export_sum.h"
 #include "minkowski/make_polyhedron.h"
+#include "thesis/minkowski_sums/sum_by_method.h"
 
 #include <CLI/CLI.hpp>
 #include <array>
@@ -94,8 +95,7 @@ Result<CountedMethods> count_methods(const ConvexPolyhedron& a, const ConvexPoly
     TextTable table(
         {"Method", "Dots", "Crosses", "Flops", "Add", "Sub", "Mul", "Div", "Neg", "Compare"});
     for (const MinkowskiMethod method : methods) {
-        const auto counted =
-            count_minkowski_sum(a, b, {.method = method, .progress = &session.progress()});
+        const auto counted = count_minkowski_sum(method, a, b, &session.progress());
         if (!counted) {
             if (counted.error().code == ErrorCode::cancelled)
                 return tl::unexpected(counted.error());
@@ -146,8 +146,7 @@ Status run_minkowski(const Options& options, Session& session)
     if (!b) return tl::unexpected(b.error());
 
     const Stopwatch watch;
-    const auto unscaled =
-        minkowski_sum(*a, *b, {.method = options.method, .progress = &session.progress()});
+    const auto unscaled = minkowski_sum_by(options.method, *a, *b, &session.progress());
     if (!unscaled) return tl::unexpected(unscaled.error());
     const MinkowskiSum sum = unscaled->scaled(options.scale);
     const double seconds = watch.seconds();

@@ -9,10 +9,10 @@
 #include "cli/octree_picture.h"
 #include "cli/statistics_text.h"
 #include "cli/stopwatch.h"
-#include "octree/build_octree.h"
 #include "octree/export.h"
 #include "octree/octree_file.h"
 #include "octree/statistics.h"
+#include "thesis/octree_generation/build_octree_by.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -105,21 +105,21 @@ Result<OctreeAndMesh> build(const OctreeCommandOptions& options, Session& sessio
 {
     auto mesh = session.load_model(options.model);
     if (!mesh) return tl::unexpected(mesh.error());
-    const OctreeOptions build_options{
-        .max_depth = options.depth,
-        .threshold = options.threshold,
-        .method = options.method,
-        .exactness = options.exact ? Exactness::exact : Exactness::rounded,
-        .subdivision = options.uniform ? Subdivision::uniform : Subdivision::adaptive,
-        .root_shape = options.root,
-        .budget = {options.budget_mb * 1'000'000},
-        .threads = session.threads(),
-        .progress = &session.progress()};
+    const OctreeOptions build_options{.max_depth = options.depth,
+                                      .threshold = options.threshold,
+                                      .subdivision = options.uniform ? Subdivision::uniform
+                                                                     : Subdivision::adaptive,
+                                      .root_shape = options.root,
+                                      .budget = {options.budget_mb * 1'000'000},
+                                      .threads = session.threads(),
+                                      .progress = &session.progress()};
+    const OverlapChoice choice{options.method,
+                               options.exact ? Exactness::exact : Exactness::rounded};
     const Stopwatch watch;
     auto octree = [&] {
         const ProgressBar shown(session.progress(), session.bar());
-        return options.two_pass ? build_octree_two_pass(*mesh, build_options)
-                                : build_octree(*mesh, build_options);
+        return options.two_pass ? build_octree_two_pass(*mesh, choice, build_options)
+                                : build_octree_by(*mesh, choice, build_options);
     }();
     const double seconds = watch.seconds();
     if (!octree) return at_model(octree.error(), options.model);

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "cli/session.h"
-#include "thesis/thesis_proximity_octree.h"
+#include "thesis/proximity_octree/thesis_proximity_octree.h"
 
 #include <cstdint>
 #include <string>

@@ -2,7 +2,7 @@
 #include "base/text.h"
 #include "cli/text_table.h"
 #include "cli/thesis_comparison.h"
-#include "octree/operation_table.h"
+#include "thesis/octree_generation/operation_table.h"
 
 namespace proxima {
 

@@ -7,6 +7,7 @@
 #include "mesh/sample_meshes.h"
 #include "octree/build_octree.h"
 #include "octree/statistics.h"
+#include "thesis/octree_generation/build_octree_by.h"
 
 #include <cmath>
 #include <filesystem>
@@ -39,7 +40,6 @@ Result<OctreeStatistics> sphere_statistics(const TriangleMesh& sphere, const the
 {
     return build_octree(sphere, {.max_depth = row.depth,
                                  .threshold = row.threshold,
-                                 .exactness = Exactness::exact,
                                  .classification = Classification::none,
                                  .threads = options.threads,
                                  .progress = options.progress})
@@ -125,13 +125,12 @@ Status add_model(const thesis::Model& model, const TriangleMesh& mesh,
                          {"std_all_leaves", row.std}}}};
         for (const RootShape shape : {RootShape::cube, RootShape::box}) {
             const OctreeOptions build{.max_depth = 5,
-                                      .exactness = Exactness::exact,
                                       .root_shape = shape,
                                       .classification = Classification::none,
                                       .threads = options.threads,
                                       .progress = options.progress};
             const auto octree =
-                pass == 0 ? build_octree(mesh, build) : build_octree_two_pass(mesh, build);
+                pass == 0 ? build_octree(mesh, build) : build_octree_two_pass(mesh, {}, build);
             if (!octree) return tl::unexpected(octree.error());
             const OctreeStatistics ours = octree_statistics(*octree);
             const std::uint32_t threshold = octree->parameters().threshold;

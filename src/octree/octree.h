@@ -28,7 +28,8 @@ enum class CellClass : std::uint8_t { outer, inner, boundary, unclassified };
 /// Whether every cell is split to the maximum depth, or only the crowded ones.
 enum class Subdivision : std::uint8_t { adaptive, uniform };
 
-/// One of the five overlap tests of a triangle and a cell (thesis chapter 3).
+/// Which overlap test of a triangle and a cell found an octree's lists (thesis chapter 3).
+/// build_octree uses the first; the thesis layer builds with all.
 enum class OverlapMethod : std::uint8_t {
     fast,            ///< 17 half-spaces in vector lanes, exact where lanes are unsure
     index_tracking,  ///< thesis 3.5

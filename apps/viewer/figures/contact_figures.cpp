@@ -2,7 +2,7 @@
 #include "mesh/sample_meshes.h"
 #include "octree/build_octree.h"
 #include "query/neighbourhood/neighbourhood.h"
-#include "thesis/thesis_closest.h"
+#include "thesis/proximity_octree/thesis_closest.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/query_figures.h"
 #include "viewer/figures/scene_figure.h"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "minkowski/minkowski_sum.h"
-#include "minkowski/planar_sum.h"
+#include "thesis/minkowski_sums/planar_sum.h"
 #include "viewer/figures/thesis_figure.h"
 
 #include <array>

@@ -7,6 +7,7 @@
 #include "octree/build_octree.h"
 #include "octree/leaf_boxes.h"
 #include "octree/statistics.h"
+#include "thesis/octree_generation/build_octree_by.h"
 
 #include <array>
 #include <filesystem>
@@ -147,7 +148,7 @@ Result<FigureContent> figure_2_7(const FigureContext& context)
         const OctreeOptions options = options_for(5, context);
         const auto first = build_octree(model->mesh, options);
         if (!first) return tl::unexpected(first.error());
-        const auto octree = build_octree_two_pass(model->mesh, options);
+        const auto octree = build_octree_two_pass(model->mesh, {}, options);
         if (!octree) return tl::unexpected(octree.error());
         const OctreeStatistics before = octree_statistics(*first);
         const OctreeStatistics after = octree_statistics(*octree);

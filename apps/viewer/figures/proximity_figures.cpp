@@ -1,8 +1,8 @@
 // Figures 4.1, 4.2 and 5.3: proximity quadtrees and octrees, and their lists.
 #include "cli/list_histogram.h"
 #include "mesh/sample_meshes.h"
-#include "thesis/feature_regions.h"
-#include "thesis/list_statistics.h"
+#include "thesis/proximity_octree/feature_regions.h"
+#include "thesis/proximity_octree/list_statistics.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/planar_panel.h"
 #include "viewer/figures/scene_figure.h"

@@ -7,7 +7,7 @@
 #include "mesh/triangle_mesh.h"
 #include "octree/octree.h"
 #include "query/closest/closest_feature.h"
-#include "thesis/intersect_octrees.h"
+#include "thesis/object_intersections/intersect_octrees.h"
 #include "viewer/figures/thesis_figure.h"
 
 #include <vector>

@@ -2,7 +2,7 @@
 #include "viewer/figures/voronoi_figures.h"
 
 #include "mesh/sample_meshes.h"
-#include "thesis/feature_regions.h"
+#include "thesis/proximity_octree/feature_regions.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/scene_figure.h"
 

@@ -1,8 +1,8 @@
 // The octree of a model: its cells by depth, class or count, cut open by a plane.
 #include "base/text.h"
 #include "cli/names.h"
-#include "octree/build_octree.h"
 #include "octree/statistics.h"
+#include "thesis/octree_generation/build_octree_by.h"
 #include "viewer/panels/cell_shapes.h"
 #include "viewer/panels/panels.h"
 
@@ -55,15 +55,15 @@ Result<BuiltOctree> build(const ViewModel& model, const BuildSettings& settings,
 {
     const OctreeOptions options = {.max_depth = settings.depth,
                                    .threshold = static_cast<std::uint32_t>(settings.threshold),
-                                   .method = all_methods[settings.method],
                                    .subdivision = settings.subdivision,
                                    .root_shape = settings.root,
                                    .budget = context.budget,
                                    .threads = context.threads,
                                    .progress = context.progress};
+    const OverlapChoice choice{.method = all_methods[settings.method]};
     const auto begin = std::chrono::steady_clock::now();
-    auto octree = settings.two_pass ? build_octree_two_pass(model.mesh, options)
-                                    : build_octree(model.mesh, options);
+    auto octree = settings.two_pass ? build_octree_two_pass(model.mesh, choice, options)
+                                    : build_octree_by(model.mesh, choice, options);
     const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin;
     if (!octree) return tl::unexpected(octree.error());
     auto leaves = leaf_boxes(*octree, LeafChoice::all, context.progress);
