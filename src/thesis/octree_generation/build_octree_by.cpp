@@ -19,7 +19,8 @@ Result<Octree> build_by(const TriangleMesh& mesh, const OverlapChoice& choice,
 {
     const auto find = [&](const TriangleMesh& checked, const OctreeFrame& frame,
                           const OctreeOptions& used, GrowLimits& limits) {
-        return build_with_test<Test>(checked, frame, used, choice.exactness, limits);
+        return build_with_test<Test>(checked, frame, used, choice.exactness, limits,
+                                     [](const Triangle& triangle) { return Test(triangle); });
     };
     return build_octree_with(
         mesh, options,

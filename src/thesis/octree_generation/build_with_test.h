@@ -16,13 +16,14 @@ namespace proxima {
 template <OverlapTest Test>
 class EachChildTest final : public ChildTest {
 public:
+    template <class Make>
     EachChildTest(const TriangleMesh& mesh, const OctreeFrame& frame, const OctreeOptions& options,
-                  Exactness exactness)
+                  Exactness exactness, const Make& make)
         : mesh_(mesh), frame_(frame), options_(options), exactness_(exactness)
     {
         tests_.reserve(mesh.triangle_count());
         for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
-            tests_.emplace_back(mesh.triangle(TriangleId{id}));
+            tests_.push_back(make(mesh.triangle(TriangleId{id})));
         }
     }
 
@@ -132,11 +133,11 @@ private:
 };
 
 /// Nodes and references of the octree, found with Test. In exact mode, where the test's rounding
-/// could matter, the exact predicate decides.
-template <OverlapTest Test>
+/// could matter, the exact predicate decides. `make` makes the test of a triangle.
+template <OverlapTest Test, class Make>
 [[nodiscard]] Result<OctreeOutput>
 build_with_test(const TriangleMesh& mesh, const OctreeFrame& frame, const OctreeOptions& options,
-                Exactness exactness, GrowLimits& limits)
+                Exactness exactness, GrowLimits& limits, const Make& make)
 {
     limits.used_bytes += mesh.triangle_count() * sizeof(Test);
     if (auto status = check_budget({limits.budget_bytes}, limits.used_bytes, "the overlap test",
@@ -146,7 +147,7 @@ build_with_test(const TriangleMesh& mesh, const OctreeFrame& frame, const Octree
     }
     std::vector<std::uint32_t> ids(mesh.triangle_count());
     std::iota(ids.begin(), ids.end(), 0U);
-    EachChildTest<Test> test(mesh, frame, options, exactness);
+    EachChildTest<Test> test(mesh, frame, options, exactness, make);
     OctreeOutput output;
     // The root's own node comes first; its descendants follow breadth first.
     output.nodes.push_back(OctreeNode{});

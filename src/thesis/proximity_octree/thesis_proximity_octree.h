@@ -174,7 +174,7 @@ public:
         }
     }
 
-    /// What an octree is made of; for its builder.
+    /// What an octree is made of; for its builder and its file.
     struct Parts {
         OctreeFrame frame;
         int max_depth = 0;
@@ -189,6 +189,7 @@ public:
     explicit ThesisProximityOctree(Parts parts)
         : parts_(std::make_shared<const Parts>(std::move(parts)))
     {}
+    [[nodiscard]] const Parts& parts() const noexcept { return *parts_; }
 
 private:
     std::shared_ptr<const Parts> parts_;
