@@ -164,8 +164,9 @@ Result<ThesisComparison> compare_table_2_1(const ThesisComparisonOptions& option
         "them "
         "do more than touch. Errors of rounding can lose the others, but cannot exceed 2799: the "
         "thesis's 2950 and its 22476 = 4 x 2669 + 4 x 2950 have another cause.",
-        "The pseudocode as printed does list triangles that do not touch (--as-printed): v1 is not "
-        "in the list of least vertices, so that facets are lost. But then Total, Leaves and Occ. "
+        "The pseudocode as printed does list triangles that do not touch (--as-printed): vertices "
+        "that tie with v1 join one list alone, so that facets are lost. But then Total, Leaves and "
+        "Occ. "
         "exceed the thesis's, which are exact, and no order of vertices, precision or tolerance of "
         "some thousands that were tried gives its Pointers. What its program did is not known.",
         "Max-Tri exceeds the exact one by 151, 184, 193, 198 and 200 at depths 1 to 5: by about "

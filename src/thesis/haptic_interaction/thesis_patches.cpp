@@ -12,7 +12,9 @@ bool ThesisPatches::fill(ContactPatch& patch, const Vec3& device, const Vec3& pr
         rings_.fill(patch, device, *closest, depth);
         return true;
     }
-    if (const auto closest = closest_feature(octree_, mesh_, topology_, proxy)) last_ = closest;
+    // The proxy is on the surface, on either side of it by rounding: asked for a little farther out.
+    const Vec3 before = proxy + 0x1p-20 * (proxy - device);
+    if (const auto closest = closest_feature(octree_, mesh_, topology_, before)) last_ = closest;
     if (!last_) return false;
     // Nothing is known of the device's own distance.
     ClosestFeature around = *last_;

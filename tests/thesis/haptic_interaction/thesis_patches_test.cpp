@@ -3,6 +3,7 @@
 #include "counted_allocations.h"
 #include "index/lists/build_proximity_octree.h"
 #include "mesh/sample_meshes.h"
+#include "thesis/proximity_octree/thesis_closest.h"
 #include "thesis/proximity_octree/thesis_proximity_octree.h"
 
 #include <gtest/gtest.h>
@@ -65,6 +66,20 @@ TEST_F(ThesisPatchesTest, StayWithTheProxyWhileTheDeviceIsInside)
     EXPECT_EQ(made.clearance, 0);
     // Both inside: the last feature.
     ASSERT_TRUE(patches.fill(made, inside, inside, 2));
+    EXPECT_EQ(ids_of(made), ids_of(expected));
+}
+
+TEST_F(ThesisPatchesTest, FollowAProxyThatRoundingPutsBehindTheSurface)
+{
+    // Where the octree has no answer for the proxy itself.
+    const Triangle triangle = mesh.triangle(TriangleId{400});
+    const Vec3 centroid = (triangle[0] + triangle[1] + triangle[2]) / 3;
+    const Vec3 proxy = centroid * (1 - 1e-12);
+    ASSERT_FALSE(closest_feature(cells, mesh, topology, proxy));
+    const Vec3 elsewhere(0, 0, -1.2);
+    ASSERT_TRUE(patches.fill(made, elsewhere, elsewhere, 1));
+    ASSERT_TRUE(patches.fill(made, 0.9 * proxy, proxy, 1));
+    rings.fill(expected, centroid, 1);
     EXPECT_EQ(ids_of(made), ids_of(expected));
 }
 
