@@ -10,7 +10,6 @@
 #include "index/build_mesh_index.h"
 #include "mesh/mesh_io.h"
 #include "mesh/sample_meshes.h"
-#include "octree/build_octree.h"
 
 #include <CLI/CLI.hpp>
 
@@ -108,8 +107,7 @@ int run_mesh(const std::string& name, const BenchOptions& options)
                 mesh->triangle_count());
     for (const auto& peer : peers)
         std::printf("    %-8s built in %.3f s\n", peer->name().c_str(), peer->build_seconds());
-    const auto octree = build_octree(*mesh, {.classification = Classification::none});
-    const MeshIndex index = build_mesh_index(octree.value(), *mesh).value();
+    const MeshIndex index = build_mesh_index(*mesh).value();
     const std::vector<PoseSet> sets = contact_poses(*mesh, index, options.seed);
     std::printf("    %-8s %-8s %22s %22s   (us a pose, over ours)\n", "", "", "boolean",
                 "all pairs");

@@ -11,7 +11,6 @@
 #include "index/build_mesh_index.h"
 #include "mesh/mesh_io.h"
 #include "mesh/sample_meshes.h"
-#include "octree/build_octree.h"
 #include "query/culling/cull_volume.h"
 
 #include <CLI/CLI.hpp>
@@ -56,10 +55,7 @@ std::vector<Triangle> triangles_of(const TriangleMesh& mesh,
 Result<std::unique_ptr<Scene>> make_scene(TriangleMesh mesh)
 {
     const double start = processor_seconds();
-    const auto octree = build_octree(
-        mesh, {.max_depth = 5, .classification = Classification::none, .threads = {1}});
-    if (!octree) return tl::unexpected(octree.error());
-    auto index = build_mesh_index(*octree, mesh, {.threads = {1}});
+    auto index = build_mesh_index(mesh, {.threads = {1}});
     if (!index) return tl::unexpected(index.error());
     const double seconds = processor_seconds() - start;
     std::vector<TriangleCorners> sorted;
@@ -321,7 +317,7 @@ int run_mesh(const std::string& name, const BenchOptions& options)
         std::fprintf(stderr, "%s: %s\n", name.c_str(), describe(scene.error()).c_str());
         return 1;
     }
-    std::printf("%s: %zu triangles, octree and index built in %.3f s, %.1f bytes per triangle\n",
+    std::printf("%s: %zu triangles, index built in %.3f s, %.1f bytes per triangle\n",
                 std::filesystem::path(name).filename().string().c_str(),
                 (*scene)->mesh.triangle_count(), (*scene)->build_seconds,
                 static_cast<double>((*scene)->index.bytes()) /

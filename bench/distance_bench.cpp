@@ -17,7 +17,6 @@
 #include "index/slabs/build_distance_index.h"
 #include "mesh/mesh_io.h"
 #include "mesh/sample_meshes.h"
-#include "octree/build_octree.h"
 #include "query/distance/mesh_distance.h"
 
 #include <CLI/CLI.hpp>
@@ -43,9 +42,7 @@ public:
     explicit ProximaDistance(const TriangleMesh& mesh)
     {
         const auto start = std::chrono::steady_clock::now();
-        const auto octree =
-            build_octree(mesh, {.classification = Classification::none, .threads = {1}});
-        const auto triangles = build_mesh_index(octree.value(), mesh, {.threads = {1}});
+        const auto triangles = build_mesh_index(mesh, {.threads = {1}});
         index_ = build_distance_index(triangles.value(), {.threads = {1}}).value();
         seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     }

@@ -1,6 +1,5 @@
 #include "contact_peers.h"
 #include "index/build_mesh_index.h"
-#include "octree/build_octree.h"
 
 #include <chrono>
 
@@ -12,9 +11,7 @@ public:
     explicit ProximaContactPeer(const TriangleMesh& mesh)
     {
         const auto start = std::chrono::steady_clock::now();
-        const auto octree =
-            build_octree(mesh, {.classification = Classification::none, .threads = {1}});
-        index_ = build_mesh_index(octree.value(), mesh, {.threads = {1}}).value();
+        index_ = build_mesh_index(mesh, {.threads = {1}}).value();
         seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     }
     [[nodiscard]] std::string name() const override { return "proxima"; }

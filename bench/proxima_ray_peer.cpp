@@ -1,5 +1,4 @@
 #include "index/build_mesh_index.h"
-#include "octree/build_octree.h"
 #include "query/rays/cast_ray.h"
 #include "ray_peers.h"
 
@@ -12,10 +11,8 @@ class ProximaRayPeer final : public RayPeer {
 public:
     explicit ProximaRayPeer(const TriangleMesh& mesh)
     {
-        const auto octree =
-            build_octree(mesh, {.classification = Classification::none, .threads = {1}});
         const auto start = std::chrono::steady_clock::now();
-        index_ = build_mesh_index(octree.value(), mesh, {.threads = {1}}).value();
+        index_ = build_mesh_index(mesh, {.threads = {1}}).value();
         seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     }
     [[nodiscard]] std::string name() const override { return "proxima"; }

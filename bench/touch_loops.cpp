@@ -7,7 +7,6 @@
 #include "haptics/loop/quality_report.h"
 #include "haptics/loop/servo_loop.h"
 #include "index/build_mesh_index.h"
-#include "octree/build_octree.h"
 #include "query/rays/cast_ray.h"
 #include "touch_model.h"
 #include "touch_track.h"
@@ -338,9 +337,7 @@ int run_loops(const std::string& mesh, const TouchLoopOptions& options)
         return 1;
     }
     const TouchModel& model = **loaded;
-    const auto octree = build_octree(model.mesh);
-    const auto index = octree ? build_mesh_index(*octree, model.mesh)
-                              : Result<MeshIndex>(tl::unexpected(octree.error()));
+    const auto index = build_mesh_index(model.mesh);
     const auto script = HandScript::make(options.script, model.mesh, model.topology, model.map, 1);
     if (!index || !script) {
         const Error& error = index ? script.error() : index.error();

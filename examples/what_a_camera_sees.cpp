@@ -1,7 +1,6 @@
 #include <index/build_mesh_index.h>
 #include <iostream>
 #include <mesh/sample_meshes.h>
-#include <octree/build_octree.h>
 #include <query/culling/cull_volume.h>
 #include <vector>
 
@@ -20,9 +19,7 @@ int main()
     using namespace proxima;
     const auto mesh = sample_mesh("torus:200x100");
     if (!mesh) return failed(mesh.error());
-    const auto octree = build_octree(*mesh, {.max_depth = 4});
-    if (!octree) return failed(octree.error());
-    const auto index = build_mesh_index(*octree, *mesh);
+    const auto index = build_mesh_index(*mesh);
     if (!index) return failed(index.error());
 
     // Ranges of the index's own order of triangles, as an index buffer laid out like that is drawn:

@@ -1,7 +1,6 @@
 #include <index/build_mesh_index.h>
 #include <iostream>
 #include <mesh/sample_meshes.h>
-#include <octree/build_octree.h>
 #include <optional>
 #include <query/rays/cast_ray.h>
 #include <vector>
@@ -21,9 +20,7 @@ int main()
     using namespace proxima;
     const auto mesh = sample_mesh("sphere:100x100");
     if (!mesh) return failed(mesh.error());
-    const auto octree = build_octree(*mesh, {.max_depth = 8, .threshold = 8});
-    if (!octree) return failed(octree.error());
-    const auto index = build_mesh_index(*octree, *mesh);
+    const auto index = build_mesh_index(*mesh);
     if (!index) return failed(index.error());
 
     // One ray, real-time safe. Between neighbouring triangles none is lost: this one goes straight

@@ -3,7 +3,6 @@
 #include <index/slabs/build_distance_index.h>
 #include <iostream>
 #include <mesh/sample_meshes.h>
-#include <octree/build_octree.h>
 #include <query/contact/intersect_meshes.h>
 #include <query/contact/intersection_contour.h>
 #include <query/distance/mesh_distance.h>
@@ -23,9 +22,7 @@ int main()
     using namespace proxima;
     const auto ball = sample_mesh("sphere:30x30"); // the two of thesis section 5.2
     if (!ball) return failed(ball.error());
-    const auto octree = build_octree(*ball, {.max_depth = 6, .threshold = 8});
-    if (!octree) return failed(octree.error());
-    const auto triangles = build_mesh_index(*octree, *ball);
+    const auto triangles = build_mesh_index(*ball);
     if (!triangles) return failed(triangles.error());
     const auto distances = build_distance_index(*triangles);
     if (!distances) return failed(distances.error());

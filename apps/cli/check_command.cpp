@@ -10,7 +10,6 @@
 #include "cli/text_table.h"
 #include "index/build_mesh_index.h"
 #include "mesh/mesh_report.h"
-#include "octree/build_octree.h"
 #include "query/contact/self_intersection.h"
 
 #include <CLI/CLI.hpp>
@@ -214,13 +213,7 @@ Result<std::optional<SelfIntersections>> intersections_of(const TriangleMesh& me
     if (!checked_bounding_box(mesh)) return std::nullopt;
     Progress* const progress = &session.progress();
     const ProgressBar shown(session.progress(), session.bar());
-    const auto octree = build_octree(mesh, {.threshold = 16,
-                                            .classification = Classification::none,
-                                            .threads = session.threads(),
-                                            .progress = progress});
-    if (!octree) return tl::unexpected(octree.error());
-    const auto index =
-        build_mesh_index(*octree, mesh, {.threads = session.threads(), .progress = progress});
+    const auto index = build_mesh_index(mesh, {.threads = session.threads(), .progress = progress});
     if (!index) return tl::unexpected(index.error());
     auto found =
         find_self_intersections(*index, {.threads = session.threads(), .progress = progress});

@@ -104,7 +104,7 @@ Result<std::unique_ptr<Culled>> prepare(const CullOptions& options, Session& ses
         culled->build_seconds = watch.seconds();
         return culled;
     }
-    auto index = build_mesh_index(culled->octree, culled->mesh,
+    auto index = build_mesh_index(culled->mesh,
                                   {.threads = session.threads(), .progress = &session.progress()});
     if (!index) return at_model(index.error(), options.model);
     culled->index = std::move(*index);

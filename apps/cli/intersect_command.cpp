@@ -108,9 +108,8 @@ Status prepare(Body& body, const std::string& model, const IntersectOptions& opt
     if (!octree) return at_model(octree.error(), model);
     body.octree = std::move(*octree);
     if (options.method == QueryMethod::index) {
-        auto index =
-            build_mesh_index(body.octree, body.mesh,
-                             {.threads = session.threads(), .progress = &session.progress()});
+        auto index = build_mesh_index(
+            body.mesh, {.threads = session.threads(), .progress = &session.progress()});
         if (!index) return at_model(index.error(), model);
         body.index = std::move(*index);
     }

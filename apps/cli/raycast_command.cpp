@@ -108,9 +108,8 @@ Result<std::unique_ptr<Casting>> prepare(const RaycastOptions& options, Session&
     if (!octree) return at_model(octree.error(), options.model);
     casting->octree = std::move(*octree);
     if (!wants_cells(options) && options.method == QueryMethod::index) {
-        auto index =
-            build_mesh_index(casting->octree, casting->mesh,
-                             {.threads = session.threads(), .progress = &session.progress()});
+        auto index = build_mesh_index(
+            casting->mesh, {.threads = session.threads(), .progress = &session.progress()});
         if (!index) return at_model(index.error(), options.model);
         casting->index = std::move(*index);
     }

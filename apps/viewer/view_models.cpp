@@ -6,7 +6,6 @@
 #include "index/build_mesh_index.h"
 #include "mesh/mesh_io.h"
 #include "mesh/sample_meshes.h"
-#include "octree/build_octree.h"
 #include "query/rays/cast_ray.h"
 #include "viewer/scene_shapes.h"
 
@@ -18,7 +17,7 @@
 namespace proxima {
 namespace {
 
-/// Bytes that showing a triangle takes at most: mesh, topology, mesh index with its octree, two
+/// Bytes that showing a triangle takes at most: mesh, topology, mesh index, two
 /// scenes, and the larger of their buffers.
 constexpr std::uint64_t bytes_per_triangle = 1100;
 
@@ -80,14 +79,7 @@ Result<std::shared_ptr<const ViewModel>> make_view_model(std::string name, Trian
     auto topology =
         build_topology(mesh, {.threads = context.threads, .progress = context.progress});
     if (!topology) return at_model(topology.error(), name);
-    const auto octree = build_octree(mesh, {.max_depth = 4,
-                                            .threshold = 64,
-                                            .classification = Classification::none,
-                                            .threads = context.threads,
-                                            .progress = context.progress});
-    if (!octree) return at_model(octree.error(), name);
-    auto rays =
-        build_mesh_index(*octree, mesh, {.threads = context.threads, .progress = context.progress});
+    auto rays = build_mesh_index(mesh, {.threads = context.threads, .progress = context.progress});
     if (!rays) return at_model(rays.error(), name);
     auto model = std::make_shared<ViewModel>();
     for (const Vec3& position : mesh.positions()) model->box.extend(position);

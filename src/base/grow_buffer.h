@@ -60,6 +60,7 @@ public:
         return data_.get()[index];
     }
     [[nodiscard]] std::span<const T> span() const noexcept { return {data(), size_}; }
+    [[nodiscard]] std::span<T> span() noexcept { return {data(), size_}; }
 
     /// Room for `count` elements, growing by half at least.
     void reserve(std::size_t count)

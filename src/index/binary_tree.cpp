@@ -2,7 +2,8 @@
 
 #include "base/fixed_stack.h"
 #include "base/morton_code.h"
-#include "base/radix_sort.h"
+#include "base/parallel_sort.h"
+#include "index/row_tables.h"
 
 #include <algorithm>
 #include <bit>
@@ -14,15 +15,9 @@ namespace proxima {
 namespace {
 
 constexpr std::size_t triangles_per_task = 4096;
-constexpr std::uint64_t beyond_float = (1U << 29U) - 1; // bits that floats have no room for
+constexpr std::uint64_t beyond_float = (1U << 29U) - 1; // bits that floats lack
+constexpr std::uint32_t subtree_triangles = 16384;
 constexpr float float_infinity = std::numeric_limits<float>::infinity();
-
-bool has_floats(const TriangleMesh& mesh) noexcept
-{
-    return std::ranges::all_of(mesh.positions(), [](const Vec3& p) {
-        return is_float(p.x()) && is_float(p.y()) && is_float(p.z());
-    });
-}
 
 /// Where floats count from so that they stay floats: from zero, unless the ends are within a factor
 /// of two of each other; then the difference of any two between them is exact.
@@ -58,6 +53,11 @@ std::uint64_t place_of(const Vec3& point, const OctreeFrame& root) noexcept
     return morton_code(at);
 }
 
+/// By how many boxes a run is covered at most, less one: the sum of areas that queries look into.
+using CoverCosts = std::array<float, index_width>;
+
+using Run = BinaryTree::Child;
+
 FloatBox union_of(const FloatBox& a, const FloatBox& b) noexcept
 {
     FloatBox box{};
@@ -69,10 +69,10 @@ FloatBox union_of(const FloatBox& a, const FloatBox& b) noexcept
 }
 
 // The steps of build_binary_tree, in the order of their calls there.
-class RayTreeBuilder {
+class BinaryTreeBuilder {
 public:
-    RayTreeBuilder(const TriangleMesh& mesh, const Box& box, const OctreeFrame& root,
-                   Threads threads, Progress* progress)
+    BinaryTreeBuilder(const TriangleMesh& mesh, const Box& box, const OctreeFrame& root,
+                      Threads threads, Progress* progress)
         : mesh_(mesh), root_(root), threads_(threads), progress_(progress)
     {
         tree_.has_floats = has_floats(mesh);
@@ -88,8 +88,7 @@ public:
             keys_[i] = {place_of(box.center(), root_), i};
         });
         constexpr unsigned key_bits = 3 * morton_bits;
-        StageSteps steps(progress_, "sorting triangles", count * radix_passes(key_bits));
-        if (!radix_sort(keys_, key_bits, steps)) return false;
+        if (!sort_keys(keys_, key_bits, threads_, progress_)) return false;
         tree_.order.resize(count);
         tree_.boxes.resize(count);
         for_triangles([&](std::uint32_t i) {
@@ -107,47 +106,73 @@ public:
         return !is_cancelled(progress_);
     }
 
-    bool cut_runs()
+    /// Cuts the order into runs and chooses how they are covered: large ones one after the other,
+    /// what lies below them side by side.
+    bool make_nodes()
     {
-        struct Run {
-            std::uint32_t first;
-            std::uint32_t count;
-        };
         const auto count = static_cast<std::uint32_t>(keys_.size());
-        tree_.nodes.reserve(count - 1);
-        StageSteps steps(progress_, "cutting cells", count);
-        // Of every node on the way down the right child waits: one per bit of place and rank.
-        FixedStack<Run, 3 * morton_bits + 32> pending;
-        if (count > 1) pending.push({0, count});
-        while (!pending.empty()) {
-            const Run run = pending.pop();
-            const std::uint32_t left = left_count(run.first, run.count);
-            BinaryNode node;
-            node.first = run.first;
-            node.count = run.count;
-            node.left_count = left;
-            tree_.nodes.push_back(node);
-            if (run.count - left > 1) pending.push({run.first + left, run.count - left});
-            if (left > 1) pending.push({run.first, left});
-            if (!steps.done(1)) return false;
+        tree_.nodes.resize(count - 1);
+        if (progress_ != nullptr) progress_->begin_stage("cutting cells", count);
+        std::vector<Run> runs; // large ones, and the first small ones below them, depth first
+        for_each_run(tree_.root(), [&](const Run& run) {
+            runs.push_back(run);
+            if (run.count <= subtree_triangles) return false;
+            cut(run);
+            return true;
+        });
+        std::vector<CoverCosts> costs(runs.size());
+        parallel_for(runs.size(), threads_, [&](std::size_t task) {
+            const Run& top = runs[task];
+            if (top.count > subtree_triangles || is_cancelled(progress_)) return;
+            std::vector<Run> below;
+            below.reserve(top.count);
+            for_each_run(top, [&](const Run& run) {
+                below.push_back(run);
+                cut(run);
+                return true;
+            });
+            std::vector<CoverCosts> pending;
+            for (std::size_t i = below.size(); i-- > 0;) choose_cover(below[i], pending);
+            costs[task] = pending.back();
+            if (progress_ != nullptr) progress_->advance(top.count);
+        });
+        if (is_cancelled(progress_)) return false;
+        std::vector<CoverCosts> pending;
+        for (std::size_t i = runs.size(); i-- > 0;) {
+            if (runs[i].count > subtree_triangles) {
+                choose_cover(runs[i], pending);
+            } else {
+                pending.push_back(costs[i]);
+            }
         }
         keys_ = {};
-        return true;
-    }
-
-    bool find_costs()
-    {
-        StageSteps steps(progress_, "weighing cells", tree_.nodes.size());
-        for (auto node = static_cast<std::uint32_t>(tree_.nodes.size()); node-- > 0;) {
-            find_cost(node);
-            if (!steps.done(1)) return false;
-        }
         return true;
     }
 
     BinaryTree result() { return std::move(tree_); }
 
 private:
+    /// Depth first, left before right: enters what `visit` says to. \pre it has cut that
+    template <class Visit>
+    void for_each_run(const Run& top, const Visit& visit)
+    {
+        // Of every node on the way down the right child waits: one per bit of place and rank.
+        FixedStack<Run, 3 * morton_bits + 32> pending;
+        if (top.count > 1) pending.push(top);
+        while (!pending.empty()) {
+            const Run run = pending.pop();
+            if (!visit(run)) continue;
+            const auto [left, right] = tree_.children(run);
+            if (right.count > 1) pending.push(right);
+            if (left.count > 1) pending.push(left);
+        }
+    }
+
+    void cut(const Run& run)
+    {
+        tree_.nodes[run.node].left_count = left_count(run.first, run.count);
+    }
+
     template <class Body>
     void for_triangles(const Body& body)
     {
@@ -172,7 +197,7 @@ private:
         return static_cast<std::uint32_t>(cut - begin);
     }
 
-    [[nodiscard]] bool fits_leaf(const BinaryNode& node) const
+    [[nodiscard]] bool fits_leaf(const Run& node) const
     {
         if (node.count > index_width) return false;
         std::array<std::uint32_t, index_width> seen{};
@@ -188,25 +213,58 @@ private:
         return true;
     }
 
-    void find_cost(std::uint32_t at)
+    /// Costs of what covers a child; of nodes they wait on the stack, the left child's on top.
+    CoverCosts costs_of(const BinaryTree::Child& child, std::vector<CoverCosts>& pending) const
     {
-        BinaryNode& node = tree_.nodes[at];
+        if (child.count > 1) {
+            const CoverCosts costs = pending.back();
+            pending.pop_back();
+            return costs;
+        }
+        CoverCosts costs;
+        costs.fill(tree_.boxes[child.first].half_area());
+        return costs;
+    }
+
+    /// \pre its children's costs are on the stack, on which it puts its own
+    void choose_cover(const Run& at, std::vector<CoverCosts>& pending)
+    {
+        BinaryNode& node = tree_.nodes[at.node];
         const auto [left, right] = tree_.children(at);
+        const CoverCosts left_costs = costs_of(left, pending);
+        const CoverCosts right_costs = costs_of(right, pending);
         node.box = union_of(tree_.box(left), tree_.box(right));
-        std::array<float, index_width> apart{}; // covered by at most k, not by itself
-        apart[0] = float_infinity;
-        for (std::uint32_t k = 2; k <= index_width; ++k) {
-            float least = float_infinity;
-            for (std::uint32_t i = 1; i < k; ++i)
-                least = std::min(least, tree_.cost(left, i) + tree_.cost(right, k - i));
-            apart[k - 1] = least;
+        // [k]: by k + 1 boxes of both children, of which shares[k] are the left one's.
+        CoverCosts apart;
+        apart.fill(float_infinity);
+        std::array<std::uint32_t, index_width> shares;
+        shares.fill(1);
+        std::array<float, 2 * index_width> shifted; // no box covers nothing: infinite before it
+        shifted.fill(float_infinity);
+        std::ranges::copy(right_costs, shifted.begin() + index_width);
+        for (std::uint32_t share = 1; share < index_width; ++share) {
+            const float* const rest = shifted.data() + index_width - share;
+            for (std::size_t k = 0; k < index_width; ++k) {
+                const float sum = left_costs[share - 1] + rest[k];
+                const bool is_less = sum < apart[k];
+                apart[k] = is_less ? sum : apart[k];
+                shares[k] = is_less ? share : shares[k];
+            }
         }
         const float area = node.box.half_area();
         const float as_node = area + apart[index_width - 1];
-        node.is_leaf = area <= as_node && fits_leaf(node);
-        node.cost[0] = node.is_leaf ? area : as_node;
-        for (std::size_t k = 1; k < index_width; ++k)
-            node.cost[k] = std::min(node.cost[0], apart[k]);
+        const bool is_leaf = area <= as_node && fits_leaf(at);
+        node.choices = is_leaf ? BinaryTree::leaf_choice : 0U;
+        CoverCosts costs;
+        costs[0] = is_leaf ? area : as_node;
+        for (std::uint32_t most = 2; most <= index_width; ++most) {
+            const std::size_t k = most - 1;
+            const bool is_single = !(apart[k] < costs[0]);
+            costs[k] = is_single ? costs[0] : apart[k];
+            node.choices |= shares[k] << BinaryTree::share_bit(most) |
+                            static_cast<std::uint32_t>(is_single) << BinaryTree::single_bit(most);
+        }
+        pending.push_back(costs);
     }
 
     const TriangleMesh& mesh_;
@@ -219,50 +277,11 @@ private:
 
 } // namespace
 
-// By its bits: g++ 12 drops the rounding of a conversion there and back where it makes vectors of
-// it.
-bool is_float(double value) noexcept
-{
-    const double size = std::abs(value);
-    return size == 0 || ((std::bit_cast<std::uint64_t>(value) & beyond_float) == 0 &&
-                         size >= static_cast<double>(std::numeric_limits<float>::min()) &&
-                         size <= static_cast<double>(std::numeric_limits<float>::max()));
-}
-
-BinaryTree::Child BinaryTree::root() const noexcept
-{
-    return {0, 0, static_cast<std::uint32_t>(order.size())};
-}
-
-std::array<BinaryTree::Child, 2> BinaryTree::children(std::uint32_t node) const noexcept
-{
-    const BinaryNode& at = nodes[node];
-    // A run of n triangles has n - 1 nodes.
-    return {{{node + 1, at.first, at.left_count},
-             {node + at.left_count, at.first + at.left_count, at.count - at.left_count}}};
-}
-
-float BinaryTree::cost(const Child& child, std::uint32_t most) const noexcept
-{
-    return child.count == 1 ? boxes[child.first].half_area() : nodes[child.node].cost[most - 1];
-}
-
-std::uint32_t BinaryTree::left_share(std::uint32_t node, std::uint32_t most) const noexcept
-{
-    const auto [left, right] = children(node);
-    std::uint32_t best = 1;
-    for (std::uint32_t i = 2; i < most; ++i) {
-        if (cost(left, i) + cost(right, most - i) < cost(left, best) + cost(right, most - best))
-            best = i;
-    }
-    return best;
-}
-
 Result<BinaryTree> build_binary_tree(const TriangleMesh& mesh, const Box& box,
                                      const OctreeFrame& root, Threads threads, Progress* progress)
 {
-    RayTreeBuilder builder(mesh, box, root, threads, progress);
-    if (!builder.sort_triangles() || !builder.cut_runs() || !builder.find_costs())
+    BinaryTreeBuilder builder(mesh, box, root, threads, progress);
+    if (!builder.sort_triangles() || !builder.make_nodes())
         return fail(ErrorCode::cancelled, "mesh index: stopped on request");
     return builder.result();
 }

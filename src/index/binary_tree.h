@@ -3,13 +3,13 @@
 //
 //     order   triangles along the Morton curve of the octree's cells, by their centres
 //     node    a run of the order, cut where its highest differing bit changes: one of a cell's
-//     three
-//             halvings; runs of the same place are cut in the middle
+//             three halvings; runs of the same place are cut in the middle
 //
-// A node's cost is the sum of areas of all boxes that it makes rays look into, by dynamic
+// A node's cost is the sum of areas of all boxes that it makes queries look into, by dynamic
 // programming: cost(node, k) covers it by at most k boxes of one wide node [ylitie-2017].
 #pragma once
 
+#include "base/grow_buffer.h"
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "base/result.h"
@@ -49,46 +49,71 @@ struct IndexFrame {
 
 /// A run of two or more triangles of the order.
 struct BinaryNode {
-    std::uint32_t first = 0;
-    std::uint32_t count = 0;
-    std::uint32_t left_count = 0; ///< the left child is the next node, if it has two or more
-    FloatBox box = {};
-    std::array<float, index_width> cost = {}; ///< [k - 1]: covered by at most k
-    bool is_leaf = false;                     ///< covered by one: better a leaf than a node
+    std::uint32_t left_count; ///< the left child is the next node, if it has two or more
+    std::uint32_t choices;    ///< how it is best covered, see BinaryTree
+    FloatBox box;
 };
 
 struct BinaryTree {
     IndexFrame frame;
     bool has_floats = false; ///< all the mesh's coordinates are
     std::vector<TriangleId> order;
-    std::vector<FloatBox> boxes;   ///< of the order's triangles
-    std::vector<BinaryNode> nodes; ///< parents before children, left before right; root first
+    GrowBuffer<FloatBox> boxes;   ///< of the order's triangles
+    GrowBuffer<BinaryNode> nodes; ///< parents before children, left before right; root first
 
-    /// A child of a node: its own place among the nodes, or a single triangle.
+    /// A run of the order: the node of two or more triangles, or a single triangle.
     struct Child {
-        std::uint32_t node = 0;  ///< meaningless for single triangles
-        std::uint32_t first = 0; ///< of the order
+        std::uint32_t node = 0; ///< meaningless for single triangles
+        std::uint32_t first = 0;
         std::uint32_t count = 0;
     };
-    [[nodiscard]] Child root() const noexcept;
-    [[nodiscard]] std::array<Child, 2> children(std::uint32_t node) const noexcept;
+    [[nodiscard]] Child root() const noexcept
+    {
+        return {0, 0, static_cast<std::uint32_t>(order.size())};
+    }
+    /// \pre at.count > 1
+    [[nodiscard]] std::array<Child, 2> children(const Child& at) const noexcept
+    {
+        const std::uint32_t left = nodes[at.node].left_count;
+        // A run of n triangles has n - 1 nodes.
+        return {
+            {{at.node + 1, at.first, left}, {at.node + left, at.first + left, at.count - left}}};
+    }
     [[nodiscard]] const FloatBox& box(const Child& child) const noexcept
     {
         return child.count == 1 ? boxes[child.first] : nodes[child.node].box;
     }
+
+    // Choices: three bits for each number of boxes from 2 up say how many the left child gets; then
+    // a bit for each says that one box does as well; the highest bit is set for leaves.
+    static constexpr std::uint32_t leaf_choice = 1U << 31U;
+    [[nodiscard]] static constexpr unsigned share_bit(std::uint32_t most) noexcept
+    {
+        return 3 * (most - 2);
+    }
+    [[nodiscard]] static constexpr unsigned single_bit(std::uint32_t most) noexcept
+    {
+        return 3 * (index_width - 1) + most - 2;
+    }
+
+    /// Whether it is better a leaf than a node.
     [[nodiscard]] bool is_leaf(const Child& child) const noexcept
     {
-        return child.count == 1 || nodes[child.node].is_leaf;
+        return child.count == 1 || (nodes[child.node].choices & leaf_choice) != 0;
     }
-    /// Of being covered by at most `most` boxes. \pre most in [1, index_width]
-    [[nodiscard]] float cost(const Child& child, std::uint32_t most) const noexcept;
+    /// Whether one box covers it as cheaply as `most`. \pre most in [1, index_width]
+    [[nodiscard]] bool is_single(const Child& child, std::uint32_t most) const noexcept
+    {
+        return most == 1 || child.count == 1 ||
+               (nodes[child.node].choices >> single_bit(most) & 1U) != 0;
+    }
     /// How many of `most` boxes the left child gets where a node is not covered by one; the right
     /// child gets the rest. \pre most in [2, index_width]
-    [[nodiscard]] std::uint32_t left_share(std::uint32_t node, std::uint32_t most) const noexcept;
+    [[nodiscard]] std::uint32_t left_share(std::uint32_t node, std::uint32_t most) const noexcept
+    {
+        return nodes[node].choices >> share_bit(most) & 7U;
+    }
 };
-
-/// Whether a float, not a subnormal one, holds the same number.
-[[nodiscard]] bool is_float(double value) noexcept;
 
 /// Error cancelled. The same for any number of threads. O(triangles log triangles).
 /// \pre the mesh has triangles, `box` is its box, `root` contains it

@@ -3,7 +3,8 @@
 #include "base/grow_buffer.h"
 #include "base/text.h"
 #include "index/binary_tree.h"
-#include "index/block_runs.h"
+#include "index/row_tables.h"
+#include "octree/build_octree.h"
 
 #include <algorithm>
 #include <bit>
@@ -27,9 +28,10 @@ constexpr double own_margin = 20 * 0x1p-24;
 constexpr double step_margin = 1.0 / 64;
 
 // Bytes per triangle at most: keys twice, order, boxes, nodes, rows and blocks.
-constexpr std::uint64_t scratch_bytes = 32 + 4 + 24 + sizeof(BinaryNode);
+constexpr std::uint64_t scratch_bytes = 32 + 4 + 24 + sizeof(BinaryNode) + edge_number_bytes;
 constexpr std::uint64_t index_bytes =
-    sizeof(IndexRow<double>) + sizeof(TriangleId) + 2 * sizeof(IndexBlock);
+    sizeof(TriangleRow<double>) + sizeof(TriangleId) + 2 * sizeof(IndexBlock) + 24;
+constexpr std::uint32_t triangles_of_part = 8192;
 
 /// One axis of a node's grid.
 struct GridAxis {
@@ -81,130 +83,104 @@ std::uint16_t upper_half(double value) noexcept
 
 } // namespace
 
-/// On huge pages where the system has them: rays jump about in it.
+/// On huge pages where the system has them: queries jump about in it.
 struct MeshIndexStorage {
-    GrowBuffer<std::byte> memory; ///< of the blocks, and room to align them
-    std::span<const IndexBlock> blocks;
-    GrowBuffer<IndexRow<float>> float_rows;
-    GrowBuffer<IndexRow<double>> double_rows;
+    GrowBuffer<std::byte> memory; ///< of the blocks, and what aligning them takes
+    RowTables tables;
     std::vector<TriangleId> ids;
 
-    void take(std::span<const IndexBlock> made)
+    std::span<IndexBlock> make_blocks(std::size_t count)
     {
-        memory.resize(made.size_bytes() + alignof(IndexBlock));
+        memory.resize((count + 1) * sizeof(IndexBlock));
         void* first = memory.data();
-        std::size_t room = memory.size();
-        first = std::align(alignof(IndexBlock), made.size_bytes(), first, room);
-        std::memcpy(first, made.data(), made.size_bytes());
-        blocks = {static_cast<const IndexBlock*>(first), made.size()};
+        std::size_t space = memory.size();
+        first = std::align(alignof(IndexBlock), count * sizeof(IndexBlock), first, space);
+        return {static_cast<IndexBlock*>(first), count};
     }
 };
 
-// Writes the blocks of a tree, depth first.
-class MeshIndexWriter {
-public:
-    MeshIndexWriter(const TriangleMesh& mesh, const BinaryTree& tree) : mesh_(mesh), tree_(tree) {}
+namespace detail {
 
-    bool write_blocks(Progress* progress)
+/// A node or leaf of the tree that is yet to be written.
+struct PendingBlock {
+    BinaryTree::Child child;
+    std::uint32_t block;
+    double extent; ///< the largest edge of the box that queries meet it by
+};
+
+constexpr std::uint32_t empty_leaf = 0; ///< what unused places refer to
+
+/// The runs that cover one best, by at most `most`; in their order.
+void cover(const BinaryTree& tree, const BinaryTree::Child& child, std::uint32_t most,
+           std::vector<BinaryTree::Child>& found)
+{
+    if (tree.is_single(child, most)) {
+        found.push_back(child);
+        return;
+    }
+    const auto [left, right] = tree.children(child);
+    const std::uint32_t share = tree.left_share(child.node, most);
+    cover(tree, left, share, found);
+    cover(tree, right, most - share, found);
+}
+
+/// The children of a wide node.
+void find_children(const BinaryTree& tree, const BinaryTree::Child& child,
+                   std::vector<BinaryTree::Child>& found)
+{
+    const auto [left, right] = tree.children(child);
+    const std::uint32_t share = tree.left_share(child.node, index_width);
+    cover(tree, left, share, found);
+    cover(tree, right, index_width - share, found);
+}
+
+/// How many blocks lie below a run's own, and not below those that `set_aside` takes.
+template <class SetAside>
+std::uint32_t count_blocks(const BinaryTree& tree, const BinaryTree::Child& top,
+                           const SetAside& set_aside)
+{
+    std::uint32_t count = 0;
+    std::vector<BinaryTree::Child> pending{top};
+    while (!pending.empty()) {
+        const BinaryTree::Child at = pending.back();
+        pending.pop_back();
+        if (set_aside(at) || tree.is_leaf(at)) continue;
+        const std::size_t before = pending.size();
+        find_children(tree, at, pending);
+        count += static_cast<std::uint32_t>(pending.size() - before);
+    }
+    return count;
+}
+
+// Writes blocks depth first, the children of a node side by side.
+class BlockWriter {
+public:
+    /// New blocks are those from `next` on.
+    BlockWriter(const TriangleMesh& mesh, const BinaryTree& tree, std::span<IndexBlock> blocks,
+                std::uint32_t next)
+        : mesh_(mesh), tree_(tree), blocks_(blocks), next_(next)
+    {}
+
+    /// Writes `top` and what lies below it, but for the blocks that `set_aside` takes.
+    template <class SetAside>
+    void write(const PendingBlock& top, const SetAside& set_aside)
     {
-        StageSteps steps(progress, "writing mesh index", tree_.order.size());
-        blocks_.resize(2);
-        // The empty leaf that unused places refer to.
-        blocks_[empty_leaf].leaf = {};
-        std::vector<Pending> pending;
-        constexpr double root_extent = 2.1; // rays come from the box [-1.01, 1.01]
-        root_ = 1U | (tree_.is_leaf(tree_.root()) ? index_leaf_bit : 0U);
-        pending.push_back({tree_.root(), 1, root_extent});
+        std::vector<PendingBlock> pending{top};
         while (!pending.empty()) {
-            const Pending at = pending.back();
+            const PendingBlock at = pending.back();
             pending.pop_back();
+            if (set_aside(at)) continue;
             if (tree_.is_leaf(at.child)) {
                 write_leaf(at);
-                if (!steps.done(at.child.count)) return false;
             } else {
                 write_node(at, pending);
             }
         }
-        return true;
     }
-
-    void write_rows(Threads threads)
-    {
-        if (tree_.has_floats) {
-            fill_rows(storage_.float_rows, threads);
-        } else {
-            fill_rows(storage_.double_rows, threads);
-        }
-    }
-
-    MeshIndex result()
-    {
-        write_runs(blocks_, root_);
-        storage_.take(blocks_);
-        storage_.ids = tree_.order;
-        auto storage = std::make_shared<const MeshIndexStorage>(std::move(storage_));
-        MeshIndex result;
-        result.center_ = tree_.frame.center;
-        result.scale_ = tree_.frame.scale;
-        result.unscale_ = 1 / tree_.frame.scale;
-        result.root_ = root_;
-        result.has_exact_leaves_ = has_exact_leaves_;
-        result.triangle_count_ = static_cast<std::uint32_t>(tree_.order.size());
-        result.blocks_ = storage->blocks;
-        result.float_rows_ = storage->float_rows.span();
-        result.double_rows_ = storage->double_rows.span();
-        result.ids_ = storage->ids;
-        result.storage_ = std::move(storage);
-        return result;
-    }
+    [[nodiscard]] bool has_exact_leaves() const noexcept { return has_exact_leaves_; }
 
 private:
     using Child = BinaryTree::Child;
-
-    static constexpr std::uint32_t empty_leaf = 0;
-
-    struct Pending {
-        Child child;
-        std::uint32_t block;
-        double extent; ///< the largest edge of the box that rays meet it by
-    };
-
-    template <class Scalar>
-    void fill_rows(GrowBuffer<IndexRow<Scalar>>& rows, Threads threads)
-    {
-        rows.resize(tree_.order.size());
-        constexpr std::size_t per_task = 4096;
-        parallel_for((rows.size() + per_task - 1) / per_task, threads, [&](std::size_t task) {
-            const std::size_t end = std::min(rows.size(), (task + 1) * per_task);
-            for (std::size_t i = task * per_task; i < end; ++i) {
-                rows[i].id = index(tree_.order[i]);
-                const Triangle triangle = mesh_.triangle(tree_.order[i]);
-                for (std::size_t corner = 0; corner < 3; ++corner) {
-                    for (std::size_t axis = 0; axis < 3; ++axis) {
-                        rows[i].corners[corner][axis] = static_cast<Scalar>(
-                            triangle.vertices[corner][static_cast<Eigen::Index>(axis)]);
-                    }
-                }
-            }
-        });
-    }
-
-    /// The boxes that cover a node best, by at most `most`.
-    void cover(const Child& child, std::uint32_t most, std::vector<Child>& found) const
-    {
-        if (most == 1 || child.count == 1 || tree_.cost(child, most) == tree_.cost(child, 1)) {
-            found.push_back(child);
-            return;
-        }
-        open(child, most, found);
-    }
-    void open(const Child& child, std::uint32_t most, std::vector<Child>& found) const
-    {
-        const auto [left, right] = tree_.children(child.node);
-        const std::uint32_t share = tree_.left_share(child.node, most);
-        cover(left, share, found);
-        cover(right, most - share, found);
-    }
 
     /// Gives children the places of octants: place[slot] = child or none. What lies on the side of
     /// an octant gains by how far; greedily, then by swaps of two.
@@ -240,12 +216,12 @@ private:
         return place;
     }
 
-    void write_node(const Pending& at, std::vector<Pending>& pending)
+    void write_node(const PendingBlock& at, std::vector<PendingBlock>& pending)
     {
         found_.clear();
-        open(at.child, index_width, found_);
-        const auto first = static_cast<std::uint32_t>(blocks_.size());
-        blocks_.resize(first + found_.size());
+        find_children(tree_, at.child, found_);
+        std::uint32_t block = next_;
+        next_ += static_cast<std::uint32_t>(found_.size());
         IndexNode& node = blocks_[at.block].node;
         const FloatBox& box = tree_.box(at.child);
         std::array<GridAxis, 3> grid;
@@ -256,7 +232,6 @@ private:
             node.step[axis] = grid[axis].step;
         }
         const std::array<int, 8> place = give_places(box);
-        std::uint32_t block = first;
         const std::size_t mark = pending.size();
         for (std::size_t slot = 0; slot < 8; ++slot) {
             const auto i = static_cast<std::size_t>(place[slot]);
@@ -280,9 +255,26 @@ private:
             pending.push_back({found_[i], block++, extent});
         }
         std::reverse(pending.begin() + static_cast<std::ptrdiff_t>(mark), pending.end());
+        write_runs(at.child.first, place, node);
     }
 
-    void write_leaf(const Pending& at)
+    /// Which rows lie below which place.
+    void write_runs(std::uint32_t first_row, const std::array<int, 8>& place, IndexNode& node) const
+    {
+        node.first_row = first_row;
+        node.order = ~0U;
+        node.starts.fill(0);
+        // Children were found in the order of their rows.
+        for (std::size_t slot = 0; slot < 8; ++slot) {
+            const auto i = static_cast<std::size_t>(place[slot]);
+            if (i >= found_.size()) continue;
+            node.order ^= (IndexNode::no_child ^ static_cast<std::uint32_t>(slot)) << 4 * i;
+            node.starts[slot] = static_cast<std::uint16_t>(
+                std::min(found_[i].first - first_row, std::uint32_t{IndexNode::far_start}));
+        }
+    }
+
+    void write_leaf(const PendingBlock& at)
     {
         IndexLeaf leaf = {};
         std::array<std::uint32_t, index_width> vertices{};
@@ -305,7 +297,7 @@ private:
                 const auto k = static_cast<Eigen::Index>(axis);
                 leaf.coordinates[axis][i] = static_cast<float>(p[k]);
                 has_exact_leaves_ = has_exact_leaves_ && is_float(p[k]) &&
-                                    p[k] / tree_.frame.scale + tree_.frame.center[k] == own[k];
+                                    p[k] * unscale_ + tree_.frame.center[k] == own[k];
             }
         }
         leaf.first_row = at.child.first;
@@ -316,37 +308,128 @@ private:
 
     const TriangleMesh& mesh_;
     const BinaryTree& tree_;
-    std::uint32_t root_ = 0;
+    std::span<IndexBlock> blocks_;
+    std::uint32_t next_;
     bool has_exact_leaves_ = true;
-    std::vector<IndexBlock> blocks_;
-    MeshIndexStorage storage_;
-    std::vector<Child> found_; ///< of the node being written
+    double unscale_ = 1 / tree_.frame.scale;
+    std::vector<Child> found_; ///< of the node being written, in the order of their rows
 };
 
-Result<MeshIndex> build_mesh_index(const Octree& octree, const TriangleMesh& mesh,
-                                   const MeshIndexOptions& options)
+} // namespace detail
+
+using detail::BlockWriter;
+using detail::count_blocks;
+using detail::empty_leaf;
+using detail::PendingBlock;
+
+// The steps of build_mesh_index, in the order of their calls there.
+class MeshIndexWriter {
+public:
+    MeshIndexWriter(const TriangleMesh& mesh, BinaryTree tree) : mesh_(mesh), tree_(std::move(tree))
+    {}
+
+    /// The top of the tree first, then side by side the parts below it.
+    bool write_blocks(Threads threads, Progress* progress)
+    {
+        if (progress != nullptr) progress->begin_stage("writing mesh index", tree_.order.size());
+        constexpr double root_extent = 2.1; // rays come from the box [-1.01, 1.01]
+        root_ = 1U | (tree_.is_leaf(tree_.root()) ? index_leaf_bit : 0U);
+        const auto is_part = [](const BinaryTree::Child& at) {
+            return at.count <= triangles_of_part;
+        };
+        std::vector<BinaryTree::Child> tops;
+        const std::uint32_t top_end = 2 + count_blocks(tree_, tree_.root(), [&](const auto& at) {
+                                          if (is_part(at)) tops.push_back(at);
+                                          return is_part(at);
+                                      });
+        std::ranges::sort(tops, {}, &BinaryTree::Child::first);
+        std::vector<std::uint32_t> ends(tops.size(), 0);
+        parallel_for(tops.size(), threads, [&](std::size_t i) {
+            ends[i] = count_blocks(tree_, tops[i], [](const auto&) { return false; });
+        });
+        std::uint32_t end = top_end;
+        for (std::uint32_t& each : ends) each = end += each;
+        const std::span<IndexBlock> blocks = storage_.make_blocks(end);
+        blocks[empty_leaf].leaf = {};
+        std::vector<PendingBlock> parts; // with the places that the top gives them
+        BlockWriter top(mesh_, tree_, blocks, 2);
+        top.write({tree_.root(), 1, root_extent}, [&](const PendingBlock& at) {
+            if (is_part(at.child)) parts.push_back(at);
+            return is_part(at.child);
+        });
+        std::ranges::sort(parts, {}, [](const PendingBlock& at) { return at.child.first; });
+        std::vector<unsigned char> is_exact(parts.size(), 0);
+        parallel_for(parts.size(), threads, [&](std::size_t i) {
+            if (is_cancelled(progress)) return;
+            BlockWriter writer(mesh_, tree_, blocks, i == 0 ? top_end : ends[i - 1]);
+            writer.write(parts[i], [](const PendingBlock&) { return false; });
+            is_exact[i] = writer.has_exact_leaves() ? 1 : 0;
+            if (progress != nullptr) progress->advance(parts[i].child.count);
+        });
+        has_exact_leaves_ = std::ranges::all_of(is_exact, [](auto exact) { return exact != 0; });
+        blocks_ = blocks;
+        return !is_cancelled(progress);
+    }
+
+    void write_rows(const EdgeNumbers& edges, Threads threads)
+    {
+        storage_.tables = make_row_tables(mesh_, edges, tree_.order, threads);
+    }
+
+    MeshIndex result()
+    {
+        storage_.ids = std::move(tree_.order);
+        auto storage = std::make_shared<const MeshIndexStorage>(std::move(storage_));
+        MeshIndex result;
+        result.center_ = tree_.frame.center;
+        result.scale_ = tree_.frame.scale;
+        result.unscale_ = 1 / tree_.frame.scale;
+        result.root_ = root_;
+        result.has_exact_leaves_ = has_exact_leaves_;
+        result.triangle_count_ = static_cast<std::uint32_t>(storage->ids.size());
+        result.blocks_ = blocks_;
+        result.float_rows_ = storage->tables.float_rows.span();
+        result.double_rows_ = storage->tables.double_rows.span();
+        result.vertex_places_ = storage->tables.vertex_places.span();
+        result.edge_places_ = storage->tables.edge_places.span();
+        result.ids_ = storage->ids;
+        result.storage_ = std::move(storage);
+        return result;
+    }
+
+private:
+    const TriangleMesh& mesh_;
+    BinaryTree tree_;
+    std::uint32_t root_ = 0;
+    bool has_exact_leaves_ = true;
+    std::span<const IndexBlock> blocks_;
+    MeshIndexStorage storage_;
+};
+
+Result<MeshIndex> build_mesh_index(const TriangleMesh& mesh, const MeshIndexOptions& options)
 {
     const Result<Box> box = checked_bounding_box(mesh);
     if (!box) return tl::unexpected(box.error());
-    const Box root = octree.nodes().empty() ? Box{} : octree.box(octree.root());
-    if (octree.triangle_count() != mesh.triangle_count() || !root.contains(box->lower) ||
-        !root.contains(box->upper)) {
-        return fail(ErrorCode::invalid_argument,
-                    concat("the octree is of another mesh: it has ", octree.triangle_count(),
-                           " triangles, this one ", mesh.triangle_count()),
-                    "octree");
+    if (mesh.triangle_count() > max_index_triangles) {
+        return fail(ErrorCode::limit_exceeded,
+                    concat("a mesh index has at most ", max_index_triangles,
+                           " triangles, this mesh has ", mesh.triangle_count()));
     }
     const std::uint64_t needed = mesh.triangle_count() * (scratch_bytes + index_bytes);
     if (auto status = check_budget(options.budget, needed, "the mesh index", "raise the budget");
         !status)
         return tl::unexpected(status.error());
-    const auto tree =
-        build_binary_tree(mesh, *box, octree.frame(), options.threads, options.progress);
-    if (!tree) return tl::unexpected(tree.error());
-    MeshIndexWriter writer(mesh, *tree);
-    if (!writer.write_blocks(options.progress))
+    const auto cancelled = [] {
         return fail(ErrorCode::cancelled, "mesh index: stopped on request");
-    writer.write_rows(options.threads);
+    };
+    auto tree = build_binary_tree(mesh, *box, tight_root(*box, RootShape::cube), options.threads,
+                                  options.progress);
+    if (!tree) return tl::unexpected(tree.error());
+    MeshIndexWriter writer(mesh, std::move(*tree));
+    if (!writer.write_blocks(options.threads, options.progress)) return cancelled();
+    const auto edges = number_edges(mesh, options.threads, options.progress);
+    if (!edges) return cancelled();
+    writer.write_rows(*edges, options.threads);
     return writer.result();
 }
 

@@ -1,7 +1,6 @@
-// Builds what rays are cast against from an octree and its mesh.
+// Builds the one structure that all queries of a mesh ask.
 //
-//     auto octree = build_octree(mesh);
-//     auto index = build_mesh_index(*octree, mesh);
+//     auto index = build_mesh_index(mesh);
 //     auto hit = closest_hit(*index, {.origin = eye, .direction = view});
 #pragma once
 
@@ -11,7 +10,6 @@
 #include "base/result.h"
 #include "index/mesh_index.h"
 #include "mesh/triangle_mesh.h"
-#include "octree/octree.h"
 
 namespace proxima {
 
@@ -21,12 +19,10 @@ struct MeshIndexOptions {
     Progress* progress = nullptr; ///< watched and obeyed where given
 };
 
-/// The index has the octree's cells, from its root down, as deep as triangles lie close: neither
-/// the octree's depth nor its threshold matters. It needs neither octree nor mesh afterwards. The
-/// same bits for any number of threads. Errors: invalid_argument (the octree is of another mesh),
-/// invalid_mesh (empty, NaN), budget_exceeded, cancelled. About 0.5 us and, once built, 60 to 130
-/// bytes per triangle.
-[[nodiscard]] Result<MeshIndex> build_mesh_index(const Octree& octree, const TriangleMesh& mesh,
+/// Keeps nothing of the mesh. The same bits for any number of threads. Errors: invalid_mesh (empty,
+/// NaN), limit_exceeded (more than max_index_triangles), budget_exceeded, cancelled. About 0.5 us
+/// and, once built, 100 bytes per triangle, 140 where positions are no floats.
+[[nodiscard]] Result<MeshIndex> build_mesh_index(const TriangleMesh& mesh,
                                                  const MeshIndexOptions& options = {});
 
 } // namespace proxima

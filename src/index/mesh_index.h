@@ -1,20 +1,21 @@
-// What rays are cast against: the octree's cells once more, eight children at a time, with boxes
-// drawn tight around what they hold and every triangle in one place.
+// One structure for all queries of a mesh: the octree's cells, eight children to a node, with boxes
+// drawn tight around what they hold, and every triangle in one place.
 //
+//     frame    centre and scale: coordinates of blocks are in units of the mesh's size
 //     blocks   128 bytes each, a node's children side by side
 //       node   8 boxes of 6 bytes: plane = origin + (32768 + byte) step, outward; 8 references
 //       leaf   up to 8 triangles among up to 8 vertices: coordinates in floats, corners as bytes
-//     rows     the triangles in the order of the leaves, in doubles (or floats where that is the
-//              same), with their ids: what hits are computed from, unless leaves hold the same;
-//              below a block they are a run
-//     ids      those of the rows once more, on their own
+//     rows     the triangles in the order of the leaves (triangle_row.h), in doubles, or in floats
+//              where these are the same: corners, ids, vertices, edges; below a block they are a run
+//     ids      the triangle ids of the rows, side by side
+//     places   of each vertex and edge, its lowest triangle and where it is there (place_word)
 //
-// Where the octree keeps a triangle in every leaf that it touches, here it is kept in the cell in
-// which its centre lies; chains of cells with a single child are left out, and levels joined where
-// that makes fewer steps. Coordinates of blocks are in units of the mesh's size about its centre.
+// The order of the rows is the Morton curve of the octree's cells by the triangles' centres. Chains
+// of cells with a single child are left out, and levels are joined where that makes fewer steps.
 #pragma once
 
 #include "geometry/shapes.h"
+#include "index/triangle_row.h"
 #include "mesh/triangle_mesh.h"
 
 #include <array>
@@ -60,22 +61,8 @@ static_assert(sizeof(IndexBlock) == 128);
 /// References are places of blocks, with this bit for leaves.
 inline constexpr std::uint32_t index_leaf_bit = 1U << 31U;
 
-/// A triangle and its id in the mesh.
-template <class Scalar>
-struct IndexRow {
-    std::array<std::array<Scalar, 3>, 3> corners;
-    std::uint32_t id;
-
-    [[nodiscard]] Triangle triangle() const noexcept
-    {
-        Triangle result;
-        for (std::size_t i = 0; i < 3; ++i) {
-            for (std::size_t axis = 0; axis < 3; ++axis)
-                result.vertices[i][static_cast<int>(axis)] = static_cast<double>(corners[i][axis]);
-        }
-        return result;
-    }
-};
+/// The most triangles that rows have ids for.
+inline constexpr std::size_t max_index_triangles = std::size_t{1} << 28U;
 
 /// Immutable; copies share the storage. Thread safe. Made by build_mesh_index.
 class MeshIndex {
@@ -84,23 +71,38 @@ public:
     static constexpr std::size_t max_levels = 63 + 31;
 
     [[nodiscard]] std::uint32_t triangle_count() const noexcept { return triangle_count_; }
+    [[nodiscard]] std::size_t vertex_count() const noexcept { return vertex_places_.size(); }
+    [[nodiscard]] std::size_t edge_count() const noexcept { return edge_places_.size(); }
     [[nodiscard]] std::span<const IndexBlock> blocks() const noexcept { return blocks_; }
     [[nodiscard]] std::uint32_t root() const noexcept { return root_; }
-    [[nodiscard]] std::span<const IndexRow<float>> float_rows() const noexcept
+    [[nodiscard]] std::span<const TriangleRow<float>> float_rows() const noexcept
     {
         return float_rows_;
     }
-    [[nodiscard]] std::span<const IndexRow<double>> double_rows() const noexcept
+    [[nodiscard]] std::span<const TriangleRow<double>> double_rows() const noexcept
     {
         return double_rows_;
     }
 
     /// Ids of the triangles in the order of the leaves.
     [[nodiscard]] std::span<const TriangleId> ids() const noexcept { return ids_; }
-    /// The triangle of a row. \pre row < triangle_count()
+    /// The corners of a row. \pre row < triangle_count()
     [[nodiscard]] Triangle triangle(std::uint32_t row) const noexcept
     {
-        return double_rows_.empty() ? float_rows_[row].triangle() : double_rows_[row].triangle();
+        return double_rows_.empty() ? float_rows_[row].corners() : double_rows_[row].corners();
+    }
+    /// The id of a row's triangle. \pre row < triangle_count()
+    [[nodiscard]] TriangleId id(std::uint32_t row) const noexcept { return ids_[row]; }
+
+    /// Of each vertex and each edge of the mesh, by id: its lowest triangle and where it is there
+    /// (place_word). Edges are numbered as Topology does.
+    [[nodiscard]] std::span<const std::uint32_t> vertex_places() const noexcept
+    {
+        return vertex_places_;
+    }
+    [[nodiscard]] std::span<const std::uint32_t> edge_places() const noexcept
+    {
+        return edge_places_;
     }
 
     /// Whether coordinate * unscale() + center() of a leaf's vertex, in doubles, is the mesh's own.
@@ -112,11 +114,11 @@ public:
     [[nodiscard]] double scale() const noexcept { return scale_; }
     [[nodiscard]] double unscale() const noexcept { return unscale_; }
 
-    /// Bytes of blocks, rows and ids.
+    /// Bytes of all arrays.
     [[nodiscard]] std::uint64_t bytes() const noexcept
     {
         return blocks_.size_bytes() + float_rows_.size_bytes() + double_rows_.size_bytes() +
-               ids_.size_bytes();
+               ids_.size_bytes() + vertex_places_.size_bytes() + edge_places_.size_bytes();
     }
 
 private:
@@ -129,9 +131,11 @@ private:
     std::uint32_t triangle_count_ = 0;
     bool has_exact_leaves_ = false;
     std::span<const IndexBlock> blocks_;
-    std::span<const IndexRow<float>> float_rows_; ///< or double_rows_, not both
-    std::span<const IndexRow<double>> double_rows_;
+    std::span<const TriangleRow<float>> float_rows_; ///< or double_rows_, not both
+    std::span<const TriangleRow<double>> double_rows_;
     std::span<const TriangleId> ids_;
+    std::span<const std::uint32_t> vertex_places_;
+    std::span<const std::uint32_t> edge_places_;
     std::shared_ptr<const void> storage_;
 };
 

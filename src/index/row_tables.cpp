@@ -3,29 +3,13 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 namespace proxima {
 
 namespace {
 
-/// Whether a normal float holds the number exactly: by its bits, as compilers may drop the rounding
-/// of a conversion there and back.
-bool fits_float(double number)
-{
-    if (number == 0) return true;
-    const auto bits = std::bit_cast<std::uint64_t>(number);
-    constexpr std::uint64_t lost = (std::uint64_t{1} << 29U) - 1;
-    const int exponent = std::ilogb(number);
-    return (bits & lost) == 0 && exponent >= -126 && exponent <= 127;
-}
-
-/// Whether floats hold every position exactly.
-bool fit_floats(const TriangleMesh& mesh)
-{
-    return std::ranges::all_of(mesh.positions(), [](const Vec3& p) {
-        return fits_float(p[0]) && fits_float(p[1]) && fits_float(p[2]);
-    });
-}
+constexpr std::uint64_t lost_by_floats = (std::uint64_t{1} << 29U) - 1; // bits that floats lack
 
 /// Longest side by height beyond which a triangle's inside wants care: up to there feet are right
 /// to 2^-52 times its square, of the side.
@@ -40,53 +24,91 @@ bool is_thin(const Triangle& triangle)
     return !(squared <= thin_condition * ab.cross(ac).norm());
 }
 
+constexpr std::size_t items_per_task = 4096;
+
+/// body(i) for every i in [0, count).
+template <class Body>
+void for_each_item(std::size_t count, Threads threads, const Body& body)
+{
+    parallel_for((count + items_per_task - 1) / items_per_task, threads, [&](std::size_t task) {
+        const std::size_t end = std::min(count, (task + 1) * items_per_task);
+        for (std::size_t i = task * items_per_task; i < end; ++i)
+            body(static_cast<std::uint32_t>(i));
+    });
+}
+
 template <class Scalar>
-void fill_rows(const TriangleMesh& mesh, const Topology& topology,
-               std::span<const TriangleId> order, GrowBuffer<TriangleRow<Scalar>>& rows)
+void fill_rows(const TriangleMesh& mesh, const EdgeNumbers& edges,
+               std::span<const TriangleId> order, Threads threads,
+               GrowBuffer<TriangleRow<Scalar>>& rows)
 {
     rows.resize(order.size());
-    for (std::size_t rank = 0; rank < order.size(); ++rank) {
+    for_each_item(order.size(), threads, [&](std::uint32_t rank) {
         const TriangleId id = order[rank];
         const Triangle triangle = mesh.triangle(id);
-        TriangleRow<Scalar>& row = rows[rank];
-        row = {};
+        const TriangleCorners& corners = mesh.triangles()[index(id)];
+        TriangleRow<Scalar> row;
         row.triangle = index(id) | (is_thin(triangle) ? TriangleRow<Scalar>::thin_bit : 0U);
         for (int i = 0; i < 3; ++i) {
             const auto k = static_cast<std::size_t>(i);
             for (int axis = 0; axis < 3; ++axis)
                 row.coordinates[axis][i] = static_cast<Scalar>(triangle[i][axis]);
-            const TriangleCorners& corners = mesh.triangles()[index(id)];
             row.vertices[i] = corners[k];
             if (corners[k] > corners[(k + 1) % 3])
                 row.triangle |= TriangleRow<Scalar>::side_bit << k;
-            row.edges[i] = index(topology.edges(id)[k]);
+            row.edges[i] = index(edges.triangle_edges[index(id)][k]);
         }
+        rows[rank] = row;
+    });
+}
+
+/// By vertex: its first corner in its lowest triangle.
+void fill_vertex_places(const TriangleMesh& mesh, GrowBuffer<std::uint32_t>& places)
+{
+    places.resize(mesh.vertex_count());
+    std::ranges::fill(places.span(), place_word::none);
+    for (auto id = static_cast<std::uint32_t>(mesh.triangle_count()); id-- > 0;) {
+        for (std::uint32_t corner = 3; corner-- > 0;)
+            places[mesh.triangles()[id][corner]] = place_word::make(id, corner, false);
     }
 }
 
-std::uint32_t place_of_vertex(const TriangleMesh& mesh, TriangleId triangle, std::uint32_t vertex)
+/// Of the sides of a triangle that are the same edge: the one between the first corners of its
+/// vertices, as side_of() has it. They are two where two corners are one vertex.
+std::uint32_t place_of_edge(const TriangleMesh& mesh, const EdgeNumbers& edges, std::uint32_t edge)
 {
-    const TriangleCorners& corners = mesh.triangles()[index(triangle)];
-    const auto corner = std::ranges::find(corners, vertex) - corners.begin();
-    return place_word::make(index(triangle), static_cast<std::uint32_t>(corner), false);
-}
-
-/// The side between the first corners of its vertices, as side_of() has it.
-std::uint32_t place_of_edge(const TriangleMesh& mesh, const Topology& topology, TriangleId triangle,
-                            EdgeId edge)
-{
-    const TriangleCorners& corners = mesh.triangles()[index(triangle)];
-    const auto first = [&](std::uint32_t corner) {
+    const std::uint32_t triangle = edges.first_sides[edge] / 3;
+    const TriangleCorners& corners = mesh.triangles()[triangle];
+    const auto is_first = [&](std::uint32_t corner) {
         return std::ranges::find(corners, corners[corner]) - corners.begin() == corner;
     };
     std::uint32_t side = 2;
-    for (std::uint32_t k = 0; k < 2; ++k)
-        if (topology.edges(triangle)[k] == edge && first(k) && first(k + 1)) side = k;
+    for (std::uint32_t k = 0; k < 2; ++k) {
+        if (edges.triangle_edges[triangle][k] == EdgeId{edge} && is_first(k) && is_first(k + 1))
+            side = k;
+    }
     const std::uint32_t next = side == 2 ? 0 : side + 1;
-    return place_word::make(index(triangle), side, corners[side] > corners[next]);
+    return place_word::make(triangle, side, corners[side] > corners[next]);
 }
 
 } // namespace
+
+// By its bits: g++ 12 drops the rounding of a conversion there and back where it makes vectors of
+// it.
+bool is_float(double value) noexcept
+{
+    const double size = std::abs(value);
+    return size == 0 || ((std::bit_cast<std::uint64_t>(value) & lost_by_floats) == 0 &&
+                         size >= static_cast<double>(std::numeric_limits<float>::min()) &&
+                         size <= static_cast<double>(std::numeric_limits<float>::max()));
+}
+
+bool has_floats(const TriangleMesh& mesh) noexcept
+{
+    return std::ranges::all_of(mesh.positions(), [](const Vec3& p) {
+        return is_float(p.x()) && is_float(p.y()) && is_float(p.z());
+    });
+}
 
 std::uint64_t RowTables::bytes() const noexcept
 {
@@ -94,26 +116,20 @@ std::uint64_t RowTables::bytes() const noexcept
            vertex_places.span().size_bytes() + edge_places.span().size_bytes();
 }
 
-RowTables make_row_tables(const TriangleMesh& mesh, const Topology& topology,
-                          std::span<const TriangleId> order)
+RowTables make_row_tables(const TriangleMesh& mesh, const EdgeNumbers& edges,
+                          std::span<const TriangleId> order, Threads threads)
 {
     RowTables tables;
-    if (fit_floats(mesh))
-        fill_rows(mesh, topology, order, tables.float_rows);
-    else
-        fill_rows(mesh, topology, order, tables.double_rows);
-    tables.vertex_places.resize(topology.vertex_count());
-    for (std::uint32_t i = 0; i < topology.vertex_count(); ++i) {
-        const auto star = topology.triangles(VertexId{i});
-        tables.vertex_places[i] =
-            star.empty() ? place_word::none : place_of_vertex(mesh, star.front(), i);
+    if (has_floats(mesh)) {
+        fill_rows(mesh, edges, order, threads, tables.float_rows);
+    } else {
+        fill_rows(mesh, edges, order, threads, tables.double_rows);
     }
-    tables.edge_places.resize(topology.edge_count());
-    for (std::uint32_t i = 0; i < topology.edge_count(); ++i) {
-        const EdgeId edge{i};
-        tables.edge_places[i] =
-            place_of_edge(mesh, topology, topology.triangles(edge).front(), edge);
-    }
+    fill_vertex_places(mesh, tables.vertex_places);
+    tables.edge_places.resize(edges.first_sides.size());
+    for_each_item(edges.first_sides.size(), threads, [&](std::uint32_t edge) {
+        tables.edge_places[edge] = place_of_edge(mesh, edges, edge);
+    });
     return tables;
 }
 

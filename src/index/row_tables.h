@@ -2,8 +2,9 @@
 #pragma once
 
 #include "base/grow_buffer.h"
+#include "base/parallel.h"
 #include "index/triangle_row.h"
-#include "mesh/topology.h"
+#include "mesh/edge_numbers.h"
 #include "mesh/triangle_mesh.h"
 
 #include <cstdint>
@@ -20,8 +21,15 @@ struct RowTables {
     [[nodiscard]] std::uint64_t bytes() const noexcept;
 };
 
-/// Rows in the given order, of floats where they hold every position exactly. O(mesh).
-[[nodiscard]] RowTables make_row_tables(const TriangleMesh& mesh, const Topology& topology,
-                                        std::span<const TriangleId> order);
+/// Whether a float, not a subnormal one, holds the same number.
+[[nodiscard]] bool is_float(double value) noexcept;
+
+/// Whether floats hold every position exactly. O(vertices).
+[[nodiscard]] bool has_floats(const TriangleMesh& mesh) noexcept;
+
+/// Rows in the given order, of floats where they hold every position exactly. O(mesh); the same for
+/// any number of threads.
+[[nodiscard]] RowTables make_row_tables(const TriangleMesh& mesh, const EdgeNumbers& edges,
+                                        std::span<const TriangleId> order, Threads threads);
 
 } // namespace proxima

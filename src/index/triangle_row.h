@@ -1,14 +1,13 @@
 // One triangle as the recheck in doubles reads it: corners and the names of its features in one
 // place, in Morton order.
 //
-//     float row    x 3 | y 3 | z 3, 4 bytes each | triangle | vertices 3 | edges 3    one cache
-//     line double row   x 3 | y 3 | z 3, 8 bytes each | triangle | vertices 3 | edges 3 | 0     104
-//     bytes
+//     float row    x 3 | y 3 | z 3, 4 bytes each | triangle | vertices 3 | edges 3       64 bytes
+//     double row   x 3 | y 3 | z 3, 8 bytes each | triangle | vertices 3 | edges 3 | 0  104 bytes
 //
 // Most scans were written as floats: their rows hold the doubles exactly in half the space.
 #pragma once
 
-#include "geometry/vec.h"
+#include "geometry/shapes.h"
 #include "mesh/feature.h"
 
 #include <array>
@@ -51,6 +50,7 @@ struct TriangleRow {
         return {static_cast<double>(coordinates[0][i]), static_cast<double>(coordinates[1][i]),
                 static_cast<double>(coordinates[2][i])};
     }
+    [[nodiscard]] Triangle corners() const noexcept { return {{corner(0), corner(1), corner(2)}}; }
 };
 static_assert(sizeof(TriangleRow<float>) == 64);
 static_assert(sizeof(TriangleRow<double>) == 104);

@@ -1,30 +1,16 @@
 #include "mesh/topology.h"
 
 #include "base/text.h"
+#include "mesh/edge_numbers.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace proxima {
 
 namespace {
 
-// Side k of triangle t is number 3 t + k; the sides of an edge are found by its lower vertex.
-using Side = std::uint32_t;
-constexpr Side no_side = std::numeric_limits<Side>::max();
-
-constexpr std::size_t vertices_per_task = 4096;
-constexpr std::size_t topology_task = 16384;
-constexpr std::uint64_t topology_stages = 5;
-
-std::size_t task_count(std::size_t items, std::size_t per_task) noexcept
-{
-    return (items + per_task - 1) / per_task;
-}
-
-std::uint32_t corner_after(const TriangleCorners& corners, std::size_t corner) noexcept
-{
-    return corners[corner == 2 ? 0 : corner + 1];
-}
+constexpr std::uint64_t topology_stages = 3;
 
 // Rows of a variable length: `for_each(visit)` calls visit(row, item) twice over, in the same
 // order; items keep that order within their row.
@@ -45,70 +31,6 @@ void fill_rows(std::size_t rows, const ForEach& for_each, std::vector<std::uint3
     std::shift_right(first.begin(), first.end(), 1);
     first[0] = 0;
 }
-
-// The lowest side of the same edge, for all sides whose lower vertex is given.
-class SideMatcher {
-public:
-    explicit SideMatcher(std::span<Side> first_sides) : first_sides_(first_sides) {}
-
-    void match(std::uint32_t vertex, std::span<const TriangleId> star,
-               std::span<const TriangleCorners> triangles)
-    {
-        found_.clear();
-        for (const TriangleId triangle : star) {
-            const TriangleCorners& corners = triangles[index(triangle)];
-            for (std::size_t k = 0; k < 3; ++k) {
-                const auto [low, high] = std::minmax({corners[k], corner_after(corners, k)});
-                const Side side = 3 * index(triangle) + static_cast<Side>(k);
-                if (low != vertex) continue;
-                if (low == high) {
-                    first_sides_[side] = no_side;
-                } else {
-                    found_.push_back({high, side});
-                }
-            }
-        }
-        if (found_.size() <= short_list) {
-            search_short();
-        } else {
-            search_sorted();
-        }
-    }
-
-private:
-    struct Found {
-        std::uint32_t high;
-        Side side;
-        friend bool operator<(const Found& a, const Found& b) noexcept
-        {
-            return a.high != b.high ? a.high < b.high : a.side < b.side;
-        }
-    };
-    static constexpr std::size_t short_list = 24;
-
-    void search_short() noexcept
-    {
-        for (const Found& each : found_) {
-            const auto first = std::find_if(found_.begin(), found_.end(), [&](const Found& other) {
-                return other.high == each.high;
-            });
-            first_sides_[each.side] = first->side;
-        }
-    }
-
-    void search_sorted()
-    {
-        std::sort(found_.begin(), found_.end());
-        Found first = found_.front();
-        for (const Found& each : found_) {
-            if (each.high != first.high) first = each;
-            first_sides_[each.side] = first.side;
-        }
-    }
-
-    std::span<Side> first_sides_;
-    std::vector<Found> found_;
-};
 
 } // namespace
 
@@ -148,59 +70,21 @@ public:
         advance();
     }
 
-    void match_sides()
+    // Edges, numbered where their first side stands.
+    Status list_edges()
     {
-        first_sides_.resize(3 * mesh_.triangle_count());
-        parallel_for(
-            task_count(mesh_.vertex_count(), vertices_per_task), options_.threads,
-            [&](std::size_t task) {
-                if (is_cancelled(options_.progress)) return;
-                SideMatcher matcher(first_sides_);
-                const std::size_t begin = task * vertices_per_task;
-                const std::size_t end = std::min(begin + vertices_per_task, mesh_.vertex_count());
-                for (std::size_t vertex = begin; vertex < end; ++vertex) {
-                    const auto id = static_cast<std::uint32_t>(vertex);
-                    matcher.match(id, topology_.triangles(VertexId{id}), mesh_.triangles());
-                }
-            });
-        advance();
-    }
-
-    // Edges get their numbers where their first side stands.
-    Status number_edges()
-    {
-        const std::size_t tasks = task_count(first_sides_.size(), 3 * topology_task);
-        std::vector<std::uint32_t> first_edge(tasks + 1, 0);
-        parallel_for(tasks, options_.threads, [&](std::size_t task) {
-            std::uint32_t count = 0;
-            for_sides(task, [&](Side side) { count += first_sides_[side] == side ? 1U : 0U; });
-            first_edge[task + 1] = count;
-        });
-        for (std::size_t task = 0; task < tasks; ++task) first_edge[task + 1] += first_edge[task];
-
-        const std::size_t edges = first_edge.back();
-        if (Status fits = check_bytes(edges); !fits) return fits;
-        topology_.edge_vertices_.resize(edges);
-        topology_.triangle_edges_.resize(mesh_.triangle_count());
-        parallel_for(tasks, options_.threads, [&](std::size_t task) {
-            std::uint32_t next = first_edge[task];
-            for_sides(task, [&](Side side) {
-                if (first_sides_[side] != side) return;
-                const TriangleCorners& corners = mesh_.triangles()[side / 3];
-                const auto [low, high] =
-                    std::minmax({corners[side % 3], corner_after(corners, side % 3)});
-                topology_.edge_vertices_[next] = {VertexId{low}, VertexId{high}};
-                edge_of(side) = EdgeId{next++};
-            });
-        });
-        parallel_for(tasks, options_.threads, [&](std::size_t task) {
-            for_sides(task, [&](Side side) {
-                const Side first = first_sides_[side];
-                if (first != side) edge_of(side) = first == no_side ? no_edge : edge_of(first);
-            });
-        });
-        first_sides_ = {};
-        advance();
+        Result<EdgeNumbers> numbers = number_edges(mesh_, options_.threads, options_.progress);
+        if (!numbers) return tl::unexpected(numbers.error());
+        if (Status fits = check_bytes(numbers->first_sides.size()); !fits) return fits;
+        topology_.triangle_edges_ = std::move(numbers->triangle_edges);
+        topology_.edge_vertices_.reserve(numbers->first_sides.size());
+        for (const std::uint32_t side : numbers->first_sides) {
+            const TriangleCorners& corners = mesh_.triangles()[side / 3];
+            const std::size_t corner = side % 3;
+            const auto [low, high] =
+                std::minmax(corners[corner], corners[corner == 2 ? 0 : corner + 1]);
+            topology_.edge_vertices_.push_back({VertexId{low}, VertexId{high}});
+        }
         return {};
     }
 
@@ -242,26 +126,14 @@ private:
     [[nodiscard]] Status check_bytes(std::size_t edges) const
     {
         const std::uint64_t per_vertex = 2 * sizeof(std::uint32_t);
-        const std::uint64_t per_side = sizeof(Side) + 2 * sizeof(TriangleId) + sizeof(EdgeId);
+        const std::uint64_t per_side = 2 * sizeof(TriangleId);
         const std::uint64_t per_edge =
             sizeof(EdgeVertices) + sizeof(std::uint32_t) + 2 * sizeof(EdgeId);
         return check_budget(options_.budget,
                             per_vertex * mesh_.vertex_count() +
-                                3 * per_side * mesh_.triangle_count() + per_edge * edges,
+                                (3 * per_side + edge_number_bytes) * mesh_.triangle_count() +
+                                per_edge * edges,
                             "the topology", "raise the budget");
-    }
-
-    template <class Visit>
-    void for_sides(std::size_t task, const Visit& visit) const
-    {
-        const std::size_t begin = task * 3 * topology_task;
-        const std::size_t end = std::min(begin + 3 * topology_task, first_sides_.size());
-        for (std::size_t side = begin; side < end; ++side) visit(static_cast<Side>(side));
-    }
-
-    [[nodiscard]] EdgeId& edge_of(Side side) noexcept
-    {
-        return topology_.triangle_edges_[side / 3][side % 3];
     }
 
     void advance() const noexcept
@@ -271,7 +143,6 @@ private:
 
     const TriangleMesh& mesh_;
     const TopologyOptions& options_;
-    std::vector<Side> first_sides_;
     Topology topology_;
 };
 
@@ -304,12 +175,9 @@ Result<Topology> build_topology(const TriangleMesh& mesh, const TopologyOptions&
     };
     TopologyBuilder builder(mesh, options);
     if (const Status fits = builder.check_limits(); !fits) return tl::unexpected(fits.error());
+    if (const Status listed = builder.list_edges(); !listed) return tl::unexpected(listed.error());
     if (options.progress != nullptr) options.progress->begin_stage("topology", topology_stages);
     builder.list_stars();
-    if (is_cancelled(options.progress)) return cancelled();
-    builder.match_sides();
-    if (is_cancelled(options.progress)) return cancelled();
-    if (const Status fits = builder.number_edges(); !fits) return tl::unexpected(fits.error());
     if (is_cancelled(options.progress)) return cancelled();
     builder.list_edge_triangles();
     if (is_cancelled(options.progress)) return cancelled();

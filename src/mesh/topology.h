@@ -137,7 +137,7 @@ private:
 /// Builds the topology of any mesh, positions unseen; the same for any number of threads.
 /// Errors: limit_exceeded (more than max_topology_triangles), budget_exceeded, cancelled. Linear
 /// time, except that the star of a vertex with many triangles is sorted; 70 bytes per triangle of
-/// a closed mesh and 12 of scratch.
+/// a closed mesh and 54 of scratch.
 [[nodiscard]] Result<Topology> build_topology(const TriangleMesh& mesh,
                                               const TopologyOptions& options = {});
 

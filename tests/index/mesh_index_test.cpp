@@ -3,7 +3,6 @@
 #include "cancellation.h"
 #include "index/build_mesh_index.h"
 #include "index/test_meshes.h"
-#include "octree/build_octree.h"
 #include "octree/nasty_meshes.h"
 #include "octree/small_meshes.h"
 
@@ -18,22 +17,6 @@ namespace {
 
 using namespace testing;
 
-Octree octree_of(const TriangleMesh& mesh)
-{
-    return build_octree(mesh, {.max_depth = 3, .classification = Classification::none}).value();
-}
-
-Triangle row_triangle(const MeshIndex& index, std::uint32_t row)
-{
-    return index.float_rows().empty() ? index.double_rows()[row].triangle()
-                                      : index.float_rows()[row].triangle();
-}
-
-std::uint32_t row_id(const MeshIndex& index, std::uint32_t row)
-{
-    return index.float_rows().empty() ? index.double_rows()[row].id : index.float_rows()[row].id;
-}
-
 /// Walks all blocks: every box holds what is below it with its margin, every triangle is there
 /// once, and its floats are those of its row.
 class Inspection {
@@ -43,6 +26,7 @@ public:
         seen_.assign(mesh.triangle_count(), 0);
         visit(index.root(), Box{Vec3::Constant(-2), Vec3::Constant(2)}, 0);
         for (const int times : seen_) EXPECT_EQ(times, 1);
+        check_places();
     }
     std::size_t levels = 0;
 
@@ -81,13 +65,13 @@ private:
             std::bit_cast<float>(static_cast<std::uint32_t>(leaf.extent_bits) << 16U);
         for (std::uint32_t i = 0; i < leaf.count; ++i) {
             const std::uint32_t row = leaf.first_row + i;
-            ASSERT_LT(row_id(index_, row), mesh_.triangle_count());
-            const TriangleId id{row_id(index_, row)};
-            EXPECT_EQ(index_.ids()[row], id);
-            ++seen_[row_id(index_, row)];
+            const TriangleId id = index_.id(row);
+            ASSERT_LT(proxima::index(id), mesh_.triangle_count());
+            ++seen_[proxima::index(id)];
+            check_names(row, id);
             for (std::size_t corner = 0; corner < 3; ++corner) {
                 const Vec3 p = mesh_.triangle(id).vertices[corner];
-                EXPECT_EQ(row_triangle(index_, row).vertices[corner], p);
+                EXPECT_EQ(index_.triangle(row).vertices[corner], p);
                 const Vec3 place = (p - index_.center()) * index_.scale();
                 for (int axis = 0; axis < 3; ++axis) {
                     constexpr double margin = 0x1p-21;
@@ -105,8 +89,56 @@ private:
         EXPECT_GE(double{extent}, std::min(box.extent().maxCoeff(), 2.1));
     }
 
+    /// A row names its triangle, vertices and edges as the topology does, and knows which sides go
+    /// from their higher to their lower vertex.
+    void check_names(std::uint32_t row, TriangleId id)
+    {
+        if (index_.float_rows().empty()) {
+            check_names(index_.double_rows()[row], id);
+        } else {
+            check_names(index_.float_rows()[row], id);
+        }
+    }
+    template <class Scalar>
+    void check_names(const TriangleRow<Scalar>& row, TriangleId id)
+    {
+        EXPECT_EQ(row.triangle_id(), proxima::index(id));
+        const TriangleCorners& corners = mesh_.triangles()[proxima::index(id)];
+        for (std::size_t k = 0; k < 3; ++k) {
+            EXPECT_EQ(row.vertices[k], corners[k]);
+            EXPECT_EQ(EdgeId{row.edges[k]}, topology_.edges(id)[k]);
+            EXPECT_EQ(row.backward(k), corners[k] > corners[(k + 1) % 3]);
+        }
+    }
+    /// Every vertex and edge is found at its lowest triangle.
+    void check_places()
+    {
+        ASSERT_EQ(index_.vertex_count(), topology_.vertex_count());
+        ASSERT_EQ(index_.edge_count(), topology_.edge_count());
+        for (std::uint32_t i = 0; i < index_.vertex_count(); ++i) {
+            const std::span<const TriangleId> star = topology_.triangles(VertexId{i});
+            const std::uint32_t place = index_.vertex_places()[i];
+            if (star.empty()) {
+                EXPECT_EQ(place, place_word::none);
+                continue;
+            }
+            EXPECT_EQ(TriangleId{place_word::triangle(place)}, star.front());
+            EXPECT_EQ(mesh_.triangles()[place_word::triangle(place)][place_word::corner(place)], i);
+        }
+        for (std::uint32_t i = 0; i < index_.edge_count(); ++i) {
+            const std::uint32_t place = index_.edge_places()[i];
+            const std::uint32_t triangle = place_word::triangle(place);
+            EXPECT_EQ(TriangleId{triangle}, topology_.triangles(EdgeId{i}).front());
+            const std::size_t side = place_word::corner(place);
+            EXPECT_EQ(topology_.edges(TriangleId{triangle})[side], EdgeId{i});
+            const TriangleCorners& corners = mesh_.triangles()[triangle];
+            EXPECT_EQ(place_word::backward(place), corners[side] > corners[(side + 1) % 3]);
+        }
+    }
+
     const MeshIndex& index_;
     const TriangleMesh& mesh_;
+    Topology topology_ = build_topology(mesh_).value();
     std::vector<int> seen_;
 };
 
@@ -114,14 +146,14 @@ TEST(MeshIndex, HoldsEveryTriangleOnceWithinItsBoxes)
 {
     for (const NamedMesh& named : proximity_meshes()) {
         SCOPED_TRACE(named.name);
-        const MeshIndex index = build_mesh_index(octree_of(named.mesh), named.mesh).value();
+        const MeshIndex index = build_mesh_index(named.mesh).value();
         const Inspection inspection(index, named.mesh);
         EXPECT_LE(inspection.levels, MeshIndex::max_levels);
     }
     for (std::uint32_t seed = 0; seed < 200; ++seed) {
         SCOPED_TRACE(seed);
         const TriangleMesh mesh = nasty_mesh(seed);
-        const MeshIndex index = build_mesh_index(octree_of(mesh), mesh).value();
+        const MeshIndex index = build_mesh_index(mesh).value();
         const Inspection inspection(index, mesh);
     }
 }
@@ -130,7 +162,7 @@ TEST(MeshIndex, TakesManyTrianglesInOnePlace)
 {
     const std::vector<Vec3> positions = {{1, 2, 3}, {2, 2, 3}, {1, 3, 3}};
     const TriangleMesh mesh = mesh_of(positions, std::vector<TriangleCorners>(5000, {0, 1, 2}));
-    const MeshIndex index = build_mesh_index(octree_of(mesh), mesh).value();
+    const MeshIndex index = build_mesh_index(mesh).value();
     const Inspection inspection(index, mesh);
     EXPECT_LE(inspection.levels, 6U);
 }
@@ -138,9 +170,9 @@ TEST(MeshIndex, TakesManyTrianglesInOnePlace)
 TEST(MeshIndex, KeepsFloatsWhereTheyAreTheSame)
 {
     const TriangleMesh cube = cube_mesh(Vec3(1, 2, 3), 0.5);
-    EXPECT_EQ(build_mesh_index(octree_of(cube), cube)->float_rows().size(), 12U);
+    EXPECT_EQ(build_mesh_index(cube)->float_rows().size(), 12U);
     const TriangleMesh third = cube_mesh(Vec3(1, 2, 3), 1.0 / 3);
-    EXPECT_EQ(build_mesh_index(octree_of(third), third)->double_rows().size(), 12U);
+    EXPECT_EQ(build_mesh_index(third)->double_rows().size(), 12U);
 }
 
 TEST(MeshIndex, HasExactLeavesOfFloatsWhereverTheyLie)
@@ -159,52 +191,44 @@ TEST(MeshIndex, HasExactLeavesOfFloatsWhereverTheyLie)
         for (std::uint32_t i = 0; i + 2 < positions.size(); ++i)
             triangles.push_back({i, i + 1, i + 2});
         const TriangleMesh mesh = mesh_of(positions, triangles);
-        const MeshIndex index = build_mesh_index(octree_of(mesh), mesh).value();
+        const MeshIndex index = build_mesh_index(mesh).value();
         EXPECT_TRUE(index.has_exact_leaves());
         const Inspection inspection(index, mesh);
         positions[7][1] += 1e-12; // no float
         const TriangleMesh other = mesh_of(positions, triangles);
         if (other.positions()[7] == mesh.positions()[7]) continue;
-        EXPECT_FALSE(build_mesh_index(octree_of(other), other)->has_exact_leaves());
+        EXPECT_FALSE(build_mesh_index(other)->has_exact_leaves());
     }
 }
 
-TEST(MeshIndex, IsTheSameForAnyNumberOfThreadsAndAnyDepthOfTheOctree)
+TEST(MeshIndex, IsTheSameForAnyNumberOfThreads)
 {
     const TriangleMesh torus = torus_mesh(1.0, 0.4, 100, 80);
-    const auto build = [&](int threads, int depth) {
-        const auto octree =
-            build_octree(torus, {.max_depth = depth, .classification = Classification::none});
-        return build_mesh_index(*octree, torus, {.threads = {threads}}).value();
-    };
-    const MeshIndex truth = build(1, 5);
-    for (const auto& [threads, depth] : {std::pair(2, 5), std::pair(3, 0), std::pair(1, 8)}) {
-        const MeshIndex other = build(threads, depth);
+    const MeshIndex truth = build_mesh_index(torus, {.threads = {1}}).value();
+    for (const int threads : {2, 3}) {
+        const MeshIndex other = build_mesh_index(torus, {.threads = {threads}}).value();
+        const auto is_same = [](const auto& a, const auto& b) {
+            return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
+        };
         ASSERT_EQ(other.blocks().size(), truth.blocks().size());
-        for (std::size_t i = 0; i < truth.blocks().size(); ++i)
-            ASSERT_EQ(std::memcmp(&other.blocks()[i], &truth.blocks()[i], 104), 0);
-        ASSERT_EQ(other.double_rows().size(), truth.double_rows().size());
-        for (std::size_t i = 0; i < truth.double_rows().size(); ++i)
-            ASSERT_EQ(other.double_rows()[i].id, truth.double_rows()[i].id);
+        for (std::size_t i = 0; i < truth.blocks().size(); ++i) // what nodes and leaves both use
+            ASSERT_EQ(std::memcmp(&other.blocks()[i], &truth.blocks()[i], sizeof(IndexLeaf)), 0);
+        EXPECT_TRUE(is_same(other.double_rows(), truth.double_rows()));
+        EXPECT_TRUE(is_same(other.ids(), truth.ids()));
+        EXPECT_TRUE(is_same(other.vertex_places(), truth.vertex_places()));
+        EXPECT_TRUE(is_same(other.edge_places(), truth.edge_places()));
     }
 }
 
 TEST(MeshIndex, RefusesWhatItCannotBeBuiltOf)
 {
     const TriangleMesh cube = cube_mesh(Vec3::Zero(), 1.0);
-    const TriangleMesh torus = torus_mesh(1.0, 0.4, 10, 8);
     const auto code = [](const auto& result) { return result.error().code; };
-    EXPECT_EQ(code(build_mesh_index(octree_of(torus), cube)), ErrorCode::invalid_argument);
-    EXPECT_EQ(code(build_mesh_index(octree_of(cube), TriangleMesh())), ErrorCode::invalid_mesh);
-    EXPECT_EQ(code(build_mesh_index(Octree(), cube)), ErrorCode::invalid_argument);
-    EXPECT_EQ(code(build_mesh_index(octree_of(cube), cube, {.budget = {100}})),
-              ErrorCode::budget_exceeded);
+    EXPECT_EQ(code(build_mesh_index(TriangleMesh())), ErrorCode::invalid_mesh);
+    EXPECT_EQ(code(build_mesh_index(cube, {.budget = {100}})), ErrorCode::budget_exceeded);
     const TriangleMesh large = torus_mesh(1.0, 0.4, 120, 100);
-    const Octree octree = octree_of(large);
     cancel_at_every_stage(
-        [&](Progress& progress) {
-            return build_mesh_index(octree, large, {.progress = &progress});
-        },
+        [&](Progress& progress) { return build_mesh_index(large, {.progress = &progress}); },
         [] { return true; });
 }
 

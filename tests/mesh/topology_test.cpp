@@ -1,5 +1,6 @@
 #include "mesh/topology.h"
 
+#include "mesh/edge_numbers.h"
 #include "mesh/random_soups.h"
 #include "mesh/sample_meshes.h"
 
@@ -182,7 +183,8 @@ TEST(Topology, RefusesWhatTheBudgetCannotHold)
     const auto refused = build_topology(mesh, {.budget = {whole->bytes() - 1}});
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::budget_exceeded);
-    const auto scratch = mesh.triangle_count() * 12;
+    const auto scratch =
+        mesh.triangle_count() * (edge_number_bytes - sizeof(std::array<EdgeId, 3>));
     EXPECT_TRUE(build_topology(mesh, {.budget = {whole->bytes() + scratch}}));
 }
 
@@ -193,7 +195,7 @@ TEST(Topology, StopsOnRequest)
     const auto stopped = build_topology(make_cube(), {.progress = &progress});
     ASSERT_FALSE(stopped);
     EXPECT_EQ(stopped.error().code, ErrorCode::cancelled);
-    EXPECT_STREQ(progress.stage(), "topology");
+    EXPECT_STREQ(progress.stage(), "numbering edges");
 }
 
 } // namespace

@@ -110,7 +110,7 @@ TEST(QueryFigures, YellowTrianglesAreAllThatCanIntersect)
 {
     const auto spheres = meeting_spheres({});
     ASSERT_TRUE(spheres);
-    const auto index_a = build_mesh_index(spheres->octree_a, spheres->a);
+    const auto index_a = build_mesh_index(spheres->a);
     ASSERT_TRUE(index_a);
     const auto pairs = intersecting_pairs(*index_a, *index_a, spheres->pose_b);
     EXPECT_GT(pairs.size(), 50U);

@@ -47,7 +47,9 @@ public:
             mesh_, order_, {.threads = options_.threads, .progress = options_.progress});
         if (!tree) return tl::unexpected(tree.error());
         storage->tree = std::move(*tree);
-        storage->rows = make_row_tables(mesh_, topology_, order_);
+        const auto edges = number_edges(mesh_, options_.threads, options_.progress);
+        if (!edges) return tl::unexpected(edges.error());
+        storage->rows = make_row_tables(mesh_, *edges, order_, options_.threads);
         if (is_cancelled(options_.progress)) return tl::unexpected(cancelled());
         const std::uint64_t fixed = storage->rows.bytes() + storage->tree.bytes();
         const std::uint64_t least = fixed + least_cell_bytes;

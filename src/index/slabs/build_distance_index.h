@@ -1,6 +1,6 @@
 // Builds what distances between meshes are found with from a mesh index.
 //
-//     auto index = build_distance_index(build_mesh_index(octree, mesh).value());
+//     auto index = build_distance_index(build_mesh_index(mesh).value());
 //     auto near = mesh_distance(*index, *other, pose_of_other);
 #pragma once
 

@@ -271,7 +271,9 @@ Result<ProximityOctree> refit_proximity_octree(const ProximityOctree& octree,
     auto tree = build_triangle_tree(mesh, moved->order, {options.threads, options.progress});
     if (!tree) return tl::unexpected(tree.error());
     storage->tree = std::move(*tree);
-    storage->rows = make_row_tables(mesh, topology, moved->order);
+    const auto edges = number_edges(mesh, options.threads, options.progress);
+    if (!edges) return refit_stopped();
+    storage->rows = make_row_tables(mesh, *edges, moved->order, options.threads);
     storage->nodes.resize(old.nodes.size());
     std::ranges::copy(old.nodes, storage->nodes.begin());
     const std::span<std::uint64_t> nodes{storage->nodes.data(), storage->nodes.size()};

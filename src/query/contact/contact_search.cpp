@@ -80,10 +80,10 @@ PairStart contact_search(const MeshIndex& a, const MeshIndex& b, const RigidTran
 bool ask_rows(const MeshIndex& a, std::uint32_t row_a, const MeshIndex& b, std::uint32_t row_b,
               const RigidTransform& pose_b) noexcept
 {
-    const Triangle moved = pose_b(row_triangle(b, row_b));
+    const Triangle moved = pose_b(b.triangle(row_b));
     for (const Vec3& corner : moved.vertices)
         if (!corner.allFinite()) return false;
-    return triangles_meet(row_triangle(a, row_a), moved);
+    return triangles_meet(a.triangle(row_a), moved);
 }
 
 } // namespace proxima

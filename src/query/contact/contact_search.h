@@ -95,14 +95,4 @@ enum class PairStart : std::uint8_t {
     return ask_rows(*open.sides[0].index, row_a, *open.sides[1].index, row_b, *open.pose);
 }
 
-[[nodiscard]] inline std::uint32_t row_id(const MeshIndex& index, std::uint32_t row) noexcept
-{
-    return index.double_rows().empty() ? index.float_rows()[row].id : index.double_rows()[row].id;
-}
-[[nodiscard]] inline Triangle row_triangle(const MeshIndex& index, std::uint32_t row) noexcept
-{
-    return index.double_rows().empty() ? index.float_rows()[row].triangle()
-                                       : index.double_rows()[row].triangle();
-}
-
 } // namespace proxima

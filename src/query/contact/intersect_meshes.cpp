@@ -116,9 +116,9 @@ bool ask_all(const MeshIndex& a, const MeshIndex& b, const RigidTransform& pose_
              const Visit& visit)
 {
     for (std::uint32_t j = 0; j < b.triangle_count(); ++j) {
-        const Box box_b = bounding_box(pose_b(row_triangle(b, j)));
+        const Box box_b = bounding_box(pose_b(b.triangle(j)));
         for (std::uint32_t i = 0; i < a.triangle_count(); ++i) {
-            const Box box_a = bounding_box(row_triangle(a, i));
+            const Box box_a = bounding_box(a.triangle(i));
             const bool apart = (box_a.lower.array() > box_b.upper.array()).any() ||
                                (box_b.lower.array() > box_a.upper.array()).any();
             if (!apart && ask_rows(a, i, b, j, pose_b) && !visit(RowPair{i, j})) return true;
@@ -226,7 +226,7 @@ void detail::visit_pairs(const MeshIndex& a, const MeshIndex& b, const RigidTran
         {
             std::array<TrianglePair, 256> pairs;
             for (std::size_t i = 0; i < rows.size(); ++i) {
-                pairs[i] = {TriangleId{row_id(a, rows[i].a)}, TriangleId{row_id(b, rows[i].b)}};
+                pairs[i] = {a.id(rows[i].a), b.id(rows[i].b)};
             }
             visit(context, std::span(pairs).first(rows.size()));
         }

@@ -1,8 +1,8 @@
 // Where two meshes in rigid poses meet (thesis section 5.2): whether at all, or all pairs of
 // triangles.
 //
-//     auto a = build_mesh_index(*octree_a, mesh_a);
-//     auto b = build_mesh_index(*octree_b, mesh_b);
+//     auto a = build_mesh_index(mesh_a);
+//     auto b = build_mesh_index(mesh_b);
 //     if (meshes_intersect(*a, *b, pose)) stop();
 //     for (const TrianglePair& pair : intersecting_pairs(*a, *b, pose)) mark(pair.a, pair.b);
 //

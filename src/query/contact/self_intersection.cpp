@@ -71,8 +71,8 @@ Result<SelfIntersections> find_self_intersections(const MeshIndex& index,
             StageSteps steps(options.progress, 64);
             for (std::uint32_t row = first; row < end; ++row) {
                 if (!steps.done(1) || found[chunk].size() > options.max_pairs) return;
-                const Triangle triangle = row_triangle(index, row);
-                const TriangleId id{row_id(index, row)};
+                const Triangle triangle = index.triangle(row);
+                const TriangleId id = index.id(row);
                 visit_triangles_in_box(index, bounding_box(triangle),
                                        [&](TriangleId other, const Triangle& there) {
                                            if (id < other && meet_beyond_corners(triangle, there))

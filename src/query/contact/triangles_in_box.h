@@ -35,10 +35,8 @@ void visit_triangles_in_box(const MeshIndex& index, const Box& box, Visitor&& vi
         if ((reference & index_leaf_bit) != 0) {
             for (std::uint32_t i = 0; i < block.leaf.count; ++i) {
                 const std::uint32_t row = block.leaf.first_row + i;
-                const Triangle triangle = row_triangle(index, row);
-                if (meets(bounding_box(triangle), box) &&
-                    !visitor(TriangleId{row_id(index, row)}, triangle))
-                    return;
+                const Triangle triangle = index.triangle(row);
+                if (meets(bounding_box(triangle), box) && !visitor(index.id(row), triangle)) return;
             }
             continue;
         }

@@ -17,12 +17,7 @@ struct IndexedTriangle {
 };
 IndexedTriangle row_of(const MeshIndex& index, std::uint32_t row) noexcept
 {
-    if (index.double_rows().empty()) {
-        const IndexRow<float>& at = index.float_rows()[row];
-        return {TriangleId{at.id}, at.triangle()};
-    }
-    const IndexRow<double>& at = index.double_rows()[row];
-    return {TriangleId{at.id}, at.triangle()};
+    return {index.id(row), index.triangle(row)};
 }
 
 constexpr double single_roundoff = 0x1p-24;

@@ -1,6 +1,6 @@
 // Hits of rays with the triangles of a mesh (thesis section 5.3): the closest, any, or all.
 //
-//     auto index = build_mesh_index(*octree, mesh);
+//     auto index = build_mesh_index(mesh);
 //     if (auto hit = closest_hit(*index, {.origin = eye, .direction = view})) shade(*hit);
 //
 // Answers are those of brute_force.h, bit for bit: floats only sort out what cannot be hit. No ray

@@ -122,9 +122,7 @@ bool ask_row(const MeshIndex& index, std::uint32_t row, const Ray& ray, const Ra
              Faces faces, RayHit& hit) noexcept
 {
     const TriangleId id = index.ids()[row];
-    const Triangle triangle = index.double_rows().empty() ? index.float_rows()[row].triangle()
-                                                          : index.double_rows()[row].triangle();
-    return ask(ray, shear, triangle, id, faces, hit);
+    return ask(ray, shear, index.triangle(row), id, faces, hit);
 }
 
 } // namespace

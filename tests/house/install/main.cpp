@@ -23,7 +23,7 @@ int main()
                                    *polyhedron_of_box({Vec3(0, 0, 0), Vec3(1, 1, 1)}));
     const auto octree = build_octree(*mesh, {.max_depth = 3});
     const auto proximity = build_proximity_octree(*mesh, {.budget_bytes = 1'000'000});
-    const auto rays = build_mesh_index(*octree, *mesh);
+    const auto rays = build_mesh_index(*mesh);
     if (!sum || !octree || !proximity || !rays) return 1;
     const ClosestFeature closest = closest_feature(*proximity, Vec3(0, 0, 3));
     const auto hit = closest_hit(*rays, {Vec3(0.1, 0.2, 3), Vec3(0, 0, -1)});

@@ -3,15 +3,12 @@
 
 #include "index/build_mesh_index.h"
 #include "index/slabs/build_distance_index.h"
-#include "octree/build_octree.h"
 
 namespace proxima::testing {
 
 inline DistanceIndex index_of(const TriangleMesh& mesh)
 {
-    const auto octree =
-        build_octree(mesh, {.max_depth = 3, .classification = Classification::none}).value();
-    return build_distance_index(build_mesh_index(octree, mesh).value()).value();
+    return build_distance_index(build_mesh_index(mesh).value()).value();
 }
 
 } // namespace proxima::testing

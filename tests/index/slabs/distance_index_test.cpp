@@ -75,8 +75,8 @@ private:
     {
         for (std::uint32_t i = leaf.first_row; i < leaf.first_row + leaf.count; ++i) {
             const Triangle triangle = triangles_.float_rows().empty()
-                                          ? triangles_.double_rows()[i].triangle()
-                                          : triangles_.float_rows()[i].triangle();
+                                          ? triangles_.double_rows()[i].corners()
+                                          : triangles_.float_rows()[i].corners();
             for (const Vec3& vertex : triangle.vertices) {
                 const Vec3 p = (vertex - triangles_.center()) * triangles_.scale();
                 for (const Plane& plane : above) {
@@ -106,8 +106,7 @@ TEST(DistanceIndex, HasSlabsRoundWhatIsInBlocks)
 TEST(DistanceIndex, IsTheSameForAnyNumberOfThreadsAndStopsOnRequest)
 {
     const TriangleMesh torus = torus_mesh(1.0, 0.4, 100, 80);
-    const auto octree = build_octree(torus, {.classification = Classification::none}).value();
-    const MeshIndex triangles = build_mesh_index(octree, torus).value();
+    const MeshIndex triangles = build_mesh_index(torus).value();
     const DistanceIndex truth = build_distance_index(triangles, {.threads = {1}}).value();
     const DistanceIndex other = build_distance_index(triangles, {.threads = {3}}).value();
     ASSERT_EQ(other.slabs().size(), truth.slabs().size());

@@ -2,7 +2,6 @@
 #include "geometry/exact_predicates.h"
 #include "index/build_mesh_index.h"
 #include "index/test_meshes.h"
-#include "octree/build_octree.h"
 #include "octree/nasty_meshes.h"
 #include "octree/small_meshes.h"
 #include "query/contact/intersect_meshes.h"
@@ -47,8 +46,7 @@ std::vector<TrianglePair> pairs_by_cgal(const TriangleMesh& mesh_a, const Triang
 
 MeshIndex index_of(const TriangleMesh& mesh)
 {
-    const auto octree = build_octree(mesh, {.classification = Classification::none});
-    return build_mesh_index(*octree, mesh).value();
+    return build_mesh_index(mesh).value();
 }
 
 void compare(const TriangleMesh& mesh_a, const TriangleMesh& mesh_b, int poses, std::uint64_t seed,

@@ -6,7 +6,6 @@
 #include "index/build_mesh_index.h"
 #include "index/test_meshes.h"
 #include "mesh/random_soups.h"
-#include "octree/build_octree.h"
 #include "octree/nasty_meshes.h"
 #include "octree/small_meshes.h"
 #include "query/contact/test_poses.h"
@@ -23,9 +22,7 @@ using namespace testing;
 
 MeshIndex index_of(const TriangleMesh& mesh)
 {
-    const auto octree =
-        build_octree(mesh, {.max_depth = 3, .classification = Classification::none});
-    return build_mesh_index(*octree, mesh).value();
+    return build_mesh_index(mesh).value();
 }
 
 RigidTransform shifted(const Vec3& by)

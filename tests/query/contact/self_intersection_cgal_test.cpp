@@ -3,7 +3,6 @@
 #include "geometry/exact_predicates.h"
 #include "index/build_mesh_index.h"
 #include "mesh/sample_meshes.h"
-#include "octree/build_octree.h"
 #include "octree/small_meshes.h"
 #include "query/contact/self_intersection.h"
 
@@ -124,8 +123,7 @@ TEST(SelfIntersectionAndCgal, FindTheSamePairsInMeshes)
             if (low != high) truth.push_back({TriangleId{low}, TriangleId{high}});
         }
         std::ranges::sort(truth);
-        const auto octree = build_octree(mesh, {.classification = Classification::none});
-        const MeshIndex index = build_mesh_index(*octree, mesh).value();
+        const MeshIndex index = build_mesh_index(mesh).value();
         EXPECT_EQ(find_self_intersections(index)->pairs, truth) << "noise " << noise;
         found += truth.size();
     }

@@ -4,7 +4,6 @@
 #include "index/test_meshes.h"
 #include "mesh/random_soups.h"
 #include "mesh/sample_meshes.h"
-#include "octree/build_octree.h"
 #include "octree/nasty_meshes.h"
 #include "octree/small_meshes.h"
 
@@ -18,9 +17,7 @@ using namespace testing;
 
 MeshIndex index_of(const TriangleMesh& mesh)
 {
-    const auto octree =
-        build_octree(mesh, {.max_depth = 3, .classification = Classification::none});
-    return build_mesh_index(*octree, mesh).value();
+    return build_mesh_index(mesh).value();
 }
 
 std::vector<TrianglePair> pairs_of(const TriangleMesh& mesh)

@@ -6,7 +6,6 @@
 #include "geometry/view_contact.h"
 #include "index/build_mesh_index.h"
 #include "index/test_meshes.h"
-#include "octree/build_octree.h"
 
 #include <gtest/gtest.h>
 
@@ -22,9 +21,7 @@ constexpr std::array modes = {CullMode::conservative, CullMode::exact};
 
 MeshIndex index_of(const TriangleMesh& mesh)
 {
-    const auto octree =
-        build_octree(mesh, {.max_depth = 3, .classification = Classification::none});
-    return build_mesh_index(*octree, mesh).value();
+    return build_mesh_index(mesh).value();
 }
 
 /// Every triangle asked.

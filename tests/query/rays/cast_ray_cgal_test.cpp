@@ -1,6 +1,5 @@
 // Hits against CGAL's exact kernel: which triangles a ray meets, and at which t.
 #include "index/build_mesh_index.h"
-#include "octree/build_octree.h"
 #include "octree/nasty_meshes.h"
 #include "octree/small_meshes.h"
 #include "query/rays/cast_ray.h"
@@ -72,8 +71,7 @@ double rounding_of_t(const Ray& ray, const Triangle& triangle)
 
 void compare(const TriangleMesh& mesh, int rays, std::uint64_t seed, std::size_t& met)
 {
-    const auto octree = build_octree(mesh, {.classification = Classification::none});
-    const MeshIndex index = build_mesh_index(*octree, mesh).value();
+    const MeshIndex index = build_mesh_index(mesh).value();
     RayGenerator generate(mesh, seed);
     for (int i = 0; i < rays; ++i) {
         Ray ray = generate();

@@ -5,7 +5,6 @@
 #include "geometry/ray.h"
 #include "index/build_mesh_index.h"
 #include "mesh/triangle_mesh.h"
-#include "octree/build_octree.h"
 
 #include <array>
 #include <cmath>
@@ -18,9 +17,7 @@ inline constexpr std::array all_faces = {Faces::both, Faces::front, Faces::back}
 
 inline MeshIndex ray_index_of(const TriangleMesh& mesh)
 {
-    const auto octree =
-        build_octree(mesh, {.max_depth = 3, .classification = Classification::none});
-    return build_mesh_index(*octree, mesh).value();
+    return build_mesh_index(mesh).value();
 }
 
 class RayGenerator {

@@ -1,0 +1,19 @@
+// Sorting of many integer keys with a payload on several threads.
+#pragma once
+
+#include "base/parallel.h"
+#include "base/progress.h"
+#include "base/radix_sort.h"
+
+#include <vector>
+
+namespace proxima {
+
+/// Sorts by the lowest `key_bits` bits of the keys, ascending; the bits above must be zero. The
+/// same as radix_sort where indices ascend. False, with the items in no order, where `progress`
+/// asks to stop. About 40 ns an item on one thread, one copy of the items as scratch.
+/// \pre indices ascend, key_bits in [11, 64]
+[[nodiscard]] bool sort_keys(std::vector<KeyedIndex>& items, unsigned key_bits, Threads threads,
+                             Progress* progress);
+
+} // namespace proxima
