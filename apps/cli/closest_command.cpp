@@ -1,13 +1,17 @@
 // proxima closest: the closest feature of a mesh for each point of a file.
 #include "base/parallel.h"
+#include "base/text.h"
 #include "cli/answer_table.h"
 #include "cli/closest_searcher.h"
 #include "cli/commands.h"
 #include "cli/model_options.h"
 #include "cli/number_table.h"
 #include "cli/proximity_file_model.h"
+#include "cli/query_method.h"
 #include "cli/row_writer.h"
 #include "cli/stopwatch.h"
+#include "cli/thesis_closest_run.h"
+#include "proxima/octree.h"
 #include "query/closest/closest_feature.h"
 
 #include <CLI/CLI.hpp>
@@ -29,6 +33,8 @@ struct ClosestOptions {
     std::string out; ///< "-" for stdout, empty for none
     bool is_signed = false;
     std::uint64_t budget_mb = 0;
+    QueryMethod method = QueryMethod::index;
+    ThesisClosestOptions thesis; ///< of --method thesis
 };
 
 /// Points of a task, and of a round: what is held at once beside the points.
@@ -163,8 +169,34 @@ std::string text_of(const ClosestOptions& options, const ClosestSearcher& search
     return text;
 }
 
+Status run_as_thesis(const ClosestOptions& options, Session& session)
+{
+    ThesisClosestOptions thesis = options.thesis;
+    thesis.model = options.model;
+    thesis.points = options.points;
+    thesis.out = options.out;
+    return run_thesis_closest(thesis, session);
+}
+
+/// An option that the method has no use for is wrong usage.
+void check_method_options(const CLI::App& parser, QueryMethod method)
+{
+    const auto refuse = [&](const char* name, const char* other) {
+        if (parser.count(name) == 0) return;
+        throw CLI::ValidationError(name, concat("it goes with --method ", other));
+    };
+    if (method == QueryMethod::thesis) {
+        for (const char* const name : {"--signed", "--budget-mb"}) refuse(name, "index");
+    } else {
+        for (const char* const name : {"--depth", "--save", "--octree"}) refuse(name, "thesis");
+    }
+    if (parser.count("--octree") > 0 && parser.count("--depth") > 0)
+        throw CLI::ValidationError("--depth", "a saved octree has its own");
+}
+
 Status run_closest(const ClosestOptions& options, Session& session)
 {
+    if (options.method == QueryMethod::thesis) return run_as_thesis(options, session);
     if (Status status = check_rows(options.out, session); !status) return status;
     const auto table = [&] {
         const ProgressBar shown(session.progress(), session.bar());
@@ -218,6 +250,19 @@ Command add_closest_command(CLI::App& app)
                      "Size of the octree at most, in 10^6 bytes (default: 600 bytes per triangle)")
         ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40U))
         ->type_name("N");
+    add_query_method_option(*parser, options->method,
+                            "its proximity octree, of convex meshes, for points outside");
+    parser
+        ->add_option("--depth", options->thesis.depth,
+                     "Depth of the thesis's octree, the root is 0")
+        ->check(CLI::Range(0, max_octree_depth))
+        ->capture_default_str()
+        ->type_name("N");
+    parser->add_option("--save", options->thesis.save, "Write the thesis's octree")
+        ->type_name("FILE.pxv");
+    parser->add_option("--octree", options->thesis.octree, "Ask this saved octree of the thesis")
+        ->type_name("FILE.pxv");
+    parser->callback([parser, options] { check_method_options(*parser, options->method); });
     refuse_beside_proximity_file(*parser, options->model, {"--budget-mb"});
     return {parser, [options](Session& session) { return run_closest(*options, session); }};
 }

@@ -5,7 +5,7 @@
 #include "cli/image.h"
 #include "cli/octree_picture.h"
 #include "query/contact/intersection_contour.h"
-#include "thesis/intersect_octrees.h"
+#include "thesis/object_intersections/intersect_octrees.h"
 
 #include <vector>
 

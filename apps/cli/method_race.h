@@ -5,6 +5,7 @@
 #include "cli/names.h"
 #include "proxima/execution.h"
 #include "proxima/octree.h"
+#include "thesis/octree_generation/build_octree_by.h"
 
 #include <cstdint>
 #include <optional>

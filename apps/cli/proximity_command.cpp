@@ -143,7 +143,7 @@ void settle(const CLI::App& parser, ProximityCommandOptions& options)
     if (!options.budget_curves.empty() && options.depths.size() > 1)
         throw CLI::ValidationError("--budget-curve", "it is of one depth: name one or none");
     for (const char* const name :
-         {"--threshold", "--threshold-vertex", "--threshold-edge", "--threshold-face"}) {
+         {"--flat", "--threshold", "--threshold-vertex", "--threshold-edge", "--threshold-face"}) {
         if (parser.count(name) == 0) continue;
         throw CLI::ValidationError(
             name, "it goes with --method thesis; the general method splits as --budget-mb allows");
@@ -174,6 +174,12 @@ Command add_proximity_command(CLI::App& app)
                    max_proximity_margin, ", thesis to ", max_root_margin))
         ->capture_default_str()
         ->type_name("M");
+    parser
+        ->add_option("--flat", options->flat,
+                     "With --method thesis: edges are flat, without a region of their own, where 1 "
+                     "- cos of the faces' angle is below this (1e-5 gives the thesis's 4850 edges)")
+        ->check(CLI::Range(0.0, 1.0))
+        ->type_name("C");
     parser
         ->add_option("--budget-mb", options->budget_mb,
                      "Size of the octree at most, in 10^6 bytes (default: 600 bytes per triangle, "

@@ -59,6 +59,9 @@ PatchTouch::PatchTouch(const TouchModel& model, const PatchSettings& settings,
       exchange_(room_for(model)), due_(2, ContactPatch(room_for(model)))
 {
     account_.settings = settings;
+    if (settings.method == QueryMethod::thesis) {
+        by_thesis_.emplace(*model.thesis, model.surface.mesh, model.surface.topology, rings_);
+    }
     account_.model_triangles = model.surface.mesh.triangle_count();
     ticks_per_patch_ = static_cast<std::uint64_t>(
         std::max(1LL, std::llround(1 / (settings.collision_rate * tick_seconds))));
@@ -88,6 +91,11 @@ void PatchTouch::make(ContactPatch& patch, const ServoPlace& place) noexcept
 {
     if (account_.settings.rings < 0) {
         make_patch(patch, whole_, place, options_);
+    } else if (by_thesis_) {
+        // Before the first feature is found there is nothing to send.
+        if (!by_thesis_->fill(patch, place.device, place.proxy, account_.settings.rings))
+            patch.copied(0, 0);
+        patch.made_at = place.tick;
     } else {
         rings_.fill(patch, place.device, account_.settings.rings);
         patch.made_at = place.tick;
@@ -165,7 +173,8 @@ PatchAccount PatchTouch::finish()
 
 std::string name_of(const PatchSettings& settings)
 {
-    return settings.rings < 0 ? "metric" : concat("rings ", settings.rings);
+    if (settings.rings < 0) return "metric";
+    return concat(settings.method == QueryMethod::thesis ? "thesis " : "rings ", settings.rings);
 }
 
 Result<std::vector<PatchSettings>> parse_patch_kinds(const std::string& text)

@@ -15,6 +15,7 @@
 #include "haptics/scene/scripted_scene.h"
 #include "haptics/surface/contact_surface.h"
 #include "proxima/result.h"
+#include "thesis/proximity_octree/thesis_proximity_octree.h"
 
 #include <cstdint>
 #include <memory>
@@ -28,6 +29,7 @@ namespace proxima {
 struct TouchModel {
     ModelSurface surface; ///< of a scene, all its triangles where they stand at first
     ProximityOctree octree;
+    std::optional<ThesisProximityOctree> thesis;   ///< where patches ask it
     std::unique_ptr<OctreeContactSurface> contact; ///< refers to the octree; null of a scene
     std::unique_ptr<ScriptedScene> scene;          ///< null of one model at rest
     std::vector<std::string> object_names;         ///< of a scene

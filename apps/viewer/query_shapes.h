@@ -5,7 +5,7 @@
 #include "proxima/octree.h"
 #include "proxima/view_volume.h"
 #include "query/rays/cells_along_ray.h"
-#include "thesis/intersect_octrees.h"
+#include "thesis/object_intersections/intersect_octrees.h"
 #include "viewer/scene_shapes.h"
 
 #include <array>

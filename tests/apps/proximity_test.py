@@ -221,14 +221,14 @@ class BudgetCurve(ProgramTest):
 class Thesis(ProgramTest):
     def test_json_has_the_documented_keys_in_order(self):
         result = self.json_of(*THESIS, "octahedron", "--depth", 4)
-        self.assertEqual(list(result), COMMON_KEYS + ROW_KEYS)
+        self.assertEqual(list(result), COMMON_KEYS + ROW_KEYS + ["ridge_edges"])
         self.assertEqual([result[key] for key in COMMON_KEYS], ["octahedron", 8, "thesis", 1, 1, 1, 0.5])
         self.assertEqual((result["max_depth"], result["worst_case_steps"], result["worst_case_blocks"]), (4, 4, None))
         self.assertEqual(result["inner"] + result["outer"] + result["boundary"], (7 * result["nodes"] + 1) // 8)
 
     def test_lists_of_figure_5_3(self):
         result = self.json_of(*THESIS, "sphere:50x50", "--depth", "1-6", "--threshold", 0)
-        self.assertEqual(list(result), COMMON_KEYS + ["rows"])
+        self.assertEqual(list(result), COMMON_KEYS + ["rows", "ridge_edges"])
         rows = {row["depth"]: row for row in result["rows"]}
         self.assertTrue(all(list(row) == ROW_KEYS for row in rows.values()))
         means = {3: 97.72, 4: 32.66, 5: 12.15, 6: 5.33}

@@ -3,7 +3,7 @@
 #include "proxima/octree.h"
 #include "proxima/sample_meshes.h"
 #include "query/neighbourhood/neighbourhood.h"
-#include "thesis/thesis_closest.h"
+#include "thesis/proximity_octree/thesis_closest.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/query_figures.h"
 #include "viewer/figures/scene_figure.h"

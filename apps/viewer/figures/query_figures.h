@@ -8,7 +8,7 @@
 #include "proxima/triangle_mesh.h"
 #include "proxima/view_volume.h"
 #include "query/closest/closest_feature.h"
-#include "thesis/intersect_octrees.h"
+#include "thesis/object_intersections/intersect_octrees.h"
 #include "viewer/figures/thesis_figure.h"
 
 #include <vector>

@@ -1,6 +1,6 @@
 // Voronoi regions of a model's features, and the proximity octree that stores them: chapter 4.
 #include "proxima/execution.h"
-#include "thesis/list_statistics.h"
+#include "thesis/proximity_octree/list_statistics.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/panels/panels.h"
 #include "viewer/panels/placed_point.h"

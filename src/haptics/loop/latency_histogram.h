@@ -20,6 +20,14 @@ public:
         max_ = std::max(max_, value);
     }
 
+    /// Adds all that another one has counted.
+    void add(const LatencyHistogram& other) noexcept
+    {
+        for (std::size_t bin = 0; bin < bins_.size(); ++bin) bins_[bin] += other.bins_[bin];
+        count_ += other.count_;
+        max_ = std::max(max_, other.max_);
+    }
+
     [[nodiscard]] std::uint64_t count() const noexcept { return count_; }
     [[nodiscard]] std::uint64_t max() const noexcept { return max_; } ///< exact
 

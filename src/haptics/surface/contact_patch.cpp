@@ -73,7 +73,12 @@ RingPatches::RingPatches(const ProximityOctree& octree, const TriangleMesh& mesh
 
 void RingPatches::fill(ContactPatch& patch, const Vec3& device, int depth) noexcept
 {
-    const ClosestFeature closest = closest_feature(octree_, device);
+    fill(patch, device, closest_feature(octree_, device), depth);
+}
+
+void RingPatches::fill(ContactPatch& patch, const Vec3& device, const ClosestFeature& closest,
+                       int depth) noexcept
+{
     const Neighbourhood found =
         collect_rings(mesh_, topology_, closest.feature, depth, scratch_, ids_);
     const std::size_t count = std::min(found.count, patch.room().size());

@@ -19,6 +19,7 @@
 #include "haptics/surface/patch_groups.h"
 #include "index/lists/proximity_octree.h"
 #include "proxima/topology.h"
+#include "query/closest/closest_feature.h"
 #include "query/neighbourhood/neighbourhood.h"
 
 #include <algorithm>
@@ -122,6 +123,10 @@ public:
     /// Fills a patch with the triangles within `depth` rings of the device's closest feature.
     /// noexcept, no allocation. \pre device is finite, depth >= 0
     void fill(ContactPatch& patch, const Vec3& device, int depth) noexcept;
+
+    /// Like fill, around a closest feature that the caller has found.
+    void fill(ContactPatch& patch, const Vec3& device, const ClosestFeature& closest,
+              int depth) noexcept;
 
 private:
     const ProximityOctree& octree_;

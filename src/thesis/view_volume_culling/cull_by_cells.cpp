@@ -1,0 +1,21 @@
+#include "thesis/view_volume_culling/cull_by_cells.h"
+
+#include "query/culling/cull_cells.h"
+
+namespace proxima {
+
+CellCulling cull_by_cells(const Octree& octree, const ViewVolume& volume)
+{
+    CellCulling culling;
+    std::vector<bool> is_listed(octree.triangle_count(), false);
+    visible_cells(octree, volume, CullMode::exact, [&](const VisibleCell& at) {
+        const auto list = octree.triangles(at.cell);
+        culling.cells += list.empty() ? 0U : 1U;
+        for (const TriangleId id : list) is_listed[index(id)] = true;
+    });
+    for (std::uint32_t id = 0; id < is_listed.size(); ++id)
+        if (is_listed[id]) culling.triangles.push_back(TriangleId{id});
+    return culling;
+}
+
+} // namespace proxima
