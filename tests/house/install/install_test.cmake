@@ -14,7 +14,7 @@ endfunction()
 
 function(expect_answer program)
   run(${program})
-  if(NOT output STREQUAL "12 6 PLACE 6\n")
+  if(NOT output STREQUAL "12 6 160 5\n")
     message(FATAL_ERROR "${program} printed: ${output}")
   endif()
 endfunction()
