@@ -7,7 +7,6 @@
 
 namespace proxima {
 
-using detail::SumCorner;
 
 MinkowskiSum MinkowskiSum::scaled(double lambda) const noexcept
 {
