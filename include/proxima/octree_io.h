@@ -35,7 +35,7 @@ struct SaveOptions {
     Execution execution = {}; ///< stages "checksums" and "writing", steps are bytes
 };
 
-/// The same octree gives the same bytes. Errors: file_not_writable, cancelled. O(bytes).
+/// Equal octrees give equal bytes. Errors: file_not_writable, cancelled. O(bytes).
 [[nodiscard]] Status save_octree(const Octree& octree, const std::filesystem::path& path,
                                  const SaveOptions& options = {});
 
@@ -45,7 +45,7 @@ struct SaveOptions {
 [[nodiscard]] Result<Octree> load_octree(const std::filesystem::path& path,
                                          const LoadOptions& options = {});
 
-/// The same from a file's bytes in memory, aligned to 64, which `storage` keeps alive.
+/// Loads an octree from a file's bytes in memory, aligned to 64, which `storage` keeps alive.
 [[nodiscard]] Result<Octree> load_octree(std::span<const std::byte> bytes,
                                          std::shared_ptr<const void> storage,
                                          const std::string& name, const LoadOptions& options = {});

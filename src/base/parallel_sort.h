@@ -8,8 +8,8 @@
 
 namespace proxima {
 
-/// Sorts by the lowest `key_bits` bits of the keys, ascending; the bits above must be zero. The
-/// same as radix_sort where indices ascend. False, with the items in no order, where `progress`
+/// Sorts by the lowest `key_bits` bits of the keys, ascending; the bits above must be zero. Gives the
+/// result of radix_sort where indices ascend. False, with the items in no order, where `progress`
 /// asks to stop. About 40 ns an item on one thread, one copy of the items as scratch.
 /// \pre indices ascend, key_bits in [11, 64]
 [[nodiscard]] bool sort_keys(std::vector<KeyedIndex>& items, unsigned key_bits, Threads threads,

@@ -75,7 +75,7 @@ void fill_vertex_places(const TriangleMesh& mesh, GrowBuffer<std::uint32_t>& pla
     }
 }
 
-/// Of the sides of a triangle that are the same edge: the one between the first corners of its
+/// Where an edge is in its lowest triangle: the side between the first corners of its
 /// vertices, as side_of() has it. They are two where two corners are one vertex.
 std::uint32_t place_of_edge(const TriangleMesh& mesh, const EdgeNumbers& edges, std::uint32_t edge)
 {

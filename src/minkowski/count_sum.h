@@ -12,7 +12,7 @@ struct CountedSum {
     OperationCounts counts;
 };
 
-/// The same on numbers that count what is done to them: the thesis's Table 3.2 for any operands. Of
+/// Sums on numbers that count what is done to them: the thesis's Table 3.2 for any operands. Of
 /// `arcs` the signs of the Gaussian maps are counted, filters included; its merging of faces, and
 /// the few signs that exact numbers decide, are not arithmetic of a scalar. Errors as
 /// minkowski_sum.
