@@ -7,7 +7,7 @@
 #include "bench_program.h"
 #include "contact_peers.h"
 #include "contact_poses.h"
-#include "index/build_mesh_index.h"
+#include "proxima/mesh_index.h"
 #include "proxima/mesh_io.h"
 #include "proxima/sample_meshes.h"
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "proxima/geometry.h"
+#include "proxima/intersect_meshes.h"
 #include "proxima/triangle_mesh.h"
-#include "query/contact/intersect_meshes.h"
 
 #include <memory>
 #include <string>

@@ -1,6 +1,6 @@
 #include "contact_poses.h"
 
-#include "query/contact/intersect_meshes.h"
+#include "proxima/intersect_meshes.h"
 
 #include <Eigen/Geometry>
 

@@ -1,8 +1,8 @@
 // Poses of a mesh against itself: turned anyhow, and overlapping, nearly apart or barely touching.
 #pragma once
 
-#include "index/mesh_index.h"
 #include "proxima/geometry.h"
+#include "proxima/mesh_index.h"
 #include "proxima/triangle_mesh.h"
 
 #include <cstdint>

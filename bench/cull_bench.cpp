@@ -8,10 +8,10 @@
 #include "bench_program.h"
 #include "cull_by_lanes.h"
 #include "cull_path.h"
-#include "index/build_mesh_index.h"
+#include "proxima/cull.h"
+#include "proxima/mesh_index.h"
 #include "proxima/mesh_io.h"
 #include "proxima/sample_meshes.h"
-#include "query/culling/cull_volume.h"
 
 #include <CLI/CLI.hpp>
 

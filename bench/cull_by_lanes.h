@@ -5,8 +5,8 @@
 //     vertices    a byte of planes per vertex, computed once; then three bytes per triangle
 #pragma once
 
+#include "proxima/cull.h"
 #include "proxima/view_volume.h"
-#include "query/culling/cull_volume.h"
 
 #include <array>
 #include <cstdint>

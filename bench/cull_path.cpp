@@ -1,5 +1,7 @@
 #include "cull_path.h"
 
+#include "index/index_parts.h"
+
 #include <algorithm>
 #include <cstdint>
 
@@ -18,8 +20,8 @@ std::vector<UnitPlane> planes_of(const MeshIndex& index, const ViewVolume& volum
     for (const ViewPlane& plane : volume.planes()) {
         const double length = plane.normal.cwiseAbs().sum();
         const Vec3 normal = plane.normal / length;
-        planes.push_back(
-            {normal, (normal.dot(index.center()) + plane.offset / length) * index.scale()});
+        planes.push_back({normal, (normal.dot(index.parts().center()) + plane.offset / length) *
+                                      index.parts().scale()});
     }
     return planes;
 }
@@ -48,7 +50,8 @@ CutBlocks cut_blocks(const MeshIndex& index, std::span<const UnitPlane> planes, 
         std::uint64_t mask;
     };
     CutBlocks cut;
-    std::vector<Pending> pending = {{index.root(), (std::uint64_t{1} << planes.size()) - 1}};
+    std::vector<Pending> pending = {
+        {index.parts().root(), (std::uint64_t{1} << planes.size()) - 1}};
     while (!pending.empty()) {
         const Pending at = pending.back();
         pending.pop_back();
@@ -58,7 +61,7 @@ CutBlocks cut_blocks(const MeshIndex& index, std::span<const UnitPlane> planes, 
             continue;
         }
         ++cut.nodes;
-        const IndexNode& node = index.blocks()[block].node;
+        const IndexNode& node = index.parts().blocks()[block].node;
         for (std::size_t slot = 0; slot < 8; ++slot) {
             Box box;
             for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -5,7 +5,7 @@
 //              leaves; the frames between look at these alone
 #pragma once
 
-#include "index/mesh_index.h"
+#include "proxima/mesh_index.h"
 #include "proxima/view_volume.h"
 
 #include <array>

@@ -13,11 +13,10 @@
 // Every distance is compared with ours. Prints tables; one thread.
 #include "bench_program.h"
 #include "fcl_distance_peer.h"
-#include "index/build_mesh_index.h"
-#include "index/slabs/build_distance_index.h"
+#include "proxima/mesh_distance.h"
+#include "proxima/mesh_index.h"
 #include "proxima/mesh_io.h"
 #include "proxima/sample_meshes.h"
-#include "query/distance/mesh_distance.h"
 
 #include <CLI/CLI.hpp>
 
@@ -43,42 +42,42 @@ public:
     {
         const auto start = std::chrono::steady_clock::now();
         const auto triangles = build_mesh_index(mesh, {.execution = {.threads = {1}}});
-        index_ = build_distance_index(triangles.value(), {.execution = {.threads = {1}}}).value();
+        index_ = with_slabs(triangles.value(), {.execution = {.threads = {1}}}).value();
         seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     }
     [[nodiscard]] std::string name() const override { return "proxima"; }
     [[nodiscard]] double build_seconds() const override { return seconds_; }
     [[nodiscard]] double distance(const RigidTransform& pose_b) override
     {
-        return mesh_distance(index_, index_, pose_b).distance;
+        return mesh_distance(index_, index_, pose_b)->distance;
     }
-    [[nodiscard]] const DistanceIndex& index() const { return index_; }
+    [[nodiscard]] const MeshIndex& index() const { return index_; }
 
 private:
-    DistanceIndex index_;
+    MeshIndex index_;
     double seconds_ = 0;
 };
 
 /// The same, from the last answer.
 class WarmProximaDistance final : public DistancePeer {
 public:
-    explicit WarmProximaDistance(const DistanceIndex& index) : index_(index) {}
+    explicit WarmProximaDistance(const MeshIndex& index) : index_(index) {}
     [[nodiscard]] std::string name() const override { return "proxima, from last"; }
     [[nodiscard]] double build_seconds() const override { return 0; }
     [[nodiscard]] double distance(const RigidTransform& pose_b) override
     {
-        last_ = mesh_distance(index_, index_, pose_b, &last_);
+        last_ = *mesh_distance(index_, index_, pose_b, &last_);
         return last_.distance;
     }
 
 private:
-    const DistanceIndex& index_;
+    const MeshIndex& index_;
     MeshDistance last_;
 };
 
 class PoseMaker {
 public:
-    PoseMaker(const DistanceIndex& index, const Box& box, std::uint64_t seed)
+    PoseMaker(const MeshIndex& index, const Box& box, std::uint64_t seed)
         : index_(index), center_(box.center()), diagonal_(box.extent().norm()), random_(seed)
     {}
 
@@ -91,7 +90,7 @@ public:
         for (int step = 0; step < 1000; ++step) {
             place(pose, along * from);
             // No step takes it nearer than wanted.
-            const double surplus = mesh_distance(index_, index_, pose).distance - wanted;
+            const double surplus = mesh_distance(index_, index_, pose)->distance - wanted;
             if (surplus <= 0.01 * wanted) break;
             along -= surplus;
         }
@@ -140,7 +139,7 @@ private:
         pose.translation = center_ + by - pose.rotation * center_;
     }
 
-    const DistanceIndex& index_;
+    const MeshIndex& index_;
     Vec3 center_;
     double diagonal_;
     std::mt19937_64 random_;
@@ -192,7 +191,7 @@ int run_mesh(const std::string& name, const BenchOptions& options)
     }
     std::vector<std::unique_ptr<DistancePeer>> peers;
     auto own = std::make_unique<ProximaDistance>(*mesh);
-    const DistanceIndex& index = own->index();
+    const MeshIndex& index = own->index();
     peers.push_back(std::move(own));
     peers.push_back(std::make_unique<WarmProximaDistance>(index));
 #ifdef PROXIMA_BENCH_FCL

@@ -2,11 +2,11 @@
 // incremental hull, and two polytopes by arcs against the convex hull of all pair sums by CGAL.
 // Run by scripts/bench minkowski, which prints the ratios of one interleaved run.
 
-#include "minkowski/geometric_method.h"
-#include "minkowski/incremental_hull.h"
-#include "minkowski/triangle_cube_sum.h"
 #include "proxima/convex_polyhedron.h"
 #include "proxima/minkowski_sum.h"
+#include "thesis/minkowski_sums/geometric_method.h"
+#include "thesis/minkowski_sums/incremental_hull.h"
+#include "thesis/octree_generation/triangle_cube_sum.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Surface_mesh.h>

@@ -8,6 +8,7 @@
 #include "proxima/mesh_io.h"
 #include "proxima/octree.h"
 #include "proxima/sample_meshes.h"
+#include "proxima/thesis.h"
 
 #include <benchmark/benchmark.h>
 #include <malloc.h>
@@ -71,13 +72,12 @@ void build_ours(benchmark::State& state, const Workload& load, OverlapMethod met
 {
     const OctreeOptions options{.max_depth = load.depth,
                                 .threshold = load.threshold,
-                                .method = method,
                                 .classification = Classification::none,
                                 .execution = {.threads = {threads}}};
     std::string text;
     double bytes = 0;
     while (state.KeepRunning()) {
-        auto octree = build_octree(*load.mesh, options);
+        auto octree = build_octree_by(*load.mesh, {.method = method}, options);
         state.PauseTiming();
         if (!octree) {
             state.SkipWithError(describe(octree.error()).c_str());
@@ -95,7 +95,7 @@ void build_ours(benchmark::State& state, const Workload& load, OverlapMethod met
     malloc_trim(0);
     std::ofstream("/proc/self/clear_refs") << 5;
     const double before = kilobytes("VmRSS:");
-    const auto octree = build_octree(*load.mesh, options);
+    const auto octree = build_octree_by(*load.mesh, {.method = method}, options);
     const double peak = (kilobytes("VmHWM:") - before) * 1024;
     state.SetLabel(text);
     state.counters["bytes"] = bytes;

@@ -50,7 +50,6 @@ PartitionWorkload partition_workload(const std::string& name, const std::string&
     const double edge = std::ldexp(1.0, workload_grid_bits);
     OctreeOptions options{.max_depth = max_depth,
                           .threshold = static_cast<std::uint32_t>(threshold),
-                          .exactness = Exactness::exact,
                           .root = OctreeFrame{Vec3::Zero(), Vec3::Constant(edge)},
                           .classification = Classification::none};
     const auto octree = build_octree(*mesh, options);

@@ -1,5 +1,5 @@
 #include "contact_peers.h"
-#include "index/build_mesh_index.h"
+#include "proxima/mesh_index.h"
 
 #include <chrono>
 

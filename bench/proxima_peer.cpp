@@ -1,63 +1,57 @@
 #include "proxima_peer.h"
 
 #include "base/check.h"
-#include "index/lists/build_proximity_octree.h"
-#include "query/closest/closest_feature.h"
+#include "proxima/closest_feature.h"
+#include "proxima/mesh_index.h"
 
 #include <vector>
 
 namespace proxima::bench {
 namespace {
 
+PeerAnswer answer_of(const ClosestFeature& found)
+{
+    return {found.squared_distance, found.triangle};
+}
+
 class ProximaPeer {
 public:
-    explicit ProximaPeer(ProximityOctree octree) : octree_(std::move(octree)) {}
+    explicit ProximaPeer(MeshIndex index) : index_(std::move(index)) {}
 
     [[nodiscard]] PeerAnswer closest(const Vec3& point) const
     {
-        return answer_of(closest_feature(octree_, point));
+        return answer_of(*closest_feature(index_, point));
     }
-
-    /// As many at a time as the octree searches together, so that its answers stay in the cache
-    /// until they are taken over.
     void closest(std::span<const Vec3> points, std::span<PeerAnswer> answers)
     {
-        for (std::size_t first = 0; first < points.size(); first += features_.size()) {
-            const auto some =
-                points.subspan(first, std::min(features_.size(), points.size() - first));
-            const auto found = std::span(features_).first(some.size());
-            const Status status =
-                closest_features(octree_, some, found, {.execution = {.threads = {1}}});
-            PROXIMA_CHECK(status.has_value());
-            std::ranges::transform(found, answers.begin() + static_cast<std::ptrdiff_t>(first),
-                                   answer_of);
-        }
+        features_.resize(points.size());
+        const Status status = closest_features(index_, points, {.answers = features_},
+                                               {.execution = {.threads = {1}}});
+        PROXIMA_CHECK(status.has_value());
+        std::ranges::transform(features_, answers.begin(), answer_of);
     }
-
-    [[nodiscard]] std::size_t bytes() const { return octree_.bytes(); }
+    [[nodiscard]] std::size_t bytes() const { return index_.bytes(); }
 
 private:
-    static PeerAnswer answer_of(const ClosestFeature& found)
-    {
-        return {found.squared_distance, found.triangle};
-    }
-
-    ProximityOctree octree_;
-    std::vector<ClosestFeature> features_ = std::vector<ClosestFeature>(4096);
+    MeshIndex index_;
+    std::vector<ClosestFeature> features_; ///< kept for the next batch
 };
 
 } // namespace
 
 Result<std::unique_ptr<Contender>> make_proxima_peer(const TriangleMesh& mesh,
-                                                     std::uint64_t bytes_per_triangle)
+                                                     std::uint64_t list_bytes_per_triangle)
 {
     const double start = nanoseconds_now();
-    auto octree =
-        build_proximity_octree(mesh, {.budget_bytes = bytes_per_triangle * mesh.triangle_count(),
-                                      .execution = {.threads = {1}}});
-    if (!octree) return tl::unexpected(octree.error());
+    auto index = build_mesh_index(mesh, {.execution = {.threads = {1}}});
+    if (index && list_bytes_per_triangle != 0) {
+        index = with_lists(*index, {.budget_bytes = list_bytes_per_triangle * mesh.triangle_count(),
+                                    .execution = {.threads = {1}}});
+    }
+    if (!index) return tl::unexpected(index.error());
     const double seconds = 1e-9 * (nanoseconds_now() - start);
-    auto contender = make_contender<ProximaPeer>("proxima", std::move(*octree));
+    auto contender = make_contender<ProximaPeer>(list_bytes_per_triangle == 0 ? "tree" : "lists",
+                                                 std::move(*index));
     contender->build_seconds = seconds;
     return contender;
 }

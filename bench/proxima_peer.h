@@ -1,4 +1,4 @@
-// Our proximity octree as a peer.
+// Our mesh index as a peer: its tree alone, as it is by default, or with lists.
 #pragma once
 
 #include "proximity_peers.h"
@@ -7,8 +7,9 @@
 
 namespace proxima::bench {
 
-/// Built on one thread within a budget, 0: the usual one. Errors: those of the build.
+/// Built on one thread: "lists" within a budget, or the "tree" alone where that is 0. Batches are
+/// searched on one thread too. Errors: those of the build.
 [[nodiscard]] Result<std::unique_ptr<Contender>>
-make_proxima_peer(const TriangleMesh& mesh, std::uint64_t bytes_per_triangle = 0);
+make_proxima_peer(const TriangleMesh& mesh, std::uint64_t list_bytes_per_triangle);
 
 } // namespace proxima::bench

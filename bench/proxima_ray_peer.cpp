@@ -1,5 +1,5 @@
-#include "index/build_mesh_index.h"
-#include "query/rays/cast_ray.h"
+#include "proxima/cast_ray.h"
+#include "proxima/mesh_index.h"
 #include "ray_peers.h"
 
 #include <chrono>

@@ -10,6 +10,7 @@
 #include "base/text.h"
 #include "bench_program.h"
 #include "brute_force_peer.h"
+#include "proxima/mesh_index.h"
 #include "proxima/mesh_io.h"
 #include "proxima/sample_meshes.h"
 #include "proxima_peer.h"
@@ -78,11 +79,14 @@ std::vector<std::unique_ptr<Contender>> all_contenders(const TriangleMesh& mesh,
                                                        std::size_t queries)
 {
     std::vector<std::unique_ptr<Contender>> all;
-    auto ours = make_proxima_peer(mesh);
-    if (ours) {
-        all.push_back(std::move(*ours));
-    } else {
-        say("skipped: " + describe(ours.error()));
+    const std::uint64_t usual = default_list_budget(mesh.triangle_count()) / mesh.triangle_count();
+    for (const std::uint64_t list_bytes : {std::uint64_t{0}, usual}) {
+        auto ours = make_proxima_peer(mesh, list_bytes);
+        if (ours) {
+            all.push_back(std::move(*ours));
+        } else {
+            say("skipped: " + describe(ours.error()));
+        }
     }
 #ifdef PROXIMA_BENCH_EMBREE
     all.push_back(make_contender<EmbreePeer>("embree", mesh, FirstRadius::infinite));

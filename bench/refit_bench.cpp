@@ -5,12 +5,13 @@
 //     together    as many about one place
 //     pays        queries of set a after which building again would have been cheaper
 
-#include "index/lists/build_proximity_octree.h"
+#include "index/index_parts.h"
+#include "index/lists/proximity_lists.h"
 #include "lab/query_sets.h"
+#include "proxima/closest_feature.h"
+#include "proxima/mesh_index.h"
 #include "proxima/mesh_io.h"
 #include "proxima/sample_meshes.h"
-#include "query/closest/closest_feature.h"
-#include "query/closest/refit_proximity_octree.h"
 
 #include <benchmark/benchmark.h>
 
@@ -63,13 +64,13 @@ TriangleMesh moved_mesh(const TriangleMesh& mesh, double part, Spread spread)
 }
 
 /// Nanoseconds of a query of set a, the least of three passes.
-double query_time(const ProximityOctree& octree, std::span<const Vec3> points)
+double query_time(const MeshIndex& octree, std::span<const Vec3> points)
 {
     double least = 1e9;
     for (int pass = 0; pass < 3; ++pass) {
         const double start = seconds_now();
         for (const Vec3& p : points) {
-            ClosestFeature found = closest_feature(octree, p);
+            ClosestFeature found = *closest_feature(octree, p);
             benchmark::DoNotOptimize(found);
         }
         least = std::min(least, seconds_now() - start);
@@ -85,7 +86,7 @@ int run(const std::string& name)
         return 1;
     }
     const auto topology = build_topology(*mesh).value();
-    const ProximityOctree built = build_proximity_octree(*mesh, topology).value();
+    const MeshIndex built = with_lists(build_mesh_index(*mesh).value()).value();
     std::printf("%s: %zu triangles, seed %llu\n", name.c_str(), mesh->triangle_count(),
                 static_cast<unsigned long long>(seed));
     std::puts(
@@ -95,10 +96,10 @@ int run(const std::string& name)
             const TriangleMesh other = moved_mesh(*mesh, part, spread);
             const auto points = query_sets(other, queries, seed)[0].points;
             double start = seconds_now();
-            const ProximityOctree again = build_proximity_octree(other, topology).value();
+            const MeshIndex again = with_lists(build_mesh_index(other).value()).value();
             const double build = seconds_now() - start;
             start = seconds_now();
-            const auto refitted = refit_proximity_octree(built, other, topology);
+            const auto refitted = refit_index(built, other, topology);
             const double refit = seconds_now() - start;
             if (!refitted) {
                 std::fprintf(stderr, "%s\n", describe(refitted.error()).c_str());
@@ -106,7 +107,7 @@ int run(const std::string& name)
             }
             const double slow = query_time(*refitted, points);
             const double fast = query_time(again, points);
-            const ProximityStatistics& counts = refitted->statistics();
+            const ProximityStatistics& counts = refitted->parts().lists()->statistics();
             std::printf("%5.1f %% %s %9.2f %9.3f %8.1fx %6.1f%% %10.0f %10.0f %10.2g\n", 100 * part,
                         spread == Spread::scattered ? "scattered" : "together ", build, refit,
                         build / refit,

@@ -13,10 +13,10 @@
 // names a further mesh, built to depth 9 with threshold 8.
 
 #include "minkowski/operation_counts.h"
-#include "minkowski/sum_partition.h"
-#include "minkowski/triangle_cube_descent.h"
 #include "partition_workload.h"
 #include "proxima/convex_polyhedron.h"
+#include "thesis/octree_generation/sum_partition.h"
+#include "thesis/octree_generation/triangle_cube_descent.h"
 
 #include <benchmark/benchmark.h>
 

@@ -152,7 +152,7 @@ int main(int argc, char** argv)
     app.add_option("--radius", options.race.radius, "Of the proxy, m")->capture_default_str();
     app.add_option("--keep", options.race.keep, "Folder of octrees built before, and to come")
         ->check(CLI::ExistingDirectory);
-    app.add_option("--mesh", options.meshes, "Files, .pxp among them, or built-ins");
+    app.add_option("--mesh", options.meshes, "Files, .pxi among them, or built-ins");
     app.add_option("--slowest", options.slowest, "So many of the slowest ticks, and what they did");
     app.add_flag("--peers", options.peers, "Time what it is held against, too");
     app.add_option(

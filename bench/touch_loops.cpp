@@ -1,13 +1,14 @@
 #include "touch_loops.h"
 
-#include "haptics/device/hand_script.h"
-#include "haptics/device/simulated_hand.h"
-#include "haptics/force/haptic_renderer.h"
 #include "haptics/loop/collision_loop.h"
-#include "haptics/loop/quality_report.h"
-#include "haptics/loop/servo_loop.h"
-#include "index/build_mesh_index.h"
-#include "query/rays/cast_ray.h"
+#include "haptics/surface/contact_surface.h"
+#include "lab/hand_script.h"
+#include "lab/quality_report.h"
+#include "lab/simulated_hand.h"
+#include "proxima/cast_ray.h"
+#include "proxima/device.h"
+#include "proxima/haptic_renderer.h"
+#include "proxima/mesh_index.h"
 #include "touch_model.h"
 #include "touch_track.h"
 
@@ -209,8 +210,8 @@ public:
                    .took = static_cast<std::uint64_t>(took),
                    .ran = static_cast<std::uint64_t>(processor_time() - ran),
                    .new_patch = is_new && touched_ == Touched::patches,
-                   .moves = static_cast<int>(felt.proxy.moves)});
-        exchange_.say({map_.to_model(felt.position), felt.proxy.proxy, number});
+                   .moves = static_cast<int>(felt.moves)});
+        exchange_.say({map_.to_model(felt.position), felt.proxy, number});
         keep_account(felt, newest, patch, number);
         return felt;
     }
@@ -239,7 +240,7 @@ private:
     void keep_account(const RenderTick& felt, const ContactPatch* newest, Patch patch,
                       std::uint64_t number) noexcept
     {
-        touching_ += felt.proxy.hold != Hold::free ? 1U : 0U;
+        touching_ += felt.hold != Hold::free ? 1U : 0U;
         if (newest == nullptr) return;
         lost_ += patch == Patch::lost ? 1U : 0U;
         oldest_ = std::max(oldest_, number - newest->made_at);

@@ -1,11 +1,16 @@
 #include "touch_scenes.h"
 
-#include "haptics/device/hand_script.h"
-#include "haptics/device/simulated_hand.h"
-#include "haptics/loop/quality_report.h"
+#include "haptics/force/surface_renderer.h"
 #include "haptics/scene/scripted_scene.h"
+#include "haptics/scene/touch_access.h"
+#include "lab/hand_script.h"
+#include "lab/quality_report.h"
+#include "lab/simulated_hand.h"
+#include "proxima/device.h"
+#include "proxima/haptic_renderer.h"
 #include "proxima/mesh_io.h"
 #include "proxima/sample_meshes.h"
+#include "proxima/touch_scene.h"
 #include "touch_table.h"
 
 #include <algorithm>
@@ -90,7 +95,7 @@ Result<TriangleMesh> unit_mesh(const std::string& name)
 
 Result<std::unique_ptr<ScriptedScene>> make_scene(const BenchScene& wanted)
 {
-    std::vector<std::unique_ptr<const TouchBody>> bodies;
+    std::vector<TouchBody> bodies;
     std::vector<ScriptedObject> objects;
     for (const PlacedModel& placed : wanted.models) {
         auto mesh = unit_mesh(placed.model);
@@ -113,8 +118,8 @@ std::vector<std::uint32_t> parts_of(const TouchScene& scene)
     std::uint32_t triangles = 0;
     for (std::uint32_t i = 0; i < scene.object_count(); ++i) {
         parts.push_back(triangles);
-        triangles +=
-            static_cast<std::uint32_t>(scene.object(ObjectId{i}).body->mesh().triangle_count());
+        triangles += static_cast<std::uint32_t>(
+            moving_surface(scene).object(ObjectId{i}).body->mesh().triangle_count());
     }
     return parts;
 }
@@ -139,14 +144,14 @@ public:
         SimulatedHand hand({}, script->target(0));
         for (std::uint64_t tick = 0; tick < options_.ticks; ++tick) {
             const DeviceState state = hand.state();
-            const ContactWork before = scripted_.scene().work();
+            const ContactWork before = moving_surface(scripted_.scene()).work();
             scripted_.say(tick, tick_seconds);
             const RenderTick& felt = renderer.tick(state, tick_seconds);
-            meter.add(felt, state.velocity, renderer.proxy().path());
+            meter.add(felt, state.velocity, renderer.path());
             track.states.push_back(state);
             track.forces.push_back(felt.force);
-            track.kinds.push_back(state_of(felt.proxy));
-            track.work.push_back(difference(scripted_.scene().work(), before));
+            track.kinds.push_back(state_of(felt));
+            track.work.push_back(difference(moving_surface(scripted_.scene()).work(), before));
             hand.step(felt.force, script->target(static_cast<double>(tick) * tick_seconds));
         }
         passes_ += meter.report().passes;

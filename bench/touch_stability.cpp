@@ -2,6 +2,7 @@
 
 #include "haptics/theory_wall.h"
 #include "haptics/wall_swing.h"
+#include "proxima/device.h"
 
 #include <cmath>
 #include <cstdio>

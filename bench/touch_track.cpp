@@ -1,7 +1,12 @@
 #include "touch_track.h"
 
-#include "haptics/device/hand_script.h"
-#include "haptics/device/simulated_hand.h"
+#include "haptics/force/surface_renderer.h"
+#include "haptics/proxy/proxy.h"
+#include "haptics/surface/contact_surface.h"
+#include "lab/hand_script.h"
+#include "lab/simulated_hand.h"
+#include "proxima/device.h"
+#include "proxima/haptic_renderer.h"
 
 #include <algorithm>
 #include <chrono>
@@ -23,10 +28,10 @@ HapticRenderer renderer_of(const ContactSurface& surface, const WorkspaceMap& ma
 
 } // namespace
 
-TickState state_of(const ProxyTick& tick)
+TickState state_of(const RenderTick& tick)
 {
     if (tick.hold == Hold::free) return TickState::free;
-    if (tick.slide.contact_count > 1) return TickState::corner;
+    if (tick.contact_count > 1) return TickState::corner;
     return tick.hold == Hold::sticking ? TickState::contact : TickState::slide;
 }
 
@@ -49,12 +54,12 @@ TouchTrack record_track(const TouchModel& model, std::string_view script_name, s
     for (std::uint64_t tick = 0; tick < ticks; ++tick) {
         const DeviceState state = hand.state();
         const RenderTick& felt = renderer.tick(state, tick_seconds);
-        const ContactWork& work = renderer.proxy().work();
+        const ContactWork& work = parts_of(renderer).proxy().work();
         track.states.push_back(state);
         track.forces.push_back(felt.force);
-        track.kinds.push_back(state_of(felt.proxy));
+        track.kinds.push_back(state_of(felt));
         track.work.push_back(difference(work, before));
-        track.moves.push_back(felt.proxy.moves);
+        track.moves.push_back(felt.moves);
         track.max_speed = std::max(track.max_speed, state.velocity.norm());
         before = work;
         hand.step(felt.force, script->target(static_cast<double>(tick) * tick_seconds));

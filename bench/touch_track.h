@@ -9,9 +9,11 @@
 #pragma once
 
 #include "god_object_peer.h"
-#include "haptics/device/device.h"
-#include "haptics/force/haptic_renderer.h"
 #include "haptics/proxy/contact_cache.h"
+#include "haptics/proxy/proxy.h"
+#include "haptics/surface/contact_surface.h"
+#include "proxima/device.h"
+#include "proxima/haptic_renderer.h"
 #include "touch_model.h"
 
 #include <array>
@@ -43,7 +45,7 @@ struct TouchTrack {
     double max_speed = 0;           ///< m/s
 };
 
-[[nodiscard]] TickState state_of(const ProxyTick& tick);
+[[nodiscard]] TickState state_of(const RenderTick& tick);
 
 /// What was asked for between two accounts.
 [[nodiscard]] ContactWork difference(const ContactWork& after, const ContactWork& before);
@@ -69,7 +71,7 @@ struct TrackTimes {
 /// The octree's surface asked anew for every question of a tick.
 class AskedSurface final : public ContactSurface {
 public:
-    explicit AskedSurface(const OctreeContactSurface& surface) : surface_(surface) {}
+    explicit AskedSurface(const IndexContactSurface& surface) : surface_(surface) {}
     [[nodiscard]] const SurfaceScale& scale() const noexcept override { return surface_.scale(); }
     [[nodiscard]] std::size_t collect(const Vec3& p, double distance,
                                       std::span<ContactTriangle> buffer) const noexcept override
@@ -82,7 +84,7 @@ public:
     }
 
 private:
-    const OctreeContactSurface& surface_;
+    const IndexContactSurface& surface_;
 };
 
 } // namespace proxima::bench

@@ -70,15 +70,6 @@ function(proxima_add_layer name)
   endif()
   set_property(GLOBAL APPEND PROPERTY PROXIMA_LAYERS ${target})
 
-  # The index, queries and touch have no public headers yet: until then the headers as they stand in
-  # src are installed, too, below proxima/internal. Their paths will change.
-  foreach(header IN LISTS ARG_HEADERS)
-    cmake_path(GET header PARENT_PATH folder)
-    install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/proxima/internal/${name}/${folder})
-  endforeach()
-  target_include_directories(${target} INTERFACE
-    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/proxima/internal>)
-
   # The internal headers, each compiled alone by the build preset `headers` like the public ones.
   add_library(${target}_internal INTERFACE)
   target_sources(${target}_internal INTERFACE FILE_SET HEADERS

@@ -1,6 +1,5 @@
 #include <iostream>
-#include <proxima/convex_polyhedron.h>
-#include <proxima/minkowski_sum.h>
+#include <proxima/proxima.h>
 
 int main()
 {

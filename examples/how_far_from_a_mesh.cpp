@@ -1,39 +1,24 @@
-#include <index/lists/build_proximity_octree.h>
 #include <iostream>
-#include <proxima/sample_meshes.h>
-#include <proxima/topology.h>
-#include <query/closest/closest_feature.h>
-#include <query/closest/signed_distance.h>
-
-namespace {
-
-int failed(const proxima::Error& error)
-{
-    std::cerr << describe(error) << '\n';
-    return 1;
-}
-
-} // namespace
+#include <proxima/proxima.h>
 
 int main()
 {
     using namespace proxima;
-    const auto mesh = sample_mesh("torus:60x40");
-    if (!mesh) return failed(mesh.error());
-    const auto topology = build_topology(*mesh);
-    if (!topology) return failed(topology.error());
+    const auto index = sample_mesh("torus:60x40").and_then([](const TriangleMesh& mesh) {
+        return build_mesh_index(mesh);
+    });
+    if (!index) return std::cerr << describe(index.error()) << '\n', 1;
+    const auto sign = build_surface_sign(*index); // what tells inside from outside
+    if (!sign) return std::cerr << describe(sign.error()) << '\n', 1;
 
-    // Once for a mesh: by what closest features are found, and what tells inside from outside.
-    const auto octree = build_proximity_octree(*mesh, *topology);
-    if (!octree) return failed(octree.error());
-    const auto sign = build_surface_sign(*mesh, *topology);
-    if (!sign) return failed(sign.error());
-
-    // From any thread, in about a microsecond: no lock, no allocation.
-    for (const Vec3& p : {Vec3(0, 0, 0), Vec3(0.8, 0, 0), Vec3(2, 1, 0)}) {
-        const SignedDistance found = sign_of(*sign, closest_feature(*octree, p), p);
+    // Many points, on all cores. signed_distance() takes one: no lock, no allocation.
+    const std::vector<Vec3> points{Vec3(0, 0, 0), Vec3(0.8, 0, 0), Vec3(2, 1, 0)};
+    std::vector<SignedDistance> answers(points.size());
+    const Status done = signed_distances(*index, *sign, points, {.answers = answers});
+    if (!done) return std::cerr << describe(done.error()) << '\n', 1;
+    for (const SignedDistance& found : answers) {
         std::cout << (found.distance < 0 ? "inside" : "outside") << ", " << found.distance
-                  << " from triangle " << index(found.closest.triangle) << " at "
+                  << " from triangle " << proxima::index(found.closest.triangle) << " at "
                   << found.closest.point.transpose() << '\n';
     }
 }

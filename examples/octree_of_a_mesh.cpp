@@ -1,6 +1,5 @@
 #include <iostream>
-#include <proxima/mesh_io.h>
-#include <proxima/octree.h>
+#include <proxima/proxima.h>
 
 int main(int argc, char** argv)
 {

@@ -1,9 +1,6 @@
 // A plate comes down on a hand that rests: prints how the force rises, tick by tick.
-#include "haptics/force/haptic_renderer.h"
-#include "haptics/scene/touch_scene.h"
-#include "proxima/sample_meshes.h"
-
 #include <cstdio>
+#include <proxima/proxima.h>
 
 int main()
 {

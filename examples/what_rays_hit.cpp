@@ -1,46 +1,25 @@
-#include <index/build_mesh_index.h>
+#include <algorithm>
 #include <iostream>
-#include <optional>
-#include <proxima/sample_meshes.h>
-#include <query/rays/cast_ray.h>
-#include <vector>
-
-namespace {
-
-int failed(const proxima::Error& error)
-{
-    std::cerr << describe(error) << '\n';
-    return 1;
-}
-
-} // namespace
+#include <proxima/proxima.h>
 
 int main()
 {
     using namespace proxima;
-    const auto mesh = sample_mesh("sphere:100x100");
-    if (!mesh) return failed(mesh.error());
-    const auto index = build_mesh_index(*mesh);
-    if (!index) return failed(index.error());
+    const auto index = sample_mesh("sphere:100x100").and_then([](const TriangleMesh& mesh) {
+        return build_mesh_index(mesh);
+    });
+    if (!index) return std::cerr << describe(index.error()) << '\n', 1;
 
-    // One ray, real-time safe. Between neighbouring triangles none is lost: this one goes straight
-    // through the pole, where a hundred of them meet.
-    const Ray down{.origin = {0, 0, 5}, .direction = {0, 0, -1}};
-    if (const auto hit = closest_hit(*index, down)) {
-        std::cout << "t " << hit->t << " at " << down.at(hit->t).transpose() << '\n';
-    }
-
-    // Many rays, on all cores: a picture of 40 by 20 letters.
+    // A picture of a million rays, on all cores: neighbours side by side, as a camera sends them.
     std::vector<Ray> rays;
-    for (int y = 0; y < 20; ++y) {
-        for (int x = 0; x < 40; ++x) {
-            rays.push_back(
-                {.origin = {(x - 19.5) / 16, -5, (9.5 - y) / 8}, .direction = {0, 1, 0}});
-        }
+    for (int pixel = 0; pixel < 1'000'000; ++pixel) {
+        const double x = pixel % 1000 / 500.0 - 0.999;
+        const double z = pixel / 1000 / 500.0 - 0.999;
+        rays.push_back({.origin = {x, -5, z}, .direction = {0, 1, 0}});
     }
     std::vector<std::optional<RayHit>> hits(rays.size());
-    if (const Status cast = closest_hits(*index, rays, hits); !cast) return failed(cast.error());
-    for (std::size_t i = 0; i < hits.size(); ++i) {
-        std::cout << (hits[i] ? '#' : '.') << (i % 40 == 39 ? "\n" : "");
-    }
+    const Status done = closest_hits(*index, rays, hits);
+    if (!done) return std::cerr << describe(done.error()) << '\n', 1;
+    std::cout << std::ranges::count_if(hits, [](const auto& hit) { return hit.has_value(); })
+              << " rays hit\n";
 }

@@ -6,6 +6,9 @@
 #include "haptics/device/device_input.h"
 #include "haptics/device/remote_servo.h"
 #include "haptics/device/udp_device.h"
+#include "haptics/surface/contact_surface.h"
+#include "proxima/device.h"
+#include "proxima/haptic_renderer.h"
 #include "proxima/sample_meshes.h"
 
 #include <cstddef>

@@ -1,12 +1,11 @@
 #include "counted_allocations.h"
 
-#include <atomic>
 #include <cstdlib>
 #include <new>
 
 namespace {
 
-std::atomic<std::size_t> allocations{0};
+thread_local std::size_t allocations = 0;
 
 } // namespace
 

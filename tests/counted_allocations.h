@@ -5,7 +5,7 @@
 
 namespace proxima::testing {
 
-/// Calls of operator new so far, by all threads.
+/// Calls of operator new so far, by this thread.
 [[nodiscard]] std::size_t allocation_count() noexcept;
 
 } // namespace proxima::testing

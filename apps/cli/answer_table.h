@@ -7,9 +7,9 @@
 // (on_surface), 1 (pseudonormal), 2 (winding_number).
 #pragma once
 
+#include "proxima/closest_feature.h"
 #include "proxima/result.h"
-#include "query/closest/closest_feature.h"
-#include "query/closest/signed_distance.h"
+#include "proxima/signed_distance.h"
 
 #include <cstdint>
 #include <span>

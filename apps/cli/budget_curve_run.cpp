@@ -8,8 +8,10 @@
 #include "cli/query_timing.h"
 #include "cli/stopwatch.h"
 #include "cli/text_table.h"
-#include "index/lists/build_proximity_octree.h"
+#include "index/index_parts.h"
+#include "index/lists/proximity_lists.h"
 #include "lab/query_sets.h"
+#include "proxima/mesh_index.h"
 
 #include <array>
 #include <filesystem>
@@ -34,7 +36,7 @@ constexpr std::array set_names = {"a: in 1.2 times the box", "b: surface +- 1 % 
                                   "c: a walk near the surface"};
 
 struct CurveRow {
-    std::uint64_t budget = 0; ///< bytes per triangle, as the octree's are
+    std::uint64_t budget = 0; ///< bytes per triangle, as those of the lists are
     double bytes = 0;
     double seconds = 0;             ///< of the build
     std::array<double, 3> ns = {};  ///< per query of the sets a, b, c
@@ -43,16 +45,16 @@ struct CurveRow {
 
 struct Curve {
     std::vector<CurveRow> rows;
-    std::vector<std::uint64_t> left_out; ///< budgets that are too small for any octree
-    std::optional<std::uint64_t> enough; ///< no larger budget makes another octree
+    std::vector<std::uint64_t> left_out; ///< budgets that are too small for any lists
+    std::optional<std::uint64_t> enough; ///< no larger budget makes other lists
 };
 
 /// Builds with one budget after the other.
 class CurveRun {
 public:
     CurveRun(const ProximityCommandOptions& options, const TriangleMesh& mesh,
-             const Topology& topology, Session& session)
-        : options_(options), mesh_(mesh), topology_(topology), session_(session)
+             const MeshIndex& index, Session& session)
+        : options_(options), mesh_(mesh), index_(index), session_(session)
     {}
 
     /// The largest budget first: where a smaller one gives the same octree, the rest need no try.
@@ -85,21 +87,21 @@ private:
         const ProgressBar shown(session_.progress(), session_.bar());
         const Stopwatch watch;
         const std::size_t triangles = mesh_.triangle_count();
-        const auto octree = build_proximity_octree(mesh_, topology_,
-                                                   {.budget_bytes = budget * triangles,
-                                                    .margin = options_.margin,
-                                                    .max_depth = options_.depths.back(),
-                                                    .execution = session_.execution()});
-        if (!octree) return tl::unexpected(octree.error());
+        const auto index = with_lists(index_, {.budget_bytes = budget * triangles,
+                                               .margin = options_.margin,
+                                               .max_depth = options_.depths.back(),
+                                               .execution = session_.execution()});
+        if (!index) return tl::unexpected(index.error());
         CurveRow row;
         row.budget = budget;
         row.seconds = watch.seconds();
-        row.bytes = static_cast<double>(octree->bytes()) / static_cast<double>(triangles);
-        row.worst_blocks = octree->statistics().worst_case_blocks;
+        row.bytes =
+            static_cast<double>(index->parts().lists()->bytes()) / static_cast<double>(triangles);
+        row.worst_blocks = index->parts().lists()->statistics().worst_case_blocks;
         // Not before a build found the mesh to be one.
         if (!sets_) sets_ = query_sets(mesh_, queries_per_set, 1);
         for (std::size_t i = 0; i < sets_->size(); ++i)
-            row.ns[i] = time_pass(*octree, (*sets_)[i].points);
+            row.ns[i] = time_pass(*index, (*sets_)[i].points);
         if (Status status = session_.check_running(); !status)
             return tl::unexpected(status.error());
         return row;
@@ -107,7 +109,7 @@ private:
 
     const ProximityCommandOptions& options_;
     const TriangleMesh& mesh_;
-    const Topology& topology_;
+    const MeshIndex& index_;
     Session& session_;
     std::optional<std::array<QuerySet, 3>> sets_;
 };
@@ -121,11 +123,11 @@ std::vector<std::string> notes_of(const Curve& curve)
         list += concat(list.empty() ? "" : ", ", budget);
     if (!list.empty()) {
         notes.push_back(fmt::format(
-            "left out, for they are too small for any octree: {} bytes per triangle", list));
+            "left out, for they are too small for any lists: {} bytes per triangle", list));
     }
     if (curve.enough) {
         notes.push_back(fmt::format(
-            "budgets of more than {} bytes per triangle give the same octree", *curve.enough));
+            "budgets of more than {} bytes per triangle give the same lists", *curve.enough));
     }
     return notes;
 }
@@ -164,11 +166,11 @@ Figure figure_of(const Curve& curve, const std::string& model, std::size_t trian
     }
     PlotWords words{concat("The closest feature of ",
                            std::filesystem::path(model).filename().string(),
-                           " by the size of its octree"),
+                           " by the size of its lists"),
                     {fmt::format("{} triangles; one thread, single queries, {} of each set, "
                                  "median of five rounds",
                                  triangles, queries_per_set)},
-                    "bytes of the octree per triangle",
+                    "bytes of the lists per triangle",
                     "nanoseconds per query"};
     for (std::string& note : notes_of(curve)) words.notes.push_back(std::move(note));
     return log_plot(series, words);
@@ -195,12 +197,12 @@ Status run_budget_curve(const ProximityCommandOptions& options, Session& session
 {
     const auto mesh = session.load_model(options.model);
     if (!mesh) return tl::unexpected(mesh.error());
-    const auto topology = build_topology(*mesh, {.execution = session.execution()});
-    if (!topology) return at_model(topology.error(), options.model);
-    const auto curve = CurveRun(options, *mesh, *topology, session).run();
+    const auto index = build_mesh_index(*mesh, {.execution = session.execution()});
+    if (!index) return at_model(index.error(), options.model);
+    const auto curve = CurveRun(options, *mesh, *index, session).run();
     if (!curve) return at_model(curve.error(), options.model);
 
-    session.print(fmt::format("Queries of {}, {} triangles, by the budget of its proximity octree, "
+    session.print(fmt::format("Queries of {}, {} triangles, by the budget of its lists, "
                               "both in bytes per triangle\n\n{}",
                               options.model, mesh->triangle_count(), text_of(*curve)));
     const std::string csv = csv_of(*curve);

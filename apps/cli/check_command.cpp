@@ -1,16 +1,16 @@
 // proxima check: what is wrong with a mesh, where, and what still works; whether an octree file is
 // sound.
 #include "base/text.h"
+#include "cli/check_index_file.h"
 #include "cli/check_octree_file.h"
-#include "cli/check_proximity_file.h"
 #include "cli/commands.h"
+#include "cli/index_file_model.h"
 #include "cli/model_options.h"
 #include "cli/octree_file_model.h"
-#include "cli/proximity_file_model.h"
 #include "cli/text_table.h"
-#include "index/build_mesh_index.h"
+#include "proxima/intersect_meshes.h"
+#include "proxima/mesh_index.h"
 #include "proxima/mesh_report.h"
-#include "query/contact/self_intersection.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -257,14 +257,14 @@ Command add_check_command(CLI::App& app)
     CLI::App* const parser =
         app.add_subcommand("check", "Report what is wrong with a mesh or a saved octree");
     const auto options = std::make_shared<CheckOptions>();
-    constexpr ModelKinds kinds = ModelKinds::meshes_and_all_octrees;
+    constexpr ModelKinds kinds = ModelKinds::meshes_octrees_and_indexes;
     add_model_option(*parser, options->model, kinds);
     add_mesh_option(*parser, options->model, kinds, options->mesh, {});
     return {parser, [options](Session& session) {
                 if (is_octree_file(options->model))
                     return check_octree_file(options->model, options->mesh, session);
-                if (is_proximity_file(options->model))
-                    return check_proximity_file(options->model, options->mesh, session);
+                if (is_index_file(options->model))
+                    return check_index_file(options->model, options->mesh, session);
                 return check_mesh(options->model, session);
             }};
 }

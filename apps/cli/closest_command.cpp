@@ -1,14 +1,18 @@
 // proxima closest: the closest feature of a mesh for each point of a file.
 #include "base/parallel.h"
+#include "base/text.h"
 #include "cli/answer_table.h"
 #include "cli/closest_searcher.h"
 #include "cli/commands.h"
+#include "cli/index_file_model.h"
 #include "cli/model_options.h"
 #include "cli/number_table.h"
-#include "cli/proximity_file_model.h"
+#include "cli/query_method.h"
 #include "cli/row_writer.h"
 #include "cli/stopwatch.h"
-#include "query/closest/closest_feature.h"
+#include "cli/thesis_closest_run.h"
+#include "proxima/closest_feature.h"
+#include "proxima/octree.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -29,6 +33,8 @@ struct ClosestOptions {
     std::string out; ///< "-" for stdout, empty for none
     bool is_signed = false;
     std::uint64_t budget_mb = 0;
+    QueryMethod method = QueryMethod::index;
+    ThesisClosestOptions thesis; ///< of --method thesis
 };
 
 /// Points of a task, and of a round: what is held at once beside the points.
@@ -120,8 +126,8 @@ private:
             points[i] = {row[0], row[1], row[2]};
         }
         // Cannot fail: sizes agree and the table holds finite numbers.
-        (void)closest_features(searcher_.octree, std::span(points).first(count),
-                               std::span(answers_).subspan(begin, count),
+        (void)closest_features(searcher_.index, std::span(points).first(count),
+                               {.answers = std::span(answers_).subspan(begin, count)},
                                {.execution = {.threads = {1}}});
         if (searcher_.sign) {
             for (std::size_t i = 0; i < count; ++i)
@@ -145,11 +151,11 @@ std::string text_of(const ClosestOptions& options, const ClosestSearcher& search
     const AnswerCounts& counts = run.counts();
     const bool loaded = searcher.load_seconds.has_value();
     std::string text = fmt::format(
-        "{}: {} triangles, proximity octree of {:.2f} MB {} in {:.3f} s\n"
+        "{}: {} triangles, index of {:.2f} MB {} in {:.3f} s\n"
         "{} points in {:.3g} ms, {:.0f} ns each; distances {:.6g} to {:.6g}\n"
         "closest: vertices {}, edges {}, faces {}\n",
-        options.model, searcher.octree.triangle_count(),
-        1e-6 * static_cast<double>(searcher.octree.bytes()), loaded ? "loaded" : "built",
+        options.model, searcher.index.triangle_count(),
+        1e-6 * static_cast<double>(searcher.index.bytes()), loaded ? "loaded" : "built",
         loaded ? *searcher.load_seconds : searcher.build_seconds, queries, 1e3 * run.seconds(),
         1e9 * run.seconds() / static_cast<double>(queries), counts.least, counts.most,
         counts.by_kind[0], counts.by_kind[1], counts.by_kind[2]);
@@ -163,8 +169,34 @@ std::string text_of(const ClosestOptions& options, const ClosestSearcher& search
     return text;
 }
 
+Status run_as_thesis(const ClosestOptions& options, Session& session)
+{
+    ThesisClosestOptions thesis = options.thesis;
+    thesis.model = options.model;
+    thesis.points = options.points;
+    thesis.out = options.out;
+    return run_thesis_closest(thesis, session);
+}
+
+/// An option that the method has no use for is wrong usage.
+void check_method_options(const CLI::App& parser, QueryMethod method)
+{
+    const auto refuse = [&](const char* name, const char* other) {
+        if (parser.count(name) == 0) return;
+        throw CLI::ValidationError(name, concat("it goes with --method ", other));
+    };
+    if (method == QueryMethod::thesis) {
+        for (const char* const name : {"--signed", "--budget-mb"}) refuse(name, "index");
+    } else {
+        for (const char* const name : {"--depth", "--save", "--octree"}) refuse(name, "thesis");
+    }
+    if (parser.count("--octree") > 0 && parser.count("--depth") > 0)
+        throw CLI::ValidationError("--depth", "a saved octree has its own");
+}
+
 Status run_closest(const ClosestOptions& options, Session& session)
 {
+    if (options.method == QueryMethod::thesis) return run_as_thesis(options, session);
     if (Status status = check_rows(options.out, session); !status) return status;
     const auto table = [&] {
         const ProgressBar shown(session.progress(), session.bar());
@@ -186,13 +218,13 @@ Status run_closest(const ClosestOptions& options, Session& session)
     if ((*searcher)->load_seconds) load_seconds = *(*searcher)->load_seconds;
     return session.write_json(
         {{"model", options.model},
-         {"triangles", (*searcher)->octree.triangle_count()},
+         {"triangles", (*searcher)->index.triangle_count()},
          {"queries", table->rows()},
          {"seconds", run.seconds()},
          {"ns_per_query", 1e9 * run.seconds() / static_cast<double>(table->rows())},
          {"build_seconds", (*searcher)->build_seconds},
          {"load_seconds", load_seconds},
-         {"bytes", (*searcher)->octree.bytes()}});
+         {"bytes", (*searcher)->index.bytes()}});
 }
 
 } // namespace
@@ -202,7 +234,7 @@ Command add_closest_command(CLI::App& app)
     CLI::App* const parser = app.add_subcommand(
         "closest", "Find the closest vertex, edge or face of a mesh for each point of a file");
     const auto options = std::make_shared<ClosestOptions>();
-    add_model_option(*parser, options->model, ModelKinds::meshes_and_proximity_octrees);
+    add_model_option(*parser, options->model, ModelKinds::meshes_and_indexes);
     parser
         ->add_option("--points", options->points,
                      "The points: .npy of three columns, else CSV of x,y,z")
@@ -215,10 +247,23 @@ Command add_closest_command(CLI::App& app)
                      "Also the distance with its sign, negative inside, and how it was found");
     parser
         ->add_option("--budget-mb", options->budget_mb,
-                     "Size of the octree at most, in 10^6 bytes (default: 600 bytes per triangle)")
+                     "Build closest-feature lists, of so many 10^6 bytes at most")
         ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40U))
         ->type_name("N");
-    refuse_beside_proximity_file(*parser, options->model, {"--budget-mb"});
+    add_query_method_option(*parser, options->method,
+                            "its proximity octree, of convex meshes, for points outside");
+    parser
+        ->add_option("--depth", options->thesis.depth,
+                     "Depth of the thesis's octree, the root is 0")
+        ->check(CLI::Range(0, max_octree_depth))
+        ->capture_default_str()
+        ->type_name("N");
+    parser->add_option("--save", options->thesis.save, "Write the thesis's octree")
+        ->type_name("FILE.pxv");
+    parser->add_option("--octree", options->thesis.octree, "Ask this saved octree of the thesis")
+        ->type_name("FILE.pxv");
+    parser->callback([parser, options] { check_method_options(*parser, options->method); });
+    refuse_beside_index_file(*parser, options->model, {"--budget-mb"});
     return {parser, [options](Session& session) { return run_closest(*options, session); }};
 }
 

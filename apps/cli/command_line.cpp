@@ -100,7 +100,7 @@ int parse_and_run(int argc, char** argv, const char* version, std::span<const Ad
         const auto found = std::ranges::find_if(commands, asked_for);
         if (found == commands.end() && argc > 1 && argv[1][0] != '-') {
             report(fmt::format(
-                "{} is no command: they are octree, compare, minkowski, proximity, closest, "
+                "{} is no command: they are octree, compare, minkowski, index, proximity, closest, "
                 "patch, raycast, cull, intersect, touch, tables, check, figures and view; see "
                 "proxima "
                 "--help",

@@ -1,15 +1,16 @@
 // proxima cull: the triangles and cells within a view volume (thesis section 5.4).
 #include "base/file_extension.h"
 #include "cli/commands.h"
+#include "cli/index_file_model.h"
 #include "cli/model_options.h"
 #include "cli/number_table.h"
 #include "cli/octree_picture.h"
+#include "cli/query_method.h"
 #include "cli/stopwatch.h"
 #include "cli/triangle_file.h"
-#include "index/build_mesh_index.h"
+#include "proxima/cull.h"
 #include "proxima/octree.h"
-#include "query/culling/cull_cells.h"
-#include "query/culling/cull_volume.h"
+#include "proxima/thesis.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
@@ -26,6 +27,7 @@ struct CullOptions {
     std::string out;
     std::string picture;
     bool exact = false;
+    QueryMethod method = QueryMethod::index;
     int depth = 5;
     std::uint32_t threshold = 1;
 };
@@ -52,6 +54,11 @@ Result<ViewVolume> read_volume(const std::string& path, Progress* progress)
 
 Status check_options(const CullOptions& options, const Session& session)
 {
+    if (options.exact && options.method == QueryMethod::thesis) {
+        return fail(ErrorCode::invalid_argument,
+                    "is of --method index: the thesis's method draws all that visible cells list",
+                    "--exact");
+    }
     if (!options.picture.empty() && lower_case_extension(options.picture) != ".png")
         return fail(ErrorCode::unsupported_format, "a picture is a .png file", options.picture);
     if (!options.out.empty())
@@ -91,11 +98,32 @@ Result<std::unique_ptr<Culled>> prepare(const CullOptions& options, Session& ses
                                               .execution = session.execution()});
     if (!octree) return at_model(octree.error(), options.model);
     culled->octree = std::move(*octree);
-    auto index = build_mesh_index(culled->mesh, {.execution = session.execution()});
-    if (!index) return at_model(index.error(), options.model);
+    if (options.method == QueryMethod::thesis) {
+        culled->build_seconds = watch.seconds();
+        return culled;
+    }
+    auto index = index_of_model(options.model, culled->mesh, session);
+    if (!index) return tl::unexpected(index.error());
     culled->index = std::move(*index);
     culled->build_seconds = watch.seconds();
     return culled;
+}
+
+void count_all_cells(Culled& culled)
+{
+    for (const OctreeNode& node : culled.octree.nodes())
+        culled.all_cells += node.is_leaf() && !node.is_empty() ? 1 : 0;
+}
+
+void cull_as_thesis(Culled& culled)
+{
+    const Stopwatch watch;
+    CellCulling found = cull_by_cells(culled.octree, culled.volume);
+    culled.id_seconds = watch.seconds();
+    culled.seconds = culled.id_seconds;
+    culled.triangles = std::move(found.triangles);
+    culled.cells = found.cells;
+    count_all_cells(culled);
 }
 
 void cull(Culled& culled, CullMode mode)
@@ -109,24 +137,43 @@ void cull(Culled& culled, CullMode mode)
     culled.id_seconds = id_watch.seconds();
     visible_cells(culled.octree, culled.volume, mode, [&](const VisibleCell& at) {
         culled.cells += culled.octree.triangles(at.cell).empty() ? 0 : 1;
+        return Flow::proceed;
     });
-    for (const OctreeNode& node : culled.octree.nodes())
-        culled.all_cells += node.is_leaf() && !node.is_empty() ? 1 : 0;
+    count_all_cells(culled);
+}
+
+std::string thesis_text(const CullOptions& options, const Culled& culled)
+{
+    const auto triangles = static_cast<double>(culled.mesh.triangle_count());
+    return fmt::format("{}: {} triangles, octree of {:.2f} MB built in {:.3f} s\n"
+                       "{} triangles listed by visible cells ({:.3g} %), in {:.3g} us\n"
+                       "{} of {} occupied cells visible\n",
+                       options.model, culled.mesh.triangle_count(),
+                       1e-6 * static_cast<double>(culled.octree.bytes()), culled.build_seconds,
+                       culled.triangles.size(),
+                       100 * static_cast<double>(culled.triangles.size()) / triangles,
+                       1e6 * culled.seconds, culled.cells, culled.all_cells);
+}
+
+std::string index_text(const CullOptions& options, const Culled& culled)
+{
+    const auto triangles = static_cast<double>(culled.mesh.triangle_count());
+    return fmt::format("{}: {} triangles, index of {:.2f} MB built in {:.3f} s\n"
+                       "{} triangles visible ({:.3g} %), in {} ranges of the index in "
+                       "{:.3g} us, as ids in {:.3g} us\n"
+                       "{} of {} occupied cells visible\n",
+                       options.model, culled.mesh.triangle_count(),
+                       1e-6 * static_cast<double>(culled.index.bytes()), culled.build_seconds,
+                       culled.triangles.size(),
+                       100 * static_cast<double>(culled.triangles.size()) / triangles,
+                       culled.ranges.size(), 1e6 * culled.seconds, 1e6 * culled.id_seconds,
+                       culled.cells, culled.all_cells);
 }
 
 std::string text_of(const CullOptions& options, const Culled& culled)
 {
-    const auto triangles = static_cast<double>(culled.mesh.triangle_count());
-    std::string text = fmt::format("{}: {} triangles, index of {:.2f} MB built in {:.3f} s\n"
-                                   "{} triangles visible ({:.3g} %), in {} ranges of the index in "
-                                   "{:.3g} us, as ids in {:.3g} us\n"
-                                   "{} of {} occupied cells visible\n",
-                                   options.model, culled.mesh.triangle_count(),
-                                   1e-6 * static_cast<double>(culled.index.bytes()),
-                                   culled.build_seconds, culled.triangles.size(),
-                                   100 * static_cast<double>(culled.triangles.size()) / triangles,
-                                   culled.ranges.size(), 1e6 * culled.seconds,
-                                   1e6 * culled.id_seconds, culled.cells, culled.all_cells);
+    std::string text = options.method == QueryMethod::thesis ? thesis_text(options, culled)
+                                                             : index_text(options, culled);
     if (culled.volume.empty()) text += "the planes contradict each other: no point is inside all\n";
     for (const std::string& path : {options.out, options.picture})
         if (!path.empty()) text += fmt::format("wrote {}\n", path);
@@ -139,7 +186,11 @@ Status run_cull(const CullOptions& options, Session& session)
     const auto prepared = prepare(options, session);
     if (!prepared) return tl::unexpected(prepared.error());
     Culled& culled = **prepared;
-    cull(culled, mode_of(options));
+    if (options.method == QueryMethod::thesis) {
+        cull_as_thesis(culled);
+    } else {
+        cull(culled, mode_of(options));
+    }
     if (!options.out.empty() || !options.picture.empty()) {
         const ProgressBar shown(session.progress(), session.bar());
         if (!options.out.empty()) {
@@ -149,30 +200,34 @@ Status run_cull(const CullOptions& options, Session& session)
                 return status;
         }
         if (!options.picture.empty()) {
-            const auto image = draw_octree(culled.octree, culled.mesh,
-                                           {.up = up_axis_of_model(options.model),
-                                            .volume = &culled.volume,
-                                            .mode = mode_of(options),
-                                            .execution = {.progress = &session.progress()}});
+            const auto image = draw_octree(
+                culled.octree, culled.mesh,
+                {.up = up_axis_of_model(options.model),
+                 .volume = &culled.volume,
+                 .mode = options.method == QueryMethod::thesis ? CullMode::exact : mode_of(options),
+                 .execution = {.progress = &session.progress()}});
             if (!image) return tl::unexpected(image.error());
             if (Status status = write_png(*image, options.picture, &session.progress()); !status)
                 return status;
         }
     }
     session.print(text_of(options, culled));
-    return session.write_json({{"model", options.model},
-                               {"triangles", culled.mesh.triangle_count()},
-                               {"planes", culled.volume.planes().size()},
-                               {"empty", culled.volume.empty()},
-                               {"exact", options.exact},
-                               {"visible", culled.triangles.size()},
-                               {"ranges", culled.ranges.size()},
-                               {"visible_cells", culled.cells},
-                               {"cells", culled.all_cells},
-                               {"seconds", culled.seconds},
-                               {"id_seconds", culled.id_seconds},
-                               {"build_seconds", culled.build_seconds},
-                               {"bytes", culled.index.bytes()}});
+    return session.write_json(
+        {{"model", options.model},
+         {"triangles", culled.mesh.triangle_count()},
+         {"planes", culled.volume.planes().size()},
+         {"empty", culled.volume.empty()},
+         {"exact", options.exact},
+         {"visible", culled.triangles.size()},
+         {"ranges", culled.ranges.size()},
+         {"visible_cells", culled.cells},
+         {"cells", culled.all_cells},
+         {"seconds", culled.seconds},
+         {"id_seconds", culled.id_seconds},
+         {"build_seconds", culled.build_seconds},
+         {"bytes",
+          options.method == QueryMethod::thesis ? culled.octree.bytes() : culled.index.bytes()},
+         {"method", name_of(options.method)}});
 }
 
 } // namespace
@@ -182,7 +237,7 @@ Command add_cull_command(CLI::App& app)
     CLI::App* const parser = app.add_subcommand(
         "cull", "Find the triangles and cells in a camera's view; occlusion is not tested");
     const auto options = std::make_shared<CullOptions>();
-    add_model_option(*parser, options->model);
+    add_model_option(*parser, options->model, ModelKinds::meshes_and_indexes);
     parser
         ->add_option("--frustum", options->frustum,
                      "The view volume: .npy, else CSV, of a,b,c,d per plane, inside where "
@@ -200,7 +255,8 @@ Command add_cull_command(CLI::App& app)
         ->type_name("FILE");
     parser->add_flag(
         "--exact", options->exact,
-        "Only what has a point in common with the volume, instead of all that no plane rejects");
+        "Only what has a point in common with the volume, not all that no plane drops");
+    add_query_method_option(*parser, options->method, "all triangles of the visible cells");
     parser->add_option("--depth", options->depth, "Depth of the octree for cells")
         ->check(CLI::Range(0, max_octree_depth))
         ->type_name("N");

@@ -8,9 +8,11 @@
 #include "cli/query_timing.h"
 #include "cli/stopwatch.h"
 #include "cli/text_table.h"
-#include "index/file/proximity_file.h"
-#include "index/lists/build_proximity_octree.h"
+#include "index/index_parts.h"
 #include "index/lists/export_proximity.h"
+#include "index/lists/proximity_lists.h"
+#include "proxima/index_io.h"
+#include "proxima/mesh_index.h"
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
@@ -22,10 +24,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// One octree, counted and tried.
+/// Lists of one depth, counted and tried.
 struct GeneralRow {
     int depth = 0;
-    std::size_t triangles = 0; ///< of the mesh
     double seconds = 0;
     std::uint64_t bytes = 0;
     std::optional<std::uint64_t> peak_bytes; ///< rise of the process' memory while building
@@ -37,22 +38,21 @@ struct GeneralRow {
 std::uint64_t budget_of(const ProximityCommandOptions& options, const TriangleMesh& mesh)
 {
     return options.budget_mb != 0 ? options.budget_mb * 1'000'000
-                                  : default_proximity_budget(mesh.triangle_count());
+                                  : default_list_budget(mesh.triangle_count());
 }
 
 /// To --save and --export.
-Status write_octree(const ProximityCommandOptions& options, const ProximityOctree& octree,
-                    Session& session)
+Status write_index(const ProximityCommandOptions& options, const MeshIndex& index, Session& session)
 {
     Progress* const progress = &session.progress();
     if (!options.save.empty()) {
-        Status status =
-            save_proximity_octree(octree, options.save, {.execution = {.progress = progress}});
+        Status status = save_index(index, options.save, {.execution = {.progress = progress}});
         if (!status) return status;
         session.print(fmt::format("wrote {}\n", options.save));
     }
     for (const std::string& path : options.exports) {
-        Status status = export_proximity(octree, path, {.execution = {.progress = progress}});
+        Status status =
+            export_proximity(*index.parts().lists(), path, {.execution = {.progress = progress}});
         if (!status) return status;
         session.print(fmt::format("wrote {}\n", path));
     }
@@ -64,37 +64,36 @@ Result<std::vector<GeneralRow>> build_rows(const ProximityCommandOptions& option
 {
     const ProgressBar shown(session.progress(), session.bar());
     Progress* const progress = &session.progress();
-    const auto topology =
-        build_topology(mesh, {.execution = {.threads = session.threads(), .progress = progress}});
-    if (!topology) return tl::unexpected(topology.error());
+    const auto plain =
+        build_mesh_index(mesh, {.execution = {.threads = session.threads(), .progress = progress}});
+    if (!plain) return tl::unexpected(plain.error());
     std::vector<Vec3> queries; // not before a build found the mesh to be one
     std::vector<GeneralRow> rows;
     for (const int depth : options.depths) {
         const PeakMemory memory;
         const Stopwatch watch;
-        const auto octree = build_proximity_octree(
-            mesh, *topology,
-            {.budget_bytes = budget_of(options, mesh),
-             .margin = options.margin,
-             .max_depth = depth,
-             .execution = {.threads = session.threads(), .progress = progress}});
-        if (!octree) return tl::unexpected(octree.error());
+        const auto index =
+            with_lists(*plain, {.budget_bytes = budget_of(options, mesh),
+                                .margin = options.margin,
+                                .max_depth = depth,
+                                .execution = {.threads = session.threads(), .progress = progress}});
+        if (!index) return tl::unexpected(index.error());
+        const ProximityLists& built = *index->parts().lists();
         GeneralRow row;
         row.depth = depth;
-        row.triangles = mesh.triangle_count();
         row.seconds = watch.seconds();
-        row.bytes = octree->bytes();
+        row.bytes = built.bytes();
         row.peak_bytes = memory.bytes();
-        row.counts = octree->statistics();
+        row.counts = built.statistics();
         if (queries.empty()) queries = estimate_queries(mesh);
-        row.timing = time_queries(*octree, queries);
+        row.timing = time_queries(*index, queries);
         if (!options.histograms.empty()) {
-            const LeafLists lists = list_lengths(*octree);
+            const LeafLists lists = list_lengths(built);
             row.lists = list_statistics(lists.lengths, lists.volumes);
         }
         rows.push_back(std::move(row));
         if (Status status = session.check_running(); !status) return tl::unexpected(status.error());
-        if (Status status = write_octree(options, *octree, session); !status)
+        if (Status status = write_index(options, *index, session); !status)
             return tl::unexpected(status.error());
     }
     return rows;
@@ -172,10 +171,8 @@ std::string promise_of(const GeneralRow& row)
     };
     std::string searched;
     if (counts.searched_leaves != 0) {
-        searched = fmt::format("In {} of {} leaves, which have no list, it looks at up to {} of 8 "
-                               "triangles in the tree over all.\n",
-                               counts.searched_leaves, counts.leaves,
-                               many(search_groups(row.triangles), "group"));
+        searched = fmt::format("In {} of {} leaves, which have no list, it searches the tree.\n",
+                               counts.searched_leaves, counts.leaves);
     }
     return fmt::format(
         "A query in the root takes at most {} down and {} of triangles.\n{}"

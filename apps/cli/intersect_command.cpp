@@ -3,18 +3,22 @@
 #include "base/output_file.h"
 #include "cli/answer_table.h"
 #include "cli/commands.h"
+#include "cli/index_file_model.h"
 #include "cli/intersection_files.h"
 #include "cli/intersection_picture.h"
 #include "cli/model_options.h"
 #include "cli/pose_file.h"
+#include "cli/query_method.h"
 #include "cli/stopwatch.h"
 #include "geometry/triangle_intersection.h"
-#include "index/build_mesh_index.h"
-#include "index/slabs/build_distance_index.h"
+#include "index/index_parts.h"
+#include "index/slabs/block_slab.h"
+#include "proxima/intersect_meshes.h"
+#include "proxima/mesh_distance.h"
+#include "proxima/mesh_index.h"
 #include "proxima/octree.h"
-#include "query/contact/containment.h"
-#include "query/distance/mesh_distance.h"
-#include "thesis/intersect_octrees.h"
+#include "proxima/thesis.h"
+#include "thesis/object_intersections/intersect_octrees.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -38,6 +42,7 @@ struct IntersectOptions {
     std::string picture;
     bool cells = false;
     bool distance = false;
+    QueryMethod method = QueryMethod::index;
     int depth = 5;
     std::uint32_t threshold = 1;
 };
@@ -48,8 +53,7 @@ struct Body {
     TriangleMesh mesh;
     Octree octree;
     MeshIndex index;
-    Enclosure enclosure;
-    DistanceIndex distances; ///< where asked for
+    std::optional<Enclosure> enclosure;
 };
 
 /// What was found in one pose.
@@ -60,6 +64,7 @@ struct PoseAnswer {
     IntersectionContour contour;  ///< where asked for
     std::vector<LeafPair> leaves; ///< where asked for
     std::uint64_t cell_tests = 0;
+    std::uint64_t triangle_tests = 0; ///< of the thesis's method
     double cell_seconds = 0;
     CandidateTriangles candidates;
     std::optional<MeshDistance> nearest; ///< where asked for
@@ -76,6 +81,11 @@ Status check_options(const IntersectOptions& options, const Session& session)
     };
     if (Status status = wants(options.contour, ".obj", "--contour"); !status) return status;
     if (Status status = wants(options.picture, ".png", "--picture"); !status) return status;
+    if (options.distance && options.method == QueryMethod::thesis) {
+        return fail(ErrorCode::invalid_argument,
+                    "is of --method index: the thesis has no distance between meshes",
+                    "--distance");
+    }
     if (!options.pairs.empty()) {
         if (const auto format = answer_format(options.pairs); !format)
             return tl::unexpected(format.error());
@@ -97,16 +107,18 @@ Status prepare(Body& body, const std::string& model, const IntersectOptions& opt
                                            .execution = session.execution()});
     if (!octree) return at_model(octree.error(), model);
     body.octree = std::move(*octree);
-    auto index = build_mesh_index(body.mesh, {.execution = session.execution()});
-    if (!index) return at_model(index.error(), model);
-    body.index = std::move(*index);
+    if (options.method == QueryMethod::index) {
+        auto index = index_of_model(model, body.mesh, session);
+        if (!index) return tl::unexpected(index.error());
+        body.index = std::move(*index);
+    }
     auto enclosure = build_enclosure(body.mesh, {.execution = session.execution()});
     if (!enclosure) return at_model(enclosure.error(), model);
     body.enclosure = std::move(*enclosure);
-    if (!options.distance) return {};
-    auto distances = build_distance_index(body.index, {.execution = session.execution()});
-    if (!distances) return at_model(distances.error(), model);
-    body.distances = std::move(*distances);
+    if (!options.distance || !body.index.parts().slabs().empty()) return {};
+    auto with = with_slabs(body.index, {.execution = session.execution()});
+    if (!with) return at_model(with.error(), model);
+    body.index = std::move(*with);
     return {};
 }
 
@@ -117,8 +129,16 @@ PoseAnswer find_in(const Body& a, const Body& b, const RigidTransform& pose,
     PoseAnswer answer;
     {
         const Stopwatch watch;
-        answer.pairs = intersecting_pairs(a.index, b.index, pose);
-        if (answer.pairs.empty()) answer.inside = find_containment(a.enclosure, b.enclosure, pose);
+        if (options.method == QueryMethod::thesis) {
+            CellIntersection found =
+                intersect_by_cells({a.mesh, a.octree}, {b.mesh, b.octree}, pose);
+            answer.pairs = std::move(found.pairs);
+            answer.triangle_tests = found.triangle_tests;
+        } else {
+            answer.pairs = intersecting_pairs(a.index, b.index, pose);
+        }
+        if (answer.pairs.empty())
+            answer.inside = find_containment(*a.enclosure, *b.enclosure, pose);
         answer.seconds = watch.seconds();
     }
     if (!options.contour.empty() || !options.picture.empty())
@@ -135,7 +155,7 @@ PoseAnswer find_in(const Body& a, const Body& b, const RigidTransform& pose,
     }
     if (options.distance) {
         const Stopwatch watch;
-        answer.nearest = mesh_distance(a.distances, b.distances, pose, last);
+        answer.nearest = mesh_distance(a.index, b.index, pose, last);
         answer.distance_seconds = watch.seconds();
     }
     return answer;
@@ -177,6 +197,7 @@ Json json_of(const PoseAnswer& answer, const IntersectOptions& options)
                  {"pairs", answer.pairs.size()},
                  {"contained", name_of(answer.inside.containment)},
                  {"seconds", answer.seconds}};
+    if (options.method == QueryMethod::thesis) json["triangle_tests"] = answer.triangle_tests;
     if (answer.pairs.empty()) json["inside_method"] = name_of(answer.inside.method);
     if (!options.contour.empty()) {
         json["contour"] = {
@@ -352,6 +373,7 @@ Status run_intersect(const IntersectOptions& options, Session& session)
                                {"triangles_a", a->mesh.triangle_count()},
                                {"triangles_b", b->mesh.triangle_count()},
                                {"build_seconds", build_seconds},
+                               {"method", name_of(options.method)},
                                {"poses", rows}});
 }
 
@@ -386,6 +408,9 @@ Command add_intersect_command(CLI::App& app)
     parser->add_flag("--cells", options->cells, "Count the leaves of the octrees that meet, too");
     parser->add_flag("--distance", options->distance,
                      "How far the surfaces are apart, and their closest points");
+    add_query_method_option(*parser, options->method,
+                            "double recursion of two octrees, and the triangles of leaves that "
+                            "meet");
     parser->add_option("--depth", options->depth, "Depth of the octrees, for cells")
         ->check(CLI::Range(0, max_octree_depth))
         ->type_name("N");

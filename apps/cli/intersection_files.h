@@ -5,8 +5,7 @@
 #pragma once
 
 #include "cli/answer_table.h"
-#include "query/contact/intersect_meshes.h"
-#include "query/contact/intersection_contour.h"
+#include "proxima/intersect_meshes.h"
 
 #include <cstdint>
 #include <span>

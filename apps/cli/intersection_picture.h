@@ -4,8 +4,8 @@
 
 #include "cli/image.h"
 #include "cli/octree_picture.h"
-#include "query/contact/intersection_contour.h"
-#include "thesis/intersect_octrees.h"
+#include "proxima/intersect_meshes.h"
+#include "thesis/object_intersections/intersect_octrees.h"
 
 #include <vector>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "cli/figure.h"
-#include "thesis/list_statistics.h"
+#include "thesis/proximity_octree/list_statistics.h"
 
 #include <cstdint>
 #include <span>

@@ -39,12 +39,12 @@ Result<std::vector<Contender>> run_depth(const TriangleMesh& mesh, int depth,
         for (Contender& contender : contenders) {
             if (turn > 0 && contender.seconds.front() > long_run_seconds) continue;
             const Stopwatch watch;
-            auto octree = build_octree(mesh, {.max_depth = depth,
-                                              .threshold = options.threshold,
-                                              .method = contender.method,
-                                              .exactness = options.exactness,
-                                              .classification = Classification::none,
-                                              .execution = options.execution});
+            auto octree =
+                build_octree_by(mesh, {.method = contender.method, .exactness = options.exactness},
+                                {.max_depth = depth,
+                                 .threshold = options.threshold,
+                                 .classification = Classification::none,
+                                 .execution = options.execution});
             contender.seconds.push_back(watch.seconds());
             if (!octree) return tl::unexpected(octree.error());
             contender.octree = *octree;

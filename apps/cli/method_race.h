@@ -5,6 +5,7 @@
 #include "cli/names.h"
 #include "proxima/execution.h"
 #include "proxima/octree.h"
+#include "proxima/thesis.h"
 
 #include <cstdint>
 #include <optional>

@@ -5,12 +5,13 @@
 #include "cli/names.h"
 #include "cli/stopwatch.h"
 #include "cli/text_table.h"
-#include "minkowski/count_sum.h"
 #include "minkowski/export_sum.h"
 #include "minkowski/operation_counts.h"
 #include "proxima/convex_polyhedron.h"
 #include "proxima/mesh_io.h"
 #include "proxima/sample_meshes.h"
+#include "proxima/thesis.h"
+#include "thesis/minkowski_sums/count_sum_by_method.h"
 
 #include <CLI/CLI.hpp>
 #include <array>
@@ -59,8 +60,9 @@ Result<ConvexPolyhedron> load_operand(const std::string& model, const Options& o
     const auto mesh = session.load_model(model);
     if (!mesh) return tl::unexpected(mesh.error());
     Progress* const progress = &session.progress();
-    auto polyhedron = options.take_hull ? convex_hull(mesh->positions(), {}, progress)
-                                        : polyhedron_of_mesh(*mesh, {options.tolerance, session.execution()});
+    auto polyhedron = options.take_hull
+                          ? convex_hull(mesh->positions(), {}, progress)
+                          : polyhedron_of_mesh(*mesh, {options.tolerance, session.execution()});
     if (polyhedron) return polyhedron;
     Error error = polyhedron.error();
     // Nothing helps where there is no mesh or no number.
@@ -96,8 +98,7 @@ Result<CountedMethods> count_methods(const ConvexPolyhedron& a, const ConvexPoly
     TextTable table(
         {"Method", "Dots", "Crosses", "Flops", "Add", "Sub", "Mul", "Div", "Neg", "Compare"});
     for (const MinkowskiMethod method : methods) {
-        const auto counted = count_minkowski_sum(
-            a, b, {.method = method, .execution = {.progress = &session.progress()}});
+        const auto counted = count_minkowski_sum(method, a, b, &session.progress());
         if (!counted) {
             if (counted.error().code == ErrorCode::cancelled)
                 return tl::unexpected(counted.error());
@@ -148,8 +149,7 @@ Status run_minkowski(const Options& options, Session& session)
     if (!b) return tl::unexpected(b.error());
 
     const Stopwatch watch;
-    const auto unscaled = minkowski_sum(
-        *a, *b, {.method = options.method, .execution = {.progress = &session.progress()}});
+    const auto unscaled = minkowski_sum_by(options.method, *a, *b, &session.progress());
     if (!unscaled) return tl::unexpected(unscaled.error());
     const MinkowskiSum sum = unscaled->scaled(options.scale);
     const double seconds = watch.seconds();

@@ -13,9 +13,9 @@ namespace proxima {
 
 void add_model_option(CLI::App& parser, std::string& model, ModelKinds kinds)
 {
-    constexpr std::array saved_kinds = {
-        "", "; .pxo for an octree that is saved", "; .pxp for a proximity octree that is saved",
-        "; .pxo and .pxp for octrees and proximity octrees that are saved"};
+    constexpr std::array saved_kinds = {"", "; .pxo for an octree that is saved",
+                                        "; .pxi for an index that is saved",
+                                        "; .pxo and .pxi for octrees and indexes that are saved"};
     const char* const saved = saved_kinds[static_cast<std::size_t>(kinds)];
     parser
         .add_option(

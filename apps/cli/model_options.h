@@ -17,8 +17,8 @@ namespace proxima {
 enum class ModelKinds {
     meshes,
     meshes_and_octrees,
-    meshes_and_proximity_octrees,
-    meshes_and_all_octrees
+    meshes_and_indexes,
+    meshes_octrees_and_indexes
 };
 
 /// MODEL, required: a file or a built-in.

@@ -11,6 +11,8 @@
 #include "cli/stopwatch.h"
 #include "proxima/octree.h"
 #include "proxima/octree_io.h"
+#include "proxima/thesis.h"
+#include "thesis/octree_generation/overlap_as_printed.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -30,6 +32,7 @@ struct OctreeCommandOptions {
     std::uint32_t threshold = 1;
     OverlapMethod method = OverlapMethod::fast;
     bool exact = false;
+    bool as_printed = false;
     bool uniform = false;
     bool two_pass = false;
     RootShape root = RootShape::cube;
@@ -41,6 +44,11 @@ struct OctreeCommandOptions {
 /// Refuses before the work what could not be written after it.
 Status check_outputs(const OctreeCommandOptions& options, const Session& session)
 {
+    if (options.as_printed &&
+        (options.method != OverlapMethod::minkowski || options.exact || options.two_pass)) {
+        return fail(ErrorCode::invalid_argument,
+                    "is of --method minkowski, without --exact and --two-pass", "--as-printed");
+    }
     std::vector<std::string> files = {options.save};
     for (const std::string& path : options.exports) {
         constexpr std::array known = {".png", ".vtu", ".htg", ".glb", ".ply"};
@@ -105,21 +113,22 @@ Result<OctreeAndMesh> build(const OctreeCommandOptions& options, Session& sessio
 {
     auto mesh = session.load_model(options.model);
     if (!mesh) return tl::unexpected(mesh.error());
-    const OctreeOptions build_options{
-        .max_depth = options.depth,
-        .threshold = options.threshold,
-        .method = options.method,
-        .exactness = options.exact ? Exactness::exact : Exactness::rounded,
-        .subdivision = options.uniform ? Subdivision::uniform : Subdivision::adaptive,
-        .root_shape = options.root,
-        .execution = {.threads = session.threads(),
-                      .progress = &session.progress(),
-                      .budget = {options.budget_mb * 1'000'000}}};
+    const OctreeOptions build_options{.max_depth = options.depth,
+                                      .threshold = options.threshold,
+                                      .subdivision = options.uniform ? Subdivision::uniform
+                                                                     : Subdivision::adaptive,
+                                      .root_shape = options.root,
+                                      .execution = {.threads = session.threads(),
+                                                    .progress = &session.progress(),
+                                                    .budget = {options.budget_mb * 1'000'000}}};
+    const OverlapChoice choice{options.method,
+                               options.exact ? Exactness::exact : Exactness::rounded};
     const Stopwatch watch;
     auto octree = [&] {
         const ProgressBar shown(session.progress(), session.bar());
-        return options.two_pass ? build_octree_two_pass(*mesh, build_options)
-                                : build_octree(*mesh, build_options);
+        if (options.as_printed) return build_octree_as_printed(*mesh, {}, build_options);
+        return options.two_pass ? build_octree_two_pass(*mesh, choice, build_options)
+                                : build_octree_by(*mesh, choice, build_options);
     }();
     const double seconds = watch.seconds();
     if (!octree) return at_model(octree.error(), options.model);
@@ -196,6 +205,9 @@ Command add_octree_command(CLI::App& app)
     add_method_option(*parser, options->method);
     parser->add_flag("--exact", options->exact,
                      "Let the thesis's methods decide exactly too, as fast always does");
+    parser->add_flag("--as-printed", options->as_printed,
+                     "With --method minkowski: the pseudocode of the thesis as printed, errata "
+                     "and all");
     parser->add_flag("--uniform", options->uniform, "Split every cell to the deepest level");
     parser->add_flag("--two-pass", options->two_pass,
                      "Build again with the longest list as threshold (thesis 2.1.1)");
@@ -223,8 +235,8 @@ Command add_octree_command(CLI::App& app)
                      "Write a picture (.png), for ParaView (.vtu, .htg), or boxes (.glb, .ply)")
         ->type_name("FILE");
     add_mesh_option(*parser, options->model, ModelKinds::meshes_and_octrees, options->mesh,
-                    {"--depth", "--threshold", "--method", "--exact", "--uniform", "--two-pass",
-                     "--root", "--budget-mb"});
+                    {"--depth", "--threshold", "--method", "--exact", "--as-printed", "--uniform",
+                     "--two-pass", "--root", "--budget-mb"});
     return {parser, [options](Session& session) { return run_octree(*options, session); }};
 }
 

@@ -2,7 +2,7 @@
 
 #include "base/file_extension.h"
 #include "base/text.h"
-#include "cli/proximity_file_model.h"
+#include "cli/index_file_model.h"
 #include "proxima/octree_io.h"
 
 #include <CLI/CLI.hpp>
@@ -21,12 +21,12 @@ void add_mesh_option(CLI::App& parser, const std::string& model, ModelKinds kind
         .add_option("--mesh", mesh,
                     "The mesh of an octree file: a file or a built-in, as MODEL may be")
         ->type_name("MODEL");
-    const bool all = kinds == ModelKinds::meshes_and_all_octrees;
+    const bool all = kinds == ModelKinds::meshes_octrees_and_indexes;
     parser.parse_complete_callback([&parser, &model, all, names = std::move(not_for_files)] {
-        if (!is_octree_file(model) && !(all && is_proximity_file(model))) {
+        if (!is_octree_file(model) && !(all && is_index_file(model))) {
             if (parser.count("--mesh") == 0) return;
             throw CLI::ValidationError("--mesh", concat("it goes with an octree file (",
-                                                        all ? ".pxo, .pxp" : ".pxo", ") alone"));
+                                                        all ? ".pxo, .pxi" : ".pxo", ") alone"));
         }
         for (const std::string& name : names) {
             if (parser.count(name) == 0) continue;

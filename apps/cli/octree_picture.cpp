@@ -4,8 +4,8 @@
 #include "cli/canvas.h"
 #include "cli/picture_scene.h"
 #include "geometry/view_contact.h"
+#include "proxima/cull.h"
 #include "proxima/octree.h"
-#include "query/culling/cull_cells.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,11 +3,11 @@
 #pragma once
 
 #include "cli/image.h"
+#include "proxima/cull.h"
 #include "proxima/execution.h"
 #include "proxima/octree.h"
 #include "proxima/result.h"
 #include "proxima/triangle_mesh.h"
-#include "query/culling/cull_volume.h"
 
 #include <array>
 #include <optional>

@@ -3,13 +3,14 @@
 #include "base/text.h"
 #include "cli/answer_table.h"
 #include "cli/commands.h"
+#include "cli/index_file_model.h"
 #include "cli/model_options.h"
 #include "cli/names.h"
-#include "cli/proximity_file_model.h"
 #include "cli/stopwatch.h"
 #include "cli/triangle_file.h"
-#include "query/closest/surface_search.h"
-#include "query/neighbourhood/neighbourhood.h"
+#include "proxima/closest_feature.h"
+#include "proxima/mesh_index.h"
+#include "proxima/neighbourhood.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -36,12 +37,11 @@ struct PatchOptions {
     std::string out;
 };
 
-/// The surface and what searches it: for one question quicker made than an octree, and its answer
-/// is the same.
+/// The surface and what searches it.
 struct PatchModel {
     ModelSurface surface;
-    std::optional<SurfaceSearch> search; ///< refers to the surface
-    double seconds = 0;                  ///< making all this, without reading a mesh
+    MeshIndex index;
+    double seconds = 0; ///< making all this, without reading a mesh
 };
 
 struct CollectedPatch {
@@ -51,6 +51,7 @@ struct CollectedPatch {
     double seconds = 0;
 };
 
+/// The mesh and its topology; of a saved index also that.
 Status load_surface(const std::string& name, Session& session, PatchModel& model)
 {
     const auto take = [&](Result<ModelSurface> surface) -> Status {
@@ -58,7 +59,7 @@ Status load_surface(const std::string& name, Session& session, PatchModel& model
         model.surface = std::move(*surface);
         return {};
     };
-    if (!is_proximity_file(name)) {
+    if (!is_index_file(name)) {
         auto mesh = session.load_model(name);
         if (!mesh) return tl::unexpected(mesh.error());
         const Stopwatch watch;
@@ -67,9 +68,10 @@ Status load_surface(const std::string& name, Session& session, PatchModel& model
         return status;
     }
     const Stopwatch watch;
-    auto octree = load_proximity_file(name, session);
-    if (!octree) return tl::unexpected(octree.error());
-    Status status = take(surface_of(*octree, name, session));
+    auto index = load_index_file(name, session);
+    if (!index) return tl::unexpected(index.error());
+    Status status = take(surface_of(*index, name, session));
+    model.index = std::move(*index);
     model.seconds = watch.seconds();
     return status;
 }
@@ -79,12 +81,12 @@ Result<std::unique_ptr<PatchModel>> load_model(const std::string& name, Session&
     auto model = std::make_unique<PatchModel>();
     if (Status status = load_surface(name, session, *model); !status)
         return tl::unexpected(status.error());
+    if (is_index_file(name)) return model;
     const Stopwatch watch;
     const ProgressBar shown(session.progress(), session.bar());
-    auto search = build_surface_search(model->surface.mesh, model->surface.topology,
-                                       {.execution = session.execution()});
-    if (!search) return at_model(search.error(), name);
-    model->search = std::move(*search);
+    auto index = build_mesh_index(model->surface.mesh, {.execution = session.execution()});
+    if (!index) return at_model(index.error(), name);
+    model->index = std::move(*index);
     model->seconds += watch.seconds();
     return model;
 }
@@ -101,7 +103,7 @@ Result<CollectedPatch> collect_patch(const PatchModel& model, const PatchOptions
     if (!options.radius) patch.ring_ends.resize(most_rings + 1);
 
     const Stopwatch watch;
-    patch.closest = closest_feature(*model.search, options.point);
+    patch.closest = closest_feature(model.index, options.point).value_or(no_closest_feature());
     if (!std::isfinite(patch.closest.squared_distance)) {
         return fail(ErrorCode::invalid_argument,
                     concat("the point is too far from ", options.model,
@@ -110,7 +112,7 @@ Result<CollectedPatch> collect_patch(const PatchModel& model, const PatchOptions
     }
     const Neighbourhood found =
         options.radius
-            ? collect_triangles(*model.search, options.point, *options.radius, patch.triangles)
+            ? collect_triangles(model.index, options.point, *options.radius, patch.triangles)
             : collect_rings(mesh, model.surface.topology, patch.closest.feature,
                             static_cast<int>(most_rings), scratch, patch.triangles,
                             patch.ring_ends);
@@ -275,7 +277,7 @@ Command add_patch_command(CLI::App& app)
     CLI::App* const parser = app.add_subcommand(
         "patch", "Find the triangles round the point of a mesh that is closest to a given point");
     const auto options = std::make_shared<PatchOptions>();
-    add_model_option(*parser, options->model, ModelKinds::meshes_and_proximity_octrees);
+    add_model_option(*parser, options->model, ModelKinds::meshes_and_indexes);
     add_point_option(*parser, options->point);
     add_extent_options(*parser, *options);
     parser

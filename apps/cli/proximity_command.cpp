@@ -1,4 +1,4 @@
-// proxima proximity: builds the proximity octree of a mesh and counts it.
+// proxima proximity: builds the closest-feature lists of a mesh and counts them.
 #include "base/file_extension.h"
 #include "base/text.h"
 #include "cli/commands.h"
@@ -6,8 +6,8 @@
 #include "cli/names.h"
 #include "cli/plot_file.h"
 #include "cli/proximity_command_options.h"
-#include "index/lists/build_proximity_octree.h"
 #include "index/lists/grow_cells.h"
+#include "proxima/mesh_index.h"
 #include "proxima/octree.h"
 
 #include <CLI/CLI.hpp>
@@ -51,7 +51,7 @@ Status run_proximity(const ProximityCommandOptions& options, Session& session)
     outputs.insert(outputs.end(), options.exports.begin(), options.exports.end());
     outputs.push_back(options.save);
     if (Status status = session.check_outputs(outputs); !status) return status;
-    if (Status status = check_extension(options.save, ".pxp"); !status) return status;
+    if (Status status = check_extension(options.save, ".pxi"); !status) return status;
     if (Status status = check_octree_outputs(options); !status) return status;
     if (!options.budget_curves.empty()) return run_budget_curve(options, session);
     return options.method == ProximityMethod::thesis ? run_thesis_proximity(options, session)
@@ -121,7 +121,7 @@ void add_threshold_options(CLI::App& parser, KindThresholds& thresholds)
 void check_margin(const ProximityCommandOptions& options)
 {
     const double largest =
-        options.method == ProximityMethod::thesis ? max_root_margin : max_proximity_margin;
+        options.method == ProximityMethod::thesis ? max_root_margin : max_list_margin;
     if (options.margin >= 0 && options.margin <= largest) return;
     throw CLI::ValidationError("--margin", concat(options.margin, " is no margin: 0 to ", largest,
                                                   options.method == ProximityMethod::thesis
@@ -143,15 +143,15 @@ void settle(const CLI::App& parser, ProximityCommandOptions& options)
     if (!options.budget_curves.empty() && options.depths.size() > 1)
         throw CLI::ValidationError("--budget-curve", "it is of one depth: name one or none");
     for (const char* const name :
-         {"--threshold", "--threshold-vertex", "--threshold-edge", "--threshold-face"}) {
+         {"--flat", "--threshold", "--threshold-vertex", "--threshold-edge", "--threshold-face"}) {
         if (parser.count(name) == 0) continue;
         throw CLI::ValidationError(
             name, "it goes with --method thesis; the general method splits as --budget-mb allows");
     }
-    if (options.depths.empty()) options.depths = {max_proximity_depth};
-    if (options.depths.back() > max_proximity_depth) {
+    if (options.depths.empty()) options.depths = {max_list_depth};
+    if (options.depths.back() > max_list_depth) {
         throw CLI::ValidationError("--depth",
-                                   concat("the general method goes to depth ", max_proximity_depth,
+                                   concat("the general method goes to depth ", max_list_depth,
                                           ", not ", options.depths.back()));
     }
 }
@@ -171,17 +171,25 @@ Command add_proximity_command(CLI::App& app)
         ->add_option(
             "--margin", options->margin,
             concat("By how much the root's edge exceeds the tight cube's, relative to it: 0 to ",
-                   max_proximity_margin, ", thesis to ", max_root_margin))
+                   max_list_margin, ", thesis to ", max_root_margin))
         ->capture_default_str()
         ->type_name("M");
     parser
+        ->add_option("--flat", options->flat,
+                     "With --method thesis: edges are flat, without a region of their own, where 1 "
+                     "- cos of the faces' angle is below this (1e-5 gives the thesis's 4850 edges)")
+        ->check(CLI::Range(0.0, 1.0))
+        ->type_name("C");
+    parser
         ->add_option("--budget-mb", options->budget_mb,
-                     "Size of the octree at most, in 10^6 bytes (default: 600 bytes per triangle, "
+                     "Size of the lists at most, in 10^6 bytes (default: 520 bytes per triangle, "
                      "more for small meshes); "
                      "thesis: memory its build may use (default: 3/4 of the machine's)")
         ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40U))
         ->type_name("N");
-    parser->add_option("--save", options->save, "Write the octree: .pxp (general method)")
+    parser
+        ->add_option("--save", options->save,
+                     "Write the index with the lists: .pxi (general method)")
         ->type_name("FILE");
     parser
         ->add_option("--export", options->exports,

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "cli/session.h"
-#include "thesis/thesis_proximity_octree.h"
+#include "thesis/proximity_octree/thesis_proximity_octree.h"
 
 #include <cstdint>
 #include <string>
@@ -18,10 +18,11 @@ struct ProximityCommandOptions {
     std::vector<int> depths;        ///< filled with the method's own depth where none is named
     KindThresholds thresholds = {}; ///< of the thesis's method alone
     double margin = 0.5;
+    double flat = 0; ///< of the thesis's method: edges of 1 - cos below it are flat; 0: its default
     std::uint64_t budget_mb = 0; ///< of the result; of the build with the thesis's method
     std::vector<std::string> histograms;
     std::vector<std::string> budget_curves; ///< of the general method: instead of all that
-    std::string save;                       ///< .pxp file, of the general method and one depth
+    std::string save;                       ///< .pxi file, of the general method and one depth
     std::vector<std::string> exports;       ///< .vtu and .htg, the same
 };
 

@@ -1,7 +1,7 @@
 #include "cli/query_timing.h"
 
 #include "lab/query_sets.h"
-#include "query/closest/closest_feature.h"
+#include "proxima/closest_feature.h"
 
 #include <algorithm>
 #include <array>
@@ -45,7 +45,7 @@ std::vector<Vec3> estimate_queries(const TriangleMesh& mesh)
     return points;
 }
 
-QueryTiming time_queries(const ProximityOctree& octree, std::span<const Vec3> points)
+QueryTiming time_queries(const MeshIndex& index, std::span<const Vec3> points)
 {
     const double clock = least_nanoseconds([] {});
     std::vector<double> times;
@@ -53,21 +53,21 @@ QueryTiming time_queries(const ProximityOctree& octree, std::span<const Vec3> po
     volatile double sink = 0; // keeps the queries
     for (const Vec3& point : points) {
         const double taken =
-            least_nanoseconds([&] { sink = closest_feature(octree, point).squared_distance; });
+            least_nanoseconds([&] { sink = closest_feature(index, point)->squared_distance; });
         times.push_back(std::max(0.0, taken - clock));
     }
     std::ranges::sort(times);
     return {points.size(), times[times.size() / 2], times.back()};
 }
 
-double time_pass(const ProximityOctree& octree, std::span<const Vec3> points)
+double time_pass(const MeshIndex& index, std::span<const Vec3> points)
 {
     volatile double sink = 0;
     std::array<double, repeats> rounds{};
     for (double& round : rounds) {
         round = nanoseconds([&] {
             double sum = 0;
-            for (const Vec3& point : points) sum += closest_feature(octree, point).squared_distance;
+            for (const Vec3& point : points) sum += closest_feature(index, point)->squared_distance;
             sink = sum;
         });
     }

@@ -1,7 +1,7 @@
 // How long single queries take, measured on this machine.
 #pragma once
 
-#include "index/lists/proximity_octree.h"
+#include "proxima/mesh_index.h"
 #include "proxima/triangle_mesh.h"
 
 #include <cstddef>
@@ -23,10 +23,10 @@ struct QueryTiming {
 
 /// Times queries one by one on the calling thread. Each is asked five times and the least time
 /// kept, less what reading the clock takes. About 5 us per query. \pre there is a query
-[[nodiscard]] QueryTiming time_queries(const ProximityOctree& octree, std::span<const Vec3> points);
+[[nodiscard]] QueryTiming time_queries(const MeshIndex& index, std::span<const Vec3> points);
 
 /// Nanoseconds per query when all are asked one after the other on the calling thread: the median
 /// of five rounds. \pre there is a query
-[[nodiscard]] double time_pass(const ProximityOctree& octree, std::span<const Vec3> points);
+[[nodiscard]] double time_pass(const MeshIndex& index, std::span<const Vec3> points);
 
 } // namespace proxima

@@ -3,7 +3,7 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "cli/canvas.h"
-#include "query/rays/cells_along_ray.h"
+#include "proxima/cells_along_ray.h"
 
 #include <algorithm>
 #include <array>
@@ -79,9 +79,10 @@ Image draw_weights(const Octree& octree, const RayList& rays, const PictureSize&
         for (std::size_t pixel = y * width; pixel < (y + 1) * width; ++pixel) {
             double weight = 0;
             cells_along_ray(octree, rays[pixel], [&](const CellOnRay& at) {
-                if (at.cell.type != CellClass::boundary) return;
+                if (at.cell.type != CellClass::boundary) return Flow::proceed;
                 const double edge = octree.box(at.cell).extent().maxCoeff();
                 weight += at.penetration * at.chord / edge;
+                return Flow::proceed;
             });
             weights[pixel] = static_cast<float>(weight);
         }

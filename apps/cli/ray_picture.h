@@ -4,9 +4,9 @@
 
 #include "cli/image.h"
 #include "cli/ray_sources.h"
+#include "proxima/cast_ray.h"
 #include "proxima/execution.h"
 #include "proxima/octree.h"
-#include "query/rays/ray_hit.h"
 
 #include <cstddef>
 #include <optional>

@@ -6,8 +6,8 @@
 #pragma once
 
 #include "cli/answer_table.h"
-#include "query/rays/cells_along_ray.h"
-#include "query/rays/ray_hit.h"
+#include "proxima/cast_ray.h"
+#include "proxima/cells_along_ray.h"
 
 #include <optional>
 #include <span>

@@ -2,15 +2,17 @@
 #include "base/file_extension.h"
 #include "base/parallel.h"
 #include "cli/commands.h"
+#include "cli/index_file_model.h"
 #include "cli/model_options.h"
+#include "cli/query_method.h"
 #include "cli/ray_picture.h"
 #include "cli/ray_sources.h"
 #include "cli/ray_table.h"
 #include "cli/row_writer.h"
 #include "cli/stopwatch.h"
-#include "index/build_mesh_index.h"
+#include "proxima/cast_ray.h"
 #include "proxima/octree.h"
-#include "query/rays/cast_ray.h"
+#include "proxima/thesis.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -29,6 +31,7 @@ struct RaycastOptions {
     std::string out; ///< "-" for stdout, empty for none
     bool cells = false;
     bool shade = false;
+    QueryMethod method = QueryMethod::index;
     int depth = 5;
     std::uint32_t threshold = 1;
 };
@@ -71,7 +74,7 @@ Status check_options(const RaycastOptions& options, const Session& session)
 struct Casting {
     TriangleMesh mesh;
     Octree octree;
-    MeshIndex index; ///< empty where cells are asked for
+    MeshIndex index; ///< empty where cells are asked for or the thesis's method answers
     RayList rays;
     PictureSize size;
     double build_seconds = 0;
@@ -104,13 +107,31 @@ Result<std::unique_ptr<Casting>> prepare(const RaycastOptions& options, Session&
                                                .execution = session.execution()});
     if (!octree) return at_model(octree.error(), options.model);
     casting->octree = std::move(*octree);
-    if (!wants_cells(options)) {
-        auto index = build_mesh_index(casting->mesh, {.execution = session.execution()});
-        if (!index) return at_model(index.error(), options.model);
+    if (!wants_cells(options) && options.method == QueryMethod::index) {
+        auto index = index_of_model(options.model, casting->mesh, session);
+        if (!index) return tl::unexpected(index.error());
         casting->index = std::move(*index);
     }
     casting->build_seconds = watch.seconds();
     return casting;
+}
+
+/// The first hits of rays by the chosen method.
+void cast(const RaycastOptions& options, const Casting& casting, const std::vector<Ray>& rays,
+          std::vector<std::optional<RayHit>>& hits, Session& session)
+{
+    if (options.method == QueryMethod::index) {
+        // Cannot fail: sizes agree.
+        (void)closest_hits(casting.index, rays, hits,
+                           {.execution = {.threads = session.threads()}});
+        return;
+    }
+    parallel_for((rays.size() + task_rays - 1) / task_rays, session.threads(),
+                 [&](std::size_t task) {
+                     const std::size_t end = std::min(rays.size(), (task + 1) * task_rays);
+                     for (std::size_t i = task * task_rays; i < end; ++i)
+                         hits[i] = closest_hit_by_cells(casting.octree, casting.mesh, rays[i]);
+                 });
 }
 
 Status cast_at_triangles(const RaycastOptions& options, Casting& casting, Session& session)
@@ -133,9 +154,7 @@ Status cast_at_triangles(const RaycastOptions& options, Casting& casting, Sessio
                 rays.push_back(casting.rays[i]);
             hits.resize(rays.size());
             const Stopwatch watch;
-            // Cannot fail: sizes agree.
-            (void)closest_hits(casting.index, rays, hits,
-                               {.execution = {.threads = session.threads()}});
+            cast(options, casting, rays, hits, session);
             casting.seconds += watch.seconds();
             casting.hits += static_cast<std::uint64_t>(
                 std::ranges::count_if(hits, [](const auto& hit) { return hit.has_value(); }));
@@ -169,8 +188,10 @@ Status count_cells(Casting& casting, Session& session)
         const std::size_t begin = task * task_rays;
         const std::size_t end = std::min(all, begin + task_rays);
         for (std::size_t i = begin; i < end; ++i) {
-            cells_along_ray(casting.octree, casting.rays[i],
-                            [&](const CellOnRay&) { ++counts[task]; });
+            cells_along_ray(casting.octree, casting.rays[i], [&](const CellOnRay&) {
+                ++counts[task];
+                return Flow::proceed;
+            });
         }
         session.progress().advance(end - begin);
     });
@@ -197,8 +218,10 @@ Status write_cells(const RaycastOptions& options, const Casting& casting, Sessio
             const std::size_t end = first + std::min(count, (task + 1) * task_cell_rays);
             for (std::size_t i = first + task * task_cell_rays; i < end; ++i) {
                 cells.clear();
-                cells_along_ray(casting.octree, casting.rays[i],
-                                [&](const CellOnRay& at) { cells.push_back(at); });
+                cells_along_ray(casting.octree, casting.rays[i], [&](const CellOnRay& at) {
+                    cells.push_back(at);
+                    return Flow::proceed;
+                });
                 text += cell_rows(writer->format(), i, cells);
             }
             return text;
@@ -236,13 +259,14 @@ Status run_raycast(const RaycastOptions& options, Session& session)
 
     const std::size_t queries = casting.rays.count();
     const double each = 1e9 * casting.seconds / static_cast<double>(queries);
-    const std::uint64_t bytes = cells ? casting.octree.bytes() : casting.index.bytes();
+    const bool by_octree = cells || options.method == QueryMethod::thesis;
+    const std::uint64_t bytes = by_octree ? casting.octree.bytes() : casting.index.bytes();
     if (options.out != to_stdout) {
         std::string text =
             fmt::format("{}: {} triangles, {} of {:.2f} MB built in {:.3f} s\n"
                         "{} rays in {:.3g} ms, {:.0f} ns each; ",
                         options.model, casting.mesh.triangle_count(),
-                        cells ? "octree" : "mesh index", 1e-6 * static_cast<double>(bytes),
+                        by_octree ? "octree" : "mesh index", 1e-6 * static_cast<double>(bytes),
                         casting.build_seconds, queries, 1e3 * casting.seconds, each);
         text += cells ? fmt::format("{} cells\n", casting.cells)
                       : fmt::format("{} hit\n", casting.hits);
@@ -253,7 +277,7 @@ Status run_raycast(const RaycastOptions& options, Session& session)
         {"model", options.model}, {"triangles", casting.mesh.triangle_count()},
         {"queries", queries},     {"seconds", casting.seconds},
         {"ns_per_query", each},   {"build_seconds", casting.build_seconds},
-        {"bytes", bytes}};
+        {"bytes", bytes},         {"method", name_of(options.method)}};
     if (cells) {
         json["cells"] = casting.cells;
     } else {
@@ -269,7 +293,7 @@ Command add_raycast_command(CLI::App& app)
     CLI::App* const parser = app.add_subcommand(
         "raycast", "Find what rays hit first, or the cells of the octree that they go through");
     const auto options = std::make_shared<RaycastOptions>();
-    add_model_option(*parser, options->model);
+    add_model_option(*parser, options->model, ModelKinds::meshes_and_indexes);
     parser
         ->add_option("--rays", options->rays,
                      "The rays: .npy, else CSV, of ox,oy,oz,dx,dy,dz[,tmin,tmax]")
@@ -287,6 +311,8 @@ Command add_raycast_command(CLI::App& app)
         ->add_flag("--shade", options->shade,
                    "Draw the first hits shaded; without it the weights of the cells")
         ->excludes(cells);
+    add_query_method_option(*parser, options->method,
+                            "the triangles of the cells along the ray, cell by cell");
     parser->add_option("--depth", options->depth, "Depth of the octree for cells")
         ->check(CLI::Range(0, max_octree_depth))
         ->type_name("N");

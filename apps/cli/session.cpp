@@ -1,7 +1,10 @@
 #include "cli/session.h"
 
+#include "base/file_extension.h"
 #include "base/output_file.h"
 #include "base/text.h"
+#include "proxima/index_io.h"
+#include "proxima/mesh_index.h"
 #include "proxima/mesh_io.h"
 #include "proxima/sample_meshes.h"
 
@@ -69,6 +72,13 @@ Result<TriangleMesh> Session::load_model(const std::string& model)
 {
     const ProgressBar shown(progress_, bar());
     if (is_sample_mesh_name(model)) return sample_mesh(model, {.execution = execution()});
+    if (lower_case_extension(model) == ".pxi") {
+        const auto index = load_index(model, {.execution = execution()});
+        if (!index) return tl::unexpected(index.error());
+        auto mesh = mesh_of(*index);
+        if (!mesh) return fail(ErrorCode::malformed_file, describe(mesh.error()), model);
+        return mesh;
+    }
     return read_mesh(model, {.execution = execution()});
 }
 

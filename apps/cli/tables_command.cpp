@@ -84,6 +84,9 @@ Command add_tables_command(CLI::App& app)
                      "the checkout that the program was built in)")
         ->check(CLI::ExistingDirectory)
         ->type_name("DIR");
+    parser->add_flag("--as-printed", options->comparison.as_printed,
+                     "In Table 2.1 also what the pseudocode of the thesis gives as printed, with "
+                     "its errors put right one by one");
     return {parser, [options](Session& session) { return run_tables(*options, session); }};
 }
 

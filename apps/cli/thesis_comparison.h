@@ -15,6 +15,7 @@ namespace proxima {
 struct ThesisComparisonOptions {
     std::string meshes; ///< folder with the models of Table 2.3, empty where none is known
     Threads threads_to_measure = {1}; ///< for Table 3.3
+    bool as_printed = false;          ///< Table 2.1 also by the pseudocode as printed
     Execution execution = {};
 };
 
@@ -31,7 +32,7 @@ struct ThesisTable {
     Result<ThesisComparison> (*compare)(const ThesisComparisonOptions& options);
 };
 
-/// The tables of chapters 2 and 3, in their order.
+/// The tables of chapters 2 and 3, in their order, and ours of chapters 4 and 5.
 [[nodiscard]] std::span<const ThesisTable> thesis_tables() noexcept;
 
 [[nodiscard]] Result<ThesisComparison> compare_table_2_1(const ThesisComparisonOptions& options);
@@ -39,5 +40,10 @@ struct ThesisTable {
 [[nodiscard]] Result<ThesisComparison> compare_table_2_3(const ThesisComparisonOptions& options);
 [[nodiscard]] Result<ThesisComparison> compare_table_3_2(const ThesisComparisonOptions& options);
 [[nodiscard]] Result<ThesisComparison> compare_table_3_3(const ThesisComparisonOptions& options);
+
+/// Chapters 4 and 5 have no tables: these are ours, of what they describe.
+[[nodiscard]] Result<ThesisComparison> compare_queries(const ThesisComparisonOptions& options);
+[[nodiscard]] Result<ThesisComparison>
+compare_adjacency_depths(const ThesisComparisonOptions& options);
 
 } // namespace proxima

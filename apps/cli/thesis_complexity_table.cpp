@@ -3,7 +3,7 @@
 #include "cli/text_table.h"
 #include "cli/thesis_comparison.h"
 #include "minkowski/operation_counts.h"
-#include "octree/operation_table.h"
+#include "thesis/octree_generation/operation_table.h"
 
 namespace proxima {
 

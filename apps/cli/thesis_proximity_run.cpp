@@ -6,9 +6,11 @@
 #include "cli/proximity_command_options.h"
 #include "cli/stopwatch.h"
 #include "cli/text_table.h"
+#include "thesis/proximity_octree/convex_surface.h"
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
@@ -54,6 +56,23 @@ ThesisRow count(const ThesisProximityOctree& octree, const MeshSphere& sphere)
     return row;
 }
 
+/// The sine of the angle whose 1 - cos is --flat's.
+double flat_sine(const ProximityCommandOptions& options)
+{
+    if (!(options.flat > 0)) return ThesisProximityOptions{}.flat_sine;
+    return std::sqrt(options.flat * (2 - options.flat));
+}
+
+/// How many edges have a region: the thesis's non-degenerate ones. \pre the mesh is convex
+Result<std::size_t> count_ridges(const ProximityCommandOptions& options, const TriangleMesh& mesh)
+{
+    const auto topology = build_topology(mesh);
+    if (!topology) return tl::unexpected(topology.error());
+    const auto surface = check_convex_surface(mesh, *topology, {.flat_sine = flat_sine(options)});
+    if (!surface) return tl::unexpected(surface.error());
+    return static_cast<std::size_t>(std::ranges::count(surface->folds, EdgeFold::ridge));
+}
+
 Result<std::vector<ThesisRow>> build_thesis_rows(const ProximityCommandOptions& options,
                                                  const TriangleMesh& mesh, Session& session)
 {
@@ -72,6 +91,7 @@ Result<std::vector<ThesisRow>> build_thesis_rows(const ProximityCommandOptions& 
             {.max_depth = depth,
              .thresholds = options.thresholds,
              .margin = options.margin,
+             .flat_sine = flat_sine(options),
              .execution = {.threads = session.threads(), .progress = progress, .budget = budget}});
         const double seconds = watch.seconds();
         if (!octree) return tl::unexpected(octree.error());
@@ -156,15 +176,18 @@ Status run_thesis_proximity(const ProximityCommandOptions& options, Session& ses
     const auto rows = build_thesis_rows(options, *mesh, session);
     if (!rows) return at_model(rows.error(), options.model);
 
+    const auto ridges = count_ridges(options, *mesh);
+    if (!ridges) return at_model(ridges.error(), options.model);
     const KindThresholds& thresholds = options.thresholds;
     const std::string how =
         fmt::format("root {:g} times the tight cube, thresholds {} (vertices), {} (edges), {} "
                     "(faces)",
                     1 + options.margin, thresholds.vertex, thresholds.edge, thresholds.face);
-    session.print(fmt::format(
-        "Proximity octree as in the thesis of {}, {} triangles\n{}\n\n{}\nOuter cells: leaves "
-        "outside the circumscribed sphere\n",
-        options.model, mesh->triangle_count(), how, text_of(*rows)));
+    session.print(
+        fmt::format("Proximity octree as in the thesis of {}, {} triangles, {} edges that are not "
+                    "flat\n{}\n\n{}\nOuter cells: leaves "
+                    "outside the circumscribed sphere\n",
+                    options.model, mesh->triangle_count(), *ridges, how, text_of(*rows)));
 
     std::vector<HistogramSeries> series;
     for (const ThesisRow& row : *rows) series.push_back({row.depth, row.outer});
@@ -176,7 +199,9 @@ Status run_thesis_proximity(const ProximityCommandOptions& options, Session& ses
         if (!status) return status;
         session.print(fmt::format("wrote {}\n", path));
     }
-    return session.write_json(result_of(options, *mesh, *rows));
+    Json json = result_of(options, *mesh, *rows);
+    json["ridge_edges"] = *ridges;
+    return session.write_json(json);
 }
 
 } // namespace proxima

@@ -66,6 +66,19 @@ Result<std::unique_ptr<TouchModel>> load_what_is_touched(const TouchCommandOptio
     return load_touch_scene(*plan, settings_of(options).render.shading, {}, session);
 }
 
+constexpr std::string_view usual_thesis_patch = "3"; ///< adjacency depth
+
+/// The thesis's proximity octree of the model. Errors: invalid_mesh for one that is not convex.
+Status build_thesis_octree(const std::string& name, TouchModel& model, Session& session)
+{
+    const ProgressBar shown(session.progress(), session.bar());
+    auto octree = build_thesis_proximity_octree(model.surface.mesh, model.surface.topology,
+                                                {.execution = session.execution()});
+    if (!octree) return at_model(octree.error(), name);
+    model.thesis = std::move(*octree);
+    return {};
+}
+
 /// Feels the model once, or once with each kind of patch; the first is the one that is reported.
 Result<TouchResult> touch_with_patches(const TouchCommandOptions& options, const TouchModel& model,
                                        std::vector<PatchAccount>& patches, Session& session)
@@ -77,6 +90,11 @@ Result<TouchResult> touch_with_patches(const TouchCommandOptions& options, const
     std::optional<TouchResult> first;
     for (PatchSettings kind : *kinds) {
         kind.collision_rate = options.collision_rate;
+        kind.method = options.method;
+        if (kind.method == QueryMethod::thesis && kind.rings < 0) {
+            return fail(ErrorCode::invalid_argument,
+                        "metric patches are not the thesis's: give adjacency depths", "--patch");
+        }
         settings.patches = kind;
         auto result = touch_by_device(model, settings, session);
         if (!result) return tl::unexpected(result.error());
@@ -105,6 +123,10 @@ Status run_device(const TouchCommandOptions& options, Session& session)
     }
     const auto model = load_what_is_touched(options, session);
     if (!model) return tl::unexpected(model.error());
+    if (options.method == QueryMethod::thesis) {
+        if (Status status = build_thesis_octree(options.model, **model, session); !status)
+            return status;
+    }
     std::vector<PatchAccount> patches;
     const auto result = touch_with_patches(options, **model, patches, session);
     if (!result) return tl::unexpected(result.error());
@@ -134,8 +156,10 @@ Status list_devices(const TouchCommandOptions& options, Session& session)
     return session.write_json(device_list_json(devices));
 }
 
-Status run_touch(const TouchCommandOptions& options, Session& session)
+Status run_touch(TouchCommandOptions options, Session& session)
 {
+    if (options.method == QueryMethod::thesis && options.patches.empty())
+        options.patches = usual_thesis_patch;
     if (options.list) return list_devices(options, session);
     if (Status status = check_options(options); !status) return status;
     return options.device.starts_with(replay_prefix) ? run_replay(options, session)
@@ -149,7 +173,7 @@ Command add_touch_command(CLI::App& app)
     CLI::App* const parser = app.add_subcommand(
         "touch", "Touch models at 1,000 Hz with a haptic device or a simulated hand");
     const auto options = std::make_shared<TouchCommandOptions>();
-    add_model_option(*parser, options->model, ModelKinds::meshes_and_proximity_octrees);
+    add_model_option(*parser, options->model, ModelKinds::meshes_and_indexes);
     parser->add_option("--device", options->device, touch_device_names())
         ->required()
         ->check(touch_device_problem)

@@ -3,10 +3,12 @@
 #include "base/text.h"
 #include "geometry/exact_predicates.h"
 #include "haptics/device/dhd_device.h"
-#include "haptics/device/hand_device.h"
-#include "haptics/device/hand_script.h"
 #include "haptics/device/hd_device.h"
 #include "haptics/device/udp_device.h"
+#include "lab/hand_device.h"
+#include "lab/hand_script.h"
+#include "proxima/device.h"
+#include "proxima/haptic_renderer.h"
 
 #include <algorithm>
 #include <charconv>

@@ -1,9 +1,9 @@
 // The devices that a model can be touched with, by the names of the command line.
 #pragma once
 
-#include "haptics/device/device.h"
-#include "haptics/device/simulated_hand.h"
-#include "haptics/device/workspace_map.h"
+#include "lab/simulated_hand.h"
+#include "proxima/device.h"
+#include "proxima/haptic_renderer.h"
 #include "proxima/result.h"
 #include "proxima/topology.h"
 #include "proxima/triangle_mesh.h"

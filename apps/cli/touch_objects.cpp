@@ -3,6 +3,7 @@
 #include "base/text.h"
 #include "cli/model_options.h"
 #include "cli/stopwatch.h"
+#include "haptics/scene/touch_access.h"
 
 #include <array>
 #include <fmt/core.h>
@@ -16,14 +17,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Result<std::unique_ptr<const TouchBody>>
-load_body(const std::string& name, const TouchBodyOptions& options, Session& session)
+Result<TouchBody> load_body(const std::string& name, const TouchBodyOptions& options,
+                            Session& session)
 {
-    if (is_proximity_file(name)) {
-        auto octree = load_proximity_file(name, session);
-        if (!octree) return tl::unexpected(octree.error());
+    if (is_index_file(name)) {
+        auto index = load_index_file(name, session);
+        if (!index) return tl::unexpected(index.error());
         const ProgressBar shown(session.progress(), session.bar());
-        auto body = build_touch_body(std::move(*octree), options);
+        auto body = build_touch_body(*index, options);
         if (!body && body.error().code == ErrorCode::broken_invariant)
             return fail(ErrorCode::malformed_file, describe(body.error()), name);
         if (!body) return at_model(body.error(), name);
@@ -84,7 +85,7 @@ Result<std::unique_ptr<TouchModel>> load_touch_scene(const ScenePlan& plan, Forc
     const Stopwatch watch;
     auto model = std::make_unique<TouchModel>();
     std::vector<ScriptedObject> objects = plan.objects;
-    std::vector<std::unique_ptr<const TouchBody>> bodies;
+    std::vector<TouchBody> bodies;
     std::uint32_t triangles = 0;
     for (std::size_t i = 0; i < plan.models.size(); ++i) {
         auto body = load_body(
@@ -92,7 +93,7 @@ Result<std::unique_ptr<TouchModel>> load_touch_scene(const ScenePlan& plan, Forc
             {.material = objects[i].material, .shading = shading, .execution = session.execution()},
             session);
         if (!body) return tl::unexpected(body.error());
-        const std::uint64_t fingerprint = (*body)->octree().mesh_fingerprint();
+        const std::uint64_t fingerprint = contact_body(*body).mesh_index().mesh_fingerprint();
         if (objects[i].mesh_fingerprint != 0 && objects[i].mesh_fingerprint != fingerprint) {
             return fail(ErrorCode::invalid_argument,
                         concat("was recorded with another model as object ", i, " than ",
@@ -101,7 +102,7 @@ Result<std::unique_ptr<TouchModel>> load_touch_scene(const ScenePlan& plan, Forc
         }
         objects[i].mesh_fingerprint = fingerprint;
         model->parts.push_back(triangles);
-        triangles += static_cast<std::uint32_t>((*body)->mesh().triangle_count());
+        triangles += static_cast<std::uint32_t>(body->mesh().triangle_count());
         bodies.push_back(std::move(*body));
     }
     auto scene = ScriptedScene::make(std::move(bodies), objects);
@@ -127,7 +128,7 @@ std::string objects_text(const TouchModel& model, const QualityReport& quality)
     for (std::size_t i = 0; i < quality.objects.size(); ++i) {
         const ObjectQuality& object = quality.objects[i];
         const SceneObject there =
-            model.scene->scene().object(ObjectId{static_cast<std::uint32_t>(i)});
+            moving_surface(model.scene->scene()).object(ObjectId{static_cast<std::uint32_t>(i)});
         text += fmt::format(
             "  {} {}: {} triangles, {}; touched in {} ticks, surface at most {:.3f} "
             "m/s\n",
@@ -145,7 +146,7 @@ Json objects_json(const TouchModel& model, const QualityReport& quality)
         const ObjectQuality& object = quality.objects[i];
         const ScriptedObject& scripted = model.scene->objects()[i];
         const SceneObject there =
-            model.scene->scene().object(ObjectId{static_cast<std::uint32_t>(i)});
+            moving_surface(model.scene->scene()).object(ObjectId{static_cast<std::uint32_t>(i)});
         Json material;
         if (scripted.material) {
             material = {{"stiffness", scripted.material->stiffness},

@@ -23,7 +23,7 @@ constexpr std::array hand_options = {
 constexpr std::array recorded_options = {
     "--seconds", "--limits",         "--stiffness",     "--damping", "--radius", "--friction",
     "--shading", "--force",          "--scale",         "--axes",    "--clutch", "--device-library",
-    "--patch",   "--collision-rate", "--graphics-rate", "--record"};
+    "--patch",   "--collision-rate", "--graphics-rate", "--record",  "--method"};
 constexpr std::array driver_options = {"--device-library"};
 
 std::string names_of_devices()
@@ -166,11 +166,11 @@ Status check_options(const TouchCommandOptions& options)
     if (status && kind != "hd" && kind != "dhd")
         status = refuse(driver_options, "is for hd and dhd: leave it out");
     if (!status) return status;
-    if (options.is_given("--collision-rate") && !options.is_given("--patch")) {
+    if (options.is_given("--collision-rate") && options.patches.empty()) {
         return fail(ErrorCode::invalid_argument, "is of patches: give --patch, or leave it out",
                     "--collision-rate");
     }
-    if (options.is_given("--record") && options.is_given("--patch")) {
+    if (options.is_given("--record") && !options.patches.empty()) {
         return fail(ErrorCode::invalid_argument,
                     "is for sessions that touch the whole model: a replay cannot know which patch "
                     "came when. Leave it or --patch out",
@@ -262,6 +262,9 @@ void add_touch_options(CLI::App& parser, TouchCommandOptions& options)
             return kinds ? std::string() : kinds.error().message;
         })
         ->type_name("KINDS");
+    add_query_method_option(parser, options.method,
+                            "patches of adjacency depth 3, or as --patch says, around the feature "
+                            "that its proximity octree finds; convex meshes");
     parser.add_option("--collision-rate", options.collision_rate, "Patches per second")
         ->check(number_from(1.0, 1000.0))
         ->capture_default_str()

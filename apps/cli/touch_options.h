@@ -1,6 +1,7 @@
 // What `proxima touch` is told on its command line, and what of it goes together.
 #pragma once
 
+#include "cli/query_method.h"
 #include "cli/touch_objects.h"
 #include "cli/touch_session.h"
 #include "proxima/result.h"
@@ -34,7 +35,8 @@ struct TouchCommandOptions {
     std::string force = "proxy";
     bool free_running = false;
     std::string record;
-    std::string patches; ///< kinds; "" for the direct mode
+    std::string patches;                     ///< kinds; "" for the direct mode
+    QueryMethod method = QueryMethod::index; ///< of patches
     double collision_rate = PatchSettings{}.collision_rate;
     double graphics_rate = TouchSettings{}.graphics_rate;
     std::vector<std::string> given; ///< names of the options that were given

@@ -3,6 +3,7 @@
 #include "base/text.h"
 #include "cli/touch_report.h"
 #include "cli/touch_session.h"
+#include "haptics/force/surface_renderer.h"
 
 #include <algorithm>
 #include <charconv>
@@ -54,11 +55,14 @@ PatchTouch::PatchTouch(const TouchModel& model, const PatchSettings& settings,
                           .latency_seconds = 1 / settings.collision_rate,
                           .speed = settings.hand_speed * map.units_per_metre,
                           .proxy_radius = render.proxy_radius * map.units_per_metre},
-      rings_(model.octree, model.surface.mesh, model.surface.topology), patch_(whole_.scale()),
+      rings_(model.index, model.surface.mesh, model.surface.topology), patch_(whole_.scale()),
       expected_(whole_, proxy_options(render, map, feel)), near_(ContactPatch::most),
       exchange_(room_for(model)), due_(2, ContactPatch(room_for(model)))
 {
     account_.settings = settings;
+    if (settings.method == QueryMethod::thesis) {
+        by_thesis_.emplace(*model.thesis, model.surface.mesh, model.surface.topology, rings_);
+    }
     account_.model_triangles = model.surface.mesh.triangle_count();
     ticks_per_patch_ = static_cast<std::uint64_t>(
         std::max(1LL, std::llround(1 / (settings.collision_rate * tick_seconds))));
@@ -88,6 +92,11 @@ void PatchTouch::make(ContactPatch& patch, const ServoPlace& place) noexcept
 {
     if (account_.settings.rings < 0) {
         make_patch(patch, whole_, place, options_);
+    } else if (by_thesis_) {
+        // Before the first feature is found there is nothing to send.
+        if (!by_thesis_->fill(patch, place.device, place.proxy, account_.settings.rings))
+            patch.copied(0, 0);
+        patch.made_at = place.tick;
     } else {
         rings_.fill(patch, place.device, account_.settings.rings);
         patch.made_at = place.tick;
@@ -136,14 +145,14 @@ void PatchTouch::compare(const RenderTick& felt) noexcept
     for (std::size_t i = 0; i < should.slide.contact_count; ++i)
         missed |= !has(should.slide.contacts[i]);
     account_.missed_ticks += missed ? 1U : 0U;
-    const double apart = (should.proxy - felt.proxy.proxy).norm();
+    const double apart = (should.proxy - felt.proxy).norm();
     account_.apart_ticks += apart > apart_metres * map_.units_per_metre ? 1U : 0U;
 }
 
 void PatchTouch::end_tick(const RenderTick& felt) noexcept
 {
     compare(felt);
-    place_ = {map_.to_model(felt.position), felt.proxy.proxy, tick_};
+    place_ = {map_.to_model(felt.position), felt.proxy, tick_};
     if (collision_thread_.joinable()) {
         if (place_.device.allFinite()) exchange_.say(place_);
     } else if (tick_ % ticks_per_patch_ == 0) {
@@ -165,7 +174,8 @@ PatchAccount PatchTouch::finish()
 
 std::string name_of(const PatchSettings& settings)
 {
-    return settings.rings < 0 ? "metric" : concat("rings ", settings.rings);
+    if (settings.rings < 0) return "metric";
+    return concat(settings.method == QueryMethod::thesis ? "thesis " : "rings ", settings.rings);
 }
 
 Result<std::vector<PatchSettings>> parse_patch_kinds(const std::string& text)

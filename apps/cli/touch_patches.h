@@ -8,20 +8,23 @@
 // Beside it, for the account, a proxy that touches the whole model follows the same device.
 #pragma once
 
+#include "cli/query_method.h"
 #include "haptics/force/contact_force.h"
-#include "haptics/force/haptic_renderer.h"
 #include "haptics/loop/collision_loop.h"
-#include "haptics/loop/latency_histogram.h"
-#include "haptics/loop/servo_loop.h"
 #include "haptics/proxy/contact_cache.h"
 #include "haptics/proxy/proxy.h"
 #include "haptics/surface/contact_patch.h"
+#include "haptics/surface/contact_surface.h"
+#include "proxima/device.h"
+#include "proxima/haptic_renderer.h"
 #include "proxima/result.h"
+#include "thesis/haptic_interaction/thesis_patches.h"
 
 #include <atomic>
 #include <cstdint>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -32,6 +35,7 @@ struct TouchModel;
 
 struct PatchSettings {
     int rings = -1; ///< the thesis's adjacency depth; negative: the metric patch
+    QueryMethod method = QueryMethod::index; ///< what finds the closest feature of rings
     double collision_rate = 100;
     double hand_speed = 1; ///< m/s: the fastest hand that metric patches are made for
 };
@@ -85,11 +89,12 @@ private:
     void compare(const RenderTick& felt) noexcept;
     [[nodiscard]] bool has(const Contact& contact) noexcept;
 
-    const OctreeContactSurface& whole_;
+    const IndexContactSurface& whole_;
     WorkspaceMap map_;
     CollisionOptions options_;
     PatchAccount account_;
     RingPatches rings_;
+    std::optional<ThesisPatches> by_thesis_; ///< where the thesis's octree is asked
     PatchContactSurface patch_;
     Proxy expected_;
     ContactCache looked_up_; ///< of patches, for the account

@@ -5,6 +5,7 @@
 #include "haptics/loop/recording.h"
 #include "haptics/scene/scripted_scene.h"
 #include "proxima/result.h"
+#include "proxima/touch_scene.h"
 
 #include <CLI/App.hpp>
 #include <numbers>

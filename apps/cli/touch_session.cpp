@@ -2,11 +2,17 @@
 
 #include "cli/model_options.h"
 #include "cli/stopwatch.h"
-#include "haptics/device/hand_device.h"
+#include "haptics/force/surface_renderer.h"
 #include "haptics/loop/snapshot.h"
+#include "haptics/surface/contact_surface.h"
 #include "haptics/surface/shading_normals.h"
-#include "index/lists/build_proximity_octree.h"
-#include "query/closest/signed_distance.h"
+#include "lab/hand_device.h"
+#include "proxima/device.h"
+#include "proxima/haptic_renderer.h"
+#include "proxima/mesh_index.h"
+#include "proxima/signed_distance.h"
+#include "proxima/touch_scene.h"
+#include "query/closest/sign_parts.h"
 
 #include <algorithm>
 #include <atomic>
@@ -26,7 +32,7 @@ std::int64_t nanoseconds_now() noexcept
     return std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1);
 }
 
-Status build_octree_of(TouchModel& model, const std::string& name, Session& session)
+Status build_index_of(TouchModel& model, const std::string& name, Session& session)
 {
     auto mesh = session.load_model(name);
     if (!mesh) return tl::unexpected(mesh.error());
@@ -34,19 +40,21 @@ Status build_octree_of(TouchModel& model, const std::string& name, Session& sess
     if (!surface) return tl::unexpected(surface.error());
     model.surface = std::move(*surface);
     const ProgressBar shown(session.progress(), session.bar());
-    auto octree = build_proximity_octree(model.surface.mesh, model.surface.topology,
-                                         {.execution = session.execution()});
-    if (!octree) return at_model(octree.error(), name);
-    model.octree = std::move(*octree);
+    auto index = build_mesh_index(model.surface.mesh, {.execution = session.execution()});
+    if (index) {
+        index = with_lists(*index, {.execution = session.execution()});
+    }
+    if (!index) return at_model(index.error(), name);
+    model.index = std::move(*index);
     return {};
 }
 
-Status open_octree(TouchModel& model, const std::string& name, Session& session)
+Status open_index(TouchModel& model, const std::string& name, Session& session)
 {
-    auto octree = load_proximity_file(name, session);
-    if (!octree) return tl::unexpected(octree.error());
-    model.octree = std::move(*octree);
-    auto surface = surface_of(model.octree, name, session);
+    auto index = load_index_file(name, session);
+    if (!index) return tl::unexpected(index.error());
+    model.index = std::move(*index);
+    auto surface = surface_of(model.index, name, session);
     if (!surface) return tl::unexpected(surface.error());
     model.surface = std::move(*surface);
     return {};
@@ -120,12 +128,12 @@ public:
     [[nodiscard]] TouchResult finish() &&
     {
         result_.quality = meter_.report();
-        result_.clamped = renderer_.guard().clamped();
-        result_.slewed = renderer_.guard().slewed();
-        result_.damped = renderer_.passivity().damped_ticks();
-        result_.softened = renderer_.passivity().softened_ticks();
-        result_.lowest_softness = renderer_.passivity().lowest_softness();
-        result_.lowest_energy = renderer_.passivity().lowest_energy();
+        result_.clamped = parts_of(renderer_).guard().clamped();
+        result_.slewed = parts_of(renderer_).guard().slewed();
+        result_.damped = parts_of(renderer_).passivity().damped_ticks();
+        result_.softened = parts_of(renderer_).passivity().softened_ticks();
+        result_.lowest_softness = parts_of(renderer_).passivity().lowest_softness();
+        result_.lowest_energy = parts_of(renderer_).passivity().lowest_energy();
         result_.map = renderer_.map();
         result_.render_options = renderer_.options();
         return std::move(result_);
@@ -138,7 +146,10 @@ private:
     {
         if (model.scene != nullptr) return {model.scene->scene(), map, device, options};
         const ContactSurface& surface = patches == nullptr ? *model.contact : patches->surface();
-        if (parts.sign) return {surface, {&model.octree, &*parts.sign}, map, device, options};
+        if (parts.sign) {
+            return make_penalty_renderer(surface, {&model.index, &*parts.sign}, map, device,
+                                         options);
+        }
         return {surface, map, device, options, parts.normals.get()};
     }
 
@@ -183,7 +194,7 @@ std::uint64_t show_live(Snapshot<LiveTouch>& live, ButtonQueue& buttons,
 /// Of one model at rest; a scene's objects have their own.
 std::uint64_t fingerprint_of(const TouchModel& model)
 {
-    return model.scene != nullptr ? 0 : model.octree.mesh_fingerprint();
+    return model.scene != nullptr ? 0 : model.index.mesh_fingerprint();
 }
 
 std::vector<ScriptedObject> objects_of(const TouchModel& model)
@@ -212,10 +223,10 @@ Result<std::unique_ptr<TouchModel>> load_touch_model(const std::string& name, Se
 {
     auto model = std::make_unique<TouchModel>();
     const Stopwatch watch;
-    const Status status = is_proximity_file(name) ? open_octree(*model, name, session)
-                                                  : build_octree_of(*model, name, session);
+    const Status status = is_index_file(name) ? open_index(*model, name, session)
+                                              : build_index_of(*model, name, session);
     if (!status) return tl::unexpected(status.error());
-    model->contact = std::make_unique<OctreeContactSurface>(model->octree);
+    model->contact = std::make_unique<IndexContactSurface>(model->index);
     model->reach = bounding_box(model->surface.mesh);
     model->build_seconds = watch.seconds();
     return model;
@@ -262,7 +273,7 @@ Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings
                 device.write(input.command(run.renderer()));
                 count = number + 1;
                 live.writing() = {1e-9 * static_cast<double>(nanoseconds_now() - begin), count,
-                                  felt.force.norm(), felt.proxy.hold, state.condition};
+                                  felt.force.norm(), felt.hold, state.condition};
                 live.publish();
                 return count >= last + release_ticks ? Flow::stop : Flow::proceed;
             });

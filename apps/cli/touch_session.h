@@ -1,20 +1,21 @@
 // A session of touching: a device, real or simulated, a model, and the loop between them.
 #pragma once
 
-#include "cli/proximity_file_model.h"
+#include "cli/index_file_model.h"
 #include "cli/session.h"
 #include "cli/touch_device.h"
 #include "cli/touch_patches.h"
 #include "haptics/device/device_input.h"
-#include "haptics/device/hand_script.h"
 #include "haptics/device/udp_device.h"
-#include "haptics/force/haptic_renderer.h"
-#include "haptics/loop/quality_report.h"
 #include "haptics/loop/recording.h"
-#include "haptics/loop/servo_loop.h"
 #include "haptics/scene/scripted_scene.h"
 #include "haptics/surface/contact_surface.h"
+#include "lab/hand_script.h"
+#include "lab/quality_report.h"
+#include "proxima/device.h"
+#include "proxima/haptic_renderer.h"
 #include "proxima/result.h"
+#include "thesis/proximity_octree/thesis_proximity_octree.h"
 
 #include <cstdint>
 #include <memory>
@@ -27,12 +28,13 @@ namespace proxima {
 /// What is touched: one model at rest, or a scene of objects.
 struct TouchModel {
     ModelSurface surface; ///< of a scene, all its triangles where they stand at first
-    ProximityOctree octree;
-    std::unique_ptr<OctreeContactSurface> contact; ///< refers to the octree; null of a scene
-    std::unique_ptr<ScriptedScene> scene;          ///< null of one model at rest
-    std::vector<std::string> object_names;         ///< of a scene
-    std::vector<std::uint32_t> parts;              ///< first triangles of its objects
-    Box reach;                                     ///< what is touched never leaves it
+    MeshIndex index;
+    std::optional<ThesisProximityOctree> thesis;  ///< where patches ask it
+    std::unique_ptr<IndexContactSurface> contact; ///< null of a scene
+    std::unique_ptr<ScriptedScene> scene;         ///< null of one model at rest
+    std::vector<std::string> object_names;        ///< of a scene
+    std::vector<std::uint32_t> parts;             ///< first triangles of its objects
+    Box reach;                                    ///< what is touched never leaves it
     double build_seconds = 0;
 };
 

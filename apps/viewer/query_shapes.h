@@ -1,11 +1,11 @@
 // Shapes that show what queries answer: figures and panels draw them alike.
 #pragma once
 
+#include "proxima/cells_along_ray.h"
 #include "proxima/minkowski_sum.h"
 #include "proxima/octree.h"
 #include "proxima/view_volume.h"
-#include "query/rays/cells_along_ray.h"
-#include "thesis/intersect_octrees.h"
+#include "thesis/object_intersections/intersect_octrees.h"
 #include "viewer/scene_shapes.h"
 
 #include <array>

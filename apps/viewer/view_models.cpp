@@ -1,13 +1,15 @@
 #include "viewer/view_models.h"
 
+#include "base/file_extension.h"
 #include "base/memory_budget.h"
 #include "base/text.h"
 #include "cli/model_options.h"
-#include "index/build_mesh_index.h"
+#include "proxima/cast_ray.h"
 #include "proxima/execution.h"
+#include "proxima/index_io.h"
+#include "proxima/mesh_index.h"
 #include "proxima/mesh_io.h"
 #include "proxima/sample_meshes.h"
-#include "query/rays/cast_ray.h"
 #include "viewer/scene_shapes.h"
 
 #include <algorithm>
@@ -36,6 +38,11 @@ Result<TriangleMesh> read_model(const std::string& name, const Execution& contex
 {
     if (is_sample_mesh_name(name))
         return sample_mesh(name, {.execution = {.progress = context.progress}});
+    if (lower_case_extension(name) == ".pxi") {
+        const auto index = load_index(name, {.execution = {.progress = context.progress}});
+        if (!index) return tl::unexpected(index.error());
+        return mesh_of(*index);
+    }
     return read_mesh(name, {.execution = {.progress = context.progress, .budget = context.budget}});
 }
 

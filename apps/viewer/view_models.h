@@ -1,9 +1,9 @@
 // The models that a window shows, with what every panel needs of them.
 #pragma once
 
-#include "index/mesh_index.h"
 #include "proxima/execution.h"
 #include "proxima/geometry.h"
+#include "proxima/mesh_index.h"
 #include "proxima/result.h"
 #include "proxima/topology.h"
 #include "viewer/layers.h"

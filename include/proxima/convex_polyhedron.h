@@ -61,11 +61,11 @@ struct PolyhedronSupport {
     std::uint32_t vertex = 0; ///< one of the points that reach farthest, rays left aside
 };
 
-/// Immutable; make one by convex_hull.h or make_polyhedron.h. Members are noexcept, do not
+/// Immutable; make one by convex_hull() or the makers below. Members are noexcept, do not
 /// allocate, and may be called from any thread. Indices must be in range.
 class ConvexPolyhedron {
 public:
-    /// Of its affine hull: 0 point, 1 segment or half-line, 2 polygon, 3 body.
+    /// Dimension of its affine hull: 0 point, 1 segment or half-line, 2 polygon, 3 body.
     [[nodiscard]] int dimension() const noexcept { return dimension_; }
     [[nodiscard]] bool is_bounded() const noexcept { return point_count_ == vertices_.size(); }
 
@@ -107,7 +107,7 @@ public:
     }
 
     /// h(n) = max n . x over the polyhedron, rounded; a ray that the direction meets at a right
-    /// angle but for rounding does not count. O(points); gaussian_map.h climbs faster, and exactly.
+    /// angle but for rounding does not count. O(points).
     [[nodiscard]] PolyhedronSupport support(const Vec3& direction) const noexcept;
 
     /// An edge's direction, exactly; of a ray's edge, the ray.

@@ -5,7 +5,7 @@
 //     auto octree = build_octree(mesh, {.max_depth = 9, .execution = {.progress = &progress}});
 //     // from a signal handler or another thread: progress.cancel();
 //
-// Every options struct has an Execution as its last member. Results never depend on it: they have
+// Options of operations that run long or on several threads end with an Execution. Results never depend on it: they have
 // the same bits for every number of threads.
 #pragma once
 

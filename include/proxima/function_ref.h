@@ -1,26 +1,32 @@
-// A reference to a callable: what queries take as a visitor.
+// A reference to a callable: what queries take as a visitor, and what a visitor answers.
 //
 //     const auto seen = [&](TriangleId id) { ids.push_back(id); };
 //     visit(index, box, seen);         // void visit(..., FunctionRef<void(TriangleId)> visitor)
 #pragma once
 
 #include <concepts>
+#include <cstdint>
 #include <memory>
 #include <type_traits>
 #include <utility>
 
 namespace proxima {
 
+/// What a visitor, or a tick of a loop, answers: whether there is to be another call.
+enum class Flow : std::uint8_t { proceed, stop };
+
 template <class Signature>
 class FunctionRef;
 
-/// Two pointers, made from any callable of the signature, const or not. It neither copies the
+/// Two pointers, made from any callable object of the signature, const or not; wrap a plain function
+/// in a lambda. It neither copies the
 /// callable nor allocates; the callable must outlive it, as a temporary in a call does.
 template <class Return, class... Arguments>
 class FunctionRef<Return(Arguments...)> {
 public:
     template <class Callable>
     requires(!std::same_as<std::remove_cvref_t<Callable>, FunctionRef> &&
+             !std::is_function_v<std::remove_reference_t<Callable>> &&
              std::is_invocable_r_v<Return, Callable&, Arguments...>)
         // NOLINTNEXTLINE(google-explicit-constructor, bugprone-forwarding-reference-overload): as a call reads
         FunctionRef(Callable&& callable)

@@ -48,6 +48,18 @@ struct Triangle {
     }
 };
 
+/// The part of a triangle that a point lies on: corner i, the side from corner i to i + 1 mod 3, or
+/// the inside.
+enum class TrianglePart : std::uint8_t {
+    corner_0,
+    corner_1,
+    corner_2,
+    side_0,
+    side_1,
+    side_2,
+    inside
+};
+
 /// Tight box of a triangle.
 [[nodiscard]] Box bounding_box(const Triangle& triangle) noexcept;
 
@@ -55,7 +67,7 @@ struct Triangle {
 [[nodiscard]] Vec3 scaled_normal(const Triangle& triangle) noexcept;
 
 /// t counts in units of the direction, which may have any length; hits are told apart up to
-/// t = 2^1020, 1e307 (farthest_hit, ray_triangle.h), which directions longer than 1e-300 times the
+/// t = 2^1020, 1e307, which directions longer than 1e-300 times the
 /// mesh's size keep far from. t_min may be negative and the
 /// range without ends: then it is a line.
 struct Ray {

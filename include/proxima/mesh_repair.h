@@ -1,6 +1,6 @@
 // Making a mesh out of another: vertices welded, triangles picked out.
 //
-//     auto welded = weld_vertices(*read_mesh("part.stl"), {});
+//     auto welded = weld_vertices(mesh);
 //     const TriangleMesh patch = sub_mesh(mesh, triangles);
 #pragma once
 

@@ -6,7 +6,7 @@
 //     }
 //     for (const QueryOutlook& query : report->outlook) ...   // octree: works, sign: with care, ...
 //
-// Whether the surface intersects itself is not examined: self_intersections() does that.
+// Whether the surface intersects itself is not examined: find_self_intersections() does that.
 #pragma once
 
 #include "proxima/execution.h"

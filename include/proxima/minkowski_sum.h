@@ -32,13 +32,6 @@ namespace proxima {
 /// of B.
 enum class FacetOrigin : std::uint8_t { a, b, both, swept };
 
-/// How a sum is found. All three give the same one, but for rounding in the last two.
-enum class MinkowskiMethod : std::uint8_t {
-    arcs,      ///< overlay of the Gaussian maps; exact; the fast one
-    geometric, ///< the thesis's pushing of planes (3.2); slow for more than a few dozen facets
-    hull       ///< incremental hull of all pairs (3.3.2); slow for more than some hundred pairs
-};
-
 /// A facet's source. a and b number facets of A and B by origin, edges where it is swept.
 struct SumFacet {
     FacetOrigin origin = FacetOrigin::a;
@@ -72,7 +65,7 @@ public:
     [[nodiscard]] const ConvexPolyhedron& a() const noexcept { return parts_->a; }
     [[nodiscard]] const ConvexPolyhedron& b() const noexcept { return parts_->b; }
 
-    /// Of its affine hull, 0 to 3.
+    /// Dimension of its affine hull, 0 to 3.
     [[nodiscard]] int dimension() const noexcept { return parts_->dimension; }
 
     /// Whether the sum is everything: then it has no facets and no corners.
@@ -150,18 +143,15 @@ private:
 };
 
 struct MinkowskiOptions {
-    MinkowskiMethod method = MinkowskiMethod::arcs;
     Execution execution = {};
 };
 
-/// The sum of A and B. With `arcs` it has exactly the facets of the sum of the polyhedra that the
-/// doubles describe, each once, parallel ones merged, in O(facets of A, B and the sum) steps times
+/// The sum of A and B, found by overlaying their Gaussian maps. It has exactly the facets of the sum
+/// of the polyhedra that the doubles describe, each once, parallel ones merged, in O(facets of A, B and the sum) steps times
 /// the edges at a vertex (walks start where their neighbours ended; shapes made for it can cost
 /// more); O(edges of A x edges of B) where one of them is a polygon or both are unbounded.
-/// Unbounded ones are summed by their rays: no cut is needed. Errors: limit_exceeded (geometric or
-/// hull on operands so large that they would take hours, or more than 2^28 corners of all facets
-/// together), invalid_argument (geometric or hull on unbounded operands: see unbounded_sum.h; or on
-/// a flat sum), cancelled.
+/// Unbounded ones are summed by their rays: no cut is needed. Errors: limit_exceeded (more than 2^28
+/// corners of all facets together), cancelled.
 [[nodiscard]] Result<MinkowskiSum> minkowski_sum(const ConvexPolyhedron& a,
                                                  const ConvexPolyhedron& b,
                                                  const MinkowskiOptions& options = {});

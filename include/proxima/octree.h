@@ -22,6 +22,7 @@
 #pragma once
 
 #include "proxima/execution.h"
+#include "proxima/function_ref.h"
 #include "proxima/geometry.h"
 #include "proxima/result.h"
 #include "proxima/triangle_mesh.h"
@@ -108,7 +109,8 @@ enum class CellClass : std::uint8_t { outer, inner, boundary, unclassified };
 /// Whether every cell is split to the maximum depth, or only the crowded ones.
 enum class Subdivision : std::uint8_t { adaptive, uniform };
 
-/// One of the five overlap tests of a triangle and a cell (thesis chapter 3).
+/// Which overlap test of a triangle and a cell found an octree's lists (thesis chapter 3).
+/// build_octree uses the first; the thesis layer builds with all.
 enum class OverlapMethod : std::uint8_t {
     fast,            ///< 17 half-spaces in vector lanes, exact where lanes are unsure
     index_tracking,  ///< thesis 3.5
@@ -162,7 +164,7 @@ struct Cell {
     CellClass type = CellClass::unclassified;
 };
 
-/// What the classification of empty leaves met; see classify_cells.h.
+/// What the classification of empty leaves met.
 struct ClassificationSummary {
     std::uint32_t components = 0;        ///< face-connected components of empty leaves
     std::uint32_t leaked_components = 0; ///< those reaching both sides through a hole of the mesh
@@ -253,12 +255,6 @@ private:
     std::shared_ptr<const void> storage_;
 };
 
-/// Whether the thesis's methods may err by rounding. OverlapMethod::fast never does.
-enum class Exactness : std::uint8_t {
-    rounded, ///< as the arithmetic of doubles has it
-    exact    ///< exactly the triangles that touch the closed cell, whatever the method
-};
-
 enum class RootShape : std::uint8_t { cube, box };
 
 /// Whether empty leaves are found to be inner or outer (costs winding numbers).
@@ -267,8 +263,6 @@ enum class Classification : std::uint8_t { inner_outer, none };
 struct OctreeOptions {
     int max_depth = 5;           ///< 0 to max_octree_depth; the root is depth 0
     std::uint32_t threshold = 1; ///< a cell splits iff it has more triangles and may be deeper
-    OverlapMethod method = OverlapMethod::fast;
-    Exactness exactness = Exactness::rounded;
     Subdivision subdivision = Subdivision::adaptive;
     RootShape root_shape = RootShape::cube; ///< tight on the bounding box: cube or box of its shape
     std::optional<OctreeFrame> root = {};   ///< this root instead; must contain the mesh
@@ -278,23 +272,15 @@ struct OctreeOptions {
 
 /// Builds the octree; the same bits for any number of threads and any instruction set.
 /// Errors: invalid_argument (depth, root), invalid_mesh (empty, NaN), budget_exceeded,
-/// limit_exceeded (2^31 references), cancelled. Cost: linear in the references times a few tens of
-/// nanoseconds for OverlapMethod::fast: `scripts/bench octree` measures it.
+/// limit_exceeded (2^31 references), cancelled. Leaves list exactly the triangles that touch the
+/// closed cell. Cost: linear in the references, a few tens of nanoseconds each: `scripts/bench
+/// octree` measures it.
 [[nodiscard]] Result<Octree> build_octree(const TriangleMesh& mesh,
                                           const OctreeOptions& options = {});
-
-/// The heuristic of thesis 2.1.1: builds with the given threshold, then again with the largest
-/// number of triangles found in a leaf, which saves cells without longer worst lists.
-/// The second octree's parameters().threshold is that number. Errors and cost as build_octree.
-[[nodiscard]] Result<Octree> build_octree_two_pass(const TriangleMesh& mesh,
-                                                   const OctreeOptions& options = {});
 
 /// The root that build_octree uses when none is given: centred on the mesh's bounding box and
 /// containing it exactly. \pre !box.empty(), finite
 [[nodiscard]] OctreeFrame tight_root(const Box& box, RootShape shape) noexcept;
-
-/// What a visitor says after a leaf.
-enum class Flow : std::uint8_t { proceed, stop };
 
 template <class V>
 concept CellVisitor = requires(V visitor, const Cell& cell, std::span<const TriangleId> triangles)

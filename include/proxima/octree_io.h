@@ -25,8 +25,8 @@
 namespace proxima {
 
 struct LoadOptions {
-    /// `full` also compares the checksums, so that any damage is found. Both check the structure
-    /// (check_structure.h), so that no content of a file can lead a query out of its arrays.
+    /// `full` also compares the checksums, so that any damage is found. Both check the
+    /// structure, so that no content of a file can lead a query out of its arrays.
     Verification verify = Verification::full;
     Execution execution = {}; ///< stages "checksums" (bytes) and "checking the octree" (nodes)
 };

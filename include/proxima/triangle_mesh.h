@@ -70,4 +70,7 @@ private:
 /// with a NaN or infinite coordinate. O(triangles).
 [[nodiscard]] Result<Box> checked_bounding_box(const TriangleMesh& mesh);
 
+/// A hash of 64 bits of positions and triangles: different meshes share one very rarely. O(mesh).
+[[nodiscard]] std::uint64_t mesh_fingerprint(const TriangleMesh& mesh);
+
 } // namespace proxima

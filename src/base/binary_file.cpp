@@ -16,7 +16,6 @@ namespace {
 
 constexpr std::uint32_t byte_order_mark = 0x01020304;
 constexpr std::uint32_t swapped_byte_order_mark = 0x04030201;
-constexpr std::uint64_t alignment = 64;
 constexpr std::uint32_t max_sections = 256;
 
 struct Header {
@@ -41,7 +40,7 @@ static_assert(sizeof(TableEntry) == 32);
 
 std::uint64_t aligned(std::uint64_t offset) noexcept
 {
-    return (offset + alignment - 1) / alignment * alignment;
+    return (offset + section_alignment - 1) / section_alignment * section_alignment;
 }
 
 /// Of a section. Once `progress` is cancelled, any number.
@@ -115,7 +114,7 @@ Status write_binary_file(const std::filesystem::path& path, const FileFormat& fo
 
     auto file = OutputFile::create(path, {progress, header.file_bytes});
     if (!file) return tl::unexpected<Error>(file.error());
-    constexpr std::array<std::byte, alignment> zeros{};
+    constexpr std::array<std::byte, section_alignment> zeros{};
     if (auto status = file->write(std::as_bytes(std::span(&header, 1))); !status) return status;
     if (auto status = file->write(std::as_bytes(std::span(table))); !status) return status;
     std::uint64_t written = sizeof header + table.size() * sizeof(TableEntry);

@@ -3,7 +3,7 @@
 //     header   magic 8 | byte order mark 4 | version 4 | section count 4 | 0 4 | file bytes 8 |
 //              checksum of header and table 8
 //     table    per section: id 4 | element bytes 4 | offset 8 | bytes 8 | checksum 8
-//     sections each at a multiple of 64 bytes, zeros between
+//     sections each at a multiple of 128 bytes, zeros between
 //
 // Numbers are in the byte order of the writer, which a reader of the other order refuses. Checksums
 // are XXH3 64 bits: they find damage, not malice; who uses the arrays checks what they say.
@@ -31,6 +31,9 @@ struct FileFormat {
     std::uint32_t version = 1;
     const char* name = ""; ///< in messages: "octree file"
 };
+
+/// Sections begin at multiples of it: two cache lines, which blocks of mesh indexes are aligned to.
+inline constexpr std::size_t section_alignment = 128;
 
 /// One array to be written. The bytes are not copied.
 struct BinarySection {
@@ -72,7 +75,7 @@ public:
                                                  Progress* progress = nullptr);
 
     /// The same for a file already in memory, which `storage` keeps alive and which is aligned to
-    /// 64 bytes. `name` stands for the path in messages.
+    /// section_alignment. `name` stands for the path in messages.
     [[nodiscard]] static Result<BinaryFile> read(std::span<const std::byte> bytes,
                                                  std::shared_ptr<const void> storage,
                                                  const std::string& name, const FileFormat& format,

@@ -37,18 +37,6 @@ struct SegmentPoint {
 /// The point of the segment closest to p. About 15 ns.
 [[nodiscard]] SegmentPoint closest_point(const Segment& segment, const Vec3& p) noexcept;
 
-/// The part of a triangle that a point lies on: corner i, the side from corner i to i + 1 mod 3, or
-/// the inside.
-enum class TrianglePart : std::uint8_t {
-    corner_0,
-    corner_1,
-    corner_2,
-    side_0,
-    side_1,
-    side_2,
-    inside
-};
-
 /// A point of a triangle: the sum of its corners times the weights, which are in [0, 1] and add up
 /// to 1.
 struct TrianglePoint {

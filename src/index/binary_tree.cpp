@@ -30,7 +30,9 @@ double float_center(double lower, double upper) noexcept
     return is_far ? std::bit_cast<double>(std::bit_cast<std::uint64_t>(middle) & ~beyond_float) : 0;
 }
 
-IndexFrame frame_of(const Box& box, bool has_floats) noexcept
+} // namespace
+
+IndexFrame index_frame(const Box& box, bool has_floats) noexcept
 {
     IndexFrame frame;
     frame.center = box.center();
@@ -41,6 +43,8 @@ IndexFrame frame_of(const Box& box, bool has_floats) noexcept
     if (reach > 0) frame.scale = std::ldexp(1.0, std::clamp(-std::ilogb(reach) - 1, -1000, 1000));
     return frame;
 }
+
+namespace {
 
 /// The cell of the deepest grid in which a point lies.
 std::uint64_t place_of(const Vec3& point, const OctreeFrame& root) noexcept
@@ -78,7 +82,7 @@ public:
         : mesh_(mesh), root_(root), threads_(threads), progress_(progress)
     {
         tree_.has_floats = has_floats(mesh);
-        tree_.frame = frame_of(box, tree_.has_floats);
+        tree_.frame = index_frame(box, tree_.has_floats);
     }
 
     bool sort_triangles()

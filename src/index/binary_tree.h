@@ -46,6 +46,9 @@ struct IndexFrame {
     [[nodiscard]] Vec3 to_frame(const Vec3& p) const noexcept { return (p - center) * scale; }
 };
 
+/// The frame of a mesh of that box; `has_floats`: all its coordinates are.
+[[nodiscard]] IndexFrame index_frame(const Box& box, bool has_floats) noexcept;
+
 /// A run of two or more triangles of the order.
 struct BinaryNode {
     std::uint32_t left_count; ///< the left child is the next node, if it has two or more

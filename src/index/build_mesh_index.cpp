@@ -1,12 +1,13 @@
-#include "index/build_mesh_index.h"
+#include "proxima/mesh_index.h"
 
-#include "base/grow_buffer.h"
 #include "base/memory_budget.h"
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "base/text.h"
 #include "index/binary_tree.h"
-#include "index/row_tables.h"
+#include "index/block_boxes.h"
+#include "index/index_parts.h"
+#include "index/index_storage.h"
 #include "proxima/octree.h"
 
 #include <algorithm>
@@ -21,86 +22,13 @@ namespace proxima {
 
 namespace {
 
-// How far boxes are drawn out, in units of the mesh's size and in steps of a node's grid. The
-// kernel computes t of a plane as (32768 + q) (s r) + (g - o) r in floats, u = 2^-24: r = 1 / d is
-// off by 2 u, s r by 1 u more, g - o and its product by 1 u each, the first product and the sum by
-// 1 u each; |g| <= 32768 s + 1, |o| <= 1.01. Times |d| that is at most u (4 * 33023 s + 5 |plane -
-// o| + |o|) < 0.008 s + 12 u. Where the ray's origin was moved to the root it is up to 1 u more,
-// and where d was put away from zero less than 1 u (prepare_ray-inl.h).
-constexpr double own_margin = 20 * 0x1p-24;
-constexpr double step_margin = 1.0 / 64;
-
 // Bytes per triangle at most: keys twice, order, boxes, nodes, rows and blocks.
 constexpr std::uint64_t scratch_bytes = 32 + 4 + 24 + sizeof(BinaryNode) + edge_number_bytes;
 constexpr std::uint64_t index_bytes =
     sizeof(TriangleRow<double>) + sizeof(TriangleId) + 2 * sizeof(IndexBlock) + 24;
 constexpr std::uint32_t triangles_of_part = 8192;
 
-/// One axis of a node's grid.
-struct GridAxis {
-    float origin = 0;
-    float step = 0;
-
-    /// Takes in [lower, upper] with its margins by bytes 0 to 255: one step is left over on each
-    /// side, of which the margins and the rounding of the origin take less than a tenth.
-    static GridAxis around(double lower, double upper) noexcept
-    {
-        constexpr double steps = 253;
-        GridAxis axis;
-        axis.step = static_cast<float>((upper - lower + 2 * own_margin) / steps);
-        const auto step = static_cast<double>(axis.step);
-        axis.origin = static_cast<float>(lower - own_margin - step - 32768 * step);
-        return axis;
-    }
-    [[nodiscard]] double plane(std::uint8_t byte) const noexcept
-    {
-        return static_cast<double>(origin) + (32768.0 + byte) * static_cast<double>(step);
-    }
-    [[nodiscard]] std::uint8_t below(double value) const noexcept
-    {
-        return to_byte(std::floor(steps_to(value - own_margin) - step_margin));
-    }
-    [[nodiscard]] std::uint8_t above(double value) const noexcept
-    {
-        return to_byte(std::ceil(steps_to(value + own_margin) + step_margin));
-    }
-
-private:
-    [[nodiscard]] double steps_to(double value) const noexcept
-    {
-        const auto step_size = static_cast<double>(step);
-        return (value - static_cast<double>(origin) - 32768 * step_size) / step_size;
-    }
-    static std::uint8_t to_byte(double steps) noexcept
-    {
-        return static_cast<std::uint8_t>(std::clamp(steps, 0.0, 255.0));
-    }
-};
-
-/// The upper half of the least such float not below the value.
-std::uint16_t upper_half(double value) noexcept
-{
-    const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(value));
-    return static_cast<std::uint16_t>((bits >> 16U) + 1);
-}
-
 } // namespace
-
-/// On huge pages where the system has them: queries jump about in it.
-struct MeshIndexStorage {
-    GrowBuffer<std::byte> memory; ///< of the blocks, and what aligning them takes
-    RowTables tables;
-    std::vector<TriangleId> ids;
-
-    std::span<IndexBlock> make_blocks(std::size_t count)
-    {
-        memory.resize((count + 1) * sizeof(IndexBlock));
-        void* first = memory.data();
-        std::size_t space = memory.size();
-        first = std::align(alignof(IndexBlock), count * sizeof(IndexBlock), first, space);
-        return {static_cast<IndexBlock*>(first), count};
-    }
-};
 
 namespace detail {
 
@@ -227,35 +155,20 @@ private:
         next_ += static_cast<std::uint32_t>(found_.size());
         IndexNode& node = blocks_[at.block].node;
         const FloatBox& box = tree_.box(at.child);
-        std::array<GridAxis, 3> grid;
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            grid[axis] = GridAxis::around(static_cast<double>(box.lower[axis]),
-                                          static_cast<double>(box.upper[axis]));
-            node.origin[axis] = grid[axis].origin;
-            node.step[axis] = grid[axis].step;
-        }
         const std::array<int, 8> place = give_places(box);
-        const std::size_t mark = pending.size();
+        std::array<const FloatBox*, 8> boxes{};
         for (std::size_t slot = 0; slot < 8; ++slot) {
             const auto i = static_cast<std::size_t>(place[slot]);
-            const bool used = i < found_.size();
-            double extent = 0;
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                std::uint8_t& lower = node.planes[axis][slot];
-                std::uint8_t& upper = node.planes[axis][8 + slot];
-                lower =
-                    used ? grid[axis].below(static_cast<double>(tree_.box(found_[i]).lower[axis]))
-                         : 255;
-                upper =
-                    used ? grid[axis].above(static_cast<double>(tree_.box(found_[i]).upper[axis]))
-                         : 0;
-                if (used)
-                    extent = std::max(extent, grid[axis].plane(upper) - grid[axis].plane(lower));
-            }
+            if (i < found_.size()) boxes[slot] = &tree_.box(found_[i]);
+        }
+        const std::array<double, 8> extents = write_boxes(node, box, boxes);
+        const std::size_t mark = pending.size();
+        for (std::size_t slot = 0; slot < 8; ++slot) {
             node.children[slot] = empty_leaf | index_leaf_bit;
-            if (!used) continue;
-            node.children[slot] = block | (tree_.is_leaf(found_[i]) ? index_leaf_bit : 0U);
-            pending.push_back({found_[i], block++, extent});
+            if (boxes[slot] == nullptr) continue;
+            const Child& child = found_[static_cast<std::size_t>(place[slot])];
+            node.children[slot] = block | (tree_.is_leaf(child) ? index_leaf_bit : 0U);
+            pending.push_back({child, block++, extents[slot]});
         }
         std::reverse(pending.begin() + static_cast<std::ptrdiff_t>(mark), pending.end());
         write_runs(at.child.first, place, node);
@@ -293,19 +206,12 @@ private:
             }
         }
         for (std::size_t i = 0; i < index_width; ++i) {
-            const std::uint32_t vertex = vertices[i < count ? i : 0];
-            const Vec3& own = mesh_.positions()[vertex];
-            const Vec3 p = tree_.frame.to_frame(own);
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                const auto k = static_cast<Eigen::Index>(axis);
-                leaf.coordinates[axis][i] = static_cast<float>(p[k]);
-                has_exact_leaves_ = has_exact_leaves_ && is_float(p[k]) &&
-                                    p[k] * unscale_ + tree_.frame.center[k] == own[k];
-            }
+            const Vec3& point = mesh_.positions()[vertices[i < count ? i : 0]];
+            if (!write_vertex(leaf, i, point, tree_.frame)) has_exact_leaves_ = false;
         }
         leaf.first_row = at.child.first;
         leaf.count = static_cast<std::uint16_t>(at.child.count);
-        leaf.extent_bits = upper_half(at.extent + 4 * own_margin);
+        write_extent(leaf, at.extent);
         blocks_[at.block].leaf = leaf;
     }
 
@@ -314,7 +220,6 @@ private:
     std::span<IndexBlock> blocks_;
     std::uint32_t next_;
     bool has_exact_leaves_ = true;
-    double unscale_ = 1 / tree_.frame.scale;
     std::vector<Child> found_; ///< of the node being written, in the order of their rows
 };
 
@@ -335,7 +240,6 @@ public:
     bool write_blocks(Threads threads, Progress* progress)
     {
         begin_stage(progress, "writing mesh index", tree_.order.size());
-        constexpr double root_extent = 2.1; // rays come from the box [-1.01, 1.01]
         root_ = 1U | (tree_.is_leaf(tree_.root()) ? index_leaf_bit : 0U);
         const auto is_part = [](const BinaryTree::Child& at) {
             return at.count <= triangles_of_part;
@@ -370,7 +274,6 @@ public:
             advance_stage(progress, parts[i].child.count);
         });
         has_exact_leaves_ = std::ranges::all_of(is_exact, [](auto exact) { return exact != 0; });
-        blocks_ = blocks;
         return !is_cancelled(progress);
     }
 
@@ -382,22 +285,13 @@ public:
     MeshIndex result()
     {
         storage_.ids = std::move(tree_.order);
-        auto storage = std::make_shared<const MeshIndexStorage>(std::move(storage_));
-        MeshIndex result;
-        result.center_ = tree_.frame.center;
-        result.scale_ = tree_.frame.scale;
-        result.unscale_ = 1 / tree_.frame.scale;
-        result.root_ = root_;
-        result.has_exact_leaves_ = has_exact_leaves_;
-        result.triangle_count_ = static_cast<std::uint32_t>(storage->ids.size());
-        result.blocks_ = blocks_;
-        result.float_rows_ = storage->tables.float_rows.span();
-        result.double_rows_ = storage->tables.double_rows.span();
-        result.vertex_places_ = storage->tables.vertex_places.span();
-        result.edge_places_ = storage->tables.edge_places.span();
-        result.ids_ = storage->ids;
-        result.storage_ = std::move(storage);
-        return result;
+        IndexArrays arrays;
+        arrays.center = tree_.frame.center;
+        arrays.scale = tree_.frame.scale;
+        arrays.fingerprint = mesh_fingerprint(mesh_);
+        arrays.root = root_;
+        arrays.has_exact_leaves = has_exact_leaves_;
+        return make_mesh_index(index_of(arrays, std::move(storage_)));
     }
 
 private:
@@ -405,8 +299,7 @@ private:
     BinaryTree tree_;
     std::uint32_t root_ = 0;
     bool has_exact_leaves_ = true;
-    std::span<const IndexBlock> blocks_;
-    MeshIndexStorage storage_;
+    IndexStorage storage_;
 };
 
 Result<MeshIndex> build_mesh_index(const TriangleMesh& mesh, const MeshIndexOptions& options)

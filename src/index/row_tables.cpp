@@ -17,15 +17,6 @@ constexpr std::uint64_t lost_by_floats = (std::uint64_t{1} << 29U) - 1; // bits 
 /// to 2^-52 times its square, of the side.
 constexpr double thin_condition = 32;
 
-bool is_thin(const Triangle& triangle)
-{
-    const Vec3 ab = triangle[1] - triangle[0];
-    const Vec3 ac = triangle[2] - triangle[0];
-    const Vec3 bc = triangle[2] - triangle[1];
-    const double squared = std::max({ab.squaredNorm(), ac.squaredNorm(), bc.squaredNorm()});
-    return !(squared <= thin_condition * ab.cross(ac).norm());
-}
-
 constexpr std::size_t items_per_task = 4096;
 
 /// body(i) for every i in [0, count).
@@ -94,6 +85,22 @@ std::uint32_t place_of_edge(const TriangleMesh& mesh, const EdgeNumbers& edges, 
 }
 
 } // namespace
+
+bool is_thin(const Triangle& triangle) noexcept
+{
+    Vec3 ab = triangle[1] - triangle[0];
+    Vec3 ac = triangle[2] - triangle[0];
+    Vec3 bc = triangle[2] - triangle[1];
+    const double size =
+        std::max({ab.cwiseAbs().maxCoeff(), ac.cwiseAbs().maxCoeff(), bc.cwiseAbs().maxCoeff()});
+    // Fourth powers of lengths outside of these leave the doubles.
+    if (!(size > 0x1p-200 && size < 0x1p200) && size > 0 && std::isfinite(size)) {
+        const int exponent = std::clamp(-std::ilogb(size), -1000, 1000);
+        for (Vec3* const side : {&ab, &ac, &bc}) *side *= std::ldexp(1.0, exponent);
+    }
+    const double squared = std::max({ab.squaredNorm(), ac.squaredNorm(), bc.squaredNorm()});
+    return !(squared <= thin_condition * ab.cross(ac).norm());
+}
 
 // By its bits: g++ 12 drops the rounding of a conversion there and back where it makes vectors of
 // it.

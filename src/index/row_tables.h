@@ -21,6 +21,9 @@ struct RowTables {
     [[nodiscard]] std::uint64_t bytes() const noexcept;
 };
 
+/// Whether rows call it thin: less than 1/32 as high as its longest side is long.
+[[nodiscard]] bool is_thin(const Triangle& triangle) noexcept;
+
 /// Whether a float, not a subnormal one, holds the same number.
 [[nodiscard]] bool is_float(double value) noexcept;
 

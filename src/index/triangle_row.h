@@ -81,6 +81,19 @@ inline constexpr std::uint32_t none = 0xFFFFFFFF; ///< of a vertex without a tri
 }
 } // namespace place_word
 
+/// A power of two that brings the mesh's size to about 1, so that sixth powers of lengths do not
+/// leave the doubles, and its inverse.
+struct RowScale {
+    double up = 1;
+    double down = 1;
+
+    /// In the mesh's unit: infinite or 0 where the doubles end.
+    [[nodiscard]] double unscale_squared(double squared) const noexcept
+    {
+        return squared * down * down;
+    }
+};
+
 /// Where a row's vertex is in it: the first of its corners. \pre it is one of them
 template <class Scalar>
 [[nodiscard]] std::size_t corner_of(const TriangleRow<Scalar>& row, std::uint32_t vertex) noexcept
@@ -104,10 +117,10 @@ template <class Scalar>
 
 /// What a triangle's closest feature is chosen by, and what its point is made from.
 struct RowDistance {
-    double squared = std::numeric_limits<double>::infinity();
-    std::uint64_t feature = ~std::uint64_t{0}; ///< kind << 32 | id
-    std::uint32_t rank = 0;                    ///< of the row
-    double along[4] = {};                      ///< feet on the sides, from the lower vertex id
+    double squared = std::numeric_limits<double>::infinity(); ///< in units of RowScale
+    std::uint64_t feature = ~std::uint64_t{0};                ///< kind << 32 | id
+    std::uint32_t rank = 0;                                   ///< of the row
+    double along[4] = {}; ///< feet on the sides, from the lower vertex id
     double parts[4] = {}; ///< of a foot inside: of the corners 2, 0, 1, not normalised
 
     /// The order of answers: squared distance, kind, id.

@@ -1,5 +1,6 @@
 #include "proxima/triangle_mesh.h"
 
+#include "base/hash.h"
 #include "base/text.h"
 
 #include <limits>
@@ -78,6 +79,12 @@ Result<Box> checked_bounding_box(const TriangleMesh& mesh)
         }
     }
     return box;
+}
+
+std::uint64_t mesh_fingerprint(const TriangleMesh& mesh)
+{
+    const std::uint64_t positions = hash_bytes(std::as_bytes(mesh.positions()), 0);
+    return hash_bytes(std::as_bytes(mesh.triangles()), positions);
 }
 
 } // namespace proxima

@@ -1,15 +1,12 @@
 #include "proxima/minkowski_sum.h"
-#include "minkowski/count_sum.h"
 
 #include "base/check.h"
-#include "geometry/exact_predicates.h"
-#include "minkowski/operation_counts.h"
-#include "minkowski/sum_baselines.h"
 #include "minkowski/sum_by_arcs.h"
 
 #include <cmath>
 
 namespace proxima {
+
 
 MinkowskiSum MinkowskiSum::scaled(double lambda) const noexcept
 {
@@ -59,38 +56,10 @@ HalfSpace MinkowskiSum::half_space(std::uint32_t facet) const noexcept
     return {normal, normal.dot(a().vertex(rest.a)) + scale_ * normal.dot(b().vertex(rest.b))};
 }
 
-namespace {
-
-template <class Scalar>
-Result<MinkowskiSum> sum_on(const ConvexPolyhedron& a, const ConvexPolyhedron& b,
-                            const MinkowskiOptions& options)
-{
-    switch (options.method) {
-    case MinkowskiMethod::geometric:
-        return detail::sum_by_geometric_method<Scalar>(a, b, options.execution.progress);
-    case MinkowskiMethod::hull:
-        return detail::sum_by_hull<Scalar>(a, b, options.execution.progress);
-    case MinkowskiMethod::arcs:
-        break;
-    }
-    return detail::sum_by_arcs<Scalar>(a, b, options.execution.progress);
-}
-
-} // namespace
-
 Result<MinkowskiSum> minkowski_sum(const ConvexPolyhedron& a, const ConvexPolyhedron& b,
                                    const MinkowskiOptions& options)
 {
-    return sum_on<double>(a, b, options);
-}
-
-Result<CountedSum> count_minkowski_sum(const ConvexPolyhedron& a, const ConvexPolyhedron& b,
-                                       const MinkowskiOptions& options)
-{
-    reset_operation_counts();
-    auto sum = sum_on<Counted>(a, b, options);
-    if (!sum) return tl::unexpected(sum.error());
-    return CountedSum{std::move(*sum), operation_counts()};
+    return detail::sum_by_arcs<double>(a, b, options.execution.progress);
 }
 
 } // namespace proxima

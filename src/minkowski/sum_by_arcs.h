@@ -1,4 +1,4 @@
-// The Minkowski sum by overlaying Gaussian maps: MinkowskiMethod::arcs.
+// The Minkowski sum by overlaying Gaussian maps.
 //
 //     facets of A   with the face of B that reaches farthest along their normals
 //     facets of B   the same the other way, unless A has a facet of that normal

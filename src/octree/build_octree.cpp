@@ -4,12 +4,8 @@
 #include "base/progress.h"
 #include "base/text.h"
 #include "octree/build_fast.h"
-#include "octree/build_with_test.h"
+#include "octree/build_octree_with.h"
 #include "octree/classify_cells.h"
-#include "octree/overlap_index_tracking.h"
-#include "octree/overlap_minkowski.h"
-#include "octree/overlap_pairwise.h"
-#include "octree/overlap_separating_axis.h"
 
 #include <algorithm>
 #include <cmath>
@@ -97,26 +93,8 @@ Status fill_uniformly(int max_depth, const GrowLimits& limits, OctreeOutput& out
     return {};
 }
 
-Result<OctreeOutput> build_by_method(const TriangleMesh& mesh, const OctreeFrame& frame,
-                                     const OctreeOptions& options, GrowLimits& limits)
-{
-    switch (options.method) {
-    case OverlapMethod::fast:
-        return build_fast(mesh, frame, options, limits);
-    case OverlapMethod::index_tracking:
-        return build_with_test<IndexTrackingTest>(mesh, frame, options, limits);
-    case OverlapMethod::minkowski:
-        return build_with_test<MinkowskiTest>(mesh, frame, options, limits);
-    case OverlapMethod::separating_axis:
-        return build_with_test<SeparatingAxisTest>(mesh, frame, options, limits);
-    case OverlapMethod::pairwise:
-        return build_with_test<PairwiseTest>(mesh, frame, options, limits);
-    }
-    return fail(ErrorCode::invalid_argument, "no such overlap method");
-}
-
 Result<OctreeOutput> build_arrays(const TriangleMesh& mesh, const OctreeFrame& frame,
-                                  const OctreeOptions& options)
+                                  const OctreeOptions& options, const ListFinder& finder)
 {
     const bool uniform = options.subdivision == Subdivision::uniform;
     GrowLimits limits;
@@ -133,7 +111,7 @@ Result<OctreeOutput> build_arrays(const TriangleMesh& mesh, const OctreeFrame& f
     }
     OctreeOptions used = options;
     used.threshold = limits.threshold;
-    auto output = build_by_method(mesh, frame, used, limits);
+    auto output = finder.find(mesh, frame, used, limits);
     if (!output) return output;
     if (uniform) {
         if (auto status = fill_uniformly(options.max_depth, limits, *output); !status) {
@@ -143,21 +121,21 @@ Result<OctreeOutput> build_arrays(const TriangleMesh& mesh, const OctreeFrame& f
     return output;
 }
 
-Result<Octree> build_unguarded(const TriangleMesh& mesh, const OctreeOptions& options)
+Result<Octree> build_unguarded(const TriangleMesh& mesh, const OctreeOptions& options,
+                               const ListFinder& finder)
 {
     const auto box = checked_bounding_box(mesh);
     if (!box) return tl::unexpected(box.error());
     if (auto status = check_options(*box, options); !status) return tl::unexpected(status.error());
     const OctreeFrame frame = options.root ? *options.root : tight_root(*box, options.root_shape);
-    auto arrays = build_arrays(mesh, frame, options);
+    auto arrays = build_arrays(mesh, frame, options, finder);
     if (!arrays) return tl::unexpected(arrays.error());
     const auto storage = std::make_shared<const OctreeOutput>(std::move(*arrays));
     const OctreeParameters parameters{.max_depth = options.max_depth,
                                       .threshold = options.threshold,
-                                      .method = options.method,
+                                      .method = finder.method,
                                       .subdivision = options.subdivision,
-                                      .exact = options.exactness == Exactness::exact ||
-                                               options.method == OverlapMethod::fast};
+                                      .exact = finder.is_exact};
     Octree octree = Octree::adopt(frame, parameters, mesh.triangle_count(), storage->nodes.span(),
                                   storage->references.span(), storage);
     if (options.classification == Classification::none) return octree;
@@ -184,29 +162,21 @@ OctreeFrame tight_root(const Box& box, RootShape shape) noexcept
     return frame;
 }
 
-Result<Octree> build_octree(const TriangleMesh& mesh, const OctreeOptions& options)
+Result<Octree> build_octree_with(const TriangleMesh& mesh, const OctreeOptions& options,
+                                 const ListFinder& finder)
 {
     try {
-        return build_unguarded(mesh, options);
+        return build_unguarded(mesh, options, finder);
     } catch (const std::bad_alloc&) {
         return fail(ErrorCode::budget_exceeded,
                     "memory ran out: lower the depth, raise the threshold or set a budget");
     }
 }
 
-Result<Octree> build_octree_two_pass(const TriangleMesh& mesh, const OctreeOptions& options)
+Result<Octree> build_octree(const TriangleMesh& mesh, const OctreeOptions& options)
 {
-    OctreeOptions pass = options;
-    pass.classification = Classification::none;
-    const auto first = build_octree(mesh, pass);
-    if (!first) return first;
-    std::uint32_t longest = 0;
-    for (const OctreeNode& node : first->nodes()) {
-        if (node.is_leaf()) longest = std::max(longest, node.count());
-    }
-    pass = options;
-    pass.threshold = longest;
-    return build_octree(mesh, pass);
+    return build_octree_with(mesh, options,
+                             {.method = OverlapMethod::fast, .is_exact = true, .find = build_fast});
 }
 
 } // namespace proxima

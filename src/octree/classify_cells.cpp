@@ -216,14 +216,12 @@ private:
         }
         const auto direct = static_cast<std::size_t>(std::ranges::count(at_cap_, true));
         if (asked.size() + direct > few_queries) {
-            auto built = build_winding_number(
-                mesh_, {options_.execution});
+            auto built = build_winding_number(mesh_, {options_.execution});
             if (!built) return; // cancelled
             winding_ = std::move(*built);
         }
         if (capped()) {
-            auto built = build_winding_number(
-                caps_, {options_.execution});
+            auto built = build_winding_number(caps_, {options_.execution});
             if (!built) return; // cancelled
             cap_winding_ = std::move(*built);
         }

@@ -230,7 +230,7 @@ class Outputs(ProgramTest):
     def test_own_files_have_their_extensions(self):
         self.refuse("octree", "cube", "--save", self.folder / "a.obj", says=("a.obj", ".pxo"))
         self.refuse("touch", "cube", "--device", "hand:press", "--record", self.folder / "a.obj", says=("a.obj", ".pxt"))
-        self.refuse("proximity", "cube", "--save", self.folder / "a.obj", says=("a.obj", ".pxp"))
+        self.refuse("proximity", "cube", "--save", self.folder / "a.obj", says=("a.obj", ".pxi"))
 
     def test_advice_can_be_followed(self):
         def little_memory():

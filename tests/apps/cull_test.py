@@ -9,7 +9,7 @@ from proxima_program import ProgramTest
 from raycast_test import npy, read_png, some_mesh
 
 KEYS = ["model", "triangles", "planes", "empty", "exact", "visible", "ranges", "visible_cells", "cells",
-        "seconds", "id_seconds", "build_seconds", "bytes"]
+        "seconds", "id_seconds", "build_seconds", "bytes", "method"]
 
 
 def planes_text(planes, header=False):

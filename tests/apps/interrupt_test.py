@@ -72,7 +72,7 @@ class Building(InterruptTest):
         self.interrupt("raycast", "torus:200x100", "--camera", "4000x4000", "--depth", "8", "--cells", "--out", self.folder / "a.csv", when=after(1))
 
     def test_closest_features(self):
-        self.interrupt("proximity", "sphere:300x300", "--save", self.folder / "a.pxp", when=after(1))
+        self.interrupt("proximity", "sphere:300x300", "--save", self.folder / "a.pxi", when=after(1))
 
     def test_pairs(self):
         self.interrupt("check", "spaceship:2000000", when=after(4))

@@ -67,7 +67,7 @@ class Meeting(ProgramTest):
         self.assertEqual(rows[0], ["pose", "a", "b"])
         self.assertEqual([tuple(map(int, row)) for row in rows[1:]], truth)
         self.assertGreater(len(truth), 20)
-        self.assertEqual(list(result), ["a", "b", "triangles_a", "triangles_b", "build_seconds", "poses"])
+        self.assertEqual(list(result), ["a", "b", "triangles_a", "triangles_b", "build_seconds", "method", "poses"])
         for number, pose in enumerate(result["poses"]):
             self.assertEqual(list(pose)[:4], POSE_KEYS)
             self.assertEqual(pose["pairs"], sum(row[0] == number for row in truth))

@@ -206,7 +206,7 @@ class Files(ProgramTest):
 
 class SavedOctrees(ProgramTest):
     def saved(self, mesh):
-        model, octree = self.file("model.off", mesh.text()), self.folder / "model.pxp"
+        model, octree = self.file("model.off", mesh.text()), self.folder / "model.pxi"
         self.succeed("proximity", model, "--budget-mb", 1, "--save", octree)
         return model, octree
 
@@ -236,9 +236,9 @@ class SavedOctrees(ProgramTest):
         octree = self.saved(bumpy_ball(random.Random(7)))[1]
         data = bytearray(octree.read_bytes())
         data[len(data) // 2] ^= 1
-        self.refuse("patch", self.file("damaged.pxp", bytes(data)), "--point", "0,0,0", says="damaged.pxp")
-        self.refuse("patch", self.file("cut.pxp", bytes(data[:1000])), "--point", "0,0,0", says="cut.pxp")
-        self.refuse("patch", self.folder / "absent.pxp", "--point", "0,0,0", says="absent.pxp")
+        self.refuse("patch", self.file("damaged.pxi", bytes(data)), "--point", "0,0,0", says="damaged.pxi")
+        self.refuse("patch", self.file("cut.pxi", bytes(data[:1000])), "--point", "0,0,0", says="cut.pxi")
+        self.refuse("patch", self.folder / "absent.pxi", "--point", "0,0,0", says="absent.pxi")
 
 
 class Refusing(ProgramTest):

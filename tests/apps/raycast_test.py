@@ -13,7 +13,7 @@ from proxima_program import ProgramTest
 
 HIT_COLUMNS = ["index", "t", "triangle", "u", "v"]
 CELL_COLUMNS = ["ray", "cell_depth", "cx", "cy", "cz", "enter", "exit", "chord", "penetration"]
-KEYS = ["model", "triangles", "queries", "seconds", "ns_per_query", "build_seconds", "bytes"]
+KEYS = ["model", "triangles", "queries", "seconds", "ns_per_query", "build_seconds", "bytes", "method"]
 
 
 def rays_text(rays, header=False):

@@ -155,7 +155,7 @@ class Touching(ProgramTest):
             self.assertLessEqual(result["max_force"], force)
 
     def test_a_saved_octree_feels_as_its_mesh(self):
-        octree = self.folder / "torus.pxp"
+        octree = self.folder / "torus.pxi"
         self.succeed("proximity", "torus:24x12", "--save", octree)
         results = [self.json_of("touch", model, "--device", "hand:slide", "--seconds", 1, "--free-running")
                    for model in ("torus:24x12", octree)]
@@ -271,7 +271,7 @@ class Scenes(ProgramTest):
             self.assertIn(part, text)
 
     def test_a_saved_octree_in_a_scene(self):
-        octree = self.folder / "torus.pxp"
+        octree = self.folder / "torus.pxi"
         self.succeed("proximity", "torus:24x12", "--save", octree)
         arguments = (*PLACES, *MOTIONS, "--device", "hand:press", "--seconds", 1, "--free-running")
         results = [self.json_of("touch", *SCENE[:4], model, *arguments) for model in (SCENE[4], octree)]

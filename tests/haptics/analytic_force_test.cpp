@@ -1,7 +1,10 @@
 // The renderer's force against walls of which it is known: the spring's law to the last digits.
-#include "haptics/force/haptic_renderer.h"
+#include "haptics/proxy/slide_sphere.h"
 #include "haptics/spring_alone.h"
+#include "haptics/surface/contact_surface.h"
 #include "haptics/touch_meshes.h"
+#include "proxima/device.h"
+#include "proxima/haptic_renderer.h"
 
 #include <gtest/gtest.h>
 

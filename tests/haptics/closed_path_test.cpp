@@ -14,9 +14,11 @@
 //
 // Seen from outside, an edge lets go of a device that goes round it under the surface: such paths
 // take energy, and must never give any.
-#include "haptics/force/haptic_renderer.h"
 #include "haptics/spring_alone.h"
+#include "haptics/surface/contact_surface.h"
 #include "haptics/touch_meshes.h"
+#include "proxima/device.h"
+#include "proxima/haptic_renderer.h"
 #include "query/closest/brute_force.h"
 
 #include <gtest/gtest.h>
@@ -306,8 +308,7 @@ std::array<TriangleId, 3> holding(const RenderTick& felt)
 {
     std::array<TriangleId, 3> ids;
     ids.fill(no_triangle);
-    const SlideResult& slide = felt.proxy.slide;
-    for (std::size_t i = 0; i < slide.contact_count; ++i) ids[i] = slide.contacts[i].triangle;
+    for (std::size_t i = 0; i < felt.contact_count; ++i) ids[i] = felt.contacts[i].triangle;
     std::ranges::sort(ids);
     return ids;
 }

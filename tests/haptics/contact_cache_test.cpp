@@ -4,8 +4,9 @@
 #include "counted_allocations.h"
 #include "geometry/closest_point.h"
 #include "haptics/proxy/proxy.h"
+#include "haptics/surface/contact_surface.h"
 #include "haptics/touch_meshes.h"
-#include "index/lists/build_proximity_octree.h"
+#include "index/listed_index.h"
 
 #include <gtest/gtest.h>
 
@@ -73,8 +74,8 @@ struct CacheCheck {
 CacheCheck check_answers(const TouchMesh& named, std::uint32_t seed, int questions)
 {
     const TriangleMesh& mesh = named.mesh;
-    const auto octree = build_proximity_octree(mesh);
-    const OctreeContactSurface surface(*octree);
+    const auto listed = testing::listed_index(mesh);
+    const IndexContactSurface surface(*listed);
     const double size = surface.scale().extent;
     const double edge = surface.scale().mean_edge;
     ContactCache cache;
@@ -158,8 +159,8 @@ TEST(ContactCache, nothing_near_is_missing)
 TEST(ContactCache, knows_how_far_the_surface_is_without_asking)
 {
     for (const TouchMesh& named : cache_meshes()) {
-        const auto octree = build_proximity_octree(named.mesh);
-        const OctreeContactSurface surface(*octree);
+        const auto listed = testing::listed_index(named.mesh);
+        const IndexContactSurface surface(*listed);
         const double edge = surface.scale().mean_edge;
         ContactCache cache;
         std::mt19937 random(7);
@@ -184,8 +185,8 @@ TEST(ContactCache, knows_how_far_the_surface_is_without_asking)
 TEST(ContactCache, asks_rarely)
 {
     const TriangleMesh mesh = *sample_mesh("torus:200x100");
-    const auto octree = build_proximity_octree(mesh);
-    const OctreeContactSurface surface(*octree);
+    const auto listed = testing::listed_index(mesh);
+    const IndexContactSurface surface(*listed);
     const double edge = surface.scale().mean_edge;
     ContactCache cache;
     std::vector<ContactTriangle> buffer(4096);
@@ -203,10 +204,10 @@ TEST(ContactCache, another_surface_is_asked_anew)
 {
     const TriangleMesh cube = *sample_mesh("cube");
     const TriangleMesh sphere = *sample_mesh("sphere:30x30");
-    const auto cube_octree = build_proximity_octree(cube);
-    const auto sphere_octree = build_proximity_octree(sphere);
-    const OctreeContactSurface first(*cube_octree);
-    const OctreeContactSurface second(*sphere_octree);
+    const auto cube_octree = testing::listed_index(cube);
+    const auto sphere_octree = testing::listed_index(sphere);
+    const IndexContactSurface first(*cube_octree);
+    const IndexContactSurface second(*sphere_octree);
     const MeshContactSurface keeps_nothing(cube);
     EXPECT_NE(first.edition(), second.edition());
     EXPECT_EQ(keeps_nothing.edition(), 0U);
@@ -229,12 +230,12 @@ TEST(ContactCache, another_surface_is_asked_anew)
 TEST(ContactCache, crowds_are_answered_too)
 {
     const TriangleMesh mesh = testing::triangle_soup(5, 8000);
-    const auto octree = build_proximity_octree(mesh);
-    const OctreeContactSurface surface(*octree);
+    const auto listed = testing::listed_index(mesh);
+    const IndexContactSurface surface(*listed);
     ContactCache cache;
     std::vector<ContactTriangle> buffer(8192);
     const std::size_t count = cache.collect(surface, Vec3::Zero(), 1.0, buffer);
-    EXPECT_GT(count, GroupBoxes::room * TriangleGroup::width);
+    EXPECT_GT(count, GroupBoxes::capacity * TriangleGroup::width);
     std::set<TriangleId> given;
     for (const ContactTriangle& triangle : std::span(buffer).first(count))
         given.insert(triangle.id);
@@ -250,8 +251,8 @@ TEST(ContactCache, crowds_are_answered_too)
 TEST(ContactCache, does_not_allocate)
 {
     const TriangleMesh mesh = *sample_mesh("torus:24x12");
-    const auto octree = build_proximity_octree(mesh);
-    const OctreeContactSurface surface(*octree);
+    const auto listed = testing::listed_index(mesh);
+    const IndexContactSurface surface(*listed);
     ContactCache cache;
     std::vector<ContactTriangle> buffer(4096);
     std::vector<double> times(4096);
@@ -277,8 +278,8 @@ TEST(ContactCache, fast_hands_feel_what_all_triangles_say_on_every_instruction_s
         force_simd_target(target);
         for (const TouchMesh& named : cache_meshes()) {
             if (named.mesh.triangle_count() > 500) continue;
-            const auto octree = build_proximity_octree(named.mesh);
-            const OctreeContactSurface near(*octree);
+            const auto listed = testing::listed_index(named.mesh);
+            const IndexContactSurface near(*listed);
             const MeshContactSurface all(named.mesh);
             const double size = near.scale().extent;
             const ProxyOptions options = {
@@ -296,7 +297,7 @@ TEST(ContactCache, fast_hands_feel_what_all_triangles_say_on_every_instruction_s
                 const ProxyTick& expected = slow.follow(device);
                 ASSERT_EQ(result.proxy, expected.proxy)
                     << named.name << ", " << target.name << ", tick " << tick;
-                ASSERT_EQ(result.held, expected.held) << named.name << ", tick " << tick;
+                ASSERT_EQ(result.anchor, expected.anchor) << named.name << ", tick " << tick;
                 ASSERT_EQ(result.moves, expected.moves) << named.name << ", tick " << tick;
             }
         }

@@ -1,5 +1,8 @@
 #include "haptics/force/contact_force.h"
 
+#include "proxima/device.h"
+#include "proxima/haptic_renderer.h"
+
 #include <gtest/gtest.h>
 
 #include <array>

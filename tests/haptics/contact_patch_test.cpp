@@ -4,8 +4,11 @@
 #include "haptics/loop/collision_loop.h"
 #include "haptics/patch_triangles.h"
 #include "haptics/proxy/proxy.h"
+#include "haptics/surface/contact_surface.h"
 #include "haptics/touch_meshes.h"
-#include "index/lists/build_proximity_octree.h"
+#include "index/listed_index.h"
+#include "proxima/device.h"
+#include "proxima/haptic_renderer.h"
 
 #include <gtest/gtest.h>
 
@@ -54,13 +57,13 @@ Misses follow(const TriangleMesh& mesh, PatchKind kind, int depth, double radius
               std::uint32_t seed, int ticks)
 {
     const auto topology = *build_topology(mesh);
-    const auto octree = *build_proximity_octree(mesh, topology);
-    const OctreeContactSurface whole(octree);
+    const auto listed = *testing::listed_index(mesh);
+    const IndexContactSurface whole(listed);
     // The model is 0.12 m long on the device; the hand goes at 1 m/s.
     const double speed = whole.scale().extent / 0.12;
     constexpr double servo_seconds = 1e-3;
     constexpr int servo_ticks = 10; // per collision tick, and as late is a patch
-    RingPatches rings(octree, mesh, topology);
+    RingPatches rings(listed, mesh, topology);
     std::array<ContactPatch, 2> patches;
     std::size_t making = 0;
     PatchContactSurface late(whole.scale());
@@ -151,8 +154,8 @@ TEST(ContactPatch, without_one_nothing_is_touched)
 TEST(ContactPatch, too_many_triangles_are_told)
 {
     const TriangleMesh mesh = *sample_mesh("sphere:100x100");
-    const auto octree = *build_proximity_octree(mesh);
-    const OctreeContactSurface surface(octree);
+    const auto listed = *testing::listed_index(mesh);
+    const IndexContactSurface surface(listed);
     ContactPatch patch;
     fill_metric_patch(patch, surface, Vec3::Zero(), 2);
     EXPECT_FALSE(patch.complete);
@@ -183,8 +186,8 @@ TEST(ContactPatch, too_many_triangles_are_told)
 TEST(CollisionLoop, hands_patches_over_while_a_servo_runs)
 {
     const TriangleMesh mesh = *sample_mesh("torus:24x12");
-    const auto octree = *build_proximity_octree(mesh);
-    const OctreeContactSurface whole(octree);
+    const auto listed = *testing::listed_index(mesh);
+    const IndexContactSurface whole(listed);
     PatchExchange exchange;
     PatchContactSurface late(whole.scale());
     Proxy proxy(late, {});

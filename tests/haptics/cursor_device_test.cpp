@@ -1,6 +1,7 @@
 #include "haptics/device/cursor_device.h"
 
 #include "counted_allocations.h"
+#include "proxima/device.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,7 @@
 #include "haptics/device/device_input.h"
 
 #include "haptics/device_session.h"
+#include "proxima/device.h"
 
 #include <gtest/gtest.h>
 
@@ -96,8 +97,8 @@ double largest_step(const SessionFelt& felt, std::size_t from)
 TEST(DeviceInput, velocities_that_places_do_not_bear_out_are_not_felt)
 {
     const CubeScene scene;
-    PressingDevice honest(scene);
-    const SessionFelt good = run_session(scene, honest, ticks);
+    PressingDevice plausible(scene);
+    const SessionFelt good = run_session(scene, plausible, ticks);
     EXPECT_EQ(good.input.velocities, 0U);
     const double most = largest_step(good, fault_begin) + 0.05;
     EXPECT_LT(most, 0.1);
@@ -124,7 +125,7 @@ TEST(DeviceInput, velocities_that_places_do_not_bear_out_are_not_felt)
     }
 }
 
-TEST(DeviceInput, honest_velocities_are_believed)
+TEST(DeviceInput, plausible_velocities_are_used)
 {
     // Exact and by differences, with and without an encoder, thrown about and hit against a wall.
     std::mt19937_64 random(8);
@@ -144,7 +145,7 @@ TEST(DeviceInput, honest_velocities_are_believed)
                 const DeviceState state = hand.state();
                 const double depth = std::max(-state.pose.translation.x(), 0.0);
                 bounds.add(state.pose.translation, 1e-3);
-                ASSERT_EQ(bounds.believed(state.velocity), state.velocity)
+                ASSERT_EQ(bounds.plausible(state.velocity), state.velocity)
                     << static_cast<int>(estimate) << ' ' << step << ' ' << tick;
                 fastest = std::max(fastest, state.velocity.norm());
                 hand.step(Vec3(std::min(1000 * depth, 8.0), 0, 0), target);
@@ -201,7 +202,7 @@ TEST(DeviceInput, freezing_while_pushed_fades_the_force)
 
 TEST(DeviceInput, a_jump_of_a_metre_is_not_believed_at_once)
 {
-    // For 30 ms somewhere else: never believed, and well when it is back.
+    // For 30 ms somewhere else: never accepted, and well when it is back.
     const CubeScene scene;
     PressingDevice device(scene, [](std::uint64_t tick, DeviceReading& reading) {
         if (tick >= fault_begin && tick < fault_begin + 30) reading.state.pose.translation.x() += 1;
@@ -223,7 +224,7 @@ TEST(DeviceInput, a_jump_that_lasts_is_believed_with_the_force_at_nothing)
     EXPECT_EQ(felt.input.jumps, 1U);
     EXPECT_EQ(felt.input.faulty_ticks, 100U); // settle_seconds
     EXPECT_GT(felt.recording.ticks[fault_begin + 101].position[0], 0.9);
-    EXPECT_EQ(felt.forces[fault_begin + 60], 0); // before it is believed
+    EXPECT_EQ(felt.forces[fault_begin + 60], 0); // before it is accepted
     EXPECT_EQ(felt.forces[fault_begin + 100], 0);
 }
 

@@ -3,9 +3,13 @@
 
 #include "counted_allocations.h"
 #include "haptics/device/device_input.h"
-#include "haptics/device/simulated_hand.h"
-#include "haptics/loop/quality_report.h"
+#include "haptics/force/surface_renderer.h"
 #include "haptics/loop/recording.h"
+#include "haptics/surface/contact_surface.h"
+#include "lab/quality_report.h"
+#include "lab/simulated_hand.h"
+#include "proxima/device.h"
+#include "proxima/haptic_renderer.h"
 #include "proxima/sample_meshes.h"
 
 #include <gtest/gtest.h>
@@ -40,16 +44,12 @@ struct SessionFelt {
     std::vector<double> forces; ///< N, a tick each
 };
 
-/// Whether allocations of a session count: not where others run beside it.
-enum class Allocations { counted, ignored };
-
 /// Touches the cube. In every tick the force is finite, within the device's limit and no faster
 /// than the slew limit; nothing is allocated; and replaying the recording has the same bits.
 inline SessionFelt run_session(const CubeScene& scene, Device& device, std::uint64_t ticks,
                                InputOptions options = {},
                                const std::function<void(std::uint64_t, DeviceInput&)>& watch = {},
-                               Pace pace = Pace::unpaced,
-                               Allocations allocations = Allocations::counted)
+                               Pace pace = Pace::unpaced)
 {
     const DeviceLimits limits = device.info().limits;
     HapticRenderer renderer(scene.surface, scene.map, limits);
@@ -78,7 +78,7 @@ inline SessionFelt run_session(const CubeScene& scene, Device& device, std::uint
         felt.recording.ticks[tick] =
             recorded(static_cast<double>(tick) * session_tick, state, result);
         felt.forces[tick] = force.norm();
-        meter.add(result, state.velocity, renderer.proxy().path());
+        meter.add(result, state.velocity, renderer.path());
         if (watch) watch(tick, input);
         ++count;
         return Flow::proceed;
@@ -86,7 +86,7 @@ inline SessionFelt run_session(const CubeScene& scene, Device& device, std::uint
     felt.recording.ticks.resize(count);
     felt.forces.resize(count);
     EXPECT_EQ(bad, 0U);
-    EXPECT_EQ(allocations == Allocations::counted ? allocated : 0, 0U);
+    EXPECT_EQ(allocated, 0U);
     felt.input = input.report();
     felt.quality = meter.report();
     felt.recording.settings.render = renderer.options();

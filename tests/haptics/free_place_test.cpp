@@ -1,10 +1,14 @@
 #include "haptics/proxy/free_place.h"
 
-#include "haptics/device/hand_script.h"
-#include "haptics/device/simulated_hand.h"
-#include "haptics/force/haptic_renderer.h"
+#include "haptics/force/surface_renderer.h"
+#include "haptics/proxy/proxy.h"
 #include "haptics/scenes_to_touch.h"
-#include "index/lists/build_proximity_octree.h"
+#include "haptics/surface/contact_surface.h"
+#include "index/listed_index.h"
+#include "lab/hand_script.h"
+#include "lab/simulated_hand.h"
+#include "proxima/device.h"
+#include "proxima/haptic_renderer.h"
 
 #include <gtest/gtest.h>
 
@@ -26,10 +30,10 @@ double distance_to(const TriangleMesh& mesh, const Vec3& p)
 
 TEST(FreePlace, is_free_wherever_one_is_found)
 {
-    SlideRoom room;
+    SlideScratch scratch;
     for (const TouchMesh& named : touch_meshes()) {
-        const auto octree = *build_proximity_octree(named.mesh);
-        const OctreeContactSurface surface(octree);
+        const auto listed = *testing::listed_index(named.mesh);
+        const IndexContactSurface surface(listed);
         const double size = surface.scale().extent;
         const double skin = 0x1p-40 * surface.scale().reach;
         int found = 0;
@@ -37,7 +41,7 @@ TEST(FreePlace, is_free_wherever_one_is_found)
         for (const double radius : {1e-6, 0.02}) {
             for (std::uint32_t v = 0; v < named.mesh.vertex_count(); v += 41) {
                 const Vec3 p = named.mesh.positions()[v];
-                const auto free = find_free_place(surface, radius * size, p, room);
+                const auto free = find_free_place(surface, radius * size, p, scratch);
                 ++asked;
                 if (!free) continue;
                 ++found;
@@ -54,16 +58,16 @@ TEST(FreePlace, is_free_wherever_one_is_found)
 TEST(FreePlace, near_a_wall_it_is_the_nearest_on_the_same_side)
 {
     const TriangleMesh mesh = thin_plate(); // 1 mm, in 2 m
-    const auto octree = *build_proximity_octree(mesh);
-    const OctreeContactSurface surface(octree);
-    SlideRoom room;
+    const auto listed = *testing::listed_index(mesh);
+    const IndexContactSurface surface(listed);
+    SlideScratch scratch;
     for (const double side : {1.0, -1.0}) {
-        const auto free = find_free_place(surface, 0.02, Vec3(0.31, 0.12, side * 0.003), room);
+        const auto free = find_free_place(surface, 0.02, Vec3(0.31, 0.12, side * 0.003), scratch);
         ASSERT_TRUE(free);
         EXPECT_LT((*free - Vec3(0.31, 0.12, side * 0.0205)).norm(), 1e-6);
     }
     // Within the plate there is no room: beside it.
-    const auto free = find_free_place(surface, 0.02, Vec3(0.31, 0.12, 0.0001), room);
+    const auto free = find_free_place(surface, 0.02, Vec3(0.31, 0.12, 0.0001), scratch);
     ASSERT_TRUE(free);
     EXPECT_NEAR(std::abs(free->z()), 0.0205, 1e-6);
 }
@@ -76,17 +80,17 @@ TEST(FreePlace, in_a_crevice_it_is_at_the_mouth)
     const TriangleMesh mesh =
         mesh_of({Vec3(0, -5, 0), Vec3(0, 5, 0), Vec3(3 * s, 0, 3 * c), Vec3(-3 * s, 0, 3 * c)},
                 {{0, 1, 2}, {1, 0, 3}});
-    const auto octree = *build_proximity_octree(mesh);
-    const OctreeContactSurface surface(octree);
-    SlideRoom room;
+    const auto listed = *testing::listed_index(mesh);
+    const IndexContactSurface surface(listed);
+    SlideScratch scratch;
     const double radius = 0.05;
     const double lowest = radius / s; // where a sphere rests on both
-    const auto free = find_free_place(surface, radius, Vec3(0, 0, 0.12), room);
+    const auto free = find_free_place(surface, radius, Vec3(0, 0, 0.12), scratch);
     ASSERT_TRUE(free);
     EXPECT_LT((*free - Vec3(0, 0, lowest)).norm(), 1e-6);
     // Deeper than four radii there is none within reach.
-    EXPECT_FALSE(find_free_place(surface, 0.5, Vec3(0, 0, 0.001), room) &&
-                 !find_free_place(surface, 0.5, Vec3(0, 0, 0.12), room));
+    EXPECT_FALSE(find_free_place(surface, 0.5, Vec3(0, 0, 0.001), scratch) &&
+                 !find_free_place(surface, 0.5, Vec3(0, 0, 0.12), scratch));
 }
 
 /// Many plates, a little apart: nowhere is there room for a sphere of the size of the gaps.
@@ -107,8 +111,8 @@ TriangleMesh stack()
 TEST(Proxy, feels_nothing_where_it_has_no_room)
 {
     const TriangleMesh mesh = stack();
-    const auto octree = *build_proximity_octree(mesh);
-    const OctreeContactSurface surface(octree);
+    const auto listed = *testing::listed_index(mesh);
+    const IndexContactSurface surface(listed);
     Proxy proxy(surface, {.radius = 0.02});
     proxy.place(Vec3(0, 0, 0.003));
     EXPECT_FALSE(proxy.last().has_room);
@@ -116,7 +120,7 @@ TEST(Proxy, feels_nothing_where_it_has_no_room)
         const Vec3 device(0, 0, 0.003 + 1e-3 * tick);
         const ProxyTick& at = proxy.follow(device);
         EXPECT_EQ(at.hold, Hold::free);
-        EXPECT_EQ(at.held, device);
+        EXPECT_EQ(at.anchor, device);
         EXPECT_EQ(at.has_room, device.z() > 0.22) << device.z();
         if (!at.has_room) {
             EXPECT_TRUE(proxy.path().empty());
@@ -124,15 +128,15 @@ TEST(Proxy, feels_nothing_where_it_has_no_room)
     }
     // Out of it, it is held again.
     const ProxyTick& at = proxy.follow(Vec3(0, 0, 0.21));
-    EXPECT_NEAR(at.held.z(), 0.22, 1e-9);
+    EXPECT_NEAR(at.anchor.z(), 0.22, 1e-9);
 }
 
 TEST(Proxy, a_sphere_that_begins_in_a_corner_of_the_ship_is_not_stuck)
 {
     const TriangleMesh mesh = *sample_mesh("spaceship:1300");
     const Topology topology = *build_topology(mesh);
-    const auto octree = *build_proximity_octree(mesh, topology);
-    const OctreeContactSurface surface(octree);
+    const auto listed = *testing::listed_index(mesh);
+    const IndexContactSurface surface(listed);
     const WorkspaceMap map = fit_workspace(bounding_box(mesh), 0.1);
     for (const std::uint64_t seed : {1U, 2U, 3U}) {
         const auto script = HandScript::make("corner", mesh, topology, map, seed);
@@ -143,11 +147,12 @@ TEST(Proxy, a_sphere_that_begins_in_a_corner_of_the_ship_is_not_stuck)
         Vec3 last = Vec3::Zero();
         for (int tick = 0; tick < 700; ++tick) {
             const RenderTick& felt = renderer.tick(hand.state(), 1e-3);
-            ASSERT_TRUE(felt.proxy.has_room) << seed << ' ' << tick;
-            ASSERT_GE(distance_to(mesh, felt.proxy.proxy), renderer.proxy().radius() * (1 - 1e-6));
-            moved += felt.proxy.proxy != last ? 1 : 0;
-            touching += felt.proxy.hold != Hold::free ? 1 : 0;
-            last = felt.proxy.proxy;
+            ASSERT_TRUE(felt.has_room) << seed << ' ' << tick;
+            ASSERT_GE(distance_to(mesh, felt.proxy),
+                      parts_of(renderer).proxy().radius() * (1 - 1e-6));
+            moved += felt.proxy != last ? 1 : 0;
+            touching += felt.hold != Hold::free ? 1 : 0;
+            last = felt.proxy;
             hand.step(felt.force, script->target(1e-3 * tick));
         }
         EXPECT_GT(moved, 250) << seed; // the others it sticks

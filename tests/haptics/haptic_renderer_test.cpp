@@ -1,13 +1,16 @@
-#include "haptics/force/haptic_renderer.h"
+#include "proxima/haptic_renderer.h"
 
 #include "counted_allocations.h"
 #include "folder_test.h"
-#include "haptics/device/hand_script.h"
-#include "haptics/device/simulated_hand.h"
-#include "haptics/loop/quality_report.h"
+#include "haptics/force/surface_renderer.h"
 #include "haptics/loop/recording.h"
+#include "haptics/surface/contact_surface.h"
 #include "haptics/touch_meshes.h"
-#include "index/lists/build_proximity_octree.h"
+#include "index/listed_index.h"
+#include "lab/hand_script.h"
+#include "lab/quality_report.h"
+#include "lab/simulated_hand.h"
+#include "proxima/device.h"
 
 #include <gtest/gtest.h>
 
@@ -26,13 +29,13 @@ constexpr double tick_seconds = 1e-3;
 struct Scene {
     explicit Scene(TriangleMesh model)
         : mesh(std::move(model)), topology(*build_topology(mesh)),
-          octree(*build_proximity_octree(mesh, topology)), surface(octree),
+          listed(*testing::listed_index(mesh)), surface(listed),
           map(fit_workspace(bounding_box(mesh), 0.1))
     {}
     TriangleMesh mesh;
     Topology topology;
-    ProximityOctree octree;
-    OctreeContactSurface surface;
+    MeshIndex listed;
+    IndexContactSurface surface;
     WorkspaceMap map;
 };
 
@@ -66,18 +69,19 @@ Session run(const Scene& scene, std::string_view script, std::uint64_t seed, int
     Session session;
     session.recording.settings.map = scene.map;
     session.recording.settings.render = renderer.options();
-    session.recording.settings.mesh_fingerprint = scene.octree.mesh_fingerprint();
+    session.recording.settings.mesh_fingerprint = scene.listed.mesh_fingerprint();
     session.recording.ticks.reserve(static_cast<std::size_t>(ticks));
     const std::size_t allocations = testing::allocation_count();
     for (int tick = 0; tick < ticks; ++tick) {
         const DeviceState state = hand.state();
         const RenderTick& felt = renderer.tick(state, tick_seconds);
         session.recording.ticks.push_back(recorded(tick * tick_seconds, state, felt));
-        meter.add(felt, state.velocity, renderer.proxy().path());
+        meter.add(felt, state.velocity, renderer.path());
         hand.step(felt.force, path->target(tick * tick_seconds));
     }
     EXPECT_EQ(testing::allocation_count(), allocations);
-    EXPECT_EQ(renderer.passivity().softened_ticks(), 0U) << script; // a hand that is damped
+    EXPECT_EQ(parts_of(renderer).passivity().softened_ticks(), 0U)
+        << script; // a hand that is damped
     session.quality = meter.report();
     return session;
 }
@@ -143,7 +147,7 @@ TEST(HapticRenderer, closed_paths_against_analytic_walls_take_no_energy)
             const Vec3 p(0.006 * std::sin(angle), 0.003 * std::sin(2 * angle),
                          top + 0.005 * std::cos(angle));
             meter.add(renderer.tick(at(p), tick_seconds), (p - before) / tick_seconds,
-                      renderer.proxy().path());
+                      renderer.path());
             before = p;
         }
         const double depth = meter.report().max_depth;
@@ -167,18 +171,52 @@ TEST(HapticRenderer, sticks_within_the_friction_cone_and_slides_beyond)
     // Sideways: sticking until 0.4 of the depth, the force leaning with the device.
     for (double x = 0; x < 0.4 * depth; x += 1e-5) {
         const RenderTick& felt = renderer.tick(at(Vec3(x, 0, top - depth)), tick_seconds);
-        EXPECT_EQ(felt.proxy.hold, Hold::sticking);
+        EXPECT_EQ(felt.hold, Hold::sticking);
         EXPECT_NEAR(felt.force.x(), -500 * x, 1e-6);
         EXPECT_NEAR(felt.force.z(), 500 * depth, 1e-6);
     }
     for (double x = 0.45 * depth; x < 3 * depth; x += 1e-5) {
         const RenderTick& felt = renderer.tick(at(Vec3(x, 0, top - depth)), tick_seconds);
-        EXPECT_EQ(felt.proxy.hold, Hold::sliding);
+        EXPECT_EQ(felt.hold, Hold::sliding);
         EXPECT_NEAR(felt.force.x(), -0.3 * 500 * depth, 1e-6);
     }
     // Turning back, it holds still until it sticks the other way.
     const RenderTick& turned = renderer.tick(at(Vec3(2.8 * depth, 0, top - depth)), tick_seconds);
-    EXPECT_EQ(turned.proxy.hold, Hold::sticking);
+    EXPECT_EQ(turned.hold, Hold::sticking);
+}
+
+TEST(HapticRenderer, of_an_index_feels_like_its_surface)
+{
+    const Scene scene(*sample_mesh("torus:24x12"));
+    HapticRenderer of_surface(scene.surface, scene.map, omni());
+    HapticRenderer first(scene.listed, scene.map, omni());
+    HapticRenderer of_index = std::move(first);
+    const auto path = HandScript::make("stroke", scene.mesh, scene.topology, scene.map, 3);
+    SimulatedHand hand({}, path->target(0));
+    int corners = 0;
+    const std::size_t allocations = testing::allocation_count();
+    for (int tick = 0; tick < 4000; ++tick) {
+        const DeviceState state = hand.state();
+        const RenderTick& felt = of_index.tick(state, tick_seconds);
+        const RenderTick& same = of_surface.tick(state, tick_seconds);
+        ASSERT_EQ(felt.force, same.force) << tick;
+        ASSERT_EQ(felt.proxy, same.proxy) << tick;
+        ASSERT_EQ(felt.anchor, same.anchor) << tick;
+        ASSERT_EQ(&felt, &of_index.last());
+        // The tick has what the proxy answered.
+        const SlideResult& slide = parts_of(of_index).proxy_tick().slide;
+        ASSERT_EQ(felt.contact_count, slide.contact_count);
+        for (std::size_t i = 0; i < felt.contact_count; ++i) {
+            ASSERT_EQ(felt.contacts[i].position, slide.contacts[i].point);
+            ASSERT_EQ(felt.contacts[i].normal, slide.contacts[i].normal);
+            ASSERT_EQ(felt.contacts[i].triangle, slide.contacts[i].triangle);
+            ASSERT_EQ(felt.contacts[i].pressure, slide.contacts[i].pressure);
+        }
+        corners += felt.contact_count > 1 ? 1 : 0;
+        hand.step(felt.force, path->target(tick * tick_seconds));
+    }
+    EXPECT_EQ(testing::allocation_count(), allocations);
+    EXPECT_GT(corners, 10);
 }
 
 TEST(HapticRenderer, bad_input_never_reaches_the_force)
@@ -250,7 +288,7 @@ TEST_F(RecordingTest, replays_bit_for_bit)
     auto loaded = load_recording(path);
     ASSERT_TRUE(loaded) << describe(loaded.error());
     EXPECT_EQ(loaded->ticks, session.recording.ticks);
-    EXPECT_EQ(loaded->settings.mesh_fingerprint, scene.octree.mesh_fingerprint());
+    EXPECT_EQ(loaded->settings.mesh_fingerprint, scene.listed.mesh_fingerprint());
     EXPECT_EQ(loaded->settings.map.units_per_metre, scene.map.units_per_metre);
     EXPECT_EQ(loaded->settings.map.center, scene.map.center);
     EXPECT_EQ(loaded->settings.render.proxy_radius, 0.001);

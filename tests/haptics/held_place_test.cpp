@@ -1,6 +1,8 @@
 // The place that a spring pulls the device to: as steady as proxy and device are.
 #include "haptics/proxy/proxy.h"
+#include "haptics/surface/contact_surface.h"
 #include "haptics/touch_meshes.h"
+#include "proxima/haptic_renderer.h"
 
 #include <gtest/gtest.h>
 
@@ -38,7 +40,7 @@ HeldSteps follow(const TriangleMesh& mesh, const ProxyOptions& options, std::uin
     for (int tick = 0; tick < ticks; ++tick) {
         const Vec3 next = path.next();
         const ProxyTick& now = proxy.follow(next);
-        const Vec3 stretch = now.hold == Hold::free ? Vec3(Vec3::Zero()) : Vec3(now.held - next);
+        const Vec3 stretch = now.hold == Hold::free ? Vec3(Vec3::Zero()) : Vec3(now.anchor - next);
         const double way = (next - device).norm() + (now.proxy - last.proxy).norm();
         if (placed && last.has_room && now.has_room) {
             const double beyond = (stretch - last_stretch).norm() - way;
@@ -98,12 +100,12 @@ TEST(HeldPlace, nothing_holds_a_proxy_on_a_free_way)
         const ProxyTick& now = proxy.follow(device);
         if (now.hold == Hold::free) {
             EXPECT_EQ(now.proxy, device);
-            EXPECT_EQ(now.held, device);
+            EXPECT_EQ(now.anchor, device);
             continue;
         }
         ++late;
         EXPECT_EQ(now.hold, Hold::sliding);
-        EXPECT_EQ(now.held, now.proxy);
+        EXPECT_EQ(now.anchor, now.proxy);
         EXPECT_LT((device - now.proxy).norm(), left);
         left = (device - now.proxy).norm();
     }

@@ -5,8 +5,9 @@
 #include "haptics/patch_triangles.h"
 #include "haptics/proxy/contact_cache.h"
 #include "haptics/surface/contact_patch.h"
+#include "haptics/surface/contact_surface.h"
 #include "haptics/touch_meshes.h"
-#include "index/lists/build_proximity_octree.h"
+#include "index/listed_index.h"
 
 #include <gtest/gtest.h>
 
@@ -78,12 +79,12 @@ std::size_t blocks_within(const std::vector<double>& gaps, double distance)
         std::ranges::count_if(gaps, [&](double gap) { return gap <= distance; }));
 }
 
-/// A mesh, its octree's surface, and how far every triangle and every block's box are from a place.
-/// Of the octree only the tree of boxes counts.
+/// A mesh, its index's surface, and how far every triangle and every block's box are from a place.
+/// Of the index only the tree of boxes counts.
 class Everything {
 public:
     explicit Everything(const TriangleMesh& mesh)
-        : mesh_(mesh), octree_(*build_proximity_octree(mesh, {.max_depth = 1})), surface_(octree_)
+        : mesh_(mesh), index_(*testing::listed_index(mesh, {.max_depth = 1})), surface_(index_)
     {
         std::vector<std::uint32_t> ranks(mesh.triangle_count());
         std::iota(ranks.begin(), ranks.end(), 0U);
@@ -95,7 +96,7 @@ public:
                 boxes_.back().extend(corner);
         }
     }
-    [[nodiscard]] const OctreeContactSurface& surface() const { return surface_; }
+    [[nodiscard]] const IndexContactSurface& surface() const { return surface_; }
     [[nodiscard]] const TriangleMesh& mesh() const { return mesh_; }
     [[nodiscard]] double size() const { return surface_.scale().extent; }
 
@@ -113,8 +114,8 @@ public:
 
 private:
     const TriangleMesh& mesh_;
-    ProximityOctree octree_;
-    OctreeContactSurface surface_;
+    MeshIndex index_;
+    IndexContactSurface surface_;
     std::vector<Box> boxes_;
 };
 

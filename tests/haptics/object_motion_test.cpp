@@ -1,4 +1,4 @@
-#include "haptics/scene/object_motion.h"
+#include "haptics/scene/object_course.h"
 
 #include <gtest/gtest.h>
 

@@ -6,8 +6,10 @@
 #include "haptics/loop/collision_loop.h"
 #include "haptics/patch_triangles.h"
 #include "haptics/proxy/proxy.h"
+#include "haptics/surface/contact_surface.h"
 #include "haptics/touch_meshes.h"
-#include "index/lists/build_proximity_octree.h"
+#include "index/listed_index.h"
+#include "proxima/haptic_renderer.h"
 
 #include <gtest/gtest.h>
 
@@ -60,10 +62,10 @@ private:
 void feel_both(const TouchMesh& named, int rings, double radius, std::uint32_t seed)
 {
     const auto topology = *build_topology(named.mesh);
-    const auto octree = *build_proximity_octree(named.mesh, topology);
-    const OctreeContactSurface whole(octree);
+    const auto listed = *testing::listed_index(named.mesh);
+    const IndexContactSurface whole(listed);
     const double size = whole.scale().extent;
-    RingPatches made(octree, named.mesh, topology);
+    RingPatches made(listed, named.mesh, topology);
     PatchContactSurface grouped(whole.scale());
     EveryTriangle plain(whole.scale());
     const ProxyOptions options = {
@@ -92,7 +94,7 @@ void feel_both(const TouchMesh& named, int rings, double radius, std::uint32_t s
         const auto what = named.name + ", rings " + std::to_string(rings) + ", seed " +
                           std::to_string(seed) + ", tick " + std::to_string(tick);
         ASSERT_EQ(is.proxy, should.proxy) << what;
-        ASSERT_EQ(is.held, should.held) << what;
+        ASSERT_EQ(is.anchor, should.anchor) << what;
         ASSERT_EQ(is.moves, should.moves) << what;
         ASSERT_EQ(is.hold, should.hold) << what;
     }
@@ -171,9 +173,9 @@ TEST(PatchGroups, are_made_and_asked_without_allocation)
 {
     const TriangleMesh mesh = *sample_mesh("sphere:60x60");
     const auto topology = *build_topology(mesh);
-    const auto octree = *build_proximity_octree(mesh, topology);
-    const OctreeContactSurface whole(octree);
-    RingPatches rings(octree, mesh, topology);
+    const auto listed = *testing::listed_index(mesh);
+    const IndexContactSurface whole(listed);
+    RingPatches rings(listed, mesh, topology);
     PatchExchange exchange(mesh.triangle_count());
     PatchContactSurface surface(whole.scale());
     Proxy proxy(surface, {.static_friction = 0.4, .dynamic_friction = 0.3});

@@ -5,12 +5,17 @@
 #include "counted_allocations.h"
 #include "folder_test.h"
 #include "geometry/closest_point.h"
-#include "haptics/loop/quality_report.h"
+#include "haptics/force/surface_renderer.h"
 #include "haptics/loop/recording.h"
 #include "haptics/spring_alone.h"
+#include "haptics/surface/contact_surface.h"
 #include "haptics/touch_meshes.h"
-#include "index/lists/build_proximity_octree.h"
+#include "index/listed_index.h"
+#include "lab/quality_report.h"
 #include "octree/winding_number.h"
+#include "proxima/device.h"
+#include "proxima/haptic_renderer.h"
+#include "query/closest/sign_parts.h"
 
 #include <gtest/gtest.h>
 
@@ -30,15 +35,15 @@ constexpr double stiffness = 500;
 struct Inside {
     explicit Inside(TriangleMesh model)
         : mesh(std::move(model)), topology(*build_topology(mesh)),
-          octree(*build_proximity_octree(mesh, topology)), surface(octree),
+          listed(*testing::listed_index(mesh)), surface(listed),
           sign(*build_surface_sign(mesh, topology))
     {}
-    [[nodiscard]] PenaltySurface penalty() const { return {&octree, &sign}; }
+    [[nodiscard]] PenaltySurface penalty() const { return {&listed, &sign}; }
 
     TriangleMesh mesh;
     Topology topology;
-    ProximityOctree octree;
-    OctreeContactSurface surface;
+    MeshIndex listed;
+    IndexContactSurface surface;
     SurfaceSign sign;
     WorkspaceMap map = {20, Vec3::Zero()}; ///< a cube of 2 is 0.1 m wide on the device
 };
@@ -54,7 +59,8 @@ HapticRenderer renderer_of(const Inside& model, ForceLaw law)
 {
     const DeviceLimits strong = {.name = "strong", .max_force = 1e3, .max_stiffness = 1e4};
     if (law == ForceLaw::proxy) return {model.surface, model.map, strong, options_of(law)};
-    return {model.surface, model.penalty(), model.map, strong, options_of(law)};
+    return make_penalty_renderer(model.surface, model.penalty(), model.map, strong,
+                                 options_of(law));
 }
 
 DeviceState at(const Vec3& p)
@@ -124,7 +130,7 @@ TEST(PenaltyProbe, pushes_to_the_nearest_place_of_all_triangles_inside_and_nowhe
             const Vec3 place = p / model.map.units_per_metre;
             const RenderTick& tick = renderer.tick(at(place), tick_seconds);
             inside += is_inside ? 1U : 0U;
-            EXPECT_EQ(tick.proxy.hold != Hold::free, is_inside) << name << ' ' << i;
+            EXPECT_EQ(tick.hold != Hold::free, is_inside) << name << ' ' << i;
             const double wanted = is_inside ? stiffness * least / model.map.units_per_metre : 0;
             EXPECT_NEAR(tick.force.norm(), wanted, 1e-9) << name << ' ' << i;
             if (is_inside) {
@@ -182,7 +188,7 @@ TEST(PenaltyProbe, does_not_allocate)
     std::uint64_t touching = 0;
     for (int i = 0; i < 1000; ++i) {
         const Vec3 p(0.1 * std::sin(0.01 * i), 0.1 * std::sin(0.017 * i), 0.002);
-        touching += renderer.tick(at(p), tick_seconds).proxy.hold != Hold::free ? 1U : 0U;
+        touching += renderer.tick(at(p), tick_seconds).hold != Hold::free ? 1U : 0U;
     }
     EXPECT_EQ(testing::allocation_count(), before);
     EXPECT_GT(touching, 50U);

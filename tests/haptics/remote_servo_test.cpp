@@ -1,6 +1,8 @@
 #include "haptics/device/remote_servo.h"
 
 #include "haptics/device_session.h"
+#include "proxima/device.h"
+#include "proxima/haptic_renderer.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,16 @@
 // What a scene keeps of its objects from tick to tick changes no answer: sessions of octrees, whose
 // surfaces are kept, beside sessions of bodies that look at every triangle in every question.
 #include "counted_allocations.h"
-#include "haptics/force/haptic_renderer.h"
+#include "haptics/force/surface_renderer.h"
 #include "haptics/scene/object_cache.h"
+#include "haptics/scene/object_course.h"
+#include "haptics/scene/touch_access.h"
 #include "haptics/scenes_to_touch.h"
-#include "index/lists/build_proximity_octree.h"
+#include "haptics/surface/contact_surface.h"
+#include "index/listed_index.h"
+#include "proxima/device.h"
+#include "proxima/haptic_renderer.h"
+#include "proxima/touch_scene.h"
 
 #include <gtest/gtest.h>
 
@@ -103,11 +109,9 @@ private:
     {
         return {session_.middle - Vec3::Constant(20), session_.middle + Vec3::Constant(20)};
     }
-    static std::unique_ptr<const TouchBody> every_triangle_of(const std::string& name)
+    static TouchBody every_triangle_of(const std::string& name)
     {
-        TouchBodyOptions options;
-        options.search = BodySearch::every_triangle;
-        return body_of(named_mesh(name), options);
+        return body_of(named_mesh(name), {}, BodySearch::every_triangle);
     }
     RigidTransform any_pose()
     {
@@ -139,7 +143,7 @@ public:
             object_ = scenes.random()() % paths_.size();
         }
         --left_;
-        const RigidTransform pose = scenes.slow().object(scenes.objects()[object_]).now;
+        const RigidTransform pose = scenes.slow().pose(scenes.objects()[object_]);
         at_ += 0.3 * (pose(paths_[object_].next()) - at_);
         return at_;
     }
@@ -221,22 +225,23 @@ TEST(SceneCache, every_tick_is_that_of_a_scene_that_keeps_nothing)
             const RenderTick& is = fast.tick(state, tick_seconds);
             ASSERT_EQ(allocation_count(), allocations);
             const RenderTick& should = slow.tick(state, tick_seconds);
-            ASSERT_EQ(is.proxy.proxy, should.proxy.proxy);
-            ASSERT_EQ(is.proxy.held, should.proxy.held);
-            ASSERT_EQ(is.proxy.slide.center, should.proxy.slide.center);
-            ASSERT_EQ(is.proxy.hold, should.proxy.hold);
-            ASSERT_EQ(is.proxy.moves, should.proxy.moves);
-            ASSERT_EQ(is.proxy.has_room, should.proxy.has_room);
+            ASSERT_EQ(is.proxy, should.proxy);
+            ASSERT_EQ(is.anchor, should.anchor);
+            ASSERT_EQ(parts_of(fast).proxy_tick().slide.center,
+                      parts_of(slow).proxy_tick().slide.center);
+            ASSERT_EQ(is.hold, should.hold);
+            ASSERT_EQ(is.moves, should.moves);
+            ASSERT_EQ(is.has_room, should.has_room);
             ASSERT_EQ(is.squeezed, should.squeezed);
             ASSERT_EQ(is.force, should.force);
-            touching += is.proxy.hold != Hold::free ? 1 : 0;
-            moving += scenes.fast().object(scenes.objects()[0]).moved ? 1 : 0;
+            touching += is.hold != Hold::free ? 1 : 0;
+            moving += moving_surface(scenes.fast()).object(scenes.objects()[0]).moved ? 1 : 0;
         }
         EXPECT_GT(touching, ticks / 10);
         EXPECT_GT(moving, ticks / 50);
-        const ContactWork kept = scenes.fast().work();
+        const ContactWork kept = moving_surface(scenes.fast()).work();
         EXPECT_GT(kept.scans, kept.gathers); // it was worth keeping
-        EXPECT_EQ(scenes.slow().work().scans, 0U);
+        EXPECT_EQ(moving_surface(scenes.slow()).work().scans, 0U);
     }
 }
 
@@ -252,7 +257,7 @@ EveryDistance every_distance(const TouchScene& scene, const Vec3& p, const Vec3&
     EveryDistance all;
     constexpr int steps = 8;
     for (std::uint32_t i = 0; i < scene.object_count(); ++i) {
-        const SceneObject object = scene.object(ObjectId{i});
+        const SceneObject object = moving_surface(scene).object(ObjectId{i});
         const TriangleMesh& mesh = object.body->mesh();
         for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
             const Triangle triangle = object.now(mesh.triangle(TriangleId{id}));
@@ -298,7 +303,7 @@ TEST(SceneCache, nothing_near_is_missing_while_objects_move)
             const double distance = 0.05 * std::abs(scenes.number());
             const Vec3 way = question % 2 == 0 ? Vec3(Vec3::Zero()) : 0.1 * scenes.vector();
             const EveryDistance all = every_distance(scene, p, way, distance);
-            const std::size_t count = scene.collect_along(p, way, distance, buffer);
+            const std::size_t count = moving_surface(scene).collect_along(p, way, distance, buffer);
             ASSERT_LE(count, buffer.size());
             std::set<TriangleId> given;
             for (const ContactTriangle& triangle : std::span(buffer).first(count))
@@ -320,8 +325,8 @@ TEST(SceneCache, knows_how_far_objects_are_that_move)
         for (int question = 0; question < 3; ++question) {
             const Vec3 p = at + 0.1 * scenes.vector();
             const double wanted = 0.2 * std::abs(scenes.number());
-            const double exact = scene.clearance(p);
-            const double said = scene.clearance_beyond(p, wanted);
+            const double exact = moving_surface(scene).clearance(p);
+            const double said = moving_surface(scene).clearance_beyond(p, wanted);
             ASSERT_LE(said, exact);
             ASSERT_EQ(said > wanted, exact > wanted);
             if (said <= wanted) {
@@ -355,15 +360,15 @@ TEST(SceneCache, no_way_that_is_said_to_be_clear_comes_near)
     int not_clear = 0;
     ask_in_every_session(500, 40, [&](TwinScenes& scenes, const Vec3& at) {
         const TouchScene& scene = scenes.fast();
-        (void)scene.clearance_beyond(at, 0.1);
+        (void)moving_surface(scene).clearance_beyond(at, 0.1);
         for (int question = 0; question < 4; ++question) {
             const Vec3 from = at + 0.1 * scenes.vector();
             const Vec3 to = from + 0.05 * scenes.vector();
             const double distance = 0.05 * std::abs(scenes.number());
             for (const ObjectId id : scenes.objects()) {
-                const bool said = scene.keeps_clear(id, from, to, distance);
+                const bool said = moving_surface(scene).keeps_clear(id, from, to, distance);
                 (said ? clear : not_clear) += 1;
-                if (said) expect_clear(scene.object(id), from, to, distance);
+                if (said) expect_clear(moving_surface(scene).object(id), from, to, distance);
             }
         }
     });
@@ -392,13 +397,13 @@ TEST(SceneCache, a_body_that_is_exchanged_is_asked_anew)
                 bool is_near = false;
                 switch ((question + round / 2) % 3) {
                 case 0:
-                    is_near = !(scene.clearance_beyond(p, 0.2) > 0.2);
+                    is_near = !(moving_surface(scene).clearance_beyond(p, 0.2) > 0.2);
                     break;
                 case 1:
-                    is_near = scene.collect(p, 0.2, buffer) > 0;
+                    is_near = moving_surface(scene).collect(p, 0.2, buffer) > 0;
                     break;
                 default:
-                    is_near = !scene.keeps_clear(*object, p, p, 0.2);
+                    is_near = !moving_surface(scene).keeps_clear(*object, p, p, 0.2);
                 }
                 EXPECT_EQ(is_near, is_larger) << round << ' ' << tick << ' ' << question;
             }
@@ -413,8 +418,8 @@ TEST(SceneCache, a_body_that_is_exchanged_is_asked_anew)
 TEST(ObjectCache, two_places_in_turn_are_both_kept)
 {
     const TriangleMesh mesh = *sample_mesh("torus:100x50");
-    const auto octree = build_proximity_octree(mesh);
-    const OctreeContactSurface surface(*octree);
+    const auto listed = testing::listed_index(mesh);
+    const IndexContactSurface surface(*listed);
     const double edge = surface.scale().mean_edge;
     ObjectCache cache;
     std::vector<ContactTriangle> buffer(4096);

@@ -1,8 +1,11 @@
 // Objects that move and change while they are touched.
 #include "counted_allocations.h"
-#include "haptics/force/haptic_renderer.h"
-#include "haptics/loop/servo_loop.h"
+#include "haptics/force/surface_renderer.h"
+#include "haptics/scene/touch_access.h"
 #include "haptics/scenes_to_touch.h"
+#include "proxima/device.h"
+#include "proxima/haptic_renderer.h"
+#include "proxima/touch_scene.h"
 
 #include <gtest/gtest.h>
 
@@ -55,7 +58,7 @@ DeviceState at(const Vec3& p, const Vec3& velocity = Vec3::Zero())
 /// with the objects' motion first, then among objects that stand.
 bool passed(const TouchScene& scene, const HapticRenderer& renderer, const Vec3& before)
 {
-    const auto path = renderer.proxy().path();
+    const auto path = renderer.path();
     if (passes_while_moving(scene, before, path.front())) return true;
     for (std::size_t i = 1; i < path.size(); ++i) {
         if (passes_standing(scene, path[i - 1], path[i])) return true;
@@ -80,9 +83,9 @@ TEST(SceneRenderer, a_thin_plate_that_flies_at_the_hand_does_not_pass)
             for (int tick = 0; tick < ticks; ++tick) {
                 const RenderTick& felt = renderer.tick(at(hand), tick_seconds);
                 ASSERT_FALSE(tick > 0 && passed(scene, renderer, before)) << speed << ' ' << tick;
-                before = felt.proxy.proxy;
+                before = felt.proxy;
                 ASSERT_FALSE(felt.squeezed);
-                const double below = scene.object(*plate).now.translation.z() - 0.0005 - radius;
+                const double below = scene.pose(*plate).translation.z() - 0.0005 - radius;
                 const double expected = std::min(below, 0.0);
                 ASSERT_NEAR(felt.spring.z(), 500 * expected, 1e-6) << speed << ' ' << tick;
                 ASSERT_LT(felt.spring.head<2>().norm(), 1e-6);
@@ -111,10 +114,10 @@ TEST(SceneRenderer, a_blade_that_turns_takes_the_proxy_along)
             ASSERT_FALSE(tick > 0 && passed(scene, renderer, before)) << radius << ' ' << tick;
             ASSERT_FALSE(felt.squeezed) << tick;
             ASSERT_TRUE(felt.force.allFinite());
-            ASSERT_GE(distance_of(scene, felt.proxy.proxy), renderer.proxy().radius() - 1e-10)
+            ASSERT_GE(distance_of(scene, felt.proxy), parts_of(renderer).proxy().radius() - 1e-10)
                 << tick;
-            before = felt.proxy.proxy;
-            touching += felt.proxy.hold != Hold::free ? 1 : 0;
+            before = felt.proxy;
+            touching += felt.hold != Hold::free ? 1 : 0;
         }
         EXPECT_GT(touching, 30) << radius; // until it slips off the blade's end
     }
@@ -152,21 +155,21 @@ TEST(SceneRenderer, nothing_is_passed_whatever_moves)
                     ASSERT_TRUE(scene.move(object, {.pose = posed(3 * number(random), axis, to),
                                                     .seconds = 0.03 * std::abs(number(random))}));
                 }
-                const bool had_room = tick > 0 && renderer.proxy().last().has_room;
+                const bool had_room = tick > 0 && parts_of(renderer).proxy().last().has_room;
                 const RenderTick& felt = renderer.tick(at(path.next()), tick_seconds);
                 ASSERT_TRUE(felt.force.allFinite()) << where;
                 squeezed += felt.squeezed ? 1 : 0;
-                const bool has_room = felt.proxy.has_room;
+                const bool has_room = felt.has_room;
                 if (had_room && has_room && !felt.squeezed) {
                     ASSERT_FALSE(passed(scene, renderer, before)) << where;
                 }
                 if (has_room) {
-                    ASSERT_GE(distance_of(scene, felt.proxy.proxy),
-                              renderer.proxy().radius() - 2e-10)
+                    ASSERT_GE(distance_of(scene, felt.proxy),
+                              parts_of(renderer).proxy().radius() - 2e-10)
                         << where;
                 }
-                before = felt.proxy.proxy;
-                touching += felt.proxy.hold != Hold::free ? 1 : 0;
+                before = felt.proxy;
+                touching += felt.hold != Hold::free ? 1 : 0;
             }
             EXPECT_GT(touching, 80) << seed;
             EXPECT_LT(squeezed, 100) << seed;
@@ -204,9 +207,9 @@ TEST(SceneRenderer, touch_is_the_same_in_a_moving_train)
                 Eigen::AngleAxisd(spin * tick * tick_seconds, Vec3::UnitZ()).toRotationMatrix() *
                 begin.rotation;
             const RenderTick& is = renderer.tick(at(pose(hand)), tick_seconds);
-            touching += should.proxy.hold != Hold::free ? 1 : 0;
+            touching += should.hold != Hold::free ? 1 : 0;
             const Vec3 back = begin.rotation * (pose.rotation.transpose() * is.spring);
-            if (is.proxy.hold != should.proxy.hold) {
+            if (is.hold != should.hold) {
                 ADD_FAILURE() << spin << ' ' << tick;
                 break;
             }
@@ -230,13 +233,13 @@ TEST(SceneRenderer, friction_takes_the_proxy_along_with_the_surface)
     int sticking = 0;
     for (int tick = 0; tick < 200; ++tick) {
         const RenderTick& felt = renderer.tick(at(hand), tick_seconds);
-        const double lag = felt.proxy.proxy.x() - hand.x();
-        if (felt.proxy.hold == Hold::sticking && tick > 0) {
+        const double lag = felt.proxy.x() - hand.x();
+        if (felt.hold == Hold::sticking && tick > 0) {
             EXPECT_NEAR(lag - last_x, speed * tick_seconds, 1e-12);
             ++sticking;
         }
         EXPECT_LT(lag, 0.5 * 0.01 + 1e-9);
-        EXPECT_NEAR(felt.carrying.x(), speed, 1e-9);
+        EXPECT_NEAR(felt.surface_velocity.x(), speed, 1e-9);
         EXPECT_NEAR(felt.spring.z(), 500 * 0.01, 1e-5);
         last_x = lag;
     }
@@ -299,7 +302,7 @@ TEST(SceneRenderer, bodies_are_exchanged_without_a_spike)
     RenderOptions options;
     options.static_friction = options.dynamic_friction = 0; // its slips are steps, too
     HapticRenderer renderer(scene, same_unit, omni, options);
-    std::vector<std::unique_ptr<const TouchBody>> bodies;
+    std::vector<TouchBody> bodies;
     bodies.push_back(sphere(0.05, "sphere:30x30"));
     bodies.push_back(sphere(0.06, "sphere:30x30"));
     bodies.push_back(sphere(0.045, "icosphere:2"));
@@ -320,9 +323,10 @@ TEST(SceneRenderer, bodies_are_exchanged_without_a_spike)
         ASSERT_EQ(allocation_count(), allocations);
         ASSERT_TRUE(felt.force.allFinite());
         ASSERT_LE(felt.force.norm(), omni.max_force);
-        ASSERT_TRUE(felt.proxy.has_room) << tick;
+        ASSERT_TRUE(felt.has_room) << tick;
         // Outside of every body, also of those that swallowed it.
-        ASSERT_LT((scene.nearest_exit(felt.proxy.proxy) - felt.proxy.proxy).norm(), 1e-12) << tick;
+        ASSERT_LT((moving_surface(scene).nearest_exit(felt.proxy) - felt.proxy).norm(), 1e-12)
+            << tick;
         largest_step = std::max(largest_step, (felt.force - last).norm());
         largest = std::max(largest, felt.force.norm());
         last = felt.force;
@@ -359,17 +363,17 @@ TEST(SceneRenderer, a_press_leaves_nothing_to_feel_until_it_opens)
         }
     };
     run(Vec3::Zero(), 10);
-    EXPECT_TRUE(renderer.last().proxy.has_room);
+    EXPECT_TRUE(renderer.last().has_room);
     close_to(-0.1); // into each other
     run(Vec3::Zero(), 300);
-    EXPECT_FALSE(renderer.last().proxy.has_room);
+    EXPECT_FALSE(renderer.last().has_room);
     EXPECT_LT(last.norm(), 1e-9);
     close_to(0.1);
     run(Vec3::Zero(), 300);
-    EXPECT_TRUE(renderer.last().proxy.has_room);
+    EXPECT_TRUE(renderer.last().has_room);
     for (int step = 1; step <= 425; ++step) run(Vec3(0, 0, -0.0002 * step), 1);
     run(Vec3(0, 0, -0.085), 100);
-    EXPECT_NE(renderer.last().proxy.hold, Hold::free);
+    EXPECT_NE(renderer.last().hold, Hold::free);
     EXPECT_NEAR(last.z(), 500 * 0.005, 1e-6);
 }
 
@@ -400,7 +404,7 @@ TEST(SceneRenderer, another_thread_moves_and_exchanges)
     int touching = 0;
     const ServoStatistics seen = run_servo_loop({.ticks = 400}, [&](std::uint64_t) noexcept {
         const RenderTick& felt = renderer.tick(at(path.next()), tick_seconds);
-        touching += felt.proxy.hold != Hold::free ? 1 : 0;
+        touching += felt.hold != Hold::free ? 1 : 0;
         return felt.force.allFinite() ? Flow::proceed : Flow::stop;
     });
     ended.store(true);

@@ -4,8 +4,10 @@
 #include "geometry/closest_point.h"
 #include "geometry/exact_predicates.h"
 #include "geometry/triangle_contact.h"
-#include "haptics/scene/touch_scene.h"
+#include "haptics/scene/object_course.h"
+#include "haptics/scene/touch_access.h"
 #include "haptics/touch_meshes.h"
+#include "proxima/touch_scene.h"
 
 #include <Eigen/Geometry>
 
@@ -29,10 +31,10 @@ inline RigidTransform at_place(const Vec3& to)
     return {Mat3::Identity(), to};
 }
 
-inline std::unique_ptr<const TouchBody> body_of(TriangleMesh mesh,
-                                                const TouchBodyOptions& options = {})
+inline TouchBody body_of(TriangleMesh mesh, const TouchBodyOptions& options = {},
+                         BodySearch search = BodySearch::index)
 {
-    return std::move(*build_touch_body(std::move(mesh), options));
+    return TouchAccess::wrap(std::move(*build_contact_body(std::move(mesh), options, search)));
 }
 
 /// A box between -half and half.
@@ -58,7 +60,7 @@ inline bool passes_object(const SceneObject& object, const Vec3& from, const Vec
 inline bool passes_while_moving(const TouchScene& scene, const Vec3& from, const Vec3& to)
 {
     for (std::uint32_t i = 0; i < scene.object_count(); ++i) {
-        const SceneObject object = scene.object(ObjectId{i});
+        const SceneObject object = moving_surface(scene).object(ObjectId{i});
         if (passes_object(object, seen_from(object.before, from), seen_from(object.now, to)))
             return true;
     }
@@ -69,7 +71,7 @@ inline bool passes_while_moving(const TouchScene& scene, const Vec3& from, const
 inline bool passes_standing(const TouchScene& scene, const Vec3& from, const Vec3& to)
 {
     for (std::uint32_t i = 0; i < scene.object_count(); ++i) {
-        const SceneObject object = scene.object(ObjectId{i});
+        const SceneObject object = moving_surface(scene).object(ObjectId{i});
         if (passes_object(object, seen_from(object.now, from), seen_from(object.now, to)))
             return true;
     }
@@ -81,7 +83,7 @@ inline double distance_of(const TouchScene& scene, const Vec3& p)
 {
     double least = std::numeric_limits<double>::infinity();
     for (std::uint32_t i = 0; i < scene.object_count(); ++i) {
-        const SceneObject object = scene.object(ObjectId{i});
+        const SceneObject object = moving_surface(scene).object(ObjectId{i});
         const TriangleMesh& mesh = object.body->mesh();
         const Vec3 local = seen_from(object.now, p);
         for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {

@@ -1,10 +1,13 @@
 // Objects that move by scripts, and what a session says of them.
 #include "counted_allocations.h"
-#include "haptics/force/haptic_renderer.h"
-#include "haptics/loop/quality_report.h"
+#include "haptics/force/surface_renderer.h"
 #include "haptics/loop/recording.h"
 #include "haptics/scene/scripted_scene.h"
 #include "haptics/scenes_to_touch.h"
+#include "lab/quality_report.h"
+#include "proxima/device.h"
+#include "proxima/haptic_renderer.h"
+#include "proxima/touch_scene.h"
 
 #include <gtest/gtest.h>
 
@@ -91,7 +94,7 @@ TEST(ScriptedScene, no_object_leaves_its_reach)
     const TriangleMesh mesh =
         moved(*sample_mesh("torus:12x8"), [](const Vec3& p) { return Vec3(p + Vec3(9, 0, 0)); });
     for (const ObjectScript& script : some_scripts()) {
-        std::vector<std::unique_ptr<const TouchBody>> bodies;
+        std::vector<TouchBody> bodies;
         bodies.push_back(body_of(mesh));
         const std::vector<ScriptedObject> objects = {object_at(begin, script)};
         const auto scripted = ScriptedScene::make(std::move(bodies), objects);
@@ -103,7 +106,7 @@ TEST(ScriptedScene, no_object_leaves_its_reach)
         for (std::uint64_t tick = 0; tick < 1500; ++tick) {
             (*scripted)->say(tick, tick_seconds);
             (void)scene.advance(tick_seconds);
-            const RigidTransform& now = scene.object(ObjectId{0}).now;
+            const RigidTransform now = scene.pose(ObjectId{0});
             for (const Vec3& p : mesh.positions()) {
                 const Vec3 at = now(p);
                 ASSERT_TRUE((at.array() >= reach.lower.array() - margin).all() &&
@@ -122,15 +125,15 @@ TEST(ScriptedScene, no_object_leaves_its_reach)
     }
 }
 
-std::unique_ptr<ScriptedScene> moving_scene(BodySearch search = BodySearch::octree)
+std::unique_ptr<ScriptedScene> moving_scene(BodySearch search = BodySearch::index)
 {
-    std::vector<std::unique_ptr<const TouchBody>> bodies;
+    std::vector<TouchBody> bodies;
     std::vector<ScriptedObject> objects;
     const std::vector<ObjectScript> scripts = some_scripts();
-    const TouchBodyOptions soft = {.material = SurfaceMaterial{.stiffness = 250}, .search = search};
-    bodies.push_back(body_of(*sample_mesh("torus:24x12"), soft));
-    bodies.push_back(body_of(*sample_mesh("cube"), {.material = {}, .search = search}));
-    bodies.push_back(body_of(thin_plate(), {.material = {}, .search = search}));
+    const TouchBodyOptions soft = {.material = SurfaceMaterial{.stiffness = 250}};
+    bodies.push_back(body_of(*sample_mesh("torus:24x12"), soft, search));
+    bodies.push_back(body_of(*sample_mesh("cube"), {}, search));
+    bodies.push_back(body_of(thin_plate(), {}, search));
     objects.push_back(object_at({}, scripts[3], soft.material));
     objects.push_back(object_at(at_place(Vec3(2.2, 0, 0)), scripts[1]));
     objects.push_back(object_at(at_place(Vec3(0, 0, 1)), scripts[4]));
@@ -168,7 +171,7 @@ std::vector<RecordedTick> feel(ScriptedScene& scripted, const RenderOptions& opt
         const std::size_t allocations = allocation_count();
         scripted.say(tick, tick_seconds);
         const RenderTick& felt = renderer.tick(state, tick_seconds);
-        meter.add(felt, state.velocity, renderer.proxy().path());
+        meter.add(felt, state.velocity, renderer.path());
         EXPECT_EQ(allocation_count(), allocations);
         ticks.push_back(recorded(static_cast<double>(tick) * tick_seconds, state, felt));
     }
@@ -201,7 +204,7 @@ TEST(ScriptedScene, feels_the_same_again_and_by_every_triangle)
 TEST(QualityMeter, counts_what_is_passed_while_objects_move)
 {
     // A renderer that knows nothing of the scene's motion: the plate comes down through its proxy.
-    std::vector<std::unique_ptr<const TouchBody>> bodies;
+    std::vector<TouchBody> bodies;
     bodies.push_back(body_of(thin_plate()));
     const ObjectScript down = {
         .kind = ObjectMotionKind::swing, .along = Vec3(0, 0, -0.2), .seconds = 0.4};
@@ -209,8 +212,8 @@ TEST(QualityMeter, counts_what_is_passed_while_objects_move)
     const auto scripted = std::move(*ScriptedScene::make(std::move(bodies), objects));
     QualityMeter meter(scripted->scene(), WorkspaceMap{});
     RenderTick still;
-    still.proxy.proxy = Vec3(0.1, 0.1, 0);
-    const std::array<Vec3, 1> path = {still.proxy.proxy};
+    still.proxy = Vec3(0.1, 0.1, 0);
+    const std::array<Vec3, 1> path = {still.proxy};
     for (std::uint64_t tick = 0; tick < 200; ++tick) {
         scripted->say(tick, tick_seconds);
         (void)scripted->scene().advance(tick_seconds);

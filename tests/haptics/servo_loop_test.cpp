@@ -1,4 +1,4 @@
-#include "haptics/loop/servo_loop.h"
+#include "proxima/device.h"
 
 #include "counted_allocations.h"
 

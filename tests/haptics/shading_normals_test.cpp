@@ -1,11 +1,16 @@
 #include "haptics/surface/shading_normals.h"
 
-#include "haptics/device/hand_script.h"
-#include "haptics/device/simulated_hand.h"
-#include "haptics/force/haptic_renderer.h"
-#include "haptics/loop/quality_report.h"
+#include "haptics/force/surface_renderer.h"
+#include "haptics/proxy/proxy.h"
 #include "haptics/scenes_to_touch.h"
-#include "index/lists/build_proximity_octree.h"
+#include "haptics/surface/contact_surface.h"
+#include "index/listed_index.h"
+#include "lab/hand_script.h"
+#include "lab/quality_report.h"
+#include "lab/simulated_hand.h"
+#include "proxima/device.h"
+#include "proxima/haptic_renderer.h"
+#include "proxima/touch_scene.h"
 
 #include <gtest/gtest.h>
 
@@ -85,8 +90,8 @@ Roundness stroke_round(ForceShading shading, double radius)
 {
     const TriangleMesh mesh = *sample_mesh("icosphere:2"); // 320 triangles
     const Topology topology = *build_topology(mesh);
-    const auto octree = *build_proximity_octree(mesh, topology);
-    const OctreeContactSurface surface(octree);
+    const auto listed = *testing::listed_index(mesh);
+    const IndexContactSurface surface(listed);
     const ShadingNormals normals(mesh, topology);
     Proxy proxy(surface, {.radius = radius, .shading = shading, .feel = &normals});
     proxy.place(Vec3(2, 0, 0));
@@ -99,7 +104,7 @@ Roundness stroke_round(ForceShading shading, double radius)
             Vec3(std::cos(turn), std::sin(turn), 0.3 * std::sin(3 * turn)).normalized();
         const Vec3 device = (0.97 + radius) * direction;
         const ProxyTick& at = proxy.follow(device);
-        const Vec3 force = at.held - device;
+        const Vec3 force = at.anchor - device;
         if (tick > 100) {
             result.off = std::max(result.off, angle_between(force, direction));
             result.turn = std::max(result.turn, angle_between(force, last) - last_turn);
@@ -135,8 +140,8 @@ TEST(ForceShading, passes_nothing_and_gives_no_energy_away)
     for (const char* const name : {"icosphere:1", "torus:12x8", "spaceship:1300"}) {
         const TriangleMesh mesh = *sample_mesh(name);
         const Topology topology = *build_topology(mesh);
-        const auto octree = *build_proximity_octree(mesh, topology);
-        const OctreeContactSurface surface(octree);
+        const auto listed = *testing::listed_index(mesh);
+        const IndexContactSurface surface(listed);
         const ShadingNormals normals(mesh, topology);
         const WorkspaceMap map = fit_workspace(bounding_box(mesh), 0.1);
         const DeviceLimits omni = *find_device("omni");
@@ -151,14 +156,14 @@ TEST(ForceShading, passes_nothing_and_gives_no_energy_away)
                 for (int tick = 0; tick < 2500; ++tick) {
                     const DeviceState state = hand.state();
                     const RenderTick& felt = renderer.tick(state, 1e-3);
-                    meter.add(felt, state.velocity, renderer.proxy().path());
+                    meter.add(felt, state.velocity, renderer.path());
                     ASSERT_TRUE(felt.force.allFinite());
                     hand.step(felt.force, script->target(1e-3 * tick));
                 }
                 const QualityReport& quality = meter.report();
                 EXPECT_EQ(quality.passes, 0U) << name << ' ' << script_name;
                 EXPECT_GT(quality.touching_ticks, 50U) << name << ' ' << script_name;
-                EXPECT_GT(renderer.passivity().lowest_energy(), -2e-4)
+                EXPECT_GT(parts_of(renderer).passivity().lowest_energy(), -2e-4)
                     << name << ' ' << script_name;
                 EXPECT_LT(quality.max_speed, 3) << name << ' ' << script_name;
             }

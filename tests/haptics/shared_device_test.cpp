@@ -91,7 +91,7 @@ TEST(HdDevice, rests_after_a_force_error)
     ASSERT_TRUE(device);
     stub.state.force_error = static_cast<long>(contact);
     const SessionFelt felt = touch_hd(stub, **device, 1600);
-    // Half a second, and what it takes to believe that the hand is elsewhere by then.
+    // Half a second, and the time that it takes to accept that the hand is elsewhere.
     EXPECT_GE(felt.input.faulty_ticks, 500U);
     EXPECT_LE(felt.input.faulty_ticks, 610U);
     EXPECT_EQ(felt.forces[contact + 100], 0);

@@ -1,7 +1,8 @@
-#include "haptics/device/simulated_hand.h"
+#include "lab/simulated_hand.h"
 
 #include "haptics/force/passivity.h"
 #include "haptics/theory_wall.h"
+#include "proxima/device.h"
 
 #include <gtest/gtest.h>
 

@@ -4,8 +4,10 @@
 #include "geometry/exact_predicates.h"
 #include "geometry/triangle_contact.h"
 #include "haptics/proxy/proxy.h"
+#include "haptics/surface/contact_surface.h"
 #include "haptics/touch_meshes.h"
-#include "index/lists/build_proximity_octree.h"
+#include "index/listed_index.h"
+#include "proxima/haptic_renderer.h"
 
 #include <gtest/gtest.h>
 
@@ -62,7 +64,7 @@ TEST(SlideSphere, plane_to_a_billionth_of_the_depth)
             const ProxyTick& result = proxy.follow(device);
             EXPECT_EQ(result.slide.end, SlideEnd::settled);
             const Vec3 expected(device.x(), device.y(), radius);
-            squares += (result.held - expected).squaredNorm();
+            squares += (result.anchor - expected).squaredNorm();
             depths += (expected - device).squaredNorm();
         }
         EXPECT_LT(std::sqrt(squares / depths), 1e-9) << radius;
@@ -90,7 +92,7 @@ TEST(SlideSphere, cube_to_a_billionth_of_the_depth)
             Vec3 expected = device;
             expected[axis] = side * (1 + radius);
             const double depth = (expected - device).norm();
-            EXPECT_LT((result.held - expected).norm(), 1e-9 * depth + 1e-15) << tick;
+            EXPECT_LT((result.anchor - expected).norm(), 1e-9 * depth + 1e-15) << tick;
         }
     }
 }
@@ -114,7 +116,7 @@ TEST(SlideSphere, sphere_to_a_billionth_of_the_depth)
         proxy.follow(device);
         const ProxyTick& result = proxy.follow(device);
         const Vec3 expected = radius * direction;
-        squares += (result.held - expected).squaredNorm();
+        squares += (result.anchor - expected).squaredNorm();
         depths += (expected - device).squaredNorm();
     }
     EXPECT_LT(std::sqrt(squares / depths), 1e-9);
@@ -134,7 +136,7 @@ TEST(SlideSphere, corner_of_three_planes_in_one_tick)
             for (std::uint32_t id = 0; id < 3; ++id) {
                 const Triangle face = mesh.triangle(TriangleId{id});
                 const Vec3 normal = scaled_normal(face).normalized();
-                EXPECT_NEAR(std::abs(normal.dot(result.held - face[0])), radius, 1e-10);
+                EXPECT_NEAR(std::abs(normal.dot(result.anchor - face[0])), radius, 1e-10);
             }
         }
     }
@@ -146,15 +148,15 @@ struct Walk {
     double friction;
 };
 
-/// Walks along a path: nothing is passed, nothing is too near, the octree and all triangles give
+/// Walks along a path: nothing is passed, nothing is too near, the index and all triangles give
 /// the same bits, and no place nearby that can be reached is nearer to the device. Adds the ticks
 /// that touch.
 void check_walk(const Walk& walk, std::uint32_t seed, int ticks, int& touching)
 {
     const TriangleMesh& mesh = walk.named.mesh;
-    const auto octree = build_proximity_octree(mesh);
-    ASSERT_TRUE(octree);
-    const OctreeContactSurface near(*octree);
+    const auto listed = testing::listed_index(mesh);
+    ASSERT_TRUE(listed);
+    const IndexContactSurface near(*listed);
     const MeshContactSurface all(mesh);
     EXPECT_EQ(near.scale().mean_edge, all.scale().mean_edge);
     const double size = all.scale().extent;
@@ -179,9 +181,9 @@ void check_walk(const Walk& walk, std::uint32_t seed, int ticks, int& touching)
         const ProxyTick& result = proxy.follow(device);
         const ProxyTick& expected = slow.follow(device);
         ASSERT_EQ(result.proxy, expected.proxy) << where;
-        ASSERT_EQ(result.held, expected.held) << where;
+        ASSERT_EQ(result.anchor, expected.anchor) << where;
         ASSERT_EQ(result.hold, expected.hold) << where;
-        ASSERT_TRUE(result.held.allFinite()) << where;
+        ASSERT_TRUE(result.anchor.allFinite()) << where;
         ASSERT_NE(result.slide.end, SlideEnd::overloaded) << where;
         for (std::size_t i = 1; i < proxy.path().size(); ++i)
             ASSERT_FALSE(passes(mesh, proxy.path()[i - 1], proxy.path()[i])) << where;
@@ -223,13 +225,13 @@ TEST(SlideSphere, nothing_is_passed_on_any_mesh)
 TEST(SlideSphere, a_fast_poke_does_not_pass_a_thin_wall)
 {
     const TriangleMesh mesh = testing::thin_plate();
-    const auto octree = build_proximity_octree(mesh);
-    const OctreeContactSurface surface(*octree);
+    const auto listed = testing::listed_index(mesh);
+    const IndexContactSurface surface(*listed);
     Proxy proxy(surface, {});
     for (int tick = 0; tick < 1000; ++tick) {
         proxy.place(Vec3(0.3, 0.2, 0.7));
         const ProxyTick& result = proxy.follow(Vec3(0.3 + 1e-4 * tick, 0.2, -0.001 * tick - 0.01));
-        EXPECT_NEAR(result.held.z(), 0.0005, 1e-12);
+        EXPECT_NEAR(result.anchor.z(), 0.0005, 1e-12);
     }
 }
 
@@ -261,7 +263,7 @@ TEST(SlideSphere, valleys_that_are_all_but_flat_are_not_passed)
             failures += passes(mesh, last, place) ? 1 : 0;
             last = place;
         }
-        EXPECT_NEAR((turn.transpose() * result.held).z(), 0.15 * rise, 1e-8) << trial;
+        EXPECT_NEAR((turn.transpose() * result.anchor).z(), 0.15 * rise, 1e-8) << trial;
     }
     EXPECT_EQ(failures, 0);
 }
@@ -269,8 +271,8 @@ TEST(SlideSphere, valleys_that_are_all_but_flat_are_not_passed)
 TEST(SlideSphere, does_not_allocate)
 {
     const TriangleMesh mesh = *sample_mesh("torus:24x12");
-    const auto octree = build_proximity_octree(mesh);
-    const OctreeContactSurface surface(*octree);
+    const auto listed = testing::listed_index(mesh);
+    const IndexContactSurface surface(*listed);
     Proxy proxy(surface, {.radius = 0.02, .static_friction = 0.4, .dynamic_friction = 0.3});
     HandPath path(mesh, 5);
     std::vector<Vec3> devices;

@@ -1,7 +1,7 @@
 // The spring of a contact and nothing else: neither ramps nor damping, friction or guard.
 #pragma once
 
-#include "haptics/force/haptic_renderer.h"
+#include "proxima/haptic_renderer.h"
 
 namespace proxima::testing {
 

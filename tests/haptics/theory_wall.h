@@ -2,7 +2,8 @@
 // holds swings in it.
 #pragma once
 
-#include "haptics/device/simulated_hand.h"
+#include "lab/simulated_hand.h"
+#include "proxima/device.h"
 
 #include <algorithm>
 #include <cmath>

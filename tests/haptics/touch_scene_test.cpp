@@ -1,7 +1,11 @@
-#include "haptics/scene/touch_scene.h"
+#include "proxima/touch_scene.h"
 
 #include "haptics/proxy/proxy.h"
+#include "haptics/scene/touch_access.h"
 #include "haptics/scenes_to_touch.h"
+#include "haptics/surface/contact_surface.h"
+#include "index/listed_index.h"
+#include "proxima/haptic_renderer.h"
 
 #include <gtest/gtest.h>
 
@@ -17,10 +21,10 @@ using namespace testing;
 /// A scene's triangles where they stand, each looked at every time: the oracle.
 class EveryTriangleOf final : public ContactSurface {
 public:
-    explicit EveryTriangleOf(const TouchScene& scene) : scale_(scene.scale())
+    explicit EveryTriangleOf(const TouchScene& scene) : scale_(moving_surface(scene).scale())
     {
         for (std::uint32_t i = 0; i < scene.object_count(); ++i) {
-            const SceneObject object = scene.object(ObjectId{i});
+            const SceneObject object = moving_surface(scene).object(ObjectId{i});
             const TriangleMesh& mesh = object.body->mesh();
             for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
                 triangles_.push_back({object.now(mesh.triangle(TriangleId{id})),
@@ -65,7 +69,7 @@ TEST(TouchScene, is_the_surface_of_all_its_objects)
         for (const double friction : {0.0, 0.4}) {
             const ProxyOptions options = {
                 .radius = radius, .static_friction = friction, .dynamic_friction = 0.75 * friction};
-            Proxy proxy(scene, options);
+            Proxy proxy(moving_surface(scene), options);
             Proxy expected(all, options);
             HandPath path(about, 17);
             const Vec3 begin(0, 0, 5);
@@ -78,7 +82,7 @@ TEST(TouchScene, is_the_surface_of_all_its_objects)
                 const ProxyTick& is = proxy.follow(device);
                 const ProxyTick& should = expected.follow(device);
                 ASSERT_EQ(is.proxy, should.proxy) << radius << ' ' << friction << ' ' << tick;
-                ASSERT_EQ(is.held, should.held) << radius << ' ' << friction << ' ' << tick;
+                ASSERT_EQ(is.anchor, should.anchor) << radius << ' ' << friction << ' ' << tick;
                 for (std::size_t i = 1; i < proxy.path().size(); ++i)
                     ASSERT_FALSE(passes_standing(scene, proxy.path()[i - 1], proxy.path()[i]));
                 touching += is.hold != Hold::free ? 1 : 0;
@@ -107,11 +111,11 @@ TEST(TouchScene, corners_of_several_objects_hold_in_one_tick)
         ASSERT_TRUE(scene.add(body_of(box_mesh(half)), at_place(to)));
     }
     for (const double radius : {0.0, 0.1}) {
-        Proxy proxy(scene, {.radius = radius});
+        Proxy proxy(moving_surface(scene), {.radius = radius});
         proxy.place(Vec3(1.0, 0.8, 0.9));
         const ProxyTick& tick = proxy.follow(Vec3(-0.1, -0.15, -0.2));
         EXPECT_EQ(tick.slide.contact_count, 3U);
-        EXPECT_LT((tick.held - Vec3(radius, radius, radius)).norm(), 1e-10);
+        EXPECT_LT((tick.anchor - Vec3(radius, radius, radius)).norm(), 1e-10);
         std::array<bool, 3> held{};
         for (const Contact& contact : tick.slide.contacts)
             held[index(object_of(contact.triangle))] = true;
@@ -140,6 +144,30 @@ TEST(TouchScene, refuses_what_no_object_can_do)
     EXPECT_FALSE(build_touch_body(
         *sample_mesh("cube"),
         {.material = SurfaceMaterial{.static_friction = 0.1, .dynamic_friction = 0.2}}));
+}
+
+TEST(TouchScene, says_where_objects_are_and_how_fast)
+{
+    const TriangleMesh mesh = *sample_mesh("cube");
+    const auto index = listed_index(mesh);
+    ASSERT_TRUE(index);
+    auto body = build_touch_body(*index);
+    ASSERT_TRUE(body);
+    EXPECT_EQ(body->mesh().triangle_count(), mesh.triangle_count());
+    TouchScene first(wide_room);
+    const auto cube = first.add(std::move(*body), at_place(Vec3(1, 2, 3)));
+    ASSERT_TRUE(cube);
+    TouchScene scene = std::move(first);
+    EXPECT_EQ(scene.object_count(), 1U);
+    EXPECT_EQ(scene.pose(*cube).translation, Vec3(1, 2, 3));
+    EXPECT_EQ(scene.velocity(*cube, Vec3::Zero()), Vec3(Vec3::Zero()));
+    EXPECT_TRUE(scene.move(*cube, {.pose = at_place(Vec3(1.5, 2, 3)), .seconds = 0.1}));
+    for (int tick = 0; tick < 50; ++tick) EXPECT_TRUE(scene.advance(1e-3).moved);
+    EXPECT_NEAR(scene.pose(*cube).translation.x(), 1.25, 1e-12);
+    EXPECT_NEAR((scene.velocity(*cube, Vec3(7, 0, 0)) - Vec3(5, 0, 0)).norm(), 0, 1e-9);
+    for (int tick = 0; tick < 50; ++tick) (void)scene.advance(1e-3);
+    EXPECT_FALSE(scene.advance(1e-3).moved);
+    EXPECT_NEAR(scene.pose(*cube).translation.x(), 1.5, 1e-12);
 }
 
 } // namespace

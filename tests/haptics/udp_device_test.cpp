@@ -2,6 +2,7 @@
 
 #include "haptics/device/remote_servo.h"
 #include "haptics/device_session.h"
+#include "proxima/device.h"
 
 #include <gtest/gtest.h>
 
@@ -15,7 +16,6 @@
 namespace proxima {
 namespace {
 
-using testing::Allocations;
 using testing::CubeScene;
 using testing::run_session;
 using testing::SessionFelt;
@@ -88,7 +88,7 @@ TEST(UdpPackets, replies_come_back_as_they_were)
     command.condition = InputCondition::clutched;
     command.plane_count = 3;
     command.force = Vec3{number(random), number(random), number(random)};
-    command.held = Vec3{number(random), number(random), number(random)};
+    command.anchor = Vec3{number(random), number(random), number(random)};
     for (HeldPlane& plane : command.planes)
         plane = {Vec3{number(random), number(random), number(random)}, number(random)};
     for (double* const x : {&command.trust, &command.stiffness, &command.damping,
@@ -337,16 +337,15 @@ struct LoopbackFelt {
     UdpReport report;
 };
 
-LoopbackFelt loopback(const Line& line, int ms, bool own_servo,
-                      Allocations allocations = Allocations::counted)
+LoopbackFelt loopback(const Line& line, int ms, bool own_servo)
 {
     const CubeScene scene;
     const auto device = listening();
     LoopbackFelt felt;
     std::thread hand(
         [&] { felt.hand = hand_over_line(device->address(), scene, line, ms, own_servo); });
-    felt.session = run_session(scene, *device, static_cast<std::uint64_t>(ms), {}, {},
-                               Pace::best_effort, allocations);
+    felt.session =
+        run_session(scene, *device, static_cast<std::uint64_t>(ms), {}, {}, Pace::best_effort);
     hand.join();
     felt.report = device->report();
     return felt;
@@ -368,8 +367,8 @@ TEST(UdpDevice, two_hands_feel_at_once)
 {
     LoopbackFelt left;
     LoopbackFelt right;
-    std::thread other([&] { left = loopback({}, 800, true, Allocations::ignored); });
-    right = loopback({}, 800, false, Allocations::ignored);
+    std::thread other([&] { left = loopback({}, 800, true); });
+    right = loopback({}, 800, false);
     other.join();
     for (const LoopbackFelt* const felt : {&left, &right}) {
         EXPECT_EQ(felt->report.foreign, 0U);

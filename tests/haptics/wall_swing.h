@@ -1,9 +1,12 @@
 // A simulated hand against walls, through the whole renderer: what swings, and how far.
 #pragma once
 
-#include "haptics/device/simulated_hand.h"
-#include "haptics/force/haptic_renderer.h"
+#include "haptics/force/surface_renderer.h"
+#include "haptics/surface/contact_surface.h"
+#include "lab/simulated_hand.h"
 #include "octree/small_meshes.h"
+#include "proxima/device.h"
+#include "proxima/haptic_renderer.h"
 #include "proxima/sample_meshes.h"
 
 #include <algorithm>
@@ -108,9 +111,9 @@ inline SwingFelt swing(const SwingWall& wall, const SwingSetting& setting, doubl
         felt.amplitude = std::max(felt.amplitude, (end_high - end_low) / 2);
     }
     felt.greatest = (high - low) / 2;
-    felt.lowest_softness = renderer.passivity().lowest_softness();
-    felt.softened = renderer.passivity().softened_ticks();
-    felt.damped = renderer.passivity().damped_ticks();
+    felt.lowest_softness = parts_of(renderer).passivity().lowest_softness();
+    felt.softened = parts_of(renderer).passivity().softened_ticks();
+    felt.damped = parts_of(renderer).passivity().damped_ticks();
     return felt;
 }
 

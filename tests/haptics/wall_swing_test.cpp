@@ -3,6 +3,7 @@
 #include "haptics/wall_swing.h"
 
 #include "haptics/force/oscillation_detector.h"
+#include "proxima/device.h"
 
 #include <gtest/gtest.h>
 

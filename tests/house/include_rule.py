@@ -42,6 +42,12 @@ PUBLIC = {
     "topology.h": "mesh", "triangle_mesh.h": "mesh",
     "convex_polyhedron.h": "minkowski", "minkowski_sum.h": "minkowski",
     "octree.h": "octree", "octree_io.h": "octree",
+    "index_io.h": "index", "mesh_index.h": "index",
+    "cast_ray.h": "query", "cells_along_ray.h": "query", "closest_feature.h": "query", "cull.h": "query",
+    "intersect_meshes.h": "query", "mesh_distance.h": "query", "neighbourhood.h": "query",
+    "signed_distance.h": "query",
+    "thesis.h": "thesis",
+    "device.h": "haptics", "haptic_renderer.h": "haptics", "touch_scene.h": "haptics",
 }
 EVERYTHING = Path("include/proxima/proxima.h")
 PUBLIC_FOREIGN = {"result.h": {"tl"}}
@@ -53,8 +59,9 @@ KERNELS = {f"src/octree/{name}" for name in (
         "lists/block_scan-inl.h", "lists/domination.cpp", "lists/eight_corners-inl.h", "lists/local_region.cpp",
         "triangle_lanes.cpp", "triangle_tree_search.cpp")} | {
     f"src/query/{name}" for name in (
-        "closest/closest_feature.cpp", "closest/closest_features.cpp", "closest/row_distance-inl.h",
-        "closest/search_octree-inl.h", "contact/box_pairs-inl.h", "contact/eight_points-inl.h",
+        "closest/batch_lists-inl.h", "closest/closest_batch_in_index.cpp", "closest/closest_in_index.cpp",
+        "closest/row_distance-inl.h", "closest/search_index-inl.h",
+        "closest/search_lists-inl.h", "contact/box_pairs-inl.h", "contact/eight_points-inl.h",
         "contact/intersect_meshes.cpp", "contact/leaf_intersection-inl.h", "contact/walk_pairs-inl.h",
         "culling/cull_volume.cpp", "distance/mesh_distance.cpp", "distance/pair_bounds-inl.h", "rays/cast_ray.cpp",
         "rays/intersect_exact-inl.h", "rays/prepare_ray-inl.h", "rays/walk_ray-inl.h")} | {

@@ -1,7 +1,7 @@
-#include "index/mesh_index.h"
+#include "proxima/mesh_index.h"
 
 #include "cancellation.h"
-#include "index/build_mesh_index.h"
+#include "index/index_parts.h"
 #include "index/test_meshes.h"
 #include "octree/nasty_meshes.h"
 #include "octree/small_meshes.h"
@@ -24,7 +24,7 @@ public:
     Inspection(const MeshIndex& index, const TriangleMesh& mesh) : index_(index), mesh_(mesh)
     {
         seen_.assign(mesh.triangle_count(), 0);
-        visit(index.root(), Box{Vec3::Constant(-2), Vec3::Constant(2)}, 0);
+        visit(index.parts().root(), Box{Vec3::Constant(-2), Vec3::Constant(2)}, 0);
         for (const int times : seen_) EXPECT_EQ(times, 1);
         check_places();
     }
@@ -34,7 +34,7 @@ private:
     void visit(std::uint32_t reference, const Box& box, std::size_t level)
     {
         levels = std::max(levels, level + 1);
-        const IndexBlock& block = index_.blocks()[reference & ~index_leaf_bit];
+        const IndexBlock& block = index_.parts().blocks()[reference & ~index_leaf_bit];
         if ((reference & index_leaf_bit) != 0) {
             visit_leaf(block.leaf, box);
             return;
@@ -51,7 +51,8 @@ private:
                 child.upper[k] = plane(node.planes[axis][8 + slot]);
             }
             if (child.empty()) {
-                EXPECT_EQ(index_.blocks()[node.children[slot] & ~index_leaf_bit].leaf.count, 0);
+                EXPECT_EQ(index_.parts().blocks()[node.children[slot] & ~index_leaf_bit].leaf.count,
+                          0);
             } else {
                 visit(node.children[slot], child, level + 1);
             }
@@ -72,7 +73,7 @@ private:
             for (std::size_t corner = 0; corner < 3; ++corner) {
                 const Vec3 p = mesh_.triangle(id).vertices[corner];
                 EXPECT_EQ(index_.triangle(row).vertices[corner], p);
-                const Vec3 place = (p - index_.center()) * index_.scale();
+                const Vec3 place = (p - index_.parts().center()) * index_.parts().scale();
                 for (int axis = 0; axis < 3; ++axis) {
                     constexpr double margin = 0x1p-21;
                     EXPECT_LE(box.lower[axis] + margin, place[axis]);
@@ -80,8 +81,9 @@ private:
                     const float stored =
                         leaf.coordinates[static_cast<std::size_t>(axis)][leaf.corners[corner][i]];
                     EXPECT_EQ(stored, static_cast<float>(place[axis]));
-                    if (index_.has_exact_leaves()) {
-                        EXPECT_EQ(stored / index_.scale() + index_.center()[axis], p[axis]);
+                    if (index_.parts().has_exact_leaves()) {
+                        EXPECT_EQ(stored / index_.parts().scale() + index_.parts().center()[axis],
+                                  p[axis]);
                     }
                 }
             }
@@ -93,10 +95,10 @@ private:
     /// from their higher to their lower vertex.
     void check_names(std::uint32_t row, TriangleId id)
     {
-        if (index_.float_rows().empty()) {
-            check_names(index_.double_rows()[row], id);
+        if (index_.parts().float_rows().empty()) {
+            check_names(index_.parts().double_rows()[row], id);
         } else {
-            check_names(index_.float_rows()[row], id);
+            check_names(index_.parts().float_rows()[row], id);
         }
     }
     template <class Scalar>
@@ -117,7 +119,7 @@ private:
         ASSERT_EQ(index_.edge_count(), topology_.edge_count());
         for (std::uint32_t i = 0; i < index_.vertex_count(); ++i) {
             const std::span<const TriangleId> star = topology_.triangles(VertexId{i});
-            const std::uint32_t place = index_.vertex_places()[i];
+            const std::uint32_t place = index_.parts().vertex_places()[i];
             if (star.empty()) {
                 EXPECT_EQ(place, place_word::none);
                 continue;
@@ -126,7 +128,7 @@ private:
             EXPECT_EQ(mesh_.triangles()[place_word::triangle(place)][place_word::corner(place)], i);
         }
         for (std::uint32_t i = 0; i < index_.edge_count(); ++i) {
-            const std::uint32_t place = index_.edge_places()[i];
+            const std::uint32_t place = index_.parts().edge_places()[i];
             const std::uint32_t triangle = place_word::triangle(place);
             EXPECT_EQ(TriangleId{triangle}, topology_.triangles(EdgeId{i}).front());
             const std::size_t side = place_word::corner(place);
@@ -148,7 +150,7 @@ TEST(MeshIndex, HoldsEveryTriangleOnceWithinItsBoxes)
         SCOPED_TRACE(named.name);
         const MeshIndex index = build_mesh_index(named.mesh).value();
         const Inspection inspection(index, named.mesh);
-        EXPECT_LE(inspection.levels, MeshIndex::max_levels);
+        EXPECT_LE(inspection.levels, IndexParts::max_levels);
     }
     for (std::uint32_t seed = 0; seed < 200; ++seed) {
         SCOPED_TRACE(seed);
@@ -170,9 +172,9 @@ TEST(MeshIndex, TakesManyTrianglesInOnePlace)
 TEST(MeshIndex, KeepsFloatsWhereTheyAreTheSame)
 {
     const TriangleMesh cube = cube_mesh(Vec3(1, 2, 3), 0.5);
-    EXPECT_EQ(build_mesh_index(cube)->float_rows().size(), 12U);
+    EXPECT_EQ(build_mesh_index(cube)->parts().float_rows().size(), 12U);
     const TriangleMesh third = cube_mesh(Vec3(1, 2, 3), 1.0 / 3);
-    EXPECT_EQ(build_mesh_index(third)->double_rows().size(), 12U);
+    EXPECT_EQ(build_mesh_index(third)->parts().double_rows().size(), 12U);
 }
 
 TEST(MeshIndex, HasExactLeavesOfFloatsWhereverTheyLie)
@@ -192,12 +194,12 @@ TEST(MeshIndex, HasExactLeavesOfFloatsWhereverTheyLie)
             triangles.push_back({i, i + 1, i + 2});
         const TriangleMesh mesh = mesh_of(positions, triangles);
         const MeshIndex index = build_mesh_index(mesh).value();
-        EXPECT_TRUE(index.has_exact_leaves());
+        EXPECT_TRUE(index.parts().has_exact_leaves());
         const Inspection inspection(index, mesh);
         positions[7][1] += 1e-12; // no float
         const TriangleMesh other = mesh_of(positions, triangles);
         if (other.positions()[7] == mesh.positions()[7]) continue;
-        EXPECT_FALSE(build_mesh_index(other)->has_exact_leaves());
+        EXPECT_FALSE(build_mesh_index(other)->parts().has_exact_leaves());
     }
 }
 
@@ -211,14 +213,35 @@ TEST(MeshIndex, IsTheSameForAnyNumberOfThreads)
         const auto is_same = [](const auto& a, const auto& b) {
             return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
         };
-        ASSERT_EQ(other.blocks().size(), truth.blocks().size());
-        for (std::size_t i = 0; i < truth.blocks().size(); ++i) // what nodes and leaves both use
-            ASSERT_EQ(std::memcmp(&other.blocks()[i], &truth.blocks()[i], sizeof(IndexLeaf)), 0);
-        EXPECT_TRUE(is_same(other.double_rows(), truth.double_rows()));
+        ASSERT_EQ(other.parts().blocks().size(), truth.parts().blocks().size());
+        for (std::size_t i = 0; i < truth.parts().blocks().size();
+             ++i) // what nodes and leaves both use
+            ASSERT_EQ(std::memcmp(&other.parts().blocks()[i], &truth.parts().blocks()[i],
+                                  sizeof(IndexLeaf)),
+                      0);
+        EXPECT_TRUE(is_same(other.parts().double_rows(), truth.parts().double_rows()));
         EXPECT_TRUE(is_same(other.ids(), truth.ids()));
-        EXPECT_TRUE(is_same(other.vertex_places(), truth.vertex_places()));
-        EXPECT_TRUE(is_same(other.edge_places(), truth.edge_places()));
+        EXPECT_TRUE(is_same(other.parts().vertex_places(), truth.parts().vertex_places()));
+        EXPECT_TRUE(is_same(other.parts().edge_places(), truth.parts().edge_places()));
     }
+}
+
+TEST(MeshIndex, HasPartsAlways)
+{
+    const MeshIndex empty;
+    EXPECT_EQ(empty.triangle_count(), 0U);
+    EXPECT_EQ(empty.bytes(), 0U);
+    EXPECT_TRUE(empty.ids().empty());
+    EXPECT_FALSE(empty.has_lists());
+    EXPECT_EQ(mesh_of(empty)->triangle_count(), 0U);
+    EXPECT_EQ(with_lists(empty).error().code, ErrorCode::invalid_mesh);
+    EXPECT_FALSE(empty.has_slabs());
+    MeshIndex index = build_mesh_index(cube_mesh(Vec3::Zero(), 1.0)).value();
+    const MeshIndex taken = std::move(index);
+    EXPECT_EQ(&index.parts(), &taken.parts()); // NOLINT(bugprone-use-after-move): that is the test
+    EXPECT_EQ(taken.triangle_count(), 12U);
+    index = empty;
+    EXPECT_EQ(index.triangle_count(), 0U);
 }
 
 TEST(MeshIndex, RefusesWhatItCannotBeBuiltOf)

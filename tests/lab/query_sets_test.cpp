@@ -2,8 +2,9 @@
 #include "lab/query_sets.h"
 
 #include "index/test_meshes.h"
+#include "proxima/closest_feature.h"
+#include "proxima/mesh_index.h"
 #include "proxima/sample_meshes.h"
-#include "query/closest/surface_search.h"
 
 #include <gtest/gtest.h>
 
@@ -17,14 +18,13 @@ TEST(QuerySets, LieWhereTheyAreSaidTo)
         const TriangleMesh mesh =
             testing::moved(sample_mesh("torus:30x20").value(),
                            [&](const Vec3& p) { return Vec3(3 * p + Vec3(shift, 0, -shift)); });
-        const Topology topology = build_topology(mesh).value();
-        const SurfaceSearch search = build_surface_search(mesh, topology).value();
+        const MeshIndex index = build_mesh_index(mesh).value();
         const Box box = bounding_box(mesh);
         const double diagonal = box.extent().norm();
         const auto sets = query_sets(mesh, 3000, 5);
         const auto again = query_sets(mesh, 3000, 5);
         const auto distance = [&](const Vec3& p) {
-            return std::sqrt(closest_feature(search, p).squared_distance);
+            return std::sqrt(closest_feature(index, p)->squared_distance);
         };
         const double rounding = 1e-15 * shift;
         double widest = 0;

@@ -1,6 +1,5 @@
 #include "proxima/convex_polyhedron.h"
 
-#include "minkowski/unbounded_sum.h"
 #include "polytopes.h"
 
 #include <Eigen/Geometry>
@@ -253,27 +252,6 @@ TEST(HalfSpaceIntersection, StopsOnRequest)
     const auto result = polyhedron_of_half_spaces(planes, &progress);
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().code, ErrorCode::cancelled);
-}
-
-TEST(CutRays, BadLengthsAreRefused)
-{
-    const auto octant = test::hull_of({{0, 0, 0}}, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
-    const double infinity = std::numeric_limits<double>::infinity();
-    const double nan = std::numeric_limits<double>::quiet_NaN();
-    for (const double length : {0.0, -1.0, infinity, -infinity, nan}) {
-        const auto cut = cut_rays(octant, length);
-        ASSERT_FALSE(cut) << length;
-        EXPECT_EQ(cut.error().code, ErrorCode::invalid_argument) << length;
-        const auto sum = sum_by_cutting(octant, octant, length);
-        ASSERT_FALSE(sum) << length;
-        EXPECT_EQ(sum.error().code, ErrorCode::invalid_argument) << length;
-    }
-    for (const double length : {1e100, 1e308}) {
-        const auto sum = sum_by_cutting(octant, octant, length);
-        ASSERT_FALSE(sum) << length;
-        EXPECT_EQ(sum.error().code, ErrorCode::limit_exceeded) << length;
-    }
-    EXPECT_EQ(cut_rays(octant, 2)->points().size(), 4U);
 }
 
 } // namespace

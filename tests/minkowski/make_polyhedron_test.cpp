@@ -1,10 +1,10 @@
 #include "proxima/convex_polyhedron.h"
 
 #include "minkowski/drawn_surface.h"
-#include "minkowski/unbounded_sum.h"
-#include "minkowski/voronoi_region.h"
 #include "polytopes.h"
 #include "proxima/sample_meshes.h"
+#include "thesis/proximity_octree/unbounded_sum.h"
+#include "thesis/proximity_octree/voronoi_region.h"
 
 #include <gtest/gtest.h>
 
@@ -174,44 +174,11 @@ TEST(PolyhedronOfHalfSpaces, BadInputIsRefused)
     EXPECT_EQ(octant->rays().size(), 3U);
 }
 
-TEST(VoronoiRegions, OfASphereMeetTheThesisHalfSpaces)
-{
-    const TriangleMesh sphere = make_sphere(10, 10);
-    for (std::uint32_t t = 0; t < sphere.triangle_count(); t += 7) {
-        const Triangle triangle = sphere.triangle(TriangleId{t});
-        const auto region = voronoi_region_of_face(triangle);
-        ASSERT_TRUE(region);
-        EXPECT_EQ(region->facet_count(), 4U);
-        std::mt19937 random(t);
-        std::uniform_real_distribution<double> coordinate(-3, 3);
-        const Vec3 n = scaled_normal(triangle);
-        for (int i = 0; i < 200; ++i) {
-            const Vec3 x{coordinate(random), coordinate(random), coordinate(random)};
-            bool inside = n.dot(x - triangle[0]) >= 0; // (4.4)
-            for (int j = 0; j < 3; ++j) {              // (4.3) with (4.5)
-                const Vec3 u = triangle[(j + 1) % 3] - triangle[j];
-                inside = inside && u.cross(n).dot(x - triangle[j]) <= 0;
-            }
-            bool in_region = true;
-            for (std::uint32_t f = 0; f < region->facet_count(); ++f) {
-                const HalfSpace plane = region->half_space(f);
-                in_region = in_region && plane.normal.dot(x) <= plane.offset;
-            }
-            EXPECT_EQ(in_region, inside);
-        }
-    }
-    // Coplanar faces at an edge: the region is a strip, not nothing.
-    const auto strip = voronoi_region_of_edge({0, 0, 0}, {1, 0, 0}, {0, 0, 1}, {0, 0, 2});
-    ASSERT_TRUE(strip);
-    EXPECT_EQ(strip->dimension(), 2);
-    EXPECT_FALSE(voronoi_region_of_face({{Vec3(0, 0, 0), Vec3(1, 1, 1), Vec3(2, 2, 2)}}));
-}
-
 TEST(DrawnSurface, DrawsRaysAtALength)
 {
     const auto cube = test::hull_of(test::cube_points(1));
     EXPECT_EQ(triangulate(*draw(cube))->triangle_count(), 12U);
-    const auto prism = voronoi_region_of_face({{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}});
+    const auto prism = convex_hull(Points{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, Points{{0, 0, 1}});
     const auto mesh = triangulate(*draw(*prism, 10));
     ASSERT_TRUE(mesh);
     EXPECT_EQ(mesh->vertex_count(), 6U);
@@ -228,52 +195,6 @@ TEST(DrawnSurface, DrawsRaysAtALength)
         volume += triangle[0].dot(triangle[1].cross(triangle[2])) / 6;
     }
     EXPECT_DOUBLE_EQ(volume, 8 + 4.0 / 3 + 6 * 4 * 1 + 12 * 2 * 0.5);
-}
-
-/// Sums by rays and by cutting have the same half-spaces for every length of the cut.
-TEST(UnboundedSum, EqualsCuttingForAnyLength)
-{
-    const TriangleMesh sphere = make_sphere(8, 9);
-    for (unsigned seed = 0; seed < 60; ++seed) {
-        SCOPED_TRACE(seed);
-        std::mt19937 random(seed);
-        const auto pick = static_cast<std::uint32_t>(random() % sphere.triangle_count());
-        const Triangle t = sphere.triangle(TriangleId{pick});
-        const Vec3 n = scaled_normal(t);
-        Result<ConvexPolyhedron> region = voronoi_region_of_face(t);
-        if (seed % 3 == 1) {
-            region = voronoi_region_of_edge(t[0], t[1], n, Vec3(n + 0.1 * Vec3(1, -1, 0.5)));
-        }
-        if (seed % 3 == 2) {
-            const Points normals = {n, n + Vec3(0.1, 0, 0.01), n + Vec3(0.1, 0.1, 0),
-                                    n + Vec3(0, 0.1, 0)};
-            region = voronoi_region_of_vertex(t[0], normals);
-        }
-        ASSERT_TRUE(region) << message_of(region);
-        const auto cube = test::hull_of(test::cube_points(0.125));
-        const auto by_rays = minkowski_sum(*region, cube);
-        ASSERT_TRUE(by_rays);
-        for (const double length : {1e-3, 1.0, 100.0}) {
-            const auto cut = sum_by_cutting(*region, cube, length);
-            ASSERT_TRUE(cut);
-            EXPECT_FALSE(cut->obstructing.empty());
-            const auto same = [](const HalfSpace& p, const HalfSpace& q) {
-                return (p.normal - q.normal).norm() < 1e-7 && std::abs(p.offset - q.offset) < 1e-7;
-            };
-            std::vector<bool> is_found(by_rays->facet_count(), false);
-            for (const std::uint32_t f : cut->remaining) {
-                bool known = false;
-                for (std::uint32_t g = 0; g < by_rays->facet_count(); ++g) {
-                    if (same(cut->intermediate.half_space(f), by_rays->half_space(g))) {
-                        known = true;
-                        is_found[g] = true;
-                    }
-                }
-                EXPECT_TRUE(known) << "length " << length;
-            }
-            EXPECT_EQ(std::ranges::count(is_found, false), 0) << "length " << length;
-        }
-    }
 }
 
 } // namespace

@@ -1,5 +1,5 @@
 // Minkowski sums by arcs against a brute force in whole numbers: all candidate normals, all pairs.
-#include "minkowski/count_sum.h"
+#include "minkowski/whole_sum.h"
 #include "polytopes.h"
 #include "proxima/minkowski_sum.h"
 
@@ -12,39 +12,16 @@
 namespace proxima {
 namespace {
 
+using test::cross;
+using test::dot;
+using test::exact_normal;
+using test::expect_euler;
+using test::is_zero;
+using test::operator-;
 using test::Points;
-using Whole = std::array<std::int64_t, 3>;
-
-Whole whole(const Vec3& v)
-{
-    return {static_cast<std::int64_t>(v.x()), static_cast<std::int64_t>(v.y()),
-            static_cast<std::int64_t>(v.z())};
-}
-Whole operator-(const Whole& a, const Whole& b)
-{
-    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-Whole cross(const Whole& a, const Whole& b)
-{
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-std::int64_t dot(const Whole& a, const Whole& b)
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-Whole reduced(Whole n)
-{
-    const std::int64_t divisor = std::gcd(std::gcd(n[0], n[1]), n[2]);
-    if (divisor != 0) {
-        for (auto& c : n) c /= divisor;
-    }
-    return n;
-}
-bool is_zero(const Whole& n)
-{
-    return n == Whole{0, 0, 0};
-}
-
+using test::reduced;
+using test::Whole;
+using test::whole;
 /// Farthest points of a set along n, and how far.
 struct Extreme {
     std::int64_t value;
@@ -135,12 +112,6 @@ std::map<Whole, std::int64_t> brute_force_facets(const Operand& a, const Operand
     return facets;
 }
 
-Whole exact_normal(const MinkowskiSum& sum, std::uint32_t facet)
-{
-    const auto factors = sum.normal_factors(facet);
-    return reduced(cross(whole(factors.u.rounded()), whole(factors.v.rounded())));
-}
-
 /// Each facet's loop turns left at every corner about its normal and lies in its plane.
 void expect_good_loops(const MinkowskiSum& sum)
 {
@@ -171,20 +142,6 @@ void expect_good_loops(const MinkowskiSum& sum)
             EXPECT_GT(dot(cross(edge(i + size - 1), edge(i)), n), 0) << "facet " << f;
         }
         EXPECT_LE(rays, 2U);
-    }
-}
-
-void expect_euler(const MinkowskiSum& sum)
-{
-    for (const SumEdge& edge : sum.edges()) {
-        EXPECT_NE(edge.left, no_facet);
-        EXPECT_NE(edge.right, no_facet);
-        EXPECT_NE(edge.left, edge.right);
-    }
-    if (sum.is_bounded()) {
-        EXPECT_EQ(static_cast<int>(sum.vertex_count()) - static_cast<int>(sum.edges().size()) +
-                      static_cast<int>(sum.facet_count()),
-                  2);
     }
 }
 
@@ -272,56 +229,6 @@ TEST(MinkowskiSum, EqualsBruteForceOnNastyUnboundedShapes)
     EXPECT_GT(lines, 20);
 }
 
-/// Facets by normal: offset, corners as pairs, origin.
-struct Described {
-    std::int64_t offset = 0;
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> corners;
-    FacetOrigin origin = FacetOrigin::a;
-    friend bool operator==(const Described&, const Described&) = default;
-};
-
-std::map<Whole, Described> described(const MinkowskiSum& sum)
-{
-    std::map<Whole, Described> result;
-    for (std::uint32_t f = 0; f < sum.facet_count(); ++f) {
-        const Whole n = exact_normal(sum, f);
-        Described facet;
-        for (const std::uint32_t v : sum.facet_loop(f)) {
-            facet.corners.emplace_back(sum.corner(v).a, sum.corner(v).b);
-        }
-        // Loops are the same up to where they start.
-        std::rotate(facet.corners.begin(), std::ranges::min_element(facet.corners),
-                    facet.corners.end());
-        facet.offset = dot(whole(sum.position(sum.facet_loop(f)[0])), n);
-        facet.origin = sum.facet(f).origin;
-        EXPECT_TRUE(result.emplace(n, facet).second);
-    }
-    return result;
-}
-
-TEST(MinkowskiSum, TheThreeMethodsAgree)
-{
-    int compared = 0;
-    for (unsigned seed = 0; seed < 300; ++seed) {
-        SCOPED_TRACE(seed);
-        std::mt19937 random(seed);
-        const auto a = test::hull_of(test::nasty_points(random));
-        const auto b = test::hull_of(test::nasty_points(random));
-        const auto arcs = minkowski_sum(a, b);
-        ASSERT_TRUE(arcs);
-        for (const auto method : {MinkowskiMethod::geometric, MinkowskiMethod::hull}) {
-            const auto sum = minkowski_sum(a, b, {.method = method});
-            EXPECT_EQ(sum.has_value(), arcs->dimension() == 3);
-            if (!sum) continue;
-            EXPECT_EQ(described(*sum), described(*arcs));
-            expect_euler(*sum);
-            ++compared;
-        }
-        if (HasFailure()) break;
-    }
-    EXPECT_GT(compared, 300);
-}
-
 Points real_points(std::mt19937& random, int count)
 {
     std::uniform_real_distribution<double> coordinate(-1, 1);
@@ -389,45 +296,17 @@ TEST(MinkowskiSum, PrismsOfManySidesAreSummedInLinearTime)
     ASSERT_TRUE(sum);
     EXPECT_EQ(sum->facet_count(), 2U * sides + 2U);
     expect_euler(*sum);
-    const auto counted = count_minkowski_sum(prism(sides, 0), prism(sides, 0.3));
-    ASSERT_TRUE(counted);
-    EXPECT_LT(counted->counts.dot_products, 200 * sides);
-}
-
-TEST(MinkowskiSum, CountingChangesNothing)
-{
-    for (unsigned seed = 0; seed < 60; ++seed) {
-        SCOPED_TRACE(seed);
-        std::mt19937 random(seed);
-        const auto a = test::hull_of(test::nasty_points(random));
-        const auto b = test::hull_of(test::nasty_points(random));
-        for (const auto method :
-             {MinkowskiMethod::arcs, MinkowskiMethod::geometric, MinkowskiMethod::hull}) {
-            const auto plain = minkowski_sum(a, b, {.method = method});
-            const auto counted = count_minkowski_sum(a, b, {.method = method});
-            ASSERT_EQ(plain.has_value(), counted.has_value());
-            if (!plain) continue;
-            EXPECT_EQ(described(*plain), described(counted->sum));
-            if (method != MinkowskiMethod::arcs) {
-                EXPECT_GT(counted->counts.dot_products, 0);
-            }
-        }
-    }
 }
 
 TEST(MinkowskiSum, IsStoppedOnRequest)
 {
     std::mt19937 random(1);
     const auto a = test::hull_of(test::round_points(random, 40, 1e5));
-    for (const auto method :
-         {MinkowskiMethod::arcs, MinkowskiMethod::geometric, MinkowskiMethod::hull}) {
-        Progress progress;
-        progress.cancel();
-        const auto sum =
-            minkowski_sum(a, a, {.method = method, .execution = {.progress = &progress}});
-        ASSERT_FALSE(sum);
-        EXPECT_EQ(sum.error().code, ErrorCode::cancelled);
-    }
+    Progress progress;
+    progress.cancel();
+    const auto sum = minkowski_sum(a, a, {.execution = {.progress = &progress}});
+    ASSERT_FALSE(sum);
+    EXPECT_EQ(sum.error().code, ErrorCode::cancelled);
 }
 
 } // namespace

@@ -1,8 +1,8 @@
 // Figures of queries show what those answer, and what slow oracles do.
-#include "index/build_mesh_index.h"
+#include "proxima/intersect_meshes.h"
+#include "proxima/mesh_index.h"
 #include "proxima/octree.h"
 #include "query/closest/brute_force.h"
-#include "query/contact/intersect_meshes.h"
 #include "viewer/figure_parts.h"
 #include "viewer/figures/query_figures.h"
 #include "viewer/figures/ray_figures.h"

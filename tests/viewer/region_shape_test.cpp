@@ -1,5 +1,5 @@
 // Voronoi regions as far as they are true, held against distances to all features of the mesh.
-#include "index/lists/build_proximity_octree.h"
+#include "index/listed_index.h"
 #include "proxima/sample_meshes.h"
 #include "query/closest/brute_force.h"
 #include "viewer/panels/region_shape.h"
@@ -16,7 +16,7 @@ constexpr std::array kinds = {FeatureKind::vertex, FeatureKind::edge, FeatureKin
 
 struct Built {
     std::shared_ptr<const ViewModel> model;
-    ProximityOctree octree;
+    MeshIndex listed;
 
     [[nodiscard]] std::size_t count(FeatureKind kind) const
     {
@@ -34,8 +34,8 @@ struct Built {
 Built built(TriangleMesh mesh)
 {
     auto model = make_view_model("mesh", std::move(mesh), Vec3::UnitZ(), 0, {}).value();
-    auto octree = build_proximity_octree(model->mesh, model->topology).value();
-    return {std::move(model), std::move(octree)};
+    auto listed = testing::listed_index(model->mesh).value();
+    return {std::move(model), std::move(listed)};
 }
 
 /// Cubes from -1 to 1, the second one `gap` farther along x.
@@ -59,7 +59,7 @@ TEST(RegionShape, OfConvexBodiesGoesOn)
     const Built sphere = built(make_icosphere(1));
     for (const FeatureKind kind : kinds) {
         for (std::uint32_t id = 0; id < sphere.count(kind); ++id) {
-            const auto shape = region_shape(*sphere.model, sphere.octree, {kind, id}, 3.0);
+            const auto shape = region_shape(*sphere.model, sphere.listed, {kind, id}, 3.0);
             ASSERT_TRUE(shape) << describe(shape.error());
             EXPECT_GE(shape->sides.size(), 3U);
             for (const RegionSample& sample : shape->samples) {
@@ -79,7 +79,7 @@ TEST(RegionShape, BetweenTwoCubesEndsHalfWay)
     std::array<std::size_t, 3> ended = {};
     for (const FeatureKind kind : kinds) {
         for (std::uint32_t id = 0; id < cubes.count(kind); ++id) {
-            const auto shape = region_shape(*cubes.model, cubes.octree, {kind, id}, 4.0);
+            const auto shape = region_shape(*cubes.model, cubes.listed, {kind, id}, 4.0);
             ASSERT_TRUE(shape) << describe(shape.error());
             for (const RegionSample& sample : shape->samples) {
                 if (sample.base.x() != facing || sample.direction.x() < 0.2) continue;
@@ -103,7 +103,7 @@ TEST(RegionShape, EndsWhereAnotherFeatureIsAsNear)
         for (const FeatureKind kind : kinds) {
             for (std::uint32_t id = 0; id < shape_of.count(kind); id += 37) {
                 const auto shape =
-                    region_shape(*shape_of.model, shape_of.octree, {kind, id}, length);
+                    region_shape(*shape_of.model, shape_of.listed, {kind, id}, length);
                 ASSERT_TRUE(shape) << describe(shape.error());
                 for (std::size_t i = 0; i < shape->samples.size(); i += 5) {
                     const RegionSample& sample = shape->samples[i];
@@ -140,7 +140,7 @@ TEST(RegionShape, IsDrawnOpenWhereItGoesOn)
     bool has_ended = false;
     bool has_gone_on = false;
     for (std::uint32_t id = 0; id < cubes.count(FeatureKind::face); ++id) {
-        const auto shape = region_shape(*cubes.model, cubes.octree, {FeatureKind::face, id}, 4.0);
+        const auto shape = region_shape(*cubes.model, cubes.listed, {FeatureKind::face, id}, 4.0);
         ASSERT_TRUE(shape);
         const auto [surfaces, triangles] = triangles_of(*shape);
         const std::size_t around = 2 * 3 * (shape->sides[0].size() - 1);
@@ -164,7 +164,7 @@ TEST(RegionShape, LiesBehindWhatIsBentInward)
     std::array<std::size_t, 3> found = {}; // outside, behind, empty
     for (const FeatureKind kind : kinds) {
         for (std::uint32_t id = 0; id < torus.count(kind); id += 5) {
-            const auto shape = region_shape(*torus.model, torus.octree, {kind, id}, 1.0);
+            const auto shape = region_shape(*torus.model, torus.listed, {kind, id}, 1.0);
             ASSERT_TRUE(shape) << describe(shape.error());
             const std::string words = words_for_region(*shape);
             if (shape->shape == ConeShape::empty) {
@@ -199,7 +199,7 @@ TEST(RegionShape, OfVerticesInFlatPartsIsALine)
     std::vector<Vec3> positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 0.5, 0}};
     const Built square = built(
         *make_triangle_mesh(std::move(positions), {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}));
-    const auto shape = region_shape(*square.model, square.octree, {FeatureKind::vertex, 4}, 0.3);
+    const auto shape = region_shape(*square.model, square.listed, {FeatureKind::vertex, 4}, 0.3);
     ASSERT_TRUE(shape) << describe(shape.error());
     EXPECT_EQ(words_for_region(*shape), "drawn, a line");
     Scene scene;

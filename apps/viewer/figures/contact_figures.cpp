@@ -1,9 +1,9 @@
 // Figures 5.2 and 5.4: what lies near a cursor, and where two meshes meet.
 #include "proxima/execution.h"
+#include "proxima/neighbourhood.h"
 #include "proxima/octree.h"
 #include "proxima/sample_meshes.h"
-#include "query/neighbourhood/neighbourhood.h"
-#include "thesis/thesis_closest.h"
+#include "thesis/proximity_octree/thesis_closest.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/query_figures.h"
 #include "viewer/figures/scene_figure.h"

@@ -1,9 +1,9 @@
 // Figures 5.7 and 5.8: culling by a view volume.
+#include "proxima/cull.h"
 #include "proxima/execution.h"
 #include "proxima/mesh_repair.h"
 #include "proxima/octree.h"
 #include "proxima/sample_meshes.h"
-#include "query/culling/cull_cells.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/query_figures.h"
 #include "viewer/figures/scene_figure.h"

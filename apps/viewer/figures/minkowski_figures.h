@@ -1,9 +1,9 @@
 // Figures of thesis chapter 3: Minkowski sums in the plane and in space.
 #pragma once
 
-#include "minkowski/planar_sum.h"
 #include "proxima/execution.h"
 #include "proxima/minkowski_sum.h"
+#include "thesis/minkowski_sums/planar_sum.h"
 #include "viewer/figures/thesis_figure.h"
 
 #include <array>

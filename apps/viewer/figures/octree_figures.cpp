@@ -7,6 +7,7 @@
 #include "proxima/mesh_io.h"
 #include "proxima/octree.h"
 #include "proxima/sample_meshes.h"
+#include "proxima/thesis.h"
 
 #include <array>
 #include <filesystem>
@@ -146,7 +147,7 @@ Result<FigureContent> figure_2_7(const Execution& context)
         const OctreeOptions options = options_for(5, context);
         const auto first = build_octree(model->mesh, options);
         if (!first) return tl::unexpected(first.error());
-        const auto octree = build_octree_two_pass(model->mesh, options);
+        const auto octree = build_octree_two_pass(model->mesh, {}, options);
         if (!octree) return tl::unexpected(octree.error());
         const OctreeStatistics before = octree_statistics(*first);
         const OctreeStatistics after = octree_statistics(*octree);

@@ -1,6 +1,6 @@
 #include "viewer/figures/quadtree.h"
 
-#include "minkowski/planar_sum.h"
+#include "thesis/minkowski_sums/planar_sum.h"
 
 #include <array>
 

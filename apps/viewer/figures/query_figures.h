@@ -2,13 +2,13 @@
 // and culling by a view volume.
 #pragma once
 
+#include "proxima/closest_feature.h"
 #include "proxima/execution.h"
 #include "proxima/geometry.h"
 #include "proxima/octree.h"
 #include "proxima/triangle_mesh.h"
 #include "proxima/view_volume.h"
-#include "query/closest/closest_feature.h"
-#include "thesis/intersect_octrees.h"
+#include "thesis/object_intersections/intersect_octrees.h"
 #include "viewer/figures/thesis_figure.h"
 
 #include <vector>

@@ -1,10 +1,10 @@
 // Figures of thesis section 5.3: cells along a ray.
 #pragma once
 
+#include "proxima/cells_along_ray.h"
 #include "proxima/execution.h"
 #include "proxima/octree.h"
 #include "proxima/triangle_mesh.h"
-#include "query/rays/cells_along_ray.h"
 #include "viewer/figures/thesis_figure.h"
 
 #include <vector>

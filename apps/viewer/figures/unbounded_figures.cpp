@@ -1,9 +1,9 @@
 // Figures 4.7 to 4.9: Minkowski sums of unbounded Voronoi regions, cut, summed and opened again.
-#include "minkowski/planar_sum.h"
-#include "minkowski/unbounded_sum.h"
 #include "proxima/convex_polyhedron.h"
 #include "proxima/execution.h"
-#include "thesis/feature_regions.h"
+#include "thesis/minkowski_sums/planar_sum.h"
+#include "thesis/proximity_octree/feature_regions.h"
+#include "thesis/proximity_octree/unbounded_sum.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/minkowski_figures.h"
 #include "viewer/figures/planar_panel.h"

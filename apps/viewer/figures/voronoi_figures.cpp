@@ -3,7 +3,7 @@
 
 #include "proxima/execution.h"
 #include "proxima/sample_meshes.h"
-#include "thesis/feature_regions.h"
+#include "thesis/proximity_octree/feature_regions.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/figures/scene_figure.h"
 

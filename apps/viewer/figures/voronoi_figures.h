@@ -3,7 +3,7 @@
 
 #include "proxima/execution.h"
 #include "proxima/triangle_mesh.h"
-#include "thesis/thesis_proximity_octree.h"
+#include "thesis/proximity_octree/thesis_proximity_octree.h"
 #include "viewer/figures/quadtree.h"
 #include "viewer/figures/thesis_figure.h"
 

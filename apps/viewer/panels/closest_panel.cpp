@@ -1,7 +1,10 @@
 // The feature of a model closest to a cursor, its neighbours, and the leaf that knew: figure 5.2.
+#include "index/index_parts.h"
+#include "index/lists/proximity_lists.h"
+#include "proxima/closest_feature.h"
 #include "proxima/execution.h"
-#include "query/closest/closest_feature.h"
-#include "query/neighbourhood/neighbourhood.h"
+#include "proxima/neighbourhood.h"
+#include "query/closest/find_closest.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/panels/panels.h"
 #include "viewer/panels/placed_point.h"
@@ -97,10 +100,10 @@ public:
     {
         return [models, model = model(), settings = settings_,
                 proximity = proximity_](const Execution& context) -> Result<PanelPicture> {
-            const auto octree = proximity_of(*proximity, model, context);
-            if (!octree) return tl::unexpected(octree.error());
+            const auto with = proximity_of(*proximity, model, context);
+            if (!with) return tl::unexpected(with.error());
             QuerySteps steps;
-            const ClosestFeature closest = closest_feature(**octree, settings.cursor.at, steps);
+            const ClosestFeature closest = *closest_feature(**with, settings.cursor.at, {}, steps);
             NeighbourhoodScratch scratch(model->mesh);
             std::vector<TriangleId> patch(model->mesh.triangle_count());
             const Neighbourhood near = collect_rings(model->mesh, model->topology, closest.feature,
@@ -108,7 +111,7 @@ public:
             patch.resize(near.count);
             if (closest.feature.kind == FeatureKind::face) std::erase(patch, closest.triangle);
             std::ranges::sort(patch);
-            const auto leaf = leaf_at(**octree, settings.cursor.at);
+            const auto leaf = leaf_at(**with, settings.cursor.at);
             PanelPicture picture;
             picture.layers = model_layers(models, Smoothing::flat);
             picture.layers.push_back({closest_scene(*model, settings, closest, patch, leaf)});
@@ -125,8 +128,9 @@ public:
                 {"steps of the query", fmt::format("{} words, {} blocks, {} rechecks", steps.steps,
                                                    steps.blocks, steps.rechecks)},
                 {"worst case",
-                 fmt::format("{} words, {} blocks", (*octree)->statistics().worst_case_steps,
-                             (*octree)->statistics().worst_case_blocks)}};
+                 fmt::format("{} words, {} blocks",
+                             (*with)->parts().lists()->statistics().worst_case_steps,
+                             (*with)->parts().lists()->statistics().worst_case_blocks)}};
             return picture;
         };
     }

@@ -1,8 +1,7 @@
 // Culling by the volume of a second camera: figures 5.7 and 5.8.
+#include "proxima/cull.h"
 #include "proxima/execution.h"
 #include "proxima/view_volume.h"
-#include "query/culling/cull_cells.h"
-#include "query/culling/cull_volume.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/panels/panels.h"
 #include "viewer/panels/placed_point.h"
@@ -111,6 +110,7 @@ public:
                 ++leaves;
                 if (at.is_inside) ++inside;
                 if (at.cell.type == CellClass::boundary) boxes.push_back((*octree)->box(at.cell));
+                return Flow::proceed;
             });
             const auto visible = visible_triangles(model->rays, *volume, settings.mode);
             auto scene = std::make_shared<Scene>();

@@ -1,10 +1,8 @@
 // Two meshes, one of them moved: leaves that meet, their triangles, and the contour: figure 5.4.
-#include "index/slabs/build_distance_index.h"
 #include "proxima/execution.h"
-#include "query/contact/containment.h"
-#include "query/contact/intersect_meshes.h"
-#include "query/contact/intersection_contour.h"
-#include "query/distance/mesh_distance.h"
+#include "proxima/intersect_meshes.h"
+#include "proxima/mesh_distance.h"
+#include "proxima/mesh_index.h"
 #include "viewer/panels/panels.h"
 #include "viewer/panels/placed_point.h"
 #include "viewer/panels/shared_octree.h"
@@ -70,9 +68,9 @@ public:
                              const RigidTransform& pose, const Execution& context)
     {
         const auto sides = sides_.get(0, [&]() -> Result<Sides> {
-            auto near_a = build_distance_index(a.rays, {.execution = context});
+            auto near_a = with_slabs(a.rays, {.execution = context});
             if (!near_a) return tl::unexpected(near_a.error());
-            auto near_b = build_distance_index(b.rays, {.execution = context});
+            auto near_b = with_slabs(b.rays, {.execution = context});
             if (!near_b) return tl::unexpected(near_b.error());
             auto round_a = build_enclosure(a.mesh, {.execution = context});
             if (!round_a) return tl::unexpected(round_a.error());
@@ -83,8 +81,8 @@ public:
         });
         if (!sides) return tl::unexpected(sides.error());
         const Sides& of = **sides;
-        const MeshDistance apart = mesh_distance(of.near_a, of.near_b, pose);
-        picture.facts.push_back({"apart", fmt::format("{:.5g}", apart.distance)});
+        const auto apart = mesh_distance(of.near_a, of.near_b, pose);
+        if (apart) picture.facts.push_back({"apart", fmt::format("{:.5g}", apart->distance)});
         switch (find_containment(of.round_a, of.round_b, pose).containment) {
         case Containment::none:
             break;
@@ -95,16 +93,17 @@ public:
             picture.facts.push_back({"inside", "B is inside of A"});
             break;
         }
+        if (!apart) return {};
         auto scene = std::make_shared<Scene>();
         scene->lines.push_back(
-            {"shortest way", {{apart.point_a, apart.point_b}}, srgb(0xD32F2F), 3.0});
+            {"shortest way", {{apart->point_a, apart->point_b}}, srgb(0xD32F2F), 3.0});
         picture.layers.push_back({std::move(scene)});
         return {};
     }
 
 private:
     struct Sides {
-        DistanceIndex near_a, near_b;
+        MeshIndex near_a, near_b;
         Enclosure round_a, round_b;
     };
     Kept<int, Sides> sides_;

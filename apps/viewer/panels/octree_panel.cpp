@@ -3,6 +3,7 @@
 #include "cli/names.h"
 #include "proxima/execution.h"
 #include "proxima/octree.h"
+#include "proxima/thesis.h"
 #include "viewer/panels/cell_shapes.h"
 #include "viewer/panels/panels.h"
 
@@ -55,13 +56,13 @@ Result<BuiltOctree> build(const ViewModel& model, const BuildSettings& settings,
 {
     const OctreeOptions options = {.max_depth = settings.depth,
                                    .threshold = static_cast<std::uint32_t>(settings.threshold),
-                                   .method = all_methods[settings.method],
                                    .subdivision = settings.subdivision,
                                    .root_shape = settings.root,
                                    .execution = context};
+    const OverlapChoice choice{.method = all_methods[settings.method]};
     const auto begin = std::chrono::steady_clock::now();
-    auto octree = settings.two_pass ? build_octree_two_pass(model.mesh, options)
-                                    : build_octree(model.mesh, options);
+    auto octree = settings.two_pass ? build_octree_two_pass(model.mesh, choice, options)
+                                    : build_octree_by(model.mesh, choice, options);
     const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin;
     if (!octree) return tl::unexpected(octree.error());
     auto leaves = leaf_boxes(*octree, LeafChoice::all, context.progress);

@@ -1,7 +1,7 @@
 #include "viewer/panels/placed_point.h"
 
 #include "base/text.h"
-#include "query/rays/cast_ray.h"
+#include "proxima/cast_ray.h"
 #include "viewer/camera.h"
 
 #include <algorithm>

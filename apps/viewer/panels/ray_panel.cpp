@@ -1,8 +1,8 @@
 // A ray through an octree: the cells along it, lit by their weights, and what it hits: figures 5.5
 // and 5.6.
+#include "proxima/cast_ray.h"
+#include "proxima/cells_along_ray.h"
 #include "proxima/execution.h"
-#include "query/rays/cast_ray.h"
-#include "query/rays/cells_along_ray.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/panels/panels.h"
 #include "viewer/panels/placed_point.h"

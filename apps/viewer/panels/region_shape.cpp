@@ -1,6 +1,6 @@
 #include "viewer/panels/region_shape.h"
 
-#include "query/closest/closest_feature.h"
+#include "proxima/closest_feature.h"
 
 #include <algorithm>
 #include <array>
@@ -16,12 +16,12 @@ constexpr std::uint32_t steps = 8; // between a corner and the next
 
 /// How far a half-line stays with its feature: a point of it is as far from the feature as from its
 /// base.
-void reach(RegionSample& sample, const ProximityOctree& octree, double length)
+void reach(RegionSample& sample, const MeshIndex& with, double length)
 {
     constexpr double rounding = 1e-9;
     constexpr int halvings = 24;
     const auto is_closest = [&](double away) {
-        const double nearest = std::sqrt(closest_feature(octree, sample.at(away)).squared_distance);
+        const double nearest = std::sqrt(closest_feature(with, sample.at(away))->squared_distance);
         return nearest >= away * (1.0 - rounding);
     };
     sample.reach = length;
@@ -105,8 +105,8 @@ void add_quad(SceneSurface& surface, const std::array<Vec3, 4>& corners)
 
 } // namespace
 
-Result<RegionShape> region_shape(const ViewModel& model, const ProximityOctree& octree,
-                                 Feature feature, double length)
+Result<RegionShape> region_shape(const ViewModel& model, const MeshIndex& with, Feature feature,
+                                 double length)
 {
     const auto cone = local_cone(model.mesh, model.topology, feature);
     if (!cone) return tl::unexpected(cone.error());
@@ -119,7 +119,7 @@ Result<RegionShape> region_shape(const ViewModel& model, const ProximityOctree& 
     } else if (cone->shape != ConeShape::empty) {
         add_fans(shape, cone->corners);
     }
-    for (RegionSample& sample : shape.samples) reach(sample, octree, length);
+    for (RegionSample& sample : shape.samples) reach(sample, with, length);
     return shape;
 }
 

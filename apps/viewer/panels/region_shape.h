@@ -14,7 +14,7 @@
 // ways there is none.
 #pragma once
 
-#include "index/lists/proximity_octree.h"
+#include "proxima/mesh_index.h"
 #include "proxima/result.h"
 #include "viewer/panels/local_cone.h"
 #include "viewer/scene.h"
@@ -47,8 +47,8 @@ struct RegionShape {
 
 /// Of the feature's region, at most `length` from it. Errors: those of local_cone. \pre the octree
 /// is the model's, length > 0
-[[nodiscard]] Result<RegionShape>
-region_shape(const ViewModel& model, const ProximityOctree& octree, Feature feature, double length);
+[[nodiscard]] Result<RegionShape> region_shape(const ViewModel& model, const MeshIndex& with,
+                                               Feature feature, double length);
 
 /// The surfaces "region" and the lines "region's edges".
 void add_region(Scene& scene, const RegionShape& shape, const Color& color);

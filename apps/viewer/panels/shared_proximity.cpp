@@ -1,8 +1,10 @@
 #include "viewer/panels/shared_proximity.h"
 
 #include "base/text.h"
-#include "index/lists/build_proximity_octree.h"
+#include "index/index_parts.h"
+#include "index/lists/proximity_lists.h"
 #include "proxima/execution.h"
+#include "proxima/mesh_index.h"
 #include "query/closest/leaf_candidates.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/query_shapes.h"
@@ -12,20 +14,18 @@
 
 namespace proxima {
 
-Result<std::shared_ptr<const ProximityOctree>>
-proximity_of(SharedProximity& shared, const std::shared_ptr<const ViewModel>& model,
-             const Execution& context)
+Result<std::shared_ptr<const MeshIndex>> proximity_of(SharedProximity& shared,
+                                                      const std::shared_ptr<const ViewModel>& model,
+                                                      const Execution& context)
 {
-    return shared.get(model, [&] {
-        return build_proximity_octree(model->mesh, model->topology, {.execution = context});
-    });
+    return shared.get(model, [&] { return with_lists(model->rays, {.execution = context}); });
 }
 
-std::optional<ProximityLeaf> leaf_at(const ProximityOctree& octree, const Vec3& p)
+std::optional<ProximityLeaf> leaf_at(const MeshIndex& index, const Vec3& p)
 {
     ProximityLeaf leaf;
-    leaf.listed.resize(octree.statistics().max_list);
-    const auto found = leaf_candidates(octree, p, leaf.listed);
+    leaf.listed.resize(index.parts().lists()->statistics().max_list);
+    const auto found = leaf_candidates(index.parts(), p, leaf.listed);
     if (!found) return std::nullopt;
     leaf.box = found->box;
     leaf.depth = found->depth;

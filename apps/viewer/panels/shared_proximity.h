@@ -1,9 +1,10 @@
-// Proximity octrees of models, built once for all panels that ask them.
+// Mesh indexes of models with lists, built once for all panels that ask them.
 #pragma once
 
-#include "index/lists/proximity_octree.h"
+#include "index/lists/proximity_lists.h"
 #include "proxima/execution.h"
 #include "proxima/geometry.h"
+#include "proxima/mesh_index.h"
 #include "viewer/panel.h"
 
 #include <cstdint>
@@ -12,14 +13,14 @@
 
 namespace proxima {
 
-using SharedProximity = Kept<std::shared_ptr<const ViewModel>, ProximityOctree>;
+using SharedProximity = Kept<std::shared_ptr<const ViewModel>, MeshIndex>;
 
-/// That of the model. Errors as build_proximity_octree.
-[[nodiscard]] Result<std::shared_ptr<const ProximityOctree>>
+/// That of the model. Errors as with_lists.
+[[nodiscard]] Result<std::shared_ptr<const MeshIndex>>
 proximity_of(SharedProximity& shared, const std::shared_ptr<const ViewModel>& model,
              const Execution& context);
 
-/// A leaf of a proximity octree, and what it lists.
+/// A leaf of the lists, and what it lists.
 struct ProximityLeaf {
     Box box;
     int depth = 0;
@@ -27,7 +28,7 @@ struct ProximityLeaf {
 };
 
 /// The leaf that holds the point; nothing outside of the root.
-[[nodiscard]] std::optional<ProximityLeaf> leaf_at(const ProximityOctree& octree, const Vec3& p);
+[[nodiscard]] std::optional<ProximityLeaf> leaf_at(const MeshIndex& index, const Vec3& p);
 
 /// The leaf as green glass.
 void add_leaf(Scene& scene, const ProximityLeaf& leaf);

@@ -78,9 +78,9 @@ void TouchSession::tick() noexcept
     moment_.buttons = said.buttons;
     moment_.placed = moment_.placed || said.pose.translation.allFinite();
     moment_.device = device_.map.to_model(felt.position);
-    moment_.proxy = felt.proxy.hold == Hold::free ? moment_.device : felt.proxy.proxy;
+    moment_.proxy = felt.hold == Hold::free ? moment_.device : felt.proxy;
     moment_.force = felt.force;
-    moment_.hold = felt.proxy.hold;
+    moment_.hold = felt.hold;
     if (moment_.ticks % ticks_per_value == 0) {
         std::shift_left(moment_.forces.begin(), moment_.forces.end(), 1);
         moment_.forces.back() = static_cast<float>(felt.force.norm());

@@ -8,9 +8,10 @@
 
 #include "cli/touch_device.h"
 #include "haptics/device/device_input.h"
-#include "haptics/force/haptic_renderer.h"
 #include "haptics/loop/snapshot.h"
 #include "haptics/surface/contact_surface.h"
+#include "proxima/device.h"
+#include "proxima/haptic_renderer.h"
 
 #include <array>
 #include <atomic>

@@ -1,9 +1,12 @@
 // Touching a model with the mouse or a haptic device: device, proxy and force, as section 5.1 has
 // them.
 #include "base/text.h"
-#include "haptics/device/hand_device.h"
 #include "haptics/loop/snapshot.h"
+#include "haptics/surface/contact_surface.h"
+#include "lab/hand_device.h"
+#include "proxima/device.h"
 #include "proxima/execution.h"
+#include "proxima/haptic_renderer.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/panels/panels.h"
 #include "viewer/panels/placed_point.h"
@@ -37,8 +40,8 @@ const DeviceLimits& limits_of_mouse()
 /// What there is to touch; shared with tasks, which make it.
 struct Touchable {
     std::shared_ptr<const ViewModel> model;
-    std::shared_ptr<const ProximityOctree> octree;
-    std::unique_ptr<OctreeContactSurface> surface;
+    std::shared_ptr<const MeshIndex> built;
+    std::unique_ptr<IndexContactSurface> surface;
 };
 
 struct TouchSlot {
@@ -188,9 +191,9 @@ public:
                                    " needs the window: a picture is touched by the mouse's hand"),
                             "device");
             }
-            const auto octree = proximity_of(*proximity, model, context);
-            if (!octree) return tl::unexpected(octree.error());
-            const auto touchable = touchable_of(*slot, model, *octree);
+            const auto built = proximity_of(*proximity, model, context);
+            if (!built) return tl::unexpected(built.error());
+            const auto touchable = touchable_of(*slot, model, *built);
             PanelPicture picture;
             picture.layers = model_layers(models, Smoothing::smooth);
             if (pictures == Pictures::still) {
@@ -245,14 +248,14 @@ public:
 private:
     static std::shared_ptr<const Touchable>
     touchable_of(TouchSlot& slot, const std::shared_ptr<const ViewModel>& model,
-                 const std::shared_ptr<const ProximityOctree>& octree)
+                 const std::shared_ptr<const MeshIndex>& built)
     {
         const std::scoped_lock lock(slot.mutex);
-        if (slot.latest && slot.latest->octree == octree) return slot.latest;
+        if (slot.latest && slot.latest->built == built) return slot.latest;
         auto made = std::make_shared<Touchable>();
         made->model = model;
-        made->octree = octree;
-        made->surface = std::make_unique<OctreeContactSurface>(*octree);
+        made->built = built;
+        made->surface = std::make_unique<IndexContactSurface>(*built);
         slot.latest = std::move(made);
         return slot.latest;
     }

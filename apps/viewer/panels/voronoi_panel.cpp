@@ -1,6 +1,8 @@
 // Voronoi regions of a model's features, and the proximity octree that stores them: chapter 4.
+#include "index/index_parts.h"
+#include "index/lists/proximity_lists.h"
 #include "proxima/execution.h"
-#include "thesis/list_statistics.h"
+#include "thesis/proximity_octree/list_statistics.h"
 #include "viewer/figures/figure_colors.h"
 #include "viewer/panels/panels.h"
 #include "viewer/panels/placed_point.h"
@@ -41,10 +43,10 @@ Color color_of_kind(FeatureKind kind)
 
 /// How many leaves list how many triangles; the few longest lists, which would leave no room for
 /// the others, are left out.
-PanelPlot list_plot(const ProximityOctree& octree)
+PanelPlot list_plot(const ProximityLists& built)
 {
     constexpr double share = 0.999;
-    const LeafLists lists = list_lengths(octree);
+    const LeafLists lists = list_lengths(built);
     const ListStatistics statistics = list_statistics(lists.lengths);
     std::uint32_t longest = 0;
     while (longest < statistics.max && statistics.share_up_to(longest) < share) ++longest;
@@ -56,14 +58,14 @@ PanelPlot list_plot(const ProximityOctree& octree)
 
 constexpr float glass = 0.3F; ///< the model's opacity where its region lies behind the surface
 
-void show_region(PanelPicture& picture, const ViewModel& model, const ProximityOctree& octree,
+void show_region(PanelPicture& picture, const ViewModel& model, const MeshIndex& with,
                  const VoronoiSettings& settings, Feature feature)
 {
     auto scene = std::make_shared<Scene>();
     add_feature(*scene, model, feature, mark_radius(model), srgb(figure_colors::red));
     if (settings.region) {
         const double length = settings.length * model.box.extent().norm();
-        const auto region = region_shape(model, octree, feature, length);
+        const auto region = region_shape(model, with, feature, length);
         if (region) {
             add_region(*scene, *region, color_of_kind(feature.kind));
             picture.facts.push_back({"region", words_for_region(*region)});
@@ -79,10 +81,10 @@ void show_region(PanelPicture& picture, const ViewModel& model, const ProximityO
     picture.layers.push_back({std::move(scene)});
 }
 
-void show_leaf(PanelPicture& picture, const ViewModel& model, const ProximityOctree& octree,
+void show_leaf(PanelPicture& picture, const ViewModel& model, const MeshIndex& with,
                const Vec3& cursor)
 {
-    const auto leaf = leaf_at(octree, cursor);
+    const auto leaf = leaf_at(with, cursor);
     auto scene = std::make_shared<Scene>();
     add_cursor(*scene, model, cursor);
     if (leaf) {
@@ -197,23 +199,24 @@ public:
     {
         return [models, model = model(), settings = settings_,
                 proximity = proximity_](const Execution& context) -> Result<PanelPicture> {
-            const auto octree = proximity_of(*proximity, model, context);
-            if (!octree) return tl::unexpected(octree.error());
+            const auto with = proximity_of(*proximity, model, context);
+            if (!with) return tl::unexpected(with.error());
             const Feature feature = {settings.kind, static_cast<std::uint32_t>(settings.number)};
             PanelPicture picture;
             picture.layers = model_layers(models, Smoothing::flat);
             picture.facts.push_back({"feature", words_for(feature)});
-            show_region(picture, *model, **octree, settings, feature);
-            if (settings.leaf) show_leaf(picture, *model, **octree, settings.cursor.at);
-            const ProximityStatistics& s = (*octree)->statistics();
+            show_region(picture, *model, **with, settings, feature);
+            if (settings.leaf) show_leaf(picture, *model, **with, settings.cursor.at);
+            const ProximityStatistics& s = (*with)->parts().lists()->statistics();
             picture.facts.push_back({"leaves", fmt::format("{}", s.leaves)});
             picture.facts.push_back({"deepest", fmt::format("{}", s.max_depth)});
             picture.facts.push_back({"mean list", fmt::format("{:.2f}", s.mean_list)});
             picture.facts.push_back({"longest list", fmt::format("{}", s.max_list)});
             picture.facts.push_back(
                 {"memory",
-                 fmt::format("{:.2f} MB", 1e-6 * static_cast<double>((*octree)->bytes()))});
-            picture.plots.push_back(list_plot(**octree));
+                 fmt::format("{:.2f} MB",
+                             1e-6 * static_cast<double>((*with)->parts().lists()->bytes()))});
+            picture.plots.push_back(list_plot(*(*with)->parts().lists()));
             return picture;
         };
     }

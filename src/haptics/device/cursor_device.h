@@ -11,8 +11,8 @@
 // speed at every tick. Both ways by Snapshot: no thread waits for the other.
 #pragma once
 
-#include "haptics/device/device.h"
 #include "haptics/loop/snapshot.h"
+#include "proxima/device.h"
 
 namespace proxima {
 

@@ -1,6 +1,7 @@
 #include "haptics/device/device_input.h"
 
 #include "base/check.h"
+#include "haptics/force/surface_renderer.h"
 
 #include <algorithm>
 #include <bit>
@@ -78,15 +79,15 @@ InputCondition DeviceInput::condition_of(const DeviceReading& reading) noexcept
     return is_fault(state_.condition) ? state_.condition : InputCondition::well;
 }
 
-/// What is believed of the velocity of a good sample, in the device's axes.
+/// The velocity of a good sample, as far as it is plausible, in the device's axes.
 Vec3 DeviceInput::velocity_of(const DeviceState& said) noexcept
 {
     const auto ticks = static_cast<double>(std::max<std::uint64_t>(tick_ - sampled_, 1));
     sampled_ = tick_;
     bounds_.add(said.pose.translation, ticks * options_.tick_seconds);
-    const Vec3 believed = bounds_.believed(said.velocity);
-    report_.velocities += believed != said.velocity ? 1U : 0U;
-    return believed;
+    const Vec3 used = bounds_.plausible(said.velocity);
+    report_.velocities += used != said.velocity ? 1U : 0U;
+    return used;
 }
 
 void DeviceInput::count_buttons(std::uint32_t buttons) noexcept
@@ -169,20 +170,21 @@ DeviceCommand DeviceInput::command(const HapticRenderer& renderer) noexcept
     DeviceCommand command;
     command.force = back * tick.force;
     command.condition = state_.condition;
-    command.trust = renderer.guard().trust();
+    command.trust = parts_of(renderer).guard().trust();
     // As the guard has softened them: servo loops of their own must not swing either.
-    const double softness = renderer.passivity().softness();
+    const double softness = parts_of(renderer).passivity().softness();
     command.stiffness = softness * options.force.stiffness;
-    command.damping = softness * options.force.damping + renderer.passivity().added_damping();
+    command.damping =
+        softness * options.force.damping + parts_of(renderer).passivity().added_damping();
     // What slides sticks again later than what sticks begins to slide.
-    const bool slides = tick.proxy.hold == Hold::sliding;
-    const double restick = renderer.proxy().options().restick;
+    const bool slides = tick.hold == Hold::sliding;
+    const double restick = parts_of(renderer).proxy().options().restick;
     command.static_friction = (slides ? restick : 1.0) * options.static_friction;
     command.dynamic_friction = options.dynamic_friction;
-    command.held = to_device(tick.proxy.held);
-    if (tick.proxy.hold != Hold::free) {
-        const SlideResult& slide = tick.proxy.slide;
-        const Vec3 frictionless = to_device(slide.held);
+    command.anchor = to_device(tick.anchor);
+    if (tick.hold != Hold::free) {
+        const SlideResult& slide = parts_of(renderer).proxy_tick().slide;
+        const Vec3 frictionless = to_device(slide.anchor);
         for (std::size_t i = 0; i < slide.contact_count; ++i) {
             const Vec3 normal = back * slide.contacts[i].normal;
             command.planes[i] = {normal, normal.dot(frictionless)};

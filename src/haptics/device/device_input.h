@@ -1,5 +1,5 @@
-// Between a device and the renderer: believes only what a hand can do, turns the device's axes,
-// lets the user re-grip, and hands button events over.
+// Between a device and the renderer: accepts only input that a hand can produce, turns the device's
+// axes, lets the user re-grip, and hands button events over.
 //
 //     device.read() ─▶ watch ─▶ turn, clutch ─▶ renderer.tick() ─▶ turn back ─▶ device.write()
 //                        │            │
@@ -9,8 +9,8 @@
 //     const RenderTick& felt = renderer.tick(input.accept(device.read()), 1e-3);
 //     device.write(input.command(renderer));
 //
-// Whatever is not believed is replaced by the last good place, with a condition that lets the force
-// fade (ForceOptions::loss_seconds); once the device is well again the force comes back as slowly.
+// Input that is not plausible is replaced by the last good position, with a condition that lets the
+// force fade (ForceOptions::loss_seconds). Once the device is well the force comes back as slowly.
 // What comes out is all that the renderer sees: recordings hold it, and replay the same bits.
 //
 //     not a number, or metres away          unsure    until there is a good sample
@@ -26,9 +26,9 @@
 #pragma once
 
 #include "haptics/device/button_queue.h"
-#include "haptics/device/device.h"
 #include "haptics/device/velocity_bounds.h"
-#include "haptics/force/haptic_renderer.h"
+#include "proxima/device.h"
+#include "proxima/haptic_renderer.h"
 
 #include <cstdint>
 
@@ -38,7 +38,7 @@ struct InputOptions {
     double tick_seconds = 1e-3;
     double max_jump = 0.05;           ///< m between two samples: 50 m/s at 1 kHz
     double max_distance = 10;         ///< m from the device's middle: farther is no place
-    double settle_seconds = 0.1;      ///< of samples that agree, before a jump is believed
+    double settle_seconds = 0.1;      ///< of samples that agree, before a jump is accepted
     double frozen_seconds = 0.5;      ///< of the same bits, before a pushed device counts as frozen
     double frozen_force = 0.05;       ///< N: less does not push it
     Mat3 rotation = Mat3::Identity(); ///< from the device's axes to ours: a rotation
@@ -68,7 +68,7 @@ public:
     /// \pre tick_seconds > 0, the rotation is one
     explicit DeviceInput(const DeviceInfo& info, const InputOptions& options = {}) noexcept;
 
-    /// What the renderer is to believe in this tick. Before the first good sample the position is
+    /// What the renderer is to use in this tick. Before the first good sample the position is
     /// no number, which the renderer takes as nothing to touch.
     const DeviceState& accept(const DeviceReading& reading) noexcept;
 
@@ -101,7 +101,7 @@ private:
     std::uint64_t sampled_ = 0;     ///< tick of the last good sample
     Vec3 good_ = Vec3::Zero();      ///< the device's last good place, in its axes
     Vec3 offset_ = Vec3::Zero();    ///< of the clutch
-    Vec3 jumped_to_ = Vec3::Zero(); ///< where samples that are not believed are
+    Vec3 jumped_to_ = Vec3::Zero(); ///< where samples are that are not accepted
     double agreed_ = 0;             ///< s: for how long they agree
     double unchanged_ = 0;          ///< s: of the same bits while pushed
     double waited_ = 0;             ///< s: since the last new sample

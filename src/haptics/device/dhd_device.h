@@ -6,7 +6,7 @@
 // after the public DHD API reference; tried with stub libraries, not yet on hardware.
 #pragma once
 
-#include "haptics/device/device.h"
+#include "proxima/device.h"
 
 #include <memory>
 #include <string>

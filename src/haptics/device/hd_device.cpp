@@ -2,6 +2,7 @@
 
 #include "base/shared_library.h"
 #include "base/text.h"
+#include "haptics/loop/tick_account.h"
 
 #include <algorithm>
 #include <array>
@@ -116,9 +117,9 @@ std::string hd_text(const char* text)
 
 /// What the callback works on.
 struct HdTicks {
-    explicit HdTicks(detail::TickAccount ticks) : account(std::move(ticks)) {}
+    explicit HdTicks(TickAccount ticks) : account(std::move(ticks)) {}
 
-    detail::TickAccount account;
+    TickAccount account;
     std::atomic<std::uint64_t> called{0};
     std::atomic<bool> ended{false};
 };
@@ -159,10 +160,7 @@ public:
     [[nodiscard]] DeviceReading read() noexcept override;
     void write(const DeviceCommand& command) noexcept override;
     [[nodiscard]] std::string trouble() const override;
-
-protected:
-    [[nodiscard]] ServoStatistics run_ticks(const ServoOptions& options, detail::ServoTick tick,
-                                            void* context) override;
+    [[nodiscard]] ServoStatistics run(const ServoOptions& options, ServoTick tick) override;
 
 private:
     void describe_device(const HdOptions& options);
@@ -283,10 +281,9 @@ std::string HdDevice::trouble() const
                   ", internal ", first_error_.internal_code, ")");
 }
 
-ServoStatistics HdDevice::run_ticks(const ServoOptions& options, detail::ServoTick tick,
-                                    void* context)
+ServoStatistics HdDevice::run(const ServoOptions& options, ServoTick tick)
 {
-    ticks_ = std::make_unique<HdTicks>(detail::TickAccount(options, tick, context));
+    ticks_ = std::make_unique<HdTicks>(TickAccount(options, tick));
     HdTicks& ticks = *ticks_;
     api_.set_rate(static_cast<unsigned long>(std::llround(options.rate)));
     const HdCallbackHandle callback = api_.schedule(hd_tick, &ticks, highest_priority);

@@ -8,7 +8,7 @@
 // public OpenHaptics API reference; tried with stub libraries, not yet on hardware.
 #pragma once
 
-#include "haptics/device/device.h"
+#include "proxima/device.h"
 
 #include <memory>
 #include <string>

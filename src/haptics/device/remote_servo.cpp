@@ -3,6 +3,7 @@
 #include "base/check.h"
 #include "haptics/force/contact_force.h"
 #include "haptics/proxy/contact_planes.h"
+#include "proxima/haptic_renderer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -23,7 +24,7 @@ bool is_sound(const Vec3& v) noexcept
 bool is_sound(const ReplyPacket& reply) noexcept
 {
     const DeviceCommand& c = reply.command;
-    bool sound = is_sound(c.force) && is_sound(c.held) && c.trust <= 1;
+    bool sound = is_sound(c.force) && is_sound(c.anchor) && c.trust <= 1;
     for (const double x :
          {c.trust, c.stiffness, c.damping, c.static_friction, c.dynamic_friction, reply.max_force,
           reply.hold_seconds, reply.fade_seconds, reply.recovery_seconds})
@@ -52,9 +53,9 @@ Vec3 contact_force(const DeviceCommand& c, const Vec3& position, const Vec3& vel
         nearest_allowed(std::span(planes).first(c.plane_count), tolerance);
     const double depth = solution.shift.norm();
     if (!(depth > 0)) return Vec3::Zero();
-    // Friction draws the held place towards where the renderer held it.
+    // Friction draws the anchor towards the renderer's.
     const Vec3 normal = solution.shift / depth;
-    Vec3 aside = c.held - (position + solution.shift);
+    Vec3 aside = c.anchor - (position + solution.shift);
     aside -= normal * normal.dot(aside);
     const double distance = aside.norm();
     const bool sticks = distance <= c.static_friction * depth;

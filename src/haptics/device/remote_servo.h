@@ -1,7 +1,7 @@
 // The servo loop on the other side of a slow or lossy line: makes the force from the planes of the
 // last reply, a thousand times a second, however seldom replies come.
 //
-//     reply   planes, K, B, friction ──▶ held place ──▶ spring and damper
+//     reply   planes, K, B, friction ──▶ anchor ──▶ spring and damper
 //     new planes    the force goes over to them within recovery_seconds ([mark-1996])
 //     no reply      holds for hold_seconds, then fades within fade_seconds; comes back as slowly
 //
@@ -9,8 +9,8 @@
 // hold.
 #pragma once
 
-#include "haptics/device/device.h"
 #include "haptics/device/udp_packets.h"
+#include "proxima/device.h"
 
 namespace proxima {
 

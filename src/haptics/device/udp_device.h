@@ -13,8 +13,8 @@
 #pragma once
 
 #include "base/udp_socket.h"
-#include "haptics/device/device.h"
 #include "haptics/device/udp_packets.h"
+#include "proxima/device.h"
 
 #include <cstdint>
 #include <memory>

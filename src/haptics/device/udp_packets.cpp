@@ -136,7 +136,7 @@ std::array<std::byte, reply_packet_size> encode(const ReplyPacket& packet) noexc
     writer.put(command.damping);
     writer.put(command.static_friction);
     writer.put(command.dynamic_friction);
-    writer.put(command.held);
+    writer.put(command.anchor);
     for (const HeldPlane& plane : command.planes) {
         writer.put(plane.normal);
         writer.put(plane.offset);
@@ -170,7 +170,7 @@ PacketFault decode(std::span<const std::byte> datagram, ReplyPacket& packet) noe
     reader.get(command.damping);
     reader.get(command.static_friction);
     reader.get(command.dynamic_friction);
-    reader.get(command.held);
+    reader.get(command.anchor);
     for (HeldPlane& plane : command.planes) {
         reader.get(plane.normal);
         reader.get(plane.offset);

@@ -5,7 +5,7 @@
 //     reply  renderer ──▶ device    force, and the planes it comes from, for a servo loop there
 #pragma once
 
-#include "haptics/device/device.h"
+#include "proxima/device.h"
 
 #include <array>
 #include <cstddef>

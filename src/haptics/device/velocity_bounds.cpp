@@ -7,8 +7,8 @@ namespace proxima {
 
 namespace {
 
-constexpr double least_room = 0.005;  ///< m/s
-constexpr double longest_step = 1e-4; ///< m: no encoder is coarser
+constexpr double least_margin = 0.005; ///< m/s
+constexpr double longest_step = 1e-4;  ///< m: no encoder is coarser
 
 } // namespace
 
@@ -27,12 +27,12 @@ void VelocityBounds::add(const Vec3& place, double seconds) noexcept
     last_place_ = place;
 }
 
-Vec3 VelocityBounds::believed(const Vec3& said) const noexcept
+Vec3 VelocityBounds::plausible(const Vec3& said) const noexcept
 {
     if (!said.allFinite()) return Vec3::Zero();
     Vec3 low = Vec3::Zero();
     Vec3 high = Vec3::Zero();
-    Vec3 room = Vec3::Constant(least_room + 3 * step_ / seconds_);
+    Vec3 margin = Vec3::Constant(least_margin + 3 * step_ / seconds_);
     const std::size_t known = std::min(count_, samples);
     if (known > 0) low = high = velocities_[0];
     Vec3 change = Vec3::Zero();
@@ -43,10 +43,10 @@ Vec3 VelocityBounds::believed(const Vec3& said) const noexcept
         const Vec3& before = velocities_[(count_ - 1 - i) % samples];
         change = change.cwiseMax((velocities_[(count_ - i) % samples] - before).cwiseAbs());
     }
-    room += change;
-    const bool borne = (said.array() >= (low - room).array()).all() &&
-                       (said.array() <= (high + room).array()).all();
-    if (borne) return said;
+    margin += change;
+    const bool is_plausible = (said.array() >= (low - margin).array()).all() &&
+                              (said.array() <= (high + margin).array()).all();
+    if (is_plausible) return said;
     return known > 0 ? velocities_[(count_ - 1) % samples] : Vec3(Vec3::Zero());
 }
 

@@ -1,6 +1,6 @@
 // From what the proxy says to what the device gets: a spring, a damper, and guards.
 //
-//     spring    F = K (held - device)                 from the surface to the device
+//     spring    F = K (anchor - device)                from the surface to the device
 //     damper    F += -B (v . n) n                     along the contact's normal; never pulls
 //     inward guards    in this order: not finite -> zero; ramps; clamp to |F|max; slew limit
 //
@@ -9,20 +9,13 @@
 // patch is lost.
 #pragma once
 
-#include "haptics/device/device.h"
+#include "proxima/device.h"
 #include "proxima/geometry.h"
+#include "proxima/haptic_renderer.h"
 
 #include <cstdint>
 
 namespace proxima {
-
-struct ForceOptions {
-    double stiffness = 500;      ///< K, N/m; at most the device's
-    double damping = 1;          ///< B, N s/m; at most the device's
-    double max_slew = 2000;      ///< N/s: from nothing to a Phantom Omni's 3.3 N in 1.65 ms
-    double start_seconds = 0.25; ///< ramp up from the first tick
-    double loss_seconds = 0.05;  ///< ramp down once the patch is lost, and up when it is back
-};
 
 /// The options within a device's limits.
 [[nodiscard]] ForceOptions limited(ForceOptions options, const DeviceLimits& limits) noexcept;
@@ -30,7 +23,7 @@ struct ForceOptions {
 /// A contact as the force sees it, in the device's metres.
 struct SpringContact {
     bool touching = false;
-    Vec3 stretch = Vec3::Zero(); ///< from the device to where it is held
+    Vec3 stretch = Vec3::Zero(); ///< from the device to the anchor
     Vec3 normal = Vec3::Zero();  ///< of length 1, outward
 };
 
@@ -42,9 +35,6 @@ struct SpringContact {
 /// feature. Jumps where the feature switches, and passes through thin walls.
 [[nodiscard]] Vec3 penalty_force(const ForceOptions& options, double depth, const Vec3& normal,
                                  const Vec3& velocity) noexcept;
-
-/// Whether the surface that the contact was computed with is the one at hand.
-enum class Patch : bool { available, lost };
 
 /// The guards; one per device. noexcept, no allocation.
 class ForceGuard {

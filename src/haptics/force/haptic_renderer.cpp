@@ -1,234 +1,91 @@
-#include "haptics/force/haptic_renderer.h"
+#include "proxima/haptic_renderer.h"
 
-#include "base/check.h"
+#include "haptics/force/surface_renderer.h"
+#include "haptics/scene/touch_access.h"
+#include "haptics/surface/contact_surface.h"
+#include "proxima/device.h"
+#include "proxima/mesh_index.h"
+#include "proxima/touch_scene.h"
 
-#include <algorithm>
 #include <utility>
 
 namespace proxima {
 
 namespace {
 
-RenderOptions limited_options(RenderOptions options, const DeviceLimits& device)
+RenderedSurface surface_of_index(const MeshIndex& index)
 {
-    options.force = limited(options.force, device);
-    return options;
+    RenderedSurface rendered;
+    rendered.owned = std::make_unique<IndexContactSurface>(index);
+    rendered.surface = rendered.owned.get();
+    return rendered;
+}
+
+RenderedSurface surface_of_scene(MovingSurface& scene)
+{
+    return {.surface = &scene, .feel = &scene, .scene = &scene};
 }
 
 } // namespace
 
-ProxyOptions proxy_options(const RenderOptions& options, const WorkspaceMap& map,
-                           const SurfaceFeel* feel) noexcept
-{
-    // Shading slides twice.
-    const std::size_t slides = options.shading == ForceShading::on ? 2 : 1;
-    return {.radius = options.proxy_radius * map.units_per_metre,
-            .static_friction = options.static_friction,
-            .dynamic_friction = options.dynamic_friction,
-            .max_moves = std::min(slides * options.max_moves, max_slide_moves),
-            .shading = options.shading,
-            .feel = feel};
-}
-
-HapticRenderer::HapticRenderer(const ContactSurface& surface, const WorkspaceMap& map,
-                               const DeviceLimits& device, const RenderOptions& options,
-                               const SurfaceFeel* feel, std::optional<PenaltyProbe> probe)
-    : feel_(feel), device_(device), map_(map), options_(limited_options(options, device)),
-      proxy_(surface, proxy_options(options, map, feel)), probe_(std::move(probe)),
-      guard_(options_.force, device.max_force), passivity_(device.max_damping)
-{
-    PROXIMA_CHECK((options.law == ForceLaw::penalty) == probe_.has_value());
-}
-
-HapticRenderer::HapticRenderer(const ContactSurface& surface, const WorkspaceMap& map,
-                               const DeviceLimits& device, const RenderOptions& options,
-                               const SurfaceFeel* feel)
-    : HapticRenderer(surface, map, device, options, feel, std::nullopt)
+HapticRenderer::HapticRenderer(std::unique_ptr<SurfaceRenderer> renderer) noexcept
+    : renderer_(std::move(renderer))
 {}
 
-HapticRenderer::HapticRenderer(const ContactSurface& surface, const PenaltySurface& inside,
-                               const WorkspaceMap& map, const DeviceLimits& device,
-                               const RenderOptions& options)
-    : HapticRenderer(surface, map, device, options, nullptr, PenaltyProbe(inside))
+HapticRenderer::HapticRenderer(const MeshIndex& index, const WorkspaceMap& map,
+                               const DeviceLimits& device, const RenderOptions& options)
+    : renderer_(std::make_unique<SurfaceRenderer>(surface_of_index(index), map, device, options))
 {}
 
 HapticRenderer::HapticRenderer(TouchScene& scene, const WorkspaceMap& map,
                                const DeviceLimits& device, const RenderOptions& options)
-    : HapticRenderer(scene, map, device, options, &scene)
+    : renderer_(std::make_unique<SurfaceRenderer>(surface_of_scene(moving_surface(scene)), map,
+                                                  device, options))
+{}
+
+HapticRenderer::HapticRenderer(const ContactSurface& surface, const WorkspaceMap& map,
+                               const DeviceLimits& device, const RenderOptions& options,
+                               const SurfaceFeel* feel)
+    : renderer_(std::make_unique<SurfaceRenderer>(
+          RenderedSurface{.surface = &surface, .feel = feel}, map, device, options))
+{}
+
+HapticRenderer::HapticRenderer(HapticRenderer&& other) noexcept = default;
+HapticRenderer& HapticRenderer::operator=(HapticRenderer&& other) noexcept = default;
+HapticRenderer::~HapticRenderer() = default;
+
+const RenderOptions& HapticRenderer::options() const noexcept
 {
-    scene_ = &scene;
+    return renderer_->options();
 }
 
-Vec3 HapticRenderer::accept(const DeviceState& state) noexcept
+const WorkspaceMap& HapticRenderer::map() const noexcept
 {
-    const Vec3& said = state.pose.translation;
-    tick_.fault = InputFault::none;
-    if (!said.allFinite()) {
-        tick_.fault = InputFault::not_finite;
-        return tick_.position;
-    }
-    if (placed_ && !((said - tick_.position).norm() <= options_.max_jump)) {
-        tick_.fault = InputFault::jumped;
-        placed_ = false;
-        guard_.restart();
-        passivity_.restart();
-    }
-    return said;
-}
-
-/// The objects go on, and take the proxy along.
-void HapticRenderer::advance_scene(double seconds) noexcept
-{
-    const SceneTick change = scene_->advance(seconds);
-    tick_.squeezed = false;
-    if (!placed_) return;
-    const ProxyTick& last = proxy_.last();
-    if (change.moved && last.has_room) {
-        const auto place = carried(last.proxy);
-        if (place) {
-            // The place without friction is another one, and goes along for itself.
-            const Vec3 easy = last.slide.center;
-            const bool apart = last.hold != Hold::free && easy != last.proxy;
-            proxy_.carry(*place, apart ? carried(easy).value_or(*place) : *place);
-        } else {
-            tick_.squeezed = true;
-            begin_anew();
-        }
-    }
-    if (change.exchanged) begin_anew();
-}
-
-/// Where objects that moved leave a place of the proxy: with what it touches, if it does.
-std::optional<Vec3> HapticRenderer::carried(const Vec3& place) noexcept
-{
-    const ProxyTick& last = proxy_.last();
-    const auto contacts = std::span(last.slide.contacts).first(last.slide.contact_count);
-    const Vec3 goal = last.hold == Hold::free ? place : carried_place(*scene_, contacts, place);
-    return move_with_objects(*scene_, proxy_.radius(), place, goal, carry_room_);
-}
-
-/// Where it is or nearby, but outside of bodies that are closed: one may have taken its place.
-void HapticRenderer::begin_anew() noexcept
-{
-    proxy_.place(scene_->nearest_exit(proxy_.last().proxy));
-    const Vec3 place = proxy_.last().proxy;
-    if (scene_->nearest_exit(place) != place) proxy_.wait(place);
-    guard_.cross_over();
-    passivity_.restart();
-}
-
-/// Of the surface under the proxy, m/s: of each contact by its part of the pressure.
-Vec3 HapticRenderer::surface_velocity() const noexcept
-{
-    const SlideResult& slide = tick_.proxy.slide;
-    Vec3 sum = Vec3::Zero();
-    double pressures = 0;
-    for (const Contact& contact : std::span(slide.contacts).first(slide.contact_count)) {
-        sum +=
-            contact.pressure * scene_->velocity_at(object_of(contact.triangle), tick_.proxy.proxy);
-        pressures += contact.pressure;
-    }
-    return pressures > 0 ? Vec3(sum / (pressures * map_.units_per_metre)) : Vec3(Vec3::Zero());
-}
-
-/// Spring and damper. Where objects differ each pushes by its own stiffness along its normal;
-/// damping, and the spring of friction, go by the mean, weighted by pressure.
-Vec3 HapticRenderer::spring(const Vec3& device, const Vec3& velocity) const noexcept
-{
-    const ProxyTick& proxy = tick_.proxy;
-    const bool touching = proxy.hold != Hold::free;
-    const Vec3 stretch = (proxy.held - device) / map_.units_per_metre;
-    const SpringContact contact = {touching, stretch, proxy.normal};
-    if (feel_ == nullptr || !touching) return spring_force(options_.force, contact, velocity);
-    ForceOptions mean = options_.force;
-    Vec3 pushes = Vec3::Zero();    // N: by each contact's own stiffness
-    Vec3 stretches = Vec3::Zero(); // m: what of the stretch they stand for
-    double pressures = 0;
-    double stiffness = 0;
-    double damping = 0;
-    for (const Contact& each : std::span(proxy.slide.contacts).first(proxy.slide.contact_count)) {
-        ForceOptions own = options_.force;
-        if (const auto material = feel_->material(each.triangle)) {
-            own.stiffness = material->stiffness;
-            own.damping = material->damping;
-            own = limited(own, device_);
-        }
-        const Vec3 pressed = each.pressure / map_.units_per_metre * each.normal;
-        pushes += own.stiffness * pressed;
-        stretches += pressed;
-        stiffness += each.pressure * own.stiffness;
-        damping += each.pressure * own.damping;
-        pressures += each.pressure;
-    }
-    if (!(pressures > 0)) return spring_force(options_.force, contact, velocity);
-    mean.stiffness = stiffness / pressures;
-    mean.damping = damping / pressures;
-    return spring_force(mean, contact, velocity) + (pushes - mean.stiffness * stretches);
-}
-
-void HapticRenderer::place(const Vec3& device) noexcept
-{
-    if (probe_) {
-        probe_->place(device);
-    } else {
-        proxy_.place(device);
-    }
-}
-
-const ProxyTick& HapticRenderer::follow(const Vec3& device) noexcept
-{
-    if (probe_) return probe_->follow(device);
-    const bool waits =
-        scene_ != nullptr && !proxy_.last().has_room && scene_->nearest_exit(device) != device;
-    return waits ? proxy_.wait(device) : proxy_.follow(device);
+    return renderer_->map();
 }
 
 const RenderTick& HapticRenderer::tick(const DeviceState& state, double seconds,
                                        Patch patch) noexcept
 {
-    tick_.position = accept(state);
-    tick_.condition = state.condition;
-    const Vec3 device = map_.to_model(tick_.position);
-    if (scene_ != nullptr) advance_scene(seconds);
-    if (!placed_) {
-        if (tick_.fault == InputFault::not_finite || !device.allFinite()) return tick_;
-        place(device);
-        placed_ = true;
-    }
-    tick_.proxy = follow(device);
-    tick_.popped = probe_ && probe_->popped();
-    const bool touching = tick_.proxy.hold != Hold::free;
-    Vec3 velocity = state.velocity.allFinite() ? state.velocity : Vec3(Vec3::Zero());
-    if (scene_ != nullptr) {
-        tick_.carrying = touching ? surface_velocity() : Vec3(Vec3::Zero());
-        velocity -= tick_.carrying;
-        ground_ += seconds * tick_.carrying;
-    }
-    tick_.spring = probe_ ? penalty_force(options_.force, tick_.proxy.depth / map_.units_per_metre,
-                                          tick_.proxy.normal, velocity)
-                          : spring(device, velocity);
-    Vec3 force = tick_.spring;
-    if (options_.passivity == Passivity::guarded) {
-        const Vec3 relative = tick_.position - ground_;
-        if (touching) {
-            // Of what is more than the device can give, a part may still be all that it can.
-            const double size = force.norm();
-            if (passivity_.softness() < 1 && size > device_.max_force)
-                force *= device_.max_force / size;
-            force = passivity_.pass(relative, velocity, force, seconds);
-        } else {
-            passivity_.leave(relative, seconds);
-            if (passivity_.is_away() && ground_ != Vec3::Zero()) {
-                passivity_.restart();
-                ground_ = Vec3::Zero();
-            }
-        }
-    }
-    const bool trusted = patch == Patch::available && tick_.fault != InputFault::not_finite &&
-                         state.condition == InputCondition::well;
-    tick_.force = guard_.pass(force, seconds, trusted ? Patch::available : Patch::lost);
-    passivity_.applied(tick_.force);
-    return tick_;
+    return renderer_->tick(state, seconds, patch);
+}
+
+const RenderTick& HapticRenderer::last() const noexcept
+{
+    return renderer_->last();
+}
+
+std::span<const Vec3> HapticRenderer::path() const noexcept
+{
+    return renderer_->path();
+}
+
+HapticRenderer make_penalty_renderer(const ContactSurface& surface, const PenaltySurface& inside,
+                                     const WorkspaceMap& map, const DeviceLimits& device,
+                                     const RenderOptions& options)
+{
+    return RendererAccess::wrap(std::make_unique<SurfaceRenderer>(
+        RenderedSurface{.surface = &surface}, map, device, options, PenaltyProbe(inside)));
 }
 
 } // namespace proxima

@@ -1,19 +1,20 @@
 #include "haptics/force/penalty_probe.h"
 
 #include "base/check.h"
+#include "proxima/haptic_renderer.h"
 
 namespace proxima {
 
 PenaltyProbe::PenaltyProbe(const PenaltySurface& surface) : surface_(surface)
 {
-    PROXIMA_CHECK(surface.octree != nullptr);
+    PROXIMA_CHECK(surface.index != nullptr);
     PROXIMA_CHECK(surface.sign != nullptr);
 }
 
 void PenaltyProbe::place(const Vec3& p) noexcept
 {
     tick_ = {};
-    tick_.proxy = tick_.held = p;
+    tick_.proxy = tick_.anchor = p;
     popped_ = false;
     path_size_ = 0;
 }
@@ -22,7 +23,7 @@ const ProxyTick& PenaltyProbe::follow(const Vec3& p) noexcept
 {
     const ProxyTick last = tick_;
     place(p);
-    const SignedDistance at = sign_of(*surface_.sign, closest_feature(*surface_.octree, p), p);
+    const SignedDistance at = sign_of(*surface_.sign, *closest_feature(*surface_.index, p), p);
     const Vec3 out = at.closest.point - p;
     const double depth = out.norm();
     if (!(at.distance < 0) || !(depth > 0)) {
@@ -33,7 +34,7 @@ const ProxyTick& PenaltyProbe::follow(const Vec3& p) noexcept
         return tick_;
     }
     tick_.hold = Hold::sliding;
-    tick_.held = at.closest.point;
+    tick_.anchor = at.closest.point;
     tick_.normal = out / depth;
     tick_.depth = depth;
     Contact& contact = tick_.slide.contacts[0];
@@ -43,7 +44,7 @@ const ProxyTick& PenaltyProbe::follow(const Vec3& p) noexcept
     contact.pressure = depth;
     tick_.slide.contact_count = 1;
     tick_.slide.center = p;
-    tick_.slide.held = at.closest.point;
+    tick_.slide.anchor = at.closest.point;
     popped_ = last.hold != Hold::free && tick_.normal.dot(last.normal) < 0;
     return tick_;
 }

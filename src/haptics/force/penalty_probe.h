@@ -8,8 +8,8 @@
 #pragma once
 
 #include "haptics/proxy/proxy.h"
-#include "index/lists/proximity_octree.h"
-#include "query/closest/signed_distance.h"
+#include "proxima/mesh_index.h"
+#include "proxima/signed_distance.h"
 
 #include <array>
 #include <cstddef>
@@ -19,7 +19,7 @@ namespace proxima {
 
 /// What knows the nearest place and the inside. Refers to both, of the same mesh.
 struct PenaltySurface {
-    const ProximityOctree* octree = nullptr;
+    const MeshIndex* index = nullptr;
     const SurfaceSign* sign = nullptr;
 };
 
@@ -32,9 +32,12 @@ public:
     /// Begins there, as if it came from nowhere. \pre p is finite
     void place(const Vec3& p) noexcept;
 
-    /// What is felt, as a proxy would say it, which is the device itself: inside it is held at the
-    /// nearest place of the surface, sliding. \pre placed; p is finite
+    /// What is felt, as a proxy would say it, which is the device itself: inside, its anchor is the
+    /// nearest place of the surface, and it slides. \pre placed; p is finite
     const ProxyTick& follow(const Vec3& p) noexcept;
+
+    /// What follow() answered last.
+    [[nodiscard]] const ProxyTick& last() const noexcept { return tick_; }
 
     /// Whether in the last tick it was pushed against the side on which it was pushed before.
     [[nodiscard]] bool popped() const noexcept { return popped_; }

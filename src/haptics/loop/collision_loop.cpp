@@ -4,7 +4,7 @@
 
 namespace proxima {
 
-void make_patch(ContactPatch& patch, const OctreeContactSurface& surface, const ServoPlace& place,
+void make_patch(ContactPatch& patch, const IndexContactSurface& surface, const ServoPlace& place,
                 const CollisionOptions& options) noexcept
 {
     const double radius = patch_radius(options.speed, 1 / options.rate, options.latency_seconds,
@@ -14,7 +14,7 @@ void make_patch(ContactPatch& patch, const OctreeContactSurface& surface, const 
     patch.made_at = place.tick;
 }
 
-CollisionLoop::CollisionLoop(const OctreeContactSurface& surface, PatchExchange& exchange,
+CollisionLoop::CollisionLoop(const IndexContactSurface& surface, PatchExchange& exchange,
                              const CollisionOptions& options)
     : thread_([this, &surface, &exchange, options] {
           statistics_ =

@@ -8,9 +8,10 @@
 // is lost: the force fades (contact_force.h) until one is there again.
 #pragma once
 
-#include "haptics/loop/servo_loop.h"
 #include "haptics/loop/snapshot.h"
 #include "haptics/surface/contact_patch.h"
+#include "haptics/surface/contact_surface.h"
+#include "proxima/device.h"
 
 #include <atomic>
 #include <cstdint>
@@ -68,7 +69,7 @@ private:
 };
 
 /// Makes the metric patch for a place. It refers to the surface, which must outlive it.
-void make_patch(ContactPatch& patch, const OctreeContactSurface& surface, const ServoPlace& place,
+void make_patch(ContactPatch& patch, const IndexContactSurface& surface, const ServoPlace& place,
                 const CollisionOptions& options) noexcept;
 
 /// Runs in a thread of its own from construction to destruction.
@@ -76,7 +77,7 @@ class CollisionLoop {
 public:
     /// Refers to surface and exchange, which must outlive it; the surface also every patch that is
     /// still touched, those in the exchange among them.
-    CollisionLoop(const OctreeContactSurface& surface, PatchExchange& exchange,
+    CollisionLoop(const IndexContactSurface& surface, PatchExchange& exchange,
                   const CollisionOptions& options);
     CollisionLoop(const CollisionLoop&) = delete;
     CollisionLoop& operator=(const CollisionLoop&) = delete;

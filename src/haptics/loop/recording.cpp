@@ -2,6 +2,7 @@
 
 #include "base/binary_file.h"
 #include "proxima/topology.h"
+#include "proxima/touch_scene.h"
 
 #include <algorithm>
 #include <bit>
@@ -232,11 +233,10 @@ RecordedTick recorded(double seconds, const DeviceState& state, const RenderTick
     result.position = numbers(state.pose.translation);
     result.velocity = numbers(state.velocity);
     result.force = numbers(tick.force);
-    result.proxy = numbers(tick.proxy.proxy);
+    result.proxy = numbers(tick.proxy);
     result.buttons = state.buttons;
-    const SlideResult& slide = tick.proxy.slide;
-    result.triangle = index(slide.contact_count > 0 ? slide.contacts[0].triangle : no_triangle);
-    result.hold = static_cast<std::uint32_t>(tick.proxy.hold);
+    result.triangle = index(tick.contact_count > 0 ? tick.contacts[0].triangle : no_triangle);
+    result.hold = static_cast<std::uint32_t>(tick.hold);
     result.fault = static_cast<std::uint16_t>(tick.fault);
     result.condition = static_cast<std::uint16_t>(state.condition);
     return result;

@@ -4,9 +4,9 @@
 // them but the models, of which it has the fingerprints. Of a scene it has how its objects moved.
 #pragma once
 
-#include "haptics/device/device.h"
-#include "haptics/force/haptic_renderer.h"
 #include "haptics/scene/scripted_scene.h"
+#include "proxima/device.h"
+#include "proxima/haptic_renderer.h"
 #include "proxima/result.h"
 
 #include <array>

@@ -1,13 +1,14 @@
-#include "haptics/loop/servo_loop.h"
-
 #include "base/check.h"
 #include "base/text.h"
+#include "haptics/loop/tick_account.h"
+#include "proxima/device.h"
 
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <ctime>
+#include <limits>
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
@@ -83,9 +84,12 @@ private:
     sched_param parameters_{};
 };
 
+/// How many ticks a loop makes that a tick alone ends.
+constexpr std::uint64_t endless = std::numeric_limits<std::uint64_t>::max();
+
 } // namespace
 
-ServoStatistics detail::run_servo_loop(const ServoOptions& options, ServoTick tick, void* context)
+ServoStatistics run_servo_loop(const ServoOptions& options, ServoTick tick)
 {
     PROXIMA_CHECK_GT(options.rate, 0);
     ServoStatistics seen;
@@ -96,7 +100,8 @@ ServoStatistics detail::run_servo_loop(const ServoOptions& options, ServoTick ti
     const std::int64_t begin = now();
     double planned = 0; // ticks since the beginning
     std::int64_t end = begin;
-    for (std::uint64_t number = 0; number < options.ticks; ++number) {
+    const std::uint64_t count = options.ticks.value_or(endless);
+    for (std::uint64_t number = 0; number < count; ++number) {
         std::int64_t start = now();
         if (paced) {
             const std::int64_t at = begin + std::llround(planned * period);
@@ -106,7 +111,7 @@ ServoStatistics detail::run_servo_loop(const ServoOptions& options, ServoTick ti
             }
             seen.late.add(start - at);
         }
-        const Flow flow = tick(context, number);
+        const Flow flow = tick(number);
         end = now();
         seen.work.add(end - start);
         ++seen.ticks;
@@ -125,16 +130,15 @@ ServoStatistics detail::run_servo_loop(const ServoOptions& options, ServoTick ti
     return seen;
 }
 
-detail::TickAccount::TickAccount(const ServoOptions& options, ServoTick called,
-                                 void* context) noexcept
-    : options_(options), tick_(called), context_(context)
+TickAccount::TickAccount(const ServoOptions& options, ServoTick called) noexcept
+    : options_(options), tick_(called)
 {
     PROXIMA_CHECK_GT(options.rate, 0);
 }
 
-Flow detail::TickAccount::tick() noexcept
+Flow TickAccount::tick() noexcept
 {
-    if (seen_.ticks >= options_.ticks) return Flow::stop;
+    if (seen_.ticks >= options_.ticks.value_or(endless)) return Flow::stop;
     const std::int64_t start = now();
     const auto period = static_cast<double>(nanoseconds_per_second) / options_.rate;
     if (seen_.ticks == 0) {
@@ -150,12 +154,13 @@ Flow detail::TickAccount::tick() noexcept
         }
     }
     last_ = start;
-    const Flow flow = tick_(context_, seen_.ticks);
+    const Flow flow = tick_(seen_.ticks);
     const std::int64_t end = now();
     seen_.work.add(end - start);
     ++seen_.ticks;
     seen_.seconds = static_cast<double>(end - begin_) / static_cast<double>(nanoseconds_per_second);
-    return flow == Flow::stop || seen_.ticks >= options_.ticks ? Flow::stop : Flow::proceed;
+    return flow == Flow::stop || seen_.ticks >= options_.ticks.value_or(endless) ? Flow::stop
+                                                                                 : Flow::proceed;
 }
 
 } // namespace proxima

@@ -24,7 +24,8 @@ constexpr double coordinate_rounding = 0x1p-44;
 } // namespace
 
 ContactCache::ContactCache()
-    : boxes_(1), near_(1), ranks_(GroupBoxes::room * TriangleGroup::width), times_(ranks_.size())
+    : boxes_(1), near_(1), ranks_(GroupBoxes::capacity * TriangleGroup::width),
+      times_(ranks_.size())
 {}
 
 bool ContactCache::keeps(const ContactSurface& surface) noexcept
@@ -49,7 +50,7 @@ bool ContactCache::fill(const ContactSurface& surface, const Vec3& p, double dis
         surface.find_groups(p, reach, boxes);
         ++work_.gathers;
         work_.gathered += boxes.count * TriangleGroup::width;
-        if (boxes.count > GroupBoxes::room) {
+        if (boxes.count > GroupBoxes::capacity) {
             margin_ /= 2;
             continue;
         }
@@ -115,7 +116,7 @@ std::size_t ContactCache::collect_along(const ContactSurface& surface, const Vec
 {
     begin_sweep(surface, p, way, distance);
     if (asks_) return ask(surface, p, way, distance, buffer);
-    const GroupsOnWay& near = near_.front();
+    const GroupsAlongSegment& near = near_.front();
     return scan(surface, std::span(near.ids).first(near.count), buffer);
 }
 
@@ -137,7 +138,7 @@ std::size_t ContactCache::next_before(const ContactSurface& surface, double part
                                       std::span<ContactTriangle> buffer,
                                       std::span<double> times) noexcept
 {
-    GroupsOnWay& near = near_.front();
+    GroupsAlongSegment& near = near_.front();
     if (asks_) {
         near.count = 0;
         asks_ = false;

@@ -96,9 +96,10 @@ private:
     double reach_ = -1; ///< negative: no ball
     double margin_ = 0; ///< a new ball's reach beyond what is asked for
     double rounding_ = 0;
-    std::vector<GroupBoxes> boxes_;    ///< one: of the ball
-    GroupQuery query_;                 ///< what is looked for
-    std::vector<GroupsOnWay> near_;    ///< one: groups that may have it and were not looked at yet
+    std::vector<GroupBoxes> boxes_; ///< one: of the ball
+    GroupQuery query_;              ///< what is looked for
+    std::vector<GroupsAlongSegment>
+        near_;                         ///< one: groups that may have it and were not looked at yet
     bool asks_ = false;                ///< of the surface itself
     std::vector<std::uint32_t> ranks_; ///< of triangles found
     std::vector<float> times_;         ///< of these, on a way

@@ -26,9 +26,10 @@ Vec3 direction(int i) noexcept
 /// Looks about for the nearest place.
 class FreePlaceSearch {
 public:
-    FreePlaceSearch(const ContactSurface& surface, double radius, Vec3 p, SlideRoom& room) noexcept
+    FreePlaceSearch(const ContactSurface& surface, double radius, Vec3 p,
+                    SlideScratch& scratch) noexcept
         : surface_(surface), radius_(radius), gap_(safety_gap(surface.scale())), p_(std::move(p)),
-          room_(room)
+          scratch_(scratch)
     {}
 
     std::optional<Vec3> run() noexcept
@@ -64,7 +65,7 @@ private:
         constexpr int attempts = 16;
         Vec3 place = p_;
         for (int attempt = 0; attempt < attempts; ++attempt) {
-            const auto near = nearest_contact(surface_, place, radius_, room_);
+            const auto near = nearest_contact(surface_, place, radius_, scratch_);
             if (!near) break;
             place = near->point + near->normal * (radius_ * a_little_more);
         }
@@ -76,7 +77,7 @@ private:
     {
         if ((place - p_).norm() > free_place_radii * radius_ * a_little_more || !is_free(place))
             return;
-        const SlideResult slide = slide_sphere(surface_, radius_, place, p_, room_);
+        const SlideResult slide = slide_sphere(surface_, radius_, place, p_, scratch_);
         const double distance = (slide.center - p_).norm();
         Best& best = is_seen(slide.center) ? seen_ : hidden_;
         if (distance < best.distance) best = {true, slide.center, distance};
@@ -85,7 +86,7 @@ private:
     /// Whether a point that goes from there to p gets there, or just before it.
     [[nodiscard]] bool is_seen(const Vec3& place) noexcept
     {
-        const SlideResult slide = slide_sphere(surface_, 0, place, p_, room_);
+        const SlideResult slide = slide_sphere(surface_, 0, place, p_, scratch_);
         return (slide.center - p_).norm() <= 4 * gap_;
     }
 
@@ -93,7 +94,7 @@ private:
     double radius_;
     double gap_;
     Vec3 p_;
-    SlideRoom& room_;
+    SlideScratch& scratch_;
     Best seen_;
     Best hidden_;
 };
@@ -101,9 +102,9 @@ private:
 } // namespace
 
 std::optional<Vec3> find_free_place(const ContactSurface& surface, double radius, const Vec3& p,
-                                    SlideRoom& room) noexcept
+                                    SlideScratch& scratch) noexcept
 {
-    return FreePlaceSearch(surface, radius, p, room).run();
+    return FreePlaceSearch(surface, radius, p, scratch).run();
 }
 
 } // namespace proxima

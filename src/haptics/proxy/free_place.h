@@ -23,6 +23,6 @@ inline constexpr double free_place_radii = 4;
 /// noexcept, no allocation; a question where p is free, else up to 300: 0.2 ms.
 /// \pre p is finite, radius >= safety_gap(surface.scale())
 [[nodiscard]] std::optional<Vec3> find_free_place(const ContactSurface& surface, double radius,
-                                                  const Vec3& p, SlideRoom& room) noexcept;
+                                                  const Vec3& p, SlideScratch& scratch) noexcept;
 
 } // namespace proxima

@@ -21,21 +21,21 @@ Proxy::Proxy(const ContactSurface& surface, const ProxyOptions& options)
 void Proxy::place(const Vec3& p) noexcept
 {
     tick_ = {};
-    const auto free = find_free_place(surface_, radius_, p, room_);
-    tick_.proxy = tick_.held = free.value_or(p);
+    const auto free = find_free_place(surface_, radius_, p, scratch_);
+    tick_.proxy = tick_.anchor = free.value_or(p);
     tick_.has_room = free.has_value();
 }
 
 const ProxyTick& Proxy::wait(const Vec3& p) noexcept
 {
     tick_ = {};
-    tick_.proxy = tick_.held = p;
+    tick_.proxy = tick_.anchor = p;
     tick_.has_room = false;
     return tick_;
 }
 
 /// Whether there is room now, after there was none: where the device itself is.
-bool Proxy::find_room(const Vec3& p) noexcept
+bool Proxy::find_free(const Vec3& p) noexcept
 {
     wait(p);
     tick_.has_room = surface_.clearance_beyond(p, radius_) > radius_;
@@ -85,8 +85,8 @@ Vec3 Proxy::lean_towards(const Vec3& p, ProxyTick& next) noexcept
     const SlideResult& slide = next.slide;
     Vec3 lean = shading_of(slide, next.normal, next.depth);
     if (lean.isZero(0)) return lean;
-    const SlideResult aside = slide_sphere(surface_, options_.radius, tick_.proxy, p + lean, room_,
-                                           SlideStart::touching, moves_left(next.moves));
+    const SlideResult aside = slide_sphere(surface_, options_.radius, tick_.proxy, p + lean,
+                                           scratch_, SlideStart::touching, moves_left(next.moves));
     next.moves += aside.moves;
     next.proxy = aside.center;
     const double part = (aside.center - slide.center).dot(lean) / lean.squaredNorm();
@@ -105,35 +105,35 @@ SlideResult Proxy::slide_easily(const Vec3& p) noexcept
     const Vec3& easy = tick_.slide.center;
     const std::size_t moves = options_.max_moves;
     if (tick_.hold != Hold::free && easy != start) {
-        SlideResult slide = slide_sphere(surface_, options_.radius, easy, p, easy_room_,
+        SlideResult slide = slide_sphere(surface_, options_.radius, easy, p, easy_scratch_,
                                          SlideStart::touching, moves);
         // Where it has come loose or far away from the proxy, the proxy may still be held back.
-        const double depth = (slide.held - p).norm();
+        const double depth = (slide.anchor - p).norm();
         const double apart = (slide.center - start).norm();
         const double leaning = options_.shading == ForceShading::on ? 2 : 0;
         if (slide.contact_count > 0 && depth > 0 &&
             apart <= (2 * options_.static_friction + leaning) * depth) {
-            room_.begin_path(start);
+            scratch_.begin_path(start);
             return slide;
         }
     }
-    const bool held = tick_.hold != Hold::free && tick_.slide.contact_count > 0;
-    const SlideStart known = held ? SlideStart::touching : SlideStart::anywhere;
-    return slide_sphere(surface_, options_.radius, start, p, room_, known, moves);
+    const bool touched = tick_.hold != Hold::free && tick_.slide.contact_count > 0;
+    const SlideStart known = touched ? SlideStart::touching : SlideStart::anywhere;
+    return slide_sphere(surface_, options_.radius, start, p, scratch_, known, moves);
 }
 
 const ProxyTick& Proxy::follow(const Vec3& p) noexcept
 {
-    if (!tick_.has_room && !find_room(p)) return tick_;
+    if (!tick_.has_room && !find_free(p)) return tick_;
     const Hold before = tick_.slide.contact_count > 0 ? tick_.hold : Hold::free;
     const Vec3 start = tick_.proxy;
     const SlideResult slide = slide_easily(p);
     ProxyTick next;
     next.slide = slide;
     next.proxy = slide.center;
-    next.held = slide.held;
+    next.anchor = slide.anchor;
     next.moves = slide.moves;
-    const Vec3 back = slide.held - p;
+    const Vec3 back = slide.anchor - p;
     next.depth = back.norm();
     // Out of moves on a free way it is on its way: the spring eases as it comes.
     const bool touching = slide.contact_count > 0;
@@ -150,39 +150,39 @@ const ProxyTick& Proxy::follow(const Vec3& p) noexcept
     }
     // Friction begins where the surface was met first.
     const std::size_t met = before == Hold::free ? slide.first_contact : 0;
-    const Vec3 anchor = room_.path()[met];
+    const Vec3 gripped = scratch_.path()[met];
     const Vec3 lean = lean_towards(p, next);
-    next.held += lean;
+    next.anchor += lean;
     const Friction friction = friction_of(slide);
     const Vec3 goal = slide.center + lean;
     if (friction.fixed > 0) {
-        Vec3 aside = anchor - goal;
+        Vec3 aside = gripped - goal;
         aside -= next.normal * next.normal.dot(aside);
         const double distance = aside.norm();
         const double part = before == Hold::sliding ? options_.restick : 1;
         if (distance <= part * friction.fixed * next.depth) next.hold = Hold::sticking;
         const double trail = friction.sliding * next.depth;
         if (next.hold == Hold::sticking || distance <= trail) {
-            room_.cut_path(met);
-            next.proxy = anchor;
-            next.held += anchor - goal;
+            scratch_.cut_path(met);
+            next.proxy = gripped;
+            next.anchor += gripped - goal;
         } else {
             const Vec3 lag = aside * (trail / distance);
             const std::size_t moves = moves_left(next.moves);
             const SlideResult dragged =
-                slide_sphere(surface_, options_.radius, start, p + lean + lag, room_,
+                slide_sphere(surface_, options_.radius, start, p + lean + lag, scratch_,
                              SlideStart::touching, moves);
             next.moves += dragged.moves;
             next.proxy = dragged.center;
             if (!lean.isZero(0)) {
-                next.held += lag;
+                next.anchor += lag;
             } else {
-                next.held = dragged.contact_count > 0 ? dragged.held : dragged.center;
+                next.anchor = dragged.contact_count > 0 ? dragged.anchor : dragged.center;
             }
         }
-    } else if (room_.path().back() != next.proxy) {
+    } else if (scratch_.path().back() != next.proxy) {
         // It goes there by itself where nothing keeps it back any longer.
-        const SlideResult freed = slide_sphere(surface_, options_.radius, start, p, room_,
+        const SlideResult freed = slide_sphere(surface_, options_.radius, start, p, scratch_,
                                                SlideStart::touching, moves_left(next.moves));
         next.moves += freed.moves;
         next.proxy = freed.center;

@@ -3,7 +3,7 @@
 //     Proxy proxy(surface, {.radius = 0.002});
 //     proxy.place(device);                            // once: where it begins
 //     const ProxyTick& tick = proxy.follow(device);   // every tick
-//     force = stiffness * (tick.held - device)
+//     force = stiffness * (tick.anchor - device)
 //
 // A point (god-object, [zilles-1995]) or a sphere ([ruspini-1997]) that slides over the surface as
 // near to the device as it can come (slide_sphere.h), with a friction cone ([melder-2004]): while
@@ -18,7 +18,10 @@
 #pragma once
 
 #include "haptics/proxy/slide_sphere.h"
+#include "haptics/surface/contact_surface.h"
 #include "haptics/surface/surface_feel.h"
+#include "proxima/haptic_renderer.h"
+#include "proxima/touch_scene.h"
 
 #include <cstdint>
 
@@ -37,12 +40,10 @@ struct ProxyOptions {
         nullptr; ///< frictions and normals by triangle; must outlive the proxy
 };
 
-/// How the proxy is held.
-enum class Hold : std::uint8_t { free, sliding, sticking };
-
+/// What is known after a tick. Lengths in the surface's unit.
 struct ProxyTick {
-    Vec3 proxy = Vec3::Zero(); ///< the centre
-    Vec3 held = Vec3::Zero();  ///< what a spring pulls the device to; the device where free
+    Vec3 proxy = Vec3::Zero();  ///< the centre
+    Vec3 anchor = Vec3::Zero(); ///< what a spring pulls the device to; the device where free
     Hold hold = Hold::free;
     Vec3 normal = Vec3::Zero(); ///< of all contacts together, of length 1; zero where free
     double depth = 0;           ///< of the device below the frictionless place
@@ -89,11 +90,14 @@ public:
     /// The centre's places in the last tick, straight moves between them.
     [[nodiscard]] std::span<const Vec3> path() const noexcept
     {
-        return tick_.has_room ? room_.path() : std::span<const Vec3>();
+        return tick_.has_room ? scratch_.path() : std::span<const Vec3>();
     }
 
     /// What all ticks asked the surface for.
-    [[nodiscard]] ContactWork work() const noexcept { return room_.work() + easy_room_.work(); }
+    [[nodiscard]] ContactWork work() const noexcept
+    {
+        return scratch_.work() + easy_scratch_.work();
+    }
 
 private:
     struct Friction {
@@ -104,7 +108,7 @@ private:
     [[nodiscard]] Friction friction_of(const SlideResult& slide) const noexcept;
     [[nodiscard]] Vec3 shading_of(const SlideResult& slide, const Vec3& normal,
                                   double depth) const noexcept;
-    [[nodiscard]] bool find_room(const Vec3& p) noexcept;
+    [[nodiscard]] bool find_free(const Vec3& p) noexcept;
     [[nodiscard]] std::size_t moves_left(std::size_t made) const noexcept;
     [[nodiscard]] SlideResult slide_easily(const Vec3& p) noexcept;
     [[nodiscard]] Vec3 lean_towards(const Vec3& p, ProxyTick& next) noexcept;
@@ -112,8 +116,8 @@ private:
     const ContactSurface& surface_;
     ProxyOptions options_;
     double radius_;
-    SlideRoom room_;
-    SlideRoom easy_room_; ///< of the frictionless place, where that is another
+    SlideScratch scratch_;
+    SlideScratch easy_scratch_; ///< of the frictionless place, where that is another
     ProxyTick tick_;
 };
 

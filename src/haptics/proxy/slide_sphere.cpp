@@ -26,7 +26,7 @@ constexpr double reach_in_edges = 2;
 constexpr double first_part = 0.125;
 
 // What is kept and looked at later always has room.
-static_assert(SlideRoom::triangles >= GroupBoxes::room * TriangleGroup::width);
+static_assert(SlideScratch::triangles >= GroupBoxes::capacity * TriangleGroup::width);
 
 } // namespace
 
@@ -38,15 +38,15 @@ double safety_gap(const SurfaceScale& scale) noexcept
 /// One slide: see slide_sphere.h.
 class Slide {
 public:
-    Slide(const ContactSurface& surface, double radius, Vec3 to, SlideRoom& room) noexcept
+    Slide(const ContactSurface& surface, double radius, Vec3 to, SlideScratch& scratch) noexcept
         : surface_(surface), gap_(safety_gap(surface.scale())), radius_(std::max(radius, gap_)),
-          skin_(skin_of(surface.scale())), to_(std::move(to)), room_(room)
+          skin_(skin_of(surface.scale())), to_(std::move(to)), scratch_(scratch)
     {}
 
     SlideResult run(const Vec3& from, SlideStart start, std::size_t max_moves) noexcept
     {
         result_.center = from;
-        room_.begin_path(from);
+        scratch_.begin_path(from);
         if (start == SlideStart::touching || !reach_freely()) {
             result_.end = SlideEnd::limited;
             while (result_.moves < max_moves && move()) {
@@ -54,7 +54,7 @@ public:
             if (result_.end == SlideEnd::limited) {
                 hold_where_it_is();
             } else if (result_.contact_count > 0 && !(radius_ > gap_)) {
-                result_.held = held_at_surface();
+                result_.anchor = anchor_at_surface();
             }
         }
         return result_;
@@ -66,10 +66,10 @@ private:
     {
         const double way = (to_ - result_.center).norm();
         const double wanted = way + radius_ + skin_;
-        const double clearance = room_.cache_.clearance(surface_, result_.center, wanted);
+        const double clearance = scratch_.cache_.clearance(surface_, result_.center, wanted);
         touches_nothing_ = clearance > radius_ + skin_;
         if (clearance <= wanted) return false;
-        result_.held = to_;
+        result_.anchor = to_;
         if (way > 0) go(to_);
         return true;
     }
@@ -78,15 +78,15 @@ private:
     /// that a sphere among details has left behind, may be anywhere.
     void hold_where_it_is() noexcept
     {
-        if (find_touches()) (void)choose_goal(room_.touched_.contacts());
-        result_.held = result_.center;
+        if (find_touches()) (void)choose_goal(scratch_.touched_.contacts());
+        result_.anchor = result_.center;
     }
 
     void go(const Vec3& place) noexcept
     {
         result_.center = place;
         ++result_.moves;
-        room_.path_[room_.path_size_++] = place;
+        scratch_.path_[scratch_.path_size_++] = place;
     }
 
     /// One goal and the way there. False when the slide is over.
@@ -94,7 +94,7 @@ private:
     {
         const Vec3 p = result_.center;
         if (!find_touches()) return end(SlideEnd::overloaded);
-        const std::span<const Contact> touched = room_.touched_.contacts();
+        const std::span<const Contact> touched = scratch_.touched_.contacts();
         const Vec3 goal = choose_goal(touched);
 
         Vec3 way = goal - p;
@@ -121,17 +121,17 @@ private:
     bool find_touches() noexcept
     {
         if (touches_nothing_) {
-            room_.touched_.clear();
+            scratch_.touched_.clear();
             return true;
         }
         // At the end of a move, what is near was on the way.
         if (result_.moves > 0) {
-            const auto near = std::span<const ContactTriangle>(room_.near_).first(near_count_);
-            return room_.touched_.find_among(near, surface_, result_.center, radius_ + skin_,
-                                             0.25 * skin_);
+            const auto near = std::span<const ContactTriangle>(scratch_.near_).first(near_count_);
+            return scratch_.touched_.find_among(near, surface_, result_.center, radius_ + skin_,
+                                                0.25 * skin_);
         }
-        return room_.touched_.find(room_.cache_, surface_, result_.center, radius_ + skin_,
-                                   0.25 * skin_, room_.near_);
+        return scratch_.touched_.find(scratch_.cache_, surface_, result_.center, radius_ + skin_,
+                                      0.25 * skin_, scratch_.near_);
     }
 
     /// Triangles along the first part of the first `reach` of a direction; a shorter reach where
@@ -139,10 +139,11 @@ private:
     bool collect_way(const Vec3& direction, double& reach) noexcept
     {
         for (int attempt = 0; attempt < 12; ++attempt) {
-            room_.cache_.begin_sweep(surface_, result_.center, reach * direction,
-                                     radius_ + 2 * skin_);
-            near_count_ = room_.cache_.next_before(surface_, first_part, room_.near_, room_.times_);
-            if (near_count_ <= room_.near_.size()) return true;
+            scratch_.cache_.begin_sweep(surface_, result_.center, reach * direction,
+                                        radius_ + 2 * skin_);
+            near_count_ =
+                scratch_.cache_.next_before(surface_, first_part, scratch_.near_, scratch_.times_);
+            if (near_count_ <= scratch_.near_.size()) return true;
             reach /= 2;
         }
         return false;
@@ -151,7 +152,7 @@ private:
     bool end(SlideEnd how) noexcept
     {
         result_.end = how;
-        if (result_.contact_count == 0) result_.held = result_.center;
+        if (result_.contact_count == 0) result_.anchor = result_.center;
         return false;
     }
 
@@ -159,8 +160,8 @@ private:
     Vec3 choose_goal(std::span<const Contact> touched) noexcept
     {
         result_.contact_count = 0;
-        result_.held = to_;
-        const auto used = std::span(room_.planes_).first(touched.size());
+        result_.anchor = to_;
+        const auto used = std::span(scratch_.planes_).first(touched.size());
         plane_count_ = touched.size();
         for (std::size_t i = 0; i < touched.size(); ++i) {
             const Contact& contact = touched[i];
@@ -175,7 +176,7 @@ private:
         }
         result_.contact_count = solution.count;
         Vec3 goal = to_ + solution.shift;
-        result_.held = goal;
+        result_.anchor = goal;
         if (!has_contact_) {
             has_contact_ = true;
             result_.first_contact = result_.moves;
@@ -186,9 +187,9 @@ private:
     }
 
     /// What the last planes allow without the safety gap.
-    [[nodiscard]] Vec3 held_at_surface() const noexcept
+    [[nodiscard]] Vec3 anchor_at_surface() const noexcept
     {
-        const auto planes = std::span(room_.planes_).first(plane_count_);
+        const auto planes = std::span(scratch_.planes_).first(plane_count_);
         for (ContactPlane& plane : planes) plane.gap += radius_;
         return to_ + nearest_allowed(planes, skin_).shift;
     }
@@ -220,15 +221,15 @@ private:
         sweep_from(0, way, free);
         if (free > first_part) {
             const std::size_t before = near_count_;
-            near_count_ +=
-                room_.cache_.next_before(surface_, free, std::span(room_.near_).subspan(before),
-                                         std::span(room_.times_).subspan(before));
+            near_count_ += scratch_.cache_.next_before(surface_, free,
+                                                       std::span(scratch_.near_).subspan(before),
+                                                       std::span(scratch_.times_).subspan(before));
             sweep_from(before, way, free);
         }
         // What may be near at the end of the way.
         std::size_t kept = 0;
         for (std::size_t i = 0; i < near_count_; ++i) {
-            if (room_.times_[i] <= free) room_.near_[kept++] = room_.near_[i];
+            if (scratch_.times_[i] <= free) scratch_.near_[kept++] = scratch_.near_[i];
         }
         near_count_ = kept;
         return free;
@@ -238,7 +239,7 @@ private:
     void sweep_from(std::size_t first, const Vec3& way, double& free) noexcept
     {
         // What may be touched soonest mostly is, and nothing else before it.
-        const auto times = std::span<const double>(room_.times_).first(near_count_);
+        const auto times = std::span<const double>(scratch_.times_).first(near_count_);
         std::size_t soonest = near_count_;
         for (std::size_t i = first; i < near_count_; ++i) {
             if (times[i] > 0 && (soonest == near_count_ || times[i] < times[soonest])) soonest = i;
@@ -251,10 +252,10 @@ private:
     /// Ends the free part of the way where a triangle is touched.
     void look_at(std::size_t i, const Vec3& way, double& free) noexcept
     {
-        const ContactTriangle& near = room_.near_[i];
+        const ContactTriangle& near = scratch_.near_[i];
         // What is touched already is left or gone along. Of contacts at one place one alone is
         // kept, and where two faces are all but flat the other may still be gone into.
-        const double least = room_.touched_.has(near.id) ? radius_ - 4 * skin_ : radius_;
+        const double least = scratch_.touched_.has(near.id) ? radius_ - 4 * skin_ : radius_;
         const auto t = touch_time(near.corners, least, result_.center, way);
         if (t && *t < free) free = *t;
     }
@@ -264,7 +265,7 @@ private:
     double radius_;
     double skin_;
     Vec3 to_;
-    SlideRoom& room_;
+    SlideScratch& scratch_;
     std::size_t near_count_ = 0;
     std::size_t plane_count_ = 0; ///< of the last goal
     bool touches_nothing_ = false;
@@ -273,9 +274,9 @@ private:
 };
 
 std::optional<Contact> nearest_contact(const ContactSurface& surface, const Vec3& p,
-                                       double distance, SlideRoom& room) noexcept
+                                       double distance, SlideScratch& scratch) noexcept
 {
-    const std::span<ContactTriangle> near = room.near_;
+    const std::span<ContactTriangle> near = scratch.near_;
     const std::size_t count = std::min(surface.collect(p, distance, near), near.size());
     std::optional<Contact> best;
     for (const ContactTriangle& triangle : near.first(count)) {
@@ -290,10 +291,10 @@ std::optional<Contact> nearest_contact(const ContactSurface& surface, const Vec3
 }
 
 SlideResult slide_sphere(const ContactSurface& surface, double radius, const Vec3& from,
-                         const Vec3& to, SlideRoom& room, SlideStart start,
+                         const Vec3& to, SlideScratch& scratch, SlideStart start,
                          std::size_t max_moves) noexcept
 {
-    return Slide(surface, radius, to, room).run(from, start, max_moves);
+    return Slide(surface, radius, to, scratch).run(from, start, max_moves);
 }
 
 } // namespace proxima

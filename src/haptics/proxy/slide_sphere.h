@@ -19,6 +19,7 @@
 #include "haptics/proxy/touched_places.h"
 #include "haptics/surface/contact_surface.h"
 #include "proxima/geometry.h"
+#include "proxima/haptic_renderer.h"
 
 #include <algorithm>
 #include <array>
@@ -33,15 +34,9 @@ namespace proxima {
 /// No slide has more moves.
 inline constexpr std::size_t max_slide_moves = 48;
 
-enum class SlideEnd : std::uint8_t {
-    settled,   ///< nothing nearer can be reached
-    limited,   ///< as many moves as are allowed: the next tick goes on
-    overloaded ///< more triangles near than there is room for: it stays where it was safe
-};
-
 struct SlideResult {
     Vec3 center = Vec3::Zero();
-    Vec3 held = Vec3::Zero();        ///< where the wanted place is held back to: the centre; of
+    Vec3 anchor = Vec3::Zero();      ///< where the wanted place is held back to: the centre; of
                                      ///< a sphere no larger than the gap, once settled, the surface
     std::array<Contact, 3> contacts; ///< that hold it back; none on a free way, out of moves
     std::size_t contact_count = 0;
@@ -50,12 +45,12 @@ struct SlideResult {
     SlideEnd end = SlideEnd::settled;
 };
 
-/// Room for a slide, allocated once; one per thread.
-class SlideRoom {
+/// Memory for a slide, allocated once; one per thread.
+class SlideScratch {
 public:
     static constexpr std::size_t triangles = 4096; ///< near at a time
 
-    SlideRoom() : near_(triangles), times_(triangles), planes_(max_contact_planes) {}
+    SlideScratch() : near_(triangles), times_(triangles), planes_(max_contact_planes) {}
 
     /// The centre's places in the last slide, from its start on, straight moves between.
     [[nodiscard]] std::span<const Vec3> path() const noexcept
@@ -79,7 +74,7 @@ public:
 private:
     friend class Slide;
     friend std::optional<Contact> nearest_contact(const ContactSurface& surface, const Vec3& p,
-                                                  double distance, SlideRoom& room) noexcept;
+                                                  double distance, SlideScratch& scratch) noexcept;
     ContactCache cache_;
     std::vector<ContactTriangle> near_;
     std::vector<double> times_; ///< of near_: nothing of it is touched before
@@ -96,7 +91,8 @@ private:
 /// The nearest place of the surface within a distance, with the normal towards p.
 /// \pre p is finite, distance > 0
 [[nodiscard]] std::optional<Contact> nearest_contact(const ContactSurface& surface, const Vec3& p,
-                                                     double distance, SlideRoom& room) noexcept;
+                                                     double distance,
+                                                     SlideScratch& scratch) noexcept;
 
 /// What is known of the place at which a slide begins.
 enum class SlideStart : std::uint8_t {
@@ -109,7 +105,7 @@ enum class SlideStart : std::uint8_t {
 /// \pre at `from` nothing is nearer than the sphere's radius; all finite; radius >= 0; max_moves is
 /// 1 to max_slide_moves
 [[nodiscard]] SlideResult slide_sphere(const ContactSurface& surface, double radius,
-                                       const Vec3& from, const Vec3& to, SlideRoom& room,
+                                       const Vec3& from, const Vec3& to, SlideScratch& scratch,
                                        SlideStart start = SlideStart::anywhere,
                                        std::size_t max_moves = max_slide_moves) noexcept;
 

@@ -2,7 +2,9 @@
 
 #include "geometry/closest_point.h"
 #include "geometry/exact_predicates.h"
+#include "haptics/scene/object_course.h"
 #include "haptics/surface/swept_sphere.h"
+#include "proxima/touch_scene.h"
 
 #include <algorithm>
 #include <cmath>
@@ -24,15 +26,16 @@ constexpr double slack_in_edges = 0.05;
 /// One carry: see move_with_objects.h.
 class Carry {
 public:
-    Carry(const TouchScene& scene, double radius, Vec3 from, Vec3 goal, CarryRoom& room) noexcept
+    Carry(const MovingSurface& scene, double radius, Vec3 from, Vec3 goal,
+          CarryScratch& scratch) noexcept
         : scene_(scene), radius_(radius), skin_(skin_part * scene.scale().reach),
-          from_(std::move(from)), goal_(std::move(goal)), room_(room)
+          from_(std::move(from)), goal_(std::move(goal)), scratch_(scratch)
     {}
 
     std::optional<Vec3> run() noexcept
     {
         for (std::size_t round = 0; round < max_contact_planes; ++round) {
-            const auto planes = std::span(room_.planes_).first(count_);
+            const auto planes = std::span(scratch_.planes_).first(count_);
             const PlaneSolution solution = nearest_allowed(planes, skin_ / 8);
             if (!solution.feasible) return std::nullopt;
             const Vec3 place = goal_ + solution.shift;
@@ -58,14 +61,14 @@ private:
         double first = 2;
         const ContactTriangle* wall = nullptr;
         std::size_t touched = 0;
-        for (const ContactTriangle& triangle : std::span(room_.near_).first(near_count_)) {
+        for (const ContactTriangle& triangle : std::span(scratch_.near_).first(near_count_)) {
             const double least = least_touch_time(triangle.corners, reach, begin, way);
             if (least > std::min(first, 1.0) || is_wall(scene_triangle(id, triangle.id))) continue;
             if (least == 0) {
-                const CarryRoom::Side side = side_of(triangle, begin);
+                const CarryScratch::Side side = side_of(triangle, begin);
                 if (side.distance <= radius_ + skin_) {
                     if (count_ + touched == max_contact_planes) return false;
-                    room_.touched_[touched++] = side;
+                    scratch_.touched_[touched++] = side;
                     continue;
                 }
             }
@@ -76,9 +79,9 @@ private:
         }
         // Touched before anything moved: it is gone along or left. By id, for surfaces give their
         // triangles in any order and planes round by theirs.
-        const auto sides = std::span(room_.touched_).first(touched);
-        std::ranges::sort(sides, {}, &CarryRoom::Side::triangle);
-        for (const CarryRoom::Side& side : sides) {
+        const auto sides = std::span(scratch_.touched_).first(touched);
+        std::ranges::sort(sides, {}, &CarryScratch::Side::triangle);
+        for (const CarryScratch::Side& side : sides) {
             if (!add_wall(id, object.now, side)) return false;
             blocked = true;
         }
@@ -92,24 +95,24 @@ private:
     bool collect(ObjectId id, const SceneObject& object, const Vec3& begin, const Vec3& way,
                  double reach) noexcept
     {
-        const bool has_them = near_count_ <= room_.near_.size() && near_of_ == id &&
+        const bool has_them = near_count_ <= scratch_.near_.size() && near_of_ == id &&
                               (way - near_way_).norm() + reach <= near_reach_;
         if (has_them) return true;
         near_of_ = id;
         near_way_ = way;
         near_reach_ = reach + slack_in_edges * object.body->surface().scale().mean_edge;
-        near_count_ = scene_.collect_of(id, begin, way, near_reach_, room_.near_);
-        if (near_count_ <= room_.near_.size()) return true;
+        near_count_ = scene_.collect_of(id, begin, way, near_reach_, scratch_.near_);
+        if (near_count_ <= scratch_.near_.size()) return true;
         near_reach_ = reach;
-        near_count_ = scene_.collect_of(id, begin, way, reach, room_.near_);
-        return near_count_ <= room_.near_.size();
+        near_count_ = scene_.collect_of(id, begin, way, reach, scratch_.near_);
+        return near_count_ <= scratch_.near_.size();
     }
 
-    static CarryRoom::Side side_of(const ContactTriangle& triangle, const Vec3& p) noexcept
+    static CarryScratch::Side side_of(const ContactTriangle& triangle, const Vec3& p) noexcept
     {
         const TrianglePoint closest = closest_point(triangle.corners, p);
         const Vec3 away = p - closest.point;
-        CarryRoom::Side side;
+        CarryScratch::Side side;
         side.triangle = triangle.id;
         side.point = closest.point;
         side.distance = away.norm();
@@ -124,25 +127,25 @@ private:
 
     [[nodiscard]] bool is_wall(TriangleId triangle) const noexcept
     {
-        const auto walls = std::span(room_.walls_).first(count_);
+        const auto walls = std::span(scratch_.walls_).first(count_);
         return std::find(walls.begin(), walls.end(), triangle) != walls.end();
     }
 
-    bool add_wall(ObjectId id, const RigidTransform& pose, const CarryRoom::Side& side) noexcept
+    bool add_wall(ObjectId id, const RigidTransform& pose, const CarryScratch::Side& side) noexcept
     {
         if (count_ == max_contact_planes) return false;
         const Vec3 normal = pose.rotation * side.normal;
-        room_.walls_[count_] = scene_triangle(id, side.triangle);
-        room_.planes_[count_++] = {normal, normal.dot(goal_ - pose(side.point)) - radius_};
+        scratch_.walls_[count_] = scene_triangle(id, side.triangle);
+        scratch_.planes_[count_++] = {normal, normal.dot(goal_ - pose(side.point)) - radius_};
         return true;
     }
 
-    const TouchScene& scene_;
+    const MovingSurface& scene_;
     double radius_;
     double skin_;
     Vec3 from_;
     Vec3 goal_;
-    CarryRoom& room_;
+    CarryScratch& scratch_;
     std::size_t count_ = 0;
     std::size_t near_count_ = 0; ///< of the object that was looked at last
     ObjectId near_of_{max_scene_objects};
@@ -150,13 +153,13 @@ private:
     double near_reach_ = 0;
 };
 
-std::optional<Vec3> move_with_objects(const TouchScene& scene, double radius, const Vec3& from,
-                                      const Vec3& goal, CarryRoom& room) noexcept
+std::optional<Vec3> move_with_objects(const MovingSurface& scene, double radius, const Vec3& from,
+                                      const Vec3& goal, CarryScratch& scratch) noexcept
 {
-    return Carry(scene, radius, from, goal, room).run();
+    return Carry(scene, radius, from, goal, scratch).run();
 }
 
-Vec3 carried_place(const TouchScene& scene, std::span<const Contact> contacts,
+Vec3 carried_place(const MovingSurface& scene, std::span<const Contact> contacts,
                    const Vec3& p) noexcept
 {
     Vec3 sum = Vec3::Zero();

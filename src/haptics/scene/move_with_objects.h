@@ -12,7 +12,7 @@
 
 #include "haptics/proxy/contact_planes.h"
 #include "haptics/proxy/slide_sphere.h"
-#include "haptics/scene/touch_scene.h"
+#include "haptics/scene/moving_surface.h"
 #include "proxima/geometry.h"
 
 #include <array>
@@ -23,12 +23,12 @@
 
 namespace proxima {
 
-/// Room for carrying, allocated once; one per thread.
-class CarryRoom {
+/// Memory for it, allocated once; one per thread.
+class CarryScratch {
 public:
     static constexpr std::size_t triangles = 8192; ///< of an object, near a way
 
-    CarryRoom() : near_(triangles) {}
+    CarryScratch() : near_(triangles) {}
 
 private:
     friend class Carry;
@@ -51,13 +51,13 @@ private:
 /// is room for. noexcept, no allocation; half a microsecond per object nearby.
 /// \pre where the objects stood, nothing was nearer to `from` than the radius, up to a skin;
 /// radius >= safety_gap(scene.scale()); all finite
-[[nodiscard]] std::optional<Vec3> move_with_objects(const TouchScene& scene, double radius,
+[[nodiscard]] std::optional<Vec3> move_with_objects(const MovingSurface& scene, double radius,
                                                     const Vec3& from, const Vec3& goal,
-                                                    CarryRoom& room) noexcept;
+                                                    CarryScratch& scratch) noexcept;
 
 /// Where a proxy that is held by these contacts goes with the objects that move: each carries it
 /// by its part of the pressure.
-[[nodiscard]] Vec3 carried_place(const TouchScene& scene, std::span<const Contact> contacts,
+[[nodiscard]] Vec3 carried_place(const MovingSurface& scene, std::span<const Contact> contacts,
                                  const Vec3& p) noexcept;
 
 } // namespace proxima

@@ -7,6 +7,7 @@
 #pragma once
 
 #include "haptics/proxy/contact_cache.h"
+#include "haptics/surface/contact_surface.h"
 
 #include <array>
 #include <cstddef>

@@ -1,6 +1,7 @@
 #include "haptics/scene/scripted_scene.h"
 
 #include "base/check.h"
+#include "haptics/scene/touch_access.h"
 
 #include <algorithm>
 #include <cmath>
@@ -34,9 +35,8 @@ ScriptedScene::ScriptedScene(const Box& reach, std::span<const ScriptedObject> o
     : reach_(reach), scene_(room_of(reach)), objects_(objects.begin(), objects.end())
 {}
 
-Result<std::unique_ptr<ScriptedScene>>
-ScriptedScene::make(std::vector<std::unique_ptr<const TouchBody>> bodies,
-                    std::span<const ScriptedObject> objects)
+Result<std::unique_ptr<ScriptedScene>> ScriptedScene::make(std::vector<TouchBody> bodies,
+                                                           std::span<const ScriptedObject> objects)
 {
     PROXIMA_CHECK_EQ(bodies.size(), objects.size());
     PROXIMA_CHECK(!bodies.empty());
@@ -45,7 +45,7 @@ ScriptedScene::make(std::vector<std::unique_ptr<const TouchBody>> bodies,
         const ScriptedObject& object = objects[i];
         if (Status status = check_script(object.script); !status)
             return tl::unexpected(status.error());
-        const Box box = reach_of(object.script, object.pose, bodies[i]->bounds());
+        const Box box = reach_of(object.script, object.pose, contact_body(bodies[i]).bounds());
         reach.extend(box.lower);
         reach.extend(box.upper);
     }
@@ -72,7 +72,7 @@ void ScriptedScene::say(std::uint64_t tick, double tick_seconds) noexcept
     for (std::uint32_t i = 0; i < objects_.size(); ++i) {
         const ScriptedObject& object = objects_[i];
         if (object.script.kind == ObjectMotionKind::rest) continue;
-        const Vec3 middle = scene_.object(ObjectId{i}).body->bounds().center();
+        const Vec3 middle = moving_surface(scene_).object(ObjectId{i}).body->bounds().center();
         const Status status =
             scene_.move(ObjectId{i}, {.pose = pose_at(object.script, object.pose, middle, there),
                                       .seconds = static_cast<double>(ticks) * tick_seconds});
@@ -97,7 +97,7 @@ Result<TriangleMesh> standing_mesh(const TouchScene& scene)
     std::vector<Vec3> positions;
     std::vector<TriangleCorners> triangles;
     for (std::uint32_t i = 0; i < scene.object_count(); ++i) {
-        const SceneObject object = scene.object(ObjectId{i});
+        const SceneObject object = moving_surface(scene).object(ObjectId{i});
         const TriangleMesh& mesh = object.body->mesh();
         const auto shift = static_cast<std::uint32_t>(positions.size());
         for (const Vec3& p : mesh.positions()) positions.push_back(object.now(p));

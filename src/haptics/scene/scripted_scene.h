@@ -9,11 +9,10 @@
 #pragma once
 
 #include "haptics/scene/object_script.h"
-#include "haptics/scene/touch_body.h"
-#include "haptics/scene/touch_scene.h"
 #include "haptics/surface/surface_feel.h"
 #include "proxima/geometry.h"
 #include "proxima/result.h"
+#include "proxima/touch_scene.h"
 #include "proxima/triangle_mesh.h"
 
 #include <cstdint>
@@ -38,8 +37,7 @@ public:
     /// A body for each object, made with its material. Errors: check_script's and
     /// TouchScene::add's.
     [[nodiscard]] static Result<std::unique_ptr<ScriptedScene>>
-    make(std::vector<std::unique_ptr<const TouchBody>> bodies,
-         std::span<const ScriptedObject> objects);
+    make(std::vector<TouchBody> bodies, std::span<const ScriptedObject> objects);
 
     [[nodiscard]] TouchScene& scene() noexcept { return scene_; }
     [[nodiscard]] const TouchScene& scene() const noexcept { return scene_; }

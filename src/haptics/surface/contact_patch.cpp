@@ -2,7 +2,7 @@
 
 #include "base/check.h"
 #include "haptics/surface/find_groups.h"
-#include "query/closest/closest_feature.h"
+#include "proxima/closest_feature.h"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace proxima {
 
-void ContactPatch::refer(const OctreeContactSurface& surface, const Vec3& p,
+void ContactPatch::refer(const IndexContactSurface& surface, const Vec3& p,
                          double distance) noexcept
 {
     const NearGroups::Found found = near_.find(surface.tree(), p, distance);
@@ -57,7 +57,7 @@ void ContactPatch::read(std::span<ContactTriangle> triangles) const noexcept
     }
 }
 
-void fill_metric_patch(ContactPatch& patch, const OctreeContactSurface& surface, const Vec3& device,
+void fill_metric_patch(ContactPatch& patch, const IndexContactSurface& surface, const Vec3& device,
                        double radius) noexcept
 {
     patch.refer(surface, device, radius);
@@ -65,15 +65,19 @@ void fill_metric_patch(ContactPatch& patch, const OctreeContactSurface& surface,
     patch.clearance = surface.clearance(device);
 }
 
-RingPatches::RingPatches(const ProximityOctree& octree, const TriangleMesh& mesh,
-                         const Topology& topology)
-    : octree_(octree), mesh_(mesh), topology_(topology),
+RingPatches::RingPatches(const MeshIndex& index, const TriangleMesh& mesh, const Topology& topology)
+    : index_(index), mesh_(mesh), topology_(topology),
       extent_(bounding_box(mesh).extent().maxCoeff()), scratch_(mesh), ids_(ContactPatch::most)
 {}
 
 void RingPatches::fill(ContactPatch& patch, const Vec3& device, int depth) noexcept
 {
-    const ClosestFeature closest = closest_feature(octree_, device);
+    fill(patch, device, *closest_feature(index_, device), depth);
+}
+
+void RingPatches::fill(ContactPatch& patch, const Vec3& device, const ClosestFeature& closest,
+                       int depth) noexcept
+{
     const Neighbourhood found =
         collect_rings(mesh_, topology_, closest.feature, depth, scratch_, ids_);
     const std::size_t count = std::min(found.count, patch.room().size());
@@ -127,7 +131,7 @@ void PatchContactSurface::find_groups(const Vec3& p, double distance,
     boxes.count = 0;
     if (is_empty()) return;
     proxima::find_groups(patch_->tree(), p, distance, boxes);
-    if (boxes.count > GroupBoxes::room) return; // some are missing: nobody looks at the others
+    if (boxes.count > GroupBoxes::capacity) return; // some are missing: nobody looks at the others
     for (std::uint32_t& id : std::span(boxes.ids).first(boxes.count)) id = patch_->group(id);
 }
 

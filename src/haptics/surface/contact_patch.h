@@ -17,9 +17,10 @@
 #include "haptics/surface/contact_surface.h"
 #include "haptics/surface/near_groups.h"
 #include "haptics/surface/patch_groups.h"
-#include "index/lists/proximity_octree.h"
+#include "proxima/closest_feature.h"
+#include "proxima/mesh_index.h"
+#include "proxima/neighbourhood.h"
 #include "proxima/topology.h"
-#include "query/neighbourhood/neighbourhood.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -46,7 +47,7 @@ public:
     /// All triangles of a surface within `distance` of p and their neighbours, or within the reach
     /// that there is room for. The surface must stay as long as the patch is used.
     /// noexcept, no allocation. \pre p is finite, distance >= 0
-    void refer(const OctreeContactSurface& surface, const Vec3& p, double distance) noexcept;
+    void refer(const IndexContactSurface& surface, const Vec3& p, double distance) noexcept;
 
     /// Where copies are written, for copied().
     [[nodiscard]] std::span<ContactTriangle> room() noexcept { return copies_; }
@@ -90,7 +91,7 @@ public:
     std::uint64_t made_at = 0;  ///< the servo tick whose state it was made for
 
 private:
-    const OctreeContactSurface* surface_ = nullptr; ///< null where triangles are copies
+    const IndexContactSurface* surface_ = nullptr; ///< null where triangles are copies
     NearGroups near_;
     std::vector<ContactTriangle> copies_;
     PatchGroups groups_; ///< of the copies
@@ -110,21 +111,25 @@ private:
 /// are more than it has room for: then it is whole for slower hands. It refers to the surface,
 /// which must outlive it. noexcept, no allocation; half a nanosecond per triangle.
 /// \pre finite, radius >= 0
-void fill_metric_patch(ContactPatch& patch, const OctreeContactSurface& surface, const Vec3& device,
+void fill_metric_patch(ContactPatch& patch, const IndexContactSurface& surface, const Vec3& device,
                        double radius) noexcept;
 
 /// Makes patches of rings, the thesis's; one thread.
 class RingPatches {
 public:
     /// Refers to all three, which must outlive it.
-    RingPatches(const ProximityOctree& octree, const TriangleMesh& mesh, const Topology& topology);
+    RingPatches(const MeshIndex& index, const TriangleMesh& mesh, const Topology& topology);
 
     /// Fills a patch with the triangles within `depth` rings of the device's closest feature.
     /// noexcept, no allocation. \pre device is finite, depth >= 0
     void fill(ContactPatch& patch, const Vec3& device, int depth) noexcept;
 
+    /// Like fill, around a closest feature that the caller has found.
+    void fill(ContactPatch& patch, const Vec3& device, const ClosestFeature& closest,
+              int depth) noexcept;
+
 private:
-    const ProximityOctree& octree_;
+    const MeshIndex& index_;
     const TriangleMesh& mesh_;
     const Topology& topology_;
     double extent_;

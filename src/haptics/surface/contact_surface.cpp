@@ -1,16 +1,21 @@
 #include "haptics/surface/contact_surface.h"
 
+#include "base/check.h"
 #include "geometry/closest_point.h"
 #include "haptics/surface/find_groups.h"
+#include "index/index_parts.h"
+#include "index/lists/proximity_lists.h"
 #include "index/triangle_lanes.h"
 #include "index/triangle_tree.h"
-#include "query/closest/closest_feature.h"
+#include "proxima/closest_feature.h"
+#include "proxima/mesh_index.h"
 
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace proxima {
 
@@ -97,20 +102,22 @@ void make_groups(std::span<const TriangleRow<Scalar>> rows, double scale,
     }
 }
 
-/// Whether the octree lists the triangles that can be nearest to a point.
-bool has_list(const ProximityOctree& octree, const Vec3& p) noexcept
+/// Whether the index lists the triangles that can be nearest to a point.
+bool has_list(const IndexParts& index, const Vec3& p) noexcept
 {
+    if (index.lists() == nullptr) return false;
+    const ProximityLists& lists = *index.lists();
     std::array<std::uint32_t, 3> at{};
-    if (!octree.locate(octree.frame().to_frame(p), at)) return false;
-    const int depth = octree.table_depth();
-    int shift = static_cast<int>(ProximityOctree::location_bits) - depth;
+    if (!lists.locate(lists.frame().to_frame(p), at)) return false;
+    const int depth = lists.table_depth();
+    int shift = static_cast<int>(ProximityLists::location_bits) - depth;
     std::uint64_t word =
-        octree.arrays().table[(std::size_t{at[2] >> shift} << depth | at[1] >> shift) << depth |
-                              at[0] >> shift];
+        lists.arrays().table[(std::size_t{at[2] >> shift} << depth | at[1] >> shift) << depth |
+                             at[0] >> shift];
     while (!proximity_word::is_leaf(word)) {
         --shift;
-        word = octree.arrays().nodes[word + ((at[0] >> shift & 1U) | (at[1] >> shift & 1U) << 1U |
-                                             (at[2] >> shift & 1U) << 2U)];
+        word = lists.arrays().nodes[word + ((at[0] >> shift & 1U) | (at[1] >> shift & 1U) << 1U |
+                                            (at[2] >> shift & 1U) << 2U)];
     }
     return word != proximity_word::search;
 }
@@ -131,61 +138,59 @@ SurfaceScale scale_of(const TriangleMesh& mesh)
     return sum.scale();
 }
 
-OctreeContactSurface::OctreeContactSurface(const ProximityOctree& octree) : octree_(&octree)
+IndexContactSurface::IndexContactSurface(MeshIndex index) : index_(std::move(index))
 {
-    // In the order of ids, so that the sums are those of the mesh.
-    const ProximityArrays& arrays = octree.arrays();
-    std::vector<Triangle> triangles(octree.triangle_count());
-    for (const auto& row : arrays.float_rows) triangles[row.triangle_id()] = triangle_of(row);
-    for (const auto& row : arrays.double_rows) triangles[row.triangle_id()] = triangle_of(row);
-    ScaleSum sum;
-    for (const Triangle& triangle : triangles) sum.add(triangle);
-    scale_ = sum.scale();
-    groups_.reserve(search_groups(octree.triangle_count()));
-    make_groups(arrays.float_rows, octree.tree().scale(), groups_);
-    make_groups(arrays.double_rows, octree.tree().scale(), groups_);
+    const auto mesh = mesh_of(index_);
+    PROXIMA_CHECK(mesh.has_value());
+    auto tree = build_triangle_tree(*mesh, index_.ids());
+    PROXIMA_CHECK(tree.has_value());
+    tree_ = std::move(*tree);
+    scale_ = scale_of(*mesh);
+    groups_.reserve((index_.triangle_count() + TriangleGroup::width - 1) / TriangleGroup::width);
+    make_groups(index_.parts().float_rows(), tree_.scale(), groups_);
+    make_groups(index_.parts().double_rows(), tree_.scale(), groups_);
 }
 
-std::size_t OctreeContactSurface::collect(const Vec3& p, double distance,
-                                          std::span<ContactTriangle> buffer) const noexcept
+std::size_t IndexContactSurface::collect(const Vec3& p, double distance,
+                                         std::span<ContactTriangle> buffer) const noexcept
 {
-    const ProximityArrays& arrays = octree_->arrays();
-    const TriangleTree& tree = octree_->tree();
-    return arrays.double_rows.empty() ? collect_rows(tree, arrays.float_rows, p, distance, buffer)
-                                      : collect_rows(tree, arrays.double_rows, p, distance, buffer);
+    const IndexParts& parts = index_.parts();
+    return parts.double_rows().empty()
+               ? collect_rows(tree_, parts.float_rows(), p, distance, buffer)
+               : collect_rows(tree_, parts.double_rows(), p, distance, buffer);
 }
 
-GroupQuery OctreeContactSurface::group_query(const Vec3& p) const noexcept
+GroupQuery IndexContactSurface::group_query(const Vec3& p) const noexcept
 {
-    return {.origin = octree_->tree().origin(), .scale = octree_->tree().scale(), .place = p};
+    return {.origin = tree_.origin(), .scale = tree_.scale(), .place = p};
 }
 
-void OctreeContactSurface::find_groups(const Vec3& p, double distance,
-                                       GroupBoxes& boxes) const noexcept
+void IndexContactSurface::find_groups(const Vec3& p, double distance,
+                                      GroupBoxes& boxes) const noexcept
 {
-    proxima::find_groups(octree_->tree(), p, distance, boxes);
+    proxima::find_groups(tree_, p, distance, boxes);
 }
 
-void OctreeContactSurface::read_triangles(std::span<const std::uint32_t> ranks,
-                                          std::span<ContactTriangle> triangles) const noexcept
+void IndexContactSurface::read_triangles(std::span<const std::uint32_t> ranks,
+                                         std::span<ContactTriangle> triangles) const noexcept
 {
-    const ProximityArrays& arrays = octree_->arrays();
+    const IndexParts& parts = index_.parts();
+    const bool floats = parts.double_rows().empty();
     for (const std::uint32_t rank : ranks) {
-        const auto* const row = arrays.double_rows.empty()
-                                    ? static_cast<const void*>(&arrays.float_rows[rank])
-                                    : static_cast<const void*>(&arrays.double_rows[rank]);
+        const auto* const row = floats ? static_cast<const void*>(&parts.float_rows()[rank])
+                                       : static_cast<const void*>(&parts.double_rows()[rank]);
         __builtin_prefetch(row);
         __builtin_prefetch(static_cast<const std::byte*>(row) + 64);
     }
     for (std::size_t i = 0; i < ranks.size(); ++i) {
-        triangles[i] = arrays.double_rows.empty() ? contact_triangle(arrays.float_rows[ranks[i]])
-                                                  : contact_triangle(arrays.double_rows[ranks[i]]);
+        triangles[i] = floats ? contact_triangle(parts.float_rows()[ranks[i]])
+                              : contact_triangle(parts.double_rows()[ranks[i]]);
     }
 }
 
-double OctreeContactSurface::clearance(const Vec3& p) const noexcept
+double IndexContactSurface::clearance(const Vec3& p) const noexcept
 {
-    return less_rounding(std::sqrt(closest_feature(*octree_, p).squared_distance), scale_, p);
+    return less_rounding(std::sqrt(closest_feature(index_, p)->squared_distance), scale_, p);
 }
 
 std::size_t MeshContactSurface::collect(const Vec3& p, double distance,
@@ -203,11 +208,11 @@ std::size_t MeshContactSurface::collect(const Vec3& p, double distance,
     return count;
 }
 
-double OctreeContactSurface::least_clearance(const Vec3& p) const noexcept
+double IndexContactSurface::least_clearance(const Vec3& p) const noexcept
 {
-    if (has_list(*octree_, p)) return clearance(p);
+    if (has_list(index_.parts(), p)) return clearance(p);
     // Of boxes no nearer than two thirds of the nearest one found, none is looked into.
-    const TriangleTree& tree = octree_->tree();
+    const TriangleTree& tree = tree_;
     const std::span<const TriangleTreeBlock> blocks =
         tree.blocks().subspan(tree.levels().front().first_block);
     const Vec3 at = (p - tree.origin()) * tree.scale();

@@ -1,8 +1,8 @@
 // What a proxy touches: the triangles near a place, by whichever structure knows them.
 //
-//     direct mode   the proximity octree itself: the servo loop asks it for what is near
+//     direct mode   the mesh index itself: the servo loop asks it for what is near
 //     patch mode    the triangles handed over by the collision loop (contact_patch.h)
-//     brute force   all triangles of the mesh: slow, what the others are held against
+//     brute force   all triangles of the mesh: slow, a reference that the others are compared with
 //
 // All members are noexcept, do not allocate, and may be called from any thread, but for those of a
 // scene (touch_scene.h), which keeps what is near, and of a patch's surface: by one thread.
@@ -10,8 +10,9 @@
 
 #include "haptics/surface/contact_triangle.h"
 #include "haptics/surface/triangle_groups.h"
-#include "index/lists/proximity_octree.h"
+#include "index/triangle_tree.h"
 #include "proxima/geometry.h"
+#include "proxima/mesh_index.h"
 #include "proxima/topology.h"
 #include "proxima/triangle_mesh.h"
 
@@ -98,11 +99,11 @@ public:
 /// A number that no surface had before. Wait-free; any thread.
 [[nodiscard]] std::uint64_t new_edition() noexcept;
 
-/// The surface as a proximity octree knows it, which must outlive this.
-class OctreeContactSurface final : public ContactSurface {
+/// The surface of a mesh index, whose storage it shares.
+class IndexContactSurface final : public ContactSurface {
 public:
-    /// O(triangles). \pre the octree is not empty
-    explicit OctreeContactSurface(const ProximityOctree& octree);
+    /// O(triangles). \pre the index is not empty, and no larger than 1e150
+    explicit IndexContactSurface(MeshIndex index);
 
     [[nodiscard]] const SurfaceScale& scale() const noexcept override { return scale_; }
     /// About 1 us and 15 ns per triangle written.
@@ -110,7 +111,8 @@ public:
                                       std::span<ContactTriangle> buffer) const noexcept override;
     /// The distance of the closest feature, less its rounding.
     [[nodiscard]] double clearance(const Vec3& p) const noexcept override;
-    /// The same where the octree lists what is near, else two thirds of it or more by boxes alone.
+    /// Like clearance() where the index lists what is near, else two thirds of it or more by boxes
+    /// alone.
     [[nodiscard]] double least_clearance(const Vec3& p) const noexcept override;
     [[nodiscard]] std::uint64_t edition() const noexcept override { return edition_; }
     [[nodiscard]] std::span<const TriangleGroup> groups() const noexcept override
@@ -118,7 +120,7 @@ public:
         return groups_;
     }
     /// Of the groups' boxes.
-    [[nodiscard]] const TriangleTree& tree() const noexcept { return octree_->tree(); }
+    [[nodiscard]] const TriangleTree& tree() const noexcept { return tree_; }
     [[nodiscard]] GroupQuery group_query(const Vec3& p) const noexcept override;
     /// About 0.5 us.
     void find_groups(const Vec3& p, double distance, GroupBoxes& boxes) const noexcept override;
@@ -126,7 +128,8 @@ public:
                         std::span<ContactTriangle> triangles) const noexcept override;
 
 private:
-    const ProximityOctree* octree_;
+    MeshIndex index_;
+    TriangleTree tree_; ///< eight rows to a group
     SurfaceScale scale_;
     std::uint64_t edition_ = new_edition();
     std::vector<TriangleGroup> groups_; ///< 40 bytes per triangle

@@ -26,13 +26,14 @@ HWY_INLINE std::size_t store_met(Lanes lanes, Mask mask, Scalar* to)
 void find_groups(const TriangleTree& tree, const BallQuery& query, GroupBoxes& boxes)
 {
     constexpr std::size_t width = TriangleTree::width;
-    constexpr std::size_t room = 2 * GroupBoxes::room; // blocks of a level that the ball meets
+    constexpr std::size_t capacity =
+        2 * GroupBoxes::capacity; // blocks of a level that the ball meets
     const BallTag d;
     const hn::Rebind<std::uint32_t, BallTag> di;
     const std::span<const TriangleTree::Level> levels = tree.levels();
     boxes.count = 0;
     if (levels.empty()) return;
-    std::uint32_t met[2][room + width]; // of this level and of the next one below
+    std::uint32_t met[2][capacity + width]; // of this level and of the next one below
     met[0][0] = 0;
     std::size_t count = 1;
     std::size_t now = 0;
@@ -49,8 +50,8 @@ void find_groups(const TriangleTree& tree, const BallQuery& query, GroupBoxes& b
                                              entries - HWY_MIN(entries, at));
                 next += store_met(hn::Iota(di, at), hn::RebindMask(di, near), met[1 - now] + next);
             }
-            if (next > room) {
-                boxes.count = GroupBoxes::room + 1;
+            if (next > capacity) {
+                boxes.count = GroupBoxes::capacity + 1;
                 return;
             }
         }
@@ -68,8 +69,8 @@ void find_groups(const TriangleTree& tree, const BallQuery& query, GroupBoxes& b
         const TriangleTreeBlock& block = blocks[met[now][i]];
         for (std::size_t lane = 0; lane < width; lane += hn::Lanes(d)) {
             // Whole vectors are stored.
-            if (found > GroupBoxes::room - width) {
-                boxes.count = GroupBoxes::room + 1;
+            if (found > GroupBoxes::capacity - width) {
+                boxes.count = GroupBoxes::capacity + 1;
                 return;
             }
             const auto at = static_cast<std::uint32_t>(met[now][i] * width + lane);

@@ -65,7 +65,7 @@ std::size_t groups_along_segment(const GroupBoxes& boxes, const BoxQuery& query,
     const hn::CappedTag<float, 16> d;
     const hn::Rebind<std::uint32_t, decltype(d)> di;
     using Lanes = hn::Vec<decltype(d)>;
-    static_assert(GroupBoxes::room % 16 == 0);
+    static_assert(GroupBoxes::capacity % 16 == 0);
     constexpr float short_way = 1e-20F; // beyond it nothing is divided by it
     const auto limit = hn::Set(d, query.limit);
     std::size_t count = 0;
@@ -114,9 +114,9 @@ namespace proxima {
 HWY_EXPORT(groups_along_segment);
 
 void groups_along_segment(const GroupBoxes& boxes, const GroupQuery& query,
-                          GroupsOnWay& groups) noexcept
+                          GroupsAlongSegment& groups) noexcept
 {
-    PROXIMA_CHECK_LE(boxes.count, GroupBoxes::room);
+    PROXIMA_CHECK_LE(boxes.count, GroupBoxes::capacity);
     const Vec3 place = (query.place - query.origin) * query.scale;
     const Vec3 way = query.way * query.scale;
     const double distance = query.distance * query.scale;

@@ -14,16 +14,17 @@
 namespace proxima {
 
 /// Groups that a way may meet, and before which part of it, 0 to 1, nothing of each is near.
-struct GroupsOnWay {
-    static constexpr std::size_t room = GroupBoxes::room + 16; ///< whole vectors are written
+struct GroupsAlongSegment {
+    static constexpr std::size_t capacity =
+        GroupBoxes::capacity + 16; ///< whole vectors are written
     std::size_t count = 0;
-    std::array<std::uint32_t, room> ids = {};
-    std::array<float, room> times = {};
+    std::array<std::uint32_t, capacity> ids = {};
+    std::array<float, capacity> times = {};
 };
 
 /// The groups whose boxes are within the distance of the place, or of the way if there is one, and
-/// some that are a little farther. 20 ns. \pre boxes.count <= GroupBoxes::room
+/// some that are a little farther. 20 ns. \pre boxes.count <= GroupBoxes::capacity
 void groups_along_segment(const GroupBoxes& boxes, const GroupQuery& query,
-                          GroupsOnWay& near) noexcept;
+                          GroupsAlongSegment& near) noexcept;
 
 } // namespace proxima

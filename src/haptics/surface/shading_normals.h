@@ -10,6 +10,7 @@
 
 #include "haptics/surface/surface_feel.h"
 #include "proxima/topology.h"
+#include "proxima/touch_scene.h"
 #include "proxima/triangle_mesh.h"
 
 #include <array>

@@ -3,22 +3,12 @@
 #pragma once
 
 #include "proxima/geometry.h"
+#include "proxima/touch_scene.h"
 #include "proxima/triangle_mesh.h"
 
 #include <optional>
 
 namespace proxima {
-
-/// Of an object. Limited by what the device can take.
-struct SurfaceMaterial {
-    double stiffness = 500;        ///< K, N/m
-    double damping = 1;            ///< B, N s/m
-    double static_friction = 0.4;  ///< mu_s
-    double dynamic_friction = 0.3; ///< mu_d, at most mu_s
-};
-
-/// Whether forces lean towards the normals of the smooth surface that a mesh stands for.
-enum class ForceShading : bool { off, on };
 
 /// Asked by a proxy and its renderer. All members are noexcept, do not allocate, and may be called
 /// from any thread.

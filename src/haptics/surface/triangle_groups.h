@@ -1,7 +1,7 @@
 // Triangles by eights, as floats: what a proxy's questions are sorted out with.
 //
-//     group    eight neighbours of the proximity octree's order, corners from the group's own
-//     centre boxes    of the groups round a place: what is asked for is held against these first
+//     group    eight neighbours of the index's order, corners from the group's own
+//     centre boxes    of the groups round a place: what is asked for is compared with these first
 //     units    lengths times a power of two, so that the surface's extent is 1 to 2
 //
 // Lanes leave out only what is farther than asked for by more than their rounding, and name the
@@ -28,11 +28,11 @@ struct alignas(64) TriangleGroup {
 
 /// Boxes of groups, from the surface's origin, rounded outward.
 struct GroupBoxes {
-    static constexpr std::size_t room = 512;
+    static constexpr std::size_t capacity = 512;
     std::size_t count = 0; ///< more than there is room for means that some are missing
-    std::array<std::uint32_t, room> ids = {};
-    std::array<std::array<float, room>, 3> lower = {};
-    std::array<std::array<float, room>, 3> upper = {};
+    std::array<std::uint32_t, capacity> ids = {};
+    std::array<std::array<float, capacity>, 3> lower = {};
+    std::array<std::array<float, capacity>, 3> upper = {};
 };
 
 /// A place and a way from it, zero for a ball, in the surface's own unit.

@@ -1,7 +1,7 @@
-// Whether the blocks of a proximity octree's arena are sound, and which of them leaves name.
+// Whether the blocks of the arena of closest-feature lists are sound, and which of them leaves name.
 #pragma once
 
-#include "index/lists/check_work.h"
+#include "index/check_work.h"
 #include "proxima/result.h"
 
 #include <atomic>

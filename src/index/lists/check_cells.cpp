@@ -4,6 +4,7 @@
 #include "base/progress.h"
 #include "base/text.h"
 #include "index/lists/grow_cells.h"
+#include "proxima/mesh_index.h"
 
 #include <algorithm>
 #include <cmath>
@@ -43,9 +44,9 @@ void CellChecker::Part::add(const Part& other)
     run_entries += other.run_entries;
 }
 
-CellChecker::CellChecker(const ProximityOctree& octree, ArenaChecker& arena)
-    : arrays_(octree.arrays()), table_depth_(octree.table_depth()),
-      frame_half_(octree.frame().frame_half()), arena_(arena), run_taken_(arrays_.runs.size())
+CellChecker::CellChecker(const ProximityLists& lists, ArenaChecker& arena)
+    : arrays_(lists.arrays()), table_depth_(lists.table_depth()),
+      frame_half_(lists.frame().frame_half()), arena_(arena), run_taken_(arrays_.runs.size())
 {}
 
 Status CellChecker::run(const CheckWork& work)
@@ -60,7 +61,7 @@ Status CellChecker::run(const CheckWork& work)
     Status status = work.run(tops.size(), [&](std::size_t task) {
         std::vector<ProximityCell> none;
         StageSteps task_steps = work.steps();
-        return walk(tops[task], max_proximity_depth + 1, none, parts[task], task_steps);
+        return walk(tops[task], max_list_depth + 1, none, parts[task], task_steps);
     });
     if (!status) return status;
     for (const Part& part : parts) part_.add(part);
@@ -76,7 +77,7 @@ Status CellChecker::walk(const ProximityCell& top, int end_depth, std::vector<Pr
                          Part& part, StageSteps& steps)
 {
     // Split cells wait, leaves are looked at on the spot: most nodes are leaves.
-    FixedStack<ProximityCell, 7 * max_proximity_depth + 1> pending;
+    FixedStack<ProximityCell, 7 * max_list_depth + 1> pending;
     const auto meet = [&](const ProximityCell& cell) -> const char* {
         const bool is_leaf = proximity_word::is_leaf(cell.word);
         if (!is_leaf && cell.depth == end_depth) {
@@ -87,7 +88,7 @@ Status CellChecker::walk(const ProximityCell& top, int end_depth, std::vector<Pr
         if (cell.depth <= table_depth_ && !check_table(cell))
             return "the table contradicts the nodes";
         if (is_leaf) return check_leaf(cell, part);
-        if (cell.depth == max_proximity_depth) return "split at the deepest level";
+        if (cell.depth == max_list_depth) return "split at the deepest level";
         __builtin_prefetch(&arrays_.nodes[cell.word]);
         pending.push(cell);
         return sound;

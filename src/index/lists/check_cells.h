@@ -1,12 +1,12 @@
-// Whether the cells of a proximity octree are one tree whose leaves name what there is.
+// Whether the cells of closest-feature lists are one tree whose leaves name what there is.
 #pragma once
 
 #include "base/atomic_bits.h"
 #include "base/progress.h"
+#include "index/check_work.h"
 #include "index/lists/check_arena.h"
-#include "index/lists/check_work.h"
 #include "index/lists/proximity_cells.h"
-#include "index/lists/proximity_octree.h"
+#include "index/lists/proximity_lists.h"
 #include "proxima/result.h"
 
 #include <cstddef>
@@ -15,10 +15,10 @@
 
 namespace proxima {
 
-/// Walks from the root to the leaves and counts what the statistics count. Refers to the octree.
+/// Walks from the root to the leaves and counts what the statistics count. Refers to the lists.
 class CellChecker {
 public:
-    CellChecker(const ProximityOctree& octree, ArenaChecker& arena);
+    CellChecker(const ProximityLists& lists, ArenaChecker& arena);
 
     /// Error broken_invariant, naming the cell; cancelled. \pre the table is a level of cells, the
     /// blocks are sound

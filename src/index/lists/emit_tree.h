@@ -2,7 +2,7 @@
 #pragma once
 
 #include "index/lists/grow_cells.h"
-#include "index/lists/proximity_octree.h"
+#include "index/lists/proximity_lists.h"
 #include "index/lists/rank_blocks.h"
 #include "index/lists/shared_blocks.h"
 #include "proxima/octree.h"

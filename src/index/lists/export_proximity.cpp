@@ -7,6 +7,7 @@
 #include "index/lists/grow_cells.h"
 #include "index/lists/proximity_cells.h"
 #include "octree/vtk_cells.h"
+#include "proxima/mesh_index.h"
 
 #include <array>
 #include <string>
@@ -48,36 +49,36 @@ OctreeFrame frame_of(const RootFrame& frame)
     return {frame.center - Vec3::Constant(frame.half), Vec3::Constant(2 * frame.half)};
 }
 
-Status export_leaves(const ProximityOctree& octree, std::uint64_t root,
+Status export_leaves(const ProximityLists& lists, std::uint64_t root,
                      const std::filesystem::path& path, Progress* progress)
 {
-    const auto lattice_depth = static_cast<int>(octree.statistics().max_depth);
-    StageSteps steps(progress, "collecting leaves", octree.statistics().nodes);
+    const auto lattice_depth = static_cast<int>(lists.statistics().max_depth);
+    StageSteps steps(progress, "collecting leaves", lists.statistics().nodes);
     std::vector<LeafBox> leaves;
     CellNumbers numbers;
-    FixedStack<ProximityCell, 7 * max_proximity_depth + 1> pending;
+    FixedStack<ProximityCell, 7 * max_list_depth + 1> pending;
     pending.push({root, 0, {}});
     while (!pending.empty()) {
         const ProximityCell cell = pending.pop();
         if (!steps.done(1)) return export_cancelled();
         if (!proximity_word::is_leaf(cell.word)) {
-            for (std::uint32_t i = 8; i-- > 0;) pending.push(child(octree.arrays(), cell, i));
+            for (std::uint32_t i = 8; i-- > 0;) pending.push(child(lists.arrays(), cell, i));
             continue;
         }
         LeafBox leaf;
         leaf.size = 1U << (lattice_depth - cell.depth);
         for (std::size_t axis = 0; axis < 3; ++axis) leaf.lower[axis] = leaf.size * cell.at[axis];
         leaves.push_back(leaf);
-        numbers.add(octree.arrays(), cell);
+        numbers.add(lists.arrays(), cell);
     }
-    return write_leaf_voxels(frame_of(octree.frame()), lattice_depth, leaves, numbers.data(), path,
+    return write_leaf_voxels(frame_of(lists.frame()), lattice_depth, leaves, numbers.data(), path,
                              progress);
 }
 
-Status export_tree(const ProximityOctree& octree, std::uint64_t root,
+Status export_tree(const ProximityLists& lists, std::uint64_t root,
                    const std::filesystem::path& path, Progress* progress)
 {
-    StageSteps steps(progress, "collecting cells", octree.statistics().nodes);
+    StageSteps steps(progress, "collecting cells", lists.statistics().nodes);
     SplitCells cells;
     CellNumbers numbers;
     std::vector<ProximityCell> level = {{root, 0, {}}};
@@ -86,34 +87,34 @@ Status export_tree(const ProximityOctree& octree, std::uint64_t root,
         std::vector<bool> split;
         for (const ProximityCell& cell : level) {
             if (!steps.done(1)) return export_cancelled();
-            numbers.add(octree.arrays(), cell);
+            numbers.add(lists.arrays(), cell);
             split.push_back(!proximity_word::is_leaf(cell.word));
             for (std::uint32_t i = 0; i < 8 && split.back(); ++i)
-                below.push_back(child(octree.arrays(), cell, i));
+                below.push_back(child(lists.arrays(), cell, i));
         }
         cells.add_level(split);
         level = std::move(below);
     }
-    return write_hyper_tree(cell_box(frame_of(octree.frame()), CellKey{}), cells, numbers.data(),
+    return write_hyper_tree(cell_box(frame_of(lists.frame()), CellKey{}), cells, numbers.data(),
                             path, progress);
 }
 
 } // namespace
 
-Status export_proximity(const ProximityOctree& octree, const std::filesystem::path& path,
+Status export_proximity(const ProximityLists& lists, const std::filesystem::path& path,
                         const ExportOptions& options)
 {
     const std::string extension = lower_case_extension(path);
     if (extension != ".vtu" && extension != ".htg") {
-        return fail(
-            ErrorCode::unsupported_format,
-            concat("proximity octrees are exported as .vtu or .htg, not as \"", extension, "\""),
-            path.string());
+        return fail(ErrorCode::unsupported_format,
+                    concat("closest-feature lists are exported as .vtu or .htg, not as \"",
+                           extension, "\""),
+                    path.string());
     }
-    const auto root = root_word(octree.arrays());
+    const auto root = root_word(lists.arrays());
     if (!root) return tl::unexpected(root.error());
-    return extension == ".vtu" ? export_leaves(octree, *root, path, options.execution.progress)
-                               : export_tree(octree, *root, path, options.execution.progress);
+    return extension == ".vtu" ? export_leaves(lists, *root, path, options.execution.progress)
+                               : export_tree(lists, *root, path, options.execution.progress);
 }
 
 } // namespace proxima

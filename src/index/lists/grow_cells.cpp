@@ -143,7 +143,7 @@ private:
     DominationScratch scratch_;
     RankSet taken_;
     std::vector<std::uint32_t> cover_;
-    std::array<std::unique_ptr<Lists>, max_proximity_depth + 1> levels_;
+    std::array<std::unique_ptr<Lists>, max_list_depth + 1> levels_;
 };
 
 } // namespace

@@ -1,4 +1,4 @@
-// The cells of a proximity octree before they are cut to the budget: every cell with its list.
+// The cells of closest-feature lists before they are cut to the budget: every cell with its list.
 //
 //     nodes    { probability | first of 8 children or 0 | list: where, how many }
 //     lists    ranks of triangles, ascending: differences as bytes of 7 bits
@@ -14,6 +14,7 @@
 #include "index/lists/local_region.h"
 #include "index/lists/query_density.h"
 #include "proxima/execution.h"
+#include "proxima/mesh_index.h"
 #include "proxima/octree.h"
 
 #include <cstddef>
@@ -23,9 +24,6 @@
 #include <vector>
 
 namespace proxima {
-
-/// The deepest cells there may be. Floats of the builder have no room for more.
-inline constexpr int max_proximity_depth = 14;
 
 /// A cell that was grown.
 struct GrownCell {
@@ -78,8 +76,8 @@ struct GrownTop {
 
 /// What growing goes by.
 struct GrowOptions {
-    CostModel cost = {};                 ///< cells that cannot pay at this price are not split
-    int max_depth = max_proximity_depth; ///< of any cell
+    CostModel cost = {};            ///< cells that cannot pay at this price are not split
+    int max_depth = max_list_depth; ///< of any cell
     std::size_t max_triangles = list_triangles; ///< lists this short are not split
     std::size_t stride = 1;                     ///< of the trees below the top, only each stride-th
     Execution execution = {};

@@ -7,7 +7,7 @@
 
 namespace proxima {
 
-OctreeJoiner::OctreeJoiner(EmittedOctree& octree, std::span<const EmittedTree> trees,
+OctreeJoiner::OctreeJoiner(EmittedLists& octree, std::span<const EmittedTree> trees,
                            const RankBlocks& by_rank)
     : octree_(octree), by_rank_(by_rank), places_by_rank_(by_rank.size(), no_place)
 {

@@ -1,7 +1,7 @@
 // Joins trees that were emitted on their own into the arrays of one octree.
 #pragma once
 
-#include "index/lists/emit_octree.h"
+#include "index/lists/emit_lists.h"
 #include "index/lists/emit_tree.h"
 #include "index/lists/rank_blocks.h"
 
@@ -16,7 +16,7 @@ namespace proxima {
 class OctreeJoiner {
 public:
     /// Room for all at once: what moves while it grows loses its huge pages.
-    OctreeJoiner(EmittedOctree& octree, std::span<const EmittedTree> trees,
+    OctreeJoiner(EmittedLists& octree, std::span<const EmittedTree> trees,
                  const RankBlocks& by_rank);
 
     /// Copies the tree's arrays to the end. Returns the word of its root.
@@ -38,7 +38,7 @@ private:
 
     static constexpr std::uint32_t no_place = 0xFFFFFFFF;
 
-    EmittedOctree& octree_;
+    EmittedLists& octree_;
     const RankBlocks& by_rank_;
     std::vector<std::uint32_t> places_by_rank_; ///< in the arena
     std::vector<std::byte> bytes_;

@@ -99,16 +99,12 @@ void read_list(const ProximityArrays& arrays, std::uint64_t leaf, std::vector<st
     take_list(arrays, leaf, [&](std::uint32_t rank) { ranks.push_back(rank); });
 }
 
-std::size_t read_list(const ProximityArrays& arrays, std::uint64_t leaf,
-                      std::span<TriangleId> triangles) noexcept
+std::size_t read_list(const ProximityArrays& arrays, std::span<const TriangleId> ids,
+                      std::uint64_t leaf, std::span<TriangleId> triangles) noexcept
 {
     std::size_t count = 0;
     take_list(arrays, leaf, [&](std::uint32_t rank) {
-        if (count < triangles.size()) {
-            triangles[count] =
-                TriangleId{arrays.float_rows.empty() ? arrays.double_rows[rank].triangle_id()
-                                                     : arrays.float_rows[rank].triangle_id()};
-        }
+        if (count < triangles.size()) triangles[count] = ids[rank];
         ++count;
     });
     return count;

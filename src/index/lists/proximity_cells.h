@@ -1,9 +1,10 @@
-// The cells of a proximity octree from the root down. Queries begin at the table; checks and
+// The cells of closest-feature lists from the root down. Queries begin at the table; checks and
 // exports want the levels above it as well.
 #pragma once
 
-#include "index/lists/proximity_octree.h"
+#include "index/lists/proximity_lists.h"
 #include "proxima/result.h"
+#include "proxima/triangle_mesh.h"
 
 #include <array>
 #include <cstdint>
@@ -48,8 +49,9 @@ void fill_table(std::uint64_t root, std::span<const std::uint64_t> nodes, int de
 void read_list(const ProximityArrays& arrays, std::uint64_t leaf,
                std::vector<std::uint32_t>& ranks);
 
-/// The same as triangles, as far as there is room; returns how many there are. No allocation.
-std::size_t read_list(const ProximityArrays& arrays, std::uint64_t leaf,
-                      std::span<TriangleId> triangles) noexcept;
+/// As triangles, as far as the span goes; returns how many there are. `ids` are those of the index's
+/// rows. No allocation.
+std::size_t read_list(const ProximityArrays& arrays, std::span<const TriangleId> ids,
+                      std::uint64_t leaf, std::span<TriangleId> triangles) noexcept;
 
 } // namespace proxima

@@ -1,4 +1,4 @@
-// The root cube of a proximity octree, and its own coordinates: centre 0, half edge in (1/2, 1].
+// The root cube of closest-feature lists, and its own coordinates: centre 0, half edge in (1/2, 1].
 #pragma once
 
 #include "proxima/geometry.h"

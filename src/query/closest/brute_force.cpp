@@ -10,22 +10,35 @@ ClosestFeature closest_feature_by_brute_force(const TriangleMesh& mesh, const To
 {
     PROXIMA_CHECK_GT(mesh.triangle_count(), 0U);
     if (!p.allFinite()) return no_closest_feature();
+    const Box box = bounding_box(mesh);
+    const RowScale scale = row_scale_of(box);
+    const auto is_used = [&](std::uint32_t id) {
+        return !topology.triangles(VertexId{id}).empty();
+    };
     NearestFeature best;
+    const double distance = ((p - box.center()) * scale.up).cwiseAbs().maxCoeff();
+    if (!(distance < endless_distance)) {
+        std::uint32_t first = 0;
+        while (!is_used(first)) ++first;
+        best.feature = {FeatureKind::vertex, first};
+        return describe_closest(mesh, topology, best, p, scale);
+    }
     const auto offer = [&](double squared, FeatureKind kind, std::uint32_t id) {
         const NearestFeature found = {squared, {kind, id}};
         if (squared <= best.squared && found < best) best = found;
     };
     for (std::uint32_t id = 0; id < mesh.vertex_count(); ++id) {
-        if (topology.triangles(VertexId{id}).empty()) continue;
-        offer(squared_distance(mesh, VertexId{id}, p), FeatureKind::vertex, id);
+        if (!is_used(id)) continue;
+        offer(squared_distance(mesh.position(VertexId{id}), p, scale), FeatureKind::vertex, id);
     }
     for (std::uint32_t id = 0; id < topology.edge_count(); ++id) {
-        offer(squared_distance(mesh, topology, EdgeId{id}, p), FeatureKind::edge, id);
+        const EdgeVertices& ends = topology.vertices(EdgeId{id});
+        offer(foot_between(mesh.position(ends[0]), mesh.position(ends[1]), p, scale).squared,
+              FeatureKind::edge, id);
     }
-    for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
-        offer(squared_distance(mesh, TriangleId{id}, p), FeatureKind::face, id);
-    }
-    return describe_closest(mesh, topology, best.feature, p);
+    for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id)
+        offer(foot_inside(mesh.triangle(TriangleId{id}), p, scale).squared, FeatureKind::face, id);
+    return describe_closest(mesh, topology, best, p, scale);
 }
 
 } // namespace proxima

@@ -1,9 +1,9 @@
 // The slow search that the fast ones are held to: every feature is asked.
 #pragma once
 
+#include "proxima/closest_feature.h"
 #include "proxima/topology.h"
 #include "proxima/triangle_mesh.h"
-#include "query/closest/closest_feature.h"
 
 namespace proxima {
 

@@ -2,7 +2,7 @@
 
 #include "base/progress.h"
 #include "base/text.h"
-#include "index/lists/check_work.h"
+#include "index/check_work.h"
 #include "query/closest/brute_force.h"
 
 #include <array>
@@ -45,26 +45,25 @@ std::string text_of(const ClosestFeature& answer)
 {
     constexpr std::array names = {"vertex ", "edge ", "face "};
     return concat(names[static_cast<std::size_t>(answer.feature.kind)], answer.feature.id,
-                  " of triangle ", index(answer.triangle), " at ",
+                  " of triangle ", proxima::index(answer.triangle), " at ",
                   std::sqrt(answer.squared_distance));
 }
 
-Status check_answers(const ProximityOctree& octree, const TriangleMesh& mesh,
-                     const Topology& topology, std::span<const Vec3> points,
-                     const CheckAnswersOptions& options)
+Status check_answers(const MeshIndex& index, const TriangleMesh& mesh, const Topology& topology,
+                     std::span<const Vec3> points, const CheckAnswersOptions& options)
 {
     begin_stage(options.execution.progress, "asking every triangle", points.size());
     const Rounding rounding(mesh);
     const CheckWork work(options.execution);
     return work.run(points.size(), [&](std::size_t i) -> Status {
         const Vec3& p = points[i];
-        const ClosestFeature found = closest_feature(octree, p);
+        const ClosestFeature found = closest_feature(index, p).value_or(no_closest_feature());
         const ClosestFeature right = closest_feature_by_brute_force(mesh, topology, p);
         advance_stage(options.execution.progress, 1);
         if (is_right(found, right, rounding.of(p))) return {};
         return fail(
             ErrorCode::broken_invariant,
-            concat("the octree answers ", text_of(found), ", the closest is ", text_of(right)),
+            concat("the index answers ", text_of(found), ", the closest is ", text_of(right)),
             concat("point ", p.x(), " ", p.y(), " ", p.z()));
     });
 }

@@ -1,5 +1,7 @@
 #include "query/closest/describe_closest.h"
 
+#include "index/index_parts.h"
+
 #include <algorithm>
 #include <array>
 
@@ -7,24 +9,29 @@ namespace proxima {
 
 namespace {
 
+/// Where the lowest triangles of vertices and edges are.
+struct FeaturePlaces {
+    std::span<const std::uint32_t> vertices;
+    std::span<const std::uint32_t> edges;
+};
+
 template <class Scalar>
-ClosestFeature describe(const ProximityArrays& arrays, std::span<const TriangleRow<Scalar>> rows,
-                        const RowDistance& found)
+ClosestFeature describe(const FeaturePlaces& places, const TriangleRow<Scalar>& row,
+                        const RowScale& scale, const RowDistance& found)
 {
-    const TriangleRow<Scalar>& row = rows[found.rank];
     ClosestFeature answer;
     answer.feature = {found.kind(), found.id()};
-    answer.squared_distance = found.squared;
+    answer.squared_distance = scale.unscale_squared(found.squared);
     switch (found.kind()) {
     case FeatureKind::vertex: {
-        const std::uint32_t place = arrays.vertex_places[found.id()];
+        const std::uint32_t place = places.vertices[found.id()];
         answer.triangle = TriangleId{place_word::triangle(place)};
         answer.barycentric[place_word::corner(place)] = 1;
         answer.point = row.corner(static_cast<int>(corner_of(row, found.id())));
         break;
     }
     case FeatureKind::edge: {
-        const std::uint32_t place = arrays.edge_places[found.id()];
+        const std::uint32_t place = places.edges[found.id()];
         answer.triangle = TriangleId{place_word::triangle(place)};
         const std::size_t side = side_of(row, found.id());
         const double along = found.along[side];
@@ -58,13 +65,28 @@ ClosestFeature describe(const ProximityArrays& arrays, std::span<const TriangleR
 
 } // namespace
 
-ClosestFeature describe_closest(const ProximityOctree& octree, const RowDistance& found) noexcept
+ClosestFeature describe_closest(const IndexParts& index, const RowDistance& found) noexcept
 {
     if (!found.found()) [[unlikely]]
         return no_closest_feature();
-    const ProximityArrays& arrays = octree.arrays();
-    return arrays.double_rows.empty() ? describe(arrays, arrays.float_rows, found)
-                                      : describe(arrays, arrays.double_rows, found);
+    const FeaturePlaces places{index.vertex_places(), index.edge_places()};
+    const RowScale scale = row_scale_of(index);
+    return index.double_rows().empty()
+               ? describe(places, index.float_rows()[found.rank], scale, found)
+               : describe(places, index.double_rows()[found.rank], scale, found);
+}
+
+TriangleId triangle_of(const IndexParts& index, const RowDistance& found) noexcept
+{
+    switch (found.kind()) {
+    case FeatureKind::vertex:
+        return TriangleId{place_word::triangle(index.vertex_places()[found.id()])};
+    case FeatureKind::edge:
+        return TriangleId{place_word::triangle(index.edge_places()[found.id()])};
+    case FeatureKind::face:
+        break;
+    }
+    return TriangleId{found.id()};
 }
 
 } // namespace proxima

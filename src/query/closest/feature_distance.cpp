@@ -1,63 +1,73 @@
 #include "query/closest/feature_distance.h"
 
 #include "geometry/closest_point.h"
+#include "index/row_tables.h"
 
 #include <algorithm>
-#include <optional>
+#include <cmath>
 
 namespace proxima {
 
 namespace {
 
-/// The points of features as computed are within this part of the coordinates of where they are.
-constexpr double point_error = 0x1p-48;
+/// A vector with the operations of row_distance-inl.h, in their order.
+struct Terms {
+    double x;
+    double y;
+    double z;
+};
 
-/// The closest point of a segment where it is strictly between the ends.
-std::optional<SegmentPoint> closest_point_between(const Vec3& from, const Vec3& to,
-                                                  const Vec3& p) noexcept
+Terms scaled_difference(const Vec3& a, const Vec3& b, double up) noexcept
 {
-    const double ux = to.x() - from.x();
-    const double uy = to.y() - from.y();
-    const double uz = to.z() - from.z();
-    const double along =
-        (p.x() - from.x()) * ux + (p.y() - from.y()) * uy + (p.z() - from.z()) * uz;
-    const double length = ux * ux + uy * uy + uz * uz;
-    if (!(along > 0 && along < length)) return std::nullopt;
-    const double t = along / length;
-    if (!(t > 0 && t < 1)) return std::nullopt;
-    return SegmentPoint{Segment{from, to}.at(t), t};
+    return {up * (a.x() - b.x()), up * (a.y() - b.y()), up * (a.z() - b.z())};
+}
+double dot(const Terms& a, const Terms& b) noexcept
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+Terms cross(const Terms& a, const Terms& b) noexcept
+{
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-std::optional<SegmentPoint> closest_point_between(const TriangleMesh& mesh,
-                                                  const EdgeVertices& ends, const Vec3& p) noexcept
+/// A triangle and the ids of its features.
+struct NamedTriangle {
+    Triangle shape;
+    std::uint32_t id;
+    std::array<std::uint32_t, 3> vertices;
+    std::array<std::uint32_t, 3> edges;
+};
+
+template <class Scalar>
+NamedTriangle named(const TriangleRow<Scalar>& row) noexcept
 {
-    return closest_point_between(mesh.position(ends[0]), mesh.position(ends[1]), p);
+    return {row.corners(),
+            row.triangle_id(),
+            {row.vertices[0], row.vertices[1], row.vertices[2]},
+            {row.edges[0], row.edges[1], row.edges[2]}};
 }
 
-/// Whether all points of the triangle, as computed, are farther than `squared`: by its box.
-bool is_farther(const Triangle& triangle, const Vec3& p, double squared) noexcept
+void offer_features(const NamedTriangle& triangle, const Vec3& p, const RowScale& scale,
+                    NearestFeature& best) noexcept
 {
-    double sum = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-        const double a = triangle[0][axis];
-        const double b = triangle[1][axis];
-        const double c = triangle[2][axis];
-        const double low = std::min(std::min(a, b), c);
-        const double high = std::max(std::max(a, b), c);
-        const double error = point_error * std::max(-low, high);
-        const double gap = std::max(std::max(low - p[axis], p[axis] - high) - error, 0.0);
-        sum += gap * gap;
+    const Triangle& shape = triangle.shape;
+    const auto offer = [&](double squared, FeatureKind kind, std::uint32_t id) {
+        if (!(squared <= best.squared)) return;
+        const NearestFeature found = {squared, {kind, id}};
+        if (found < best) best = found;
+    };
+    offer(foot_inside(shape, p, scale).squared, FeatureKind::face, triangle.id);
+    for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t next = k == 2 ? 0 : k + 1;
+        offer(squared_distance(shape.vertices[k], p, scale), FeatureKind::vertex,
+              triangle.vertices[k]);
+        if (triangle.edges[k] == index(no_edge)) continue;
+        const bool ascends = triangle.vertices[k] < triangle.vertices[next];
+        offer(foot_between(shape.vertices[ascends ? k : next], shape.vertices[ascends ? next : k],
+                           p, scale)
+                  .squared,
+              FeatureKind::edge, triangle.edges[k]);
     }
-    return sum > squared;
-}
-
-/// The foot of p in a face: on its sides within rounding is on its sides.
-std::optional<TrianglePoint> closest_point_of_face(const Triangle& face, const Vec3& p) noexcept
-{
-    constexpr double rounding = 0x1p-50;
-    auto foot = closest_point_inside(face, p);
-    if (foot && *std::ranges::min_element(foot->weights) < rounding) return std::nullopt;
-    return foot;
 }
 
 std::size_t corner_of(const TriangleCorners& corners, VertexId vertex) noexcept
@@ -68,50 +78,96 @@ std::size_t corner_of(const TriangleCorners& corners, VertexId vertex) noexcept
 
 } // namespace
 
-double squared_distance(const TriangleMesh& mesh, VertexId vertex, const Vec3& p) noexcept
+RowScale row_scale_of(const Box& box) noexcept
 {
-    return squared_distance(p, mesh.position(vertex));
+    const double extent = box.extent().maxCoeff();
+    if (!(extent > 0)) return {};
+    const double largest = std::isfinite(extent) ? extent : std::numeric_limits<double>::max();
+    const int exponent = std::clamp(-std::ilogb(largest), -1000, 1000);
+    return {std::ldexp(1.0, exponent), std::ldexp(1.0, -exponent)};
 }
 
-double squared_distance(const TriangleMesh& mesh, const Topology& topology, EdgeId edge,
-                        const Vec3& p) noexcept
+double squared_distance(const Vec3& vertex, const Vec3& p, const RowScale& scale) noexcept
 {
-    const auto foot = closest_point_between(mesh, topology.vertices(edge), p);
-    return foot ? squared_distance(p, foot->point) : no_distance;
+    const Terms q = scaled_difference(p, vertex, scale.up);
+    return dot(q, q);
 }
 
-double squared_distance(const TriangleMesh& mesh, TriangleId face, const Vec3& p) noexcept
+SegmentFoot foot_between(const Vec3& from, const Vec3& to, const Vec3& p,
+                         const RowScale& scale) noexcept
 {
-    const auto foot = closest_point_of_face(mesh.triangle(face), p);
-    return foot ? squared_distance(p, foot->point) : no_distance;
+    const Terms d = scaled_difference(p, from, scale.up);
+    const Terms side = scaled_difference(to, from, scale.up);
+    const double length = dot(side, side);
+    const double ahead = dot(d, side);
+    if (!(ahead > 0 && ahead < length)) return {};
+    const double along = ahead / length;
+    const Terms rest = {d.x - along * side.x, d.y - along * side.y, d.z - along * side.z};
+    return {dot(rest, rest), along};
+}
+
+FaceFoot foot_inside(const Triangle& face, const Vec3& p, const RowScale& scale) noexcept
+{
+    FaceFoot foot;
+    std::array<double, 3> parts{}; // of the corner across side i
+    if (is_thin(face)) {
+        const ThinInside inside = inside_of_thin(face, p, scale);
+        if (!(inside.squared < std::numeric_limits<double>::infinity())) return {};
+        foot.squared = inside.squared;
+        parts = {inside.weights[2], inside.weights[0], inside.weights[1]};
+    } else {
+        foot.squared = std::numeric_limits<double>::infinity();
+        for (int i = 0; i < 3; ++i) {
+            const Vec3& corner = face[i];
+            const Vec3& next = face[(i + 1) % 3];
+            const Vec3& last = face[(i + 2) % 3];
+            const Terms q = scaled_difference(p, corner, scale.up);
+            const Terms e = scaled_difference(next, corner, scale.up);
+            const Terms normal = cross(e, scaled_difference(last, next, scale.up));
+            const double height = dot(normal, q);
+            foot.squared = std::min(foot.squared, height * height / dot(normal, normal));
+            parts[static_cast<std::size_t>(i)] = dot(normal, cross(e, q));
+        }
+        if (!(parts[0] > 0 && parts[1] > 0 && parts[2] > 0)) return {};
+    }
+    const double all = parts[0] + parts[1] + parts[2];
+    const double v = parts[2] / all;
+    const double w = parts[0] / all;
+    foot.weights = {std::max(0.0, 1 - v - w), v, w};
+    return foot;
+}
+
+ThinInside inside_of_thin(const Triangle& triangle, const Vec3& p, const RowScale& scale) noexcept
+{
+    Triangle scaled = triangle;
+    for (Vec3& corner : scaled.vertices) corner *= scale.up;
+    const Vec3 point = p * scale.up;
+    const TrianglePoint inside = closest_point(scaled, point);
+    if (inside.part != TrianglePart::inside) return {};
+    return {(point - inside.point).squaredNorm(), inside.weights};
 }
 
 void offer_triangle(const TriangleMesh& mesh, const Topology& topology, TriangleId triangle,
-                    const Vec3& p, NearestFeature& best) noexcept
+                    const Vec3& p, const RowScale& scale, NearestFeature& best) noexcept
 {
-    const Triangle shape = mesh.triangle(triangle);
-    if (is_farther(shape, p, best.squared)) return;
-    const auto offer = [&](double squared, FeatureKind kind, std::uint32_t id) {
-        if (!(squared <= best.squared)) return;
-        const NearestFeature found = {squared, {kind, id}};
-        if (found < best) best = found;
-    };
-    if (const auto foot = closest_point_of_face(shape, p)) {
-        offer(squared_distance(p, foot->point), FeatureKind::face, index(triangle));
-    }
-    const TriangleCorners& corners = mesh.triangles()[index(triangle)];
     const std::array<EdgeId, 3>& edges = topology.edges(triangle);
-    for (std::size_t k = 0; k < 3; ++k) {
-        const std::size_t next = k == 2 ? 0 : k + 1;
-        offer(squared_distance(p, shape.vertices[k]), FeatureKind::vertex, corners[k]);
-        if (edges[k] == no_edge) continue;
-        const bool ascends = corners[k] < corners[next];
-        const auto foot = closest_point_between(shape.vertices[ascends ? k : next],
-                                                shape.vertices[ascends ? next : k], p);
-        if (foot) {
-            offer(squared_distance(p, foot->point), FeatureKind::edge, index(edges[k]));
-        }
-    }
+    offer_features({mesh.triangle(triangle),
+                    index(triangle),
+                    mesh.triangles()[index(triangle)],
+                    {index(edges[0]), index(edges[1]), index(edges[2])}},
+                   p, scale, best);
+}
+
+void offer_row(const TriangleRow<float>& row, const Vec3& p, const RowScale& scale,
+               NearestFeature& best) noexcept
+{
+    offer_features(named(row), p, scale, best);
+}
+
+void offer_row(const TriangleRow<double>& row, const Vec3& p, const RowScale& scale,
+               NearestFeature& best) noexcept
+{
+    offer_features(named(row), p, scale, best);
 }
 
 TriangleId lowest_triangle(const Topology& topology, const Feature& feature) noexcept
@@ -128,27 +184,32 @@ TriangleId lowest_triangle(const Topology& topology, const Feature& feature) noe
 }
 
 ClosestFeature describe_closest(const TriangleMesh& mesh, const Topology& topology,
-                                const Feature& feature, const Vec3& p) noexcept
+                                const NearestFeature& nearest, const Vec3& p,
+                                const RowScale& scale) noexcept
 {
+    const Feature& feature = nearest.feature;
     ClosestFeature closest;
     closest.feature = feature;
     closest.triangle = lowest_triangle(topology, feature);
+    closest.squared_distance = scale.unscale_squared(nearest.squared);
     const TriangleCorners& corners = mesh.triangles()[index(closest.triangle)];
     if (feature.kind == FeatureKind::vertex) {
         closest.point = mesh.position(VertexId{feature.id});
         closest.barycentric[corner_of(corners, VertexId{feature.id})] = 1;
     } else if (feature.kind == FeatureKind::edge) {
         const EdgeVertices& ends = topology.vertices(EdgeId{feature.id});
-        const auto foot = closest_point_between(mesh, ends, p);
-        closest.point = foot->point;
-        closest.barycentric[corner_of(corners, ends[0])] = 1 - foot->t;
-        closest.barycentric[corner_of(corners, ends[1])] = foot->t;
+        const Vec3& from = mesh.position(ends[0]);
+        const Vec3& to = mesh.position(ends[1]);
+        const double along = foot_between(from, to, p, scale).along;
+        closest.point = (1 - along) * from + along * to;
+        closest.barycentric[corner_of(corners, ends[0])] = 1 - along;
+        closest.barycentric[corner_of(corners, ends[1])] = along;
     } else {
-        const auto foot = closest_point_of_face(mesh.triangle(closest.triangle), p);
-        closest.point = foot->point;
-        closest.barycentric = foot->weights;
+        const Triangle face = mesh.triangle(closest.triangle);
+        closest.barycentric = foot_inside(face, p, scale).weights;
+        closest.point = closest.barycentric[0] * face[0] + closest.barycentric[1] * face[1] +
+                        closest.barycentric[2] * face[2];
     }
-    closest.squared_distance = squared_distance(p, closest.point);
     return closest;
 }
 

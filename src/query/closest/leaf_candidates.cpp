@@ -1,6 +1,8 @@
 #include "query/closest/leaf_candidates.h"
 
+#include "index/index_parts.h"
 #include "index/lists/proximity_cells.h"
+#include "index/lists/proximity_lists.h"
 
 #include <algorithm>
 #include <array>
@@ -13,45 +15,47 @@ namespace {
 
 using Place = std::array<std::uint32_t, 3>;
 
-std::uint64_t table_word(const ProximityOctree& octree, const Place& at) noexcept
+std::uint64_t table_word(const ProximityLists& lists, const Place& at) noexcept
 {
-    const int depth = octree.table_depth();
-    return octree.arrays().table[(std::size_t{at[2]} << depth | at[1]) << depth | at[0]];
+    const int depth = lists.table_depth();
+    return lists.arrays().table[(std::size_t{at[2]} << depth | at[1]) << depth | at[0]];
 }
 
 /// Whether all cells of the table below a cell of a level above it are the same leaf's.
-bool is_one_leaf(const ProximityOctree& octree, std::uint64_t word, int depth, const Place& at)
+bool is_one_leaf(const ProximityLists& lists, std::uint64_t word, int depth, const Place& at)
 {
-    const int below = octree.table_depth() - depth;
+    const int below = lists.table_depth() - depth;
     const std::uint32_t edge = 1U << below;
     for (std::uint32_t z = 0; z < edge; ++z)
         for (std::uint32_t y = 0; y < edge; ++y)
             for (std::uint32_t x = 0; x < edge; ++x)
-                if (table_word(octree, {(at[0] << below) + x, (at[1] << below) + y,
-                                        (at[2] << below) + z}) != word)
+                if (table_word(lists, {(at[0] << below) + x, (at[1] << below) + y,
+                                       (at[2] << below) + z}) != word)
                     return false;
     return true;
 }
 
 } // namespace
 
-std::optional<LeafCandidates> leaf_candidates(const ProximityOctree& octree, const Vec3& p,
+std::optional<LeafCandidates> leaf_candidates(const IndexParts& index, const Vec3& p,
                                               std::span<TriangleId> triangles) noexcept
 {
-    const RootFrame& frame = octree.frame();
-    const ProximityArrays& arrays = octree.arrays();
+    if (index.lists() == nullptr) return std::nullopt;
+    const ProximityLists& lists = *index.lists();
+    const RootFrame& frame = lists.frame();
+    const ProximityArrays& arrays = lists.arrays();
     std::array<std::uint32_t, 3> at{};
-    if (!octree.locate(frame.to_frame(p), at)) return std::nullopt;
+    if (!lists.locate(frame.to_frame(p), at)) return std::nullopt;
 
     // Down from the table.
-    const auto bits = static_cast<int>(ProximityOctree::location_bits);
+    const auto bits = static_cast<int>(ProximityLists::location_bits);
     const auto cell = [&](int depth) {
         return Place{at[0] >> (bits - depth), at[1] >> (bits - depth), at[2] >> (bits - depth)};
     };
-    int depth = octree.table_depth();
-    std::uint64_t word = table_word(octree, cell(depth));
+    int depth = lists.table_depth();
+    std::uint64_t word = table_word(lists, cell(depth));
     if (proximity_word::is_leaf(word)) {
-        while (depth > 0 && is_one_leaf(octree, word, depth - 1, cell(depth - 1))) --depth;
+        while (depth > 0 && is_one_leaf(lists, word, depth - 1, cell(depth - 1))) --depth;
     }
     while (!proximity_word::is_leaf(word)) {
         const Place place = cell(++depth);
@@ -69,7 +73,7 @@ std::optional<LeafCandidates> leaf_candidates(const ProximityOctree& octree, con
         leaf.box.upper[k] = frame.center[k] + ((place[axis] + 1.0) * edge - frame.half);
     }
     leaf.has_list = word != proximity_word::search;
-    leaf.count = read_list(arrays, word, triangles);
+    leaf.count = read_list(arrays, index.ids(), word, triangles);
     std::ranges::sort(triangles.first(std::min(leaf.count, triangles.size())));
     return leaf;
 }

@@ -12,8 +12,8 @@
 #endif
 
 #include "base/inline_steps-inl.h"
-#include "geometry/closest_point.h"
 #include "index/triangle_row.h"
+#include "query/closest/feature_distance.h"
 
 #include <bit>
 #include <cstddef>
@@ -26,13 +26,6 @@ HWY_BEFORE_NAMESPACE();
 namespace proxima::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
-
-/// A power of two that brings coordinates' differences to about 1, so that their fourth powers do
-/// not leave the doubles, and its inverse.
-struct RowScale {
-    double up = 1;
-    double down = 1;
-};
 
 /// Three lanes or parts of them.
 template <class V>
@@ -68,7 +61,8 @@ HWY_INLINE Lanes3<V> cross(const Lanes3<V>& a, const Lanes3<V>& b)
             hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
 }
 
-/// What lane i knows: corner i, the side from it, and the inside as seen from there.
+/// What lane i knows: corner i, the side from it, and the inside as seen from there. Lengths are
+/// scaled.
 template <class V, class M>
 struct RowLanes {
     V corner; ///< squared distance
@@ -79,7 +73,8 @@ struct RowLanes {
     V part;   ///< of the foot in the plane: of the corner across the side, not normalised
 };
 
-/// `next` and `last` are the corners after `corner`.
+/// `next` and `last` are the corners after `corner`. Differences of coordinates are scaled before
+/// anything else, so that products stay within the doubles for meshes of any size.
 template <class Tag, class V, class M>
 HWY_INLINE RowLanes<V, M> measure_lanes(Tag tag, const Vec3& p, const RowScale& scale,
                                         const Lanes3<V>& corner, const Lanes3<V>& next,
@@ -89,33 +84,29 @@ HWY_INLINE RowLanes<V, M> measure_lanes(Tag tag, const Vec3& p, const RowScale& 
     const auto choose = [&](const V& yes, const V& no) {
         return hn::IfThenElse(backward, yes, no);
     };
-    const Lanes3<V> from{choose(next.x, corner.x), choose(next.y, corner.y),
-                         choose(next.z, corner.z)};
-    const Lanes3<V> to{choose(corner.x, next.x), choose(corner.y, next.y),
-                       choose(corner.z, next.z)};
-    const Lanes3<V> d = query - from;
-    const Lanes3<V> side = to - from;
+    const V up = hn::Set(tag, scale.up);
+    const Lanes3<V> q = times(up, query - corner);
+    const Lanes3<V> q_next = times(up, query - next);
+    const Lanes3<V> e = times(up, next - corner);
+    const Lanes3<V> d{choose(q_next.x, q.x), choose(q_next.y, q.y), choose(q_next.z, q.z)};
+    const Lanes3<V> side{choose(hn::Neg(e.x), e.x), choose(hn::Neg(e.y), e.y),
+                         choose(hn::Neg(e.z), e.z)};
     const V length = dot(side, side);
     const V ahead = dot(d, side);
     const auto within = hn::And(hn::Gt(ahead, hn::Zero(tag)), hn::Lt(ahead, length));
     const V along = hn::Div(ahead, length);
     const Lanes3<V> rest = d - times(along, side);
-    const Lanes3<V> q = query - corner;
 
-    const V up = hn::Set(tag, scale.up);
-    const V down = hn::Set(tag, scale.down);
-    const Lanes3<V> e = times(up, next - corner);
-    const Lanes3<V> scaled = times(up, q);
     const Lanes3<V> normal = cross(e, times(up, last - next));
-    const V height = dot(normal, scaled);
+    const V height = dot(normal, q);
     const V plane = hn::Div(hn::Mul(height, height), dot(normal, normal));
     return {dot(q, q),
             hn::IfThenElse(within, dot(rest, rest),
                            hn::Set(tag, std::numeric_limits<double>::infinity())),
             within,
             along,
-            hn::Mul(hn::Mul(plane, down), down),
-            dot(normal, cross(e, scaled))};
+            plane,
+            dot(normal, cross(e, q))};
 }
 
 inline constexpr double edge_feature = 4294967296.0; // FeatureKind::edge << 32
@@ -241,21 +232,18 @@ HWY_INLINE void measure_row(const TriangleRow<Scalar>& row, const Vec3& p, const
 /// The inside of a triangle so thin that products of its sides say too little.
 template <class Scalar>
 HWY_NOINLINE void measure_thin_inside(const TriangleRow<Scalar>& row, const Vec3& p,
-                                      RowDistance& found)
+                                      const RowScale& scale, RowDistance& found)
 {
     constexpr auto face = static_cast<std::uint64_t>(face_feature);
-    const TrianglePoint inside =
-        closest_point(Triangle{{row.corner(0), row.corner(1), row.corner(2)}}, p);
-    if (inside.part != TrianglePart::inside) return;
-    const double squared = (p - inside.point).squaredNorm();
-    if (squared >= found.squared) return;
-    found.squared = squared;
+    const ThinInside inside = inside_of_thin(row.corners(), p, scale);
+    if (!(inside.squared < found.squared)) return;
+    found.squared = inside.squared;
     found.feature = face | row.triangle_id();
     for (std::size_t i = 0; i < 3; ++i) found.parts[i] = inside.weights[i == 2 ? 1 : 2 - 2 * i];
 }
 
-/// The closest feature of one triangle: within a few roundings of the largest difference of
-/// coordinates, for triangles of any shape.
+/// The closest feature of one triangle, its distance scaled: within a few roundings of the largest
+/// difference of coordinates, for triangles of any shape.
 template <class Scalar>
 PROXIMA_STEP RowDistance closest_of_row(const TriangleRow<Scalar>& row, std::uint32_t rank,
                                         const Vec3& p, const RowScale& scale)
@@ -264,7 +252,7 @@ PROXIMA_STEP RowDistance closest_of_row(const TriangleRow<Scalar>& row, std::uin
     found.rank = rank;
     measure_row(row, p, scale, found);
     if (row.thin()) [[unlikely]]
-        measure_thin_inside(row, p, found);
+        measure_thin_inside(row, p, scale, found);
     return found;
 }
 

@@ -1,20 +1,29 @@
-#include "query/closest/signed_distance.h"
+#include "proxima/signed_distance.h"
 
 #include "base/parallel.h"
+#include "base/progress.h"
+#include "base/text.h"
 #include "geometry/exact_predicates.h"
 #include "mesh/surface_parts.h"
+#include "proxima/mesh_index.h"
+#include "query/closest/sign_geometry.h"
+#include "query/closest/sign_parts.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <optional>
+#include <utility>
+#include <vector>
 
 namespace proxima {
 
 namespace {
 
-constexpr std::size_t vertices_per_task = 1024;
+constexpr std::size_t least_signs_per_task = 4096;
+constexpr std::size_t most_signs_per_task = 65536;
 
 /// A pseudonormal as the sum of unit normals may be off by this, in length.
 constexpr double normal_error = 1e-10;
@@ -26,36 +35,6 @@ constexpr double tie_error = 0x1p-18;
 /// Nor does a face's foot tell that is nearer to its border than this: the face beyond it may be
 /// as near.
 constexpr double least_inset = 0x1p-40;
-/// Shorter sums do not point anywhere: the surface folds back on itself.
-constexpr double shortest_sum = 1e-6;
-
-Vec3 unit_normal_of(const Triangle& triangle) noexcept
-{
-    return unit_normal({triangle[0], triangle[1]}, {triangle[0], triangle[2]});
-}
-
-/// The angle at the corner; 0 where a side has no length.
-double angle_at(const Triangle& triangle, int corner) noexcept
-{
-    const Vec3 u = (triangle[(corner + 1) % 3] - triangle[corner]).stableNormalized();
-    const Vec3 v = (triangle[(corner + 2) % 3] - triangle[corner]).stableNormalized();
-    return std::atan2(u.cross(v).norm(), u.dot(v));
-}
-
-/// What the sides of several triangles say together.
-class CommonSides {
-public:
-    void add(SurfaceSides sides) noexcept
-    {
-        common_ = first_ || common_ == sides ? sides : SurfaceSides::doubtful;
-        first_ = false;
-    }
-    [[nodiscard]] SurfaceSides result() const noexcept { return common_; }
-
-private:
-    SurfaceSides common_ = SurfaceSides::doubtful;
-    bool first_ = true;
-};
 
 std::optional<bool> by_height(double height, double doubt) noexcept
 {
@@ -74,7 +53,7 @@ int side_of_face(const TriangleMesh& mesh, TriangleId face, const Vec3& p) noexc
 
 /// Whether p is on the closest feature: as computed or exactly, though the closest point as
 /// computed may be beside it.
-bool is_on(const SurfaceSign& sign, const ClosestFeature& closest, const Vec3& p,
+bool is_on(const SignParts& sign, const ClosestFeature& closest, const Vec3& p,
            double distance) noexcept
 {
     if (distance == 0) return true;
@@ -93,7 +72,7 @@ bool is_on(const SurfaceSign& sign, const ClosestFeature& closest, const Vec3& p
     return are_parallel({from, p}, {from, sign.mesh().position(ends[1])});
 }
 
-std::optional<bool> is_behind_edge(const SurfaceSign& sign, EdgeId edge, const Vec3& p,
+std::optional<bool> is_behind_edge(const SignParts& sign, EdgeId edge, const Vec3& p,
                                    double distance) noexcept
 {
     const TriangleMesh& mesh = sign.mesh();
@@ -112,7 +91,7 @@ std::optional<bool> is_behind_edge(const SurfaceSign& sign, EdgeId edge, const V
                                            rounding * from.norm());
 }
 
-std::optional<bool> is_behind_vertex(const SurfaceSign& sign, VertexId vertex, const Vec3& p,
+std::optional<bool> is_behind_vertex(const SignParts& sign, VertexId vertex, const Vec3& p,
                                      double distance) noexcept
 {
     const Vec3& normal = sign.pseudonormals()[index(vertex)];
@@ -120,7 +99,7 @@ std::optional<bool> is_behind_vertex(const SurfaceSign& sign, VertexId vertex, c
                      (normal_error + tie_error) * distance);
 }
 
-SurfaceSides sides_of(const SurfaceSign& sign, const Feature& feature) noexcept
+SurfaceSides sides_of(const SignParts& sign, const Feature& feature) noexcept
 {
     if (feature.kind == FeatureKind::vertex) return sign.vertex_sides()[feature.id];
     if (feature.kind == FeatureKind::face) return sign.sides()[feature.id];
@@ -132,18 +111,8 @@ SurfaceSides sides_of(const SurfaceSign& sign, const Feature& feature) noexcept
     return common.result();
 }
 
-/// The least height of a triangle; 0 where it has no area.
-double height_of(const Triangle& triangle, double unit) noexcept
-{
-    const Vec3 a = (triangle[1] - triangle[0]) * unit;
-    const Vec3 b = (triangle[2] - triangle[0]) * unit;
-    const double longest =
-        std::sqrt(std::max({a.squaredNorm(), b.squaredNorm(), (b - a).squaredNorm()}));
-    return longest > 0 ? a.cross(b).norm() / longest / unit : 0;
-}
-
-/// That of the triangles about a feature.
-double height_at(const SurfaceSign& sign, const Feature& feature) noexcept
+/// The least height of the triangles about a feature.
+double height_at(const SignParts& sign, const Feature& feature) noexcept
 {
     const auto least = [&](std::span<const TriangleId> triangles) {
         double height = std::numeric_limits<double>::infinity();
@@ -166,7 +135,7 @@ double height_at(const SurfaceSign& sign, const Feature& feature) noexcept
 
 /// Whether the feature is large enough, seen from its distance, to be told from its neighbours and
 /// they from what lies behind them.
-bool is_told_apart(const SurfaceSign& sign, const ClosestFeature& closest, double distance) noexcept
+bool is_told_apart(const SignParts& sign, const ClosestFeature& closest, double distance) noexcept
 {
     const auto large = [&](double height) {
         if (!(height > least_part * distance)) return false;
@@ -177,7 +146,7 @@ bool is_told_apart(const SurfaceSign& sign, const ClosestFeature& closest, doubl
 }
 
 /// Whether p is inside by what the feature is known of; nothing in doubt.
-std::optional<bool> is_inside_locally(const SurfaceSign& sign, const ClosestFeature& closest,
+std::optional<bool> is_inside_locally(const SignParts& sign, const ClosestFeature& closest,
                                       const Vec3& p, double distance) noexcept
 {
     const Feature& feature = closest.feature;
@@ -208,113 +177,20 @@ std::optional<bool> is_inside_locally(const SurfaceSign& sign, const ClosestFeat
 
 } // namespace
 
-// The steps of build_surface_sign.
-class SurfaceSignBuilder {
-public:
-    SurfaceSignBuilder(const SurfaceSearch& search, WindingNumber winding,
-                       std::vector<SurfaceSides> sides)
-    {
-        sign_.topology_ = &search.topology();
-        sign_.winding_ = std::move(winding);
-        sign_.sides_ = std::move(sides);
-        const std::size_t vertices = search.mesh().vertex_count();
-        sign_.vertex_sides_.assign(vertices, SurfaceSides::doubtful);
-        const auto separate =
-            std::ranges::find(sign_.sides_, SurfaceSides::separates) != sign_.sides_.end();
-        if (separate) sign_.pseudonormals_.assign(vertices, Vec3::Zero());
-    }
-
-    /// Of the triangles that tell: where there are any, winding numbers are whole, and 0 outside of
-    /// the mesh's box.
-    void measure() noexcept
-    {
-        const TriangleMesh& mesh = sign_.mesh();
-        constexpr double infinity = std::numeric_limits<double>::infinity();
-        double least = infinity;
-        for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
-            if (sign_.sides_[i] == SurfaceSides::doubtful) continue;
-            least =
-                std::min(least, height_of(mesh.triangle(TriangleId{i}), sign_.winding().unit()));
-        }
-        sign_.least_height_ = least;
-        sign_.bounds_ = least < infinity ? bounding_box(mesh)
-                                         : Box{Vec3::Constant(-infinity), Vec3::Constant(infinity)};
-    }
-
-    void fill_vertices(Threads threads)
-    {
-        const std::size_t count = sign_.vertex_sides_.size();
-        parallel_for((count + vertices_per_task - 1) / vertices_per_task, threads,
-                     [&](std::size_t task) {
-                         const std::size_t end = std::min(count, (task + 1) * vertices_per_task);
-                         for (std::size_t i = task * vertices_per_task; i < end; ++i) {
-                             fill_vertex(VertexId{static_cast<std::uint32_t>(i)});
-                         }
-                     });
-    }
-
-    [[nodiscard]] SurfaceSign result() noexcept { return std::move(sign_); }
-
-private:
-    void fill_vertex(VertexId vertex) noexcept
-    {
-        const TriangleMesh& mesh = sign_.mesh();
-        CommonSides common;
-        Vec3 sum = Vec3::Zero();
-        for (const TriangleId id : sign_.topology_->triangles(vertex)) {
-            const TriangleCorners& corners = mesh.triangles()[index(id)];
-            if (!detail::is_proper(corners)) continue;
-            common.add(sign_.sides_[index(id)]);
-            if (common.result() != SurfaceSides::separates) continue;
-            const auto corner =
-                static_cast<int>(std::ranges::find(corners, index(vertex)) - corners.begin());
-            const Triangle triangle = mesh.triangle(id);
-            sum += angle_at(triangle, corner) * unit_normal_of(triangle);
-        }
-        SurfaceSides& sides = sign_.vertex_sides_[index(vertex)];
-        sides = common.result();
-        if (sides != SurfaceSides::separates) return;
-        const double length = sum.norm();
-        if (length < shortest_sum) {
-            sides = SurfaceSides::doubtful;
-        } else {
-            sign_.pseudonormals_[index(vertex)] = sum / length;
-        }
-    }
-
-    SurfaceSign sign_;
-};
+SurfaceSign::SurfaceSign(std::shared_ptr<const SignParts> parts) noexcept : parts_(std::move(parts))
+{}
 
 bool SurfaceSign::is_local() const noexcept
 {
-    return std::ranges::find(sides_, SurfaceSides::doubtful) == sides_.end();
+    const auto sides = parts_->sides();
+    return std::ranges::find(sides, SurfaceSides::doubtful) == sides.end();
 }
 
 std::uint64_t SurfaceSign::bytes() const noexcept
 {
-    return sides_.size() + vertex_sides_.size() + pseudonormals_.size() * sizeof(Vec3) +
-           winding_.clusters().size_bytes() + winding_.order().size_bytes();
-}
-
-Result<SurfaceSign> build_surface_sign(const SurfaceSearch& search,
-                                       const SurfaceSignOptions& options)
-{
-    auto winding = build_winding_number(search.mesh(), {.execution = options.execution});
-    if (!winding) return tl::unexpected(winding.error());
-    auto sides = find_surface_sides(search, *winding, {.execution = options.execution});
-    if (!sides) return tl::unexpected(sides.error());
-    SurfaceSignBuilder builder(search, std::move(*winding), std::move(*sides));
-    builder.fill_vertices(options.execution.threads);
-    builder.measure();
-    return builder.result();
-}
-
-Result<SurfaceSign> build_surface_sign(const TriangleMesh& mesh, const Topology& topology,
-                                       const SurfaceSignOptions& options)
-{
-    const auto search = build_surface_search(mesh, topology, {.execution = options.execution});
-    if (!search) return tl::unexpected(search.error());
-    return build_surface_sign(*search, options);
+    return parts_->sides().size() + parts_->vertex_sides().size() +
+           parts_->pseudonormals().size_bytes() + parts_->winding().clusters().size_bytes() +
+           parts_->winding().order().size_bytes();
 }
 
 SignedDistance sign_of(const SurfaceSign& sign, const ClosestFeature& closest,
@@ -325,19 +201,69 @@ SignedDistance sign_of(const SurfaceSign& sign, const ClosestFeature& closest,
         result.method = SignMethod::none;
         return result;
     }
-    if (is_on(sign, closest, p, result.distance)) {
+    const SignParts& parts = sign.parts();
+    if (is_on(parts, closest, p, result.distance)) {
         result.distance = 0;
         return result;
     }
-    const auto inside = is_inside_locally(sign, closest, p, result.distance);
-    const bool beyond = !sign.bounds().contains(p);
+    const auto inside = is_inside_locally(parts, closest, p, result.distance);
+    const bool beyond = !parts.bounds().contains(p);
     result.method =
         inside && !(beyond && *inside) ? SignMethod::pseudonormal : SignMethod::winding_number;
     if (beyond) return result;
     // Where squares overflow, whatever mesh there is is a dot.
-    if (inside ? *inside : std::isfinite(result.distance) && is_inside(sign.winding(), p))
+    if (inside ? *inside : std::isfinite(result.distance) && is_inside(parts.winding(), p))
         result.distance = -result.distance;
     return result;
+}
+
+SignedDistance signed_distance(const MeshIndex& index, const SurfaceSign& sign,
+                               const Vec3& p) noexcept
+{
+    return sign_of(sign, closest_feature(index, p).value_or(no_closest_feature()), p);
+}
+
+Status signed_distances(const MeshIndex& index, const SurfaceSign& sign,
+                        std::span<const Vec3> points, const SignedOutputs& outputs,
+                        const BatchOptions& options)
+{
+    for (const std::size_t size : {outputs.distances.size(), outputs.answers.size()}) {
+        if (size != 0 && size != points.size()) {
+            return fail(ErrorCode::invalid_argument,
+                        concat("room for ", size, " answers, but ", points.size(), " points"));
+        }
+    }
+    const auto bad =
+        std::ranges::find_if(points, [](const Vec3& point) { return !point.allFinite(); });
+    if (bad != points.end()) {
+        return fail(ErrorCode::invalid_argument,
+                    concat("point ", bad - points.begin(), " is not finite: leave it out"),
+                    "points");
+    }
+    const std::size_t share =
+        points.size() / static_cast<std::size_t>(thread_count(options.execution.threads)) + 1;
+    const std::size_t chunk = std::clamp(share, least_signs_per_task, most_signs_per_task);
+    Progress* const progress = options.execution.progress;
+    begin_stage(progress, "signed distances", points.size());
+    parallel_for(
+        (points.size() + chunk - 1) / chunk, options.execution.threads, [&](std::size_t i) {
+            if (is_cancelled(progress)) return;
+            const std::size_t first = i * chunk;
+            const auto own = points.subspan(first, std::min(chunk, points.size() - first));
+            std::vector<ClosestFeature> closest(own.size());
+            // No errors: sizes agree and the points are finite.
+            (void)closest_features(index, own, {.answers = closest},
+                                   {.order = options.order, .execution = {.threads = {1}}});
+            for (std::size_t k = 0; k < own.size(); ++k) {
+                const SignedDistance answer = sign_of(sign, closest[k], own[k]);
+                if (!outputs.distances.empty()) outputs.distances[first + k] = answer.distance;
+                if (!outputs.answers.empty()) outputs.answers[first + k] = answer;
+            }
+            advance_stage(progress, own.size());
+        });
+    if (is_cancelled(progress))
+        return fail(ErrorCode::cancelled, "signed distances: stopped on request");
+    return {};
 }
 
 std::string_view name_of(SignMethod method) noexcept

@@ -7,6 +7,8 @@
 #include "geometry/solid_angle.h"
 #include "geometry/triangle_contact.h"
 #include "geometry/triangle_distance.h"
+#include "index/index_parts.h"
+#include "index/visit_near.h"
 #include "mesh/surface_parts.h"
 
 #include <algorithm>
@@ -153,26 +155,26 @@ bool has_area(const TriangleMesh& mesh, TriangleId id) noexcept
     return !is_degenerate(mesh.triangle(id));
 }
 
-bool meets_another(const SurfaceSearch& search, const std::vector<std::uint8_t>& areas,
-                   TriangleId id, const Clearance& clearance) noexcept
+bool meets_another(const IndexParts& tree, const TriangleMesh& mesh,
+                   const std::vector<std::uint8_t>& areas, TriangleId id,
+                   const Clearance& clearance) noexcept
 {
-    const TriangleMesh& mesh = search.mesh();
     const Box box = grown(bounding_box(mesh.triangle(id)), clearance.distance);
     const bool nearly = clearance.sine > 0;
-    const double unit = search.tree().scale();
+    const double unit = tree.scale();
     bool found = false;
     int tests = 0;
-    visit_within(search.tree(), box, 0.0, [&](RankRange ranks) noexcept {
-        for (const TriangleId other : search.triangles(ranks)) {
+    visit_near(tree, box, 0.0, [&](RowRange rows) noexcept {
+        for (const TriangleId other : tree.ids().subspan(rows.first, rows.count)) {
             if (other == id || areas[index(other)] == 0) continue;
             if (!boxes_meet(box, bounding_box(mesh.triangle(other)))) continue;
             if (++tests <= max_tests && !meet_beyond_shared(mesh, id, other) &&
                 !(nearly && nearly_meet(mesh, id, other, clearance, unit)))
                 continue;
             found = true;
-            return Flow::stop;
+            return -1.0;
         }
-        return Flow::proceed;
+        return 0.0;
     });
     return found;
 }
@@ -284,11 +286,10 @@ tl::unexpected<Error> sides_stopped()
     return fail(ErrorCode::cancelled, "surface sides: stopped on request");
 }
 
-Result<std::vector<std::uint8_t>> find_contacts(const SurfaceSearch& search,
+Result<std::vector<std::uint8_t>> find_contacts(const IndexParts& tree, const TriangleMesh& mesh,
                                                 const Clearance& clearance,
                                                 const SurfaceSidesOptions& options)
 {
-    const TriangleMesh& mesh = search.mesh();
     const std::size_t count = mesh.triangle_count();
     const std::size_t tasks = task_count(count, triangles_per_task);
     std::vector<std::uint8_t> areas(count, 0);
@@ -305,11 +306,11 @@ Result<std::vector<std::uint8_t>> find_contacts(const SurfaceSearch& search,
     for_all([&](std::size_t i) {
         areas[i] = has_area(mesh, TriangleId{static_cast<std::uint32_t>(i)}) ? 1 : 0;
     });
-    // By rank: neighbours share what the caches hold.
-    for_all([&](std::size_t rank) {
-        const TriangleId id = search.order()[rank];
+    // By row: neighbours share what the caches hold.
+    for_all([&](std::size_t row) {
+        const TriangleId id = tree.ids()[row];
         if (areas[index(id)] == 0) return;
-        contacts[index(id)] = meets_another(search, areas, id, clearance) ? 1 : 0;
+        contacts[index(id)] = meets_another(tree, mesh, areas, id, clearance) ? 1 : 0;
     });
     if (is_cancelled(options.execution.progress)) return sides_stopped();
     return contacts;
@@ -325,23 +326,25 @@ Clearance clearance_of(const TriangleMesh& mesh) noexcept
 
 } // namespace
 
-Result<std::vector<std::uint8_t>> find_self_contacts(const SurfaceSearch& search,
+Result<std::vector<std::uint8_t>> find_self_contacts(const MeshIndex& index,
+                                                     const TriangleMesh& mesh,
                                                      const SurfaceSidesOptions& options)
 {
-    return find_contacts(search, exact_contact, options);
+    return find_contacts(index.parts(), mesh, exact_contact, options);
 }
 
-Result<std::vector<SurfaceSides>> find_surface_sides(const SurfaceSearch& search,
+Result<std::vector<SurfaceSides>> find_surface_sides(const MeshIndex& tree,
+                                                     const Topology& topology,
                                                      const WindingNumber& winding,
                                                      const SurfaceSidesOptions& options)
 {
-    const TriangleMesh& mesh = search.mesh();
+    const TriangleMesh& mesh = winding.mesh();
     std::vector<SurfaceSides> sides(mesh.triangle_count(), SurfaceSides::doubtful);
-    const auto uses = detail::edge_uses(mesh, search.topology());
+    const auto uses = detail::edge_uses(mesh, topology);
     if (!is_balanced(uses)) return sides;
-    const auto contacts = find_contacts(search, clearance_of(mesh), options);
+    const auto contacts = find_contacts(tree.parts(), mesh, clearance_of(mesh), options);
     if (!contacts) return tl::unexpected(contacts.error());
-    Patches patches = find_patches(mesh, search.topology(), uses, *contacts);
+    Patches patches = find_patches(mesh, topology, uses, *contacts);
     const std::size_t count = patches.items.size();
     begin_stage(options.execution.progress, "surface sides", count);
     parallel_for(task_count(count, patches_per_task), options.execution.threads,

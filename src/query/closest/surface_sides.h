@@ -14,10 +14,10 @@
 
 #include "octree/winding_number.h"
 #include "proxima/execution.h"
+#include "proxima/mesh_index.h"
 #include "proxima/result.h"
 #include "proxima/topology.h"
 #include "proxima/triangle_mesh.h"
-#include "query/closest/surface_search.h"
 
 #include <cstdint>
 #include <vector>
@@ -39,15 +39,16 @@ struct SurfaceSidesOptions {
 /// The sides of every triangle, by id; doubtful for those without an area, and for those that meet
 /// others or all but do: within 2^-45 of the mesh's size, or at an edge under less than 1/1000.
 /// About 2 us per triangle of a closed mesh and 20 per patch. The same for any number of threads.
-/// Error: cancelled. \pre search and winding are of the same mesh
+/// Error: cancelled. \pre all are of the mesh of the winding number
 [[nodiscard]] Result<std::vector<SurfaceSides>>
-find_surface_sides(const SurfaceSearch& search, const WindingNumber& winding,
+find_surface_sides(const MeshIndex& index, const Topology& topology, const WindingNumber& winding,
                    const SurfaceSidesOptions& options = {});
 
 /// For every triangle with an area whether it meets another such one otherwise than at the vertices
 /// and edges that they share by id. Exact, but that one whose box meets those of more than 4096
 /// others is said to meet one. Same cost and conditions.
 [[nodiscard]] Result<std::vector<std::uint8_t>>
-find_self_contacts(const SurfaceSearch& search, const SurfaceSidesOptions& options = {});
+find_self_contacts(const MeshIndex& index, const TriangleMesh& mesh,
+                   const SurfaceSidesOptions& options = {});
 
 } // namespace proxima

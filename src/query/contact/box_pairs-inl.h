@@ -14,6 +14,7 @@
 #define PROXIMA_QUERY_BOX_PAIRS_INL_H
 #endif
 
+#include "index/index_parts.h"
 #include "query/contact/contact_search.h"
 #include "query/contact/eight_points-inl.h"
 

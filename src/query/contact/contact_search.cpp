@@ -1,6 +1,7 @@
 #include "query/contact/contact_search.h"
 
 #include "geometry/triangle_contact.h"
+#include "index/index_parts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -45,7 +46,7 @@ void set_frame(const Mat3& rotation, const Vec3& offset, float slack, PairFrame&
 
 } // namespace
 
-PairStart contact_search(const MeshIndex& a, const MeshIndex& b, const RigidTransform& pose_b,
+PairStart contact_search(const IndexParts& a, const IndexParts& b, const RigidTransform& pose_b,
                          ContactSearch& open) noexcept
 {
     if (a.triangle_count() == 0 || b.triangle_count() == 0) return PairStart::apart;
@@ -77,7 +78,7 @@ PairStart contact_search(const MeshIndex& a, const MeshIndex& b, const RigidTran
     return PairStart::ready;
 }
 
-bool ask_rows(const MeshIndex& a, std::uint32_t row_a, const MeshIndex& b, std::uint32_t row_b,
+bool ask_rows(const IndexParts& a, std::uint32_t row_a, const IndexParts& b, std::uint32_t row_b,
               const RigidTransform& pose_b) noexcept
 {
     const Triangle moved = pose_b(b.triangle(row_b));

@@ -8,8 +8,9 @@
 // p are the points of A as they are, q those of B before the pose moves them.
 #pragma once
 
-#include "index/mesh_index.h"
+#include "index/index_parts.h"
 #include "proxima/geometry.h"
+#include "proxima/mesh_index.h"
 
 #include <array>
 #include <cstdint>
@@ -55,7 +56,7 @@ struct alignas(32) PairFrame {
 };
 
 struct PairSide {
-    const MeshIndex* index = nullptr;
+    const IndexParts* index = nullptr;
     const IndexBlock* blocks = nullptr;
     float unit = 1; ///< of the index's blocks, a power of two, at most 1
 };
@@ -70,7 +71,7 @@ struct ContactSearch {
 
     /// Every descent takes a block's place by that of a child, in one of the meshes: of at most
     /// that many levels, each leaving seven others to be looked at.
-    static constexpr std::size_t stack_size = 7 * (2 * MeshIndex::max_levels - 2) + 1;
+    static constexpr std::size_t stack_size = 7 * (2 * IndexParts::max_levels - 2) + 1;
 };
 
 /// What contact_search says.
@@ -81,12 +82,12 @@ enum class PairStart : std::uint8_t {
 };
 
 /// Sets everything up. Indexes and pose must outlive `open`.
-[[nodiscard]] PairStart contact_search(const MeshIndex& a, const MeshIndex& b,
+[[nodiscard]] PairStart contact_search(const IndexParts& a, const IndexParts& b,
                                        const RigidTransform& pose_b, ContactSearch& open) noexcept;
 
 /// Whether two triangles meet, by their rows: A's as it is, B's with its corners moved. Exact for
 /// these; false where a moved corner is not finite.
-[[nodiscard]] bool ask_rows(const MeshIndex& a, std::uint32_t row_a, const MeshIndex& b,
+[[nodiscard]] bool ask_rows(const IndexParts& a, std::uint32_t row_a, const IndexParts& b,
                             std::uint32_t row_b, const RigidTransform& pose_b) noexcept;
 
 [[nodiscard]] inline bool ask_rows(const ContactSearch& open, std::uint32_t row_a,

@@ -1,39 +1,42 @@
-#include "query/contact/containment.h"
+#include "proxima/intersect_meshes.h"
 
 #include "base/disjoint_sets.h"
 #include "base/progress.h"
 #include "geometry/exact_predicates.h"
 #include "mesh/coincidence.h"
+#include "query/contact/enclosure_parts.h"
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <utility>
+#include <vector>
 
 namespace proxima {
 
+// The steps of build_enclosure.
 class EnclosureBuilder {
 public:
-    EnclosureBuilder(const TriangleMesh& mesh, const EnclosureOptions& options)
-        : mesh_(mesh), options_(options)
+    EnclosureBuilder(TriangleMesh mesh, const EnclosureOptions& options)
+        : result_(std::make_shared<EnclosureParts>(std::move(mesh))), mesh_(result_->mesh),
+          options_(options)
     {}
 
     Result<Enclosure> build()
     {
         const auto bounds = checked_bounding_box(mesh_);
         if (!bounds) return tl::unexpected(bounds.error());
-        Enclosure result;
-        result.mesh_ = &mesh_;
-        result.bounds_ = *bounds;
+        result_->bounds = *bounds;
         same_place_ = detail::first_at_position(mesh_);
-        result.parts_ = find_parts();
+        result_->vertices = find_vertices();
         if (is_cancelled(options_.execution.progress)) return stopped();
-        result.method_ = find_method();
+        result_->method = find_method();
         if (is_cancelled(options_.execution.progress)) return stopped();
-        if (result.method_ != InsideMethod::winding_number) return result;
+        if (result_->method != InsideMethod::winding_number) return Enclosure(result_);
         auto winding = build_winding_number(mesh_, {.execution = options_.execution});
         if (!winding) return tl::unexpected(winding.error());
-        result.winding_ = std::move(*winding);
-        return result;
+        result_->winding = std::move(*winding);
+        return Enclosure(result_);
     }
 
 private:
@@ -42,7 +45,7 @@ private:
         return fail(ErrorCode::cancelled, "preparing for containment: stopped on request");
     }
 
-    [[nodiscard]] std::vector<VertexId> find_parts() const
+    [[nodiscard]] std::vector<VertexId> find_vertices() const
     {
         DisjointSets sets(mesh_.vertex_count());
         std::vector<bool> used(mesh_.vertex_count());
@@ -52,11 +55,11 @@ private:
                 used[same_place_[corner]] = true;
             }
         }
-        std::vector<VertexId> parts;
+        std::vector<VertexId> lowest;
         for (std::uint32_t id = 0; id < mesh_.vertex_count(); ++id) {
-            if (used[id] && sets.find(id) == id) parts.push_back(VertexId{id});
+            if (used[id] && sets.find(id) == id) lowest.push_back(VertexId{id});
         }
-        return parts;
+        return lowest;
     }
 
     /// By the edges of all triangles: each direction as often as the other one, or an even number
@@ -91,6 +94,7 @@ private:
         return oriented ? InsideMethod::crossings : InsideMethod::parity;
     }
 
+    std::shared_ptr<EnclosureParts> result_;
     const TriangleMesh& mesh_;
     const EnclosureOptions& options_;
     std::vector<std::uint32_t> same_place_;
@@ -138,27 +142,38 @@ bool surely_outside(const Box& box, const RigidTransform& pose, const Vec3& poin
 bool contains_all(const Enclosure& outer, const RigidTransform& outer_pose, const Enclosure& inner,
                   const RigidTransform& inner_pose) noexcept
 {
-    return std::ranges::all_of(inner.parts(), [&](VertexId vertex) {
-        return encloses(outer, outer_pose, inner_pose(inner.mesh().position(vertex)));
+    const EnclosureParts& parts = inner.parts();
+    return std::ranges::all_of(parts.vertices, [&](VertexId vertex) {
+        return encloses(outer, outer_pose, inner_pose(parts.mesh.position(vertex)));
     });
 }
 
 } // namespace
 
-Result<Enclosure> build_enclosure(const TriangleMesh& mesh, const EnclosureOptions& options)
+Enclosure::Enclosure(std::shared_ptr<const EnclosureParts> parts) noexcept
+    : parts_(std::move(parts))
+{}
+
+InsideMethod Enclosure::method() const noexcept
 {
-    return EnclosureBuilder(mesh, options).build();
+    return parts_->method;
+}
+
+Result<Enclosure> build_enclosure(TriangleMesh mesh, const EnclosureOptions& options)
+{
+    return EnclosureBuilder(std::move(mesh), options).build();
 }
 
 bool encloses(const Enclosure& enclosure, const RigidTransform& pose, const Vec3& point) noexcept
 {
-    if (surely_outside(enclosure.bounds(), pose, point)) return false;
-    if (enclosure.method() == InsideMethod::winding_number) {
+    const EnclosureParts& parts = enclosure.parts();
+    if (surely_outside(parts.bounds, pose, point)) return false;
+    if (parts.method == InsideMethod::winding_number) {
         constexpr double accuracy = 1e-9;
         const Vec3 there = pose.inverse()(point);
-        return std::abs(winding_number(enclosure.winding(), there, accuracy).value) >= 0.5;
+        return std::abs(winding_number(*parts.winding, there, accuracy).value) >= 0.5;
     }
-    const TriangleMesh& mesh = enclosure.mesh();
+    const TriangleMesh& mesh = parts.mesh;
     int windings = 0;
     bool odd = false;
     for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
@@ -166,7 +181,7 @@ bool encloses(const Enclosure& enclosure, const RigidTransform& pose, const Vec3
         windings += crossing;
         odd = odd != (crossing != 0);
     }
-    return enclosure.method() == InsideMethod::crossings ? windings != 0 : odd;
+    return parts.method == InsideMethod::crossings ? windings != 0 : odd;
 }
 
 ContainmentAnswer find_containment(const Enclosure& a, const Enclosure& b,

@@ -1,8 +1,9 @@
-#include "query/contact/intersect_meshes.h"
+#include "proxima/intersect_meshes.h"
 
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "base/text.h"
+#include "index/index_parts.h"
 #include "query/contact/contact_search.h"
 
 #include <algorithm>
@@ -114,7 +115,7 @@ namespace {
 /// Asks all pairs whose boxes meet, for poses that floats know nothing of, until visit returns
 /// false.
 template <class Visit>
-bool ask_all(const MeshIndex& a, const MeshIndex& b, const RigidTransform& pose_b,
+bool ask_all(const IndexParts& a, const IndexParts& b, const RigidTransform& pose_b,
              const Visit& visit)
 {
     for (std::uint32_t j = 0; j < b.triangle_count(); ++j) {
@@ -129,7 +130,7 @@ bool ask_all(const MeshIndex& a, const MeshIndex& b, const RigidTransform& pose_
     return false;
 }
 
-bool find_first(const MeshIndex& a, const MeshIndex& b, const RigidTransform& pose_b,
+bool find_first(const IndexParts& a, const IndexParts& b, const RigidTransform& pose_b,
                 RowPair& found)
 {
     ContactSearch open;
@@ -200,29 +201,28 @@ Status for_poses(std::size_t count, const PairOptions& options, const Task& task
 bool meshes_intersect(const MeshIndex& a, const MeshIndex& b, const RigidTransform& pose_b) noexcept
 {
     RowPair found;
-    return find_first(a, b, pose_b, found);
+    return find_first(a.parts(), b.parts(), pose_b, found);
 }
 
 bool meshes_intersect(const MeshIndex& a, const MeshIndex& b, const RigidTransform& pose_b,
                       LastMeeting& last) noexcept
 {
     if (last.row_a < a.triangle_count() && last.row_b < b.triangle_count() &&
-        ask_rows(a, last.row_a, b, last.row_b, pose_b))
+        ask_rows(a.parts(), last.row_a, b.parts(), last.row_b, pose_b))
         return true;
     RowPair found;
-    if (!find_first(a, b, pose_b, found)) return false;
+    if (!find_first(a.parts(), b.parts(), pose_b, found)) return false;
     last = {found.a, found.b};
     return true;
 }
 
-void detail::visit_pairs(const MeshIndex& a, const MeshIndex& b, const RigidTransform& pose_b,
-                         VisitPairs visit, void* context)
+void visit_intersecting_pairs(const MeshIndex& a, const MeshIndex& b, const RigidTransform& pose_b,
+                              FunctionRef<void(std::span<const TrianglePair>)> visitor)
 {
-    struct Visitor {
-        const MeshIndex& a;
-        const MeshIndex& b;
-        VisitPairs visit;
-        void* context;
+    struct Translator {
+        const IndexParts& a;
+        const IndexParts& b;
+        FunctionRef<void(std::span<const TrianglePair>)> visitor;
 
         void take(std::span<const RowPair> rows) const
         {
@@ -230,11 +230,11 @@ void detail::visit_pairs(const MeshIndex& a, const MeshIndex& b, const RigidTran
             for (std::size_t i = 0; i < rows.size(); ++i) {
                 pairs[i] = {a.id(rows[i].a), b.id(rows[i].b)};
             }
-            visit(context, std::span(pairs).first(rows.size()));
+            visitor(std::span(pairs).first(rows.size()));
         }
-    } visitor{a, b, visit, context};
+    } translator{a.parts(), b.parts(), visitor};
     ContactSearch open;
-    switch (contact_search(a, b, pose_b, open)) {
+    switch (contact_search(translator.a, translator.b, pose_b, open)) {
     case PairStart::apart:
         return;
     case PairStart::ready:
@@ -242,15 +242,15 @@ void detail::visit_pairs(const MeshIndex& a, const MeshIndex& b, const RigidTran
         (
             open,
             [](void* to, std::span<const RowPair> rows) {
-                static_cast<const Visitor*>(to)->take(rows);
+                static_cast<const Translator*>(to)->take(rows);
             },
-            &visitor);
+            &translator);
         return;
     case PairStart::too_far:
         break;
     }
-    (void)ask_all(a, b, pose_b, [&](const RowPair& pair) {
-        visitor.take({&pair, 1});
+    (void)ask_all(translator.a, translator.b, pose_b, [&](const RowPair& pair) {
+        translator.take({&pair, 1});
         return true;
     });
 }

@@ -1,4 +1,4 @@
-#include "query/contact/intersection_contour.h"
+#include "proxima/intersect_meshes.h"
 
 #include "geometry/exact_predicates.h"
 #include "geometry/triangle_intersection.h"

@@ -15,6 +15,7 @@
 #define PROXIMA_QUERY_LEAF_PAIRS_INL_H
 #endif
 
+#include "index/index_parts.h"
 #include "query/contact/contact_search.h"
 #include "query/contact/eight_points-inl.h"
 

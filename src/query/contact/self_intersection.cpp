@@ -5,6 +5,7 @@
 #include "geometry/exact_predicates.h"
 #include "geometry/triangle_contact.h"
 #include "geometry/triangle_intersection.h"
+#include "proxima/intersect_meshes.h"
 #include "query/contact/contact_search.h"
 #include "query/contact/triangles_in_box.h"
 
@@ -57,7 +58,8 @@ bool meet_beyond_corners(const Triangle& a, const Triangle& b) noexcept
 Result<SelfIntersections> find_self_intersections(const MeshIndex& index,
                                                   const SelfIntersectionOptions& options)
 {
-    const std::uint32_t rows = index.triangle_count();
+    const IndexParts& parts = index.parts();
+    const std::uint32_t rows = parts.triangle_count();
     begin_stage(options.execution.progress, "finding self-intersections", rows);
     SelfIntersections result;
     // Rows of the index, so that neighbours are looked for where the last ones were. Rounds have a
@@ -72,9 +74,9 @@ Result<SelfIntersections> find_self_intersections(const MeshIndex& index,
             StageSteps steps(options.execution.progress, 64);
             for (std::uint32_t row = first; row < end; ++row) {
                 if (!steps.done(1) || found[chunk].size() > options.max_pairs) return;
-                const Triangle triangle = index.triangle(row);
-                const TriangleId id = index.id(row);
-                visit_triangles_in_box(index, bounding_box(triangle),
+                const Triangle triangle = parts.triangle(row);
+                const TriangleId id = parts.id(row);
+                visit_triangles_in_box(parts, bounding_box(triangle),
                                        [&](TriangleId other, const Triangle& there) {
                                            if (id < other && meet_beyond_corners(triangle, there))
                                                found[chunk].push_back({id, other});

@@ -2,8 +2,9 @@
 #pragma once
 
 #include "base/fixed_stack.h"
-#include "index/mesh_index.h"
+#include "index/index_parts.h"
 #include "proxima/geometry.h"
+#include "proxima/mesh_index.h"
 #include "query/contact/contact_search.h"
 
 #include <cstddef>
@@ -15,7 +16,7 @@ namespace proxima {
 /// closed, have a point in common, each once, in no particular order, until it returns false. No
 /// allocation, thread safe. About 1 us, and 20 ns per triangle. \pre box is finite or empty
 template <class Visitor>
-void visit_triangles_in_box(const MeshIndex& index, const Box& box, Visitor&& visitor)
+void visit_triangles_in_box(const IndexParts& index, const Box& box, Visitor&& visitor)
 {
     if (index.triangle_count() == 0 || box.empty()) return;
     // In the index's units: its planes are evaluated here as rays do, up to rounding of floats,
@@ -27,7 +28,7 @@ void visit_triangles_in_box(const MeshIndex& index, const Box& box, Visitor&& vi
         return (one.lower.array() <= other.upper.array()).all() &&
                (other.lower.array() <= one.upper.array()).all();
     };
-    FixedStack<std::uint32_t, 7 * MeshIndex::max_levels + 1> pending;
+    FixedStack<std::uint32_t, 7 * IndexParts::max_levels + 1> pending;
     pending.push(index.root());
     while (!pending.empty()) {
         const std::uint32_t reference = pending.pop();

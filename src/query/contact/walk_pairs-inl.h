@@ -8,6 +8,7 @@
 #define PROXIMA_QUERY_WALK_PAIRS_INL_H
 #endif
 
+#include "index/index_parts.h"
 #include "query/contact/box_pairs-inl.h"
 #include "query/contact/leaf_intersection-inl.h"
 

@@ -1,4 +1,4 @@
-#include "query/culling/cull_cells.h"
+#include "proxima/cull.h"
 
 #include "base/fixed_stack.h"
 #include "geometry/view_contact.h"
@@ -36,8 +36,8 @@ bool passes(std::span<const ViewPlane> planes, const Box& box, std::uint64_t& ma
 
 } // namespace
 
-void detail::visible_cells(const Octree& octree, const ViewVolume& volume, CullMode mode,
-                           VisitVisibleCell visit, void* context) noexcept
+void visible_cells(const Octree& octree, const ViewVolume& volume, CullMode mode,
+                   FunctionRef<Flow(const VisibleCell&)> visitor) noexcept
 {
     if (octree.nodes().empty() || volume.empty()) return;
     const std::span<const ViewPlane> planes = volume.planes();
@@ -55,7 +55,7 @@ void detail::visible_cells(const Octree& octree, const ViewVolume& volume, CullM
         }
         if (at.mask != 0 && mode == CullMode::exact && !meets_volume(volume, octree.box(at.cell)))
             continue;
-        if (visit(context, {at.cell, at.mask == 0}) == Flow::stop) return;
+        if (visitor({at.cell, at.mask == 0}) == Flow::stop) return;
     }
 }
 
@@ -63,7 +63,10 @@ std::vector<VisibleCell> visible_cells(const Octree& octree, const ViewVolume& v
                                        CullMode mode)
 {
     std::vector<VisibleCell> cells;
-    visible_cells(octree, volume, mode, [&](const VisibleCell& cell) { cells.push_back(cell); });
+    visible_cells(octree, volume, mode, [&](const VisibleCell& cell) {
+        cells.push_back(cell);
+        return Flow::proceed;
+    });
     return cells;
 }
 

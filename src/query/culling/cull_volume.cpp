@@ -1,8 +1,9 @@
-#include "query/culling/cull_volume.h"
+#include "proxima/cull.h"
 
 #include "base/fixed_stack.h"
 #include "geometry/view_contact.h"
 #include "geometry/view_plane.h"
+#include "index/index_parts.h"
 #include "query/culling/prepare_volume.h"
 
 #include <algorithm>
@@ -18,8 +19,7 @@ namespace proxima {
 /// Joins rows that come in order to ranges as long as can be.
 class RangeJoiner {
 public:
-    RangeJoiner(detail::VisitRange visit, void* context) noexcept : visit_(visit), context_(context)
-    {}
+    explicit RangeJoiner(FunctionRef<void(TriangleRange)> visitor) noexcept : visitor_(visitor) {}
 
     void add(std::uint32_t first, std::uint32_t end) noexcept
     {
@@ -31,20 +31,19 @@ public:
     }
     void flush() noexcept
     {
-        if (end_ > first_) visit_(context_, {first_, end_ - first_});
+        if (end_ > first_) visitor_({first_, end_ - first_});
         first_ = end_;
     }
 
 private:
-    detail::VisitRange visit_;
-    void* context_;
+    FunctionRef<void(TriangleRange)> visitor_;
     std::uint32_t first_ = 0;
     std::uint32_t end_ = 0;
 };
 
 /// One query under way.
 struct Culling {
-    const MeshIndex& index;
+    const IndexParts& index;
     const ViewVolume& volume;
     CullMode mode;
     const VolumeTraversal& open;
@@ -215,7 +214,7 @@ inline constexpr std::size_t opened_together = 4;
 
 /// Of every level there are at most as many as the blocks above that are opened at once have
 /// children: blocks are opened from the top, where the deepest lie.
-using PendingRowsStack = FixedStack<PendingRows, 8 * opened_together * MeshIndex::max_levels + 1>;
+using PendingRowsStack = FixedStack<PendingRows, 8 * opened_together * IndexParts::max_levels + 1>;
 
 /// What is visible below a node, in the order of rows.
 struct OpenedNode {
@@ -404,19 +403,20 @@ bool is_row_visible(const Culling& culling, std::uint32_t row, PlaneMask mask) n
     return passes;
 }
 
-void detail::visit_visible(const MeshIndex& index, const ViewVolume& volume, CullMode mode,
-                           VisitRange visit, void* context) noexcept
+void visit_visible(const MeshIndex& index, const ViewVolume& volume, CullMode mode,
+                   FunctionRef<void(TriangleRange)> visitor) noexcept
 {
+    const IndexParts& parts = index.parts();
     VolumeTraversal open;
-    RangeJoiner ranges(visit, context);
-    switch (prepare_volume(index, volume, open)) {
+    RangeJoiner ranges(visitor);
+    switch (prepare_volume(parts, volume, open)) {
     case VolumeStart::sees_nothing:
         return;
     case VolumeStart::sees_all:
-        ranges.add(0, index.triangle_count());
+        ranges.add(0, parts.triangle_count());
         break;
     case VolumeStart::ready:
-        HWY_DYNAMIC_DISPATCH(cull)({index, volume, mode, open, ranges});
+        HWY_DYNAMIC_DISPATCH(cull)({parts, volume, mode, open, ranges});
         break;
     }
     ranges.flush();

@@ -1,5 +1,7 @@
 #include "query/culling/prepare_volume.h"
 
+#include "index/index_parts.h"
+
 #include <cmath>
 #include <limits>
 
@@ -23,7 +25,7 @@ constexpr double beyond = 1.04;
 
 } // namespace
 
-VolumeStart prepare_volume(const MeshIndex& index, const ViewVolume& volume,
+VolumeStart prepare_volume(const IndexParts& index, const ViewVolume& volume,
                            VolumeTraversal& open) noexcept
 {
     if (volume.empty() || index.triangle_count() == 0) return VolumeStart::sees_nothing;

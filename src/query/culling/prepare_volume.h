@@ -3,7 +3,8 @@
 //     n . x + d >= 0   with   x = c + y / s   is   n . y + (n . c + d) s >= 0,  over |n|_1
 #pragma once
 
-#include "index/mesh_index.h"
+#include "index/index_parts.h"
+#include "proxima/mesh_index.h"
 #include "proxima/view_volume.h"
 
 #include <array>
@@ -32,7 +33,7 @@ struct VolumeTraversal {
 };
 
 /// Sets everything up.
-[[nodiscard]] VolumeStart prepare_volume(const MeshIndex& index, const ViewVolume& volume,
+[[nodiscard]] VolumeStart prepare_volume(const IndexParts& index, const ViewVolume& volume,
                                          VolumeTraversal& open) noexcept;
 
 } // namespace proxima

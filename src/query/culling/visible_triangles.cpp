@@ -1,5 +1,5 @@
 // What a view volume sees, as lists: of ranges, and of ids in order.
-#include "query/culling/cull_volume.h"
+#include "proxima/cull.h"
 
 #include <bit>
 #include <cstddef>

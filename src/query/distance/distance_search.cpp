@@ -1,6 +1,7 @@
 #include "query/distance/distance_search.h"
 
 #include "geometry/triangle_distance.h"
+#include "index/index_parts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +16,7 @@ struct IndexedTriangle {
     TriangleId id;
     Triangle triangle;
 };
-IndexedTriangle row_of(const MeshIndex& index, std::uint32_t row) noexcept
+IndexedTriangle row_of(const IndexParts& index, std::uint32_t row) noexcept
 {
     return {index.id(row), index.triangle(row)};
 }
@@ -55,23 +56,23 @@ double safe_unit(double length) noexcept
 // - A leaf's vertices, moved, are off by 9 u + 3 u r, and their projections by 2 (16 u + 12 u r).
 // All of them are below 128 u + 64 u r. To that come the vertices of leaves, floats in any case,
 // and what moving vertices and the offset round in doubles: in all, 2^-50 of the coordinates.
-DistanceSearch::DistanceSearch(const DistanceIndex& index_a, const DistanceIndex& index_b,
+DistanceSearch::DistanceSearch(const IndexParts& index_a, const IndexParts& index_b,
                                const RigidTransform& pose_b, double farthest) noexcept
     : a(index_a), b(index_b), rotation(pose_b.rotation), pose_b_(pose_b),
-      scale_(std::min(index_a.triangles().scale(), index_b.triangles().scale())),
+      scale_(std::min(index_a.scale(), index_b.scale())),
       best_squared_(std::numeric_limits<double>::infinity()), farthest_(farthest)
 {
-    a_scale = static_cast<float>(scale_ / index_a.triangles().scale());
-    b_scale = static_cast<float>(scale_ / index_b.triangles().scale());
-    offset = (pose_b(index_b.triangles().center()) - index_a.triangles().center()) * scale_;
+    a_scale = static_cast<float>(scale_ / index_a.scale());
+    b_scale = static_cast<float>(scale_ / index_b.scale());
+    offset = (pose_b(index_b.center()) - index_a.center()) * scale_;
     reach_ = offset.cwiseAbs().maxCoeff() + 2;
-    const double coordinates = index_a.triangles().center().cwiseAbs().maxCoeff() +
-                               2 * index_b.triangles().center().cwiseAbs().maxCoeff() +
+    const double coordinates = index_a.center().cwiseAbs().maxCoeff() +
+                               2 * index_b.center().cwiseAbs().maxCoeff() +
                                pose_b.translation.cwiseAbs().maxCoeff();
     const double lane_roundoff = needs_doubles() ? 0x1p-53 : single_roundoff;
     margin_ = (128 + 64 * reach_) * lane_roundoff + 8 * single_roundoff +
               0x1p-50 * (scale_ * coordinates + 2);
-    const double extent = std::max(index_a.triangles().unscale(), index_b.triangles().unscale());
+    const double extent = std::max(index_a.unscale(), index_b.unscale());
     unit_ = safe_unit(std::max(extent, reach_ / scale_));
     lower_limit(farthest * scale_);
 }
@@ -85,8 +86,9 @@ void DistanceSearch::lower_limit(double distance) noexcept
 
 bool DistanceSearch::ask(std::uint32_t row_a, std::uint32_t row_b) noexcept
 {
-    const IndexedTriangle first = row_of(a.triangles(), row_a);
-    const IndexedTriangle second = row_of(b.triangles(), row_b);
+    if (row_a >= a.triangle_count() || row_b >= b.triangle_count()) return false;
+    const IndexedTriangle first = row_of(a, row_a);
+    const IndexedTriangle second = row_of(b, row_b);
     const ClosestTrianglePoints pair =
         closest_points(scaled(first.triangle, unit_), scaled(pose_b_(second.triangle), unit_));
     // Where doubles end, what does not touch keeps a distance.

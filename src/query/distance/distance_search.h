@@ -5,7 +5,8 @@
 //             B's
 #pragma once
 
-#include "query/distance/mesh_distance.h"
+#include "index/index_parts.h"
+#include "proxima/mesh_distance.h"
 
 #include <array>
 #include <cstddef>
@@ -49,7 +50,7 @@ inline constexpr double farthest_reach = 0x1p60;
 class DistanceSearch {
 public:
     /// Looks for pairs at most `farthest` apart.
-    DistanceSearch(const DistanceIndex& a, const DistanceIndex& b, const RigidTransform& pose_b,
+    DistanceSearch(const IndexParts& a, const IndexParts& b, const RigidTransform& pose_b,
                    double farthest) noexcept;
 
     /// Compares the best pair with that of these rows, in doubles. Returns true where they touch.
@@ -74,8 +75,8 @@ public:
     [[nodiscard]] double limit() const noexcept { return limit_; }
     [[nodiscard]] const MeshDistance& best() const noexcept { return best_; }
 
-    const DistanceIndex& a;
-    const DistanceIndex& b;
+    const IndexParts& a;
+    const IndexParts& b;
     float a_scale = 1;
     float b_scale = 1;
     Mat3 rotation;

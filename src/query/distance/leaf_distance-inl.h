@@ -14,6 +14,7 @@
 #define PROXIMA_QUERY_LEAF_PAIR_INL_H
 #endif
 
+#include "index/index_parts.h"
 #include "query/distance/triangle_bounds-inl.h"
 
 #include <algorithm>

@@ -8,6 +8,7 @@
 #define PROXIMA_QUERY_LEAF_POINTS_INL_H
 #endif
 
+#include "index/index_parts.h"
 #include "query/distance/pair_bounds-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -1,6 +1,7 @@
-#include "query/distance/mesh_distance.h"
+#include "proxima/mesh_distance.h"
 
 #include "base/fixed_stack.h"
+#include "index/index_parts.h"
 #include "query/distance/distance_search.h"
 
 #include <algorithm>
@@ -28,8 +29,8 @@ public:
     bool run()
     {
         constexpr BlockBox root = {{0, 0, 0}, {1.01F, 1.01F, 1.01F}};
-        pending_.push({0, search_.a.triangles().root(), search_.b.triangles().root(),
-                       scaled(root, search_.a_scale), scaled(root, search_.b_scale)});
+        pending_.push({0, search_.a.root(), search_.b.root(), scaled(root, search_.a_scale),
+                       scaled(root, search_.b_scale)});
         while (!pending_.empty()) {
             const PendingPair at = pending_.pop();
             if (at.bound > squared_limit()) continue;
@@ -65,7 +66,7 @@ private:
 
     void open_a(const PendingPair& at)
     {
-        const IndexNode& node = search_.a.triangles().blocks()[at.reference_a].node;
+        const IndexNode& node = search_.a.blocks()[at.reference_a].node;
         const ChildBoxes boxes(node, search_.a_scale);
         T squared[8];
         const ChildSlabs slabs(search_.a, node);
@@ -80,7 +81,7 @@ private:
     }
     void open_b(const PendingPair& at)
     {
-        const IndexNode& node = search_.b.triangles().blocks()[at.reference_b].node;
+        const IndexNode& node = search_.b.blocks()[at.reference_b].node;
         const ChildBoxes boxes(node, search_.b_scale);
         T squared[8];
         const ChildSlabs slabs(search_.b, node);
@@ -109,19 +110,17 @@ private:
         for (std::size_t i = 0; i < count; ++i) pending_.push(pair_of(order[i]));
     }
 
-    static void prefetch(const DistanceIndex& index, std::uint32_t reference)
+    static void prefetch(const IndexParts& index, std::uint32_t reference)
     {
-        const IndexBlock& block = index.triangles().blocks()[reference & ~index_leaf_bit];
+        const IndexBlock& block = index.blocks()[reference & ~index_leaf_bit];
         hwy::Prefetch(&block);
         hwy::Prefetch(reinterpret_cast<const std::byte*>(&block) + 64);
     }
 
     bool look_at_leaves(const PendingPair& at)
     {
-        const IndexLeaf& leaf_a =
-            search_.a.triangles().blocks()[at.reference_a & ~index_leaf_bit].leaf;
-        const IndexLeaf& leaf_b =
-            search_.b.triangles().blocks()[at.reference_b & ~index_leaf_bit].leaf;
+        const IndexLeaf& leaf_a = search_.a.blocks()[at.reference_a & ~index_leaf_bit].leaf;
+        const IndexLeaf& leaf_b = search_.b.blocks()[at.reference_b & ~index_leaf_bit].leaf;
         const auto center = [](const BlockBox& box) {
             return Vec3(double{box.center[0]}, double{box.center[1]}, double{box.center[2]});
         };
@@ -133,7 +132,7 @@ private:
     DistanceSearch& search_;
     PoseLanes<T> pose_;
     // Opening a block replaces a pair by eight at most, and each mesh has max_levels of them.
-    FixedStack<PendingPair, 7 * 2 * MeshIndex::max_levels + 1> pending_;
+    FixedStack<PendingPair, 7 * 2 * IndexParts::max_levels + 1> pending_;
 };
 
 bool walk_pairs(DistanceSearch& search)
@@ -150,15 +149,13 @@ namespace proxima {
 
 HWY_EXPORT(walk_pairs);
 
-std::optional<MeshDistance> mesh_distance_within(const DistanceIndex& a, const DistanceIndex& b,
+std::optional<MeshDistance> mesh_distance_within(const MeshIndex& a, const MeshIndex& b,
                                                  const RigidTransform& pose_b, double farthest,
-                                                 const MeshDistance* last) noexcept
+                                                 const MeshDistance* start_from) noexcept
 {
-    if (a.triangles().triangle_count() == 0 || b.triangles().triangle_count() == 0 ||
-        !(farthest >= 0))
-        return std::nullopt;
-    DistanceSearch search(a, b, pose_b, farthest);
-    const bool touch = last != nullptr && search.ask(last->row_a, last->row_b);
+    if (a.triangle_count() == 0 || b.triangle_count() == 0 || !(farthest >= 0)) return std::nullopt;
+    DistanceSearch search(a.parts(), b.parts(), pose_b, farthest);
+    const bool touch = start_from != nullptr && search.ask(start_from->row_a, start_from->row_b);
     if (search.needs_no_walk()) {
         (void)search.ask(0, 0);
     } else if (!touch && !HWY_DYNAMIC_DISPATCH(walk_pairs)(search)) {
@@ -167,11 +164,11 @@ std::optional<MeshDistance> mesh_distance_within(const DistanceIndex& a, const D
     return search.found() ? std::optional(search.best()) : std::nullopt;
 }
 
-MeshDistance mesh_distance(const DistanceIndex& a, const DistanceIndex& b,
-                           const RigidTransform& pose_b, const MeshDistance* last) noexcept
+std::optional<MeshDistance> mesh_distance(const MeshIndex& a, const MeshIndex& b,
+                                          const RigidTransform& pose_b,
+                                          const MeshDistance* start_from) noexcept
 {
-    return mesh_distance_within(a, b, pose_b, std::numeric_limits<double>::infinity(), last)
-        .value_or(MeshDistance{});
+    return mesh_distance_within(a, b, pose_b, std::numeric_limits<double>::infinity(), start_from);
 }
 
 } // namespace proxima

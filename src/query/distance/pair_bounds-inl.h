@@ -14,6 +14,8 @@
 #endif
 
 #include "base/inline_steps-inl.h"
+#include "index/index_parts.h"
+#include "index/slabs/block_slab.h"
 #include "query/distance/distance_search.h"
 
 #include <cmath>
@@ -99,14 +101,16 @@ struct ChildBoxes {
     }
 };
 
-/// Slabs: normals, and how far from the box's center they reach in units of the box's reach.
+/// Slabs: normals, and how far from the box's center they reach in units of the box's reach. Zeros
+/// where the index has none: then boxes alone bound.
 struct ChildSlabs {
-    HWY_ALIGN float normal[3][8];
-    HWY_ALIGN float lower[8];
-    HWY_ALIGN float upper[8];
+    HWY_ALIGN float normal[3][8] = {};
+    HWY_ALIGN float lower[8] = {};
+    HWY_ALIGN float upper[8] = {};
 
-    HWY_INLINE ChildSlabs(const DistanceIndex& index, const IndexNode& node)
+    HWY_INLINE ChildSlabs(const IndexParts& index, const IndexNode& node)
     {
+        if (index.slabs().empty()) return;
         const hn::CappedTag<float, 8> d;
         const hn::RebindToSigned<decltype(d)> words;
         // Children lie side by side in the order of their places, which not all have one.
@@ -154,12 +158,13 @@ struct ChildSlabs {
 
 /// The slab of one block.
 struct OneSlab {
-    float normal[3];
-    float lower;
-    float upper;
+    float normal[3] = {};
+    float lower = 0;
+    float upper = 0;
 
-    HWY_INLINE OneSlab(const DistanceIndex& index, std::uint32_t reference)
+    HWY_INLINE OneSlab(const IndexParts& index, std::uint32_t reference)
     {
+        if (index.slabs().empty()) return;
         const BlockSlab& slab = index.slabs()[reference & ~index_leaf_bit];
         for (unsigned k = 0; k < 3; ++k) {
             normal[k] = static_cast<float>(static_cast<std::int32_t>(slab.normal << 10 * k) >> 22) *

@@ -1,7 +1,12 @@
-#include "query/neighbourhood/neighbourhood.h"
+#include "proxima/neighbourhood.h"
 
 #include "base/check.h"
+#include "index/index_parts.h"
 #include "index/triangle_lanes.h"
+#include "index/visit_near.h"
+#include "proxima/octree.h"
+#include "query/closest/feature_distance.h"
+#include "query/neighbourhood/incident_triangles.h"
 
 #include <algorithm>
 #include <array>
@@ -48,37 +53,62 @@ bool add_neighbours(const TriangleMesh& mesh, const Topology& topology, Triangle
     return true;
 }
 
-/// Calls visit(id, squared) for the triangles within the radius; it returns Flow.
-template <class Visit>
-void visit_triangles(const SurfaceSearch& search, const Vec3& p, double radius,
-                     const Visit& visit) noexcept
+/// Of the nearest of its features, scaled.
+template <class Scalar>
+double squared_distance_of(const TriangleRow<Scalar>& row, const Vec3& p, const RowScale& scale)
 {
-    if (!p.allFinite() || !(radius >= 0)) return;
-    const double limit = radius * radius;
-    const double scale = search.tree().scale();
-    const double lane_limit = triangle_distance_limit(limit * scale * scale, search.tree().reach());
-    visit_within(search.tree(), {p, p}, limit, [&](RankRange ranks) noexcept {
-        const std::span<const TriangleId> ids = search.triangles(ranks);
-        std::array<double, TriangleTree::width> squared;
-        triangle_distances(search.mesh(), ids, p, scale, squared);
-        for (std::size_t i = 0; i < ids.size(); ++i) {
+    NearestFeature nearest;
+    offer_row(row, p, scale, nearest);
+    return nearest.squared;
+}
+
+/// Calls visit(row, squared) for the triangles within the radius; it returns Flow. Squared
+/// distances are scaled.
+template <class Scalar, class Visit>
+void visit_rows(const IndexParts& index, std::span<const TriangleRow<Scalar>> rows, const Vec3& p,
+                double radius, const Visit& visit) noexcept
+{
+    const RowScale scale{index.scale(), index.unscale()};
+    const double limit = radius * scale.up * (radius * scale.up);
+    constexpr double reach = 2; // of the mesh from the index's center, at least
+    const double lane_limit = triangle_distance_limit(limit, reach);
+    visit_near(index, {p, p}, radius * radius, [&](RowRange range) noexcept {
+        const auto group = rows.subspan(range.first, range.count);
+        std::array<double, 8> squared;
+        triangle_distances(group, p, scale.up, squared);
+        for (std::size_t i = 0; i < group.size(); ++i) {
             if (squared[i] > lane_limit) continue;
-            NearestFeature nearest;
-            offer_triangle(search.mesh(), search.topology(), ids[i], p, nearest);
-            if (!(nearest.squared <= limit)) continue;
-            if (visit(ids[i], nearest.squared) == Flow::stop) return Flow::stop;
+            const double found = squared_distance_of(group[i], p, scale);
+            if (!(found <= limit)) continue;
+            if (visit(group[i], found) == Flow::stop) return -1.0;
         }
-        return Flow::proceed;
+        return radius * radius;
     });
 }
 
-/// Squared distance of the closed edge.
-double closed_distance(const SurfaceSearch& search, EdgeId edge, const Vec3& p) noexcept
+template <class Visit>
+void visit_triangles(const IndexParts& index, const Vec3& p, double radius,
+                     const Visit& visit) noexcept
 {
-    const double inside = squared_distance(search.mesh(), search.topology(), edge, p);
-    const EdgeVertices& ends = search.topology().vertices(edge);
-    const double at_ends = std::min(squared_distance(search.mesh(), ends[0], p),
-                                    squared_distance(search.mesh(), ends[1], p));
+    if (!p.allFinite() || !(radius >= 0)) return;
+    if (index.double_rows().empty()) {
+        visit_rows(index, index.float_rows(), p, radius, visit);
+    } else {
+        visit_rows(index, index.double_rows(), p, radius, visit);
+    }
+}
+
+/// Squared distance of a side with its ends, scaled.
+template <class Scalar>
+double closed_distance(const TriangleRow<Scalar>& row, std::size_t side, const Vec3& p,
+                       const RowScale& scale) noexcept
+{
+    Vec3 from = row.corner(static_cast<int>(side));
+    Vec3 to = row.corner(side == 2 ? 0 : static_cast<int>(side) + 1);
+    if (row.backward(side)) std::swap(from, to);
+    const double inside = foot_between(from, to, p, scale).squared;
+    const double at_ends =
+        std::min(squared_distance(from, p, scale), squared_distance(to, p, scale));
     return inside <= at_ends ? inside : at_ends;
 }
 
@@ -152,45 +182,46 @@ Neighbourhood collect_rings(const TriangleMesh& mesh, const Topology& topology,
     return found.result();
 }
 
-Neighbourhood collect_triangles(const SurfaceSearch& search, const Vec3& p, double radius,
+Neighbourhood collect_triangles(const MeshIndex& index, const Vec3& p, double radius,
                                 std::span<TriangleId> buffer) noexcept
 {
     BufferWriter<TriangleId> found(buffer);
-    visit_triangles(search, p, radius, [&](TriangleId id, double) {
-        return found.add(id) ? Flow::proceed : Flow::stop;
+    visit_triangles(index.parts(), p, radius, [&](const auto& row, double) {
+        return found.add(TriangleId{row.triangle_id()}) ? Flow::proceed : Flow::stop;
     });
     std::ranges::sort(found.written());
     return found.result();
 }
 
-Neighbourhood collect_features(const SurfaceSearch& search, const Vec3& p, double radius,
+Neighbourhood collect_features(const MeshIndex& index, const Vec3& p, double radius,
                                std::span<NearestFeature> buffer) noexcept
 {
-    const double limit = radius * radius;
-    const TriangleMesh& mesh = search.mesh();
-    const Topology& topology = search.topology();
+    const IndexParts& parts = index.parts();
+    const RowScale scale{parts.scale(), parts.unscale()};
+    const double limit = radius * scale.up * (radius * scale.up);
     BufferWriter<NearestFeature> found(buffer);
     // Each feature is offered by the lowest of its triangles alone: that one is as near.
-    visit_triangles(search, p, radius, [&](TriangleId id, double squared) {
+    visit_triangles(parts, p, radius, [&](const auto& row, double squared) {
+        const std::uint32_t id = row.triangle_id();
         const auto offer = [&](double at, FeatureKind kind, std::uint32_t feature) {
-            return !(at <= limit) || found.add({at, {kind, feature}});
+            return !(at <= limit) || found.add({scale.unscale_squared(at), {kind, feature}});
         };
-        if (!offer(squared, FeatureKind::face, index(id))) return Flow::stop;
-        const TriangleCorners& corners = mesh.triangles()[index(id)];
-        const std::array<EdgeId, 3>& edges = topology.edges(id);
+        const auto is_lowest = [&](std::uint32_t place) {
+            return place_word::triangle(place) == id;
+        };
+        if (!offer(squared, FeatureKind::face, id)) return Flow::stop;
         for (std::size_t k = 0; k < 3; ++k) {
-            const VertexId vertex{corners[k]};
-            const bool repeated =
-                std::find(corners.begin(), corners.begin() + k, corners[k]) != corners.begin() + k;
-            if (!repeated && topology.triangles(vertex).front() == id &&
-                !offer(squared_distance(mesh, vertex, p), FeatureKind::vertex, index(vertex))) {
+            const std::uint32_t vertex = row.vertices[k];
+            if (corner_of(row, vertex) == k && is_lowest(parts.vertex_places()[vertex]) &&
+                !offer(squared_distance(row.corner(static_cast<int>(k)), p, scale),
+                       FeatureKind::vertex, vertex)) {
                 return Flow::stop;
             }
-            const EdgeId edge = edges[k];
-            const bool met = edge == no_edge ||
-                             std::find(edges.begin(), edges.begin() + k, edge) != edges.begin() + k;
-            if (!met && topology.triangles(edge).front() == id &&
-                !offer(closed_distance(search, edge, p), FeatureKind::edge, index(edge))) {
+            const std::uint32_t edge = row.edges[k];
+            const bool met = edge == proxima::index(no_edge) ||
+                             std::find(row.edges, row.edges + k, edge) != row.edges + k;
+            if (!met && is_lowest(parts.edge_places()[edge]) &&
+                !offer(closed_distance(row, k, p, scale), FeatureKind::edge, edge)) {
                 return Flow::stop;
             }
         }

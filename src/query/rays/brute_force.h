@@ -1,7 +1,7 @@
 // The slow ray caster that the fast ones are held to: every triangle is asked.
 #pragma once
 
-#include "query/rays/ray_hit.h"
+#include "proxima/cast_ray.h"
 
 #include <optional>
 #include <vector>

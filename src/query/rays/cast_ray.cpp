@@ -1,8 +1,9 @@
-#include "query/rays/cast_ray.h"
+#include "proxima/cast_ray.h"
 
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "base/text.h"
+#include "index/index_parts.h"
 #include "query/rays/prepare_ray.h"
 
 #include <algorithm>
@@ -36,7 +37,7 @@ namespace proxima::HWY_NAMESPACE {
 struct AllSearch {
     static constexpr bool has_packets = false;
     static constexpr bool notes_hits = false;
-    const MeshIndex& index;
+    const IndexParts& index;
     VisitPlacedHit visit;
     void* context;
 
@@ -54,7 +55,7 @@ struct AllSearch {
 };
 
 template <class Search>
-HWY_INLINE void walk(const MeshIndex& index, const Search& search, RayTraversal& ray)
+HWY_INLINE void walk(const IndexParts& index, const Search& search, RayTraversal& ray)
 {
     // On its own, so that it can stay in registers.
     RayPlace at = ray.at;
@@ -67,19 +68,19 @@ HWY_INLINE void walk(const MeshIndex& index, const Search& search, RayTraversal&
     search.settle(ray);
 }
 
-RayStart walk_to_closest(const MeshIndex& index, const Ray& ray, Faces faces, RayTraversal& open)
+RayStart walk_to_closest(const IndexParts& index, const Ray& ray, Faces faces, RayTraversal& open)
 {
     const RayStart start = open_any_ray(index, ray, faces, open);
     if (start == RayStart::ready) walk(index, ClosestSearch{index}, open);
     return start;
 }
-RayStart walk_to_any(const MeshIndex& index, const Ray& ray, Faces faces, RayTraversal& open)
+RayStart walk_to_any(const IndexParts& index, const Ray& ray, Faces faces, RayTraversal& open)
 {
     const RayStart start = open_any_ray(index, ray, faces, open);
     if (start == RayStart::ready) walk(index, AnySearch{index}, open);
     return start;
 }
-RayStart walk_to_all(const MeshIndex& index, const Ray& ray, Faces faces, VisitPlacedHit visit,
+RayStart walk_to_all(const IndexParts& index, const Ray& ray, Faces faces, VisitPlacedHit visit,
                      void* context)
 {
     RayTraversal open;
@@ -87,15 +88,15 @@ RayStart walk_to_all(const MeshIndex& index, const Ray& ray, Faces faces, VisitP
     if (start == RayStart::ready) walk(index, AllSearch{index, visit, context}, open);
     return start;
 }
-void walk_all_to_closest(const MeshIndex& index, const RaySource& source)
+void walk_all_to_closest(const IndexParts& index, const RaySource& source)
 {
     walk_together(index, ClosestSearch{index}, source);
 }
-void walk_all_to_any(const MeshIndex& index, const RaySource& source)
+void walk_all_to_any(const IndexParts& index, const RaySource& source)
 {
     walk_together(index, AnySearch{index}, source);
 }
-void walk_all_to_all(const MeshIndex& index, const RaySource& source, VisitPlacedHit visit,
+void walk_all_to_all(const IndexParts& index, const RaySource& source, VisitPlacedHit visit,
                      void* context)
 {
     walk_together(index, AllSearch{index, visit, context}, source);
@@ -119,7 +120,7 @@ namespace {
 
 /// Every triangle in doubles, for rays that floats know nothing of. Until visit returns false.
 template <class Visit>
-void ask_all(const MeshIndex& index, const Ray& ray, Faces faces, const Visit& visit)
+void ask_all(const IndexParts& index, const Ray& ray, Faces faces, const Visit& visit)
 {
     for (std::uint32_t row = 0; row < index.triangle_count(); ++row) {
         const auto hit = ask_row(index, row, ray, faces);
@@ -127,7 +128,7 @@ void ask_all(const MeshIndex& index, const Ray& ray, Faces faces, const Visit& v
     }
 }
 
-std::optional<RayHit> ask_for_closest(const MeshIndex& index, const Ray& ray, Faces faces)
+std::optional<RayHit> ask_for_closest(const IndexParts& index, const Ray& ray, Faces faces)
 {
     std::optional<RayHit> closest;
     ask_all(index, ray, faces, [&](const RayHit& hit) {
@@ -137,7 +138,7 @@ std::optional<RayHit> ask_for_closest(const MeshIndex& index, const Ray& ray, Fa
     return closest;
 }
 
-bool ask_for_any(const MeshIndex& index, const Ray& ray, Faces faces)
+bool ask_for_any(const IndexParts& index, const Ray& ray, Faces faces)
 {
     bool found = false;
     ask_all(index, ray, faces, [&](const RayHit& /*hit*/) {
@@ -225,35 +226,32 @@ bool before(const RayHit& a, const RayHit& b) noexcept
 std::optional<RayHit> closest_hit(const MeshIndex& index, const Ray& ray, Faces faces) noexcept
 {
     RayTraversal open;
-    const RayStart start = HWY_DYNAMIC_DISPATCH(walk_to_closest)(index, ray, faces, open);
+    const RayStart start = HWY_DYNAMIC_DISPATCH(walk_to_closest)(index.parts(), ray, faces, open);
     if (start == RayStart::misses) return std::nullopt;
-    if (start == RayStart::too_far) return ask_for_closest(index, ray, faces);
+    if (start == RayStart::too_far) return ask_for_closest(index.parts(), ray, faces);
     return open.found ? std::optional(open.best) : std::nullopt;
 }
 
 bool any_hit(const MeshIndex& index, const Ray& ray, Faces faces) noexcept
 {
     RayTraversal open;
-    const RayStart start = HWY_DYNAMIC_DISPATCH(walk_to_any)(index, ray, faces, open);
+    const RayStart start = HWY_DYNAMIC_DISPATCH(walk_to_any)(index.parts(), ray, faces, open);
     if (start == RayStart::misses) return false;
-    if (start == RayStart::too_far) return ask_for_any(index, ray, faces);
+    if (start == RayStart::too_far) return ask_for_any(index.parts(), ray, faces);
     return open.found;
 }
 
-void detail::visit_hits(const MeshIndex& index, const Ray& ray, Faces faces, VisitHit visit,
-                        void* context) noexcept
+void visit_hits(const MeshIndex& index, const Ray& ray, Faces faces,
+                FunctionRef<void(const RayHit&)> visitor) noexcept
 {
-    struct Visitor {
-        VisitHit visit;
-        void* context;
-    } visitor{visit, context};
+    const IndexParts& parts = index.parts();
     const auto pass_on = [](void* to, std::uint32_t /*place*/, const RayHit& hit) {
-        static_cast<Visitor*>(to)->visit(static_cast<Visitor*>(to)->context, hit);
+        (*static_cast<const FunctionRef<void(const RayHit&)>*>(to))(hit);
     };
-    const RayStart start = HWY_DYNAMIC_DISPATCH(walk_to_all)(index, ray, faces, pass_on, &visitor);
+    const RayStart start = HWY_DYNAMIC_DISPATCH(walk_to_all)(parts, ray, faces, pass_on, &visitor);
     if (start != RayStart::too_far) return;
-    ask_all(index, ray, faces, [&](const RayHit& hit) {
-        visit(context, hit);
+    ask_all(parts, ray, faces, [&](const RayHit& hit) {
+        visitor(hit);
         return true;
     });
 }
@@ -296,10 +294,10 @@ Status closest_hits(const MeshIndex& index, std::span<const Ray> rays,
             };
             const auto miss = [&](std::uint32_t place) { hits[first + place].reset(); };
             const auto ask = [&](std::uint32_t place) {
-                hits[first + place] = ask_for_closest(index, chunk[place], options.faces);
+                hits[first + place] = ask_for_closest(index.parts(), chunk[place], options.faces);
             };
             ChunkTakers takers(chunk, options.faces, answer, miss, ask);
-            HWY_DYNAMIC_DISPATCH(walk_all_to_closest)(index, takers.source());
+            HWY_DYNAMIC_DISPATCH(walk_all_to_closest)(index.parts(), takers.source());
         });
 }
 
@@ -313,10 +311,10 @@ Status any_hits(const MeshIndex& index, std::span<const Ray> rays, std::span<boo
             };
             const auto miss = [&](std::uint32_t place) { hits[first + place] = false; };
             const auto ask = [&](std::uint32_t place) {
-                hits[first + place] = ask_for_any(index, chunk[place], options.faces);
+                hits[first + place] = ask_for_any(index.parts(), chunk[place], options.faces);
             };
             ChunkTakers takers(chunk, options.faces, answer, miss, ask);
-            HWY_DYNAMIC_DISPATCH(walk_all_to_any)(index, takers.source());
+            HWY_DYNAMIC_DISPATCH(walk_all_to_any)(index.parts(), takers.source());
         });
 }
 
@@ -335,7 +333,7 @@ Result<RayHitLists> all_hits(const MeshIndex& index, std::span<const Ray> rays,
             const auto answer = [](std::uint32_t /*place*/, const RayHit* /*hit*/) {};
             const auto miss = [](std::uint32_t /*place*/) {};
             const auto ask = [&](std::uint32_t place) {
-                ask_all(index, chunk[place], options.faces, [&](const RayHit& hit) {
+                ask_all(index.parts(), chunk[place], options.faces, [&](const RayHit& hit) {
                     hits.push_back({place, hit});
                     return true;
                 });
@@ -344,7 +342,7 @@ Result<RayHitLists> all_hits(const MeshIndex& index, std::span<const Ray> rays,
                 static_cast<Found*>(to)->push_back({place, hit});
             };
             ChunkTakers takers(chunk, options.faces, answer, miss, ask);
-            HWY_DYNAMIC_DISPATCH(walk_all_to_all)(index, takers.source(), keep, &hits);
+            HWY_DYNAMIC_DISPATCH(walk_all_to_all)(index.parts(), takers.source(), keep, &hits);
             std::ranges::sort(hits, [](const PlacedHit& a, const PlacedHit& b) {
                 return a.place < b.place || (a.place == b.place && a.hit.before(b.hit));
             });

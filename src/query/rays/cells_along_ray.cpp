@@ -1,4 +1,4 @@
-#include "query/rays/cells_along_ray.h"
+#include "proxima/cells_along_ray.h"
 
 #include "base/fixed_stack.h"
 #include "geometry/exact_predicates.h"
@@ -34,7 +34,7 @@ public:
         : octree_(octree), ray_(ray), length_(ray.direction.stableNorm())
     {}
 
-    void run(detail::VisitCell visit, void* context) noexcept
+    void run(FunctionRef<Flow(const CellOnRay&)> visitor) noexcept
     {
         PendingCell root;
         if (!enter_root(root)) return;
@@ -44,7 +44,7 @@ public:
         while (!pending.empty()) {
             const PendingCell at = pending.pop();
             if (octree_.is_leaf(at.cell)) {
-                if (visit(context, describe(at)) == Flow::stop) return;
+                if (visitor(describe(at)) == Flow::stop) return;
                 continue;
             }
             std::array<PendingCell, 4> children;
@@ -189,17 +189,20 @@ private:
 
 } // namespace
 
-void detail::cells_along_ray(const Octree& octree, const Ray& ray, VisitCell visit,
-                             void* context) noexcept
+void cells_along_ray(const Octree& octree, const Ray& ray,
+                     FunctionRef<Flow(const CellOnRay&)> visitor) noexcept
 {
     if (octree.nodes().empty() || !is_valid(ray)) return;
-    Walk(octree, ray).run(visit, context);
+    Walk(octree, ray).run(visitor);
 }
 
 std::vector<CellOnRay> cells_along_ray(const Octree& octree, const Ray& ray)
 {
     std::vector<CellOnRay> cells;
-    cells_along_ray(octree, ray, [&](const CellOnRay& cell) { cells.push_back(cell); });
+    cells_along_ray(octree, ray, [&](const CellOnRay& cell) {
+        cells.push_back(cell);
+        return Flow::proceed;
+    });
     return cells;
 }
 

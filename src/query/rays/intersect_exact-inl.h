@@ -13,6 +13,7 @@
 #endif
 
 #include "geometry/ray_triangle-inl.h"
+#include "index/index_parts.h"
 #include "query/rays/prepare_ray.h"
 
 #include <algorithm>
@@ -47,7 +48,7 @@ HWY_INLINE CornerDoubles of_last(CornerDoubles numbers)
 /// What the quick test of intersect() says.
 enum class QuickAnswer : std::uint8_t { missed, hit, unsure };
 
-HWY_INLINE QuickAnswer ask_leaf(const MeshIndex& index, const IndexLeaf& leaf, std::uint32_t lane,
+HWY_INLINE QuickAnswer ask_leaf(const IndexParts& index, const IndexLeaf& leaf, std::uint32_t lane,
                                 const SearchedRay& searched, RayHit& hit)
 {
     const CornerTag d;
@@ -113,7 +114,7 @@ HWY_INLINE QuickAnswer ask_leaf(const MeshIndex& index, const IndexLeaf& leaf, s
 
 #endif
 
-HWY_INLINE bool ask_any_triangle(const MeshIndex& index, RayTriangle triangle,
+HWY_INLINE bool ask_any_triangle(const IndexParts& index, RayTriangle triangle,
                                  const SearchedRay& searched, RayHit& hit)
 {
 #if HWY_MAX_BYTES >= 32

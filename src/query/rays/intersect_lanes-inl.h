@@ -13,6 +13,7 @@
 
 #include "base/inline_steps-inl.h"
 #include "geometry/ray_triangle-inl.h"
+#include "index/index_parts.h"
 #include "query/rays/prepare_packet-inl.h"
 
 #include <array>
@@ -27,7 +28,7 @@ namespace proxima::HWY_NAMESPACE {
 /// The answers to rays of a source whose only hit that counts is known.
 class HitLanes {
 public:
-    HWY_INLINE HitLanes(const MeshIndex& index, const RaySource& source)
+    HWY_INLINE HitLanes(const IndexParts& index, const RaySource& source)
         : index_(index), source_(source)
     {}
 
@@ -165,7 +166,7 @@ private:
         return double_mask_bits(sure);
     }
 
-    const MeshIndex& index_;
+    const IndexParts& index_;
     const RaySource& source_;
     std::size_t count_ = 0;
     std::array<std::uint32_t, packet_size> places_{};

@@ -10,6 +10,7 @@
 #define PROXIMA_QUERY_OPEN_PACKET_INL_H
 #endif
 
+#include "index/index_parts.h"
 #include "query/rays/prepare_ray.h"
 #include "query/rays/walk_ray-inl.h"
 
@@ -85,7 +86,7 @@ public:
     PacketFloats sure_most;
 
     /// False where they are no packet. \pre packet_size valid rays
-    HWY_INLINE bool open(const MeshIndex& index, std::span<const Ray> rays)
+    HWY_INLINE bool open(const IndexParts& index, std::span<const Ray> rays)
     {
         if (!may_look_alike(rays)) return false;
         const RayShear shear(rays.front().direction);
@@ -158,7 +159,7 @@ private:
         return hn::Neg(lowered(hn::Neg(value)));
     }
 
-    HWY_INLINE bool open_from(const MeshIndex& index, std::size_t first)
+    HWY_INLINE bool open_from(const IndexParts& index, std::size_t first)
     {
         const DoubleTag d;
         const FloatTag f;

@@ -8,6 +8,7 @@
 #endif
 
 #include "base/inline_steps-inl.h"
+#include "index/index_parts.h"
 #include "query/rays/prepare_ray.h"
 
 #include <array>
@@ -26,7 +27,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 /// As prepare_ray, where the ray is valid, of ordinary size and not from far away; false elsewhere.
 /// `misses` where it says so.
-HWY_INLINE bool open_near_ray(const MeshIndex& index, const Ray& ray, Faces faces,
+HWY_INLINE bool open_near_ray(const IndexParts& index, const Ray& ray, Faces faces,
                               RayTraversal& open, bool& misses)
 {
     const hn::CappedTag<double, 4> d;
@@ -100,7 +101,7 @@ HWY_INLINE bool open_near_ray(const MeshIndex& index, const Ray& ray, Faces face
 
 #endif
 
-PROXIMA_STEP RayStart open_any_ray(const MeshIndex& index, const Ray& ray, Faces faces,
+PROXIMA_STEP RayStart open_any_ray(const IndexParts& index, const Ray& ray, Faces faces,
                                    RayTraversal& open)
 {
 #if HWY_MAX_BYTES >= 32

@@ -2,6 +2,7 @@
 
 #include "geometry/expansion.h"
 #include "geometry/ray_triangle-inl.h"
+#include "index/index_parts.h"
 
 #include <algorithm>
 #include <bit>
@@ -30,7 +31,7 @@ double moved_origin(double origin, double center, double scale, double shift,
 
 } // namespace
 
-RayStart prepare_ray(const MeshIndex& index, const Ray& ray, Faces faces,
+RayStart prepare_ray(const IndexParts& index, const Ray& ray, Faces faces,
                      RayTraversal& open) noexcept
 {
     if (index.triangle_count() == 0 || !is_valid(ray)) return RayStart::misses;
@@ -118,7 +119,7 @@ bool ask(const Ray& ray, const RayShear& shear, const Triangle& triangle, Triang
     return true;
 }
 
-bool ask_row(const MeshIndex& index, std::uint32_t row, const Ray& ray, const RayShear& shear,
+bool ask_row(const IndexParts& index, std::uint32_t row, const Ray& ray, const RayShear& shear,
              Faces faces, RayHit& hit) noexcept
 {
     const TriangleId id = index.ids()[row];
@@ -127,7 +128,7 @@ bool ask_row(const MeshIndex& index, std::uint32_t row, const Ray& ray, const Ra
 
 } // namespace
 
-bool intersect_exact(const MeshIndex& index, RayTriangle triangle, const SearchedRay& searched,
+bool intersect_exact(const IndexParts& index, RayTriangle triangle, const SearchedRay& searched,
                      RayHit& hit) noexcept
 {
     const IndexLeaf& leaf = index.blocks()[triangle.leaf].leaf;
@@ -147,7 +148,7 @@ bool intersect_exact(const MeshIndex& index, RayTriangle triangle, const Searche
     return ask(*searched.ray, searched.shear, corners, index.ids()[row], searched.faces, hit);
 }
 
-std::optional<RayHit> ask_row(const MeshIndex& index, std::uint32_t row, const Ray& ray,
+std::optional<RayHit> ask_row(const IndexParts& index, std::uint32_t row, const Ray& ray,
                               Faces faces) noexcept
 {
     RayHit hit;

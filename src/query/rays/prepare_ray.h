@@ -6,9 +6,10 @@
 #pragma once
 
 #include "geometry/ray_triangle.h"
-#include "index/mesh_index.h"
+#include "index/index_parts.h"
+#include "proxima/cast_ray.h"
 #include "proxima/geometry.h"
-#include "query/rays/ray_hit.h"
+#include "proxima/mesh_index.h"
 
 #include <algorithm>
 #include <array>
@@ -72,7 +73,7 @@ struct RayTraversal : SearchedRay {
     /// Below what is put aside: as many ends as are looked at together.
     static constexpr std::uint32_t bottom = 8;
     /// A node makes way for at most eight children; vectors are written whole.
-    static constexpr std::size_t stack_size = bottom + 7 * MeshIndex::max_levels + 1 + 8;
+    static constexpr std::size_t stack_size = bottom + 7 * IndexParts::max_levels + 1 + 8;
 
     /// The mesh is within 1, its boxes within 1 + 2^-19.
     static constexpr double root_reach = 1.01;
@@ -113,7 +114,7 @@ struct RayTraversal : SearchedRay {
         double t_off = 0; ///< and t
     };
     /// Sets all but what is for boxes and for triangles, these including `t_error`.
-    void set_range(const MeshIndex& index, const Ray& own, Faces wanted,
+    void set_range(const IndexParts& index, const Ray& own, Faces wanted,
                    const Range& range) noexcept
     {
         const float growth = 1 + static_cast<float>(range.moved) / (8 * float_roundoff);
@@ -164,19 +165,19 @@ struct RaySource {
 };
 
 /// Sets everything up. The ray must outlive `open`.
-[[nodiscard]] RayStart prepare_ray(const MeshIndex& index, const Ray& ray, Faces faces,
+[[nodiscard]] RayStart prepare_ray(const IndexParts& index, const Ray& ray, Faces faces,
                                    RayTraversal& open) noexcept;
 
 /// Asks a triangle of the index in doubles. Where there is no hit, `hit` stays as it is.
-[[nodiscard]] bool intersect_exact(const MeshIndex& index, RayTriangle triangle,
+[[nodiscard]] bool intersect_exact(const IndexParts& index, RayTriangle triangle,
                                    const SearchedRay& searched, RayHit& hit) noexcept;
 
 /// The same for rays that are not open.
-[[nodiscard]] std::optional<RayHit> ask_row(const MeshIndex& index, std::uint32_t row,
+[[nodiscard]] std::optional<RayHit> ask_row(const IndexParts& index, std::uint32_t row,
                                             const Ray& ray, Faces faces) noexcept;
 
 /// Where what intersect_exact has yet to read of a triangle lies, to have it fetched.
-[[nodiscard]] inline const void* row_address(const MeshIndex& index, std::uint32_t row) noexcept
+[[nodiscard]] inline const void* row_address(const IndexParts& index, std::uint32_t row) noexcept
 {
     if (index.has_exact_leaves()) return &index.ids()[row];
     if (index.double_rows().empty()) return &index.float_rows()[row];

@@ -12,6 +12,7 @@
 #define PROXIMA_QUERY_WALK_BATCH_INL_H
 #endif
 
+#include "index/index_parts.h"
 #include "query/rays/intersect_lanes-inl.h"
 #include "query/rays/prepare_ray-inl.h"
 #include "query/rays/walk_packet-inl.h"
@@ -73,7 +74,7 @@ template <class Search>
 class BatchWalk {
 public:
     /// Walks the rays of the source but those of packets answered already: a bit each.
-    HWY_INLINE BatchWalk(const MeshIndex& index, const Search& search, const RaySource& source,
+    HWY_INLINE BatchWalk(const IndexParts& index, const Search& search, const RaySource& source,
                          const PacketBits& answered)
         : index_(index), blocks_(index.blocks().data()), search_(search), source_(source),
           answered_(answered), hits_(index, source)
@@ -198,7 +199,7 @@ private:
         ended_.clear();
     }
 
-    const MeshIndex& index_;
+    const IndexParts& index_;
     const IndexBlock* blocks_;
     const Search& search_;
     const RaySource& source_;
@@ -215,7 +216,8 @@ private:
 
 /// Those that follow the same way as packets, then all others in turns.
 template <class Search>
-HWY_INLINE void walk_together(const MeshIndex& index, const Search& search, const RaySource& source)
+HWY_INLINE void walk_together(const IndexParts& index, const Search& search,
+                              const RaySource& source)
 {
     PacketBits answered;
     if constexpr (Search::has_packets && ray_lanes > 1) {

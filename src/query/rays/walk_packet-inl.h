@@ -15,6 +15,7 @@
 #define PROXIMA_QUERY_WALK_PACKET_INL_H
 #endif
 
+#include "index/index_parts.h"
 #include "query/rays/intersect_lanes-inl.h"
 #include "query/rays/prepare_packet-inl.h"
 #include "query/rays/walk_ray-inl.h"
@@ -33,7 +34,7 @@ namespace proxima::HWY_NAMESPACE {
 template <class Search>
 class PacketWalk {
 public:
-    HWY_INLINE PacketWalk(const MeshIndex& index, const Search& search, const RaySource& source)
+    HWY_INLINE PacketWalk(const IndexParts& index, const Search& search, const RaySource& source)
         : index_(index), blocks_(index.blocks().data()), search_(search), source_(source),
           hits_(index, source)
     {
@@ -387,7 +388,7 @@ private:
         }
     }
 
-    const MeshIndex& index_;
+    const IndexParts& index_;
     const IndexBlock* blocks_;
     const Search& search_;
     const RaySource& source_;

@@ -15,6 +15,7 @@
 #endif
 
 #include "base/inline_steps-inl.h"
+#include "index/index_parts.h"
 #include "query/rays/intersect_exact-inl.h"
 #include "query/rays/prepare_ray.h"
 
@@ -348,7 +349,7 @@ PROXIMA_STEP void look_at_leaf(const IndexLeaf& leaf, const RayTraversal& ray,
 struct ClosestSearch {
     static constexpr bool has_packets = true;
     static constexpr bool notes_hits = true; ///< does not compute them at once
-    const MeshIndex& index;
+    const IndexParts& index;
 
     HWY_INLINE void keep(SearchedRay& ray) const
     {
@@ -395,7 +396,7 @@ struct ClosestSearch {
 struct AnySearch {
     static constexpr bool has_packets = true;
     static constexpr bool notes_hits = false;
-    const MeshIndex& index;
+    const IndexParts& index;
 
     HWY_INLINE bool take(std::uint32_t leaf, const LeafCandidates& candidates,
                          SearchedRay& ray) const

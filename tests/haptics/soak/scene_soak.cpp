@@ -1,12 +1,16 @@
 #include "haptics/soak/scene_soak.h"
 
-#include "haptics/device/hand_script.h"
-#include "haptics/device/simulated_hand.h"
-#include "haptics/force/haptic_renderer.h"
+#include "haptics/force/surface_renderer.h"
 #include "haptics/scene/scripted_scene.h"
+#include "haptics/scene/touch_access.h"
 #include "haptics/scenes_to_touch.h"
+#include "lab/hand_script.h"
+#include "lab/simulated_hand.h"
+#include "proxima/device.h"
+#include "proxima/haptic_renderer.h"
 #include "proxima/sample_meshes.h"
 #include "proxima/topology.h"
+#include "proxima/touch_scene.h"
 
 #include <algorithm>
 #include <array>
@@ -152,11 +156,10 @@ private:
 
 std::unique_ptr<ScriptedScene> make_scene(const SoakScene& wanted, BodySearch search)
 {
-    std::vector<std::unique_ptr<const TouchBody>> bodies;
+    std::vector<TouchBody> bodies;
     std::vector<ScriptedObject> objects;
     for (const SoakObject& object : wanted.objects) {
-        bodies.push_back(
-            body_of(object.mesh, {.material = object.scripted.material, .search = search}));
+        bodies.push_back(body_of(object.mesh, {.material = object.scripted.material}, search));
         objects.push_back(object.scripted);
     }
     return std::move(*ScriptedScene::make(std::move(bodies), objects));
@@ -206,7 +209,7 @@ std::uint64_t count_passes(const TouchScene& scene, const Vec3& before, std::spa
 SceneTotals run_row(const SoakScene& wanted, const std::string& script_name, double radius,
                     std::uint64_t ticks, std::uint64_t seed)
 {
-    const auto fast = make_scene(wanted, BodySearch::octree);
+    const auto fast = make_scene(wanted, BodySearch::index);
     const auto slow = make_scene(wanted, BodySearch::every_triangle);
     const TouchScene& scene = fast->scene();
     const TriangleMesh mesh = *standing_mesh(scene);
@@ -225,7 +228,7 @@ SceneTotals run_row(const SoakScene& wanted, const std::string& script_name, dou
     HapticRenderer renderer(fast->scene(), map, device, render);
     HapticRenderer expected(slow->scene(), map, device, render);
     SimulatedHand hand({}, script->target(0));
-    const double rounding = 0x1p-36 * scene.scale().reach;
+    const double rounding = 0x1p-36 * moving_surface(scene).scale().reach;
     SceneTotals row;
     Vec3 before = Vec3::Zero();
     bool had_room = false;
@@ -236,20 +239,21 @@ SceneTotals run_row(const SoakScene& wanted, const std::string& script_name, dou
         const RenderTick& felt = renderer.tick(state, tick_seconds);
         const RenderTick& should = expected.tick(state, tick_seconds);
         ++row.ticks;
-        row.touching += felt.proxy.hold != Hold::free ? 1U : 0U;
+        row.touching += felt.hold != Hold::free ? 1U : 0U;
         row.squeezed += felt.squeezed ? 1U : 0U;
-        row.over += felt.proxy.slide.end == SlideEnd::overloaded ? 1U : 0U;
-        const double apart = (felt.proxy.proxy - should.proxy.proxy).norm() / scene.scale().reach;
+        row.over += felt.slide_end == SlideEnd::overloaded ? 1U : 0U;
+        const double apart =
+            (felt.proxy - should.proxy).norm() / moving_surface(scene).scale().reach;
         row.apart = std::max(row.apart, apart);
         row.wrong += apart == 0 && felt.force == should.force ? 0U : 1U;
-        const bool has_room = felt.proxy.has_room;
+        const bool has_room = felt.has_room;
         if (had_room && has_room && !felt.squeezed)
-            row.passes += count_passes(scene, before, renderer.proxy().path());
+            row.passes += count_passes(scene, before, renderer.path());
         if (has_room) {
-            const double least = renderer.proxy().radius() - rounding;
-            row.near += distance_of(scene, felt.proxy.proxy) >= least ? 0U : 1U;
+            const double least = parts_of(renderer).proxy().radius() - rounding;
+            row.near += distance_of(scene, felt.proxy) >= least ? 0U : 1U;
         }
-        before = felt.proxy.proxy;
+        before = felt.proxy;
         had_room = has_room;
         hand.step(felt.force, script->target(static_cast<double>(tick) * tick_seconds));
     }

@@ -14,14 +14,17 @@
 //
 // Exit status 1 if anything passed, was over or wrong.
 
-#include "haptics/device/hand_script.h"
-#include "haptics/device/simulated_hand.h"
-#include "haptics/force/haptic_renderer.h"
-#include "haptics/loop/quality_report.h"
+#include "haptics/force/surface_renderer.h"
 #include "haptics/soak/every_triangle.h"
 #include "haptics/soak/scene_soak.h"
+#include "haptics/surface/contact_surface.h"
 #include "haptics/touch_meshes.h"
-#include "index/lists/build_proximity_octree.h"
+#include "index/listed_index.h"
+#include "lab/hand_script.h"
+#include "lab/quality_report.h"
+#include "lab/simulated_hand.h"
+#include "proxima/device.h"
+#include "proxima/haptic_renderer.h"
 #include "proxima/mesh_io.h"
 
 #include <CLI/CLI.hpp>
@@ -98,8 +101,8 @@ class MeshSoak {
 public:
     MeshSoak(const testing::TouchMesh& named, const SoakOptions& options)
         : named_(named), options_(options), topology_(*build_topology(named.mesh)),
-          octree_(*build_proximity_octree(named.mesh, topology_)), surface_(octree_),
-          all_(named.mesh), map_(fit_workspace(bounding_box(named.mesh), 0.1))
+          index_(*testing::listed_index(named.mesh)), surface_(index_), all_(named.mesh),
+          map_(fit_workspace(bounding_box(named.mesh), 0.1))
     {}
 
     SoakTotals run()
@@ -135,12 +138,11 @@ private:
         for (std::uint64_t tick = 0; tick < ticks; ++tick) {
             const DeviceState state = hand.state();
             const RenderTick& felt = renderer.tick(state, tick_seconds);
-            meter.add(felt, state.velocity, renderer.proxy().path());
+            meter.add(felt, state.velocity, renderer.path());
             if (tick < compared) {
                 const RenderTick& expected = slow.tick(state, tick_seconds);
                 ++row.compared;
-                const bool same =
-                    felt.force == expected.force && felt.proxy.proxy == expected.proxy.proxy;
+                const bool same = felt.force == expected.force && felt.proxy == expected.proxy;
                 row.wrong += same ? 0U : 1U;
             }
             hand.step(felt.force, script->target(static_cast<double>(tick) * tick_seconds));
@@ -161,8 +163,8 @@ private:
     const testing::TouchMesh& named_;
     const SoakOptions& options_;
     Topology topology_;
-    ProximityOctree octree_;
-    OctreeContactSurface surface_;
+    MeshIndex index_;
+    IndexContactSurface surface_;
     EveryTriangle all_;
     WorkspaceMap map_;
 };

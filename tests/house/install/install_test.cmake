@@ -1,8 +1,9 @@
-# Installs into an empty prefix, then builds and runs a separate project against it, by find_package
-# and by pkg-config. Before that, looks at what was installed (installed_headers.py).
+# Installs into an empty prefix, then builds and runs separate projects against it, by find_package
+# and by pkg-config: a small one, and the examples. Before that, looks at what was installed
+# (installed_headers.py).
 #
 #     cmake -DBUILD=<build folder> -DWORK=<folder to use> -DCXX=<compiler> -DLIBDIR=<lib> -DPYTHON=<python>
-#       -P install_test.cmake
+#       -DCTEST=<ctest> -P install_test.cmake
 function(run)
   execute_process(COMMAND ${ARGV} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
   if(NOT status EQUAL 0)
@@ -31,6 +32,11 @@ run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${WORK}/build -G Ninja -DCM
   -DCMAKE_PREFIX_PATH=${WORK}/prefix -DCMAKE_BUILD_TYPE=Release)
 run(${CMAKE_COMMAND} --build ${WORK}/build)
 expect_answer(${WORK}/build/uses_proxima)
+
+run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/../../../examples -B ${WORK}/examples -G Ninja
+  -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_PREFIX_PATH=${WORK}/prefix -DCMAKE_BUILD_TYPE=Release)
+run(${CMAKE_COMMAND} --build ${WORK}/examples)
+run(${CTEST} --test-dir ${WORK}/examples --output-on-failure)
 
 run(pkg-config --cflags --libs proxima)
 separate_arguments(flags UNIX_COMMAND "${output}")

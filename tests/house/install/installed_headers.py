@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 """What users find after an installation: a folder of at most thirty headers, each of which compiles alone and
-includes the others, Eigen and the standard library only; result.h also tl/expected.hpp. Headers of queries, which
-have no public ones yet, lie below proxima/internal and are not looked at.
+includes the others, Eigen and the standard library only; result.h also tl/expected.hpp.
 
     installed_headers.py INCLUDE_FOLDER COMPILER FLAGS...     exit status 1 where that is not so
 """
@@ -40,9 +39,7 @@ def compile_alone(header, compiler, flags):
 
 def main():
     folder, compiler, flags = Path(sys.argv[1]), sys.argv[2], sys.argv[3:]
-    internal = folder / "proxima" / "internal"
-    headers = sorted(path.relative_to(folder) for path in folder.rglob("*")
-                     if path.is_file() and internal not in path.parents)
+    headers = sorted(path.relative_to(folder) for path in folder.rglob("*") if path.is_file())
     print("installed:", *headers)
     problems = [f"{header} is not proxima/NAME.h" for header in headers
                 if header.parent != Path("proxima") or header.suffix != ".h"]

@@ -1,9 +1,7 @@
 // Uses something of each layer from the installed package: header-only, compiled, in lanes,
 // parallel.
 #include <iostream>
-#include <index/build_mesh_index.h>
 #include <proxima/proxima.h>
-#include <query/rays/cast_ray.h>
 
 int main()
 {
@@ -15,8 +13,16 @@ int main()
     const auto view = make_perspective_volume({});
     const auto index = build_mesh_index(*mesh);
     if (!sum || !octree || !view || !index) return 1;
-    const auto hit = closest_hit(*index, {.origin = Vec3(0.1, 0.2, 3), .direction = Vec3(0, 0, -1)});
-    if (!hit) return 1;
+    const auto sign = build_surface_sign(*index);
+    const auto proximity = build_thesis_proximity(*mesh, {.max_depth = 3});
+    if (!sign || !proximity) return 1;
+    const Vec3 above(0.1, 0.2, 3);
+    const auto hit = closest_hit(*index, {.origin = above, .direction = Vec3(0, 0, -1)});
+    const auto closest = closest_feature(*index, above);
+    if (!hit || !closest || !(signed_distance(*index, *sign, above).distance > 0)) return 1;
+    if (!meshes_intersect(*index, *index, {}) || !mesh_distance(*index, *index)) return 1;
+    HapticRenderer renderer(*index, {}, *find_device("omni"));
+    if (renderer.tick({}, 1e-3).fault != InputFault::none) return 1;
     std::cout << mesh->triangle_count() << ' ' << sum->facet_count() << ' '
               << octree_statistics(*octree).inner << ' ' << view->planes().size() << '\n';
     return 0;

@@ -3,11 +3,13 @@
 
 #include "base/text.h"
 #include "folder_test.h"
-#include "index/lists/build_proximity_octree.h"
+#include "index/index_parts.h"
+#include "index/listed_index.h"
+#include "index/lists/proximity_lists.h"
 #include "index/test_meshes.h"
 #include "octree/exported_leaves.h"
+#include "proxima/closest_feature.h"
 #include "proxima/sample_meshes.h"
-#include "query/closest/closest_feature.h"
 
 #include <algorithm>
 #include <bit>
@@ -22,32 +24,32 @@ struct Leaf {
     int depth = 0;
 };
 
-Leaf leaf_at(const ProximityOctree& octree, const std::array<std::uint32_t, 3>& cell, int depth)
+Leaf leaf_at(const MeshIndex& octree, const std::array<std::uint32_t, 3>& cell, int depth)
 {
-    const int table_depth = octree.table_depth();
+    const int table_depth = octree.parts().lists()->table_depth();
     const auto bit = [&](std::size_t axis, int level) {
         return static_cast<std::size_t>(level <= depth ? cell[axis] >> (depth - level) & 1U : 0);
     };
     std::size_t place = 0;
     for (std::size_t axis : {2U, 1U, 0U})
         for (int level = 1; level <= table_depth; ++level) place = place << 1U | bit(axis, level);
-    Leaf leaf{octree.arrays().table[place], table_depth};
+    Leaf leaf{octree.parts().lists()->arrays().table[place], table_depth};
     while (!proximity_word::is_leaf(leaf.word)) {
         ++leaf.depth;
-        leaf.word =
-            octree.arrays().nodes[leaf.word + (bit(0, leaf.depth) | bit(1, leaf.depth) << 1U |
-                                               bit(2, leaf.depth) << 2U)];
+        leaf.word = octree.parts().lists()->arrays().nodes[leaf.word + (bit(0, leaf.depth) |
+                                                                        bit(1, leaf.depth) << 1U |
+                                                                        bit(2, leaf.depth) << 2U)];
     }
     return leaf;
 }
 
 /// Triangles and blocks of a leaf.
-std::array<std::uint32_t, 2> sizes(const ProximityOctree& octree, std::uint64_t word)
+std::array<std::uint32_t, 2> sizes(const MeshIndex& octree, std::uint64_t word)
 {
     if (word == proximity_word::search) return {0, 0};
     if (!proximity_word::is_run(word))
         return {static_cast<std::uint32_t>(std::popcount(proximity_word::mask(word))), 1};
-    const RunEntry* const run = &octree.arrays().runs[proximity_word::place(word)];
+    const RunEntry* const run = &octree.parts().lists()->arrays().runs[proximity_word::place(word)];
     std::uint32_t length = 0;
     for (std::uint32_t i = 1; i <= run->place; ++i)
         length += static_cast<std::uint32_t>(std::popcount(run[i].mask));
@@ -56,11 +58,11 @@ std::array<std::uint32_t, 2> sizes(const ProximityOctree& octree, std::uint64_t 
 
 /// Each printed leaf is compared with what a query finds in its lowest deepest cell; sizes and
 /// number of leaves tell that they are all.
-void expect_leaves(const ProximityOctree& octree, const std::string& format,
+void expect_leaves(const MeshIndex& octree, const std::string& format,
                    const std::vector<std::string>& lines)
 {
-    const auto max_depth = static_cast<int>(octree.statistics().max_depth);
-    const RootFrame& frame = octree.frame();
+    const auto max_depth = static_cast<int>(octree.parts().lists()->statistics().max_depth);
+    const RootFrame& frame = octree.parts().lists()->frame();
     const Vec3 lower = frame.center - Vec3::Constant(frame.half);
     std::size_t leaves = 0;
     std::uint64_t references = 0;
@@ -99,17 +101,17 @@ void expect_leaves(const ProximityOctree& octree, const std::string& format,
         ASSERT_EQ(length, numbers[6]) << line;
         ASSERT_EQ(blocks, numbers[7]) << line;
         // Above the table a leaf's depth is not seen from there.
-        if (leaf.depth > octree.table_depth()) {
+        if (leaf.depth > octree.parts().lists()->table_depth()) {
             ASSERT_EQ(depth, leaf.depth);
         } else {
-            ASSERT_LE(depth, octree.table_depth());
+            ASSERT_LE(depth, octree.parts().lists()->table_depth());
         }
         ++leaves;
         references += length;
         volume += std::ldexp(1.0, -3 * depth);
     }
-    EXPECT_EQ(leaves, octree.statistics().leaves);
-    EXPECT_EQ(references, octree.statistics().references);
+    EXPECT_EQ(leaves, octree.parts().lists()->statistics().leaves);
+    EXPECT_EQ(references, octree.parts().lists()->statistics().references);
     EXPECT_EQ(volume, 1.0);
     EXPECT_TRUE(std::adjacent_find(lines.begin(), lines.end()) == lines.end());
 }
@@ -120,18 +122,20 @@ TEST_F(ExportProximity, IsReadBackLeafByLeaf)
 {
     const TriangleMesh torus = testing::torus_mesh(1.0, 0.3, 24, 12);
     const TriangleMesh one = sample_mesh("cube").value();
-    const std::vector<ProximityOctree> octrees = {
-        build_proximity_octree(torus, {.budget_bytes = 300 * torus.triangle_count()}).value(),
-        build_proximity_octree(torus, {.budget_bytes = 4000 * torus.triangle_count()}).value(),
-        build_proximity_octree(one, {.max_depth = 0}).value()};
-    ASSERT_GT(octrees[0].arrays().runs.size() + octrees[1].arrays().runs.size(), 0U);
-    ASSERT_GT(octrees[1].table_depth(), 0);
-    ASSERT_EQ(octrees[2].statistics().leaves, 1U);
+    const std::vector<MeshIndex> octrees = {
+        testing::listed_index(torus, {.budget_bytes = 225 * torus.triangle_count()}).value(),
+        testing::listed_index(torus, {.budget_bytes = 4000 * torus.triangle_count()}).value(),
+        testing::listed_index(one, {.max_depth = 0}).value()};
+    ASSERT_GT(octrees[0].parts().lists()->arrays().runs.size() +
+                  octrees[1].parts().lists()->arrays().runs.size(),
+              0U);
+    ASSERT_GT(octrees[1].parts().lists()->table_depth(), 0);
+    ASSERT_EQ(octrees[2].parts().lists()->statistics().leaves, 1U);
     for (const std::string format : {"vtu", "htg"}) {
         std::vector<std::filesystem::path> paths;
-        for (const ProximityOctree& octree : octrees) {
+        for (const MeshIndex& octree : octrees) {
             paths.push_back(path(concat(paths.size(), ".", format)));
-            const Status status = export_proximity(octree, paths.back());
+            const Status status = export_proximity(*octree.parts().lists(), paths.back());
             ASSERT_TRUE(status) << describe(status.error());
         }
         const testing::Output found = testing::read_by_python(paths);
@@ -147,16 +151,20 @@ TEST_F(ExportProximity, IsReadBackLeafByLeaf)
 
 TEST_F(ExportProximity, NamesWhatIsWrong)
 {
-    const ProximityOctree octree = build_proximity_octree(sample_mesh("cube").value()).value();
-    EXPECT_EQ(export_proximity(octree, path("octree.ply")).error().code,
+    const MeshIndex octree = testing::listed_index(sample_mesh("cube").value()).value();
+    EXPECT_EQ(export_proximity(*octree.parts().lists(), path("octree.ply")).error().code,
               ErrorCode::unsupported_format);
-    EXPECT_EQ(export_proximity(octree, path("octree")).error().code, ErrorCode::unsupported_format);
+    EXPECT_EQ(export_proximity(*octree.parts().lists(), path("octree")).error().code,
+              ErrorCode::unsupported_format);
     for (const char* format : {"vtu", "htg"})
-        EXPECT_EQ(export_proximity(octree, path("missing") / concat("x.", format)).error().code,
+        EXPECT_EQ(export_proximity(*octree.parts().lists(), path("missing") / concat("x.", format))
+                      .error()
+                      .code,
                   ErrorCode::file_not_writable);
     Progress cancelled;
     cancelled.cancel();
-    EXPECT_EQ(export_proximity(octree, path("x.vtu"), {.execution = {.progress = &cancelled}})
+    EXPECT_EQ(export_proximity(*octree.parts().lists(), path("x.vtu"),
+                               {.execution = {.progress = &cancelled}})
                   .error()
                   .code,
               ErrorCode::cancelled);

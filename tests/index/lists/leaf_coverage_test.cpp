@@ -1,13 +1,15 @@
 // Every leaf lists the closest feature of each of its points: of closed cells, corners included.
 #include "counted_allocations.h"
-#include "index/lists/build_proximity_octree.h"
+#include "index/index_parts.h"
+#include "index/listed_index.h"
 #include "index/lists/proximity_cells.h"
+#include "index/lists/proximity_lists.h"
 #include "index/test_meshes.h"
 #include "octree/small_meshes.h"
+#include "proxima/closest_feature.h"
 #include "query/closest/brute_force.h"
 #include "query/closest/leaf_candidates.h"
-#include "query/closest/surface_search.h"
-#include "query/neighbourhood/neighbourhood.h"
+#include "query/neighbourhood/incident_triangles.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,12 +21,6 @@ namespace {
 
 using namespace testing;
 
-TriangleId triangle_of(const ProximityArrays& arrays, std::uint32_t rank)
-{
-    return TriangleId{arrays.double_rows.empty() ? arrays.float_rows[rank].triangle_id()
-                                                 : arrays.double_rows[rank].triangle_id()};
-}
-
 struct Coverage {
     std::size_t leaves = 0;
     std::size_t points = 0;
@@ -32,13 +28,13 @@ struct Coverage {
 };
 
 /// Asks the corners, the centre and some random points of every leaf.
-Coverage ask_every_leaf(const ProximityOctree& octree, const SurfaceSearch& search,
-                        int random_points)
+Coverage ask_every_leaf(const MeshIndex& index, const MeshIndex& without_lists,
+                        const Topology& topology, int random_points)
 {
     std::mt19937_64 random(11);
     std::uniform_real_distribution<double> part(-1, 1);
-    const ProximityArrays& arrays = octree.arrays();
-    const RootFrame& frame = octree.frame();
+    const ProximityArrays& arrays = index.parts().lists()->arrays();
+    const RootFrame& frame = index.parts().lists()->frame();
     Coverage coverage;
     std::vector<std::uint32_t> ranks;
     std::vector<TriangleId> listed;
@@ -56,7 +52,7 @@ Coverage ask_every_leaf(const ProximityOctree& octree, const SurfaceSearch& sear
         EXPECT_EQ(ranks.size(), list_length(arrays, cell.word));
         if (ranks.empty()) continue; // answered without a list
         listed.clear();
-        for (const std::uint32_t rank : ranks) listed.push_back(triangle_of(arrays, rank));
+        for (const std::uint32_t rank : ranks) listed.push_back(index.id(rank));
         std::ranges::sort(listed);
         EXPECT_EQ(std::ranges::adjacent_find(listed), listed.end()) << "a triangle twice";
 
@@ -66,9 +62,8 @@ Coverage ask_every_leaf(const ProximityOctree& octree, const SurfaceSearch& sear
             center[axis] += (2.0 * cell.at[static_cast<std::size_t>(axis)] + 1) * half - frame.half;
         const auto ask = [&](const Vec3& away) {
             const Vec3 p = center + half * away;
-            const ClosestFeature truth = closest_feature(search, p);
-            const auto holding =
-                incident_triangles(search.topology(), truth.feature, truth.triangle);
+            const ClosestFeature truth = closest_feature(without_lists, p).value();
+            const auto holding = incident_triangles(topology, truth.feature, truth.triangle);
             const bool found = std::ranges::any_of(holding, [&](TriangleId triangle) {
                 return std::ranges::binary_search(listed, triangle);
             });
@@ -96,15 +91,14 @@ TEST(LeafCandidates, HoldTheClosestFeatureOfEveryPointOfTheirBox)
         const Topology topology = build_topology(named.mesh).value();
         for (const std::uint64_t bytes_per_triangle : {200U, 600U}) {
             const std::uint64_t budget = 4096 + bytes_per_triangle * named.mesh.triangle_count();
-            const auto octree =
-                build_proximity_octree(named.mesh, topology, {.budget_bytes = budget}).value();
-            std::vector<TriangleId> buffer(octree.statistics().max_list);
+            const auto index = testing::listed_index(named.mesh, {.budget_bytes = budget}).value();
+            std::vector<TriangleId> buffer(index.parts().lists()->statistics().max_list);
             for (const Vec3& p : proximity_points(named.mesh, 40, 13)) {
                 const std::size_t before = allocation_count();
-                const auto leaf = leaf_candidates(octree, p, buffer);
+                const auto leaf = leaf_candidates(index.parts(), p, buffer);
                 ASSERT_EQ(allocation_count(), before);
                 if (!leaf) {
-                    EXPECT_FALSE(octree.frame().contains(p)) << p.transpose();
+                    EXPECT_FALSE(index.parts().lists()->frame().contains(p)) << p.transpose();
                     ++outside;
                     continue;
                 }
@@ -118,7 +112,7 @@ TEST(LeafCandidates, HoldTheClosestFeatureOfEveryPointOfTheirBox)
                 const std::vector<TriangleId> listed(
                     buffer.begin(), buffer.begin() + static_cast<std::ptrdiff_t>(leaf->count));
                 EXPECT_TRUE(std::ranges::is_sorted(listed));
-                const double slack = 1e-12 * octree.frame().half;
+                const double slack = 1e-12 * index.parts().lists()->frame().half;
                 EXPECT_TRUE(((p - leaf->box.lower).array() >= -slack).all() &&
                             ((leaf->box.upper - p).array() >= -slack).all())
                     << p.transpose();
@@ -139,12 +133,12 @@ TEST(LeafCandidates, HoldTheClosestFeatureOfEveryPointOfTheirBox)
                                 Vec3{part(random), part(random), part(random)}.cwiseProduct(
                                     leaf->box.extent()));
                 // What does not fit is told by the count.
-                const auto first = leaf_candidates(octree, p, std::span(buffer).first(1));
+                const auto first = leaf_candidates(index.parts(), p, std::span(buffer).first(1));
                 EXPECT_EQ(first->count, leaf->count);
                 EXPECT_TRUE(std::ranges::binary_search(listed, buffer[0]));
             }
-            EXPECT_FALSE(leaf_candidates(octree, Vec3(0, std::nan(""), 0), buffer));
-            EXPECT_FALSE(leaf_candidates(octree, Vec3::Constant(1e300), buffer));
+            EXPECT_FALSE(leaf_candidates(index.parts(), Vec3(0, std::nan(""), 0), buffer));
+            EXPECT_FALSE(leaf_candidates(index.parts(), Vec3::Constant(1e300), buffer));
         }
     }
     EXPECT_GT(with_lists, 1000);
@@ -168,17 +162,16 @@ TEST(LeafCoverage, EveryLeafListsTheClosestFeatureOfItsPoints)
         SCOPED_TRACE(named.name);
         const auto topology = build_topology(named.mesh);
         ASSERT_TRUE(topology);
-        const auto search = build_surface_search(named.mesh, *topology);
-        ASSERT_TRUE(search);
+        const auto plain = build_mesh_index(named.mesh);
+        ASSERT_TRUE(plain);
         for (const std::uint64_t bytes_per_triangle : {200U, 600U}) {
             SCOPED_TRACE(bytes_per_triangle);
             const std::uint64_t budget = 4096 + bytes_per_triangle * named.mesh.triangle_count();
-            const auto octree =
-                build_proximity_octree(named.mesh, *topology, {.budget_bytes = budget});
-            ASSERT_TRUE(octree) << describe(octree.error());
-            const Coverage coverage = ask_every_leaf(*octree, *search, 3);
+            const auto index = testing::listed_index(named.mesh, {.budget_bytes = budget});
+            ASSERT_TRUE(index) << describe(index.error());
+            const Coverage coverage = ask_every_leaf(*index, *plain, *topology, 3);
             EXPECT_EQ(coverage.missed, 0U) << "of " << coverage.points;
-            EXPECT_EQ(coverage.leaves, octree->statistics().leaves);
+            EXPECT_EQ(coverage.leaves, index->parts().lists()->statistics().leaves);
             leaves += coverage.leaves;
         }
     }

@@ -80,7 +80,9 @@ TEST(BruteForce, SaysWhereThePointIs)
         const Topology topology = build_topology(mesh).value();
         for (const Vec3& p : proximity_points(mesh, mesh.triangle_count() > 100 ? 12 : 100, 2)) {
             const ClosestFeature found = closest_feature_by_brute_force(mesh, topology, p);
-            EXPECT_EQ(found.squared_distance, squared_distance(found.point, p));
+            // The point is rounded to its coordinates, the distance is not.
+            EXPECT_NEAR(std::sqrt(found.squared_distance), (found.point - p).norm(),
+                        4e-15 * size_of_numbers(mesh, p));
 
             const std::vector<std::uint32_t> ids = ids_of(mesh, found.feature);
             ASSERT_EQ(ids.size(), static_cast<std::size_t>(found.feature.kind) + 1);
@@ -235,13 +237,14 @@ TEST(FeatureDistance, OfATriangleIsTheBestOfItsFeatures)
         const TriangleMesh& mesh = named.mesh;
         const Topology topology = build_topology(mesh).value();
         for (const Vec3& p : proximity_points(mesh, 30, 3)) {
+            const RowScale scale = row_scale_of(bounding_box(mesh));
             NearestFeature best;
             for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
-                offer_triangle(mesh, topology, TriangleId{i}, p, best);
+                offer_triangle(mesh, topology, TriangleId{i}, p, scale, best);
             }
             const ClosestFeature truth = closest_feature_by_brute_force(mesh, topology, p);
             EXPECT_EQ(best.feature, truth.feature);
-            EXPECT_EQ(best.squared, truth.squared_distance);
+            EXPECT_EQ(scale.unscale_squared(best.squared), truth.squared_distance);
         }
     }
 }

@@ -2,8 +2,7 @@
 #include "geometry/exact_predicates.h"
 #include "geometry/triangle_contact.h"
 #include "index/test_meshes.h"
-#include "proxima/topology.h"
-#include "query/closest/surface_search.h"
+#include "proxima/mesh_index.h"
 #include "query/closest/surface_sides.h"
 
 #include <algorithm>
@@ -23,9 +22,8 @@ TEST(SelfContacts, AreFoundAmongAllPairs)
     for (std::uint32_t seed = 0; seed < 200; ++seed) {
         SCOPED_TRACE(seed);
         const TriangleMesh mesh = seed % 2 == 0 ? nasty_mesh(seed) : grid_mesh(seed);
-        const Topology topology = build_topology(mesh).value();
-        const auto search = build_surface_search(mesh, topology).value();
-        const auto contacts = find_self_contacts(search).value();
+        const MeshIndex index = build_mesh_index(mesh).value();
+        const auto contacts = find_self_contacts(index, mesh).value();
         for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
             const Triangle a = mesh.triangle(TriangleId{i});
             bool apart_ids_meet = false;
@@ -55,9 +53,7 @@ TEST(SelfContacts, OfNeighboursAreFoldsAndPassages)
     const auto contacts = [](const std::vector<Vec3>& positions,
                              const std::vector<TriangleCorners>& triangles) {
         const TriangleMesh mesh = mesh_of(positions, triangles);
-        const Topology topology = build_topology(mesh).value();
-        const auto search = build_surface_search(mesh, topology).value();
-        return find_self_contacts(search).value();
+        return find_self_contacts(build_mesh_index(mesh).value(), mesh).value();
     };
     using Flags = std::vector<std::uint8_t>;
     const std::vector<Vec3> quad = {Vec3(0, 0, 0), Vec3(4, 0, 0), Vec3(4, 4, 0), Vec3(0, 4, 0),

@@ -1,8 +1,8 @@
 // Signs far from a mesh, about parts of it of any size, and of what is no point.
 #include "oracles/exact_winding.h"
+#include "proxima/neighbourhood.h"
 #include "query/closest/brute_force.h"
 #include "query/closest/signed_mesh.h"
-#include "query/neighbourhood/neighbourhood.h"
 
 #include <gtest/gtest.h>
 
@@ -116,7 +116,7 @@ TEST(SignedDistance, IsNoNumberWhereThePointIsNone)
     constexpr double infinity = std::numeric_limits<double>::infinity();
     for (const Vec3& p : {Vec3(nan, 0, 0), Vec3(0, 0.5, nan), Vec3(nan, nan, nan),
                           Vec3(infinity, 0, 0), Vec3(0, -infinity, 0)}) {
-        const ClosestFeature closest = closest_feature(of.search, p);
+        const ClosestFeature closest = of.closest(p);
         EXPECT_FALSE(is_found(closest));
         EXPECT_EQ(closest.triangle, no_triangle);
         EXPECT_TRUE(std::isnan(closest.point[0]));
@@ -124,15 +124,15 @@ TEST(SignedDistance, IsNoNumberWhereThePointIsNone)
         EXPECT_TRUE(std::isnan(found.distance));
         EXPECT_EQ(found.method, SignMethod::none);
         EXPECT_EQ(name_of(found.method), "none");
-        EXPECT_FALSE(closest_feature(of.search, p, 9.0));
+        EXPECT_FALSE(closest_feature(of.index, p, {.radius = 9.0}));
         EXPECT_FALSE(is_found(closest_feature_by_brute_force(of.mesh, of.topology, p)));
     }
-    EXPECT_FALSE(closest_feature(of.search, Vec3::Zero(), -1.0));
-    EXPECT_FALSE(closest_feature(of.search, Vec3::Zero(), nan));
+    EXPECT_FALSE(closest_feature(of.index, Vec3::Zero(), {.radius = -1.0}));
+    EXPECT_FALSE(closest_feature(of.index, Vec3::Zero(), {.radius = nan}));
     std::vector<TriangleId> buffer(500);
-    EXPECT_EQ(collect_triangles(of.search, Vec3::Zero(), -1.0, buffer).count, 0U);
-    EXPECT_EQ(collect_triangles(of.search, Vec3::Zero(), nan, buffer).count, 0U);
-    EXPECT_EQ(collect_triangles(of.search, Vec3(nan, 0, 0), 9.0, buffer).count, 0U);
+    EXPECT_EQ(collect_triangles(of.index, Vec3::Zero(), -1.0, buffer).count, 0U);
+    EXPECT_EQ(collect_triangles(of.index, Vec3::Zero(), nan, buffer).count, 0U);
+    EXPECT_EQ(collect_triangles(of.index, Vec3(nan, 0, 0), 9.0, buffer).count, 0U);
 }
 
 } // namespace

@@ -2,7 +2,9 @@
 #pragma once
 
 #include "index/test_meshes.h"
-#include "query/closest/signed_distance.h"
+#include "proxima/mesh_index.h"
+#include "proxima/signed_distance.h"
+#include "query/closest/sign_parts.h"
 
 #include <cmath>
 #include <utility>
@@ -13,20 +15,23 @@ namespace proxima::testing {
 struct Signed {
     explicit Signed(TriangleMesh m)
         : mesh(std::move(m)), topology(build_topology(mesh).value()),
-          search(build_surface_search(mesh, topology).value()),
-          sign(build_surface_sign(search).value())
+          index(build_mesh_index(mesh).value()),
+          sign(build_surface_sign(mesh, topology, index).value())
     {}
     Signed(const Signed&) = delete;
     Signed& operator=(const Signed&) = delete;
 
-    [[nodiscard]] SignedDistance at(const Vec3& p) const
+    [[nodiscard]] SignedDistance at(const Vec3& p) const { return sign_of(sign, closest(p), p); }
+
+    /// no_closest_feature() where there is none.
+    [[nodiscard]] ClosestFeature closest(const Vec3& p) const
     {
-        return sign_of(sign, closest_feature(search, p), p);
+        return closest_feature(index, p).value_or(no_closest_feature());
     }
 
     TriangleMesh mesh;
     Topology topology;
-    SurfaceSearch search;
+    MeshIndex index;
     SurfaceSign sign;
 };
 

@@ -1,10 +1,11 @@
-#include "query/contact/containment.h"
+#include "proxima/intersect_meshes.h"
 
 #include "cancellation.h"
 #include "counted_allocations.h"
 #include "octree/small_meshes.h"
 #include "oracles/column_winding.h"
 #include "proxima/sample_meshes.h"
+#include "query/contact/enclosure_parts.h"
 
 #include <gtest/gtest.h>
 #include <random>
@@ -52,7 +53,7 @@ TEST(Containment, KnowsWhichOfTwoBallsIsInside)
 TEST(Containment, AsksEveryPartOfTheInnerMesh)
 {
     const TriangleMesh two = joined(ball(0.3), ball(0.3, Vec3(3, 0, 0)));
-    EXPECT_EQ(build_enclosure(two)->parts().size(), 2U);
+    EXPECT_EQ(build_enclosure(two)->parts().vertices.size(), 2U);
     EXPECT_EQ(ask(two, ball(2)).containment, none);
     EXPECT_EQ(ask(two, ball(4)).containment, a_in_b);
     // Parts of the outer mesh: a cavity is outside, where parts overlap is inside.

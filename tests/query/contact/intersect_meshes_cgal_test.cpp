@@ -1,11 +1,11 @@
 // Pairs of triangles that meet against CGAL's exact kernel.
 #include "geometry/exact_predicates.h"
-#include "index/build_mesh_index.h"
 #include "index/test_meshes.h"
 #include "octree/nasty_meshes.h"
 #include "octree/small_meshes.h"
+#include "proxima/intersect_meshes.h"
+#include "proxima/mesh_index.h"
 #include "proxima/octree.h"
-#include "query/contact/intersect_meshes.h"
 #include "query/contact/test_poses.h"
 
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>

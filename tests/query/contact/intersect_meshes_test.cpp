@@ -1,13 +1,13 @@
-#include "query/contact/intersect_meshes.h"
+#include "proxima/intersect_meshes.h"
 
 #include "base/simd.h"
 #include "cancellation.h"
 #include "counted_allocations.h"
-#include "index/build_mesh_index.h"
 #include "index/test_meshes.h"
 #include "mesh/random_soups.h"
 #include "octree/nasty_meshes.h"
 #include "octree/small_meshes.h"
+#include "proxima/mesh_index.h"
 #include "proxima/octree.h"
 #include "query/contact/test_poses.h"
 

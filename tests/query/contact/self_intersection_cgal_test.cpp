@@ -1,8 +1,9 @@
 // Self-intersections against CGAL: of two triangles by its exact intersections, of whole meshes by
 // Polygon Mesh Processing.
 #include "geometry/exact_predicates.h"
-#include "index/build_mesh_index.h"
 #include "octree/small_meshes.h"
+#include "proxima/intersect_meshes.h"
+#include "proxima/mesh_index.h"
 #include "proxima/sample_meshes.h"
 #include "query/contact/self_intersection.h"
 

@@ -1,10 +1,11 @@
 #include "query/contact/self_intersection.h"
 
-#include "index/build_mesh_index.h"
 #include "index/test_meshes.h"
 #include "mesh/random_soups.h"
 #include "octree/nasty_meshes.h"
 #include "octree/small_meshes.h"
+#include "proxima/intersect_meshes.h"
+#include "proxima/mesh_index.h"
 #include "proxima/sample_meshes.h"
 
 #include <algorithm>

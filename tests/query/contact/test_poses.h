@@ -4,8 +4,8 @@
 
 #include "geometry/triangle_contact.h"
 #include "proxima/geometry.h"
+#include "proxima/intersect_meshes.h"
 #include "proxima/triangle_mesh.h"
-#include "query/contact/intersect_meshes.h"
 
 #include <Eigen/Geometry>
 

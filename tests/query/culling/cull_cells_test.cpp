@@ -1,4 +1,4 @@
-#include "query/culling/cull_cells.h"
+#include "proxima/cull.h"
 
 #include "counted_allocations.h"
 #include "geometry/test_volumes.h"
@@ -79,7 +79,10 @@ TEST(CullCells, DoesNotAllocateAndStopsOnRequest)
     const std::size_t before = allocation_count();
     for (const CullMode mode : {CullMode::conservative, CullMode::exact}) {
         std::size_t count = 0;
-        visible_cells(octree, volume, mode, [&](const VisibleCell& /*at*/) { ++count; });
+        visible_cells(octree, volume, mode, [&](const VisibleCell& /*at*/) {
+            ++count;
+            return Flow::proceed;
+        });
         EXPECT_GT(count, 20U);
         std::size_t first_few = 0;
         visible_cells(octree, volume, mode, [&](const VisibleCell& /*at*/) {

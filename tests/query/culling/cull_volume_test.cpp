@@ -1,11 +1,11 @@
-#include "query/culling/cull_volume.h"
+#include "proxima/cull.h"
 
 #include "base/simd.h"
 #include "counted_allocations.h"
 #include "geometry/test_volumes.h"
 #include "geometry/view_contact.h"
-#include "index/build_mesh_index.h"
 #include "index/test_meshes.h"
+#include "proxima/mesh_index.h"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,14 @@
-#include "query/distance/mesh_distance.h"
+#include "proxima/mesh_distance.h"
 
 #include "base/simd.h"
 #include "cancellation.h"
 #include "counted_allocations.h"
 #include "geometry/triangle_contact.h"
 #include "geometry/triangle_distance.h"
-#include "index/slabs/distance_index_of.h"
 #include "index/test_meshes.h"
 #include "oracles/quad_distance.h"
+#include "proxima/mesh_index.h"
+#include "proxima/sample_meshes.h"
 
 #include <gtest/gtest.h>
 
@@ -19,6 +20,12 @@ namespace proxima {
 namespace {
 
 using namespace testing;
+
+/// The index of a mesh, with slabs.
+MeshIndex index_of(const TriangleMesh& mesh)
+{
+    return with_slabs(build_mesh_index(mesh).value()).value();
+}
 
 /// All pairs in doubles: the one with the least distance, then the lowest ids.
 MeshDistance distance_by_brute_force(const TriangleMesh& a, const TriangleMesh& b,
@@ -170,7 +177,7 @@ std::vector<NamedMesh> small_meshes()
 TEST(MeshDistance, IsThatOfAllPairsInDoubles)
 {
     const std::vector<NamedMesh> meshes = small_meshes();
-    std::vector<DistanceIndex> indexes;
+    std::vector<MeshIndex> indexes;
     for (const NamedMesh& named : meshes) indexes.push_back(index_of(named.mesh));
     constexpr std::uint64_t seed = 11;
     int touching = 0;
@@ -185,7 +192,7 @@ TEST(MeshDistance, IsThatOfAllPairsInDoubles)
                 const RigidTransform pose = poses();
                 const MeshDistance truth =
                     distance_by_brute_force(meshes[i].mesh, meshes[k].mesh, pose);
-                const MeshDistance found = mesh_distance(indexes[i], indexes[k], pose);
+                const MeshDistance found = mesh_distance(indexes[i], indexes[k], pose).value();
                 expect_equal(found, truth, meshes[i].mesh, meshes[k].mesh, pose);
                 if (HasFatalFailure()) return;
                 ++(truth.distance == 0 ? touching : apart);
@@ -200,15 +207,15 @@ TEST(MeshDistance, IsTheSameFromAnyLastAnswerWithinAnyRangeAndOnAnyMachine)
 {
     const TriangleMesh torus = torus_mesh(1.0, 0.4, 60, 40);
     const TriangleMesh ship = sample_mesh("spaceship:1300").value();
-    const DistanceIndex a = index_of(torus);
-    const DistanceIndex b = index_of(ship);
+    const MeshIndex a = index_of(torus);
+    const MeshIndex b = index_of(ship);
     PoseGenerator poses(torus, ship, 5);
     MeshDistance last;
     const std::size_t before = allocation_count();
     std::size_t uncounted = 0;
     for (int i = 0; i < 60; ++i) {
         const RigidTransform pose = poses();
-        const MeshDistance truth = mesh_distance(a, b, pose);
+        const MeshDistance truth = mesh_distance(a, b, pose).value();
         const auto expect_same = [&](const std::optional<MeshDistance>& found) {
             ASSERT_TRUE(found.has_value());
             ASSERT_EQ(found->distance, truth.distance);
@@ -232,7 +239,7 @@ TEST(MeshDistance, IsTheSameFromAnyLastAnswerWithinAnyRangeAndOnAnyMachine)
         const std::size_t so_far = allocation_count();
         for (const SimdTarget& target : simd_targets()) {
             force_simd_target(target);
-            const MeshDistance other = mesh_distance(a, b, pose);
+            const MeshDistance other = mesh_distance(a, b, pose).value();
             restore_simd_targets();
             ASSERT_EQ(other.distance, truth.distance) << target.name;
             ASSERT_EQ(other.row_a, truth.row_a) << target.name;
@@ -245,19 +252,65 @@ TEST(MeshDistance, IsTheSameFromAnyLastAnswerWithinAnyRangeAndOnAnyMachine)
     EXPECT_EQ(allocation_count() - before, uncounted);
 }
 
+TEST(MeshDistance, IsTheSameFromAnAnswerOfOtherMeshes)
+{
+    const MeshIndex small = index_of(sample_mesh("cube").value());
+    const MeshIndex large = index_of(sample_mesh("sphere:30x30").value());
+    const RigidTransform apart{.translation = {3, 0.2, 0.1}};
+    const MeshDistance expected = mesh_distance(small, small, apart).value();
+    MeshDistance other = mesh_distance(large, large, apart).value();
+    ASSERT_GE(other.row_a, small.triangle_count());
+    for (const std::uint32_t row : {other.row_b, std::uint32_t{0}, ~std::uint32_t{0}}) {
+        other.row_b = row;
+        const auto found = mesh_distance(small, small, apart, &other);
+        ASSERT_TRUE(found);
+        EXPECT_EQ(found->distance, expected.distance);
+        EXPECT_EQ(found->triangle_a, expected.triangle_a);
+        EXPECT_EQ(found->triangle_b, expected.triangle_b);
+    }
+}
+
+TEST(MeshDistance, IsTheSameWithoutSlabs)
+{
+    const TriangleMesh torus = torus_mesh(1.0, 0.4, 60, 40);
+    const TriangleMesh ship = sample_mesh("spaceship:1300").value();
+    const MeshIndex a = build_mesh_index(torus).value();
+    const MeshIndex b = build_mesh_index(ship).value();
+    const MeshIndex slabs_a = with_slabs(a).value();
+    const MeshIndex slabs_b = with_slabs(b).value();
+    EXPECT_FALSE(a.has_slabs());
+    EXPECT_TRUE(slabs_a.has_slabs());
+    PoseGenerator poses(torus, ship, 7);
+    for (int i = 0; i < 60; ++i) {
+        SCOPED_TRACE(i);
+        const RigidTransform pose = poses();
+        const MeshDistance truth = mesh_distance(slabs_a, slabs_b, pose).value();
+        for (const MeshDistance& found :
+             {mesh_distance(a, b, pose).value(), mesh_distance(slabs_a, b, pose).value(),
+              mesh_distance(a, slabs_b, pose).value()}) {
+            ASSERT_EQ(found.distance, truth.distance);
+            if (truth.distance == 0) continue; // any common point
+            ASSERT_EQ(found.row_a, truth.row_a);
+            ASSERT_EQ(found.row_b, truth.row_b);
+            ASSERT_EQ(found.point_a, truth.point_a);
+            ASSERT_EQ(found.point_b, truth.point_b);
+        }
+    }
+}
+
 TEST(MeshDistance, IsTheSameTheOtherWayRound)
 {
     const TriangleMesh sphere = sphere_mesh(Vec3(3, 2, 1), 1.0, 20, 24);
     const TriangleMesh torus = torus_mesh(1.0, 0.4, 40, 30);
-    const DistanceIndex a = index_of(sphere);
-    const DistanceIndex b = index_of(torus);
+    const MeshIndex a = index_of(sphere);
+    const MeshIndex b = index_of(torus);
     PoseGenerator poses(sphere, torus, 6);
     for (int i = 0; i < 200; ++i) {
         SCOPED_TRACE(i);
         const RigidTransform pose = poses();
         const double rounding = 1e-13 * coordinates_of(sphere, torus, pose);
-        const MeshDistance one = mesh_distance(a, b, pose);
-        const MeshDistance other = mesh_distance(b, a, pose.inverse());
+        const MeshDistance one = mesh_distance(a, b, pose).value();
+        const MeshDistance other = mesh_distance(b, a, pose.inverse()).value();
         EXPECT_NEAR(one.distance, other.distance, rounding);
     }
 }
@@ -265,11 +318,11 @@ TEST(MeshDistance, IsTheSameTheOtherWayRound)
 TEST(MeshDistance, OfSpheresIsKnown)
 {
     // Polyhedra within the spheres, with vertices at the poles.
-    const DistanceIndex sphere = index_of(sphere_mesh(Vec3::Zero(), 1.0, 40, 60));
+    const MeshIndex sphere = index_of(sphere_mesh(Vec3::Zero(), 1.0, 40, 60));
     const auto apart = [&](double z) {
         RigidTransform pose;
         pose.translation = Vec3(0, 0, z);
-        return mesh_distance(sphere, sphere, pose);
+        return mesh_distance(sphere, sphere, pose).value();
     };
     const MeshDistance near = apart(2.5);
     EXPECT_EQ(near.distance, 0.5);
@@ -284,8 +337,8 @@ TEST(MeshDistance, OfSpheresIsKnown)
     EXPECT_EQ(apart(0x1p40).distance, 0x1p40 - 2);
     EXPECT_EQ(apart(0x1p100).distance, 0x1p100);
     // Of surfaces: one within the other is not near.
-    const DistanceIndex small = index_of(sphere_mesh(Vec3::Zero(), 0.25, 40, 60));
-    const double inner = mesh_distance(sphere, small).distance;
+    const MeshIndex small = index_of(sphere_mesh(Vec3::Zero(), 0.25, 40, 60));
+    const double inner = mesh_distance(sphere, small)->distance;
     EXPECT_LE(inner, 0.75);
     EXPECT_GT(inner, 0.74);
 }
@@ -300,7 +353,7 @@ void expect_scaled(const TriangleMesh& a, const TriangleMesh& b, const RigidTran
     RigidTransform scaled = pose;
     scaled.translation *= scale;
     const MeshDistance found =
-        mesh_distance(index_of(moved(a, times)), index_of(moved(b, times)), scaled);
+        mesh_distance(index_of(moved(a, times)), index_of(moved(b, times)), scaled).value();
     EXPECT_EQ(found.distance, scale * truth.distance);
     EXPECT_EQ(found.point_a, times(truth.point_a));
     EXPECT_EQ(found.point_b, times(truth.point_b));
@@ -312,13 +365,13 @@ TEST(MeshDistance, ScalesByPowersOfTwo)
 {
     const TriangleMesh torus = torus_mesh(1.0, 0.4, 40, 30);
     const TriangleMesh sphere = sphere_mesh(Vec3(0.5, 0.1, 0.2), 0.3, 12, 16);
-    const DistanceIndex a = index_of(torus);
-    const DistanceIndex b = index_of(sphere);
+    const MeshIndex a = index_of(torus);
+    const MeshIndex b = index_of(sphere);
     PoseGenerator poses(torus, sphere, 8);
     for (int i = 0; i < 30; ++i) {
         SCOPED_TRACE(i);
         RigidTransform pose = poses();
-        const MeshDistance truth = mesh_distance(a, b, pose);
+        const MeshDistance truth = mesh_distance(a, b, pose).value();
         for (const int power : {-20, 20, -200, 200}) {
             expect_scaled(torus, sphere, pose, power, truth);
         }
@@ -329,12 +382,12 @@ TEST(MeshDistance, IsRightAtAnyScaleThatDoublesHold)
 {
     const TriangleMesh torus = torus_mesh(1.0, 0.4, 12, 8);
     const TriangleMesh sphere = sphere_mesh(Vec3(0.5, 0.25, 0.125), 0.25, 6, 8);
-    const DistanceIndex a = index_of(torus);
-    const DistanceIndex b = index_of(sphere);
+    const MeshIndex a = index_of(torus);
+    const MeshIndex b = index_of(sphere);
     PoseGenerator poses(torus, sphere, 9);
     for (int i = 0; i < 12; ++i) {
         const RigidTransform pose = poses();
-        const MeshDistance truth = mesh_distance(a, b, pose);
+        const MeshDistance truth = mesh_distance(a, b, pose).value();
         for (const int power : {-900, -600, -400, -300, 300, 330}) {
             SCOPED_TRACE(::testing::Message() << "pose " << i << ", 2^" << power);
             expect_scaled(torus, sphere, pose, power, truth);
@@ -345,10 +398,10 @@ TEST(MeshDistance, IsRightAtAnyScaleThatDoublesHold)
 TEST(MeshDistance, IsRightHoweverFarApart)
 {
     const auto apart = [](double size, double x) {
-        const DistanceIndex cube = index_of(cube_mesh(Vec3::Zero(), size));
+        const MeshIndex cube = index_of(cube_mesh(Vec3::Zero(), size));
         RigidTransform pose;
         pose.translation = Vec3(x, 0, 0);
-        return mesh_distance(cube, cube, pose);
+        return mesh_distance(cube, cube, pose).value();
     };
     for (const double x : {1e100, 1e149, 1e155, 1e200, 1e300, 1.7e308}) {
         const MeshDistance found = apart(1.0, x);
@@ -371,13 +424,13 @@ TEST(MeshDistance, IsRightHoweverFarApart)
     EXPECT_EQ(apart(1e-310, -3e-310).distance, 1e-310);
 }
 
-TEST(MeshDistance, OfAnEmptyMeshIsInfinite)
+TEST(MeshDistance, FindsNothingForAnEmptyMesh)
 {
-    const DistanceIndex cube = index_of(cube_mesh(Vec3::Zero(), 1.0));
-    EXPECT_EQ(mesh_distance(cube, DistanceIndex()).distance,
-              std::numeric_limits<double>::infinity());
+    const MeshIndex cube = index_of(cube_mesh(Vec3::Zero(), 1.0));
+    EXPECT_FALSE(mesh_distance(cube, MeshIndex()));
+    EXPECT_FALSE(mesh_distance(MeshIndex(), cube));
     EXPECT_FALSE(
-        mesh_distance_within(DistanceIndex(), cube, {}, std::numeric_limits<double>::infinity()));
+        mesh_distance_within(MeshIndex(), cube, {}, std::numeric_limits<double>::infinity()));
 }
 
 } // namespace

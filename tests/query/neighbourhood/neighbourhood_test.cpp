@@ -1,8 +1,9 @@
-#include "query/neighbourhood/neighbourhood.h"
+#include "proxima/neighbourhood.h"
 
 #include "counted_allocations.h"
 #include "geometry/closest_point.h"
 #include "index/test_meshes.h"
+#include "proxima/mesh_index.h"
 #include "query/closest/brute_force.h"
 
 #include <gtest/gtest.h>
@@ -183,7 +184,7 @@ struct Ball {
     double rounding = 0;
 };
 
-/// Calls body(mesh, topology, search, ball) for `count` balls of all sizes about each mesh.
+/// Calls body(mesh, topology, index, ball) for `count` balls of all sizes about each mesh.
 template <class Body>
 void for_balls(int count, unsigned seed, const Body& body)
 {
@@ -192,13 +193,13 @@ void for_balls(int count, unsigned seed, const Body& body)
         SCOPED_TRACE(named.name);
         const TriangleMesh& mesh = named.mesh;
         const Topology topology = build_topology(mesh).value();
-        const auto search = build_surface_search(mesh, topology).value();
+        const MeshIndex index = build_mesh_index(mesh).value();
         const Box bounds = bounding_box(mesh);
         const double size = bounds.extent().maxCoeff();
         for (const Vec3& p : proximity_points(mesh, count, seed + 1)) {
             const double radius = std::ldexp(size, 1 - static_cast<int>(random() % 9));
             const double reach = bounds.lower.cwiseAbs().maxCoeff() + p.cwiseAbs().maxCoeff();
-            body(mesh, topology, search, Ball{p, radius, 1e-13 * (size + reach)});
+            body(mesh, topology, index, Ball{p, radius, 1e-13 * (size + reach)});
         }
     }
 }
@@ -206,9 +207,9 @@ void for_balls(int count, unsigned seed, const Body& body)
 TEST(MetricPatch, HasAllTrianglesWithinTheRadius)
 {
     std::vector<TriangleId> buffer;
-    for_balls(40, 2, [&](const auto& mesh, const auto&, const auto& search, const Ball& ball) {
+    for_balls(40, 2, [&](const auto& mesh, const auto&, const auto& index, const Ball& ball) {
         buffer.resize(mesh.triangle_count());
-        const Neighbourhood found = collect_triangles(search, ball.p, ball.radius, buffer);
+        const Neighbourhood found = collect_triangles(index, ball.p, ball.radius, buffer);
         EXPECT_TRUE(found.complete);
         const auto ids = std::span(buffer).first(found.count);
         EXPECT_TRUE(std::ranges::is_sorted(ids));
@@ -227,10 +228,10 @@ TEST(MetricPatch, TakesRadiiOfNothingAndEverything)
 {
     const TriangleMesh mesh = cube_mesh(Vec3::Zero(), 1.0);
     const Topology topology = build_topology(mesh).value();
-    const auto search = build_surface_search(mesh, topology).value();
+    const MeshIndex index = build_mesh_index(mesh).value();
     std::array<TriangleId, 12> buffer{};
     const auto count = [&](const Vec3& p, double radius) {
-        return collect_triangles(search, p, radius, buffer).count;
+        return collect_triangles(index, p, radius, buffer).count;
     };
     EXPECT_EQ(count(Vec3(1, 0.5, 0.25), 0.0), 1U);
     EXPECT_EQ(count(Vec3(1, 1, 1), 0.0), topology.triangles(VertexId{7}).size());
@@ -243,9 +244,9 @@ TEST(FeaturesWithin, AreThoseOfAllVerticesEdgesAndFaces)
 {
     std::vector<NearestFeature> buffer;
     for_balls(
-        30, 4, [&](const auto& mesh, const auto& topology, const auto& search, const Ball& ball) {
+        30, 4, [&](const auto& mesh, const auto& topology, const auto& index, const Ball& ball) {
             buffer.resize(mesh.vertex_count() + topology.edge_count() + mesh.triangle_count());
-            const Neighbourhood found = collect_features(search, ball.p, ball.radius, buffer);
+            const Neighbourhood found = collect_features(index, ball.p, ball.radius, buffer);
             EXPECT_TRUE(found.complete);
             const auto features = std::span(buffer).first(found.count);
             for (std::size_t i = 1; i < features.size(); ++i)
@@ -281,7 +282,7 @@ TEST(Neighbourhoods, SayWhereTheBufferIsTooSmallAndDoNotAllocate)
 {
     const TriangleMesh mesh = sample_mesh("sphere:30x30").value();
     const Topology topology = build_topology(mesh).value();
-    const auto search = build_surface_search(mesh, topology).value();
+    const MeshIndex index = build_mesh_index(mesh).value();
     NeighbourhoodScratch scratch(mesh);
     std::vector<TriangleId> all(mesh.triangle_count());
     std::vector<NearestFeature> all_features(4 * mesh.triangle_count());
@@ -289,15 +290,15 @@ TEST(Neighbourhoods, SayWhereTheBufferIsTooSmallAndDoNotAllocate)
     const std::size_t before = allocation_count();
     const Neighbourhood rings =
         collect_rings(mesh, topology, {FeatureKind::vertex, 0}, 5, scratch, all);
-    const Neighbourhood triangles = collect_triangles(search, p, 0.3, all);
-    const Neighbourhood features = collect_features(search, p, 0.3, all_features);
+    const Neighbourhood triangles = collect_triangles(index, p, 0.3, all);
+    const Neighbourhood features = collect_features(index, p, 0.3, all_features);
     EXPECT_EQ(allocation_count(), before);
     EXPECT_TRUE(rings.complete && triangles.complete && features.complete);
     ASSERT_GT(triangles.count, 10U);
     for (const std::size_t room : {std::size_t{0}, std::size_t{1}, triangles.count - 1,
                                    triangles.count, triangles.count + 1}) {
         std::vector<TriangleId> buffer(room);
-        const Neighbourhood found = collect_triangles(search, p, 0.3, buffer);
+        const Neighbourhood found = collect_triangles(index, p, 0.3, buffer);
         EXPECT_EQ(found.complete, room >= triangles.count);
         EXPECT_EQ(found.count, std::min(room, triangles.count));
         EXPECT_TRUE(std::ranges::includes(std::span(all).first(triangles.count),
@@ -305,7 +306,7 @@ TEST(Neighbourhoods, SayWhereTheBufferIsTooSmallAndDoNotAllocate)
     }
     for (const std::size_t room : {std::size_t{0}, features.count - 1, features.count}) {
         std::vector<NearestFeature> buffer(room);
-        const Neighbourhood found = collect_features(search, p, 0.3, buffer);
+        const Neighbourhood found = collect_features(index, p, 0.3, buffer);
         EXPECT_EQ(found.complete, room >= features.count);
         EXPECT_EQ(found.count, std::min(room, features.count));
     }

@@ -1,11 +1,12 @@
 // Spans of rays that look alike are cast as packets.
 #include "base/simd.h"
+#include "index/index_parts.h"
 #include "index/test_meshes.h"
 #include "mesh/random_soups.h"
 #include "octree/nasty_meshes.h"
 #include "octree/small_meshes.h"
+#include "proxima/cast_ray.h"
 #include "query/rays/brute_force.h"
-#include "query/rays/cast_ray.h"
 #include "query/rays/test_rays.h"
 
 #include <gtest/gtest.h>
@@ -88,8 +89,8 @@ TEST(CastPacket, AnswersAsBruteForceOnEveryInstructionSet)
     // Coordinates that floats hold: hits are computed from leaves.
     const TriangleMesh coarse =
         moved(sphere, [](const Vec3& p) { return Vec3((4096 * p).array().round() / 4096); });
-    EXPECT_TRUE(ray_index_of(coarse).has_exact_leaves());
-    EXPECT_FALSE(ray_index_of(sphere).has_exact_leaves());
+    EXPECT_TRUE(ray_index_of(coarse).parts().has_exact_leaves());
+    EXPECT_FALSE(ray_index_of(sphere).parts().has_exact_leaves());
     for (std::uint32_t seed = 4; seed < 7; ++seed) expect_truth_of_rows(coarse, seed);
     EXPECT_GT(hits, cast / 10);
 }

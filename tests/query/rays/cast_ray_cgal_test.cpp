@@ -1,9 +1,9 @@
 // Hits against CGAL's exact kernel: which triangles a ray meets, and at which t.
-#include "index/build_mesh_index.h"
 #include "octree/nasty_meshes.h"
 #include "octree/small_meshes.h"
+#include "proxima/cast_ray.h"
+#include "proxima/mesh_index.h"
 #include "proxima/octree.h"
-#include "query/rays/cast_ray.h"
 #include "query/rays/test_rays.h"
 
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>

@@ -1,8 +1,9 @@
-#include "query/rays/cast_ray.h"
+#include "proxima/cast_ray.h"
 
 #include "base/simd.h"
 #include "cancellation.h"
 #include "counted_allocations.h"
+#include "index/index_parts.h"
 #include "index/test_meshes.h"
 #include "mesh/random_soups.h"
 #include "octree/nasty_meshes.h"
@@ -100,7 +101,7 @@ TEST(CastRay, HitsTheSameAtAnyScaleAndPlace)
     expect_truth(tiny, ray_index_of(tiny), rays_for(tiny, 1000, 5));
     const TriangleMesh coarse =
         moved(torus, [](const Vec3& p) { return Vec3((4096 * p).array().round() / 4096); });
-    ASSERT_TRUE(ray_index_of(coarse).has_exact_leaves());
+    ASSERT_TRUE(ray_index_of(coarse).parts().has_exact_leaves());
     expect_truth(coarse, ray_index_of(coarse), rays_for(coarse, 3000, 7));
     const TriangleMesh huge = moved(torus, [](const Vec3& p) { return Vec3(1e6 * p); });
     expect_truth(huge, ray_index_of(huge), rays_for(huge, 1000, 6));

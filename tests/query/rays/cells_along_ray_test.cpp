@@ -1,4 +1,4 @@
-#include "query/rays/cells_along_ray.h"
+#include "proxima/cells_along_ray.h"
 
 #include "counted_allocations.h"
 #include "octree/small_meshes.h"
@@ -205,6 +205,7 @@ TEST(CellsAlongRay, JoinWithoutGapsForRaysOfAllKinds)
             last = at.exit;
             previous = at.cell.key;
             ++cells;
+            return Flow::proceed;
         });
         ASSERT_EQ(wrong, 0U) << "ray " << i;
         ASSERT_EQ(allocation_count(), before);

@@ -2,8 +2,8 @@
 // away, of any length, with ranges that begin or end near hits.
 #pragma once
 
-#include "index/build_mesh_index.h"
 #include "proxima/geometry.h"
+#include "proxima/mesh_index.h"
 #include "proxima/triangle_mesh.h"
 
 #include <array>

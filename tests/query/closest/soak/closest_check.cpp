@@ -1,9 +1,13 @@
 #include "query/closest/soak/closest_check.h"
 
 #include "base/text.h"
+#include "index/index_parts.h"
+#include "index/lists/proximity_lists.h"
 #include "oracles/quad_distance.h"
 #include "query/closest/brute_force.h"
 #include "query/closest/check_answers.h"
+#include "query/closest/feature_distance.h"
+#include "query/closest/find_closest.h"
 
 #include <algorithm>
 #include <cmath>
@@ -36,10 +40,10 @@ void ClosestTally::add(const ClosestTally& other)
     if (first_wrong.empty()) first_wrong = other.first_wrong;
 }
 
-ClosestCheck::ClosestCheck(const SurfaceSearch& search, std::span<const ProximityOctree> octrees)
-    : search_(search), octrees_(octrees)
+ClosestCheck::ClosestCheck(const SoakSearch& search, std::span<const MeshIndex> indexes)
+    : search_(search), indexes_(indexes)
 {
-    const Box box = bounding_box(search.mesh());
+    const Box box = bounding_box(search.mesh);
     center_ = box.center();
     diagonal_ = box.extent().norm();
     largest_ = box.lower.cwiseAbs().cwiseMax(box.upper.cwiseAbs()).maxCoeff();
@@ -47,16 +51,16 @@ ClosestCheck::ClosestCheck(const SurfaceSearch& search, std::span<const Proximit
 
 ClosestFeature ClosestCheck::truth_at(const Vec3& p, std::size_t place, ClosestTally& tally) const
 {
-    const bool is_small = search_.mesh().triangle_count() <= brute_triangles;
-    if (!is_small && place % brute_stride != 0) return closest_feature(search_, p);
+    const bool is_small = search_.mesh.triangle_count() <= brute_triangles;
+    if (!is_small && place % brute_stride != 0) return closest_feature(search_.index, p).value();
     ++tally.brute;
-    return closest_feature_by_brute_force(search_.mesh(), search_.topology(), p);
+    return closest_feature_by_brute_force(search_.mesh, search_.topology, p);
 }
 
 /// From the whole feature, its borders included.
 double ClosestCheck::exact_distance(const Feature& feature, const Vec3& p) const
 {
-    const TriangleMesh& mesh = search_.mesh();
+    const TriangleMesh& mesh = search_.mesh;
     oracle::Quad squared = 0;
     switch (feature.kind) {
     case FeatureKind::vertex: {
@@ -66,7 +70,7 @@ double ClosestCheck::exact_distance(const Feature& feature, const Vec3& p) const
         break;
     }
     case FeatureKind::edge: {
-        const auto [from, to] = search_.topology().vertices(EdgeId{feature.id});
+        const auto [from, to] = search_.topology.vertices(EdgeId{feature.id});
         squared =
             oracle::squared_distance(oracle::QuadPoint(p), mesh.position(from), mesh.position(to));
         break;
@@ -96,9 +100,9 @@ std::string ClosestCheck::problem(const ClosestFeature& found, const ClosestFeat
         if (!(std::abs(gap) <= rounding)) return "feature";
         ++tally.ties;
     }
-    if (found.triangle != lowest_triangle(search_.topology(), found.feature)) return "triangle";
+    if (found.triangle != lowest_triangle(search_.topology, found.feature)) return "triangle";
 
-    const Triangle triangle = search_.mesh().triangle(found.triangle);
+    const Triangle triangle = search_.mesh.triangle(found.triangle);
     Vec3 point = Vec3::Zero();
     for (int i = 0; i < 3; ++i) {
         const double weight = found.barycentric[static_cast<std::size_t>(i)];
@@ -116,14 +120,14 @@ ClosestTally ClosestCheck::check(std::span<const Vec3> points) const
     ClosestTally tally;
     std::vector<ClosestFeature> batch(points.size());
     std::vector<ClosestFeature> first(points.size());
-    for (const ProximityOctree& octree : octrees_) {
-        const ProximityStatistics& worst = octree.statistics();
-        const bool is_first = &octree == octrees_.data();
-        const bool batch_ended = closest_features(octree, points, batch).has_value();
+    for (const MeshIndex& listed : indexes_) {
+        const ProximityStatistics& worst = listed.parts().lists()->statistics();
+        const bool is_first = &listed == indexes_.data();
+        const bool batch_ended = closest_features(listed, points, {.answers = batch}).has_value();
         for (std::size_t i = 0; i < points.size(); ++i) {
             const Vec3& p = points[i];
             QuerySteps steps;
-            const ClosestFeature found = closest_feature(octree, p, steps);
+            const ClosestFeature found = closest_feature(listed, p, {}, steps).value();
             std::string wrong;
             if (is_first) {
                 first[i] = found;
@@ -139,19 +143,18 @@ ClosestTally ClosestCheck::check(std::span<const Vec3> points) const
                 wrong = concat("batch: ", text_of(batch[i]), ", not ", text_of(found));
             }
             std::array<std::uint32_t, 3> at{};
-            if (octree.locate(octree.frame().to_frame(p), at)) {
+            if (listed.parts().lists()->locate(listed.parts().lists()->frame().to_frame(p), at)) {
                 const double step_part = static_cast<double>(steps.steps) / worst.worst_case_steps;
                 // Where no leaf has a list, no block is scanned, and none may be.
                 const double block_part =
                     steps.blocks == 0 ? 0.0
                                       : static_cast<double>(steps.blocks) / worst.worst_case_blocks;
-                const std::uint32_t most_groups =
-                    worst.searched_leaves == 0 ? 0 : search_groups(octree.triangle_count());
+                const std::uint32_t most_searches = worst.searched_leaves == 0 ? 0 : 1;
                 tally.worst_steps = std::max(tally.worst_steps, step_part);
                 tally.worst_blocks = std::max(tally.worst_blocks, block_part);
-                if (!(step_part <= 1 && block_part <= 1 && steps.groups <= most_groups)) {
+                if (!(step_part <= 1 && block_part <= 1 && steps.searches <= most_searches)) {
                     wrong = concat("worst case: ", steps.steps, " steps, ", steps.blocks,
-                                   " blocks, ", steps.groups, " groups");
+                                   " blocks, ", steps.searches, " searches");
                 }
             }
             if (wrong.empty()) continue;

@@ -1,21 +1,21 @@
-// Answers of proximity octrees against a search that shares nothing with them but the mesh.
+// Answers of closest-feature lists against a search that shares only the arithmetic of rows with
+// them.
 //
-// The truth is brute force on small meshes, the triangle tree on large ones (surface_search.h,
-// the same answers bit for bit; a few points are asked of brute force there too). Wrong is
+// The truth is brute force on small meshes, the mesh index's tree on large ones (the same answers
+// bit for bit; a few points are asked of brute force there too). Wrong is
 //
 //     a distance that is off by more than 1e-12 of the mesh's diagonal (of the query's own
 //         distance where that is greater: far outside)
 //     another feature, unless it is as close but for rounding: a tie that rounding decides
 //     a triangle that is not the lowest of the feature, a closest point that is not there
-//     a batch's answer, or that of an octree within another budget, with other bits
-//     more steps or blocks than the octree says
+//     a batch's answer, or that of lists within another budget, with other bits
+//     more steps or blocks than the index says
 #pragma once
 
-#include "index/lists/proximity_octree.h"
+#include "proxima/closest_feature.h"
+#include "proxima/mesh_index.h"
 #include "proxima/topology.h"
 #include "proxima/triangle_mesh.h"
-#include "query/closest/closest_feature.h"
-#include "query/closest/surface_search.h"
 
 #include <cstdint>
 #include <span>
@@ -38,10 +38,17 @@ struct ClosestTally {
     void add(const ClosestTally& other);
 };
 
+/// A mesh and its index.
+struct SoakSearch {
+    const TriangleMesh& mesh;
+    const Topology& topology;
+    const MeshIndex& index;
+};
+
 /// Refers to what it is given. check() may be called from any thread.
 class ClosestCheck {
 public:
-    ClosestCheck(const SurfaceSearch& search, std::span<const ProximityOctree> octrees);
+    ClosestCheck(const SoakSearch& search, std::span<const MeshIndex> indexes);
 
     [[nodiscard]] ClosestTally check(std::span<const Vec3> points) const;
 
@@ -52,8 +59,8 @@ private:
                                       const Vec3& p, ClosestTally& tally) const;
     [[nodiscard]] double exact_distance(const Feature& feature, const Vec3& p) const;
 
-    const SurfaceSearch& search_;
-    std::span<const ProximityOctree> octrees_;
+    SoakSearch search_;
+    std::span<const MeshIndex> indexes_;
     Vec3 center_;
     double diagonal_ = 0;
     double largest_ = 0; ///< coordinate of the mesh

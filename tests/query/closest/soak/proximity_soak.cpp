@@ -1,14 +1,17 @@
-// Millions of random points, every answer of the proximity octree checked: scripts/soak proximity.
+// Millions of random points, every answer of the proximity index checked: scripts/soak proximity.
 //
 //     proximity_soak [--points N] [--signs N] [--seed N] [--threads N] [--mesh NAME]...
 //
-// Every mesh is built within its usual budget and within the least that will do. One row per mesh
+// Every mesh is built within its usual budget and within one that leaves most leaves without a list. One row per mesh
 // and kind of points; what the columns mean is in closest_check.h and sign_check.h. The same for
 // the same seed, whatever the threads. Exit status 1 if anything was wrong.
 
 #include "base/parallel.h"
-#include "index/lists/build_proximity_octree.h"
+#include "index/index_parts.h"
+#include "index/listed_index.h"
 #include "proxima/execution.h"
+#include "proxima/mesh_index.h"
+#include "query/closest/sign_parts.h"
 #include "query/closest/soak/closest_check.h"
 #include "query/closest/soak/sign_check.h"
 #include "query/closest/soak/soak_meshes.h"
@@ -67,27 +70,18 @@ Tally check_points(const PointMaker& maker, PointSet set, std::uint64_t count, s
     return sum;
 }
 
-/// Within its usual budget, and within the least that will do, give or take a fifth.
-Result<std::vector<ProximityOctree>> build_octrees(const TriangleMesh& mesh,
-                                                   const Topology& topology, Threads threads)
+/// Within its usual budget, and within one that leaves most leaves without a list.
+Result<std::vector<MeshIndex>> build_indexes(const TriangleMesh& mesh, Threads threads)
 {
-    std::vector<ProximityOctree> octrees;
-    auto usual = build_proximity_octree(mesh, topology, {.execution = {.threads = threads}});
+    std::vector<MeshIndex> indexes;
+    auto usual = testing::listed_index(mesh, {.execution = {.threads = threads}});
     if (!usual) return tl::unexpected(usual.error());
-    octrees.push_back(std::move(*usual));
-    std::uint64_t budget = 60 * mesh.triangle_count();
-    while (octrees.size() < 2) {
-        auto tight = build_proximity_octree(
-            mesh, topology, {.budget_bytes = budget, .execution = {.threads = threads}});
-        if (tight) {
-            octrees.push_back(std::move(*tight));
-        } else if (tight.error().code == ErrorCode::budget_exceeded) {
-            budget += budget / 5;
-        } else {
-            return tl::unexpected(tight.error());
-        }
-    }
-    return octrees;
+    indexes.push_back(std::move(*usual));
+    auto tight = testing::listed_index(mesh, {.budget_bytes = 2048 + 20 * mesh.triangle_count(),
+                                              .execution = {.threads = threads}});
+    if (!tight) return tl::unexpected(tight.error());
+    indexes.push_back(std::move(*tight));
+    return indexes;
 }
 
 /// Whether every edge is passed as often in one way as in the other: the mesh has an inside.
@@ -149,13 +143,13 @@ private:
         }
         const auto topology = build_topology(mesh);
         if (!topology) return fail_mesh(named, topology.error());
-        const auto search = build_surface_search(mesh, *topology);
-        if (!search) return fail_mesh(named, search.error());
-        const auto octrees = build_octrees(mesh, *topology, options_.execution.threads);
-        if (!octrees) return fail_mesh(named, octrees.error());
+        const auto index = build_mesh_index(mesh);
+        if (!index) return fail_mesh(named, index.error());
+        const auto indexes = build_indexes(mesh, options_.execution.threads);
+        if (!indexes) return fail_mesh(named, indexes.error());
 
-        const PointMaker maker(mesh, *topology, octrees->front());
-        const ClosestCheck check(*search, *octrees);
+        const PointMaker maker(mesh, *topology, indexes->front());
+        const ClosestCheck check({mesh, *topology, *index}, *indexes);
         for (std::size_t s = 0; s < all_point_sets.size(); ++s) {
             const std::uint64_t count = options_.points * shares[s] / (100 * meshes) + 1;
             const auto tally =
@@ -164,19 +158,20 @@ private:
             print_row(named.name, name_of(all_point_sets[s]), tally);
             all_.add(tally);
         }
-        const auto sign = build_surface_sign(*search);
+        const auto sign = build_surface_sign(mesh, *topology, *index);
         if (!sign) return fail_mesh(named, sign.error());
-        check_signs(named, *sign, octrees->front(), maker, meshes);
+        check_signs(named, *sign, indexes->front(), maker, meshes);
         (void)std::fflush(stdout);
     }
 
-    void check_signs(const SoakMesh& named, const SurfaceSign& sign, const ProximityOctree& octree,
+    void check_signs(const SoakMesh& named, const SurfaceSign& sign, const MeshIndex& listed,
                      const PointMaker& maker, std::size_t meshes)
     {
-        const bool closed = is_closed(sign.mesh(), sign.topology());
-        const SignCheck check(sign, octree, closed);
+        const bool closed = is_closed(sign.parts().mesh(), sign.parts().topology());
+        const SignCheck check(sign, listed, closed);
         std::uint64_t count = options_.signs / meshes + 1;
-        if (!closed) count = std::min(count, solid_angles / sign.mesh().triangle_count() + 1);
+        if (!closed)
+            count = std::min(count, solid_angles / sign.parts().mesh().triangle_count() + 1);
         SignTally sum;
         for (const PointSet set : {PointSet::volume, PointSet::near_surface, PointSet::boundaries})
             sum.add(check_points<SignTally>(maker, set, count / 3 + 1, options_.seed, ++row_,

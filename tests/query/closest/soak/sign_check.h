@@ -2,9 +2,9 @@
 // by exact determinants; on others the sum of all solid angles.
 #pragma once
 
-#include "index/lists/proximity_octree.h"
 #include "oracles/column_winding.h"
-#include "query/closest/signed_distance.h"
+#include "proxima/mesh_index.h"
+#include "proxima/signed_distance.h"
 
 #include <cstdint>
 #include <optional>
@@ -27,7 +27,7 @@ struct SignTally {
 class SignCheck {
 public:
     /// \pre `closed` tells whether every edge has as many triangles in one way as in the other
-    SignCheck(const SurfaceSign& sign, const ProximityOctree& octree, bool closed);
+    SignCheck(const SurfaceSign& sign, const MeshIndex& listed, bool closed);
 
     [[nodiscard]] SignTally check(std::span<const Vec3> points) const;
 
@@ -35,7 +35,7 @@ private:
     [[nodiscard]] std::optional<bool> is_inside(const Vec3& p) const;
 
     const SurfaceSign& sign_;
-    const ProximityOctree& octree_;
+    const MeshIndex& index_;
     std::optional<oracle::ColumnWinding> columns_;
     double size_ = 0;
 };

@@ -1,6 +1,9 @@
 #include "query/closest/soak/soak_points.h"
 
-#include "query/closest/closest_feature.h"
+#include "index/index_parts.h"
+#include "index/lists/proximity_lists.h"
+
+#include "proxima/closest_feature.h"
 
 #include <algorithm>
 #include <cmath>
@@ -38,9 +41,8 @@ std::string_view name_of(PointSet set) noexcept
     return "outside";
 }
 
-PointMaker::PointMaker(const TriangleMesh& mesh, const Topology& topology,
-                       const ProximityOctree& octree)
-    : mesh_(mesh), topology_(topology), octree_(octree), box_(bounding_box(mesh)),
+PointMaker::PointMaker(const TriangleMesh& mesh, const Topology& topology, const MeshIndex& listed)
+    : mesh_(mesh), topology_(topology), index_(listed), box_(bounding_box(mesh)),
       diagonal_(box_.extent().norm())
 {
     double area = 0;
@@ -110,13 +112,14 @@ Vec3 PointMaker::near_surface(Random& random) const
 
 Vec3 PointMaker::outside(Random& random) const
 {
-    const double half = octree_.frame().half;
+    const double half = index_.parts().lists()->frame().half;
     while (true) {
         Vec3 point;
         const double reach = random() % 2 == 0 ? 3.0 : std::pow(10.0, 6 * part(random));
         for (int axis = 0; axis < 3; ++axis)
-            point[axis] = octree_.frame().center[axis] + reach * half * (2 * part(random) - 1);
-        if (!octree_.frame().contains(point)) return point;
+            point[axis] = index_.parts().lists()->frame().center[axis] +
+                          reach * half * (2 * part(random) - 1);
+        if (!index_.parts().lists()->frame().contains(point)) return point;
     }
 }
 
@@ -152,7 +155,7 @@ Vec3 PointMaker::on_boundary(std::size_t kind, Random& random) const
 /// Moved to the side of a cell along one axis, two, or all three; some by the least step.
 Vec3 PointMaker::on_cell(Vec3 point, Random& random) const
 {
-    const RootFrame& frame = octree_.frame();
+    const RootFrame& frame = index_.parts().lists()->frame();
     const auto axes = 1 + random() % 7;
     for (int axis = 0; axis < 3; ++axis) {
         if ((axes >> static_cast<unsigned>(axis) & 1U) == 0) continue;
@@ -227,12 +230,12 @@ Vec3 PointMaker::between_features(Random& random) const
 {
     Vec3 from = random() % 2 == 0 ? in_volume(random) : near_surface(random);
     Vec3 to = random() % 2 == 0 ? in_volume(random) : near_surface(random);
-    const Feature feature = closest_feature(octree_, from).feature;
-    if (closest_feature(octree_, to).feature == feature) return 0.5 * from + 0.5 * to;
+    const Feature feature = closest_feature(index_, from)->feature;
+    if (closest_feature(index_, to)->feature == feature) return 0.5 * from + 0.5 * to;
     for (int i = 0; i < 60; ++i) {
         const Vec3 middle = 0.5 * from + 0.5 * to;
         if (middle == from || middle == to) break;
-        (closest_feature(octree_, middle).feature == feature ? from : to) = middle;
+        (closest_feature(index_, middle)->feature == feature ? from : to) = middle;
     }
     return random() % 2 == 0 ? from : to;
 }

@@ -7,7 +7,7 @@
 //     outside        outside of the root, to a million times its size
 #pragma once
 
-#include "index/lists/proximity_octree.h"
+#include "proxima/mesh_index.h"
 #include "proxima/topology.h"
 #include "proxima/triangle_mesh.h"
 
@@ -27,7 +27,7 @@ inline constexpr std::array all_point_sets = {PointSet::volume, PointSet::near_s
 /// Refers to what it is given. Members may be called from any thread.
 class PointMaker {
 public:
-    PointMaker(const TriangleMesh& mesh, const Topology& topology, const ProximityOctree& octree);
+    PointMaker(const TriangleMesh& mesh, const Topology& topology, const MeshIndex& listed);
 
     /// The same for the same seed. Finite.
     [[nodiscard]] std::vector<Vec3> make(PointSet set, std::size_t count, std::uint64_t seed) const;
@@ -52,7 +52,7 @@ private:
 
     const TriangleMesh& mesh_;
     const Topology& topology_;
-    const ProximityOctree& octree_;
+    const MeshIndex& index_;
     Box box_;
     double diagonal_ = 0;
     std::vector<double> areas_; ///< running sums

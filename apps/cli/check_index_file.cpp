@@ -1,0 +1,92 @@
+#include "cli/check_index_file.h"
+
+#include "cli/index_file_model.h"
+#include "cli/model_options.h"
+#include "cli/text_table.h"
+#include "index/index_parts.h"
+#include "index/lists/proximity_lists.h"
+#include "lab/query_sets.h"
+#include "proxima/mesh_index.h"
+#include "query/closest/check_answers.h"
+
+#include <algorithm>
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+namespace proxima {
+
+namespace {
+
+constexpr std::uint64_t places_seed = 1;
+
+/// Near, on and about the surface; as many as take some seconds on one thread.
+std::vector<Vec3> places_to_ask(const ModelSurface& surface)
+{
+    constexpr std::size_t asked_features = 200'000'000; // 5 ns each
+    const std::size_t features = surface.topology.vertex_count() + surface.topology.edge_count() +
+                                 surface.topology.triangle_count();
+    const std::size_t count = std::clamp<std::size_t>(asked_features / 3 / features, 20, 1000);
+    std::vector<Vec3> places;
+    for (const QuerySet& set : query_sets(surface.mesh, count, places_seed))
+        places.insert(places.end(), set.points.begin(), set.points.end());
+    return places;
+}
+
+Status check_mesh_of(const MeshIndex& index, const std::string& mesh, Session& session)
+{
+    const auto loaded = session.load_model(mesh);
+    if (!loaded) return tl::unexpected(loaded.error());
+    if (const Status status = check_same_mesh(index, *loaded); !status)
+        return at_model(status.error(), mesh);
+    return {};
+}
+
+} // namespace
+
+Status check_index_file(const std::string& path, const std::string& mesh, Session& session)
+{
+    const auto index = load_index_file(path, session);
+    if (!index) return tl::unexpected(index.error());
+    const bool has_mesh = !mesh.empty();
+    if (has_mesh) {
+        if (Status status = check_mesh_of(*index, mesh, session); !status) return status;
+    }
+    const auto surface = surface_of(*index, path, session);
+    if (!surface) return tl::unexpected(surface.error());
+    const std::vector<Vec3> places = places_to_ask(*surface);
+    {
+        const ProgressBar shown(session.progress(), session.bar());
+        const Status status = check_answers(*index, surface->mesh, surface->topology, places,
+                                            {.execution = session.execution()});
+        if (!status) return at_model(status.error(), path);
+    }
+    const bool has_lists = index->has_lists();
+    const ProximityStatistics counts =
+        has_lists ? index->parts().lists()->statistics() : ProximityStatistics{};
+    TextTable table({"Nodes", "Leaves", "Without a list", "Triangles listed", "Deepest",
+                     "Longest list", "Bytes"});
+    table.add_row({std::to_string(counts.nodes), std::to_string(counts.leaves),
+                   std::to_string(counts.searched_leaves), std::to_string(counts.references),
+                   std::to_string(counts.max_depth), std::to_string(counts.max_list),
+                   std::to_string(index->bytes())});
+    session.print(fmt::format(
+        "{}: index of {} triangles\n\nchecksums and structure are sound\n"
+        "answers at {} places are those of all triangles, up to rounding\n{}\n\n{}",
+        path, surface->mesh.triangle_count(), places.size(),
+        has_mesh ? fmt::format("it is of {}", mesh)
+                 : "whether it is of the mesh you mean was not asked: name it with --mesh",
+        table.text()));
+    return session.write_json({{"model", path},
+                               {"mesh", has_mesh ? nlohmann::ordered_json(mesh) : nullptr},
+                               {"triangles", surface->mesh.triangle_count()},
+                               {"places", places.size()},
+                               {"nodes", counts.nodes},
+                               {"leaves", counts.leaves},
+                               {"searched_leaves", counts.searched_leaves},
+                               {"references", counts.references},
+                               {"max_depth", counts.max_depth},
+                               {"max_list", counts.max_list},
+                               {"bytes", index->bytes()}});
+}
+
+} // namespace proxima

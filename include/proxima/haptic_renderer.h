@@ -1,0 +1,198 @@
+// One tick of haptic rendering: from where the device is to the force that it gets.
+//
+//     auto mesh = read_mesh("bunny.obj");
+//     auto index = build_mesh_index(*mesh);
+//     const DeviceLimits& limits = device.info().limits;
+//     const WorkspaceMap map = fit_workspace(bounding_box(*mesh), limits.workspace_radius);
+//     HapticRenderer renderer(*index, map, limits);
+//     device.run({.rate = 1000}, [&](std::uint64_t) {
+//         device.write({.force = renderer.tick(device.read().state, 1e-3).force});
+//         return Flow::proceed;
+//     });
+//
+//     device -> model's frame -> proxy -> spring and damper -> passivity -> ramps, clamp, slew
+//
+// The proxy is where the finger would be if it could not enter the object: a point (god-object,
+// [zilles-1995]) or a sphere ([ruspini-1997]) that slides over the surface as near to the device as
+// it can come, with a friction cone ([melder-2004]). It never passes a triangle, whichever way
+// triangles face and however thin a wall is. A spring pulls the device to it.
+//
+// Bad input never reaches the force: a position that is not finite keeps the last one and lets the
+// force fade; a jump that no hand makes begins anew from there, with the ramp of a start.
+#pragma once
+
+#include "proxima/device.h"
+#include "proxima/geometry.h"
+#include "proxima/touch_scene.h"
+#include "proxima/triangle_mesh.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+namespace proxima {
+
+class ContactSurface;
+class MeshIndex;
+class SurfaceFeel;
+class SurfaceRenderer;
+
+/// From the device's metres to the model's units and back: a point p of the device is
+/// center + units_per_metre * p of the model.
+struct WorkspaceMap {
+    double units_per_metre = 1;
+    Vec3 center = Vec3::Zero(); ///< what the middle of the workspace is
+
+    [[nodiscard]] Vec3 to_model(const Vec3& device) const noexcept
+    {
+        return center + units_per_metre * device;
+    }
+    [[nodiscard]] Vec3 to_device(const Vec3& model) const noexcept
+    {
+        return (model - center) / units_per_metre;
+    }
+};
+
+/// How much of the workspace's radius the model takes: the rest is for moving round it.
+inline constexpr double workspace_share = 0.6;
+
+/// The box within that share of the workspace, centred. \pre the box is not empty, radius > 0
+[[nodiscard]] inline WorkspaceMap fit_workspace(const Box& box, double workspace_radius) noexcept
+{
+    const double half = box.extent().norm() / 2;
+    return {half > 0 ? half / (workspace_share * workspace_radius) : 1.0, box.center()};
+}
+
+/// The spring, the damper and the guards of the force.
+struct ForceOptions {
+    double stiffness = 500;      ///< K, N/m; at most the device's
+    double damping = 1;          ///< B, N s/m; at most the device's
+    double max_slew = 2000;      ///< N/s: from nothing to a Phantom Omni's 3.3 N in 1.65 ms
+    double start_seconds = 0.25; ///< ramp up from the first tick
+    double loss_seconds = 0.05;  ///< ramp down once the input or surface is lost, and up again
+};
+
+/// Whether walls are kept from giving more energy than they took ([hannaford-2002]).
+enum class Passivity : bool { unguarded, guarded };
+
+/// What the spring pulls towards.
+enum class ForceLaw : std::uint8_t {
+    proxy,  ///< a proxy that stays outside
+    penalty ///< the nearest point of the surface: a baseline for comparisons, the library's own
+};
+
+struct RenderOptions {
+    ForceOptions force = {};
+    double proxy_radius = 0; ///< m; 0 = a point
+    double static_friction = 0.4;
+    double dynamic_friction = 0.3; ///< at most static_friction
+    Passivity passivity = Passivity::guarded;
+    double max_jump = 0.05; ///< m in a tick: 50 m/s at 1 kHz
+    /// Most moves of the proxy in a tick, twice that with shading: bounds a tick's work. 4 to 48.
+    std::size_t max_moves = 12;
+    /// On: forces lean towards the smooth normals of bodies that were built with them.
+    ForceShading shading = ForceShading::off;
+    /// With penalty forces, radius, frictions, max_moves and shading have no effect.
+    ForceLaw law = ForceLaw::proxy;
+};
+
+/// How the proxy is held.
+enum class Hold : std::uint8_t { free, sliding, sticking };
+
+/// How the proxy's motion of a tick ended.
+enum class SlideEnd : std::uint8_t {
+    settled,   ///< nothing nearer to the device can be reached
+    limited,   ///< as many moves as are allowed: the next tick goes on
+    overloaded ///< more triangles are near than there is memory for: it stays where it was safe
+};
+
+/// What was wrong with a tick's input.
+enum class InputFault : std::uint8_t { none, not_finite, jumped };
+
+/// A point of the surface at which the proxy is held back. In the model's units and frame.
+struct ContactPoint {
+    Vec3 position = Vec3::Zero();
+    Vec3 normal = Vec3::UnitZ(); ///< from the surface to the proxy, of length 1
+    TriangleId triangle{};       ///< the lowest that is touched there; of a scene see object_of()
+    double pressure = 0;         ///< part of the spring's stretch along the normal
+};
+
+/// Everything about one tick. The proxy's numbers are in the model's units and frame.
+struct RenderTick {
+    Vec3 position = Vec3::Zero(); ///< of the device, m, as used
+    Vec3 force = Vec3::Zero();    ///< N, what the device gets
+    Vec3 spring = Vec3::Zero();   ///< N, before the guards
+
+    Vec3 proxy = Vec3::Zero();  ///< its centre
+    Vec3 anchor = Vec3::Zero(); ///< what the spring pulls the device to; the device where free
+    Hold hold = Hold::free;
+    Vec3 normal = Vec3::Zero(); ///< of all contacts together, of length 1; zero where free
+    double depth = 0;           ///< of the device below the place that the proxy would have
+                                ///< without friction
+    bool has_room = true; ///< false: no free place is near, and nothing is felt until there is
+    std::array<ContactPoint, 3> contacts = {};
+    std::size_t contact_count = 0; ///< of the proxy without friction
+    std::size_t moves = 0;         ///< of the proxy, straight ones
+    SlideEnd slide_end = SlideEnd::settled;
+
+    InputFault fault = InputFault::none;
+    InputCondition condition = InputCondition::well; ///< as the state said
+    Vec3 surface_velocity = Vec3::Zero();            ///< m/s: of what is touched, in a scene
+    bool squeezed = false;                           ///< moving objects left the proxy no room
+    bool popped = false; ///< by penalty forces: pushed towards the opposite side of the tick before
+};
+
+/// Whether the surface of a tick is available. Direct questions always are; lost is for surfaces
+/// that another thread hands over and that came too late.
+enum class Patch : bool { available, lost };
+
+/// Renders for one device. One thread. All but construction is noexcept and does not allocate.
+class HapticRenderer {
+public:
+    /// Touches a mesh at rest, whose index it shares. O(triangles). The options are limited to what
+    /// the device can take. \pre the index is not empty, and no larger than 1e150; 4 <= max_moves
+    /// <= 48; frictions and radius are finite and not negative; options.law is proxy
+    HapticRenderer(const MeshIndex& index, const WorkspaceMap& map, const DeviceLimits& device,
+                   const RenderOptions& options = {});
+
+    /// Touches a scene, which must outlive it, and which each tick advances. Materials are those
+    /// of its bodies. \pre as above
+    HapticRenderer(TouchScene& scene, const WorkspaceMap& map, const DeviceLimits& device,
+                   const RenderOptions& options = {});
+
+    /// For the library's own surfaces and its tests: touches a surface, with materials and normals
+    /// by `feel`. Both must outlive it. \pre as above
+    HapticRenderer(const ContactSurface& surface, const WorkspaceMap& map,
+                   const DeviceLimits& device, const RenderOptions& options = {},
+                   const SurfaceFeel* feel = nullptr);
+
+    HapticRenderer(HapticRenderer&& other) noexcept;
+    HapticRenderer& operator=(HapticRenderer&& other) noexcept;
+    ~HapticRenderer();
+
+    /// The options as limited by the device.
+    [[nodiscard]] const RenderOptions& options() const noexcept;
+    [[nodiscard]] const WorkspaceMap& map() const noexcept;
+
+    /// One tick of `seconds`. The first one with a finite position places the proxy there, or at
+    /// the free place nearest to it. The force fades while the patch is lost or the state's
+    /// condition is not `well`. A few microseconds. \pre seconds > 0
+    const RenderTick& tick(const DeviceState& state, double seconds,
+                           Patch patch = Patch::available) noexcept;
+
+    /// What the last tick returned.
+    [[nodiscard]] const RenderTick& last() const noexcept;
+
+    /// The proxy's places in the last tick, straight moves between them.
+    [[nodiscard]] std::span<const Vec3> path() const noexcept;
+
+private:
+    friend class RendererAccess;
+    explicit HapticRenderer(std::unique_ptr<SurfaceRenderer> renderer) noexcept;
+
+    std::unique_ptr<SurfaceRenderer> renderer_; ///< not null but after a move
+};
+
+} // namespace proxima

@@ -1,0 +1,61 @@
+// How far two meshes are from each other, with the closest points (the future work of the thesis's
+// section 5.2): for meshes of any shape, in any rigid pose.
+//
+//     auto near = mesh_distance(index_a, index_b, pose_b);
+//     draw_line(near->point_a, near->point_b);
+//     auto next = mesh_distance(index_a, index_b, next_pose, &*near); // starts where they were
+//
+// Indexes with slabs (with_slabs) are searched sooner; the answer is the same without.
+// B's vertices are moved by the pose, rounded to doubles once; the answer is that of all pairs of
+// triangles in doubles. It is the distance of surfaces: a mesh within another
+// has one as well. The same bits on every machine.
+//
+// Which pair is named: of those with the same computed distance the one with the lowest id in A,
+// then in B. Where meshes touch, and where they are farther apart than 2^26 times the larger one's
+// size, it is one of these pairs.
+#pragma once
+
+#include "proxima/geometry.h"
+#include "proxima/mesh_index.h"
+#include "proxima/triangle_mesh.h"
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+
+namespace proxima {
+
+/// Closest points of two meshes, both where B has been moved.
+struct MeshDistance {
+    double distance = std::numeric_limits<double>::infinity(); ///< 0 if and only if they touch
+    Vec3 point_a = Vec3::Zero(); ///< where they touch: a common point, up to rounding
+    Vec3 point_b = Vec3::Zero();
+    TriangleId triangle_a = {};
+    TriangleId triangle_b = {};
+    TrianglePart part_a = {}; ///< the corner or side of the triangle on which the point is
+    TrianglePart part_b = {};
+    std::uint32_t row_a = 0; ///< rows of the indexes: for a later search to start from
+    std::uint32_t row_b = 0;
+};
+
+/// The distance, off by a few roundings of the coordinates that it is computed from. `start_from`,
+/// the answer for another pose of the same meshes, makes it quicker if that was near. Any answer
+/// will do, of other meshes as well: it changes nothing else. Nothing where a mesh is empty. Real-time safe: noexcept, no allocation, no lock,
+/// 100 KB of stack; any number of threads. 0.05 to 0.5 ms on scanned models of 70,000 triangles, a
+/// quarter of it from a near pose's answer; see docs/limitations.md for what takes longer.
+///
+/// Coordinates are scaled internally, so very large and very small meshes work. A distance that no double holds
+/// is infinite; of meshes that do not touch it is never 0.
+///
+/// \pre coordinates, moved ones too, are finite
+[[nodiscard]] std::optional<MeshDistance>
+mesh_distance(const MeshIndex& a, const MeshIndex& b, const RigidTransform& pose_b = {},
+              const MeshDistance* start_from = nullptr) noexcept;
+
+/// The same where the distance is at most `farthest`; nothing where it is more, which is found out
+/// sooner.
+[[nodiscard]] std::optional<MeshDistance>
+mesh_distance_within(const MeshIndex& a, const MeshIndex& b, const RigidTransform& pose_b,
+                     double farthest, const MeshDistance* start_from = nullptr) noexcept;
+
+} // namespace proxima

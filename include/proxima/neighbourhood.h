@@ -1,0 +1,110 @@
+// What lies round a place of the surface: by adjacency, rings of triangles (thesis 5.1.1), or by
+// distance, a metric patch.
+//
+//     NeighbourhoodScratch scratch(mesh);                   // once per mesh and thread
+//     std::array<TriangleId, 256> buffer;
+//     const Neighbourhood near =
+//         collect_rings(mesh, topology, closest.feature, 2, scratch, buffer);
+//     if (!near.complete) ...                               // the buffer was too small
+//     for (const TriangleId id : std::span(buffer).first(near.count)) ...
+//     const Neighbourhood within = collect_triangles(*index, point, 0.5, buffer);    // by distance
+//
+// Everything is written to the caller's buffer. Nothing allocates, locks or throws. A buffer that
+// is too small is never a silent cut: `complete` is false.
+#pragma once
+
+#include "proxima/geometry.h"
+#include "proxima/mesh_index.h"
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace proxima {
+
+/// How much of a buffer was filled.
+struct Neighbourhood {
+    std::size_t count = 0; ///< written, from the buffer's begin
+    bool complete = true;  ///< all there is was written
+};
+
+/// Marks of vertices and triangles, so that rings never need to be cleared: 4 bytes each. One query
+/// at a time; for several threads one each.
+class NeighbourhoodScratch {
+public:
+    /// Allocates for this mesh.
+    explicit NeighbourhoodScratch(const TriangleMesh& mesh);
+
+    [[nodiscard]] std::size_t vertex_count() const noexcept { return vertices_.size(); }
+    [[nodiscard]] std::size_t triangle_count() const noexcept { return triangles_.size(); }
+
+    /// Forgets all marks. O(1); once in 2^32 - 1 times, when the numbers of rounds are used up,
+    /// O(mesh).
+    void begin() noexcept;
+
+    /// True the first time after begin().
+    [[nodiscard]] bool mark(VertexId vertex) noexcept { return mark(vertices_[index(vertex)]); }
+    [[nodiscard]] bool mark(TriangleId triangle) noexcept
+    {
+        return mark(triangles_[index(triangle)]);
+    }
+
+    /// For tests: as if so many rounds had passed.
+    void set_round(std::uint32_t round) noexcept { round_ = round; }
+
+private:
+    [[nodiscard]] bool mark(std::uint32_t& last_round) const noexcept
+    {
+        if (last_round == round_) return false;
+        last_round = round_;
+        return true;
+    }
+
+    std::vector<std::uint32_t> vertices_;
+    std::vector<std::uint32_t> triangles_;
+    std::uint32_t round_ = 0;
+};
+
+/// Rings 0 to `rings` round a feature. Ring 0 are the triangles incident to it by topology, ring k
+/// adds those that share a vertex id with one of ring k - 1. Written ring by ring, ids ascending
+/// within each; what does not fit ends the search, and the last ring written has then some of its
+/// triangles, in ascending order. `ring_ends[k]`, as far as there is room, is set to where ring k
+/// ends in the buffer. O(triangles written times valence), sorting included.
+/// \pre topology and scratch are the mesh's, the feature is one of its, rings >= 0
+[[nodiscard]] Neighbourhood collect_rings(const TriangleMesh& mesh, const Topology& topology,
+                                          const Feature& feature, int rings,
+                                          NeighbourhoodScratch& scratch,
+                                          std::span<TriangleId> buffer,
+                                          std::span<std::size_t> ring_ends = {}) noexcept;
+
+/// A feature and its squared distance; none yet by default.
+struct NearestFeature {
+    double squared = std::numeric_limits<double>::infinity();
+    Feature feature = {FeatureKind::face, index(no_triangle)};
+
+    /// The order of answers.
+    friend constexpr bool operator<(const NearestFeature& a, const NearestFeature& b) noexcept
+    {
+        return a.squared != b.squared ? a.squared < b.squared : a.feature < b.feature;
+    }
+    friend constexpr bool operator==(const NearestFeature&, const NearestFeature&) = default;
+};
+
+/// All triangles whose squared distance from p, as closest_feature computes it, is at most
+/// radius^2, ids ascending. Where they do not fit, some of them, nearer groups first. None where p
+/// is not finite, or the radius NaN or below 0. Thread safe.
+[[nodiscard]] Neighbourhood collect_triangles(const MeshIndex& index, const Vec3& p, double radius,
+                                              std::span<TriangleId> buffer) noexcept;
+
+/// All vertices, edges and faces that are within the radius of p as closed sets: an edge whose end
+/// point is near counts, and so does a face whose side is. Each once, by kind and id, with its
+/// squared distance. Vertices without a triangle are no features. Where they do not fit, some of
+/// them. None where p is not finite, or the radius NaN or below 0. Thread safe.
+[[nodiscard]] Neighbourhood collect_features(const MeshIndex& index, const Vec3& p, double radius,
+                                             std::span<NearestFeature> buffer) noexcept;
+
+} // namespace proxima

@@ -1,0 +1,107 @@
+#include "haptics/scene/contact_body.h"
+
+#include "index/check_edges.h"
+#include "proxima/closest_feature.h"
+#include "proxima/mesh_index.h"
+#include "query/closest/sign_parts.h"
+
+#include <array>
+#include <cmath>
+
+namespace proxima {
+
+namespace {
+
+bool in_range(const SurfaceMaterial& material)
+{
+    for (const double number : {material.stiffness, material.damping, material.static_friction,
+                                material.dynamic_friction}) {
+        if (!(number >= 0) || !std::isfinite(number)) return false;
+    }
+    return material.dynamic_friction <= material.static_friction;
+}
+
+} // namespace
+
+std::optional<Vec3> ContactBody::nearest_exit(const Vec3& p) const noexcept
+{
+    if (!sign_) return std::nullopt;
+    const SignedDistance at = sign_of(*sign_, *closest_feature(index_, p), p);
+    if (!(at.distance < 0)) return std::nullopt;
+    return at.closest.point;
+}
+
+/// Makes a body step by step.
+class ContactBodyBuilder {
+public:
+    ContactBodyBuilder(const TouchBodyOptions& options, BodySearch search)
+        : options_(options), search_(search), body_(new ContactBody)
+    {}
+
+    [[nodiscard]] Result<std::unique_ptr<const ContactBody>> build(TriangleMesh mesh,
+                                                                   const MeshIndex* index)
+    {
+        if (options_.material && !in_range(*options_.material)) {
+            return fail(ErrorCode::invalid_argument,
+                        "a surface's stiffness, damping and frictions are finite and not negative, "
+                        "and dynamic friction is no more than static");
+        }
+        ContactBody& body = *body_;
+        body.mesh_ = std::move(mesh);
+        auto topology = build_topology(body.mesh_, {.execution = options_.execution});
+        if (!topology) return tl::unexpected(topology.error());
+        body.topology_ = std::move(*topology);
+        if (index != nullptr) {
+            if (Status status = check_edges(*index, body.topology_); !status)
+                return tl::unexpected(status.error());
+            body.index_ = *index;
+        } else if (Status status = build_index(); !status) {
+            return tl::unexpected(status.error());
+        }
+        auto sign = build_surface_sign(body.mesh_, body.topology_, body.index_,
+                                       {.execution = options_.execution});
+        if (!sign) return tl::unexpected(sign.error());
+        if (sign->is_local()) body.sign_ = std::move(*sign);
+        body.bounds_ = bounding_box(body.mesh_);
+        if (search_ == BodySearch::every_triangle) {
+            body.surface_ = std::make_unique<MeshContactSurface>(body.mesh_);
+        } else {
+            body.surface_ = std::make_unique<IndexContactSurface>(body.index_);
+        }
+        if (options_.shading == ForceShading::on)
+            body.normals_ = std::make_unique<ShadingNormals>(body.mesh_, body.topology_);
+        body.material_ = options_.material;
+        return std::move(body_);
+    }
+
+private:
+    [[nodiscard]] Status build_index()
+    {
+        const auto plain = build_mesh_index(body_->mesh_, {.execution = options_.execution});
+        if (!plain) return tl::unexpected(plain.error());
+        auto built = with_lists(*plain, {.execution = options_.execution});
+        if (!built) return tl::unexpected(built.error());
+        body_->index_ = std::move(*built);
+        return {};
+    }
+
+    const TouchBodyOptions& options_;
+    BodySearch search_;
+    std::unique_ptr<ContactBody> body_;
+};
+
+Result<std::unique_ptr<const ContactBody>>
+build_contact_body(TriangleMesh mesh, const TouchBodyOptions& options, BodySearch search)
+{
+    return ContactBodyBuilder(options, search).build(std::move(mesh), nullptr);
+}
+
+Result<std::unique_ptr<const ContactBody>> build_contact_body(const MeshIndex& index,
+                                                              const TouchBodyOptions& options)
+{
+    auto mesh = mesh_of(index);
+    if (!mesh) return tl::unexpected(mesh.error());
+    return ContactBodyBuilder(options, BodySearch::index).build(std::move(*mesh), &index);
+}
+
+} // namespace proxima

@@ -1,0 +1,305 @@
+#include "haptics/scene/moving_surface.h"
+
+#include "base/check.h"
+#include "geometry/exact_predicates.h"
+#include "haptics/proxy/slide_sphere.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace proxima {
+
+namespace {
+
+/// What moving a position from one frame to another is off by, in parts of the reach of the bounds,
+/// several times over; a slide's skin is 2^-42 of it.
+constexpr double frame_rounding = 0x1p-47;
+
+/// More than the distance of a body and that of its box are off by, in parts of coordinates.
+constexpr double box_rounding = 0x1p-44;
+
+bool is_rigid(const RigidTransform& pose)
+{
+    const Mat3& r = pose.rotation;
+    if (!r.allFinite() || !pose.translation.allFinite()) return false;
+    return (r.transpose() * r - Mat3::Identity()).norm() <= rigid_tolerance && r.determinant() > 0;
+}
+
+bool in_range(const ObjectMotion& motion)
+{
+    return std::isfinite(motion.seconds) && motion.seconds >= 0 && motion.velocity.allFinite() &&
+           motion.spin.allFinite() && std::isfinite(motion.coast_seconds) &&
+           motion.coast_seconds >= 0;
+}
+
+double squared_distance(const Box& box, const Vec3& p) noexcept
+{
+    return (box.lower - p).cwiseMax(p - box.upper).cwiseMax(0.0).squaredNorm();
+}
+
+} // namespace
+
+MovingSurface::MovingSurface(const Box& bounds) : bounds_(bounds)
+{
+    PROXIMA_CHECK((bounds.extent().array() > 0).all());
+    scale_.extent = bounds.extent().maxCoeff();
+    scale_.reach = std::max(bounds.lower.cwiseAbs().maxCoeff(), bounds.upper.cwiseAbs().maxCoeff());
+    scale_.mean_edge = scale_.extent;
+    rounding_ = frame_rounding * scale_.reach;
+}
+
+bool MovingSurface::holds(const Box& bounds, const RigidTransform& pose) const
+{
+    for (unsigned corner = 0; corner < 8; ++corner) {
+        Vec3 p;
+        for (unsigned axis = 0; axis < 3; ++axis) {
+            const auto i = static_cast<Eigen::Index>(axis);
+            p[i] = (corner >> axis & 1U) != 0 ? bounds.upper[i] : bounds.lower[i];
+        }
+        const Vec3 at = pose(p);
+        if ((at.array() < bounds_.lower.array()).any() ||
+            (at.array() > bounds_.upper.array()).any())
+            return false;
+    }
+    return true;
+}
+
+void MovingSurface::measure() noexcept
+{
+    double least = scale_.extent;
+    for (const auto& slot : objects_)
+        least = std::min(least, slot->body().surface().scale().mean_edge);
+    scale_.mean_edge = least;
+}
+
+Result<ObjectId> MovingSurface::add(std::unique_ptr<const ContactBody> body,
+                                    const RigidTransform& pose)
+{
+    PROXIMA_CHECK(body != nullptr);
+    if (objects_.size() == max_scene_objects)
+        return fail(ErrorCode::invalid_argument, "a scene has at most 64 objects");
+    if (!is_rigid(pose))
+        return fail(ErrorCode::invalid_argument, "the object's pose is no rigid one");
+    if (!holds(body->bounds(), pose))
+        return fail(ErrorCode::invalid_argument, "the object reaches out of the scene's bounds");
+    auto slot = std::make_unique<Slot>();
+    slot->newest_bounds = body->bounds();
+    slot->newest_pose = pose;
+    slot->bodies.writing() = std::move(body);
+    slot->bodies.publish();
+    slot->bodies.update();
+    slot->course = ObjectCourse(pose);
+    objects_.push_back(std::move(slot));
+    measure();
+    edition_ = new_edition();
+    return ObjectId{static_cast<std::uint32_t>(objects_.size() - 1)};
+}
+
+Status MovingSurface::move(ObjectId object, const ObjectMotion& motion)
+{
+    PROXIMA_CHECK_LT(index(object), objects_.size());
+    Slot& slot = *objects_[index(object)];
+    if (!is_rigid(motion.pose))
+        return fail(ErrorCode::invalid_argument, "the object's pose is no rigid one");
+    if (!in_range(motion)) {
+        return fail(ErrorCode::invalid_argument,
+                    "the object's times are finite and not negative, and its velocities finite");
+    }
+    const RigidTransform end = {motion.pose.rotation,
+                                motion.pose.translation + motion.coast_seconds * motion.velocity};
+    if (!holds(slot.newest_bounds, motion.pose) || !holds(slot.newest_bounds, end))
+        return fail(ErrorCode::invalid_argument, "the object would go out of the scene's bounds");
+    slot.newest_pose = motion.pose;
+    slot.motions.writing() = motion;
+    slot.motions.publish();
+    return {};
+}
+
+Status MovingSurface::exchange(ObjectId object, std::unique_ptr<const ContactBody> body)
+{
+    PROXIMA_CHECK_LT(index(object), objects_.size());
+    PROXIMA_CHECK(body != nullptr);
+    Slot& slot = *objects_[index(object)];
+    if (!holds(body->bounds(), slot.newest_pose))
+        return fail(ErrorCode::invalid_argument,
+                    "the object would reach out of the scene's bounds");
+    slot.newest_bounds = body->bounds();
+    slot.bodies.writing() = std::move(body); // frees what the servo loop has left
+    slot.bodies.publish();
+    return {};
+}
+
+SceneTick MovingSurface::advance(double seconds) noexcept
+{
+    SceneTick tick;
+    tick_seconds_ = seconds;
+    for (const auto& slot : objects_) {
+        if (slot->motions.update()) slot->course.follow(slot->motions.reading());
+        slot->course.advance(seconds);
+        const bool exchanged = slot->bodies.update();
+        if (slot->course.moved() || exchanged) slot->free_ball.reach = -1;
+        slot->free_way = {};
+        tick.moved |= slot->course.moved();
+        tick.exchanged |= exchanged;
+    }
+    if (tick.exchanged) measure();
+    if (tick.moved || tick.exchanged) edition_ = new_edition();
+    return tick;
+}
+
+SceneObject MovingSurface::object(ObjectId id) const noexcept
+{
+    const Slot& slot = *objects_[index(id)];
+    return {&slot.body(), slot.course.before(), slot.course.now(), slot.course.moved()};
+}
+
+Vec3 MovingSurface::velocity_at(ObjectId id, const Vec3& p) const noexcept
+{
+    const ObjectCourse& course = objects_[index(id)]->course;
+    if (!course.moved()) return Vec3::Zero();
+    return (p - course.before()(seen_from(course.now(), p))) / tick_seconds_;
+}
+
+double MovingSurface::frame_margin(const Vec3& p) const noexcept
+{
+    return rounding_ + frame_rounding * p.cwiseAbs().maxCoeff();
+}
+
+Vec3 MovingSurface::nearest_exit(const Vec3& p) const noexcept
+{
+    Vec3 place = p;
+    constexpr int attempts = 4;
+    for (int attempt = 0; attempt < attempts; ++attempt) {
+        bool inside = false;
+        for (const auto& slot : objects_) {
+            const RigidTransform& pose = slot->course.now();
+            const Vec3 local = seen_from(pose, place);
+            const auto out = slot->body().nearest_exit(local);
+            if (!out) continue;
+            // Beyond the surface, by more than a point keeps from it.
+            const Vec3 step = *out - local;
+            const double beyond = 2 * safety_gap(scale_);
+            const double length = step.norm();
+            if (!(length > 0)) continue;
+            place = pose(*out + step * (beyond / length));
+            inside = true;
+        }
+        if (!inside) break;
+    }
+    return place;
+}
+
+double MovingSurface::known_clearance(Slot& slot, const Vec3& local) const noexcept
+{
+    const ContactSurface& surface = slot.body().surface();
+    const double rounding = box_rounding * (surface.scale().reach + local.cwiseAbs().maxCoeff());
+    const double box = std::sqrt(squared_distance(slot.body().bounds(), local)) - rounding;
+    return std::max(box, slot.cache.known_clearance(surface, local));
+}
+
+bool MovingSurface::keeps_clear(ObjectId id, const Vec3& from, const Vec3& to,
+                                double distance) const noexcept
+{
+    Slot& slot = *objects_[index(id)];
+    const FreeWay& known = slot.free_way;
+    if (known.is_near) return false;
+    const double margin = 4 * frame_margin(from) + 4 * frame_margin(to);
+    const double aside = (from - known.from).norm();
+    const double length = known.length + aside + (to - known.to).norm();
+    if (known.reach > distance + aside + length + margin) return true;
+    const Vec3 begin = seen_from(slot.course.before(), from);
+    const double way = (seen_from(slot.course.now(), to) - begin).norm();
+    const double reach = known_clearance(slot, begin);
+    const bool is_clear = reach > distance + way + margin;
+    slot.free_way = {from, to, way, reach, !is_clear};
+    slot.free_ball = {to, reach - way - margin};
+    return is_clear;
+}
+
+std::size_t MovingSurface::collect_of(ObjectId id, const Vec3& p, const Vec3& way, double distance,
+                                      std::span<ContactTriangle> buffer) const noexcept
+{
+    Slot& slot = *objects_[index(id)];
+    return slot.cache.collect_along(slot.body().surface(), p, way, distance, buffer);
+}
+
+std::size_t MovingSurface::collect_along(const Vec3& p, const Vec3& way, double distance,
+                                         std::span<ContactTriangle> buffer) const noexcept
+{
+    std::size_t count = 0;
+    const double margin = frame_margin(p) + frame_margin(way);
+    const double near = distance + margin;
+    const double around = near + way.norm() + margin;
+    for (std::uint32_t i = 0; i < objects_.size(); ++i) {
+        Slot& slot = *objects_[i];
+        if (slot.free_ball.reach > around + (p - slot.free_ball.center).norm()) continue;
+        const RigidTransform& pose = slot.course.now();
+        const Vec3 local = seen_from(pose, p);
+        const double known = known_clearance(slot, local);
+        slot.free_ball = {p, known - margin};
+        if (known > around) continue;
+        const Vec3 local_way = pose.rotation.transpose() * way;
+        const auto left = buffer.subspan(std::min(count, buffer.size()));
+        const std::size_t found = collect_of(ObjectId{i}, local, local_way, near, left);
+        for (ContactTriangle& triangle : left.first(std::min(found, left.size())))
+            triangle = {pose(triangle.corners), scene_triangle(ObjectId{i}, triangle.id)};
+        count += found;
+    }
+    return count;
+}
+
+double MovingSurface::clearance(const Vec3& p) const noexcept
+{
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto& slot : objects_) {
+        const Vec3 local = seen_from(slot->course.now(), p);
+        if (squared_distance(slot->body().bounds(), local) >= least * least) continue;
+        least = std::min(least, slot->body().surface().clearance(local));
+    }
+    return least - frame_margin(p);
+}
+
+double MovingSurface::clearance_beyond(const Vec3& p, double wanted) const noexcept
+{
+    const double margin = frame_margin(p);
+    const double beyond = wanted + margin + 0x1p-50 * std::abs(wanted + margin);
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto& slot : objects_) {
+        // As far as is known, or farther, is enough.
+        double known = slot->free_ball.reach - (p - slot->free_ball.center).norm() - margin;
+        if (!(known > beyond)) {
+            const Vec3 local = seen_from(slot->course.now(), p);
+            known = known_clearance(*slot, local);
+            if (!(known > beyond))
+                known = slot->cache.clearance(slot->body().surface(), local, beyond);
+            slot->free_ball = {p, known - margin};
+        }
+        least = std::min(least, known);
+    }
+    return least - margin;
+}
+
+ContactWork MovingSurface::work() const noexcept
+{
+    ContactWork sum;
+    for (const auto& slot : objects_) sum = sum + slot->cache.work();
+    return sum;
+}
+
+std::optional<SurfaceMaterial> MovingSurface::material(TriangleId triangle) const noexcept
+{
+    return objects_[index(object_of(triangle))]->body().material();
+}
+
+Vec3 MovingSurface::shaded_normal(TriangleId triangle, const Vec3& point) const noexcept
+{
+    const Slot& slot = *objects_[index(object_of(triangle))];
+    const ShadingNormals* const normals = slot.body().normals();
+    if (normals == nullptr) return Vec3::Zero();
+    const RigidTransform& pose = slot.course.now();
+    return pose.rotation * normals->shaded_normal(triangle_of(triangle), seen_from(pose, point));
+}
+
+} // namespace proxima

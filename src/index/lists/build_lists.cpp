@@ -1,0 +1,252 @@
+#include "proxima/mesh_index.h"
+
+#include "base/text.h"
+#include "index/index_parts.h"
+#include "index/lists/cut_cells.h"
+#include "index/lists/emit_lists.h"
+#include "index/triangle_tree.h"
+#include "proxima/topology.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <utility>
+
+namespace proxima {
+
+namespace {
+
+Error cancelled()
+{
+    return {ErrorCode::cancelled, "building closest-feature lists was cancelled", {}};
+}
+
+/// Builds the lists of one index; members are what the stages hand on.
+class ListBuilder {
+public:
+    /// `order` are the triangles by the ranks that lists name.
+    ListBuilder(const TriangleMesh& mesh, const Topology& topology,
+                std::span<const TriangleId> order, const Box& bounds, const ListOptions& options)
+        : mesh_(mesh), topology_(topology), order_(order), bounds_(bounds), options_(options),
+          frame_(make_root_frame(bounds, options.margin))
+    {}
+
+    Result<std::shared_ptr<const ProximityLists>> build()
+    {
+        const std::uint64_t budget = options_.budget_bytes != 0
+                                         ? options_.budget_bytes
+                                         : default_list_budget(mesh_.triangle_count());
+        if (budget < least_cell_bytes) {
+            return fail(ErrorCode::budget_exceeded,
+                        concat("closest-feature lists take at least ", least_cell_bytes,
+                               " bytes, the budget is ", budget, ": raise the budget"));
+        }
+        make_source();
+        const auto bytes = static_cast<double>(budget);
+        auto forest = grow(bytes);
+        if (!forest) return tl::unexpected(cancelled());
+        auto cells = emit(*forest, bytes);
+        if (!cells) return tl::unexpected(cancelled());
+        auto storage = std::make_shared<EmittedLists>(std::move(*cells));
+        const ProximityArrays arrays{storage->table.span(), storage->nodes.span(),
+                                     storage->runs.span(), storage->arena.span()};
+        const int table_depth = storage->table_depth;
+        const ProximityStatistics statistics = storage->statistics;
+        return std::make_shared<const ProximityLists>(
+            ProximityLists::adopt(frame_, table_depth, arrays, statistics, std::move(storage)));
+    }
+
+private:
+    /// One leaf without a list, and what comes with every arena.
+    static constexpr std::uint64_t least_cell_bytes = 1024;
+
+    /// What blocks are made from.
+    void make_source()
+    {
+        positions_.reserve(mesh_.vertex_count());
+        for (const Vec3& p : mesh_.positions()) positions_.push_back(frame_.to_frame(p));
+        corners_.reserve(order_.size());
+        for (const TriangleId id : order_) corners_.push_back(mesh_.triangles()[index(id)]);
+    }
+
+    [[nodiscard]] EmitOptions emit_options() const
+    {
+        return {frame_.frame_half(), options_.execution};
+    }
+
+    /// Cells that a budget of so many bytes may need, and few more.
+    std::optional<GrownForest> grow(double bytes)
+    {
+        const auto features =
+            collect_local_features(mesh_, topology_, order_, frame_, options_.execution.progress);
+        if (!features) return std::nullopt;
+        const auto density =
+            QueryDensity::sample(mesh_, bounds_, frame_, options_.execution.progress);
+        if (!density) return std::nullopt;
+        GrowOptions growing;
+        growing.max_depth = options_.max_depth;
+        growing.execution = options_.execution;
+        auto top = grow_top(*features, *density, frame_.frame_half(), growing);
+        if (!top) return std::nullopt;
+        if (!grow_sample(*features, *density, *top, bytes, growing)) return std::nullopt;
+        growing.cost.price = 0.5 * price_;
+        std::vector<const OpenCell*> all;
+        for (const OpenCell& cell : top->open) all.push_back(&cell);
+        auto below = grow_below(*features, *density, all, growing);
+        if (!below) return std::nullopt;
+        return join_forest(std::move(*top), std::move(*below));
+    }
+
+    /// Every sixteenth part of the octree, at a price at which it takes at least its share of the
+    /// bytes, and price_ where it takes just that. False where cancelled.
+    bool grow_sample(const LocalFeatures& features, const QueryDensity& density,
+                     const GrownTop& top, double bytes, GrowOptions growing)
+    {
+        constexpr std::size_t stride = 16;
+        std::vector<const OpenCell*> cells;
+        double all = 0;
+        double sampled = 0;
+        for (std::size_t i = 0; i < top.open.size(); ++i) {
+            const auto list = static_cast<double>(top.open[i].features.size());
+            all += list;
+            // Scattered, or a regular mesh would have what is alike in the sample.
+            if (static_cast<std::uint32_t>(i) * 2654435761U % (stride << 16U) >= 1U << 16U)
+                continue;
+            cells.push_back(&top.open[i]);
+            sampled += list;
+        }
+        price_ = 1.0 / static_cast<double>(mesh_.triangle_count());
+        sample_price_ = price_;
+        if (cells.empty()) return true;
+        // The table and the blocks by rank take the rest.
+        sample_share_ = 0.95 * bytes * sampled / all;
+        double last = 0;
+        for (int tries = 0; tries < 16; ++tries, price_ /= 4) {
+            growing.cost.price = price_;
+            auto trees = grow_below(features, density, cells, growing);
+            if (!trees) return false;
+            sample_ = std::move(*trees);
+            sample_price_ = price_;
+            const auto taken = sample_bytes(price_);
+            if (!taken) return false;
+            // Enough, or no cheaper price makes more of it: all fits.
+            if (*taken >= sample_share_) return find_price(*taken);
+            if (tries > 0 && *taken < 1.01 * last) break;
+            last = *taken;
+        }
+        return true;
+    }
+
+    /// Raises price_, at which the sample takes so much, until it takes its share. False where
+    /// cancelled.
+    bool find_price(double taken)
+    {
+        double low = price_;
+        double high = price_;
+        while (taken > sample_share_) {
+            low = high;
+            high *= 4;
+            const auto there = sample_bytes(high);
+            if (!there) return false;
+            taken = *there;
+        }
+        for (int halvings = 0; halvings < 5 && high > low; ++halvings) {
+            const double middle = std::sqrt(low * high);
+            const auto there = sample_bytes(middle);
+            if (!there) return false;
+            (*there > sample_share_ ? low : high) = middle;
+            if (std::abs(*there - sample_share_) < 0.01 * sample_share_) break;
+        }
+        price_ = high;
+        return true;
+    }
+
+    /// What the sample takes at a price. Null where cancelled.
+    std::optional<double> sample_bytes(double price)
+    {
+        cut_trees(sample_, price);
+        return emitted_bytes(sample_, {positions_, corners_}, emit_options());
+    }
+
+    /// Cut to the budget: what blocks really take is known only when they are made. The sample
+    /// tells by how much to raise the price where it is not enough.
+    std::optional<EmittedLists> emit(GrownForest& forest, double bytes)
+    {
+        double low = 0; // too large there
+        double high = std::numeric_limits<double>::infinity();
+        for (int tries = 0;; ++tries) {
+            cut_cells(forest, price_);
+            auto octree = emit_lists(forest, {positions_, corners_}, emit_options());
+            if (!octree || forest.top.cells[0].ended != 0) return octree;
+            const double used = static_cast<double>(octree->bytes()) / bytes;
+            const bool is_enough = used > 0.9 || price_ <= sample_price_ || tries >= 3;
+            if (used <= 1 && is_enough) return octree;
+            (used > 1 ? low : high) = price_;
+            sample_share_ *= 0.97 / used;
+            price_ = sample_price_;
+            if (!sample_.empty()) {
+                const auto taken = sample_bytes(price_);
+                if (!taken || !find_price(*taken)) return std::nullopt;
+            }
+            if (low > 0 && high < std::numeric_limits<double>::infinity()) {
+                price_ = tries < 2 ? std::sqrt(low * high) : high;
+            } else { // where the sample misleads
+                price_ = std::max(price_, low * (1.1 + tries * tries));
+            }
+        }
+    }
+
+    const TriangleMesh& mesh_;
+    const Topology& topology_;
+    std::span<const TriangleId> order_;
+    Box bounds_;
+    const ListOptions& options_;
+    RootFrame frame_;
+    std::vector<Vec3> positions_;                       ///< in the frame
+    std::vector<std::array<std::uint32_t, 3>> corners_; ///< vertices by rank
+    double price_ = 0;                                  ///< of a byte, for the budget at hand
+    std::vector<GrownTree> sample_;                     ///< some trees
+    double sample_price_ = 0;                           ///< at which they were grown
+    double sample_share_ = 0;                           ///< what they may take
+};
+
+Status check_options(const IndexParts& index, const ListOptions& options)
+{
+    if (!(options.margin >= 0 && options.margin <= max_list_margin)) {
+        return fail(ErrorCode::invalid_argument,
+                    concat("margin must be 0 to ", max_list_margin, ", not ", options.margin),
+                    "margin");
+    }
+    if (options.max_depth < 0 || options.max_depth > max_list_depth) {
+        return fail(ErrorCode::invalid_argument, concat("depth must be 0 to ", max_list_depth),
+                    "max_depth");
+    }
+    if (index.triangle_count() > max_listed_triangles) {
+        return fail(ErrorCode::limit_exceeded,
+                    concat("closest-feature lists take at most ", max_listed_triangles,
+                           " triangles, the mesh has ", index.triangle_count(),
+                           ": split or simplify it"));
+    }
+    return {};
+}
+
+} // namespace
+
+Result<MeshIndex> with_lists(const MeshIndex& index, const ListOptions& options)
+{
+    if (const Status status = check_options(index.parts(), options); !status)
+        return tl::unexpected(status.error());
+    const auto mesh = mesh_of(index);
+    if (!mesh) return tl::unexpected(mesh.error());
+    const auto bounds = detail::checked_search_bounds(*mesh);
+    if (!bounds) return tl::unexpected(bounds.error());
+    const auto topology = build_topology(*mesh, {.execution = options.execution});
+    if (!topology) return tl::unexpected(topology.error());
+    auto lists = ListBuilder(*mesh, *topology, index.ids(), *bounds, options).build();
+    if (!lists) return tl::unexpected(lists.error());
+    return make_mesh_index(index.parts().adopt_lists(std::move(*lists)));
+}
+
+} // namespace proxima

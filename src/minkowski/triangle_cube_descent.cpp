@@ -1,8 +1,0 @@
-#include "minkowski/triangle_cube_descent.h"
-
-namespace proxima {
-
-template class TriangleCubeDescent<double>;
-template class TriangleCubeDescent<std::int64_t>;
-
-} // namespace proxima

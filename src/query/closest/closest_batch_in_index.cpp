@@ -1,0 +1,341 @@
+#include "base/hilbert_code.h"
+#include "base/parallel.h"
+#include "base/progress.h"
+#include "base/radix_sort.h"
+#include "base/text.h"
+#include "index/index_parts.h"
+#include "proxima/closest_feature.h"
+#include "query/closest/describe_closest.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <limits>
+#include <vector>
+
+#ifndef PROXIMA_QUERY_CLOSEST_BATCH_IN_INDEX_ONCE
+#define PROXIMA_QUERY_CLOSEST_BATCH_IN_INDEX_ONCE
+
+namespace proxima {
+
+/// Where a point is along the curve, and which it is.
+struct CurvePoint {
+    std::uint32_t key = 0;
+    std::uint32_t place = 0;
+};
+
+/// Points that are searched for one after the other, all finite, and where their answers go.
+struct ClosestChunk {
+    const IndexParts& index;
+    std::span<const Vec3> points;
+    std::span<const CurvePoint> order; ///< empty: as they are
+    ClosestOutputs outputs;            ///< of these points
+
+    [[nodiscard]] std::size_t place(std::size_t i) const noexcept
+    {
+        return order.empty() ? i : order[i].place;
+    }
+};
+
+} // namespace proxima
+
+#endif
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "query/closest/closest_batch_in_index.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+// After them: it is read once for every instruction set.
+#include "query/closest/batch_lists-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace proxima::HWY_NAMESPACE {
+
+HWY_INLINE void prefetch_places(const IndexParts& index, const RowDistance& found)
+{
+    if (found.kind() == FeatureKind::vertex) hwy::Prefetch(&index.vertex_places()[found.id()]);
+    if (found.kind() == FeatureKind::edge) hwy::Prefetch(&index.edge_places()[found.id()]);
+}
+
+HWY_INLINE void write_answer(const ClosestChunk& chunk, std::size_t place, const RowDistance& found)
+{
+    const ClosestOutputs& to = chunk.outputs;
+    if (!to.answers.empty()) to.answers[place] = describe_closest(chunk.index, found);
+    if (!to.squared_distances.empty()) {
+        to.squared_distances[place] = row_scale_of(chunk.index).unscale_squared(found.squared);
+    }
+    if (!to.triangles.empty()) to.triangles[place] = triangle_of(chunk.index, found);
+}
+
+/// The points of a chunk, several of them on their way at once, so that they wait for memory
+/// together. Each starts from the answer found last, which is near where points are in order.
+template <class Scalar>
+class ChunkSearch {
+public:
+    ChunkSearch(const ClosestChunk& chunk, std::span<const TriangleRow<Scalar>> rows)
+        : chunk_(chunk), rows_(rows), blocks_(chunk.index.blocks().data())
+    {}
+
+    void run()
+    {
+        std::size_t busy = 0;
+        while (busy < flights_.size() && begin_next(flights_[busy])) ++busy;
+        while (busy > 0) {
+            for (std::size_t i = 0; i < busy;) {
+                Flight& flight = flights_[i];
+                const Eight3 lanes = lanes_of(flight.query);
+                if (search_step(chunk_.index, rows_, blocks_, lanes, flight.p, flight.query)) {
+                    prefetch_block_of(blocks_, flight.query.next);
+                    ++i;
+                    continue;
+                }
+                settle(chunk_.index, rows_, flight.p, flight.query);
+                take(flight.place, flight.p, flight.query.best);
+                if (begin_next(flight)) {
+                    ++i;
+                } else {
+                    std::swap(flights_[i], flights_[--busy]);
+                }
+            }
+        }
+        write_last();
+    }
+
+private:
+    /// How many are on their way at once.
+    static constexpr std::size_t together = 2;
+
+    struct Flight {
+        Vec3 p;
+        std::size_t place;
+        IndexQuery query;
+
+        Flight() noexcept {} // NOLINT(modernize-use-equals-default): clears nothing
+    };
+
+    /// The next point that needs a walk; false where there is none.
+    bool begin_next(Flight& flight)
+    {
+        while (next_ < chunk_.points.size()) {
+            flight.place = chunk_.place(next_++);
+            if (next_ + ahead < chunk_.points.size())
+                hwy::Prefetch(&chunk_.points[chunk_.place(next_ + ahead)]);
+            flight.p = chunk_.points[flight.place];
+            const double known = last_distance_ + (flight.p - last_point_).norm();
+            const double bound = known >= 0 ? known : std::numeric_limits<double>::infinity();
+            if (flight.query.begin(chunk_.index, flight.p, bound) == QueryStart::near) return true;
+            take(flight.place, flight.p, search_index(chunk_.index, rows_, flight.p, bound));
+        }
+        return false;
+    }
+
+    /// Keeps an answer to write it when what it names has arrived from memory.
+    void take(std::size_t place, const Vec3& p, const RowDistance& found)
+    {
+        last_point_ = p;
+        last_distance_ = std::sqrt(found.squared) * chunk_.index.unscale();
+        write_last();
+        prefetch_places(chunk_.index, found);
+        unwritten_ = found;
+        unwritten_place_ = place;
+        has_unwritten_ = true;
+    }
+
+    void write_last()
+    {
+        if (has_unwritten_) write_answer(chunk_, unwritten_place_, unwritten_);
+        has_unwritten_ = false;
+    }
+
+    static constexpr std::size_t ahead = 8; ///< points that are fetched before they begin
+
+    const ClosestChunk& chunk_;
+    std::span<const TriangleRow<Scalar>> rows_;
+    const IndexBlock* blocks_;
+    std::size_t next_ = 0;
+    Vec3 last_point_ = Vec3::Zero();
+    double last_distance_ = std::numeric_limits<double>::infinity();
+    RowDistance unwritten_;
+    std::size_t unwritten_place_ = 0;
+    bool has_unwritten_ = false;
+    std::array<Flight, together> flights_;
+};
+
+/// The points of a chunk by the index's lists.
+template <class Scalar>
+void search_chunk_in_lists(const ClosestChunk& chunk, std::span<const TriangleRow<Scalar>> rows)
+{
+    std::array<Vec3, queries_together> points;
+    std::array<RowDistance, queries_together> found;
+    for (std::size_t first = 0; first < chunk.points.size(); first += queries_together) {
+        const std::size_t count = HWY_MIN(queries_together, chunk.points.size() - first);
+        for (std::size_t i = 0; i < count; ++i) points[i] = chunk.points[chunk.place(first + i)];
+        search_lists_together(chunk.index, *chunk.index.lists(), rows,
+                              std::span(points).first(count), found.data());
+        for (std::size_t i = 0; i < count; ++i) prefetch_places(chunk.index, found[i]);
+        for (std::size_t i = 0; i < count; ++i)
+            write_answer(chunk, chunk.place(first + i), found[i]);
+    }
+}
+
+template <class Scalar>
+void search_chunk_of(const ClosestChunk& chunk, std::span<const TriangleRow<Scalar>> rows)
+{
+    if (chunk.index.lists() != nullptr) {
+        search_chunk_in_lists(chunk, rows);
+    } else {
+        ChunkSearch<Scalar>(chunk, rows).run();
+    }
+}
+
+void search_chunk(const ClosestChunk& chunk)
+{
+    const IndexParts& index = chunk.index;
+    if (index.double_rows().empty()) {
+        search_chunk_of(chunk, index.float_rows());
+    } else {
+        search_chunk_of(chunk, index.double_rows());
+    }
+}
+
+} // namespace proxima::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+namespace proxima {
+
+HWY_EXPORT(search_chunk);
+
+namespace {
+
+/// Points that a thread searches for before it takes more, and those of them that are sorted.
+constexpr std::size_t chunk_points = 4096;
+constexpr std::size_t sorted_chunk_points = std::size_t{1} << 18U;
+
+/// Bits of each coordinate that points are sorted by: two passes.
+constexpr int curve_bits = 7;
+
+/// Where a point is in a grid of 2^curve_bits cells along the index's box and a little around it.
+std::array<std::uint32_t, 3> curve_cell(const IndexParts& index, const Vec3& p) noexcept
+{
+    constexpr double cells = 1U << static_cast<unsigned>(curve_bits);
+    constexpr double reach = 1.25; // of the mesh's own [-1, 1]
+    std::array<std::uint32_t, 3> cell{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto k = static_cast<Eigen::Index>(axis);
+        const double at = (p[k] - index.center()[k]) * index.scale();
+        const double place = (at + reach) * (cells / (2 * reach));
+        cell[axis] = static_cast<std::uint32_t>(std::clamp(place, 0.0, cells - 1));
+    }
+    return cell;
+}
+
+/// Whether points that follow each other are mostly apart: then it pays to sort them, in lists
+/// where these are beyond all caches.
+bool pays_to_sort(const MeshIndex& index, std::span<const Vec3> points) noexcept
+{
+    constexpr std::size_t samples = 64;
+    constexpr std::uint64_t beyond_caches = std::uint64_t{1} << 26U;
+    if (points.size() < 4 * samples) return false;
+    if (index.has_lists() && (points.size() < 8 * chunk_points || index.bytes() < beyond_caches))
+        return false;
+    const IndexParts& parts = index.parts();
+    std::size_t apart = 0;
+    for (std::size_t i = 0; i < samples; ++i) {
+        const std::size_t at = points.size() / samples * i;
+        apart += curve_cell(parts, points[at]) != curve_cell(parts, points[at + 1]) ? 1 : 0;
+    }
+    return 2 * apart > samples;
+}
+
+std::vector<CurvePoint> points_along_curve(const IndexParts& index, std::span<const Vec3> points)
+{
+    std::vector<CurvePoint> order(points.size());
+    for (std::uint32_t i = 0; i < points.size(); ++i) {
+        order[i] = {
+            static_cast<std::uint32_t>(hilbert_code(curve_cell(index, points[i]), curve_bits)), i};
+    }
+    StageSteps unwatched(nullptr, "", 0);
+    (void)radix_sort(
+        order, 3 * curve_bits, [](const CurvePoint& point) { return point.key; }, unwatched);
+    return order;
+}
+
+template <class T>
+std::span<T> part_of(std::span<T> all, std::size_t first, std::size_t count)
+{
+    return all.empty() ? all : all.subspan(first, count);
+}
+
+/// Answers up to the first point that is not finite; returns where that is.
+std::size_t answer_chunk(const IndexParts& index, std::span<const Vec3> points,
+                         const ClosestOutputs& outputs, bool sorted)
+{
+    const auto bad = std::ranges::find_if(points, [](const Vec3& p) { return !p.allFinite(); });
+    points = points.first(static_cast<std::size_t>(bad - points.begin()));
+    const auto order = sorted ? points_along_curve(index, points) : std::vector<CurvePoint>{};
+    HWY_DYNAMIC_DISPATCH(search_chunk)({index, points, order, outputs});
+    return points.size();
+}
+
+void keep_least(std::atomic<std::size_t>& least, std::size_t value)
+{
+    std::size_t seen = least.load();
+    while (value < seen && !least.compare_exchange_weak(seen, value)) {
+    }
+}
+
+Status check_sizes(std::size_t points, const ClosestOutputs& outputs)
+{
+    for (const std::size_t size :
+         {outputs.answers.size(), outputs.squared_distances.size(), outputs.triangles.size()}) {
+        if (size != 0 && size != points) {
+            return fail(ErrorCode::invalid_argument,
+                        concat("room for ", size, " answers, but ", points, " points"));
+        }
+    }
+    return {};
+}
+
+} // namespace
+
+Status closest_features(const MeshIndex& index, std::span<const Vec3> points,
+                        const ClosestOutputs& outputs, const BatchOptions& options)
+{
+    if (auto status = check_sizes(points.size(), outputs); !status) return status;
+    const bool sorted = options.order == BatchOrder::sorted ||
+                        (options.order == BatchOrder::automatic && pays_to_sort(index, points));
+    // Sorted ones in chunks as large as the threads leave them.
+    const std::size_t share =
+        points.size() / static_cast<std::size_t>(thread_count(options.execution.threads)) + 1;
+    const std::size_t chunk =
+        sorted ? std::clamp(share, chunk_points, sorted_chunk_points) : chunk_points;
+    const std::size_t chunks = (points.size() + chunk - 1) / chunk;
+    std::atomic<std::size_t> bad{points.size()};
+    if (options.execution.progress != nullptr)
+        options.execution.progress->begin_stage("closest features", points.size());
+    parallel_for(chunks, options.execution.threads, [&](std::size_t i) {
+        if (is_cancelled(options.execution.progress)) return;
+        const std::size_t first = i * chunk;
+        const std::size_t count = std::min(chunk, points.size() - first);
+        const ClosestOutputs own{part_of(outputs.answers, first, count),
+                                 part_of(outputs.squared_distances, first, count),
+                                 part_of(outputs.triangles, first, count)};
+        const std::size_t finite =
+            answer_chunk(index.parts(), points.subspan(first, count), own, sorted);
+        if (finite < count) keep_least(bad, first + finite);
+        if (options.execution.progress != nullptr) options.execution.progress->advance(count);
+    });
+    if (is_cancelled(options.execution.progress))
+        return fail(ErrorCode::cancelled, "searching closest features was cancelled");
+    if (bad < points.size()) {
+        return fail(ErrorCode::invalid_argument,
+                    concat("point ", bad.load(), " is not finite: leave it out"), "points");
+    }
+    return {};
+}
+
+} // namespace proxima
+
+#endif

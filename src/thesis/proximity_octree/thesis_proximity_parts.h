@@ -1,0 +1,16 @@
+// What a ThesisProximity holds.
+#pragma once
+
+#include "proxima/topology.h"
+#include "proxima/triangle_mesh.h"
+#include "thesis/proximity_octree/thesis_proximity_octree.h"
+
+namespace proxima {
+
+struct ThesisProximityParts {
+    TriangleMesh mesh;
+    Topology topology;
+    ThesisProximityOctree octree;
+};
+
+} // namespace proxima

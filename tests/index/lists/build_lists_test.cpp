@@ -1,0 +1,275 @@
+// The answers of lists are those of brute force, for any mesh, budget, place and instruction set.
+#include "index/listed_index.h"
+
+#include "base/simd.h"
+#include "cancellation.h"
+#include "counted_allocations.h"
+#include "index/index_parts.h"
+#include "index/lists/proximity_lists.h"
+#include "index/test_meshes.h"
+#include "proxima/closest_feature.h"
+#include "proxima/sample_meshes.h"
+#include "query/closest/brute_force.h"
+#include "query/closest/find_closest.h"
+
+#include <cmath>
+#include <cstring>
+#include <gtest/gtest.h>
+#include <limits>
+#include <random>
+
+namespace proxima {
+namespace {
+
+using testing::NamedMesh;
+using testing::proximity_meshes;
+using testing::proximity_points;
+
+MeshIndex build(const TriangleMesh& mesh, const ListOptions& options = {})
+{
+    auto index = testing::listed_index(mesh, options);
+    EXPECT_TRUE(index) << describe(index.error());
+    return std::move(*index);
+}
+
+/// Points where cells and regions meet: corners of cells, points straight above vertices and sides.
+std::vector<Vec3> boundary_points(const TriangleMesh& mesh, const RootFrame& frame, int count,
+                                  unsigned seed)
+{
+    std::mt19937_64 random(seed);
+    std::vector<Vec3> points;
+    for (int i = 0; i < count; ++i) {
+        Vec3 point;
+        for (int axis = 0; axis < 3; ++axis) {
+            const double cells = std::ldexp(1.0, static_cast<int>(random() % 10));
+            const double part =
+                static_cast<double>(random() % static_cast<std::uint64_t>(cells + 1));
+            point[axis] = frame.center[axis] + frame.half * (2 * part / cells - 1);
+        }
+        points.push_back(point);
+        const Triangle triangle =
+            mesh.triangle(TriangleId{static_cast<std::uint32_t>(random() % mesh.triangle_count())});
+        const Vec3 normal = scaled_normal(triangle);
+        const double length = normal.norm();
+        if (!(length > 0)) continue;
+        const double height = frame.half * std::ldexp(1.0, -static_cast<int>(random() % 12));
+        points.emplace_back(triangle[0] + height / length * normal);
+        points.emplace_back(0.5 * triangle[0] + 0.5 * triangle[1] - height / length * normal);
+    }
+    return points;
+}
+
+/// Whether two answers have the same bits.
+bool same_answer(const ClosestFeature& a, const ClosestFeature& b)
+{
+    return a.feature == b.feature && a.triangle == b.triangle && a.point == b.point &&
+           a.barycentric == b.barycentric && a.squared_distance == b.squared_distance;
+}
+
+/// Bit for bit those of brute force, within the promised number of steps.
+void expect_answers(const MeshIndex& index, const TriangleMesh& mesh, const Topology& topology,
+                    std::span<const Vec3> points)
+{
+    for (const Vec3& p : points) {
+        QuerySteps steps;
+        const ClosestFeature found = closest_feature(index, p, {}, steps).value();
+        ASSERT_TRUE(same_answer(found, closest_feature_by_brute_force(mesh, topology, p)))
+            << "at " << p.transpose();
+        if (index.parts().lists()->frame().contains(p)) {
+            ASSERT_LE(steps.steps, index.parts().lists()->statistics().worst_case_steps);
+            ASSERT_LE(steps.blocks, index.parts().lists()->statistics().worst_case_blocks);
+        }
+    }
+}
+
+TEST(Lists, AnswersAsBruteForceDoes)
+{
+    for (const NamedMesh& named : proximity_meshes()) {
+        SCOPED_TRACE(named.name);
+        const auto topology = build_topology(named.mesh);
+        ASSERT_TRUE(topology);
+        for (const std::uint64_t bytes_per_triangle : {125ULL, 325ULL, 525ULL, 12000ULL}) {
+            SCOPED_TRACE(bytes_per_triangle);
+            ListOptions options;
+            options.budget_bytes = bytes_per_triangle * named.mesh.triangle_count() + 4096;
+            const MeshIndex index = build(named.mesh, options);
+            EXPECT_LE(index.parts().lists()->bytes(), options.budget_bytes);
+            expect_answers(index, named.mesh, *topology, proximity_points(named.mesh, 200, 1));
+            expect_answers(index, named.mesh, *topology,
+                           boundary_points(named.mesh, index.parts().lists()->frame(), 60, 2));
+        }
+    }
+}
+
+TEST(Lists, AnswersAtAnyScale)
+{
+    const TriangleMesh sphere = testing::sphere_mesh(Vec3(0.1, 0.2, 0.3), 1.0, 12, 16);
+    for (const double scale : {1e-120, 1e-30, 1e-6, 1e6, 1e30, 1e120}) {
+        SCOPED_TRACE(scale);
+        const TriangleMesh mesh =
+            testing::moved(sphere, [&](const Vec3& p) { return Vec3(scale * p); });
+        const auto topology = build_topology(mesh);
+        ASSERT_TRUE(topology);
+        const MeshIndex index = build(mesh);
+        expect_answers(index, mesh, *topology, proximity_points(mesh, 300, 3));
+    }
+}
+
+TEST(Lists, TiesGoToTheLowestDimensionAndId)
+{
+    const TriangleMesh cube = sample_mesh("cube").value();
+    const auto topology = build_topology(cube);
+    const MeshIndex index = build(cube);
+    const Box box = bounding_box(cube);
+    // The centre is as far from all faces; points on the diagonals from three of them.
+    for (int i = 0; i < 27; ++i) {
+        const Vec3 at(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+        const Vec3 p = box.center() + 0.25 * box.extent().cwiseProduct(at);
+        const ClosestFeature truth = closest_feature_by_brute_force(cube, *topology, p);
+        const ClosestFeature found = closest_feature(index, p).value();
+        EXPECT_EQ(found.feature, truth.feature) << p.transpose();
+        EXPECT_EQ(found.triangle, truth.triangle);
+        EXPECT_EQ(found.squared_distance, truth.squared_distance);
+    }
+}
+
+TEST(Lists, HasTheSameBitsForAnyThreadsAndInstructionSet)
+{
+    const TriangleMesh mesh = sample_mesh("torus:24x36").value();
+    const std::vector<Vec3> points = proximity_points(mesh, 500, 4);
+    const MeshIndex one = build(mesh, {.execution = {.threads = {1}}});
+    std::vector<ClosestFeature> answers(points.size());
+    ASSERT_TRUE(closest_features(one, points, {.answers = answers}));
+    const auto expect_same = [&](const MeshIndex& other) {
+        const ProximityArrays& a = one.parts().lists()->arrays();
+        const ProximityArrays& b = other.parts().lists()->arrays();
+        EXPECT_TRUE(std::ranges::equal(a.table, b.table));
+        EXPECT_TRUE(std::ranges::equal(a.nodes, b.nodes));
+        EXPECT_TRUE(std::ranges::equal(a.arena, b.arena));
+        EXPECT_EQ(one.parts().lists()->statistics(), other.parts().lists()->statistics());
+        for (std::size_t i = 0; i < points.size(); ++i)
+            ASSERT_TRUE(same_answer(answers[i], closest_feature(other, points[i]).value())) << i;
+    };
+    for (const int threads : {2, 3, 8})
+        expect_same(build(mesh, {.execution = {.threads = {threads}}}));
+    for (const SimdTarget& target : simd_targets()) {
+        SCOPED_TRACE(target.name);
+        force_simd_target(target);
+        expect_same(build(mesh, {.execution = {.threads = {2}}}));
+        restore_simd_targets();
+    }
+}
+
+TEST(Lists, BatchesAnswerAsSingleQueries)
+{
+    const TriangleMesh mesh = sample_mesh("spaceship:1300").value();
+    const MeshIndex index = build(mesh);
+    const std::vector<Vec3> points = proximity_points(mesh, 9001, 5);
+    std::vector<ClosestFeature> answers(points.size());
+    for (const int threads : {1, 2}) {
+        for (const BatchOrder order :
+             {BatchOrder::automatic, BatchOrder::as_given, BatchOrder::sorted}) {
+            std::ranges::fill(answers, ClosestFeature{});
+            ASSERT_TRUE(closest_features(index, points, {.answers = answers},
+                                         {.order = order, .execution = {.threads = {threads}}}));
+            for (std::size_t i = 0; i < points.size(); ++i)
+                ASSERT_TRUE(same_answer(answers[i], closest_feature(index, points[i]).value()))
+                    << i;
+        }
+    }
+}
+
+TEST(Lists, RefusesBatchesThatCannotBe)
+{
+    const MeshIndex index = build(sample_mesh("cube").value());
+    std::vector<Vec3> points(5000, Vec3::Zero());
+    std::vector<ClosestFeature> answers(points.size());
+    EXPECT_EQ(
+        closest_features(index, points, {.answers = std::span(answers).first(3)}).error().code,
+        ErrorCode::invalid_argument);
+    points[4321][1] = std::numeric_limits<double>::quiet_NaN();
+    points[4999][1] = std::numeric_limits<double>::infinity();
+    for (const BatchOrder order : {BatchOrder::automatic, BatchOrder::sorted}) {
+        const Status status = closest_features(index, points, {.answers = answers},
+                                               {.order = order, .execution = {.threads = {2}}});
+        ASSERT_FALSE(status);
+        EXPECT_NE(status.error().message.find("4321"), std::string::npos) << status.error().message;
+    }
+}
+
+TEST(Lists, FindsNothingBeyondTheRadius)
+{
+    const MeshIndex index = build(sample_mesh("cube").value());
+    const double edge = index.parts().lists()->frame().half;
+    const Vec3 p = index.parts().lists()->frame().center + Vec3(10 * edge, 0, 0);
+    const double distance = std::sqrt(closest_feature(index, p)->squared_distance);
+    EXPECT_FALSE(closest_feature(index, p, {.radius = 0.999 * distance}));
+    EXPECT_TRUE(closest_feature(index, p, {.radius = 1.001 * distance}));
+}
+
+TEST(Lists, SearchesLessFromAnEarlierAnswer)
+{
+    const TriangleMesh mesh = sample_mesh("torus:60x40").value();
+    const MeshIndex index = build(mesh, {.budget_bytes = 125 * mesh.triangle_count()});
+    std::mt19937_64 random(9);
+    std::uniform_real_distribution<double> part(-1, 1);
+    const auto step = [&](double length) {
+        return Vec3(length * part(random), length * part(random), length * part(random));
+    };
+    QuerySteps cold;
+    QuerySteps warm;
+    for (int i = 0; i < 2000; ++i) {
+        const Vec3 p = step(4);
+        const Vec3 near = p + step(1e-3);
+        const ClosestFeature earlier = closest_feature(index, near).value();
+        const ClosestFeature found = closest_feature(index, p, {}, cold).value();
+        const ClosestFeature again =
+            closest_feature(index, p, {.start_from = &earlier}, warm).value();
+        ASSERT_EQ(again.feature, found.feature);
+        ASSERT_EQ(again.squared_distance, found.squared_distance);
+    }
+    EXPECT_LT(warm.blocks, cold.blocks);
+    EXPECT_LT(warm.rechecks, cold.rechecks);
+}
+
+TEST(Lists, QueriesDoNotAllocate)
+{
+    const TriangleMesh mesh = sample_mesh("sphere:20x20").value();
+    const MeshIndex index = build(mesh, {.budget_bytes = 175 * mesh.triangle_count()});
+    const std::vector<Vec3> points = proximity_points(mesh, 500, 6);
+    const std::size_t before = testing::allocation_count();
+    double sum = 0;
+    for (const Vec3& p : points) sum += closest_feature(index, p)->squared_distance;
+    EXPECT_EQ(testing::allocation_count(), before);
+    EXPECT_GT(sum, 0);
+}
+
+TEST(Lists, RefusesWhatItCannotBuild)
+{
+    const TriangleMesh cube = sample_mesh("cube").value();
+    const auto code = [](const Result<MeshIndex>& result) { return result.error().code; };
+    EXPECT_EQ(code(testing::listed_index(TriangleMesh())), ErrorCode::invalid_mesh);
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    const TriangleMesh broken =
+        make_triangle_mesh({Vec3(0, 0, nan), Vec3(1, 0, 0), Vec3(0, 1, 0)}, {{0, 1, 2}}).value();
+    EXPECT_EQ(code(testing::listed_index(broken)), ErrorCode::invalid_mesh);
+    EXPECT_EQ(code(testing::listed_index(cube, {.margin = -1})), ErrorCode::invalid_argument);
+    EXPECT_EQ(code(testing::listed_index(cube, {.margin = nan})), ErrorCode::invalid_argument);
+    EXPECT_EQ(code(testing::listed_index(cube, {.max_depth = 15})), ErrorCode::invalid_argument);
+    const auto small = testing::listed_index(cube, {.budget_bytes = 100});
+    EXPECT_EQ(code(small), ErrorCode::budget_exceeded);
+    EXPECT_NE(small.error().message.find("at least"), std::string::npos);
+}
+
+TEST(Lists, StopsWhenAskedTo)
+{
+    const TriangleMesh mesh = sample_mesh("torus:30x40").value();
+    testing::cancel_at_every_stage(
+        [&](Progress& progress) {
+            return testing::listed_index(mesh, {.execution = {.progress = &progress}});
+        },
+        [] { return true; });
+}
+
+} // namespace
+} // namespace proxima

@@ -1,0 +1,331 @@
+#include "base/simd.h"
+#include "counted_allocations.h"
+#include "index/listed_index.h"
+#include "index/test_meshes.h"
+#include "proxima/closest_feature.h"
+#include "proxima/mesh_index.h"
+#include "query/closest/brute_force.h"
+
+#include <cmath>
+#include <gtest/gtest.h>
+
+namespace proxima {
+namespace {
+
+using namespace testing;
+
+void expect_same(const ClosestFeature& found, const ClosestFeature& truth)
+{
+    EXPECT_EQ(found.feature, truth.feature);
+    EXPECT_EQ(found.triangle, truth.triangle);
+    EXPECT_EQ(found.point, truth.point);
+    EXPECT_EQ(found.barycentric, truth.barycentric);
+    EXPECT_EQ(found.squared_distance, truth.squared_distance);
+}
+
+void expect_same(const std::optional<ClosestFeature>& found, const ClosestFeature& truth)
+{
+    ASSERT_TRUE(found.has_value());
+    expect_same(*found, truth);
+}
+
+void expect_answers_of_brute_force(const TriangleMesh& mesh, std::span<const Vec3> points)
+{
+    const Topology topology = build_topology(mesh).value();
+    const MeshIndex index = build_mesh_index(mesh).value();
+    for (const Vec3& p : points) {
+        SCOPED_TRACE(p.transpose());
+        expect_same(closest_feature(index, p), closest_feature_by_brute_force(mesh, topology, p));
+    }
+}
+
+TEST(ClosestInIndex, AnswersAsBruteForceToTheLastBit)
+{
+    for (const NamedMesh& named : proximity_meshes()) {
+        SCOPED_TRACE(named.name);
+        expect_answers_of_brute_force(named.mesh, proximity_points(named.mesh, 600, 8));
+    }
+}
+
+TEST(ClosestInIndex, AnswersAsBruteForceOnManyRandomMeshes)
+{
+    for (std::uint32_t seed = 100; seed < 400; ++seed) {
+        SCOPED_TRACE(seed);
+        const TriangleMesh mesh = seed % 2 == 0 ? nasty_mesh(seed) : grid_mesh(seed);
+        expect_answers_of_brute_force(mesh, proximity_points(mesh, 60, seed));
+    }
+}
+
+TEST(ClosestInIndex, AnswersAsBruteForceAtEveryScale)
+{
+    for (const double scale : {1e-300, 1e-170, 1e-150, 1e-40, 1e40, 1e100, 1e160, 1e300}) {
+        SCOPED_TRACE(scale);
+        for (const NamedMesh& named : proximity_meshes()) {
+            if (named.mesh.triangle_count() > 200) continue;
+            SCOPED_TRACE(named.name);
+            const TriangleMesh mesh =
+                moved(named.mesh, [&](const Vec3& p) { return Vec3(scale * p); });
+            if (!bounding_box(mesh).upper.allFinite()) continue;
+            std::vector<Vec3> points;
+            for (const Vec3& p : proximity_points(named.mesh, 30, 5))
+                points.emplace_back(scale * p);
+            expect_answers_of_brute_force(mesh, points);
+        }
+    }
+}
+
+TEST(ClosestInIndex, NamesTheSameFeatureAtEveryPowerOfTwo)
+{
+    const TriangleMesh mesh = sample_mesh("spaceship:1300").value();
+    const MeshIndex index = build_mesh_index(mesh).value();
+    const std::vector<Vec3> points = proximity_points(mesh, 200, 6);
+    for (const int exponent : {-900, -540, -30, 30, 540, 900}) {
+        SCOPED_TRACE(exponent);
+        const double scale = std::ldexp(1.0, exponent);
+        const MeshIndex other =
+            build_mesh_index(moved(mesh, [&](const Vec3& p) { return Vec3(scale * p); })).value();
+        for (const Vec3& p : points) {
+            const auto found = closest_feature(index, p);
+            const auto scaled = closest_feature(other, scale * p);
+            ASSERT_TRUE(found && scaled);
+            EXPECT_EQ(scaled->feature, found->feature);
+            EXPECT_EQ(scaled->point, Vec3(scale * found->point));
+            EXPECT_EQ(scaled->squared_distance, found->squared_distance * scale * scale);
+        }
+    }
+}
+
+TEST(ClosestInIndex, AnswersAsBruteForceFarAway)
+{
+    const TriangleMesh mesh = sample_mesh("torus:20x10").value();
+    for (const double far :
+         {10., 60., 70., 1e2, 1e5, 1e8, 1e12, 1e15, 1e17, 1e60, 1e149, 1e155, 1.7e308}) {
+        SCOPED_TRACE(far);
+        std::vector<Vec3> points;
+        for (const Vec3& toward : proximity_points(mesh, 30, 9))
+            points.emplace_back(far * toward.normalized());
+        expect_answers_of_brute_force(mesh, points);
+    }
+}
+
+// The distance to the closest point as rounded, which the surface search once returned, is off by
+// the rounding of coordinates: 1e-9 here. Differences of coordinates are exact.
+TEST(ClosestInIndex, MeasuresFarFromTheOriginAsNearIt)
+{
+    const TriangleMesh mesh = sample_mesh("torus:20x10").value();
+    const Vec3 away(0x1p26, -0x1p25, 0x1p27);
+    const TriangleMesh far = moved(mesh, [&](const Vec3& p) { return Vec3(p + away); });
+    const TriangleMesh near = moved(far, [&](const Vec3& p) { return Vec3(p - away); }); // exactly
+    const MeshIndex far_index = build_mesh_index(far).value();
+    const MeshIndex near_index = build_mesh_index(near).value();
+    const MeshIndex listed = with_lists(far_index).value();
+    for (const Vec3& at : proximity_points(near, 300, 21)) {
+        const Vec3 p = at + away;
+        const auto found = closest_feature(far_index, p);
+        const auto truth = closest_feature(near_index, p - away);
+        ASSERT_TRUE(found && truth);
+        EXPECT_EQ(found->squared_distance, truth->squared_distance);
+        EXPECT_EQ(found->feature, truth->feature);
+        EXPECT_EQ(found->barycentric, truth->barycentric);
+        expect_same(found, closest_feature(listed, p).value());
+    }
+}
+
+TEST(ClosestInIndex, AnswersAsByLists)
+{
+    for (const char* const name : {"spaceship:20000", "sphere:40x40"}) {
+        SCOPED_TRACE(name);
+        const TriangleMesh mesh = sample_mesh(name).value();
+        const MeshIndex index = build_mesh_index(mesh).value();
+        const MeshIndex listed = with_lists(index).value();
+        for (const Vec3& p : proximity_points(mesh, 2000, 17))
+            expect_same(closest_feature(index, p), closest_feature(listed, p).value());
+    }
+}
+
+// The inside of a sliver is nearer than its sides and than another triangle: only its sides are
+// measured in floats.
+TEST(ClosestInIndex, FindsTheInsideOfSlivers)
+{
+    const TriangleMesh mesh = mesh_of({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0.5, 0.019, 0),
+                                       Vec3(0, -1, 0.003), Vec3(1, -1, 0.003), Vec3(0.5, 1, 0.003)},
+                                      {{0, 1, 2}, {3, 4, 5}});
+    std::vector<Vec3> points;
+    for (int i = 0; i < 40; ++i) points.emplace_back(0.4 + 0.005 * i, 0.0085, 0.0005);
+    expect_answers_of_brute_force(mesh, points);
+    const auto found = closest_feature(build_mesh_index(mesh).value(), Vec3(0.5, 0.0085, 0.0005));
+    EXPECT_EQ(found->feature, (Feature{FeatureKind::face, 0}));
+}
+
+// All triangles are as near, but for rounding: more candidates than are kept.
+TEST(ClosestInIndex, AnswersAtTheCentreOfASphere)
+{
+    const Vec3 centre(0.1, 0.2, 0.3);
+    const TriangleMesh mesh = sphere_mesh(centre, 1.0, 40, 40);
+    std::vector<Vec3> points = {centre};
+    for (const double off : {1e-16, 1e-12, 1e-9, 1e-7, 1e-6, 1e-5})
+        for (int axis = 0; axis < 3; ++axis) points.emplace_back(centre + off * Vec3::Unit(axis));
+    expect_answers_of_brute_force(mesh, points);
+}
+
+TEST(ClosestInIndex, TakesARadius)
+{
+    const TriangleMesh mesh = sample_mesh("spaceship:1300").value();
+    const Topology topology = build_topology(mesh).value();
+    const MeshIndex index = build_mesh_index(mesh).value();
+    for (const Vec3& p : proximity_points(mesh, 200, 10)) {
+        const ClosestFeature truth = closest_feature_by_brute_force(mesh, topology, p);
+        const double distance = std::sqrt(truth.squared_distance);
+        for (const double radius : {0.0, 0.5 * distance, std::nextafter(distance, 0.0), distance,
+                                    std::nextafter(distance, 1e9), 2 * distance,
+                                    std::numeric_limits<double>::infinity()}) {
+            const auto found = closest_feature(index, p, {.radius = radius});
+            ASSERT_EQ(found.has_value(), truth.squared_distance <= radius * radius);
+            if (found) expect_same(*found, truth);
+        }
+        EXPECT_FALSE(closest_feature(index, p, {.radius = -1}));
+        EXPECT_FALSE(
+            closest_feature(index, p, {.radius = std::numeric_limits<double>::quiet_NaN()}));
+    }
+}
+
+TEST(ClosestInIndex, FindsNothingForPointsThatAreNotFinite)
+{
+    const MeshIndex index = build_mesh_index(sample_mesh("cube").value()).value();
+    for (const double value :
+         {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+        for (int axis = 0; axis < 3; ++axis) {
+            Vec3 p = Vec3::Zero();
+            p[axis] = value;
+            EXPECT_FALSE(closest_feature(index, p));
+        }
+    }
+}
+
+TEST(ClosestInIndex, StartsFromAnyAnswer)
+{
+    const TriangleMesh mesh = sample_mesh("spaceship:1300").value();
+    const TriangleMesh other =
+        moved(mesh, [](const Vec3& p) { return Vec3(0.01 * p + Vec3(3, 1, 2)); });
+    const MeshIndex index = build_mesh_index(mesh).value();
+    const MeshIndex other_index = build_mesh_index(other).value();
+    std::vector<ClosestFeature> earlier = {no_closest_feature(), {}};
+    const std::vector<Vec3> points = proximity_points(mesh, 120, 11);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const Vec3& p = points[i];
+        const ClosestFeature truth = closest_feature(index, p).value();
+        earlier.push_back(truth);
+        earlier.push_back(closest_feature(other_index, p).value());
+        // A point that is nearer than the mesh is.
+        ClosestFeature wrong = truth;
+        wrong.point = p;
+        earlier.push_back(wrong);
+        for (const ClosestFeature& start : earlier)
+            expect_same(closest_feature(index, p, {.start_from = &start}), truth);
+        const double radius = std::sqrt(truth.squared_distance) * 0.75;
+        const auto within = closest_feature(index, p, {.radius = radius, .start_from = &wrong});
+        EXPECT_EQ(within.has_value(), truth.squared_distance <= radius * radius);
+    }
+}
+
+TEST(ClosestInIndex, HasTheSameAnswersOnEveryInstructionSetWithoutAllocating)
+{
+    const TriangleMesh mesh = sample_mesh("spaceship:20000").value();
+    const MeshIndex index = build_mesh_index(mesh).value();
+    const std::vector<Vec3> points = proximity_points(mesh, 300, 12);
+    std::vector<ClosestFeature> first;
+    for (const Vec3& p : points) first.push_back(closest_feature(index, p).value());
+    for (const SimdTarget& target : simd_targets()) {
+        SCOPED_TRACE(target.name);
+        force_simd_target(target);
+        std::uint64_t allocations = 0;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const std::size_t before = allocation_count();
+            const auto found = closest_feature(index, points[i], {.start_from = &first[i / 2]});
+            const auto cold = closest_feature(index, points[i]);
+            allocations += allocation_count() - before;
+            expect_same(found, first[i]);
+            expect_same(cold, first[i]);
+        }
+        EXPECT_EQ(allocations, 0U);
+    }
+    restore_simd_targets();
+}
+
+TEST(ClosestInIndex, BatchesAnswerAsSingleQueries)
+{
+    for (const NamedMesh& named : proximity_meshes()) {
+        SCOPED_TRACE(named.name);
+        const MeshIndex index = build_mesh_index(named.mesh).value();
+        std::vector<Vec3> points = proximity_points(named.mesh, 500, 14);
+        points.insert(points.end(), 20, points[4]);
+        for (const double far : {1e3, 1e20, 1e155}) points.emplace_back(far * Vec3(1, -1, 0.5));
+        std::vector<ClosestFeature> answers(points.size());
+        std::vector<double> distances(points.size());
+        std::vector<TriangleId> triangles(points.size());
+        for (const SimdTarget& target : simd_targets()) {
+            SCOPED_TRACE(target.name);
+            force_simd_target(target);
+            for (const BatchOrder order : {BatchOrder::as_given, BatchOrder::sorted}) {
+                const auto status = closest_features(
+                    index, points,
+                    {.answers = answers, .squared_distances = distances, .triangles = triangles},
+                    {.order = order});
+                ASSERT_TRUE(status);
+                for (std::size_t i = 0; i < points.size(); ++i) {
+                    const ClosestFeature truth = closest_feature(index, points[i]).value();
+                    expect_same(answers[i], truth);
+                    EXPECT_EQ(distances[i], truth.squared_distance);
+                    EXPECT_EQ(triangles[i], truth.triangle);
+                }
+            }
+        }
+        restore_simd_targets();
+    }
+}
+
+TEST(ClosestInIndex, BatchesHaveTheSameAnswersForEveryNumberOfThreads)
+{
+    const TriangleMesh mesh = sample_mesh("spaceship:20000").value();
+    const MeshIndex index = build_mesh_index(mesh).value();
+    const std::vector<Vec3> points = proximity_points(mesh, 30000, 15);
+    std::vector<ClosestFeature> first(points.size());
+    ASSERT_TRUE(
+        closest_features(index, points, {.answers = first}, {.execution = {.threads = {1}}}));
+    for (const int threads : {2, 3, 7}) {
+        std::vector<ClosestFeature> answers(points.size());
+        ASSERT_TRUE(closest_features(index, points, {.answers = answers},
+                                     {.execution = {.threads = {threads}}}));
+        for (std::size_t i = 0; i < points.size(); ++i) expect_same(answers[i], first[i]);
+    }
+}
+
+TEST(ClosestInIndex, BatchesSayWhatIsWrong)
+{
+    const MeshIndex index = build_mesh_index(sample_mesh("cube").value()).value();
+    std::vector<Vec3> points(5000, Vec3(1, 2, 3));
+    std::vector<double> distances(points.size());
+    std::vector<TriangleId> few(7);
+    EXPECT_EQ(closest_features(index, points, {.triangles = few}).error().code,
+              ErrorCode::invalid_argument);
+    EXPECT_TRUE(closest_features(index, points, {}));
+    EXPECT_TRUE(closest_features(index, {}, {}));
+    points[4500][1] = std::numeric_limits<double>::quiet_NaN();
+    points[4900][2] = std::numeric_limits<double>::infinity();
+    for (const BatchOrder order : {BatchOrder::as_given, BatchOrder::sorted}) {
+        const auto status =
+            closest_features(index, points, {.squared_distances = distances}, {.order = order});
+        ASSERT_FALSE(status);
+        EXPECT_NE(status.error().message.find("point 4500"), std::string::npos);
+    }
+    Progress progress;
+    progress.cancel();
+    EXPECT_EQ(closest_features(index, points, {.squared_distances = distances},
+                               {.execution = {.progress = &progress}})
+                  .error()
+                  .code,
+              ErrorCode::cancelled);
+}
+
+} // namespace
+} // namespace proxima

@@ -1,0 +1,60 @@
+#include "proxima/thesis.h"
+
+#include "octree/nasty_meshes.h"
+#include "proxima/octree.h"
+#include "proxima/sample_meshes.h"
+#include "query/contact/test_poses.h"
+#include "query/rays/test_rays.h"
+
+#include <gtest/gtest.h>
+
+namespace proxima {
+namespace {
+
+using namespace testing;
+
+Octree octree_of(const TriangleMesh& mesh, int depth)
+{
+    return build_octree(mesh, {.max_depth = depth, .classification = Classification::none}).value();
+}
+
+TEST(IntersectByCells, FindsThePairsOfBruteForceOnNastyMeshes)
+{
+    std::size_t pairs = 0;
+    for (std::uint32_t seed = 0; seed < 150; ++seed) {
+        const TriangleMesh a = nasty_mesh(seed);
+        const TriangleMesh b = nasty_mesh(seed + 1000);
+        const Octree cells_a = octree_of(a, static_cast<int>(seed % 5));
+        const Octree cells_b = octree_of(b, static_cast<int>(seed % 4));
+        PoseGenerator generate(a, b, seed);
+        for (int i = 0; i < 6; ++i) {
+            SCOPED_TRACE(::testing::Message() << "seed " << seed << " pose " << i);
+            const RigidTransform pose = generate();
+            const auto found = intersect_by_cells({a, cells_a}, {b, cells_b}, pose);
+            ASSERT_EQ(found.pairs, pairs_by_brute_force(a, b, pose));
+            ASSERT_GE(found.triangle_tests, found.pairs.size());
+            pairs += found.pairs.size();
+        }
+    }
+    EXPECT_GT(pairs, 500U);
+}
+
+TEST(IntersectByCells, FindsThePairsOfTheMeshIndex)
+{
+    const TriangleMesh a = make_torus(60, 40);
+    const TriangleMesh b = make_sphere(30, 30);
+    const Octree cells_a = octree_of(a, 5);
+    const Octree cells_b = octree_of(b, 5);
+    const MeshIndex index_a = ray_index_of(a);
+    const MeshIndex index_b = ray_index_of(b);
+    PoseGenerator generate(a, b, 3);
+    for (int i = 0; i < 40; ++i) {
+        const RigidTransform pose = generate();
+        EXPECT_EQ(intersect_by_cells({a, cells_a}, {b, cells_b}, pose).pairs,
+                  intersecting_pairs(index_a, index_b, pose))
+            << i;
+    }
+}
+
+} // namespace
+} // namespace proxima

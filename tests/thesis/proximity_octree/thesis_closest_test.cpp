@@ -1,0 +1,191 @@
+// Closest features by the thesis's octree against all features one by one, in 113-bit numbers.
+#include "thesis/proximity_octree/thesis_closest.h"
+
+#include "counted_allocations.h"
+#include "geometry/exact_predicates.h"
+#include "index/lists/region_oracle.h"
+#include "proxima/thesis.h"
+#include "thesis/proximity_octree/convex_meshes.h"
+
+#include <gtest/gtest.h>
+#include <limits>
+
+namespace proxima {
+namespace {
+
+using oracle::Quad;
+using oracle::QuadPoint;
+
+Quad distance_to(const TriangleMesh& mesh, const Topology& topology, Feature feature, const Vec3& p)
+{
+    switch (feature.kind) {
+    case FeatureKind::vertex: {
+        const QuadPoint gap = QuadPoint(p) - QuadPoint(mesh.position(VertexId{feature.id}));
+        return dot(gap, gap);
+    }
+    case FeatureKind::edge: {
+        const auto [a, b] = topology.vertices(EdgeId{feature.id});
+        return oracle::squared_distance(QuadPoint(p), QuadPoint(mesh.position(a)),
+                                        QuadPoint(mesh.position(b)));
+    }
+    case FeatureKind::face:
+        break;
+    }
+    return oracle::squared_distance(QuadPoint(p), mesh.triangle(TriangleId{feature.id}));
+}
+
+Quad brute_distance(const TriangleMesh& mesh, const Topology& topology, const Vec3& p)
+{
+    Quad best = -1;
+    for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
+        const Quad squared = distance_to(mesh, topology, {FeatureKind::face, t}, p);
+        if (best < 0 || squared < best) best = squared;
+    }
+    return best;
+}
+
+bool is_behind_all_faces(const TriangleMesh& mesh, const Vec3& p)
+{
+    for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
+        const Triangle triangle = mesh.triangle(TriangleId{t});
+        if (orient3d(triangle[0], triangle[1], triangle[2], p) >= 0) return false;
+    }
+    return true;
+}
+
+/// Barycentric coordinates are those of the point, on the feature, in the lowest triangle there.
+void expect_consistent(const TriangleMesh& mesh, const Topology& topology,
+                       const ClosestFeature& found, double tolerance)
+{
+    const auto& corners = mesh.triangles()[index(found.triangle)];
+    Vec3 point = Vec3::Zero();
+    double sum = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+        EXPECT_GE(found.barycentric[i], 0);
+        sum += found.barycentric[i];
+        point += found.barycentric[i] * mesh.positions()[corners[i]];
+    }
+    EXPECT_NEAR(sum, 1, 1e-12);
+    EXPECT_LE((point - found.point).norm(), tolerance);
+    std::size_t zeros = 0;
+    for (const double weight : found.barycentric) zeros += weight == 0 ? 1U : 0U;
+    switch (found.feature.kind) {
+    case FeatureKind::vertex:
+        EXPECT_EQ(found.triangle, topology.triangles(VertexId{found.feature.id}).front());
+        EXPECT_EQ(found.point, mesh.position(VertexId{found.feature.id}));
+        EXPECT_EQ(zeros, 2U);
+        break;
+    case FeatureKind::edge:
+        EXPECT_EQ(found.triangle, topology.triangles(EdgeId{found.feature.id}).front());
+        EXPECT_GE(zeros, 1U);
+        break;
+    case FeatureKind::face:
+        EXPECT_EQ(index(found.triangle), found.feature.id);
+        break;
+    }
+}
+
+TEST(ThesisClosest, IsTheClosestOfAll)
+{
+    std::mt19937 random(11);
+    std::uniform_real_distribution<double> part(-0.02, 1.02);
+    std::array<std::size_t, 3> kinds = {};
+    for (const auto& [name, mesh] : test::convex_meshes()) {
+        SCOPED_TRACE(name);
+        const Topology topology = *build_topology(mesh);
+        const auto octree = build_thesis_proximity_octree(mesh, topology, {.max_depth = 4});
+        ASSERT_TRUE(octree) << describe(octree.error());
+        const Box root = cell_box(octree->frame(), CellKey{});
+        const double size = bounding_box(mesh).extent().norm() + mesh.positions()[0].norm();
+        std::size_t outside = 0;
+        for (int i = 0; i < 600; ++i) {
+            Vec3 p = root.lower +
+                     Vec3{part(random), part(random), part(random)}.cwiseProduct(root.extent());
+            if (i % 3 == 0) { // about the surface
+                const Vec3 start = mesh.positions()[mesh.triangles()[i % mesh.triangle_count()][0]];
+                p = start + std::pow(10.0, -1.0 - i % 7) * (p - start);
+            }
+            const auto found = closest_feature(*octree, mesh, topology, p);
+            const bool expected = root.contains(p) && !is_behind_all_faces(mesh, p);
+            ASSERT_EQ(found.has_value(), expected) << p.transpose();
+            if (!found) continue;
+            ++outside;
+            ++kinds[static_cast<std::size_t>(found->feature.kind)];
+            const long double best = oracle::root(brute_distance(mesh, topology, p));
+            const long double by_feature =
+                oracle::root(distance_to(mesh, topology, found->feature, p));
+            EXPECT_NEAR(static_cast<double>(by_feature - best), 0, 1e-13 * size);
+            EXPECT_NEAR(std::sqrt(found->squared_distance), static_cast<double>(best),
+                        1e-13 * size);
+            EXPECT_NEAR((p - found->point).norm(), static_cast<double>(best), 1e-13 * size);
+            expect_consistent(mesh, topology, *found, 1e-12 * size);
+        }
+        EXPECT_GT(outside, 150U);
+    }
+    for (const std::size_t count : kinds) EXPECT_GT(count, 500U);
+}
+
+TEST(ThesisClosest, PointsOfTheSurfaceAreAtDistanceZero)
+{
+    const TriangleMesh mesh = make_cube();
+    const Topology topology = *build_topology(mesh);
+    const auto octree = *build_thesis_proximity_octree(mesh, topology);
+    const auto found = [&](const Vec3& p) { return closest_feature(octree, mesh, topology, p); };
+    EXPECT_EQ(found({1, 1, 1})->feature.kind, FeatureKind::vertex);
+    EXPECT_EQ(found({1, 1, 0.25})->feature.kind, FeatureKind::edge);
+    EXPECT_EQ(found({1, 0.5, 0.25})->feature.kind, FeatureKind::face);
+    EXPECT_EQ(found({1, 0.5, 0.25})->squared_distance, 0);
+    EXPECT_EQ(found({1.25, 1.25, 0})->feature.kind, FeatureKind::edge);
+    EXPECT_EQ(found({1.25, 1.25, 1.25})->feature.kind, FeatureKind::vertex);
+    // On the diagonal of a side, which is not listed but is an answer.
+    const auto diagonal = found({1.25, 0.5, 0.5});
+    const auto other = found({1.25, 0.5, -0.5});
+    EXPECT_TRUE(diagonal->feature.kind == FeatureKind::edge ||
+                other->feature.kind == FeatureKind::edge);
+    EXPECT_FALSE(found({0.999, 0.5, 0.25}));
+    EXPECT_FALSE(found({0, 0, 0}));
+    EXPECT_FALSE(found({2, 0, 0}));
+    EXPECT_FALSE(found({std::numeric_limits<double>::quiet_NaN(), 0, 0}));
+}
+
+TEST(ThesisClosest, IsTheSameWithAMeshOfItsOwn)
+{
+    const TriangleMesh mesh = make_sphere(12, 16);
+    const Topology topology = *build_topology(mesh);
+    const auto octree = *build_thesis_proximity_octree(mesh, topology);
+    const auto proximity = build_thesis_proximity(make_sphere(12, 16));
+    ASSERT_TRUE(proximity.has_value());
+    EXPECT_EQ(proximity->depth_reached(), octree.depth_reached());
+    EXPECT_EQ(proximity->bytes(), octree.bytes());
+    for (int i = 0; i < 500; ++i) {
+        const Vec3 p(1.4 * std::sin(i), 1.4 * std::cos(3 * i), std::sin(7 * i));
+        const auto truth = closest_feature(octree, mesh, topology, p);
+        const auto found = closest_feature(*proximity, p);
+        ASSERT_EQ(found.has_value(), truth.has_value());
+        if (!truth) continue;
+        EXPECT_EQ(found->feature, truth->feature);
+        EXPECT_EQ(found->squared_distance, truth->squared_distance);
+    }
+    EXPECT_EQ(build_thesis_proximity(TriangleMesh()).error().code, ErrorCode::invalid_mesh);
+}
+
+TEST(ThesisClosest, DoesNotAllocate)
+{
+    const TriangleMesh mesh = make_sphere(20, 20);
+    const Topology topology = *build_topology(mesh);
+    const std::size_t at_first = testing::allocation_count();
+    const auto octree = *build_thesis_proximity_octree(mesh, topology);
+    ASSERT_GT(testing::allocation_count(), at_first);
+    const std::size_t before = testing::allocation_count();
+    double sum = 0;
+    for (int i = 0; i < 1000; ++i) {
+        const Vec3 p(1.4 * std::sin(i), 1.4 * std::cos(3 * i), std::sin(7 * i));
+        if (const auto found = closest_feature(octree, mesh, topology, p))
+            sum += found->squared_distance;
+    }
+    EXPECT_EQ(testing::allocation_count(), before);
+    EXPECT_GT(sum, 0);
+}
+
+} // namespace
+} // namespace proxima

@@ -1,0 +1,90 @@
+#include "proxima/thesis.h"
+
+#include "counted_allocations.h"
+#include "index/test_meshes.h"
+#include "octree/nasty_meshes.h"
+#include "proxima/cast_ray.h"
+#include "proxima/octree.h"
+#include "query/rays/brute_force.h"
+#include "query/rays/test_rays.h"
+
+#include <gtest/gtest.h>
+
+namespace proxima {
+namespace {
+
+using namespace testing;
+
+/// Its root is larger than the mesh, so that no ray touches the mesh where it only touches the root.
+Octree octree_of(const TriangleMesh& mesh, int depth)
+{
+    OctreeFrame root = tight_root(bounding_box(mesh), RootShape::cube);
+    root.lower -= 0.25 * root.edge;
+    root.edge *= 1.5;
+    return build_octree(mesh,
+                        {.max_depth = depth, .root = root, .classification = Classification::none})
+        .value();
+}
+
+/// Whether the direction is shorter than the function's contract allows.
+bool is_too_short(const Ray& ray, const TriangleMesh& mesh)
+{
+    const Box box = bounding_box(mesh);
+    const double reach = (box.lower - ray.origin).cwiseAbs().maxCoeff() + box.extent().maxCoeff();
+    return !(2 * reach < 0x1p1000 * ray.direction.cwiseAbs().maxCoeff());
+}
+
+/// Returns how many rays hit.
+std::size_t expect_truth(const TriangleMesh& mesh, int depth, std::uint64_t seed, int rays)
+{
+    const Octree octree = octree_of(mesh, depth);
+    RayGenerator generate(mesh, seed);
+    std::size_t hits = 0;
+    for (int i = 0; i < rays; ++i) {
+        const Ray ray = generate();
+        if (is_too_short(ray, mesh)) continue;
+        const Faces faces = all_faces[static_cast<std::size_t>(i) % 3];
+        const auto truth = closest_hit_by_brute_force(mesh, ray, faces);
+        const std::size_t before = allocation_count();
+        const auto found = closest_hit_by_cells(octree, mesh, ray, faces);
+        EXPECT_EQ(allocation_count(), before);
+        EXPECT_EQ(found, truth) << "seed " << seed << " ray " << i;
+        hits += truth ? 1U : 0U;
+        if (::testing::Test::HasFailure()) break;
+    }
+    return hits;
+}
+
+TEST(CastRayByCells, AnswersAsBruteForceOnNamedMeshes)
+{
+    std::size_t hits = 0;
+    std::uint64_t seed = 1;
+    for (const NamedMesh& named : proximity_meshes()) {
+        SCOPED_TRACE(named.name);
+        hits += expect_truth(named.mesh, 5, seed++, 400);
+    }
+    EXPECT_GT(hits, 2'000U);
+}
+
+TEST(CastRayByCells, AnswersAsBruteForceOnNastyMeshes)
+{
+    std::size_t hits = 0;
+    for (std::uint32_t seed = 0; seed < 300; ++seed)
+        hits += expect_truth(nasty_mesh(seed), static_cast<int>(seed % 6), seed, 60);
+    EXPECT_GT(hits, 5'000U);
+}
+
+TEST(CastRayByCells, AnswersAsTheMeshIndexWithATightRoot)
+{
+    const TriangleMesh mesh = make_torus(60, 40);
+    const auto octree = build_octree(mesh, {.classification = Classification::none});
+    const MeshIndex index = ray_index_of(mesh);
+    RayGenerator generate(mesh, 7);
+    for (int i = 0; i < 3000; ++i) {
+        const Ray ray = generate();
+        ASSERT_EQ(closest_hit_by_cells(*octree, mesh, ray), closest_hit(index, ray)) << i;
+    }
+}
+
+} // namespace
+} // namespace proxima
