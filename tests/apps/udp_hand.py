@@ -5,9 +5,13 @@ import struct
 import threading
 import time
 
+PATIENCE = 60  # seconds until the program is there
+
 
 class UdpHand(threading.Thread):
-    """The device's side, by the documented bytes alone: goes down 30 mm in a second and stays."""
+    """The device's side, by the documented bytes alone: goes down 30 mm in a second and stays.
+
+    It waits above until the program answers, since a busy machine may take seconds to start that."""
 
     def __init__(self, port, seconds, junk=False, silent=(9, 9)):
         super().__init__(daemon=True)
@@ -20,13 +24,21 @@ class UdpHand(threading.Thread):
             self.move(line)
 
     def move(self, line):
-        begin = time.monotonic()
+        started = time.monotonic()
+        begin = None
         number = 0
-        while (passed := time.monotonic() - begin) < self.seconds:
+        passed = 0
+        while passed < self.seconds:
             number += 1
+            now = time.monotonic()
+            if begin is None and self.replies:
+                begin = now
+            if begin is None and now - started > PATIENCE:
+                return
+            passed = now - begin if begin else 0
             height = 0.05 - 0.03 * min(passed, 1)
             buttons = 1 if passed > 0.5 else 0
-            packet = struct.pack("<4sHHQQQII3d3d4d", b"PXUP", 1, 120, 4242, number, int(passed * 1e9), buttons, 0,
+            packet = struct.pack("<4sHHQQQII3d3d4d", b"PXUP", 1, 120, 4242, number, int((now - started) * 1e9), buttons, 0,
                                  0, 0, height, 0, 0, 0, 1, 0, 0, 0)
             if not self.silent[0] <= passed < self.silent[1]:
                 line.sendto(packet, ("127.0.0.1", self.port))
