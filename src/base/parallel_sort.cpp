@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <span>
 #include <utility>
+#include <vector>
 
 namespace proxima {
 
@@ -20,7 +21,7 @@ constexpr std::size_t short_bucket = 8192; // as many as caches hold
 
 } // namespace
 
-bool sort_keys(std::vector<KeyedIndex>& items, unsigned key_bits, Threads threads,
+bool sort_keys(GrowBuffer<KeyedIndex>& items, unsigned key_bits, Threads threads,
                Progress* progress)
 {
     begin_stage(progress, "sorting", items.size());
@@ -30,7 +31,7 @@ bool sort_keys(std::vector<KeyedIndex>& items, unsigned key_bits, Threads thread
     const std::size_t chunks = (items.size() + per_chunk - 1) / per_chunk;
     const auto chunk_of = [&](std::size_t chunk) {
         const std::size_t first = chunk * per_chunk;
-        return std::span(items).subspan(first, std::min(per_chunk, items.size() - first));
+        return items.span().subspan(first, std::min(per_chunk, items.size() - first));
     };
     // By the highest digit, keeping the order.
     std::vector<std::size_t> starts(chunks * buckets, 0);
@@ -45,7 +46,8 @@ bool sort_keys(std::vector<KeyedIndex>& items, unsigned key_bits, Threads thread
             total += std::exchange(starts[chunk * buckets + bucket], total);
         ends[bucket] = total;
     }
-    std::vector<KeyedIndex> sorted(items.size());
+    GrowBuffer<KeyedIndex> sorted;
+    sorted.resize(items.size());
     parallel_for(chunks, threads, [&](std::size_t chunk) {
         for (const KeyedIndex& item : chunk_of(chunk))
             sorted[starts[chunk * buckets + (item.key >> rest_bits)]++] = item;
@@ -58,8 +60,7 @@ bool sort_keys(std::vector<KeyedIndex>& items, unsigned key_bits, Threads thread
         const std::size_t begin = first;
         for (std::size_t bucket = first_bucket; bucket < first_bucket + buckets_per_task;
              ++bucket) {
-            const std::span<KeyedIndex> own =
-                std::span(sorted).subspan(first, ends[bucket] - first);
+            const std::span<KeyedIndex> own = sorted.span().subspan(first, ends[bucket] - first);
             first = ends[bucket];
             if (own.size() <= short_bucket) {
                 std::ranges::sort(own, [](const KeyedIndex& a, const KeyedIndex& b) {
@@ -79,7 +80,7 @@ bool sort_keys(std::vector<KeyedIndex>& items, unsigned key_bits, Threads thread
         }
         advance_stage(progress, first - begin);
     });
-    items.swap(sorted);
+    items = std::move(sorted);
     return !is_cancelled(progress);
 }
 

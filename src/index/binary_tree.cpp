@@ -62,6 +62,29 @@ std::uint64_t place_of(const Vec3& point, const OctreeFrame& root) noexcept
 /// By how many boxes a run is covered at most, less one: the sum of areas that queries look into.
 using CoverCosts = std::array<float, index_width>;
 
+/// How a run is covered, and its vertices while they fit a leaf.
+struct Cover {
+    CoverCosts costs;
+    std::array<std::uint32_t, index_width> vertices; ///< then no_vertex
+    std::uint32_t vertex_count = 0;                  ///< index_width + 1: more than fit
+    static constexpr std::uint32_t no_vertex = 0xFFFFFFFF;
+
+    void add_vertex(std::uint32_t vertex) noexcept
+    {
+        bool is_known = false; // all compared: no branch to guess
+        for (const std::uint32_t known : vertices) is_known |= known == vertex;
+        if (is_known || vertex_count > index_width) return;
+        if (vertex_count < index_width) vertices[vertex_count] = vertex;
+        ++vertex_count;
+    }
+    void add_vertices(const Cover& other) noexcept
+    {
+        if (other.vertex_count > index_width) vertex_count = index_width + 1;
+        if (vertex_count > index_width) return;
+        for (std::uint32_t i = 0; i < other.vertex_count; ++i) add_vertex(other.vertices[i]);
+    }
+};
+
 using Run = BinaryTree::Child;
 
 FloatBox union_of(const FloatBox& a, const FloatBox& b) noexcept
@@ -126,7 +149,7 @@ public:
             cut(run);
             return true;
         });
-        std::vector<CoverCosts> costs(runs.size());
+        std::vector<Cover> covers(runs.size());
         parallel_for(runs.size(), threads_, [&](std::size_t task) {
             const Run& top = runs[task];
             if (top.count > subtree_triangles || is_cancelled(progress_)) return;
@@ -137,18 +160,18 @@ public:
                 cut(run);
                 return true;
             });
-            std::vector<CoverCosts> pending;
+            std::vector<Cover> pending;
             for (std::size_t i = below.size(); i-- > 0;) choose_cover(below[i], pending);
-            costs[task] = pending.back();
+            covers[task] = pending.back();
             advance_stage(progress_, top.count);
         });
         if (is_cancelled(progress_)) return false;
-        std::vector<CoverCosts> pending;
+        std::vector<Cover> pending;
         for (std::size_t i = runs.size(); i-- > 0;) {
             if (runs[i].count > subtree_triangles) {
                 choose_cover(runs[i], pending);
             } else {
-                pending.push_back(costs[i]);
+                pending.push_back(covers[i]);
             }
         }
         keys_ = {};
@@ -197,48 +220,37 @@ private:
         const std::uint64_t differing = keys_[first].key ^ keys_[first + count - 1].key;
         if (differing == 0) return count / 2;
         const std::uint64_t bit = std::bit_floor(differing);
-        const auto begin = keys_.begin() + first;
-        const auto cut = std::partition_point(
+        const KeyedIndex* const begin = keys_.data() + first;
+        const KeyedIndex* const cut = std::partition_point(
             begin, begin + count, [&](const KeyedIndex& item) { return (item.key & bit) == 0; });
         return static_cast<std::uint32_t>(cut - begin);
     }
 
-    [[nodiscard]] bool fits_leaf(const Run& node) const
-    {
-        if (node.count > index_width) return false;
-        std::array<std::uint32_t, index_width> seen{};
-        std::size_t vertices = 0;
-        for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-            for (const std::uint32_t corner : mesh_.triangles()[index(tree_.order[i])]) {
-                const auto end = seen.begin() + static_cast<std::ptrdiff_t>(vertices);
-                if (std::find(seen.begin(), end, corner) != end) continue;
-                if (vertices == index_width) return false;
-                seen[vertices++] = corner;
-            }
-        }
-        return true;
-    }
-
-    /// Costs of what covers a child; of nodes they wait on the stack, the left child's on top.
-    CoverCosts costs_of(const BinaryTree::Child& child, std::vector<CoverCosts>& pending) const
+    /// What is known of a child; of nodes it waits on the stack, the left child's on top.
+    Cover cover_of(const BinaryTree::Child& child, std::vector<Cover>& pending) const
     {
         if (child.count > 1) {
-            const CoverCosts costs = pending.back();
+            const Cover cover = pending.back();
             pending.pop_back();
-            return costs;
+            return cover;
         }
-        CoverCosts costs;
-        costs.fill(tree_.boxes[child.first].half_area());
-        return costs;
+        Cover cover;
+        cover.vertices.fill(Cover::no_vertex);
+        cover.costs.fill(tree_.boxes[child.first].half_area());
+        for (const std::uint32_t corner : mesh_.triangles()[index(tree_.order[child.first])])
+            cover.add_vertex(corner);
+        return cover;
     }
 
-    /// \pre its children's costs are on the stack, on which it puts its own
-    void choose_cover(const Run& at, std::vector<CoverCosts>& pending)
+    /// \pre its children's covers are on the stack, on which it puts its own
+    void choose_cover(const Run& at, std::vector<Cover>& pending)
     {
         BinaryNode& node = tree_.nodes[at.node];
         const auto [left, right] = tree_.children(at);
-        const CoverCosts left_costs = costs_of(left, pending);
-        const CoverCosts right_costs = costs_of(right, pending);
+        Cover cover = cover_of(left, pending);
+        const CoverCosts left_costs = cover.costs;
+        const Cover right_cover = cover_of(right, pending);
+        cover.add_vertices(right_cover);
         node.box = union_of(tree_.box(left), tree_.box(right));
         // [k]: by k + 1 boxes of both children, of which shares[k] are the left one's.
         CoverCosts apart;
@@ -247,8 +259,10 @@ private:
         shares.fill(1);
         std::array<float, 2 * index_width> shifted; // no box covers nothing: infinite before it
         shifted.fill(float_infinity);
-        std::ranges::copy(right_costs, shifted.begin() + index_width);
-        for (std::uint32_t share = 1; share < index_width; ++share) {
+        std::ranges::copy(right_cover.costs, shifted.begin() + index_width);
+        // More boxes than triangles cover no better.
+        const std::uint32_t most_share = std::min(index_width - 1, left.count);
+        for (std::uint32_t share = 1; share <= most_share; ++share) {
             const float* const rest = shifted.data() + index_width - share;
             for (std::size_t k = 0; k < index_width; ++k) {
                 const float sum = left_costs[share - 1] + rest[k];
@@ -259,9 +273,10 @@ private:
         }
         const float area = node.box.half_area();
         const float as_node = area + apart[index_width - 1];
-        const bool is_leaf = area <= as_node && fits_leaf(at);
+        const bool is_leaf =
+            area <= as_node && at.count <= index_width && cover.vertex_count <= index_width;
         node.choices = is_leaf ? BinaryTree::leaf_choice : 0U;
-        CoverCosts costs;
+        CoverCosts& costs = cover.costs;
         costs[0] = is_leaf ? area : as_node;
         for (std::uint32_t most = 2; most <= index_width; ++most) {
             const std::size_t k = most - 1;
@@ -270,14 +285,14 @@ private:
             node.choices |= shares[k] << BinaryTree::share_bit(most) |
                             static_cast<std::uint32_t>(is_single) << BinaryTree::single_bit(most);
         }
-        pending.push_back(costs);
+        pending.push_back(cover);
     }
 
     const TriangleMesh& mesh_;
     const OctreeFrame& root_;
     Threads threads_;
     Progress* progress_;
-    std::vector<KeyedIndex> keys_;
+    GrowBuffer<KeyedIndex> keys_;
     BinaryTree tree_;
 };
 

@@ -136,13 +136,15 @@ public:
                 bucket_starts_[bucket], bucket_starts_[bucket + 1] - bucket_starts_[bucket]);
             const std::uint32_t mask = (1U << shift_) - 1;
             std::vector<std::uint32_t> starts(std::size_t{mask} + 2, 0);
-            for (const Side side : sides) ++starts[(ends_of(side).low & mask) + 1];
+            std::vector<SideEnds> ends(sides.size());
+            for (std::size_t i = 0; i < sides.size(); ++i) {
+                ends[i] = ends_of(sides[i]);
+                ++starts[(ends[i].low & mask) + 1];
+            }
             for (std::size_t i = 1; i < starts.size(); ++i) starts[i] += starts[i - 1];
             std::vector<SideMatcher::HighEnd> sorted(sides.size());
-            for (const Side side : sides) {
-                const SideEnds ends = ends_of(side);
-                sorted[starts[ends.low & mask]++] = {ends.high, side};
-            }
+            for (std::size_t i = 0; i < sides.size(); ++i)
+                sorted[starts[ends[i].low & mask]++] = {ends[i].high, sides[i]};
             SideMatcher matcher(first_sides_.span());
             std::uint32_t first = 0;
             for (std::size_t vertex = 0; vertex <= mask; ++vertex) {
@@ -168,17 +170,23 @@ public:
         numbers_.first_sides.resize(first_edge.back());
         numbers_.triangle_edges.resize(triangles_.size());
         parallel_for(chunks_, threads_, [&](std::size_t chunk) {
+            const auto begin = static_cast<Side>(3 * chunk * per_chunk_);
             std::uint32_t next = first_edge[chunk];
             for_chunk(chunk, [&](Side side) {
-                if (first_sides_[side] != side) return;
-                numbers_.first_sides[next] = side;
-                edge_of(side) = EdgeId{next++};
+                const Side first = first_sides_[side];
+                if (first == side) {
+                    numbers_.first_sides[next] = side;
+                    edge_of(side) = EdgeId{next++};
+                } else if (first >= begin) { // numbered before, in this chunk
+                    edge_of(side) = first == no_side ? no_edge : edge_of(first);
+                }
             });
         });
         parallel_for(chunks_, threads_, [&](std::size_t chunk) {
+            const auto begin = static_cast<Side>(3 * chunk * per_chunk_);
             for_chunk(chunk, [&](Side side) {
                 const Side first = first_sides_[side];
-                if (first != side) edge_of(side) = first == no_side ? no_edge : edge_of(first);
+                if (first < begin) edge_of(side) = edge_of(first);
             });
         });
     }

@@ -1,12 +1,12 @@
 #include "proxima/minkowski_sum.h"
 
 #include "base/check.h"
+#include "geometry/exact_predicates.h"
 #include "minkowski/sum_by_arcs.h"
 
 #include <cmath>
 
 namespace proxima {
-
 
 MinkowskiSum MinkowskiSum::scaled(double lambda) const noexcept
 {

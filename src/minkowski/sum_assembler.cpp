@@ -1,6 +1,7 @@
 #include "minkowski/sum_assembler.h"
 
 #include "base/check.h"
+#include "geometry/exact_predicates.h"
 #include "minkowski/facet_edges.h"
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 #include "minkowski/sum_by_arcs.h"
 
 #include "base/progress.h"
+#include "geometry/exact_predicates.h"
 #include "minkowski/arc_walk.h"
 #include "minkowski/facet_maker.h"
 #include "minkowski/facet_sign.h"

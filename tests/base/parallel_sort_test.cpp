@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <random>
+#include <vector>
 
 namespace proxima {
 namespace {
@@ -19,7 +20,9 @@ TEST(ParallelSort, EqualsAStableSortForAnyNumberOfThreads)
         std::vector<KeyedIndex> truth = items;
         std::ranges::stable_sort(truth, {}, &KeyedIndex::key);
         for (const int threads : {1, 2, 3}) {
-            std::vector<KeyedIndex> sorted = items;
+            GrowBuffer<KeyedIndex> sorted;
+            sorted.resize(items.size());
+            std::ranges::copy(items, sorted.begin());
             ASSERT_TRUE(sort_keys(sorted, key_bits, {threads}, nullptr));
             for (std::size_t i = 0; i < truth.size(); ++i) {
                 ASSERT_EQ(sorted[i].key, truth[i].key) << used_bits << " bits, at " << i;
@@ -33,7 +36,9 @@ TEST(ParallelSort, StopsOnRequest)
 {
     Progress progress;
     progress.cancel();
-    std::vector<KeyedIndex> items(20'000);
+    GrowBuffer<KeyedIndex> items;
+    items.resize(20'000);
+    std::ranges::fill(items.span(), KeyedIndex());
     EXPECT_FALSE(sort_keys(items, 63, {2}, &progress));
 }
 
