@@ -12,7 +12,7 @@ class Readme(unittest.TestCase):
 
     def test_the_program_is_the_example(self):
         programs = re.findall(r"```cpp\n(.*?)```", self.text, re.DOTALL)
-        self.assertEqual(programs, [(ROOT / "examples/octree_of_a_mesh.cpp").read_text()])
+        self.assertEqual(programs, [(ROOT / "examples/what_is_closest.cpp").read_text()])
 
     def test_links_and_pictures_exist(self):
         for page in [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").glob("*.md")]:
