@@ -73,8 +73,10 @@ Result<std::unique_ptr<Scene>> make_scene(TriangleMesh mesh)
 std::size_t visible_count(const Scene& scene, const ViewVolume& volume)
 {
     std::size_t count = 0;
-    visit_visible(scene.index, volume, CullMode::conservative,
-                  [&](TriangleRange range) { count += range.count; });
+    visit_visible(scene.index, volume, CullMode::conservative, [&](TriangleRange range) {
+        count += range.count;
+        return Flow::proceed;
+    });
     return count;
 }
 

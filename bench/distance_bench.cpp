@@ -58,7 +58,7 @@ private:
     double seconds_ = 0;
 };
 
-/// The same, from the last answer.
+/// Like ProximaDistance, started from the last answer.
 class WarmProximaDistance final : public DistancePeer {
 public:
     explicit WarmProximaDistance(const MeshIndex& index) : index_(index) {}
@@ -66,7 +66,7 @@ public:
     [[nodiscard]] double build_seconds() const override { return 0; }
     [[nodiscard]] double distance(const RigidTransform& pose_b) override
     {
-        last_ = *mesh_distance(index_, index_, pose_b, &last_);
+        last_ = *mesh_distance(index_, index_, pose_b, {.start_from = &last_});
         return last_.distance;
     }
 

@@ -45,7 +45,7 @@ Result<std::unique_ptr<Contender>> make_proxima_peer(const TriangleMesh& mesh,
     const double start = nanoseconds_now();
     auto index = build_mesh_index(mesh, {.execution = {.threads = {1}}});
     if (index && list_bytes_per_triangle != 0) {
-        index = with_lists(*index, {.budget_bytes = list_bytes_per_triangle * mesh.triangle_count(),
+        index = with_lists(*index, {.list_bytes = list_bytes_per_triangle * mesh.triangle_count(),
                                     .execution = {.threads = {1}}});
     }
     if (!index) return tl::unexpected(index.error());

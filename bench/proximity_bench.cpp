@@ -79,7 +79,7 @@ std::vector<std::unique_ptr<Contender>> all_contenders(const TriangleMesh& mesh,
                                                        std::size_t queries)
 {
     std::vector<std::unique_ptr<Contender>> all;
-    const std::uint64_t usual = default_list_budget(mesh.triangle_count()) / mesh.triangle_count();
+    const std::uint64_t usual = default_list_bytes(mesh.triangle_count()) / mesh.triangle_count();
     for (const std::uint64_t list_bytes : {std::uint64_t{0}, usual}) {
         auto ours = make_proxima_peer(mesh, list_bytes);
         if (ours) {

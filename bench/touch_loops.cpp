@@ -1,5 +1,6 @@
 #include "touch_loops.h"
 
+#include "haptics/force/surface_renderer.h"
 #include "haptics/loop/collision_loop.h"
 #include "haptics/surface/contact_surface.h"
 #include "lab/hand_script.h"
@@ -184,9 +185,10 @@ public:
     ServoSide(const TouchModel& model, PatchExchange& exchange, Touched touched)
         : model_triangles_(model.mesh.triangle_count()), map_(model.map), exchange_(exchange),
           touched_(touched), patch_(model.surface->scale()),
-          renderer_(touched == Touched::patches ? static_cast<const ContactSurface&>(patch_)
-                                                : *model.surface,
-                    model.map, *find_device("omni"))
+          renderer_(make_surface_renderer(touched == Touched::patches
+                                              ? static_cast<const ContactSurface&>(patch_)
+                                              : *model.surface,
+                                          model.map, *find_device("omni")))
     {}
 
     /// From what the device says to the force.
@@ -195,7 +197,7 @@ public:
         const std::int64_t ran = processor_time();
         const auto begin = std::chrono::steady_clock::now();
         Patch patch = Patch::available;
-        const ContactPatch* const newest = exchange_.take();
+        const ContactPatch* const newest = exchange_.latest_patch();
         if (touched_ == Touched::patches) {
             patch_.use(newest);
             const bool young = newest != nullptr && number - newest->made_at <= oldest_patch;
@@ -211,7 +213,7 @@ public:
                    .ran = static_cast<std::uint64_t>(processor_time() - ran),
                    .new_patch = is_new && touched_ == Touched::patches,
                    .moves = static_cast<int>(felt.moves)});
-        exchange_.say({map_.to_model(felt.position), felt.proxy, number});
+        exchange_.send_position({map_.to_model(felt.position), felt.proxy, number});
         keep_account(felt, newest, patch, number);
         return felt;
     }

@@ -106,9 +106,9 @@ Result<std::unique_ptr<ScriptedScene>> make_scene(const BenchScene& wanted)
         object.pose.translation = placed.place;
         if (wanted.moves) object.script = script_of(objects.size());
         objects.push_back(object);
-        bodies.push_back(std::move(*body));
+        bodies.push_back(*body);
     }
-    return ScriptedScene::make(std::move(bodies), objects);
+    return ScriptedScene::make(bodies, objects);
 }
 
 /// First triangles of the objects.
@@ -129,7 +129,7 @@ class SceneRace {
 public:
     SceneRace(ScriptedScene& scripted, const TouchRaceOptions& options)
         : scripted_(scripted), options_(options),
-          map_(fit_workspace(scripted.reach(), workspace_radius))
+          map_(fit_workspace(scripted.bounds(), workspace_radius))
     {}
 
     void run(const std::string& script_name, const TriangleMesh& mesh, const Topology& topology)
@@ -145,7 +145,7 @@ public:
         for (std::uint64_t tick = 0; tick < options_.ticks; ++tick) {
             const DeviceState state = hand.state();
             const ContactWork before = moving_surface(scripted_.scene()).work();
-            scripted_.say(tick, tick_seconds);
+            scripted_.send_motions(tick, tick_seconds);
             const RenderTick& felt = renderer.tick(state, tick_seconds);
             meter.add(felt, state.velocity, renderer.path());
             track.states.push_back(state);
@@ -175,7 +175,9 @@ public:
 private:
     [[nodiscard]] HapticRenderer make_renderer()
     {
-        return {scripted_.scene(), map_, *find_device("omni"), {.proxy_radius = options_.radius}};
+        return make_haptic_renderer(scripted_.scene(), map_, *find_device("omni"),
+                                    {.proxy_radius = options_.radius})
+            .value();
     }
 
     TrackTimes replay(const TouchTrack& track)
@@ -186,7 +188,7 @@ private:
             scripted_.rewind();
             HapticRenderer renderer = make_renderer();
             for (std::size_t tick = 0; tick < track.states.size(); ++tick) {
-                scripted_.say(tick, tick_seconds);
+                scripted_.send_motions(tick, tick_seconds);
                 const auto begin = std::chrono::steady_clock::now();
                 const RenderTick& felt = renderer.tick(track.states[tick], tick_seconds);
                 const std::int64_t spent =
@@ -217,7 +219,7 @@ int run_scenes(const TouchRaceOptions& options)
     int status = 0;
     for (const BenchScene& wanted : bench_scenes()) {
         auto scripted = make_scene(wanted);
-        const auto mesh = scripted ? standing_mesh((*scripted)->scene())
+        const auto mesh = scripted ? scene_mesh((*scripted)->scene())
                                    : Result<TriangleMesh>(tl::unexpected(scripted.error()));
         const auto topology =
             mesh ? build_topology(*mesh) : Result<Topology>(tl::unexpected(mesh.error()));

@@ -23,7 +23,7 @@ std::int64_t nanoseconds_now()
 
 HapticRenderer renderer_of(const ContactSurface& surface, const WorkspaceMap& map, double radius)
 {
-    return {surface, map, *find_device("omni"), {.proxy_radius = radius}};
+    return make_surface_renderer(surface, map, *find_device("omni"), {.proxy_radius = radius});
 }
 
 } // namespace

@@ -10,9 +10,10 @@ int main()
     auto body =
         build_touch_body(*sample_mesh("cube"), {.material = SurfaceMaterial{.stiffness = 300}});
     if (!body) return 1;
-    const auto object = scene.add(std::move(*body), {Mat3::Identity(), Vec3(0, 0, 1.2)});
+    const auto object = scene.add(*body, {Mat3::Identity(), Vec3(0, 0, 1.2)});
     if (!object) return 1;
-    HapticRenderer renderer(scene, WorkspaceMap{}, *find_device("omni"));
+    HapticRenderer renderer =
+        make_haptic_renderer(scene, WorkspaceMap{}, *find_device("omni")).value();
     if (!scene.move(*object, {.pose = {Mat3::Identity(), Vec3(0, 0, 0.99)}, .seconds = 0.1}))
         return 1;
 

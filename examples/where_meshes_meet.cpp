@@ -13,7 +13,7 @@ int main()
     for (const double x : {1.5, 2.5}) {
         const RigidTransform pose{.translation = {x, 0.1, 0.2}};
         if (const auto pairs = intersecting_pairs(*index, *index, pose); !pairs.empty()) {
-            const auto contour = intersection_contour(*ball, *ball, pose, pairs);
+            const auto contour = intersection_contour(*index, *index, pose);
             std::cout << pairs.size() << " pairs of triangles meet, along " << contour.lines.size()
                       << " line of length " << contour.length() << '\n';
         } else if (const auto apart = mesh_distance(*index, *index, pose)) {

@@ -3,9 +3,9 @@
 // each after its length in a byte; seeds are a state and a reply of a contact.
 #include "base/check.h"
 #include "exact_copy.h"
-#include "haptics/device/device_input.h"
 #include "haptics/device/remote_servo.h"
 #include "haptics/device/udp_device.h"
+#include "haptics/force/surface_renderer.h"
 #include "haptics/surface/contact_surface.h"
 #include "proxima/device.h"
 #include "proxima/haptic_renderer.h"
@@ -22,8 +22,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto device = UdpDevice::open({});
     if (!device) return 0;
     constexpr double limit = 3.3;
-    HapticRenderer renderer(surface, fit_workspace(bounding_box(mesh), 0.1), *find_device("omni"));
-    DeviceInput input((*device)->info());
+    HapticRenderer renderer = make_surface_renderer(surface, fit_workspace(bounding_box(mesh), 0.1),
+                                                    *find_device("omni"));
+    DeviceInput input = make_device_input((*device)->info()).value();
     RemoteServo servo(limit);
     std::int64_t now = 1;
     for (std::size_t at = 0; at < size;) {

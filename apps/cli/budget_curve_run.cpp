@@ -87,7 +87,7 @@ private:
         const ProgressBar shown(session_.progress(), session_.bar());
         const Stopwatch watch;
         const std::size_t triangles = mesh_.triangle_count();
-        const auto index = with_lists(index_, {.budget_bytes = budget * triangles,
+        const auto index = with_lists(index_, {.list_bytes = budget * triangles,
                                                .margin = options_.margin,
                                                .max_depth = options_.depths.back(),
                                                .execution = session_.execution()});

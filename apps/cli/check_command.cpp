@@ -42,11 +42,11 @@ Json json_of(const std::optional<T>& value)
 
 Json json_of(const MeshFinding& finding)
 {
-    Json places = Json::array();
-    for (const Vec3& place : finding.first_places) places.push_back(json_of(place));
+    Json positions = Json::array();
+    for (const Vec3& position : finding.first_positions) positions.push_back(json_of(position));
     return {{"kind", name_of(finding.kind)},       {"severity", name_of(finding.severity)},
             {"element", name_of(finding.element)}, {"count", finding.count},
-            {"first_ids", finding.first_ids},      {"first_places", places},
+            {"first_ids", finding.first_ids},      {"first_places", positions},
             {"meaning", finding.meaning}};
 }
 
@@ -143,7 +143,8 @@ std::string finding_text(const MeshFinding& finding)
         for (std::size_t i = 0; i < finding.first_ids.size(); ++i) {
             text += fmt::format("{} {} {}", i == 0 ? "" : ",", name_of(finding.element),
                                 finding.first_ids[i]);
-            if (i < finding.first_places.size()) text += ' ' + point_text(finding.first_places[i]);
+            if (i < finding.first_positions.size())
+                text += ' ' + point_text(finding.first_positions[i]);
         }
         text += '\n';
     }

@@ -17,19 +17,19 @@ namespace proxima {
 
 namespace {
 
-constexpr std::uint64_t places_seed = 1;
+constexpr std::uint64_t points_seed = 1;
 
 /// Near, on and about the surface; as many as take some seconds on one thread.
-std::vector<Vec3> places_to_ask(const ModelSurface& surface)
+std::vector<Vec3> points_to_ask(const ModelSurface& surface)
 {
     constexpr std::size_t asked_features = 200'000'000; // 5 ns each
     const std::size_t features = surface.topology.vertex_count() + surface.topology.edge_count() +
                                  surface.topology.triangle_count();
     const std::size_t count = std::clamp<std::size_t>(asked_features / 3 / features, 20, 1000);
-    std::vector<Vec3> places;
-    for (const QuerySet& set : query_sets(surface.mesh, count, places_seed))
-        places.insert(places.end(), set.points.begin(), set.points.end());
-    return places;
+    std::vector<Vec3> points;
+    for (const QuerySet& set : query_sets(surface.mesh, count, points_seed))
+        points.insert(points.end(), set.points.begin(), set.points.end());
+    return points;
 }
 
 Status check_mesh_of(const MeshIndex& index, const std::string& mesh, Session& session)
@@ -53,10 +53,10 @@ Status check_index_file(const std::string& path, const std::string& mesh, Sessio
     }
     const auto surface = surface_of(*index, path, session);
     if (!surface) return tl::unexpected(surface.error());
-    const std::vector<Vec3> places = places_to_ask(*surface);
+    const std::vector<Vec3> points = points_to_ask(*surface);
     {
         const ProgressBar shown(session.progress(), session.bar());
-        const Status status = check_answers(*index, surface->mesh, surface->topology, places,
+        const Status status = check_answers(*index, surface->mesh, surface->topology, points,
                                             {.execution = session.execution()});
         if (!status) return at_model(status.error(), path);
     }
@@ -72,14 +72,14 @@ Status check_index_file(const std::string& path, const std::string& mesh, Sessio
     session.print(fmt::format(
         "{}: index of {} triangles\n\nchecksums and structure are sound\n"
         "answers at {} places are those of all triangles, up to rounding\n{}\n\n{}",
-        path, surface->mesh.triangle_count(), places.size(),
+        path, surface->mesh.triangle_count(), points.size(),
         has_mesh ? fmt::format("it is of {}", mesh)
                  : "whether it is of the mesh you mean was not asked: name it with --mesh",
         table.text()));
     return session.write_json({{"model", path},
                                {"mesh", has_mesh ? nlohmann::ordered_json(mesh) : nullptr},
                                {"triangles", surface->mesh.triangle_count()},
-                               {"places", places.size()},
+                               {"places", points.size()},
                                {"nodes", counts.nodes},
                                {"leaves", counts.leaves},
                                {"searched_leaves", counts.searched_leaves},

@@ -79,9 +79,9 @@ public:
             return status;
         const ProgressBar shown(session_.progress(), session_.bar());
         session_.progress().begin_stage("closest features", table_.rows());
-        const std::size_t room = std::min(table_.rows(), round_points);
-        answers_.resize(room);
-        if (searcher_.sign) signs_.resize(room);
+        const std::size_t capacity = std::min(table_.rows(), round_points);
+        answers_.resize(capacity);
+        if (searcher_.sign) signs_.resize(capacity);
         for (std::size_t first = 0; first < table_.rows(); first += round_points) {
             const std::size_t count = std::min(round_points, table_.rows() - first);
             const Stopwatch watch;
@@ -206,7 +206,7 @@ Status run_closest(const ClosestOptions& options, Session& session)
     if (!table) return tl::unexpected(table.error());
     const auto searcher = make_closest_searcher(
         options.model,
-        {.is_signed = options.is_signed, .budget_bytes = options.budget_mb * 1'000'000}, session);
+        {.is_signed = options.is_signed, .list_bytes = options.budget_mb * 1'000'000}, session);
     if (!searcher) return tl::unexpected(searcher.error());
     auto writer = RowWriter::open(options.out);
     if (!writer) return tl::unexpected(writer.error());
@@ -245,11 +245,8 @@ Command add_closest_command(CLI::App& app)
         ->type_name("FILE");
     parser->add_flag("--signed", options->is_signed,
                      "Also the distance with its sign, negative inside, and how it was found");
-    parser
-        ->add_option("--budget-mb", options->budget_mb,
-                     "Build closest-feature lists, of so many 10^6 bytes at most")
-        ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40U))
-        ->type_name("N");
+    add_budget_option(*parser, options->budget_mb,
+                      "Build closest-feature lists, of so many 10^6 bytes at most");
     add_query_method_option(*parser, options->method,
                             "its proximity octree, of convex meshes, for points outside");
     parser

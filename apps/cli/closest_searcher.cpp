@@ -21,7 +21,7 @@ Status load(const std::string& model, Session& session, ClosestSearcher& searche
     return {};
 }
 
-Status build(const std::string& model, std::uint64_t budget_bytes, Session& session,
+Status build(const std::string& model, std::uint64_t list_bytes, Session& session,
              ClosestSearcher& searcher)
 {
     const auto mesh = session.load_model(model);
@@ -29,9 +29,8 @@ Status build(const std::string& model, std::uint64_t budget_bytes, Session& sess
     const Stopwatch watch;
     const ProgressBar shown(session.progress(), session.bar());
     auto index = build_mesh_index(*mesh, {.execution = session.execution()});
-    if (index && budget_bytes != 0) {
-        index =
-            with_lists(*index, {.budget_bytes = budget_bytes, .execution = session.execution()});
+    if (index && list_bytes != 0) {
+        index = with_lists(*index, {.list_bytes = list_bytes, .execution = session.execution()});
     }
     if (!index) return at_model(index.error(), model);
     searcher.index = std::move(*index);
@@ -48,7 +47,7 @@ make_closest_searcher(const std::string& model, const ClosestSearcherOptions& op
     auto searcher = std::make_unique<ClosestSearcher>();
     const Status status = is_index_file(model)
                               ? load(model, session, *searcher)
-                              : build(model, options.budget_bytes, session, *searcher);
+                              : build(model, options.list_bytes, session, *searcher);
     if (!status) return tl::unexpected(status.error());
     if (!options.is_signed) return searcher;
     const Stopwatch watch;

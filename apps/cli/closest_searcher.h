@@ -24,10 +24,10 @@ struct ClosestSearcher {
 
 struct ClosestSearcherOptions {
     bool is_signed = false;
-    std::uint64_t budget_bytes = 0; ///< of lists; 0: none
+    std::uint64_t list_bytes = 0; ///< at most; 0: no lists
 };
 
-/// Builds the searcher of a mesh, with lists if a budget is given, or of a saved index (.pxi). Errors
+/// Builds the searcher of a mesh, with lists where list_bytes is not 0, or of a saved index (.pxi). Errors
 /// name the model.
 [[nodiscard]] Result<std::unique_ptr<ClosestSearcher>>
 make_closest_searcher(const std::string& model, const ClosestSearcherOptions& options,

@@ -26,16 +26,16 @@ constexpr int first_signal_status = 128;
 void report(std::string_view message)
 {
     std::string line = "proxima: ";
-    for (std::size_t place = 0; place < message.size();) {
-        const std::size_t length = utf8_length(message.substr(place));
+    for (std::size_t position = 0; position < message.size();) {
+        const std::size_t length = utf8_length(message.substr(position));
         if (length > 0) {
-            line += message.substr(place, length);
-            place += length;
+            line += message.substr(position, length);
+            position += length;
         } else {
-            line += message[place] == '\n'
+            line += message[position] == '\n'
                         ? " "
-                        : fmt::format("\\x{:02X}", static_cast<unsigned char>(message[place]));
-            ++place;
+                        : fmt::format("\\x{:02X}", static_cast<unsigned char>(message[position]));
+            ++position;
         }
     }
     fmt::print(stderr, "{}\n", line);

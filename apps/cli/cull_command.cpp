@@ -142,38 +142,24 @@ void cull(Culled& culled, CullMode mode)
     count_all_cells(culled);
 }
 
-std::string thesis_text(const CullOptions& options, const Culled& culled)
-{
-    const auto triangles = static_cast<double>(culled.mesh.triangle_count());
-    return fmt::format("{}: {} triangles, octree of {:.2f} MB built in {:.3f} s\n"
-                       "{} triangles listed by visible cells ({:.3g} %), in {:.3g} us\n"
-                       "{} of {} occupied cells visible\n",
-                       options.model, culled.mesh.triangle_count(),
-                       1e-6 * static_cast<double>(culled.octree.bytes()), culled.build_seconds,
-                       culled.triangles.size(),
-                       100 * static_cast<double>(culled.triangles.size()) / triangles,
-                       1e6 * culled.seconds, culled.cells, culled.all_cells);
-}
-
-std::string index_text(const CullOptions& options, const Culled& culled)
-{
-    const auto triangles = static_cast<double>(culled.mesh.triangle_count());
-    return fmt::format("{}: {} triangles, index of {:.2f} MB built in {:.3f} s\n"
-                       "{} triangles visible ({:.3g} %), in {} ranges of the index in "
-                       "{:.3g} us, as ids in {:.3g} us\n"
-                       "{} of {} occupied cells visible\n",
-                       options.model, culled.mesh.triangle_count(),
-                       1e-6 * static_cast<double>(culled.index.bytes()), culled.build_seconds,
-                       culled.triangles.size(),
-                       100 * static_cast<double>(culled.triangles.size()) / triangles,
-                       culled.ranges.size(), 1e6 * culled.seconds, 1e6 * culled.id_seconds,
-                       culled.cells, culled.all_cells);
-}
-
 std::string text_of(const CullOptions& options, const Culled& culled)
 {
-    std::string text = options.method == QueryMethod::thesis ? thesis_text(options, culled)
-                                                             : index_text(options, culled);
+    const bool by_cells = options.method == QueryMethod::thesis;
+    const auto bytes = static_cast<double>(by_cells ? culled.octree.bytes() : culled.index.bytes());
+    const double percent = 100 * static_cast<double>(culled.triangles.size()) /
+                           static_cast<double>(culled.mesh.triangle_count());
+    std::string text =
+        fmt::format("{}: {} triangles, {} of {:.2f} MB built in {:.3f} s\n", options.model,
+                    culled.mesh.triangle_count(), by_cells ? "octree" : "index", 1e-6 * bytes,
+                    culled.build_seconds);
+    text += by_cells
+                ? fmt::format("{} triangles listed by visible cells ({:.3g} %), in {:.3g} us\n",
+                              culled.triangles.size(), percent, 1e6 * culled.seconds)
+                : fmt::format("{} triangles visible ({:.3g} %), in {} ranges of the index in "
+                              "{:.3g} us, as ids in {:.3g} us\n",
+                              culled.triangles.size(), percent, culled.ranges.size(),
+                              1e6 * culled.seconds, 1e6 * culled.id_seconds);
+    text += fmt::format("{} of {} occupied cells visible\n", culled.cells, culled.all_cells);
     if (culled.volume.empty()) text += "the planes contradict each other: no point is inside all\n";
     for (const std::string& path : {options.out, options.picture})
         if (!path.empty()) text += fmt::format("wrote {}\n", path);

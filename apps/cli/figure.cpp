@@ -14,10 +14,10 @@ namespace {
 std::string xml_text(std::string_view text)
 {
     std::string result;
-    for (std::size_t place = 0; place < text.size();) {
-        const std::size_t length = utf8_length(text.substr(place));
-        const std::string_view letter = text.substr(place, std::max<std::size_t>(length, 1));
-        place += letter.size();
+    for (std::size_t position = 0; position < text.size();) {
+        const std::size_t length = utf8_length(text.substr(position));
+        const std::string_view letter = text.substr(position, std::max<std::size_t>(length, 1));
+        position += letter.size();
         if (length == 0) {
             result += '?';
         } else if (letter == "&") {

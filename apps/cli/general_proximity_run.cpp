@@ -38,7 +38,7 @@ struct GeneralRow {
 std::uint64_t budget_of(const ProximityCommandOptions& options, const TriangleMesh& mesh)
 {
     return options.budget_mb != 0 ? options.budget_mb * 1'000'000
-                                  : default_list_budget(mesh.triangle_count());
+                                  : default_list_bytes(mesh.triangle_count());
 }
 
 /// To --save and --export.
@@ -73,7 +73,7 @@ Result<std::vector<GeneralRow>> build_rows(const ProximityCommandOptions& option
         const PeakMemory memory;
         const Stopwatch watch;
         const auto index =
-            with_lists(*plain, {.budget_bytes = budget_of(options, mesh),
+            with_lists(*plain, {.list_bytes = budget_of(options, mesh),
                                 .margin = options.margin,
                                 .max_depth = depth,
                                 .execution = {.threads = session.threads(), .progress = progress}});

@@ -1,4 +1,4 @@
-// proxima index: builds what all queries of a mesh ask, with the shelves that are asked for, and
+// proxima index: builds what all queries of a mesh ask, with the additions that are asked for, and
 // saves it.
 #include "cli/commands.h"
 #include "cli/index_file_model.h"
@@ -28,13 +28,13 @@ struct IndexOptions {
     bool slabs = false;
 };
 
-/// Adds the shelves that are asked for.
-Result<MeshIndex> with_shelves(MeshIndex index, const IndexOptions& options, Session& session)
+/// Adds lists and slabs where asked for.
+Result<MeshIndex> with_additions(MeshIndex index, const IndexOptions& options, Session& session)
 {
     Progress* const progress = &session.progress();
     if (options.lists || options.budget_mb != 0) {
         auto listed =
-            with_lists(index, {.budget_bytes = options.budget_mb * 1'000'000,
+            with_lists(index, {.list_bytes = options.budget_mb * 1'000'000,
                                .execution = {.threads = session.threads(), .progress = progress}});
         if (!listed) return listed;
         index = std::move(*listed);
@@ -52,7 +52,7 @@ Result<MeshIndex> make_index(const IndexOptions& options, Session& session, doub
         auto index = load_index_file(options.model, session);
         if (!index) return index;
         const ProgressBar shown(session.progress(), session.bar());
-        auto with = with_shelves(std::move(*index), options, session);
+        auto with = with_additions(std::move(*index), options, session);
         seconds = watch.seconds();
         return with;
     }
@@ -62,7 +62,7 @@ Result<MeshIndex> make_index(const IndexOptions& options, Session& session, doub
     const Stopwatch watch;
     auto index = build_mesh_index(*mesh, {.execution = session.execution()});
     if (!index) return index;
-    auto with = with_shelves(std::move(*index), options, session);
+    auto with = with_additions(std::move(*index), options, session);
     seconds = watch.seconds();
     return with;
 }
@@ -121,12 +121,9 @@ Command add_index_command(CLI::App& app)
         ->type_name("FILE");
     parser->add_flag("--lists", options->lists,
                      "With closest-feature lists, which bound the slowest query");
-    parser
-        ->add_option("--budget-mb", options->budget_mb,
-                     "With lists, of so many 10^6 bytes at most (default: 520 bytes per triangle, "
-                     "more for small meshes)")
-        ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40U))
-        ->type_name("N");
+    add_budget_option(*parser, options->budget_mb,
+                      "With lists, of so many 10^6 bytes at most (default: 520 bytes per triangle, "
+                      "more for small meshes)");
     parser->add_flag("--slabs", options->slabs, "With slabs, which speed up distances of meshes");
     return {parser, [options](Session& session) { return run_index(*options, session); }};
 }

@@ -155,7 +155,7 @@ PoseAnswer find_in(const Body& a, const Body& b, const RigidTransform& pose,
     }
     if (options.distance) {
         const Stopwatch watch;
-        answer.nearest = mesh_distance(a.index, b.index, pose, last);
+        answer.nearest = mesh_distance(a.index, b.index, pose, {.start_from = last});
         answer.distance_seconds = watch.seconds();
     }
     return answer;

@@ -116,9 +116,9 @@ constexpr std::string_view unknown_glyph = "0e0q6q6e0e";
 
 std::string_view glyph_of(char letter) noexcept
 {
-    const int place = letter - first_printable;
-    if (place < 0 || place >= static_cast<int>(glyphs.size())) return unknown_glyph;
-    return glyphs[static_cast<std::size_t>(place)];
+    const int position = letter - first_printable;
+    if (position < 0 || position >= static_cast<int>(glyphs.size())) return unknown_glyph;
+    return glyphs[static_cast<std::size_t>(position)];
 }
 
 double width_of(char letter) noexcept
@@ -147,7 +147,7 @@ std::vector<std::array<Vec2, 2>> text_strokes(std::string_view text, double x, d
     double pen = style.anchor == TextAnchor::start    ? 0.0
                  : style.anchor == TextAnchor::middle ? -0.5 * length
                                                       : -length;
-    const auto place = [&](char across, char up) -> Vec2 {
+    const auto position = [&](char across, char up) -> Vec2 {
         const double along = pen + scale * (across - '0');
         const double above = scale * (up - baseline);
         if (style.turn == TextTurn::upward) return {x - above, y - along};
@@ -163,7 +163,7 @@ std::vector<std::array<Vec2, 2>> text_strokes(std::string_view text, double x, d
                 continue;
             }
             lines.push_back(
-                {place(strokes[i], strokes[i + 1]), place(strokes[i + 2], strokes[i + 3])});
+                {position(strokes[i], strokes[i + 1]), position(strokes[i + 2], strokes[i + 3])});
         }
         pen += scale * (width_of(letter) + gap);
     }

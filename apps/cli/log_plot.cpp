@@ -43,7 +43,7 @@ public:
         low_ = *std::prev(std::ranges::upper_bound(around, least));
         high_ = *std::ranges::lower_bound(around, std::max(most, low_ * 1.5));
     }
-    [[nodiscard]] double place(double value) const
+    [[nodiscard]] double position(double value) const
     {
         return from_ + (to_ - from_) * std::log(value / low_) / std::log(high_ / low_);
     }
@@ -100,13 +100,13 @@ private:
     {
         constexpr double tick = 7;
         for (const double value : x_.ticks()) {
-            const double x = x_.place(value);
+            const double x = x_.position(value);
             figure_.lines.push_back({{x, y_.to()}, {x, y_.from()}, plot_grid, 1});
             figure_.lines.push_back({{x, y_.from()}, {x, y_.from() + tick}, plot_ink, 2});
             add_text({x, y_.from() + 28}, fmt::format("{:g}", value), 15, TextAnchor::middle);
         }
         for (const double value : y_.ticks()) {
-            const double y = y_.place(value);
+            const double y = y_.position(value);
             figure_.lines.push_back({{x_.from(), y}, {x_.to(), y}, plot_grid, 1});
             figure_.lines.push_back({{x_.from() - tick, y}, {x_.from(), y}, plot_ink, 2});
             add_text({x_.from() - 2 * tick, y + 7}, fmt::format("{:g}", value), 15,
@@ -135,7 +135,7 @@ private:
         const PlotSeries& one = series_[i];
         const unsigned color = plot_color(i);
         const auto at = [&](const Vec2& point) {
-            return Vec2(x_.place(point.x()), y_.place(point.y()));
+            return Vec2(x_.position(point.x()), y_.position(point.y()));
         };
         for (std::size_t k = 0; k < one.points.size(); ++k) {
             const Vec2 here = at(one.points[k]);

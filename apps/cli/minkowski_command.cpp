@@ -59,9 +59,8 @@ Result<ConvexPolyhedron> load_operand(const std::string& model, const Options& o
 {
     const auto mesh = session.load_model(model);
     if (!mesh) return tl::unexpected(mesh.error());
-    Progress* const progress = &session.progress();
     auto polyhedron = options.take_hull
-                          ? convex_hull(mesh->positions(), {}, progress)
+                          ? convex_hull(mesh->positions(), {}, session.execution())
                           : polyhedron_of_mesh(*mesh, {options.tolerance, session.execution()});
     if (polyhedron) return polyhedron;
     Error error = polyhedron.error();
@@ -149,7 +148,8 @@ Status run_minkowski(const Options& options, Session& session)
     if (!b) return tl::unexpected(b.error());
 
     const Stopwatch watch;
-    const auto unscaled = minkowski_sum_by(options.method, *a, *b, &session.progress());
+    const auto unscaled =
+        minkowski_sum_by(options.method, *a, *b, {.execution = session.execution()});
     if (!unscaled) return tl::unexpected(unscaled.error());
     const MinkowskiSum sum = unscaled->scaled(options.scale);
     const double seconds = watch.seconds();

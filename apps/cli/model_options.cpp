@@ -42,6 +42,14 @@ void add_method_option(CLI::App& parser, OverlapMethod& method)
         ->type_name("NAME");
 }
 
+CLI::Option* add_budget_option(CLI::App& parser, std::uint64_t& megabytes,
+                               const std::string& description)
+{
+    return parser.add_option("--budget-mb", megabytes, description)
+        ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40U))
+        ->type_name("N");
+}
+
 UpAxis up_axis_of_model(const std::string& model)
 {
     return is_sample_mesh_name(model) ? UpAxis::z : UpAxis::y;

@@ -5,10 +5,12 @@
 #include "proxima/octree.h"
 #include "proxima/result.h"
 
+#include <cstdint>
 #include <string>
 
 namespace CLI {
 class App;
+class Option;
 } // namespace CLI
 
 namespace proxima {
@@ -26,6 +28,10 @@ void add_model_option(CLI::App& parser, std::string& model, ModelKinds kinds = M
 
 /// --method NAME.
 void add_method_option(CLI::App& parser, OverlapMethod& method);
+
+/// --budget-mb N, of 10^6 bytes; `description` says of what, and what is used without it.
+CLI::Option* add_budget_option(CLI::App& parser, std::uint64_t& megabytes,
+                               const std::string& description);
 
 /// The up axis that a model is drawn with: built-ins stand on z, files mostly on y.
 [[nodiscard]] UpAxis up_axis_of_model(const std::string& model);

@@ -143,8 +143,9 @@ Result<NpyHeader> parse_dictionary(std::string_view dictionary)
 Result<NpyHeader> parse_npy_header(std::string_view bytes)
 {
     if (!bytes.starts_with(magic)) return malformed();
-    const auto byte = [&](std::size_t place) {
-        return place < bytes.size() ? std::size_t{static_cast<unsigned char>(bytes[place])} : 0;
+    const auto byte = [&](std::size_t position) {
+        return position < bytes.size() ? std::size_t{static_cast<unsigned char>(bytes[position])}
+                                       : 0;
     };
     const std::size_t version = byte(6);
     if (version < 1 || version > 3) return malformed();

@@ -199,21 +199,22 @@ private:
         if (values.size() + table_.columns > values.capacity()) {
             if (Status status = make_room(); !status) return status;
         }
-        for (const char* place = line.data();; ++place) {
+        for (const char* position = line.data();; ++position) {
             const char* const end = line.data() + line.size();
-            place = skip_spaces(place, end);
+            position = skip_spaces(position, end);
             double value = 0;
-            const char* const after = detail::parse_real(place, end, value);
+            const char* const after = detail::parse_real(position, end, value);
             const char* const next = after == nullptr ? nullptr : skip_spaces(after, end);
             ++columns;
-            if (next == nullptr || (next != end && *next != ',')) return refuse_field(place, end);
+            if (next == nullptr || (next != end && *next != ','))
+                return refuse_field(position, end);
             if (!std::isfinite(value)) {
                 return refuse(concat("column ", columns, " is no finite number, but ",
-                                     field(place, end), ": leave the row out"));
+                                     field(position, end), ": leave the row out"));
             }
             if (columns <= table_.columns) values.push_back(value);
-            place = next;
-            if (place == end) break;
+            position = next;
+            if (position == end) break;
         }
         if (columns == table_.columns) return {};
         return refuse(concat(columns, columns == 1 ? " number" : " numbers",
@@ -223,11 +224,11 @@ private:
     Status make_room()
     {
         std::vector<double>& values = table_.values;
-        const std::size_t room = std::max<std::size_t>(2 * values.capacity(), piece / 8);
-        const std::uint64_t bytes = (room + values.capacity()) * sizeof(double);
+        const std::size_t wanted = std::max<std::size_t>(2 * values.capacity(), piece / 8);
+        const std::uint64_t bytes = (wanted + values.capacity()) * sizeof(double);
         if (Status status = check_room(file_, bytes, budget_); !status) return status;
         try {
-            values.reserve(room);
+            values.reserve(wanted);
         } catch (const std::bad_alloc&) {
             return fail(ErrorCode::budget_exceeded, "no memory for these numbers: split the file",
                         file_.path());
@@ -235,22 +236,22 @@ private:
         return {};
     }
 
-    static const char* skip_spaces(const char* place, const char* end)
+    static const char* skip_spaces(const char* position, const char* end)
     {
-        while (place < end && (*place == ' ' || *place == '\t')) ++place;
-        return place;
+        while (position < end && (*position == ' ' || *position == '\t')) ++position;
+        return position;
     }
 
-    static std::string field(const char* place, const char* end)
+    static std::string field(const char* position, const char* end)
     {
         constexpr std::ptrdiff_t shown = 40;
-        const char* const comma = std::find(place, end, ',');
-        return {place, std::min(comma, place + std::min(shown, end - place))};
+        const char* const comma = std::find(position, end, ',');
+        return {position, std::min(comma, position + std::min(shown, end - position))};
     }
 
-    Status refuse_field(const char* place, const char* end)
+    Status refuse_field(const char* position, const char* end)
     {
-        const std::string text = field(place, end);
+        const std::string text = field(position, end);
         return refuse(text.empty()
                           ? concat("a number is missing: ", names_, " takes ", table_.columns)
                           : concat(text, " is no number; numbers stand between commas"));
@@ -278,11 +279,11 @@ public:
     {}
 
     /// False where the number is not finite.
-    bool store(std::uint64_t place, double value)
+    bool store(std::uint64_t position, double value)
     {
-        row_ = order_ == NpyOrder::rows_first ? place / columns_ : place % rows_;
+        row_ = order_ == NpyOrder::rows_first ? position / columns_ : position % rows_;
         const std::uint64_t column =
-            order_ == NpyOrder::rows_first ? place % columns_ : place / rows_;
+            order_ == NpyOrder::rows_first ? position % columns_ : position / rows_;
         table_.values[row_ * columns_ + column] = value;
         return std::isfinite(value);
     }
@@ -343,9 +344,9 @@ Result<NumberTable> read_npy(InputFile& file, std::string_view names, MemoryBudg
     buffer.erase(0, header->length);
     NpyNumbers numbers(*header, table);
     const std::size_t step = header->bytes_per_number;
-    for (std::uint64_t place = 0; place < count;) {
+    for (std::uint64_t position = 0; position < count;) {
         std::size_t used = 0;
-        for (; used + step <= buffer.size() && place < count; used += step, ++place) {
+        for (; used + step <= buffer.size() && position < count; used += step, ++position) {
             double value = 0;
             if (step == sizeof(float)) {
                 float single = 0;
@@ -354,13 +355,13 @@ Result<NumberTable> read_npy(InputFile& file, std::string_view names, MemoryBudg
             } else {
                 std::memcpy(&value, buffer.data() + used, sizeof value);
             }
-            if (!numbers.store(place, value)) {
+            if (!numbers.store(position, value)) {
                 return fail(ErrorCode::malformed_file,
                             concat(value, " is no finite number: leave the row out"),
                             concat(file.path(), ", row ", numbers.last_row(), " from 0"));
             }
         }
-        if (place == count) break;
+        if (position == count) break;
         buffer.erase(0, used);
         const std::size_t held = buffer.size();
         buffer.resize(held + piece);

@@ -223,11 +223,8 @@ Command add_octree_command(CLI::App& app)
             },
             "Shape of the root: cube, box (default cube)")
         ->type_name("SHAPE");
-    parser
-        ->add_option("--budget-mb", options->budget_mb,
-                     "Memory the build may use, in 10^6 bytes (default: 3/4 of the machine's)")
-        ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40U))
-        ->type_name("N");
+    add_budget_option(*parser, options->budget_mb,
+                      "Memory the build may use, in 10^6 bytes (default: 3/4 of the machine's)");
     parser->add_option("--save", options->save, "Write the octree's own format")
         ->type_name("FILE.pxo");
     parser

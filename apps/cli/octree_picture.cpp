@@ -38,9 +38,9 @@ Color depth_color(double part)
 {
     const std::array<Color, 6> stops = {srgb(0x4527A0), srgb(0x1565C0), srgb(0x00897B),
                                         srgb(0x689F38), srgb(0xEF6C00), srgb(0xC2185B)};
-    const double place = std::clamp(part, 0.0, 1.0) * (stops.size() - 1);
-    const auto stop = std::min(static_cast<std::size_t>(place), stops.size() - 2);
-    const auto rest = static_cast<float>(place - static_cast<double>(stop));
+    const double position = std::clamp(part, 0.0, 1.0) * (stops.size() - 1);
+    const auto stop = std::min(static_cast<std::size_t>(position), stops.size() - 2);
+    const auto rest = static_cast<float>(position - static_cast<double>(stop));
     return (1.0F - rest) * stops[stop] + rest * stops[stop + 1];
 }
 

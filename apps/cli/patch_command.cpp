@@ -1,4 +1,4 @@
-// proxima patch: the triangles round the place of a mesh that is closest to a point, by rings of
+// proxima patch: the triangles round the position of a mesh that is closest to a point, by rings of
 // neighbours (thesis 5.1.1) or by distance.
 #include "base/text.h"
 #include "cli/answer_table.h"
@@ -116,7 +116,7 @@ Result<CollectedPatch> collect_patch(const PatchModel& model, const PatchOptions
             : collect_rings(mesh, model.surface.topology, patch.closest.feature,
                             static_cast<int>(most_rings), scratch, patch.triangles,
                             patch.ring_ends);
-    patch.triangles.resize(found.count);
+    patch.triangles.resize(found.written);
     std::ranges::sort(patch.triangles);
     patch.seconds = watch.seconds();
     std::vector<std::size_t>& ends = patch.ring_ends;
@@ -147,15 +147,15 @@ std::string text_of(const PatchOptions& options, const PatchModel& model,
                     const CollectedPatch& patch, double area)
 {
     const ClosestFeature& closest = patch.closest;
-    const auto place = [](const Vec3& p) {
+    const auto position = [](const Vec3& p) {
         return fmt::format("({:.9g}, {:.9g}, {:.9g})", p.x(), p.y(), p.z());
     };
     std::string text =
         fmt::format("{}: {} triangles\n"
                     "closest to {}: {} {} of triangle {} at {}, distance {:.6g}\n",
-                    options.model, model.surface.mesh.triangle_count(), place(options.point),
+                    options.model, model.surface.mesh.triangle_count(), position(options.point),
                     kind_name(closest.feature.kind), closest.feature.id, index(closest.triangle),
-                    place(closest.point), std::sqrt(closest.squared_distance));
+                    position(closest.point), std::sqrt(closest.squared_distance));
     const std::size_t count = patch.triangles.size();
     if (options.radius) {
         text += fmt::format("within {:g} of the point: {} {}, area {:.6g}\n", *options.radius,

@@ -1,5 +1,6 @@
 #include "cli/patch_speeds.h"
 
+#include "haptics/force/surface_renderer.h"
 #include "lab/hand_script.h"
 #include "proxima/device.h"
 #include "proxima/haptic_renderer.h"
@@ -71,7 +72,8 @@ PatchAccount touch_along(const HandScript& script, const TouchModel& model, cons
 {
     const RenderOptions render = {.proxy_radius = options.radius};
     PatchTouch patches(model, settings, map, render, nullptr, servo_tick, Pace::unpaced);
-    HapticRenderer renderer(patches.surface(), map, *find_device("omni"), render);
+    HapticRenderer renderer =
+        make_surface_renderer(patches.surface(), map, *find_device("omni"), render);
     SteadyPath path(script, options.speed);
     LatencyHistogram times;
     Vec3 last = script.target(0);

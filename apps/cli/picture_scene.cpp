@@ -85,8 +85,8 @@ void Camera::fit(std::span<const Vec3> points, int width, int height)
         seen.extend(Vec2(at.x, at.y));
     }
     const Vec2 size(width, height);
-    const Vec2 room = (1.0 - 2.0 * margin) * size;
-    zoom_ = (room.array() / seen.sizes().array().max(1e-12)).minCoeff();
+    const Vec2 inner_size = (1.0 - 2.0 * margin) * size;
+    zoom_ = (inner_size.array() / seen.sizes().array().max(1e-12)).minCoeff();
     origin_ = 0.5 * size - zoom_ * seen.center();
 }
 

@@ -43,7 +43,7 @@ private:
 /// The colour of a triangle's surface.
 using SurfaceColor = std::function<Color(TriangleId)>;
 
-/// Draws the mesh shaded, in the house's clay unless colours are given. Stage "drawing the mesh".
+/// Draws the mesh shaded, in the clay colour of all pictures unless colours are given. Stage "drawing the mesh".
 void draw_mesh(Canvas& canvas, const Camera& camera, const TriangleMesh& mesh,
                const SurfaceColor& color, Progress* progress);
 

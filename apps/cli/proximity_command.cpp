@@ -180,13 +180,10 @@ Command add_proximity_command(CLI::App& app)
                      "- cos of the faces' angle is below this (1e-5 gives the thesis's 4850 edges)")
         ->check(CLI::Range(0.0, 1.0))
         ->type_name("C");
-    parser
-        ->add_option("--budget-mb", options->budget_mb,
-                     "Size of the lists at most, in 10^6 bytes (default: 520 bytes per triangle, "
-                     "more for small meshes); "
-                     "thesis: memory its build may use (default: 3/4 of the machine's)")
-        ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40U))
-        ->type_name("N");
+    add_budget_option(*parser, options->budget_mb,
+                      "Size of the lists at most, in 10^6 bytes (default: 520 bytes per triangle, "
+                      "more for small meshes); "
+                      "thesis: memory its build may use (default: 3/4 of the machine's)");
     parser
         ->add_option("--save", options->save,
                      "Write the index with the lists: .pxi (general method)")

@@ -52,9 +52,9 @@ float usual_most(const std::vector<float>& weights)
     std::copy_if(weights.begin(), weights.end(), std::back_inserter(seen),
                  [](float weight) { return weight > 0; });
     if (seen.empty()) return 1;
-    const auto place = seen.begin() + static_cast<std::ptrdiff_t>((seen.size() - 1) * 99 / 100);
-    std::nth_element(seen.begin(), place, seen.end());
-    return *place;
+    const auto position = seen.begin() + static_cast<std::ptrdiff_t>((seen.size() - 1) * 99 / 100);
+    std::nth_element(seen.begin(), position, seen.end());
+    return *position;
 }
 
 } // namespace

@@ -2,42 +2,22 @@
 
 #include "base/text.h"
 #include "geometry/exact_predicates.h"
-#include "haptics/device/dhd_device.h"
-#include "haptics/device/hd_device.h"
-#include "haptics/device/udp_device.h"
 #include "lab/hand_device.h"
 #include "lab/hand_script.h"
 #include "proxima/device.h"
 #include "proxima/haptic_renderer.h"
 
-#include <algorithm>
-#include <charconv>
 #include <string_view>
 
 namespace proxima {
 
 namespace {
 
-/// "kind:rest"
-struct DeviceName {
-    std::string_view kind;
-    std::string_view rest;
-    bool has_rest = false;
-};
-
-DeviceName split(std::string_view name)
+/// "SCRIPT" of "hand:SCRIPT"; empty for other devices.
+std::string_view script_of(std::string_view device)
 {
-    const std::size_t colon = name.find(':');
-    if (colon == std::string_view::npos) return {name, {}, false};
-    return {name.substr(0, colon), name.substr(colon + 1), true};
-}
-
-std::optional<int> index_of(std::string_view text)
-{
-    int index = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), index);
-    const bool whole = error == std::errc() && end == text.data() + text.size();
-    return whole && index >= 0 && index < 64 ? std::optional(index) : std::nullopt;
+    constexpr std::string_view prefix = "hand:";
+    return device.starts_with(prefix) ? device.substr(prefix.size()) : std::string_view();
 }
 
 WorkspaceMap map_of(const Box& box, const DeviceLimits& limits, double scale)
@@ -69,15 +49,6 @@ Result<TouchDevice> ready(Result<std::unique_ptr<Device>> device,
     return result;
 }
 
-Result<std::unique_ptr<Device>> open_udp(std::string_view address, const DeviceLimits& limits)
-{
-    const auto parsed = parse_udp_address(address);
-    if (!parsed) return tl::unexpected(parsed.error());
-    auto device = UdpDevice::open({.address = *parsed, .limits = limits});
-    if (!device) return tl::unexpected(device.error());
-    return std::move(*device);
-}
-
 } // namespace
 
 std::string touch_device_names()
@@ -89,13 +60,9 @@ std::string touch_device_names()
 
 std::string touch_device_problem(const std::string& device)
 {
-    const DeviceName name = split(device);
-    const std::string rest(name.rest);
-    const bool known = (name.kind == "replay" && !rest.empty()) ||
-                       (name.kind == "hand" && is_hand_script(rest)) ||
-                       (name.kind == "udp" && parse_udp_address(rest)) ||
-                       (name.kind == "hd" && name.has_rest != rest.empty()) ||
-                       (name.kind == "dhd" && (name.has_rest ? index_of(rest).has_value() : true));
+    constexpr std::string_view replay = "replay:";
+    const bool replays = device.starts_with(replay) && device.size() > replay.size();
+    const bool known = replays || is_hand_script(script_of(device)) || is_device_name(device);
     return known ? std::string() : concat(device, " is no device: give ", touch_device_names());
 }
 
@@ -103,19 +70,13 @@ Result<TouchDevice> open_touch_device(const TouchDeviceSettings& settings, const
                                       const TriangleMesh& mesh, const Topology& topology,
                                       std::span<const std::uint32_t> parts)
 {
-    const DeviceName name = split(settings.device);
-    const std::string rest(name.rest);
     const DeviceLimits limits = settings.limits.value_or(*find_device("omni"));
-    if (name.kind == "hd") {
-        return ready(open_hd_device({.device = rest, .library = settings.library}), settings, box);
+    if (is_device_name(settings.device)) {
+        return ready(open_device(settings.device, {.library = settings.library, .limits = limits}),
+                     settings, box);
     }
-    if (name.kind == "dhd") {
-        const int index = name.has_rest ? index_of(rest).value_or(0) : 0;
-        return ready(open_dhd_device({.index = index, .library = settings.library}), settings, box);
-    }
-    if (name.kind == "udp") return ready(open_udp(rest, limits), settings, box);
-    auto script = HandScript::make(rest, mesh, topology, map_of(box, limits, settings.scale),
-                                   settings.seed, parts);
+    auto script = HandScript::make(script_of(settings.device), mesh, topology,
+                                   map_of(box, limits, settings.scale), settings.seed, parts);
     if (!script) return tl::unexpected(script.error());
     const Vec3 start = script->target(0);
     HandTarget target = [path = std::move(*script)](double seconds) {
@@ -150,11 +111,13 @@ std::string_view word_of(InputCondition condition) noexcept
 std::vector<FoundDevice> look_for_devices(const std::string& library)
 {
     std::vector<FoundDevice> found;
-    add_found(found, "hd", open_hd_device({.library = library}));
+    const OpenDeviceOptions options = {.library = library};
+    add_found(found, "hd", open_device("hd", options));
     for (int index = 0; index < 64; ++index) {
-        const auto opened = open_dhd_device({.index = index, .library = library});
+        const std::string name = index == 0 ? "dhd" : concat("dhd:", index);
+        const auto opened = open_device(name, options);
         if (!opened && index > 0) break; // they are numbered without gaps
-        add_found(found, index == 0 ? "dhd" : concat("dhd:", index), opened);
+        add_found(found, name, opened);
         if (!opened) break;
     }
     return found;

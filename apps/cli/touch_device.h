@@ -43,8 +43,7 @@ struct TouchDevice {
 };
 
 /// The workspace is laid about the box; the mesh, of objects that begin at the triangles of
-/// `parts`, is what a hand's script goes by. Errors: those of HandScript::make, UdpDevice::open,
-/// open_hd_device and open_dhd_device.
+/// `parts`, is what a hand's script goes by. Errors: those of HandScript::make and open_device.
 [[nodiscard]] Result<TouchDevice> open_touch_device(const TouchDeviceSettings& settings,
                                                     const Box& box, const TriangleMesh& mesh,
                                                     const Topology& topology,

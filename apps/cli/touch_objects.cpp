@@ -103,18 +103,18 @@ Result<std::unique_ptr<TouchModel>> load_touch_scene(const ScenePlan& plan, Forc
         objects[i].mesh_fingerprint = fingerprint;
         model->parts.push_back(triangles);
         triangles += static_cast<std::uint32_t>(body->mesh().triangle_count());
-        bodies.push_back(std::move(*body));
+        bodies.push_back(*body);
     }
-    auto scene = ScriptedScene::make(std::move(bodies), objects);
+    auto scene = ScriptedScene::make(bodies, objects);
     if (!scene) return tl::unexpected(scene.error());
     model->scene = std::move(*scene);
-    auto mesh = standing_mesh(model->scene->scene());
+    auto mesh = scene_mesh(model->scene->scene());
     if (!mesh) return tl::unexpected(mesh.error());
     auto surface = surface_of(std::move(*mesh), plan.models.front(), session);
     if (!surface) return tl::unexpected(surface.error());
     model->surface = std::move(*surface);
     model->object_names = plan.models;
-    model->reach = model->scene->reach();
+    model->reach = model->scene->bounds();
     model->build_seconds = watch.seconds();
     return model;
 }

@@ -123,7 +123,7 @@ TouchSettings settings_of(const TouchCommandOptions& options)
     settings.render.dynamic_friction = 0.75 * options.friction;
     settings.render.shading = options.shading ? ForceShading::on : ForceShading::off;
     if (options.force == "penalty") {
-        settings.render.law = ForceLaw::penalty;
+        settings.law = ForceLaw::penalty;
         settings.render.static_friction = settings.render.dynamic_friction = 0;
     }
     settings.pace = options.free_running ? Pace::unpaced : Pace::real_time;

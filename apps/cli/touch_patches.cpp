@@ -49,14 +49,14 @@ double mean_triangles(const PatchAccount& account)
 
 PatchTouch::PatchTouch(const TouchModel& model, const PatchSettings& settings,
                        const WorkspaceMap& map, const RenderOptions& render,
-                       const SurfaceFeel* feel, double tick_seconds, Pace pace)
+                       const SurfaceProperties* properties, double tick_seconds, Pace pace)
     : whole_(*model.contact),
       map_(map), options_{.rate = settings.collision_rate,
                           .latency_seconds = 1 / settings.collision_rate,
                           .speed = settings.hand_speed * map.units_per_metre,
                           .proxy_radius = render.proxy_radius * map.units_per_metre},
       rings_(model.index, model.surface.mesh, model.surface.topology), patch_(whole_.scale()),
-      expected_(whole_, proxy_options(render, map, feel)), near_(ContactPatch::most),
+      expected_(whole_, proxy_options(render, map, properties)), near_(ContactPatch::most),
       exchange_(room_for(model)), due_(2, ContactPatch(room_for(model)))
 {
     account_.settings = settings;
@@ -72,10 +72,10 @@ PatchTouch::PatchTouch(const TouchModel& model, const PatchSettings& settings,
             {.rate = options_.rate, .ticks = std::numeric_limits<std::uint64_t>::max()},
             [this](std::uint64_t) noexcept {
                 if (ending_.load()) return Flow::stop;
-                ServoPlace place;
-                if (exchange_.hear(place)) {
+                ServoPosition place;
+                if (exchange_.receive_position(place)) {
                     make(exchange_.writing(), place);
-                    exchange_.give();
+                    exchange_.publish_patch();
                 }
                 return Flow::proceed;
             });
@@ -88,14 +88,14 @@ PatchTouch::~PatchTouch()
 }
 
 /// By the thread that makes patches.
-void PatchTouch::make(ContactPatch& patch, const ServoPlace& place) noexcept
+void PatchTouch::make(ContactPatch& patch, const ServoPosition& place) noexcept
 {
     if (account_.settings.rings < 0) {
         make_patch(patch, whole_, place, options_);
     } else if (by_thesis_) {
         // Before the first feature is found there is nothing to send.
         if (!by_thesis_->fill(patch, place.device, place.proxy, account_.settings.rings))
-            patch.copied(0, 0);
+            patch.use_copies(0, 0);
         patch.made_at = place.tick;
     } else {
         rings_.fill(patch, place.device, account_.settings.rings);
@@ -109,7 +109,7 @@ void PatchTouch::make(ContactPatch& patch, const ServoPlace& place) noexcept
 
 Patch PatchTouch::begin_tick() noexcept
 {
-    if (collision_thread_.joinable()) used_ = exchange_.take();
+    if (collision_thread_.joinable()) used_ = exchange_.latest_patch();
     patch_.use(used_);
     if (used_ == nullptr) {
         ++account_.waited_ticks;
@@ -154,7 +154,7 @@ void PatchTouch::end_tick(const RenderTick& felt) noexcept
     compare(felt);
     place_ = {map_.to_model(felt.position), felt.proxy, tick_};
     if (collision_thread_.joinable()) {
-        if (place_.device.allFinite()) exchange_.say(place_);
+        if (place_.device.allFinite()) exchange_.send_position(place_);
     } else if (tick_ % ticks_per_patch_ == 0) {
         // The patch that was begun a period ago has come; the next one is begun.
         used_ = tick_ > 0 ? &due_[making_] : nullptr;

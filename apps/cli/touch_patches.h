@@ -63,10 +63,10 @@ struct PatchAccount {
 class PatchTouch {
 public:
     /// Paced sessions have a collision thread; in others the servo thread makes each patch when it
-    /// is due, at the end of a tick, and touches it a period later. Refers to model and feel.
+    /// is due, at the end of a tick, and touches it a period later. Refers to model and properties.
     PatchTouch(const TouchModel& model, const PatchSettings& settings, const WorkspaceMap& map,
-               const RenderOptions& render, const SurfaceFeel* feel, double tick_seconds,
-               Pace pace);
+               const RenderOptions& render, const SurfaceProperties* properties,
+               double tick_seconds, Pace pace);
     PatchTouch(const PatchTouch&) = delete;
     PatchTouch& operator=(const PatchTouch&) = delete;
     ~PatchTouch();
@@ -85,7 +85,7 @@ public:
     [[nodiscard]] PatchAccount finish();
 
 private:
-    void make(ContactPatch& patch, const ServoPlace& place) noexcept;
+    void make(ContactPatch& patch, const ServoPosition& place) noexcept;
     void compare(const RenderTick& felt) noexcept;
     [[nodiscard]] bool has(const Contact& contact) noexcept;
 
@@ -106,7 +106,7 @@ private:
     std::uint64_t ticks_per_patch_ = 10;
     const ContactPatch* used_ = nullptr;
     std::uint64_t tick_ = 0;
-    ServoPlace place_;
+    ServoPosition place_;
     std::atomic<bool> ending_{false};
     ServoStatistics collision_;
     std::thread collision_thread_;

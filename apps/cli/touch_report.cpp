@@ -58,7 +58,7 @@ std::string touch_text(const TouchReportOf& of, const TouchModel& model, const T
         "{}: {} ticks by {}, K {:g} N/m, B {:g} N s/m, friction {:g} and {:g}, radius {:g} m\n",
         of.model, model.surface.mesh.triangle_count(), model.build_seconds,
         result.map.units_per_metre, center.x(), center.y(), center.z(), of.device, quality.ticks,
-        render.law == ForceLaw::penalty ? "penalty forces" : "a proxy", render.force.stiffness,
+        result.law == ForceLaw::penalty ? "penalty forces" : "a proxy", render.force.stiffness,
         render.force.damping, render.static_friction, render.dynamic_friction, render.proxy_radius);
     text += fmt::format(
         "touching {:.1f} %, sticking {:.1f} %; force at most {:.3f} N, depth {:.2f} mm, speed "
@@ -115,7 +115,7 @@ Json touch_json(const TouchReportOf& of, const TouchModel& model, const TouchRes
                  {"dynamic_friction", render.dynamic_friction},
                  {"radius", render.proxy_radius},
                  {"shading", render.shading == ForceShading::on},
-                 {"force", render.law == ForceLaw::penalty ? "penalty" : "proxy"},
+                 {"force", result.law == ForceLaw::penalty ? "penalty" : "proxy"},
                  {"ticks", quality.ticks},
                  {"touching_ticks", quality.touching_ticks},
                  {"sticking_ticks", quality.sticking_ticks},

@@ -45,7 +45,7 @@ Status build_index_of(TouchModel& model, const std::string& name, Session& sessi
         index = with_lists(*index, {.execution = session.execution()});
     }
     if (!index) return at_model(index.error(), name);
-    model.index = std::move(*index);
+    model.index = *index;
     return {};
 }
 
@@ -53,7 +53,7 @@ Status open_index(TouchModel& model, const std::string& name, Session& session)
 {
     auto index = load_index_file(name, session);
     if (!index) return tl::unexpected(index.error());
-    model.index = std::move(*index);
+    model.index = *index;
     auto surface = surface_of(model.index, name, session);
     if (!surface) return tl::unexpected(surface.error());
     model.surface = std::move(*surface);
@@ -83,14 +83,14 @@ struct RenderParts {
     std::optional<SurfaceSign> sign;         ///< of penalty forces
 };
 
-Result<RenderParts> parts_for(const TouchModel& model, const RenderOptions& options)
+Result<RenderParts> parts_for(const TouchModel& model, const RenderOptions& options, ForceLaw law)
 {
     RenderParts parts;
     if (model.scene != nullptr) return parts;
     const auto& [mesh, topology] = model.surface;
     if (options.shading == ForceShading::on)
         parts.normals = std::make_unique<ShadingNormals>(mesh, topology);
-    if (options.law == ForceLaw::penalty) {
+    if (law == ForceLaw::penalty) {
         auto sign = build_surface_sign(mesh, topology);
         if (!sign) return tl::unexpected(sign.error());
         parts.sign = std::move(*sign);
@@ -102,6 +102,7 @@ Result<RenderParts> parts_for(const TouchModel& model, const RenderOptions& opti
 class TouchRun {
 public:
     /// With what parts_for() gave and, in patch mode, patches: both must outlive it.
+    /// \pre check_render_settings() holds
     TouchRun(const TouchModel& model, const RenderParts& parts, const WorkspaceMap& map,
              const DeviceLimits& device, const RenderOptions& options,
              PatchTouch* patches = nullptr)
@@ -113,13 +114,14 @@ public:
 
     const RenderTick& tick(const DeviceState& state, double seconds) noexcept
     {
-        if (scene_ != nullptr) scene_->say(ticks_++, seconds);
+        if (scene_ != nullptr) scene_->send_motions(ticks_++, seconds);
         const std::int64_t begin = nanoseconds_now();
         const Patch patch = patches_ == nullptr ? Patch::available : patches_->begin_tick();
         const RenderTick& felt = renderer_.tick(state, seconds, patch);
         result_.render.add(nanoseconds_now() - begin);
         if (patches_ != nullptr) patches_->end_tick(felt);
         meter_.add(felt, state.velocity, renderer_.path());
+        if (parts_of(renderer_).popped()) meter_.add_pass();
         return felt;
     }
 
@@ -144,13 +146,14 @@ private:
                                       const RenderParts& parts, const WorkspaceMap& map,
                                       const DeviceLimits& device, const RenderOptions& options)
     {
-        if (model.scene != nullptr) return {model.scene->scene(), map, device, options};
+        if (model.scene != nullptr)
+            return make_haptic_renderer(model.scene->scene(), map, device, options).value();
         const ContactSurface& surface = patches == nullptr ? *model.contact : patches->surface();
         if (parts.sign) {
             return make_penalty_renderer(surface, {&model.index, &*parts.sign}, map, device,
                                          options);
         }
-        return {surface, map, device, options, parts.normals.get()};
+        return make_surface_renderer(surface, map, device, options, parts.normals.get());
     }
 
     PatchTouch* patches_;
@@ -163,11 +166,10 @@ private:
 
 /// The graphics loop: rate and force on a terminal, until `ended`. Returns how many button events
 /// there were.
-std::uint64_t show_live(Snapshot<LiveTouch>& live, ButtonQueue& buttons,
+std::uint64_t show_live(Snapshot<LiveTouch>& live, DeviceInput& input,
                         const std::atomic<bool>& ended, bool shown, double graphics_rate)
 {
     std::uint64_t events = 0;
-    ButtonEvent event;
     const auto pause = std::chrono::duration_cast<std::chrono::nanoseconds>(
         std::chrono::duration<double>(1 / graphics_rate));
     // Ten lines a second are as many as can be read.
@@ -175,7 +177,7 @@ std::uint64_t show_live(Snapshot<LiveTouch>& live, ButtonQueue& buttons,
     LiveTouch last;
     for (int pauses = 1; !ended.load(); ++pauses) {
         std::this_thread::sleep_for(pause);
-        while (buttons.pop(event)) ++events;
+        while (input.next_button_event()) ++events;
         if (!shown || pauses % pauses_per_line != 0 || !live.update()) continue;
         const LiveTouch& now = live.reading();
         const double span = now.seconds - last.seconds;
@@ -187,7 +189,7 @@ std::uint64_t show_live(Snapshot<LiveTouch>& live, ButtonQueue& buttons,
         last = now;
     }
     if (shown) fmt::print(stderr, "\r\x1b[K");
-    while (buttons.pop(event)) ++events;
+    while (input.next_button_event()) ++events;
     return events;
 }
 
@@ -240,7 +242,9 @@ Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings
     if (!opened) return tl::unexpected(opened.error());
     Device& device = *opened->device;
     const DeviceLimits& limits = opened->limits;
-    const auto parts = parts_for(model, settings.render);
+    if (Status status = check_render_settings(opened->map, limits, settings.render); !status)
+        return tl::unexpected(status.error());
+    const auto parts = parts_for(model, settings.render, settings.law);
     if (!parts) return tl::unexpected(parts.error());
     std::optional<PatchTouch> patches;
     if (settings.patches) {
@@ -249,7 +253,8 @@ Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings
     }
     TouchRun run(model, *parts, opened->map, limits, settings.render,
                  patches ? &*patches : nullptr);
-    DeviceInput input(device.info(), settings.input);
+    auto input = make_device_input(device.info(), settings.input);
+    if (!input) return tl::unexpected(input.error());
     const double tick_seconds = settings.input.tick_seconds;
     const auto ticks = static_cast<std::uint64_t>(std::llround(settings.seconds / tick_seconds));
     const std::uint64_t release_ticks = ticks_to_release(device.info(), settings);
@@ -265,12 +270,12 @@ Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings
             {.rate = 1 / tick_seconds, .ticks = ticks + release_ticks, .pace = settings.pace},
             [&](std::uint64_t number) noexcept {
                 if (number < last && session.progress().cancelled()) last = number;
-                if (number >= last) input.release();
+                if (number >= last) input->release();
                 const double seconds = static_cast<double>(number) * tick_seconds;
-                const DeviceState& state = input.accept(device.read());
+                const DeviceState& state = input->accept(device.read());
                 const RenderTick& felt = run.tick(state, tick_seconds);
                 if (settings.record) recorded_ticks[number] = recorded(seconds, state, felt);
-                device.write(input.command(run.renderer()));
+                device.write(input->command(run.renderer()));
                 count = number + 1;
                 live.writing() = {1e-9 * static_cast<double>(nanoseconds_now() - begin), count,
                                   felt.force.norm(), felt.hold, state.condition};
@@ -280,11 +285,11 @@ Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings
         ended.store(true);
     });
     const bool shown = session.bar() == BarMode::automatic && isatty(STDERR_FILENO) != 0;
-    const std::uint64_t events =
-        show_live(live, input.buttons(), ended, shown, settings.graphics_rate);
+    const std::uint64_t events = show_live(live, *input, ended, shown, settings.graphics_rate);
     servo_thread.join();
 
     TouchResult result = std::move(run).finish();
+    result.law = settings.law;
     result.servo = std::move(servo);
     if (patches) {
         result.patches = patches->finish();
@@ -292,7 +297,7 @@ Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings
     }
     result.device = DeviceAccount{.info = device.info(),
                                   .limits = limits,
-                                  .input = input.report(),
+                                  .input = input->report(),
                                   .network = {},
                                   .hand = {},
                                   .button_events = events,
@@ -309,6 +314,7 @@ Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings
                                      .tick_seconds = tick_seconds,
                                      .map = opened->map,
                                      .render = result.render_options,
+                                     .law = settings.law,
                                      .max_force = limits.max_force,
                                      .max_stiffness = limits.max_stiffness,
                                      .max_damping = limits.max_damping};
@@ -330,17 +336,20 @@ Result<ReplayResult> replay_touch(const TouchModel& model, const Recording& reco
                                  .max_force = settings.max_force,
                                  .max_stiffness = settings.max_stiffness,
                                  .max_damping = settings.max_damping};
-    const auto parts = parts_for(model, settings.render);
+    if (Status status = check_render_settings(settings.map, device, settings.render); !status)
+        return tl::unexpected(status.error());
+    const auto parts = parts_for(model, settings.render, settings.law);
     if (!parts) return tl::unexpected(parts.error());
     TouchRun run(model, *parts, settings.map, device, settings.render);
     ReplayResult result;
     for (const RecordedTick& tick : recording.ticks) {
         const DeviceState state = device_state(tick);
-        if (!same_feeling(tick,
-                          recorded(tick.seconds, state, run.tick(state, settings.tick_seconds))))
+        if (!same_response(tick,
+                           recorded(tick.seconds, state, run.tick(state, settings.tick_seconds))))
             ++result.differences;
     }
     result.touch = std::move(run).finish();
+    result.touch.law = settings.law;
     return result;
 }
 

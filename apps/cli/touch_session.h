@@ -5,7 +5,6 @@
 #include "cli/session.h"
 #include "cli/touch_device.h"
 #include "cli/touch_patches.h"
-#include "haptics/device/device_input.h"
 #include "haptics/device/udp_device.h"
 #include "haptics/loop/recording.h"
 #include "haptics/scene/scripted_scene.h"
@@ -47,6 +46,7 @@ struct TouchSettings {
     InputOptions input;
     double seconds = 5;
     RenderOptions render;
+    ForceLaw law = ForceLaw::proxy;
     Pace pace = Pace::real_time;
     bool record = false;
     std::optional<PatchSettings> patches; ///< none: the servo loop asks the octree itself
@@ -82,7 +82,8 @@ struct TouchResult {
     double lowest_softness = 1; ///< the least part of a force that was given
     double lowest_energy = 0;   ///< J, of the passivity observer
     WorkspaceMap map;
-    RenderOptions render_options;        ///< as limited by the device
+    RenderOptions render_options; ///< as limited by the device
+    ForceLaw law = ForceLaw::proxy;
     Recording recording;                 ///< empty unless asked for
     std::optional<DeviceAccount> device; ///< none of a replay
     std::optional<PatchAccount> patches; ///< of patch mode

@@ -1,6 +1,7 @@
 // proxima view: models and what the library computes of them, in a window or as a picture.
 #include "base/text.h"
 #include "cli/image.h"
+#include "cli/model_options.h"
 #include "cli/names.h"
 #include "viewer/commands.h"
 #include "viewer/layers_glb.h"
@@ -184,12 +185,9 @@ Command add_view_command(CLI::App& app)
             },
             "Size of the window or the picture (default 1280x820)")
         ->type_name("WxH");
-    parser
-        ->add_option("--budget-mb", options->budget_mb,
-                     "Memory for a model and for what is built of it, in 10^6 bytes (default: 3/4 "
-                     "of the machine's)")
-        ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40U))
-        ->type_name("N");
+    add_budget_option(*parser, options->budget_mb,
+                      "Memory for a model and for what is built of it, in 10^6 bytes (default: 3/4 "
+                      "of the machine's)");
     parser->add_flag("--opengl", options->opengl,
                      "Draw the picture by OpenGL, without a display; by software otherwise");
     parser

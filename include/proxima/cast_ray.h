@@ -54,7 +54,7 @@ struct RayHit {
 [[nodiscard]] bool any_hit(const MeshIndex& index, const Ray& ray,
                            Faces faces = Faces::both) noexcept;
 
-/// All hits in order: the first hits.size() of them are written there. Returns how many there are.
+/// All hits in order: writes the first hits.size() of them, and returns how many there are in all.
 /// As closest_hit, plus the logarithm of hits.size() for every hit.
 [[nodiscard]] std::size_t all_hits(const MeshIndex& index, const Ray& ray, std::span<RayHit> hits,
                                    Faces faces = Faces::both) noexcept;
@@ -63,10 +63,10 @@ struct RayHit {
 [[nodiscard]] std::vector<RayHit> all_hits(const MeshIndex& index, const Ray& ray,
                                            Faces faces = Faces::both);
 
-/// Calls visitor(hit) for every hit, each triangle once, in no particular order. As closest_hit; the
-/// visitor must not throw.
+/// Calls visitor(hit) for every hit, each triangle once, in no particular order, until it returns
+/// Flow::stop. As closest_hit; the visitor must not throw.
 void visit_hits(const MeshIndex& index, const Ray& ray, Faces faces,
-                FunctionRef<void(const RayHit&)> visitor) noexcept;
+                FunctionRef<Flow(const RayHit&)> visitor) noexcept;
 
 struct RayBatchOptions {
     Faces faces = Faces::both;
@@ -74,7 +74,7 @@ struct RayBatchOptions {
 };
 
 /// The same for many rays, several at a time, so that their memory accesses overlap. Of sixteen in
-/// a row that begin and go much the same way, as a camera's do, the closest or any hits are
+/// a row that begin and point much alike, as a camera's do, the closest or any hits are
 /// searched together, which pays where triangles are larger than the rays' spacing: keep such rays
 /// together. Answers are those of single rays. Allocates. Errors: invalid_argument (sizes differ,
 /// or a ray is invalid: which and why), cancelled.

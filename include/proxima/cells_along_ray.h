@@ -28,9 +28,10 @@ struct CellOnRay {
 };
 
 /// Visits every leaf in which the ray has a stretch, in order, until the visitor returns Flow::stop;
-/// it must not throw. Which leaves, and in which order, is decided exactly. Leaves touched only in a point are left out; a ray within a face between cells counts
-/// as in the upper ones, except on the root's own upper faces. Nothing for an invalid ray. Chords
-/// add up to that of the root. About 30 ns a cell. Thread safe, no allocation.
+/// it must not throw. Which leaves, and in which order, is decided exactly. Leaves touched only in a
+/// point are left out; a ray within a face between cells counts as in the upper ones, except on the
+/// root's own upper faces. Nothing for an invalid ray. Chords add up to that of the root. About 30 ns
+/// a cell. Thread safe, no allocation.
 /// \pre differences of the ray's and the root's coordinates are finite
 void cells_along_ray(const Octree& octree, const Ray& ray,
                      FunctionRef<Flow(const CellOnRay&)> visitor) noexcept;

@@ -88,7 +88,7 @@ struct BatchOptions {
     Execution execution = {}; ///< stage "closest features", steps are points
 };
 
-/// Where a batch writes: each span is empty or has a place for every point.
+/// Where a batch writes: each span is empty or has an element for every point.
 struct ClosestOutputs {
     std::span<ClosestFeature> answers = {};   ///< in full
     std::span<double> squared_distances = {}; ///< these and triangles alone are quicker

@@ -1,7 +1,8 @@
 // Convex polyhedra, bounded and not: hulls, and what a Minkowski sum asks of them (thesis 3.2, 4.3.3).
 //
 //     auto box = convex_hull(corners);                 // 6 facets of 4 corners, not 12 triangles
-//     auto wedge = convex_hull({p0, p1}, {n0, n1});    // p0 p1 swept along all between n0 and n1
+//     auto wedge = convex_hull(std::array{p0, p1}, std::array{n0, n1});   // p0 p1 swept along all
+//                                                                         // between n0 and n1
 //
 //     points   p0 p1 ... p(m-1)            the corners; at least one
 //     rays     r0 r1 ...                   directions in which it goes on forever; none if bounded
@@ -167,7 +168,7 @@ inline constexpr double max_polyhedron_coordinate = 0x1p+300;
 /// or more than 2^31 vertices), cancelled. O(n log n) for n vertices in random order.
 [[nodiscard]] Result<ConvexPolyhedron> convex_hull(std::span<const Vec3> points,
                                                    std::span<const Vec3> rays = {},
-                                                   Progress* progress = nullptr);
+                                                   const Execution& execution = {});
 
 struct ConvexMeshOptions {
     /// How far a vertex may stand beyond the plane of a triangle, per diagonal of the bounding box:
@@ -221,6 +222,6 @@ inline constexpr double min_ball_radius = 1e-12;
 /// O(n log n) for the corners, n times the simplex steps (a few dozen), and O(n m) for the check of
 /// m corners and facets.
 [[nodiscard]] Result<ConvexPolyhedron> polyhedron_of_half_spaces(std::span<const HalfSpace> planes,
-                                                                 Progress* progress = nullptr);
+                                                                 const Execution& execution = {});
 
 } // namespace proxima

@@ -1,7 +1,7 @@
 // What a camera sees: the triangles or the cells of an octree in a view volume (thesis section 5.4).
 //
 //     auto volume = make_perspective_volume({.eye = eye, .forward = view, .near = 0.1});
-//     std::vector<TriangleRange> ranges(4096);
+//     std::vector<TriangleRange> ranges(index->triangle_count() / 2 + 1);       // as many as can be
 //     const std::size_t count = visible_ranges(*index, *volume, ranges);
 //
 // Ranges are of rows: MeshIndex::ids says which triangle has which row, and index buffers laid out in
@@ -35,14 +35,14 @@ struct TriangleRange {
     friend bool operator==(const TriangleRange&, const TriangleRange&) = default;
 };
 
-/// Calls visitor(range) for the visible triangles, ascending, each range as long as can be.
-/// Real-time safe: noexcept, no allocation, no lock; any number of threads; the visitor must not
-/// throw. About 20 ns for every box that a plane cuts.
+/// Calls visitor(range) for the visible triangles, ascending, each range as long as can be, until it
+/// returns Flow::stop. Real-time safe: noexcept, no allocation, no lock; any number of threads; the
+/// visitor must not throw. About 20 ns for every box that a plane cuts.
 void visit_visible(const MeshIndex& index, const ViewVolume& volume, CullMode mode,
-                   FunctionRef<void(TriangleRange)> visitor) noexcept;
+                   FunctionRef<Flow(TriangleRange)> visitor) noexcept;
 
-/// The same into a list of the caller: the first ranges.size() of them are written there. Returns
-/// how many there are; triangle_count() / 2 + 1 places always suffice.
+/// Like visit_visible, into a list of the caller: writes the first ranges.size() ranges, and returns
+/// how many there are in all, at most triangle_count() / 2 + 1.
 [[nodiscard]] std::size_t visible_ranges(const MeshIndex& index, const ViewVolume& volume,
                                          std::span<TriangleRange> ranges,
                                          CullMode mode = CullMode::conservative) noexcept;

@@ -1,7 +1,10 @@
 // A reference to a callable: what queries take as a visitor, and what a visitor answers.
 //
-//     const auto seen = [&](TriangleId id) { ids.push_back(id); };
-//     visit(index, box, seen);         // void visit(..., FunctionRef<void(TriangleId)> visitor)
+//     const auto first_ten = [&](TriangleId id) {
+//         ids.push_back(id);
+//         return ids.size() < 10 ? Flow::proceed : Flow::stop;
+//     };
+//     visit(index, box, first_ten);    // void visit(..., FunctionRef<Flow(TriangleId)> visitor)
 #pragma once
 
 #include <concepts>
@@ -19,8 +22,8 @@ template <class Signature>
 class FunctionRef;
 
 /// Two pointers, made from any callable object of the signature, const or not; wrap a plain function
-/// in a lambda. It neither copies the
-/// callable nor allocates; the callable must outlive it, as a temporary in a call does.
+/// in a lambda. It neither copies the callable nor allocates; the callable must outlive it, as a
+/// temporary in a call does.
 template <class Return, class... Arguments>
 class FunctionRef<Return(Arguments...)> {
 public:

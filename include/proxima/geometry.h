@@ -67,9 +67,8 @@ enum class TrianglePart : std::uint8_t {
 [[nodiscard]] Vec3 scaled_normal(const Triangle& triangle) noexcept;
 
 /// t counts in units of the direction, which may have any length; hits are told apart up to
-/// t = 2^1020, 1e307, which directions longer than 1e-300 times the
-/// mesh's size keep far from. t_min may be negative and the
-/// range without ends: then it is a line.
+/// t = 2^1020, 1e307, which directions longer than 1e-300 times the mesh's size keep far from. t_min
+/// may be negative and the range without ends: then it is a line.
 struct Ray {
     Vec3 origin = Vec3::Zero();
     Vec3 direction = Vec3::UnitZ();

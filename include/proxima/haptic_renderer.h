@@ -4,9 +4,11 @@
 //     auto index = build_mesh_index(*mesh);
 //     const DeviceLimits& limits = device.info().limits;
 //     const WorkspaceMap map = fit_workspace(bounding_box(*mesh), limits.workspace_radius);
-//     HapticRenderer renderer(*index, map, limits);
+//     auto renderer = make_haptic_renderer(*index, map, limits);    // Result<HapticRenderer>
+//     auto input = make_device_input(device.info());                // guards the input (device.h)
 //     device.run({.rate = 1000}, [&](std::uint64_t) {
-//         device.write({.force = renderer.tick(device.read().state, 1e-3).force});
+//         renderer->tick(input->accept(device.read()), 1e-3);
+//         device.write(input->command(*renderer));
 //         return Flow::proceed;
 //     });
 //
@@ -17,12 +19,13 @@
 // it can come, with a friction cone ([melder-2004]). It never passes a triangle, whichever way
 // triangles face and however thin a wall is. A spring pulls the device to it.
 //
-// Bad input never reaches the force: a position that is not finite keeps the last one and lets the
-// force fade; a jump that no hand makes begins anew from there, with the ramp of a start.
+// Bad input never reaches the force: a position that is not finite is replaced by the last one, and
+// the force fades; after a jump that no hand makes the proxy starts anew, and the force ramps up.
 #pragma once
 
 #include "proxima/device.h"
 #include "proxima/geometry.h"
+#include "proxima/result.h"
 #include "proxima/touch_scene.h"
 #include "proxima/triangle_mesh.h"
 
@@ -34,16 +37,14 @@
 
 namespace proxima {
 
-class ContactSurface;
 class MeshIndex;
-class SurfaceFeel;
 class SurfaceRenderer;
 
 /// From the device's metres to the model's units and back: a point p of the device is
 /// center + units_per_metre * p of the model.
 struct WorkspaceMap {
     double units_per_metre = 1;
-    Vec3 center = Vec3::Zero(); ///< what the middle of the workspace is
+    Vec3 center = Vec3::Zero(); ///< the model's point at the middle of the workspace
 
     [[nodiscard]] Vec3 to_model(const Vec3& device) const noexcept
     {
@@ -55,10 +56,10 @@ struct WorkspaceMap {
     }
 };
 
-/// How much of the workspace's radius the model takes: the rest is for moving round it.
+/// The share of the workspace's radius that the model takes; the rest is for moving round it.
 inline constexpr double workspace_share = 0.6;
 
-/// The box within that share of the workspace, centred. \pre the box is not empty, radius > 0
+/// Fits the box into that share of the workspace, centred. \pre the box is not empty, radius > 0
 [[nodiscard]] inline WorkspaceMap fit_workspace(const Box& box, double workspace_radius) noexcept
 {
     const double half = box.extent().norm() / 2;
@@ -77,12 +78,6 @@ struct ForceOptions {
 /// Whether walls are kept from giving more energy than they took ([hannaford-2002]).
 enum class Passivity : bool { unguarded, guarded };
 
-/// What the spring pulls towards.
-enum class ForceLaw : std::uint8_t {
-    proxy,  ///< a proxy that stays outside
-    penalty ///< the nearest point of the surface: a baseline for comparisons, the library's own
-};
-
 struct RenderOptions {
     ForceOptions force = {};
     double proxy_radius = 0; ///< m; 0 = a point
@@ -94,34 +89,32 @@ struct RenderOptions {
     std::size_t max_moves = 12;
     /// On: forces lean towards the smooth normals of bodies that were built with them.
     ForceShading shading = ForceShading::off;
-    /// With penalty forces, radius, frictions, max_moves and shading have no effect.
-    ForceLaw law = ForceLaw::proxy;
 };
 
-/// How the proxy is held.
+/// How the surface holds the proxy.
 enum class Hold : std::uint8_t { free, sliding, sticking };
 
 /// How the proxy's motion of a tick ended.
 enum class SlideEnd : std::uint8_t {
     settled,   ///< nothing nearer to the device can be reached
-    limited,   ///< as many moves as are allowed: the next tick goes on
-    overloaded ///< more triangles are near than there is memory for: it stays where it was safe
+    limited,   ///< the tick's moves are used up: the next tick goes on
+    overloaded ///< more triangles are near than there is memory for: the proxy stays where it is
 };
 
-/// What was wrong with a tick's input.
+/// The fault of a tick's input.
 enum class InputFault : std::uint8_t { none, not_finite, jumped };
 
-/// A point of the surface at which the proxy is held back. In the model's units and frame.
+/// A point of the surface that holds the proxy back. In the model's units and frame.
 struct ContactPoint {
     Vec3 position = Vec3::Zero();
     Vec3 normal = Vec3::UnitZ(); ///< from the surface to the proxy, of length 1
-    TriangleId triangle{};       ///< the lowest that is touched there; of a scene see object_of()
+    TriangleId triangle{};       ///< the lowest of those touched there; in a scene see object_of()
     double pressure = 0;         ///< part of the spring's stretch along the normal
 };
 
 /// Everything about one tick. The proxy's numbers are in the model's units and frame.
 struct RenderTick {
-    Vec3 position = Vec3::Zero(); ///< of the device, m, as used
+    Vec3 position = Vec3::Zero(); ///< of the device as it was used, m
     Vec3 force = Vec3::Zero();    ///< N, what the device gets
     Vec3 spring = Vec3::Zero();   ///< N, before the guards
 
@@ -129,45 +122,26 @@ struct RenderTick {
     Vec3 anchor = Vec3::Zero(); ///< what the spring pulls the device to; the device where free
     Hold hold = Hold::free;
     Vec3 normal = Vec3::Zero(); ///< of all contacts together, of length 1; zero where free
-    double depth = 0;           ///< of the device below the place that the proxy would have
-                                ///< without friction
-    bool has_room = true; ///< false: no free place is near, and nothing is felt until there is
+    double depth = 0;           ///< of the device below the position of a frictionless proxy
+    bool is_placed = true;      ///< false: no free position is near, and nothing is touched
     std::array<ContactPoint, 3> contacts = {};
-    std::size_t contact_count = 0; ///< of the proxy without friction
-    std::size_t moves = 0;         ///< of the proxy, straight ones
+    std::size_t contact_count = 0; ///< of the frictionless proxy
+    std::size_t moves = 0;         ///< straight moves of the proxy
     SlideEnd slide_end = SlideEnd::settled;
 
     InputFault fault = InputFault::none;
-    InputCondition condition = InputCondition::well; ///< as the state said
-    Vec3 surface_velocity = Vec3::Zero();            ///< m/s: of what is touched, in a scene
-    bool squeezed = false;                           ///< moving objects left the proxy no room
-    bool popped = false; ///< by penalty forces: pushed towards the opposite side of the tick before
+    InputCondition condition = InputCondition::well; ///< of the state that the tick was given
+    Vec3 surface_velocity = Vec3::Zero();            ///< m/s, of what is touched in a scene
+    bool squeezed = false; ///< moving objects left the proxy no free position
 };
 
-/// Whether the surface of a tick is available. Direct questions always are; lost is for surfaces
+/// Whether the surface of a tick is available. An index or a scene always is; lost is for surfaces
 /// that another thread hands over and that came too late.
 enum class Patch : bool { available, lost };
 
-/// Renders for one device. One thread. All but construction is noexcept and does not allocate.
+/// Renders for one device. One thread. noexcept, no allocation.
 class HapticRenderer {
 public:
-    /// Touches a mesh at rest, whose index it shares. O(triangles). The options are limited to what
-    /// the device can take. \pre the index is not empty, and no larger than 1e150; 4 <= max_moves
-    /// <= 48; frictions and radius are finite and not negative; options.law is proxy
-    HapticRenderer(const MeshIndex& index, const WorkspaceMap& map, const DeviceLimits& device,
-                   const RenderOptions& options = {});
-
-    /// Touches a scene, which must outlive it, and which each tick advances. Materials are those
-    /// of its bodies. \pre as above
-    HapticRenderer(TouchScene& scene, const WorkspaceMap& map, const DeviceLimits& device,
-                   const RenderOptions& options = {});
-
-    /// For the library's own surfaces and its tests: touches a surface, with materials and normals
-    /// by `feel`. Both must outlive it. \pre as above
-    HapticRenderer(const ContactSurface& surface, const WorkspaceMap& map,
-                   const DeviceLimits& device, const RenderOptions& options = {},
-                   const SurfaceFeel* feel = nullptr);
-
     HapticRenderer(HapticRenderer&& other) noexcept;
     HapticRenderer& operator=(HapticRenderer&& other) noexcept;
     ~HapticRenderer();
@@ -177,7 +151,7 @@ public:
     [[nodiscard]] const WorkspaceMap& map() const noexcept;
 
     /// One tick of `seconds`. The first one with a finite position places the proxy there, or at
-    /// the free place nearest to it. The force fades while the patch is lost or the state's
+    /// the free position nearest to it. The force fades while the patch is lost or the state's
     /// condition is not `well`. A few microseconds. \pre seconds > 0
     const RenderTick& tick(const DeviceState& state, double seconds,
                            Patch patch = Patch::available) noexcept;
@@ -185,7 +159,7 @@ public:
     /// What the last tick returned.
     [[nodiscard]] const RenderTick& last() const noexcept;
 
-    /// The proxy's places in the last tick, straight moves between them.
+    /// The proxy's positions in the last tick, with straight moves between them.
     [[nodiscard]] std::span<const Vec3> path() const noexcept;
 
 private:
@@ -194,5 +168,20 @@ private:
 
     std::unique_ptr<SurfaceRenderer> renderer_; ///< not null but after a move
 };
+
+/// Renders a mesh at rest, whose index it shares. Options are limited to what the device can take.
+/// Errors: invalid_argument, naming the number that is out of range; invalid_mesh (an empty index,
+/// or one larger than 1e150), broken_invariant (a crafted index file). O(triangles).
+[[nodiscard]] Result<HapticRenderer> make_haptic_renderer(const MeshIndex& index,
+                                                          const WorkspaceMap& map,
+                                                          const DeviceLimits& device,
+                                                          const RenderOptions& options = {});
+
+/// Renders a scene, which must outlive the renderer, and which each tick advances. Materials are
+/// those of its bodies. Error invalid_argument, as above.
+[[nodiscard]] Result<HapticRenderer> make_haptic_renderer(TouchScene& scene,
+                                                          const WorkspaceMap& map,
+                                                          const DeviceLimits& device,
+                                                          const RenderOptions& options = {});
 
 } // namespace proxima

@@ -5,7 +5,7 @@
 //     auto b = build_mesh_index(mesh_b);
 //     if (meshes_intersect(*a, *b, pose)) stop();
 //     auto pairs = intersecting_pairs(*a, *b, pose);               // triangles of A and B that meet
-//     auto contour = intersection_contour(mesh_a, mesh_b, pose, pairs);
+//     auto contour = intersection_contour(*a, *b, pose);           // the lines along which they do
 //
 // Triangles are closed sets: touching counts, and triangles without an area are the segments or
 // points that they are. Answers are exact for A's corners as given and B's as pose_b(corner) rounds
@@ -28,6 +28,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -48,34 +49,40 @@ struct TrianglePair {
 [[nodiscard]] bool meshes_intersect(const MeshIndex& a, const MeshIndex& b,
                                     const RigidTransform& pose_b = {}) noexcept;
 
-/// Where two meshes met the last time. Of one pair of indexes.
-struct LastMeeting {
-    static constexpr std::uint32_t none = 0xFFFFFFFFU;
-
-    std::uint32_t row_a = none; ///< of the indexes
-    std::uint32_t row_b = none;
+/// A triangle of A and one of B that meet, one pair of possibly many.
+struct MeshMeeting {
+    TriangleId triangle_a{};
+    TriangleId triangle_b{};
+    std::uint32_t row_a = 0; ///< rows of the indexes: for a later search to start from
+    std::uint32_t row_b = 0;
 };
 
-/// Whether two meshes meet, tested first where they met the last time: below 1 us while they still
-/// meet there. Updates `last`.
-[[nodiscard]] bool meshes_intersect(const MeshIndex& a, const MeshIndex& b,
-                                    const RigidTransform& pose_b, LastMeeting& last) noexcept;
+struct MeetingOptions {
+    /// An answer for another pose: below 1 us while these triangles still meet. Any answer will do,
+    /// of other meshes as well.
+    const MeshMeeting* start_from = nullptr;
+};
+
+/// Like meshes_intersect, and names a pair that meets: that of `start_from` if it does, else any.
+[[nodiscard]] std::optional<MeshMeeting> find_meeting(const MeshIndex& a, const MeshIndex& b,
+                                                      const RigidTransform& pose_b = {},
+                                                      const MeetingOptions& options = {}) noexcept;
 
 /// All pairs of triangles that meet, by a, then b, each once. Allocates the list. 0.3 to 1 us a
 /// pair.
 [[nodiscard]] std::vector<TrianglePair> intersecting_pairs(const MeshIndex& a, const MeshIndex& b,
                                                            const RigidTransform& pose_b);
 
-/// The first pairs.size() of them are written there. Returns how many there are. Real-time safe as
+/// Writes the first pairs.size() of them, and returns how many there are in all. Real-time safe as
 /// meshes_intersect.
 [[nodiscard]] std::size_t intersecting_pairs(const MeshIndex& a, const MeshIndex& b,
                                              const RigidTransform& pose_b,
                                              std::span<TrianglePair> pairs) noexcept;
 
-/// Calls visitor(pairs) with pairs as they are found, each once, in no particular order. Real-time
-/// safe as meshes_intersect if the visitor is.
+/// Calls visitor(pairs) with pairs as they are found, each once, in no particular order, until it
+/// returns Flow::stop. Real-time safe as meshes_intersect if the visitor is.
 void visit_intersecting_pairs(const MeshIndex& a, const MeshIndex& b, const RigidTransform& pose_b,
-                              FunctionRef<void(std::span<const TrianglePair>)> visitor);
+                              FunctionRef<Flow(std::span<const TrianglePair>)> visitor);
 
 struct PairOptions {
     Execution execution = {}; ///< stage "intersecting meshes", steps are poses
@@ -134,9 +141,8 @@ struct IntersectionContour {
     [[nodiscard]] double length() const noexcept;
 };
 
-/// The contour of A and B moved by the pose. `pairs` are those that meet, in any order; others add
-/// nothing. Where surfaces pass through each other in general position, all lines end only at
-/// borders: those of two closed meshes are closed. Besides:
+/// The contour of A and B moved by the pose. Where surfaces pass through each other in general
+/// position, all lines end only at borders: those of two closed meshes are closed. Besides:
 /// - Triangles in one plane share an area. Of that the contour has the border, and edges within it
 ///   only where triangles of different planes meet there too.
 /// - Where surfaces only touch along an edge, the line along it ends where the edge does.
@@ -145,8 +151,13 @@ struct IntersectionContour {
 /// - Where triangles of one mesh cover each other (a flap, there and back), the line ends
 ///   with them.
 /// - A triangle without an area joins the segments of its neighbours; two of them add nothing.
-/// O(pairs log pairs), about 3 us each; allocates. Same bits on every machine. \pre positions of
-/// the pairs' triangles are finite, and so are differences of coordinates
+/// O(pairs log pairs), about 4 us each; allocates. Same bits on every machine. \pre differences of
+/// coordinates are finite
+[[nodiscard]] IntersectionContour intersection_contour(const MeshIndex& a, const MeshIndex& b,
+                                                       const RigidTransform& pose_b = {});
+
+/// The same contour of pairs that are known already, in any order, those that do not meet among them.
+/// About 3 us each. \pre the meshes are those of the indexes, or at least these triangles of them
 [[nodiscard]] IntersectionContour intersection_contour(const TriangleMesh& a, const TriangleMesh& b,
                                                        const RigidTransform& pose_b,
                                                        std::span<const TrianglePair> pairs);
@@ -186,8 +197,13 @@ struct EnclosureOptions {
     Execution execution = {};
 };
 
-/// Keeps the mesh: hand it over by std::move, or it is copied. Errors: invalid_mesh (empty, NaN),
-/// cancelled. O(triangles log triangles), up to 1 us each.
+/// Prepares the index's mesh, which is copied. Errors: invalid_mesh (an empty index),
+/// broken_invariant (mesh_of), cancelled. O(triangles log triangles), up to 1 us each.
+[[nodiscard]] Result<Enclosure> build_enclosure(const MeshIndex& index,
+                                                const EnclosureOptions& options = {});
+
+/// Prepares a mesh and keeps it: hand it over by std::move, or it is copied. Errors: invalid_mesh
+/// (empty, NaN), cancelled.
 [[nodiscard]] Result<Enclosure> build_enclosure(TriangleMesh mesh,
                                                 const EnclosureOptions& options = {});
 
@@ -231,7 +247,7 @@ struct SelfIntersections {
 ///
 /// Corners at one position are common, whatever their ids: seams do not count. Exact, and the same
 /// for any number of threads. Error cancelled. About 5 us per triangle of a scanned model; quadratic
-/// where many triangles lie in one place.
+/// where many triangles lie close together.
 [[nodiscard]] Result<SelfIntersections>
 find_self_intersections(const MeshIndex& index, const SelfIntersectionOptions& options = {});
 

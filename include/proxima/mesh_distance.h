@@ -3,7 +3,7 @@
 //
 //     auto near = mesh_distance(index_a, index_b, pose_b);
 //     draw_line(near->point_a, near->point_b);
-//     auto next = mesh_distance(index_a, index_b, next_pose, &*near); // starts where they were
+//     auto next = mesh_distance(index_a, index_b, next_pose, {.start_from = &*near});
 //
 // Indexes with slabs (with_slabs) are searched sooner; the answer is the same without.
 // B's vertices are moved by the pose, rounded to doubles once; the answer is that of all pairs of
@@ -38,24 +38,26 @@ struct MeshDistance {
     std::uint32_t row_b = 0;
 };
 
-/// The distance, off by a few roundings of the coordinates that it is computed from. `start_from`,
-/// the answer for another pose of the same meshes, makes it quicker if that was near. Any answer
-/// will do, of other meshes as well: it changes nothing else. Nothing where a mesh is empty. Real-time safe: noexcept, no allocation, no lock,
-/// 100 KB of stack; any number of threads. 0.05 to 0.5 ms on scanned models of 70,000 triangles, a
-/// quarter of it from a near pose's answer; see docs/limitations.md for what takes longer.
+struct MeshDistanceOptions {
+    /// Nothing farther is found, and the search ends sooner. None is where it is NaN or below 0.
+    double farthest = std::numeric_limits<double>::infinity();
+    /// An answer for another pose: less work if that was near. Any answer will do, of other meshes
+    /// as well; it changes nothing else.
+    const MeshDistance* start_from = nullptr;
+};
+
+/// The distance, off by a few roundings of the coordinates that it is computed from. Nothing where
+/// a mesh is empty or they are farther apart than options.farthest. Real-time safe: noexcept, no
+/// allocation, no lock, 100 KB of stack; any number of threads. 0.05 to 0.5 ms on scanned models of
+/// 70,000 triangles, a quarter of it from a near pose's answer; see docs/limitations.md for what
+/// takes longer.
 ///
-/// Coordinates are scaled internally, so very large and very small meshes work. A distance that no double holds
-/// is infinite; of meshes that do not touch it is never 0.
+/// Coordinates are scaled internally, so very large and very small meshes work. A distance that no
+/// double holds is infinite; of meshes that do not touch it is never 0.
 ///
 /// \pre coordinates, moved ones too, are finite
 [[nodiscard]] std::optional<MeshDistance>
 mesh_distance(const MeshIndex& a, const MeshIndex& b, const RigidTransform& pose_b = {},
-              const MeshDistance* start_from = nullptr) noexcept;
-
-/// The same where the distance is at most `farthest`; nothing where it is more, which is found out
-/// sooner.
-[[nodiscard]] std::optional<MeshDistance>
-mesh_distance_within(const MeshIndex& a, const MeshIndex& b, const RigidTransform& pose_b,
-                     double farthest, const MeshDistance* start_from = nullptr) noexcept;
+              const MeshDistanceOptions& options = {}) noexcept;
 
 } // namespace proxima

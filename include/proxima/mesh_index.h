@@ -28,7 +28,7 @@ class IndexParts;
 
 /// Immutable and cheap to copy: copies share all arrays. Thread safe. Without triangles unless made
 /// by build_mesh_index, load_index or from another index. Triangles have ids, those of the mesh,
-/// and rows: their places in the order of the index.
+/// and rows: their positions in the order of the index.
 class MeshIndex {
 public:
     /// The index of no triangles.
@@ -51,10 +51,6 @@ public:
 
     /// The ids of the triangles by row. TriangleRange names runs of them.
     [[nodiscard]] std::span<const TriangleId> ids() const noexcept;
-    /// The id of a row's triangle. \pre row < triangle_count()
-    [[nodiscard]] TriangleId id(std::uint32_t row) const noexcept { return ids()[row]; }
-    /// The corners of a row's triangle, as the mesh has them. \pre row < triangle_count()
-    [[nodiscard]] Triangle triangle(std::uint32_t row) const noexcept;
 
     /// For the library's own searches.
     [[nodiscard]] const IndexParts& parts() const noexcept { return *parts_; }
@@ -79,13 +75,14 @@ struct MeshIndexOptions {
 
 /// Keeps no reference to the mesh. The same bits for any number of threads. Errors: invalid_mesh
 /// (empty, NaN), limit_exceeded (more than max_index_triangles), budget_exceeded, cancelled. About
-/// 1 us per triangle on one thread; once built, 120 bytes per triangle, 160 where positions are not floats.
+/// 1 us per triangle on one thread; once built, 120 bytes per triangle, 160 where positions are not
+/// floats.
 [[nodiscard]] Result<MeshIndex> build_mesh_index(const TriangleMesh& mesh,
                                                  const MeshIndexOptions& options = {});
 
-/// The budget of closest-feature lists where none is given: 520 bytes per triangle, more for small
-/// meshes.
-[[nodiscard]] constexpr std::uint64_t default_list_budget(std::uint64_t triangles) noexcept
+/// How large closest-feature lists may become where nothing is said: 520 bytes per triangle, more for
+/// small meshes.
+[[nodiscard]] constexpr std::uint64_t default_list_bytes(std::uint64_t triangles) noexcept
 {
     constexpr std::uint64_t least = 65536;       // cells
     constexpr std::uint64_t each_of_a_few = 440; // triangles themselves, at most
@@ -100,20 +97,22 @@ inline constexpr double max_list_margin = 1e3;
 inline constexpr int max_list_depth = 14;
 
 struct ListOptions {
-    std::uint64_t budget_bytes = 0; ///< of the lists; 0 = default_list_budget()
+    std::uint64_t list_bytes = 0; ///< the lists are no larger; 0 = default_list_bytes()
     double margin = 0.5; ///< root edge = (1 + margin) times the mesh's longest extent; 0 to
                          ///< max_list_margin
     int max_depth = max_list_depth;
+    /// Budget: lists and scratch. Refused before the work if below 800 bytes per triangle; with the
+    /// usual list_bytes it takes 1.5 to 3 KB, with larger lists 3 to 7 times their size.
     Execution execution = {};
 };
 
 /// The index with closest-feature lists, in place of any that it has: closest_feature then takes
-/// bounded time inside the root cube. Shares all other arrays with `index`. Within the budget, the
-/// lists whose queries are expected to be cheapest. The same bits for any number of threads. Errors:
+/// bounded time inside the root cube. Shares all other arrays with `index`. Of all lists of this size,
+/// those whose queries are expected to be cheapest. The same bits for any number of threads. Errors:
 /// invalid_mesh (an empty index, a mesh smaller than 1e-140), invalid_argument (options out of
-/// range), limit_exceeded (more than max_listed_triangles), budget_exceeded (naming a budget that
-/// suffices), cancelled. About 100 to 200 us per triangle on one thread, 3 to 6 times the budget of
-/// memory beside the index while it works.
+/// range), limit_exceeded (more than max_listed_triangles), budget_exceeded (list_bytes below 1 KB,
+/// an execution.budget that cannot do), cancelled. About 100 to 200 us per triangle on one
+/// thread.
 [[nodiscard]] Result<MeshIndex> with_lists(const MeshIndex& index, const ListOptions& options = {});
 
 struct SlabOptions {

@@ -40,7 +40,7 @@ enum class Weld : std::uint8_t { by_format, never, exact_positions };
 
 struct ReadOptions {
     Weld weld = Weld::by_format;
-    /// Stages "loading file", "reading mesh": steps are bytes; budget: the file, the mesh and the scratch together.
+    /// Stages "loading file", "reading mesh": steps are bytes; budget: file, mesh and scratch.
     Execution execution = {};
 };
 

@@ -66,8 +66,8 @@ struct MeshFinding {
     ElementKind element{};
     std::uint64_t count = 0;
     std::vector<std::uint32_t> first_ids; ///< the lowest ones, ascending
-    std::vector<Vec3> first_places; ///< vertex, edge midpoint or centroid of each of first_ids
-    std::string meaning;            ///< what it is, and what it means for the queries
+    std::vector<Vec3> first_positions; ///< vertex, edge midpoint or centroid of each of first_ids
+    std::string meaning;               ///< what it is, and what it means for the queries
 };
 
 enum class QueryKind : std::uint8_t {

@@ -147,11 +147,11 @@ struct MinkowskiOptions {
 };
 
 /// The sum of A and B, found by overlaying their Gaussian maps. It has exactly the facets of the sum
-/// of the polyhedra that the doubles describe, each once, parallel ones merged, in O(facets of A, B and the sum) steps times
-/// the edges at a vertex (walks start where their neighbours ended; shapes made for it can cost
-/// more); O(edges of A x edges of B) where one of them is a polygon or both are unbounded.
-/// Unbounded ones are summed by their rays: no cut is needed. Errors: limit_exceeded (more than 2^28
-/// corners of all facets together), cancelled.
+/// of the polyhedra that the doubles describe, each once, parallel ones merged, in O(facets of A, B
+/// and the sum) steps times the edges at a vertex (walks start where their neighbours ended; shapes
+/// made for it can cost more); O(edges of A x edges of B) where one of them is a polygon or both are
+/// unbounded. Unbounded ones are summed by their rays: no cut is needed. Errors: limit_exceeded (more
+/// than 2^28 corners of all facets together), cancelled.
 [[nodiscard]] Result<MinkowskiSum> minkowski_sum(const ConvexPolyhedron& a,
                                                  const ConvexPolyhedron& b,
                                                  const MinkowskiOptions& options = {});
@@ -160,7 +160,7 @@ struct MinkowskiOptions {
 /// allocation. \pre point finite
 [[nodiscard]] bool contains(const MinkowskiSum& sum, const Vec3& point) noexcept;
 
-/// The place of the surface that is nearest to a point.
+/// The point of the surface that is nearest to a point.
 struct SurfacePoint {
     double distance = 0; ///< negative inside; in the mesh's units
     Vec3 nearest = Vec3::Zero();
@@ -189,6 +189,7 @@ struct Separation {
 
 /// Distance or minimum penetration depth of two polyhedra. Builds their sum: errors as
 /// minkowski_sum, and invalid_argument where the sum holds a line.
-[[nodiscard]] Result<Separation> separation(const ConvexPolyhedron& a, const ConvexPolyhedron& b);
+[[nodiscard]] Result<Separation> separation(const ConvexPolyhedron& a, const ConvexPolyhedron& b,
+                                            const MinkowskiOptions& options = {});
 
 } // namespace proxima

@@ -1,4 +1,4 @@
-// What lies round a place of the surface: by adjacency, rings of triangles (thesis 5.1.1), or by
+// What lies round a point of the surface: by adjacency, rings of triangles (thesis 5.1.1), or by
 // distance, a metric patch.
 //
 //     NeighbourhoodScratch scratch(mesh);                   // once per mesh and thread
@@ -6,7 +6,7 @@
 //     const Neighbourhood near =
 //         collect_rings(mesh, topology, closest.feature, 2, scratch, buffer);
 //     if (!near.complete) ...                               // the buffer was too small
-//     for (const TriangleId id : std::span(buffer).first(near.count)) ...
+//     for (const TriangleId id : std::span(buffer).first(near.written)) ...
 //     const Neighbourhood within = collect_triangles(*index, point, 0.5, buffer);    // by distance
 //
 // Everything is written to the caller's buffer. Nothing allocates, locks or throws. A buffer that
@@ -28,8 +28,8 @@ namespace proxima {
 
 /// How much of a buffer was filled.
 struct Neighbourhood {
-    std::size_t count = 0; ///< written, from the buffer's begin
-    bool complete = true;  ///< all there is was written
+    std::size_t written = 0; ///< items, from the buffer's begin: how many there are is not counted
+    bool complete = true;    ///< all there is was written
 };
 
 /// Marks of vertices and triangles, so that rings never need to be cleared: 4 bytes each. One query
@@ -72,7 +72,7 @@ private:
 /// Rings 0 to `rings` round a feature. Ring 0 are the triangles incident to it by topology, ring k
 /// adds those that share a vertex id with one of ring k - 1. Written ring by ring, ids ascending
 /// within each; what does not fit ends the search, and the last ring written has then some of its
-/// triangles, in ascending order. `ring_ends[k]`, as far as there is room, is set to where ring k
+/// triangles, in ascending order. `ring_ends[k]`, for all k in its range, is set to where ring k
 /// ends in the buffer. O(triangles written times valence), sorting included.
 /// \pre topology and scratch are the mesh's, the feature is one of its, rings >= 0
 [[nodiscard]] Neighbourhood collect_rings(const TriangleMesh& mesh, const Topology& topology,

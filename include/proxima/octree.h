@@ -185,7 +185,8 @@ struct OctreeParameters {
 };
 
 /// Immutable; copies share the storage. All members are noexcept, do not allocate, and may be
-/// called from any thread.
+/// called from any thread. The default one has no nodes: its root is an empty leaf, and queries find
+/// nothing.
 class Octree {
 public:
     [[nodiscard]] const OctreeFrame& frame() const noexcept { return frame_; }
@@ -202,7 +203,10 @@ public:
         return nodes_.size_bytes() + references_.size_bytes();
     }
 
-    [[nodiscard]] Cell root() const noexcept { return {CellKey{}, 0, CellClass::boundary}; }
+    [[nodiscard]] Cell root() const noexcept
+    {
+        return nodes_.empty() ? Cell{} : Cell{CellKey{}, 0, CellClass::boundary};
+    }
 
     [[nodiscard]] bool is_leaf(const Cell& cell) const noexcept
     {

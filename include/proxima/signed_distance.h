@@ -97,7 +97,7 @@ struct SurfaceSignOptions {
 [[nodiscard]] SignedDistance signed_distance(const MeshIndex& index, const SurfaceSign& sign,
                                              const Vec3& p) noexcept;
 
-/// Where a batch writes: each span is empty or has a place for every point.
+/// Where a batch writes: each span is empty or has an element for every point.
 struct SignedOutputs {
     std::span<double> distances = {};
     std::span<SignedDistance> answers = {}; ///< in full

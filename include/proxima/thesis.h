@@ -71,7 +71,7 @@ enum class MinkowskiMethod : std::uint8_t {
 [[nodiscard]] Result<MinkowskiSum> minkowski_sum_by(MinkowskiMethod method,
                                                     const ConvexPolyhedron& a,
                                                     const ConvexPolyhedron& b,
-                                                    Progress* progress = nullptr);
+                                                    const MinkowskiOptions& options = {});
 
 // Closest features of a convex mesh (4.3).
 
@@ -165,8 +165,8 @@ struct CellCulling {
 };
 
 /// The triangles of all leaves that the volume intersects: every triangle that has a point in common
-/// with the volume, and neighbours of these in the same leaves. visible_triangles is the fast way,
-/// and tests triangles too. Thread safe, allocates the list and a bit per triangle.
+/// with the volume, and neighbours of these in the same leaves. visible_triangles is faster and
+/// tests triangles too. Thread safe, allocates the list and a bit per triangle.
 /// \pre leaves list all triangles that touch them
 [[nodiscard]] CellCulling cull_by_cells(const Octree& octree, const ViewVolume& volume);
 

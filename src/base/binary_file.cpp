@@ -214,7 +214,7 @@ Result<BinaryFile> BinaryFile::read(std::span<const std::byte> bytes,
             entry.bytes > bytes.size() - entry.offset || entry.element_bytes == 0 ||
             entry.bytes % entry.element_bytes != 0) {
             return refuse(ErrorCode::malformed_file,
-                          concat("section ", entry.id, " has an impossible place or size"));
+                          concat("section ", entry.id, " has an impossible position or size"));
         }
         const auto content = bytes.subspan(entry.offset, entry.bytes);
         if (!all_zero(bytes.subspan(end, entry.offset - end))) {

@@ -12,7 +12,7 @@
 
 namespace proxima::detail {
 
-/// Prints the message with its place to stderr and aborts.
+/// Prints the message with its file and line to stderr and aborts.
 [[noreturn]] void check_failed(const char* file, int line, const std::string& message) noexcept;
 
 } // namespace proxima::detail

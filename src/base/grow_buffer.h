@@ -62,7 +62,7 @@ public:
     [[nodiscard]] std::span<const T> span() const noexcept { return {data(), size_}; }
     [[nodiscard]] std::span<T> span() noexcept { return {data(), size_}; }
 
-    /// Room for `count` elements, growing by half at least.
+    /// Capacity for `count` elements, growing by half at least.
     void reserve(std::size_t count)
     {
         if (count > capacity_) reallocate(std::max(count, capacity_ + capacity_ / 2));

@@ -1,4 +1,4 @@
-// The place of a cell on Hilbert's curve through a cube: cells that follow each other share a side,
+// The position of a cell on Hilbert's curve through a cube: cells that follow each other share a side,
 // so that runs of the order are more compact than those of Morton codes. Every run of 8^n codes
 // that starts at a multiple of it fills a cube, as Morton's do. J. Skilling's transform
 // [skilling-2004].

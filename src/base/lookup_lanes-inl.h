@@ -76,9 +76,9 @@ public:
         const auto high_mask = static_cast<__mmask16>(mask >> 16U);
         // Those of the upper half move behind those of the lower one.
         const auto count = static_cast<unsigned>(__builtin_popcount(mask & 0xFFFFU));
-        const auto places = hn::Sub(hn::Iota(wide, 0), hn::Set(wide, static_cast<int>(count)));
+        const auto indices = hn::Sub(hn::Iota(wide, 0), hn::Set(wide, static_cast<int>(count)));
         const auto behind =
-            _mm512_permutexvar_epi32(places.raw, _mm512_maskz_compress_epi32(high_mask, high.raw));
+            _mm512_permutexvar_epi32(indices.raw, _mm512_maskz_compress_epi32(high_mask, high.raw));
         const auto first = static_cast<__mmask16>((1U << count) - 1);
         lanes_ = hn::Vec<LookupIndexTag>{
             _mm512_mask_mov_epi32(behind, first, _mm512_maskz_compress_epi32(low_mask, low.raw))};

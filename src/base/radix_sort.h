@@ -35,12 +35,12 @@ template <class Item, class KeyOf>
     constexpr std::uint64_t digit_mask = (1U << radix_digit_bits) - 1;
     std::vector<Item> other(items.size());
     for (unsigned shift = 0; shift < key_bits; shift += radix_digit_bits) {
-        std::array<std::size_t, digit_mask + 1> place{};
-        for (const Item& item : items) ++place[key_of(item) >> shift & digit_mask];
+        std::array<std::size_t, digit_mask + 1> starts{};
+        for (const Item& item : items) ++starts[key_of(item) >> shift & digit_mask];
         std::size_t sum = 0;
-        for (std::size_t& start : place) sum += std::exchange(start, sum);
+        for (std::size_t& start : starts) sum += std::exchange(start, sum);
         for (const Item& item : items) {
-            other[place[key_of(item) >> shift & digit_mask]++] = item;
+            other[starts[key_of(item) >> shift & digit_mask]++] = item;
             if (!steps.done(1)) return false;
         }
         items.swap(other);

@@ -11,7 +11,7 @@ namespace proxima {
 namespace {
 
 /// Where the system looks for a name without a slash.
-std::string search_places()
+std::string searched_folders()
 {
     const char* const listed = std::getenv("LD_LIBRARY_PATH");
     const bool any = listed != nullptr && *listed != '\0';
@@ -56,7 +56,7 @@ Result<SharedLibrary> SharedLibrary::open(const LibraryWanted& wanted)
     }
     return fail(ErrorCode::file_not_found,
                 concat(wanted.what, " was not found: tried ", tried,
-                       searched ? concat("; looked in ", search_places()) : std::string(), "; ",
+                       searched ? concat("; looked in ", searched_folders()) : std::string(), "; ",
                        wanted.advice));
 }
 

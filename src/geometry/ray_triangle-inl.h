@@ -37,15 +37,15 @@ struct Meeting {
 }
 
 /// The point with weights of one sign, none of them all.
-[[nodiscard]] inline Meeting inner_point(const Three& weights, const Three& places) noexcept
+[[nodiscard]] inline Meeting inner_point(const Three& weights, const Three& depths) noexcept
 {
     const double sum = weights[0] + weights[1] + weights[2];
     Meeting at;
     for (std::size_t i = 0; i < 3; ++i) at.weights[i] = weights[i] / sum;
     const double t =
-        at.weights[0] * places[0] + at.weights[1] * places[1] + at.weights[2] * places[2];
-    const double least = std::min(std::min(places[0], places[1]), places[2]);
-    const double most = std::max(std::max(places[0], places[1]), places[2]);
+        at.weights[0] * depths[0] + at.weights[1] * depths[1] + at.weights[2] * depths[2];
+    const double least = std::min(std::min(depths[0], depths[1]), depths[2]);
+    const double most = std::max(std::max(depths[0], depths[1]), depths[2]);
     at.t = std::clamp(t, least, most);
     return at;
 }
@@ -77,7 +77,7 @@ intersect(const Ray& ray, const RayShear& shear, const Triangle& triangle, Faces
     const double* const origin = ray.origin.data();
     detail::Three x;
     detail::Three y;
-    detail::Three places;
+    detail::Three depths;
     double size = 0;
     double reach = 0;
     for (std::size_t corner = 0; corner < 3; ++corner) {
@@ -87,7 +87,7 @@ intersect(const Ray& ray, const RayShear& shear, const Triangle& triangle, Faces
         const double about_z = vertex[shear.z] - origin[shear.z];
         x[corner] = about_x - shear.slope_x * about_z;
         y[corner] = about_y - shear.slope_y * about_z;
-        places[corner] = about_z * shear.inverse_z;
+        depths[corner] = about_z * shear.inverse_z;
         size = std::max({size, std::abs(about_x), std::abs(about_y), std::abs(about_z)});
         reach = std::max({reach, std::abs(x[corner]), std::abs(y[corner])});
     }
@@ -101,7 +101,7 @@ intersect(const Ray& ray, const RayShear& shear, const Triangle& triangle, Faces
         const double sum = weights[0] + weights[1] + weights[2];
         if ((least > error || most < -error) && std::abs(sum) > detail::sure_sum * error) {
             if (!detail::is_wanted(shear.inverse_z > 0 ? sum : -sum, faces)) return std::nullopt;
-            const detail::Meeting at = detail::inner_point(weights, places);
+            const detail::Meeting at = detail::inner_point(weights, depths);
             if (std::abs(at.t) <= farthest_hit) return detail::within_range(ray, at);
         }
     }

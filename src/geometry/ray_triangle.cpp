@@ -20,22 +20,22 @@ using detail::within_range;
 
 /// Parameters of the corners along the ray, measured on the direction's largest component. They are
 /// clamped so that differences stay finite for tiny directions.
-Three corner_places(const Ray& ray, const Triangle& triangle) noexcept
+Three corner_depths(const Ray& ray, const Triangle& triangle) noexcept
 {
     int axis = 0;
     ray.direction.cwiseAbs().maxCoeff(&axis);
-    Three places;
+    Three depths;
     for (std::size_t i = 0; i < 3; ++i) {
-        const double place = (triangle.vertices[i][axis] - ray.origin[axis]) / ray.direction[axis];
-        places[i] = std::clamp(place, -farthest_hit, farthest_hit);
+        const double depth = (triangle.vertices[i][axis] - ray.origin[axis]) / ray.direction[axis];
+        depths[i] = std::clamp(depth, -farthest_hit, farthest_hit);
     }
-    return places;
+    return depths;
 }
 
-Meeting corner_point(std::size_t corner, const Three& places) noexcept
+Meeting corner_point(std::size_t corner, const Three& depths) noexcept
 {
     Meeting at;
-    at.t = places[corner];
+    at.t = depths[corner];
     at.weights[corner] = 1;
     return at;
 }
@@ -85,7 +85,7 @@ private:
 class ExactMeeting {
 public:
     ExactMeeting(const Ray& ray, const Triangle& triangle) noexcept
-        : ray_(ray), triangle_(triangle), places_(corner_places(ray, triangle)),
+        : ray_(ray), triangle_(triangle), depths_(corner_depths(ray, triangle)),
           conditioned_(ray, triangle)
     {}
 
@@ -102,9 +102,9 @@ public:
         if (seen == 3) return std::nullopt;
         if (seen == 0) return faces == Faces::both ? find_in_plane() : std::nullopt;
         if (!is_wanted(seen == 1 ? 1.0 : -1.0, faces)) return std::nullopt;
-        if (zeros == 0) return within_range(ray_, inner_point(weights, places_));
+        if (zeros == 0) return within_range(ray_, inner_point(weights, depths_));
         for (std::size_t i = 0; i < 3; ++i) {
-            if (zeros == 2 && weights[i] != 0) return within_range(ray_, corner_point(i, places_));
+            if (zeros == 2 && weights[i] != 0) return within_range(ray_, corner_point(i, depths_));
             if (zeros == 1 && weights[i] == 0) {
                 const std::size_t a = (i + 1) % 3;
                 const std::size_t b = (i + 2) % 3;
@@ -171,8 +171,8 @@ private:
         Meeting at;
         at.weights[a] = 1 - share;
         at.weights[b] = share;
-        const auto [least, most] = std::minmax(places_[a], places_[b]);
-        at.t = std::clamp(places_[a] + share * (places_[b] - places_[a]), least, most);
+        const auto [least, most] = std::minmax(depths_[a], depths_[b]);
+        at.t = std::clamp(depths_[a] + share * (depths_[b] - depths_[a]), least, most);
         return at;
     }
 
@@ -188,7 +188,7 @@ private:
         std::size_t count = 0;
         for (std::size_t i = 0; i < 3; ++i) {
             const std::size_t next = (i + 1) % 3;
-            if (sides[i] == 0) met[count++] = corner_point(i, places_);
+            if (sides[i] == 0) met[count++] = corner_point(i, depths_);
             if (sides[i] * sides[next] < 0) met[count++] = edge_point(i, next, axis);
         }
         if (count == 0) return std::nullopt;
@@ -206,7 +206,7 @@ private:
 
     const Ray& ray_;
     const Triangle& triangle_;
-    Three places_;
+    Three depths_;
     Conditioned conditioned_;
 };
 

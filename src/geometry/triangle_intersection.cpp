@@ -343,15 +343,15 @@ private:
 
 /// The point between the ends, whose distances from the crossed plane or line are `ahead` and
 /// `behind`.
-Vec3 place_between(const Edge& edge, double ahead, double behind) noexcept
+Vec3 position_between(const Edge& edge, double ahead, double behind) noexcept
 {
     const double sum = std::abs(ahead) + std::abs(behind);
     if (sum == 0) return edge.from;
     const Vec3 along = edge.to - edge.from;
     const double from_share = std::abs(ahead) / sum;
-    const Vec3 place = from_share <= 0.5 ? Vec3(edge.from + from_share * along)
-                                         : Vec3(edge.to - std::abs(behind) / sum * along);
-    return place.cwiseMax(edge.from.cwiseMin(edge.to)).cwiseMin(edge.from.cwiseMax(edge.to));
+    const Vec3 position = from_share <= 0.5 ? Vec3(edge.from + from_share * along)
+                                            : Vec3(edge.to - std::abs(behind) / sum * along);
+    return position.cwiseMax(edge.from.cwiseMin(edge.to)).cwiseMin(edge.from.cwiseMax(edge.to));
 }
 
 Vec3 edge_on_face(const Edge& edge, const Triangle& face) noexcept
@@ -361,8 +361,8 @@ Vec3 edge_on_face(const Edge& edge, const Triangle& face) noexcept
     const Vec3 base = scaled(face[0]);
     const Displacement u = {base, scaled(face[1])};
     const Displacement v = {base, scaled(face[2])};
-    return place_between(edge, exact_determinant(u, v, {base, scaled(edge.from)}),
-                         exact_determinant(u, v, {base, scaled(edge.to)}));
+    return position_between(edge, exact_determinant(u, v, {base, scaled(edge.from)}),
+                            exact_determinant(u, v, {base, scaled(edge.to)}));
 }
 
 Vec3 edge_on_edge(const Edge& edge, const Edge& other) noexcept
@@ -382,7 +382,7 @@ Vec3 edge_on_edge(const Edge& edge, const Edge& other) noexcept
         ahead = one;
         behind = two;
     }
-    return place_between(edge, ahead, behind);
+    return position_between(edge, ahead, behind);
 }
 
 } // namespace

@@ -1,7 +1,7 @@
 // Where two triangles meet: a point, a segment, or in one plane a convex polygon.
 //
 //     meeting parts   side 1 of a, inside of b     corner 0 of a, side 2 of b     ...
-//     place           one double per coordinate, computed from these parts alone
+//     position        one double per coordinate, computed from these parts alone
 //
 // Every end of the intersection lies in the interior of one part of a (a corner, a side, the
 // inside) and of one part of b, and no other end does: the pair of parts names it. Neighbouring

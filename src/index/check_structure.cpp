@@ -43,7 +43,7 @@ const char* fault_of(const TriangleRow<Scalar>& row, const IndexParts& index)
             return "an edge of one vertex";
         if (from != to && row.edges[k] >= index.edge_count()) return "no such edge";
         for (const auto& line : row.coordinates) {
-            if (from == to && line[k] != line[next]) return "a vertex at two places";
+            if (from == to && line[k] != line[next]) return "a vertex at two positions";
         }
     }
     if (row.triangle_id() >= index.triangle_count()) return "no such triangle";

@@ -24,7 +24,7 @@ struct CheckStructureOptions {
 ///     lists    check_lists.h
 ///     slabs    one for each block, and seven
 ///
-/// Errors: broken_invariant naming the first place; cancelled. The same for any number of threads.
+/// Errors: broken_invariant naming the first fault; cancelled. The same for any number of threads.
 /// For any content of the arrays, also a crafted one, but aligned as their types want.
 /// O(bytes), a byte of scratch per eight and 32 per block.
 [[nodiscard]] Status check_structure(const MeshIndex& index,

@@ -1,5 +1,5 @@
 // What a mesh index holds: one structure for all queries of a mesh. The octree's cells, eight children
-// to a node, with boxes drawn tight around what they hold, and every triangle in one place.
+// to a node, with boxes drawn tight around what they hold, and every triangle once.
 //
 //     frame    centre and scale: coordinates of blocks are in units of the mesh's size
 //     blocks   128 bytes each, a node's children side by side
@@ -10,8 +10,7 @@
 //     ids      the triangle ids of the rows, side by side
 //     places   of each vertex and edge, its lowest triangle and where it is there (place_word)
 //
-// Shelves that an index may have beside: lists (lists/proximity_lists.h) and slabs
-// (slabs/block_slab.h).
+// Optional additions: lists (lists/proximity_lists.h) and slabs (slabs/block_slab.h).
 //
 // The order of the rows is the Morton curve of the octree's cells by the triangles' centres. Chains
 // of cells with a single child are left out, and levels are joined where that makes fewer steps.
@@ -31,16 +30,16 @@
 
 namespace proxima {
 
-/// Eight boxes; places without a child have boxes that no ray meets, and refer to an empty leaf.
+/// Eight boxes; slots without a child have boxes that no ray meets, and refer to an empty leaf.
 struct IndexNode {
     std::array<std::array<std::uint8_t, 16>, 3> planes; ///< by axis: 8 lower, 8 upper
     std::array<std::uint32_t, 8> children;              ///< by octant of the node, more or less
     std::array<float, 3> origin;
     std::array<float, 3> step;
     std::uint32_t first_row; ///< of the run of rows below
-    std::uint32_t order;     ///< places of the children by their rows, 4 bits each from the lowest
+    std::uint32_t order;     ///< slots of the children by their rows, 4 bits each from the lowest
                              ///< up; no_child after the last
-    std::array<std::uint16_t, 8> starts; ///< by place: where a child's run begins, from first_row
+    std::array<std::uint16_t, 8> starts; ///< by slot: where a child's run begins, from first_row
                                          ///< on; far_start: as its own block says
 
     static constexpr std::uint32_t no_child = 15;
@@ -63,7 +62,7 @@ union alignas(128) IndexBlock {
 };
 static_assert(sizeof(IndexBlock) == 128);
 
-/// References are places of blocks, with this bit for leaves.
+/// References are positions of blocks, with this bit for leaves.
 inline constexpr std::uint32_t index_leaf_bit = 1U << 31U;
 
 struct BlockSlab;
@@ -88,7 +87,7 @@ struct IndexArrays {
 /// holds it: a step of a search follows no pointer to get here.
 class IndexParts {
 public:
-    /// Levels of blocks at most: the 63 bits of a cell's place, then 31 of a triangle's rank.
+    /// Levels of blocks at most: the 63 bits of a cell's position, then 31 of a triangle's rank.
     static constexpr std::size_t max_levels = 63 + 31;
 
     [[nodiscard]] std::uint32_t triangle_count() const noexcept

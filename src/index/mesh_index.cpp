@@ -57,11 +57,6 @@ std::span<const TriangleId> MeshIndex::ids() const noexcept
     return parts_->ids();
 }
 
-Triangle MeshIndex::triangle(std::uint32_t row) const noexcept
-{
-    return parts_->triangle(row);
-}
-
 MeshIndexBytes bytes_of(const MeshIndex& index) noexcept
 {
     const IndexParts& parts = index.parts();

@@ -23,20 +23,20 @@ bool same_bits(const Vec3& a, const Vec3& b)
 }
 
 /// Vertices as rows have them.
-class VertexPlaces {
+class VertexPositions {
 public:
-    VertexPlaces(std::size_t count, const Vec3& elsewhere)
+    VertexPositions(std::size_t count, const Vec3& elsewhere)
         : positions_(count, elsewhere), known_(count)
     {}
 
     /// False where the vertex is somewhere else already, by a bit.
     [[nodiscard]] bool put(std::uint32_t vertex, const Vec3& position)
     {
-        Vec3& place = positions_[vertex];
-        if (known_[vertex]) return same_bits(place, position);
+        Vec3& kept = positions_[vertex];
+        if (known_[vertex]) return same_bits(kept, position);
         known_[vertex] = true;
         ++known_count_;
-        place = position;
+        kept = position;
         return true;
     }
 
@@ -50,14 +50,14 @@ private:
 };
 
 template <class Scalar>
-Status collect(std::span<const TriangleRow<Scalar>> rows, VertexPlaces& places,
+Status collect(std::span<const TriangleRow<Scalar>> rows, VertexPositions& vertices,
                std::vector<TriangleCorners>& triangles)
 {
     for (const TriangleRow<Scalar>& row : rows) {
         for (int i = 0; i < 3; ++i) {
             const std::uint32_t vertex = row.vertices[i];
-            if (!places.put(vertex, row.corner(i))) {
-                return fail(ErrorCode::broken_invariant, "a vertex at two places",
+            if (!vertices.put(vertex, row.corner(i))) {
+                return fail(ErrorCode::broken_invariant, "a vertex at two positions",
                             concat("vertex ", vertex));
             }
             triangles[row.triangle_id()][static_cast<std::size_t>(i)] = vertex;
@@ -77,14 +77,14 @@ std::string hexadecimal(std::uint64_t value)
 
 Result<TriangleMesh> mesh_of(const MeshIndex& index)
 {
-    VertexPlaces places(index.vertex_count(), index.parts().center());
+    VertexPositions vertices(index.vertex_count(), index.parts().center());
     std::vector<TriangleCorners> triangles(index.triangle_count());
-    for (const Status& status : {collect(index.parts().float_rows(), places, triangles),
-                                 collect(index.parts().double_rows(), places, triangles)}) {
+    for (const Status& status : {collect(index.parts().float_rows(), vertices, triangles),
+                                 collect(index.parts().double_rows(), vertices, triangles)}) {
         if (!status) return tl::unexpected(status.error());
     }
-    const bool whole = index.triangle_count() > 0 && places.all_known();
-    auto mesh = make_triangle_mesh(places.take(), std::move(triangles));
+    const bool whole = index.triangle_count() > 0 && vertices.all_known();
+    auto mesh = make_triangle_mesh(vertices.take(), std::move(triangles));
     if (mesh && whole && mesh_fingerprint(*mesh) != index.mesh_fingerprint()) {
         return fail(ErrorCode::broken_invariant,
                     "its triangles are not those of the mesh that it is said to be of", "rows");

@@ -1,5 +1,5 @@
-// One triangle as the recheck in doubles reads it: corners and the names of its features in one
-// place, in Morton order.
+// One triangle as the recheck in doubles reads it: corners and the names of its features side by
+// side, in Morton order.
 //
 //     float row    x 3 | y 3 | z 3, 4 bytes each | triangle | vertices 3 | edges 3       64 bytes
 //     double row   x 3 | y 3 | z 3, 8 bytes each | triangle | vertices 3 | edges 3 | 0  104 bytes

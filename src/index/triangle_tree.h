@@ -38,7 +38,7 @@ struct TriangleTreeOptions {
     Execution execution = {};
 };
 
-/// Boxes of eight entries. Places without an entry are empty boxes.
+/// Boxes of eight entries. Slots without an entry are empty boxes.
 struct alignas(64) TriangleTreeBlock {
     using Coordinates = std::array<float, 8>;
     std::array<Coordinates, 3> lower;

@@ -91,11 +91,11 @@ void visit_nearest(const TriangleTree& tree, const Box& box, double bound_square
         const std::uint32_t entries = HWY_MIN(width, level.entries - first);
         for (std::uint32_t i = 0; i < entries; ++i) {
             if (squared[i] > limit) continue;
-            std::size_t place = count++;
-            for (; place > 0 && near[place - 1].squared > squared[i]; --place) {
-                near[place] = near[place - 1];
+            std::size_t position = count++;
+            for (; position > 0 && near[position - 1].squared > squared[i]; --position) {
+                near[position] = near[position - 1];
             }
-            near[place] = {squared[i], first + i};
+            near[position] = {squared[i], first + i};
         }
         if (at.level > 0) {
             for (std::size_t i = count; i-- > 0;) {

@@ -64,10 +64,10 @@ void NearWalk::enter(const IndexNode& node) noexcept
     for (std::size_t slot = 0; slot < 8; ++slot) {
         const bool is_child = node.planes[0][slot] <= node.planes[0][8 + slot];
         if (!is_child || !(squared[slot] <= most_)) continue;
-        std::size_t place = count++;
-        for (; place > 0 && near[place - 1].squared < squared[slot]; --place)
-            near[place] = near[place - 1];
-        near[place] = {squared[slot], node.children[slot]};
+        std::size_t position = count++;
+        for (; position > 0 && near[position - 1].squared < squared[slot]; --position)
+            near[position] = near[position - 1];
+        near[position] = {squared[slot], node.children[slot]};
     }
     for (std::size_t i = 0; i < count; ++i) pending_.push(near[i]);
 }

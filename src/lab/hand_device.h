@@ -1,5 +1,5 @@
-// The simulated hand (simulated_hand.h) that is pulled somewhere, by a script or by a mouse, as a
-// device.
+// A device that a simulated hand (simulated_hand.h) holds, which a script or a mouse pulls to a
+// target.
 #pragma once
 
 #include "lab/simulated_hand.h"
@@ -12,14 +12,14 @@
 
 namespace proxima {
 
-/// Where a hand wants to go, m, at a time of the session, s. Called by the device's thread in every
-/// tick: must neither throw nor allocate.
+/// The target of a hand, m, at a time of the session, s. The device's thread calls it in every tick:
+/// it must neither throw nor allocate.
 using HandTarget = std::function<Vec3(double seconds)>;
 
-/// Each tick is one of the hand's model, whatever the clock says: the same forces paced or not.
+/// Each tick is one of the hand's model, whatever the clock: forces are the same paced or not.
 class HandDevice final : public Device {
 public:
-    /// At rest at `start`. \pre as SimulatedHand, and there is a target
+    /// At rest at `start`. \pre as SimulatedHand; target is not empty
     HandDevice(std::string name, const HandModel& model, HandTarget target, const Vec3& start,
                const DeviceLimits& limits)
         : target_(std::move(target)), hand_(model, start)

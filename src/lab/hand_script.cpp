@@ -12,11 +12,11 @@ namespace proxima {
 
 namespace {
 
-constexpr int sites = 12; ///< places that a script visits
+constexpr int sites = 12; ///< that a script visits
 
-/// A place of the surface, of the device.
+/// A point of the surface, in the device's metres.
 struct Site {
-    Vec3 place = Vec3::Zero();
+    Vec3 position = Vec3::Zero();
     Vec3 normal = Vec3::UnitZ();
 };
 
@@ -68,9 +68,9 @@ public:
             const auto triangles = topology_.triangles(edge);
             Site from = middle_of(triangles.front());
             Site to = middle_of(triangles.back());
-            const Vec3 way = to.place - from.place;
-            constexpr double least = 0.01; // m: fine meshes are crossed edge by edge
-            if (way.norm() > 0 && way.norm() < least) to.place += way * (least / way.norm());
+            const Vec3 step = to.position - from.position;
+            constexpr double least = 0.01; // m, to cross several edges of a fine mesh
+            if (step.norm() > 0 && step.norm() < least) to.position += step * (least / step.norm());
             go(0.4, from, 0.02);
             for (int turn = 0; turn < 3; ++turn) {
                 go(0.15, from, -0.005);
@@ -84,9 +84,9 @@ public:
     {
         for (const Site& site : dents()) {
             const Vec3 aside = 0.01 * direction();
-            go(0.4, {site.place + aside, site.normal}, 0.02);
+            go(0.4, {site.position + aside, site.normal}, 0.02);
             go(0.2, site, -0.006);
-            go(0.2, {site.place - 0.4 * aside, site.normal}, -0.008);
+            go(0.2, {site.position - 0.4 * aside, site.normal}, -0.008);
             go(0.2, site, 0.02);
         }
     }
@@ -105,7 +105,7 @@ public:
     {
         Site site = any_site();
         for (int i = 0; i < 4 * sites; ++i) {
-            go(0.1 + 0.2 * unit(), {site.place + 0.005 * direction(), site.normal},
+            go(0.1 + 0.2 * unit(), {site.position + 0.005 * direction(), site.normal},
                0.02 * (unit() - 0.5));
             site = random_() % 4 == 0 ? any_site() : site_near(site);
         }
@@ -113,8 +113,8 @@ public:
 
     [[nodiscard]] HandScript finish() &&
     {
-        // Back to the beginning, so that it may go round.
-        script_.stops_.push_back({seconds_ + 0.5, script_.stops_.front().place});
+        // Close the path.
+        script_.stops_.push_back({seconds_ + 0.5, script_.stops_.front().position});
         return std::move(script_);
     }
 
@@ -133,15 +133,15 @@ private:
     void go(double seconds, const Site& site, double height)
     {
         if (!script_.stops_.empty()) seconds_ += seconds;
-        script_.stops_.push_back({seconds_, site.place + height * site.normal});
+        script_.stops_.push_back({seconds_, site.position + height * site.normal});
     }
 
     [[nodiscard]] Site site_at(TriangleId id, double u, double v) const
     {
         const Triangle triangle = mesh_.triangle(id);
-        const Vec3 place =
+        const Vec3 position =
             triangle[0] + u * (triangle[1] - triangle[0]) + v * (triangle[2] - triangle[0]);
-        return {map_.to_device(place), scaled_normal(triangle).normalized()};
+        return {map_.to_device(position), scaled_normal(triangle).normalized()};
     }
     [[nodiscard]] Site middle_of(TriangleId id) const { return site_at(id, 1.0 / 3, 1.0 / 3); }
 
@@ -152,7 +152,7 @@ private:
         return site_at(any_triangle(), u, v);
     }
 
-    /// Of the next part.
+    /// A triangle of the next part.
     TriangleId any_triangle()
     {
         const std::vector<TriangleId>& part = solid_[next_part_++ % solid_.size()];
@@ -172,23 +172,24 @@ private:
         return static_cast<std::size_t>(after - parts_.begin());
     }
 
-    /// The nearest of several that face about the same way.
+    /// The nearest of several sites with a similar normal.
     Site site_near(const Site& from)
     {
         Site best = from;
         double least = std::numeric_limits<double>::infinity();
         for (int i = 0; i < 64; ++i) {
             const Site site = any_site();
-            const double way = (site.place - from.place).norm();
-            if (way < 0.003 || way >= least || site.normal.dot(from.normal) < 0.3) continue;
+            const double distance = (site.position - from.position).norm();
+            if (distance < 0.003 || distance >= least || site.normal.dot(from.normal) < 0.3)
+                continue;
             best = site;
-            least = way;
+            least = distance;
         }
         return best;
     }
 
-    /// Vertices that lie deepest among their neighbours, of each part as many; on a convex model
-    /// its sharpest ones.
+    /// Vertices that lie deepest among their neighbours, as many in each part; on a convex model its
+    /// sharpest ones.
     std::vector<Site> dents()
     {
         struct Dent {
@@ -202,9 +203,9 @@ private:
             const Vec3 normal = normal_of(VertexId{id});
             double depth = 0;
             for (const EdgeId edge : edges) {
-                const Vec3 way =
+                const Vec3 edge_vector =
                     mesh_.position(topology_.other_end(edge, VertexId{id})) - mesh_.positions()[id];
-                if (way.norm() > 0) depth += way.normalized().dot(normal);
+                if (edge_vector.norm() > 0) depth += edge_vector.normalized().dot(normal);
             }
             found.push_back({depth / static_cast<double>(edges.size()), id});
         }
@@ -298,7 +299,7 @@ Vec3 HandScript::target(double seconds) const noexcept
     const double span = next->seconds - before.seconds;
     const double part = span > 0 ? std::clamp((time - before.seconds) / span, 0.0, 1.0) : 1.0;
     const double smooth = part * part * (3 - 2 * part);
-    return before.place + smooth * (next->place - before.place);
+    return before.position + smooth * (next->position - before.position);
 }
 
 } // namespace proxima

@@ -3,7 +3,7 @@
 #include "geometry/exact_predicates.h"
 #include "geometry/triangle_contact.h"
 #include "haptics/proxy/slide_sphere.h"
-#include "haptics/scene/object_course.h"
+#include "haptics/scene/object_trajectory.h"
 #include "haptics/scene/touch_access.h"
 
 #include <algorithm>
@@ -33,7 +33,7 @@ QualityMeter::QualityMeter(const TouchScene& scene, const WorkspaceMap& map)
     report_.objects.resize(scene.object_count());
 }
 
-/// Whether a straight way meets a triangle.
+/// Whether a segment meets a triangle.
 bool QualityMeter::passes(const ContactSurface& surface, const Vec3& from, const Vec3& to) noexcept
 {
     if (from == to) return false;
@@ -48,7 +48,7 @@ bool QualityMeter::passes(const ContactSurface& surface, const Vec3& from, const
     return false;
 }
 
-/// The same in the frame of an object, which is asked itself: not what its scene keeps of it.
+/// Like passes() of a surface, in the frame of an object, without the cache of its scene.
 bool QualityMeter::passes(const ContactBody& body, const Vec3& from, const Vec3& to) noexcept
 {
     const Box& bounds = body.bounds();
@@ -62,8 +62,7 @@ bool QualityMeter::passes_standing(const Vec3& from, const Vec3& to) noexcept
     if (scene_ == nullptr) return passes(surface_, from, to);
     for (std::uint32_t i = 0; i < scene_->object_count(); ++i) {
         const SceneObject object = scene_->object(ObjectId{i});
-        if (passes(*object.body, seen_from(object.now, from), seen_from(object.now, to)))
-            return true;
+        if (passes(*object.body, to_local(object.now, from), to_local(object.now, to))) return true;
     }
     return false;
 }
@@ -74,16 +73,16 @@ void QualityMeter::count_passes(std::span<const Vec3> path) noexcept
         report_.passes += passes_standing(path[i - 1], path[i]) ? 1U : 0U;
 }
 
-/// The way on which objects that move have carried the proxy, as each of them sees it.
+/// Tests the path on which moving objects carried the proxy, in the frame of each.
 void QualityMeter::count_carried(const RenderTick& tick, std::span<const Vec3> path) noexcept
 {
-    const bool carried = report_.ticks > 1 && last_.has_room && tick.has_room && !tick.squeezed &&
+    const bool carried = report_.ticks > 1 && last_.is_placed && tick.is_placed && !tick.squeezed &&
                          tick.fault == InputFault::none && !path.empty();
     if (!carried) return;
     for (std::uint32_t i = 0; i < scene_->object_count(); ++i) {
         const SceneObject object = scene_->object(ObjectId{i});
-        const Vec3 from = seen_from(object.before, last_.proxy);
-        const Vec3 to = seen_from(object.now, path.front());
+        const Vec3 from = to_local(object.before, last_.proxy);
+        const Vec3 to = to_local(object.now, path.front());
         report_.passes += passes(*object.body, from, to) ? 1U : 0U;
     }
 }
@@ -133,22 +132,21 @@ void QualityMeter::add(const RenderTick& tick, const Vec3& velocity,
     sum.max_moves = std::max<std::uint64_t>(sum.max_moves, tick.moves);
     sum.moves += tick.moves;
     count_passes(path);
-    sum.passes += tick.popped ? 1U : 0U;
     if (scene_ != nullptr) {
         count_carried(tick, path);
         add_objects(tick);
     }
     const bool placed = last_.fault != InputFault::not_finite;
     if (!first && placed && tick.fault == InputFault::none) {
-        const Vec3 way = tick.position - last_.position;
-        sum.taken_energy -= 0.5 * (tick.force + last_.force).dot(way);
+        const Vec3 step = tick.position - last_.position;
+        sum.taken_energy -= 0.5 * (tick.force + last_.force).dot(step);
         if (touching && last_.hold != Hold::free) {
             const double moved =
-                (tick.proxy - last_.proxy).norm() / map_.units_per_metre + way.norm();
+                (tick.proxy - last_.proxy).norm() / map_.units_per_metre + step.norm();
             const Vec3 stretch = tick.anchor - map_.to_model(tick.position);
             const Vec3 last_stretch = last_.anchor - map_.to_model(last_.position);
             const double change = (stretch - last_stretch).norm() / map_.units_per_metre;
-            constexpr double least = 1e-7; // m: shorter ways are the safety gap's
+            constexpr double least = 1e-7; // m: shorter steps may be due to the safety gap
             if (moved > least) sum.max_step_ratio = std::max(sum.max_step_ratio, change / moved);
             if (tick.spring.norm() > 0 && last_.spring.norm() > 0) {
                 sum.max_turn_degrees =

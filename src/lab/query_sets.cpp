@@ -66,8 +66,8 @@ public:
     {
         constexpr int samples = 300000;
         for (int i = 0; i < samples; ++i) {
-            place_ = surface(random);
-            shell_.insert(code(cell_of(place_)));
+            position_ = surface(random);
+            shell_.insert(code(cell_of(position_)));
         }
         heading_ = direction(random);
     }
@@ -75,15 +75,15 @@ public:
     Vec3 next(Random& random)
     {
         heading_ = (heading_ + turn * normal_vector(random)).normalized();
-        const Cell from = cell_of(place_);
-        const Cell to = cell_of(place_ + step_ * heading_);
+        const Cell from = cell_of(position_);
+        const Cell to = cell_of(position_ + step_ * heading_);
         if (!shell_.contains(code(to))) {
-            // Turned back along the axes on which it left, it stays in the cell where it is.
+            // Reflected on the axes along which it left, it stays in its cell.
             for (std::size_t k = 0; k < 3; ++k)
                 if (to[k] != from[k]) heading_[static_cast<int>(k)] *= -1;
         }
-        place_ += step_ * heading_;
-        return place_;
+        position_ += step_ * heading_;
+        return position_;
     }
 
 private:
@@ -96,8 +96,8 @@ private:
         return {std::llround(scaled.x()), std::llround(scaled.y()), std::llround(scaled.z())};
     }
 
-    /// Of cells of one mesh, which is at most 101 wide, no two have the same, though numbers of
-    /// cells far from the origin wrap around.
+    /// A number that no other cell of the mesh has, which is at most 101 cells wide; numbers of cells
+    /// far from the origin wrap around.
     static std::uint64_t code(const Cell& cell)
     {
         const auto part = [&](std::size_t axis) { return static_cast<std::uint64_t>(cell[axis]); };
@@ -107,7 +107,7 @@ private:
     double cell_;
     double step_;
     std::unordered_set<std::uint64_t> shell_;
-    Vec3 place_ = Vec3::Zero();
+    Vec3 position_ = Vec3::Zero();
     Vec3 heading_ = Vec3::UnitX();
 };
 
@@ -126,8 +126,8 @@ std::array<QuerySet, 3> query_sets(const TriangleMesh& mesh, std::size_t count, 
     for (std::size_t i = 0; i < count; ++i) {
         const double x = signed_unit(random);
         const double y = signed_unit(random);
-        const Vec3 place(x, y, signed_unit(random));
-        sets[0].points.emplace_back(box.center() + 0.6 * place.cwiseProduct(box.extent()));
+        const Vec3 position(x, y, signed_unit(random));
+        sets[0].points.emplace_back(box.center() + 0.6 * position.cwiseProduct(box.extent()));
     }
     for (std::size_t i = 0; i < count; ++i) {
         const Vec3 foot = surface(random);

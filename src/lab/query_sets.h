@@ -6,7 +6,7 @@
 //     c  walk      a coherent walk in steps of 1e-4 of the diagonal that keeps its direction but
 //                  for a little turn a step (persistence length about 0.1 of the diagonal), and
 //                  bounces inside the shell of those cells, 1 % of the diagonal wide, that the
-//                  surface goes through: what the tip of a probe does near a model
+//                  surface goes through: like the tip of a probe near a model
 #pragma once
 
 #include "proxima/triangle_mesh.h"

@@ -9,7 +9,7 @@ namespace proxima {
 
 namespace {
 
-/// exp(a) by its series, halved often enough first.
+/// exp(a) by its series, after enough halvings.
 Mat3 exponential(Mat3 a) noexcept
 {
     const int halvings = std::max(0, std::ilogb(a.cwiseAbs().maxCoeff() / 0.03) + 1);
@@ -27,7 +27,7 @@ Mat3 exponential(Mat3 a) noexcept
 } // namespace
 
 SimulatedHand::SimulatedHand(const HandModel& model, const Vec3& at) noexcept
-    : model_(model), position_(at), said_before_(at)
+    : model_(model), position_(at), reported_before_(at)
 {
     PROXIMA_CHECK_GT(model.mass, 0);
     PROXIMA_CHECK_GT(model.tick_seconds, 0);
@@ -47,10 +47,10 @@ SimulatedHand::SimulatedHand(const HandModel& model, const Vec3& at) noexcept
     push_x_ = tick(0, 2);
     push_v_ = tick(1, 2);
     delayed_.fill(Vec3::Zero());
-    said_before_ = said_position();
+    reported_before_ = reported_position();
 }
 
-Vec3 SimulatedHand::said_position() const noexcept
+Vec3 SimulatedHand::reported_position() const noexcept
 {
     const double step = model_.encoder_step;
     if (!(step > 0)) return position_;
@@ -60,10 +60,10 @@ Vec3 SimulatedHand::said_position() const noexcept
 DeviceState SimulatedHand::state() const noexcept
 {
     DeviceState state;
-    state.pose.translation = said_position();
+    state.pose.translation = reported_position();
     state.velocity = model_.velocity == VelocityEstimate::exact
                          ? velocity_
-                         : Vec3((state.pose.translation - said_before_) / model_.tick_seconds);
+                         : Vec3((state.pose.translation - reported_before_) / model_.tick_seconds);
     return state;
 }
 
@@ -71,12 +71,12 @@ void SimulatedHand::set_motion(const Vec3& position, const Vec3& velocity) noexc
 {
     position_ = position;
     velocity_ = velocity;
-    said_before_ = said_position();
+    reported_before_ = reported_position();
 }
 
 void SimulatedHand::step(const Vec3& force, const Vec3& target) noexcept
 {
-    said_before_ = said_position();
+    reported_before_ = reported_position();
     const std::size_t slots = static_cast<std::size_t>(model_.delay_ticks) + 1;
     delayed_[ticks_ % slots] = force;
     ++ticks_;
@@ -93,7 +93,7 @@ void SimulatedHand::step(const Vec3& force, const Vec3& target) noexcept
         push -= friction * against;
         const Vec3 after = free_vx_ * offset + free_vv_ * velocity_ + push_v_ * push;
         if (speed > 0 && after.dot(velocity_) <= 0) {
-            // It comes to rest within the tick, and the next one decides whether it goes on.
+            // It comes to rest within the tick; the next tick decides whether it moves on.
             const double slowing = (velocity_ - after).norm();
             const double part = slowing > 0 ? speed / slowing : 0;
             position_ += velocity_ * (0.5 * std::min(part, 1.0) * model_.tick_seconds);

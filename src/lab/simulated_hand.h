@@ -1,8 +1,8 @@
-// A hand that holds a device, simulated: replay alone cannot show an unstable setting, this can.
+// A simulated hand that holds a device. Unlike a replay it can show an unstable setting.
 //
-//     m x'' = F(t - delay) - b x' - friction + hand        F is held over a tick, as devices do
-//     hand  = k (target - x) - d x'                        towards where a script wants to go
-//     said  : x rounded to the encoder's step, and its velocity by differences
+//     m x'' = F(t - delay) - b x' - friction + hand        F is constant over a tick
+//     hand  = k (target - x) - d x'                        the target is a script's
+//     reported: x rounded to the encoder's step, and its velocity by differences
 //
 // Between ticks the motion is solved exactly (matrix exponential), so limits of stability are those
 // of theory: K < (b + B) / (T / 2 + delay) for a wall of stiffness K and damping B
@@ -17,9 +17,9 @@
 
 namespace proxima {
 
-/// Velocities as the device says them.
+/// Velocities as the device reports them.
 enum class VelocityEstimate : std::uint8_t {
-    backward_difference, ///< of positions as said
+    backward_difference, ///< of reported positions
     exact                ///< as simulated
 };
 
@@ -28,7 +28,7 @@ struct HandModel {
     double device_damping = 0.5; ///< b, N s/m
     double coulomb_friction = 0; ///< N, against the velocity
     double encoder_step = 0;     ///< m; 0 = none
-    int delay_ticks = 0;         ///< between asking for a force and feeling it
+    int delay_ticks = 0;         ///< between setting a force and its effect
     double hand_stiffness = 150; ///< k, N/m
     double hand_damping = 5;     ///< d, N s/m
     double tick_seconds = 1e-3;  ///< T
@@ -41,19 +41,19 @@ inline constexpr int max_hand_delay = 64;
 /// State of hand and device. One thread; noexcept, no allocation.
 class SimulatedHand {
 public:
-    /// At rest at a place. \pre mass > 0, tick > 0, the rest not negative, delay at most
+    /// At rest at a position. \pre mass > 0, tick > 0, the rest not negative, delay at most
     /// max_hand_delay
     SimulatedHand(const HandModel& model, const Vec3& at) noexcept;
 
     [[nodiscard]] const HandModel& model() const noexcept { return model_; }
 
-    /// What the device says now.
+    /// The state that the device reports.
     [[nodiscard]] DeviceState state() const noexcept;
 
-    /// One tick on: the force is felt after the delay, the hand pulls towards the target.
+    /// Advances by a tick: the force acts after the delay, the hand pulls towards the target.
     void step(const Vec3& force, const Vec3& target) noexcept;
 
-    /// As it truly is.
+    /// The true position.
     [[nodiscard]] const Vec3& position() const noexcept { return position_; }
     [[nodiscard]] const Vec3& velocity() const noexcept { return velocity_; }
 
@@ -63,11 +63,11 @@ public:
         return 0.5 * model_.mass * velocity_.squaredNorm();
     }
 
-    /// Sets the motion: for tests of decay and growth.
+    /// Sets the motion, for tests of decay and growth.
     void set_motion(const Vec3& position, const Vec3& velocity) noexcept;
 
 private:
-    [[nodiscard]] Vec3 said_position() const noexcept;
+    [[nodiscard]] Vec3 reported_position() const noexcept;
 
     HandModel model_;
     // x+ = free_xx x + free_xv v + push_x a,  v+ = ..., with a the held force over the mass and x
@@ -80,7 +80,7 @@ private:
     double push_v_ = 0;
     Vec3 position_;
     Vec3 velocity_ = Vec3::Zero();
-    Vec3 said_before_;
+    Vec3 reported_before_;
     std::array<Vec3, max_hand_delay + 1> delayed_;
     std::size_t ticks_ = 0;
 };

@@ -52,10 +52,10 @@ std::vector<std::uint32_t> first_coincident(const TriangleMesh& mesh,
                                             std::span<const std::uint32_t> same_position)
 {
     // Triangles with different ids at equal positions share a position between two vertices.
-    std::vector<bool> shares_place(mesh.vertex_count(), false);
+    std::vector<bool> shares_position(mesh.vertex_count(), false);
     for (std::uint32_t vertex = 0; vertex < mesh.vertex_count(); ++vertex) {
         if (same_position[vertex] == vertex) continue;
-        shares_place[vertex] = shares_place[same_position[vertex]] = true;
+        shares_position[vertex] = shares_position[same_position[vertex]] = true;
     }
     const auto key = [&](std::uint32_t triangle) {
         return sorted(welded(mesh.triangles()[triangle], same_position));
@@ -63,7 +63,7 @@ std::vector<std::uint32_t> first_coincident(const TriangleMesh& mesh,
     const auto takes_part = [&](std::uint32_t triangle) {
         const TriangleCorners& corners = mesh.triangles()[triangle];
         return std::any_of(corners.begin(), corners.end(),
-                           [&](std::uint32_t corner) { return shares_place[corner]; }) &&
+                           [&](std::uint32_t corner) { return shares_position[corner]; }) &&
                is_proper(key(triangle));
     };
     return first_equal_items(

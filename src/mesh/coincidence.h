@@ -1,4 +1,4 @@
-// What lies at the same place under different ids: vertices, triangles, seams. Internal.
+// What lies at the same position under different ids: vertices, triangles, seams. Internal.
 #pragma once
 
 #include "proxima/topology.h"

@@ -208,13 +208,13 @@ private:
     void find_equal_triangles()
     {
         const std::vector<std::uint32_t> same_ids = first_duplicates(mesh_, topology_);
-        const std::vector<std::uint32_t> same_places = first_coincident(mesh_, same_position_);
+        const std::vector<std::uint32_t> same_positions = first_coincident(mesh_, same_position_);
         Tally duplicate(options_.max_ids);
         Tally coincident(options_.max_ids);
         for (std::uint32_t id = 0; id < mesh_.triangle_count(); ++id) {
             if (same_ids[id] != id) {
                 duplicate.add(id);
-            } else if (same_places[id] != id) {
+            } else if (same_positions[id] != id) {
                 coincident.add(id);
             }
         }
@@ -346,13 +346,13 @@ private:
                          Severity severity, std::string meaning)
     {
         if (tally.count() == 0) return;
-        std::vector<Vec3> places;
-        for (const std::uint32_t id : tally.ids()) places.push_back(place_of(element, id));
+        std::vector<Vec3> positions;
+        for (const std::uint32_t id : tally.ids()) positions.push_back(position_of(element, id));
         report_.findings.push_back({kind, severity, element, tally.count(), tally.ids(),
-                                    std::move(places), std::move(meaning)});
+                                    std::move(positions), std::move(meaning)});
     }
 
-    [[nodiscard]] Vec3 place_of(ElementKind element, std::uint32_t id) const noexcept
+    [[nodiscard]] Vec3 position_of(ElementKind element, std::uint32_t id) const noexcept
     {
         if (element == ElementKind::vertex) return mesh_.positions()[id];
         if (element == ElementKind::edge) {

@@ -77,7 +77,7 @@ private:
         queue_.push({detail * length(cross(diagonal, other)), static_cast<std::uint32_t>(quad)});
     }
 
-    void grow_on(std::uint32_t quad, std::size_t room)
+    void grow_on(std::uint32_t quad, std::size_t most)
     {
         const Patch patch = patch_of(surface_.quads[quad].corners);
         const std::uint64_t choice = dice_.next() % 8;
@@ -85,11 +85,11 @@ private:
         const auto columns = cells(patch.width, small_side);
         const auto rows = cells(patch.height, small_side);
         const std::size_t grid_growth = 2 * (columns + rows + columns * rows) + 2;
-        if (choice < 4 && room >= grid_growth) {
+        if (choice < 4 && most >= grid_growth) {
             grow_grid(quad, patch, columns, rows);
-        } else if (choice < 7 && room >= 16) {
+        } else if (choice < 7 && most >= 16) {
             grow_box(quad, patch, small_side * dice_.between(0.08, 0.5));
-        } else if (room >= 8) {
+        } else if (most >= 8) {
             grow_plate(quad, patch, small_side * dice_.between(0.01, 0.05));
         } else {
             grow_pyramid(quad, patch, small_side * dice_.between(0.05, 0.2));

@@ -42,7 +42,7 @@ CirclePoint outline_point(Outline outline, std::uint32_t step, std::uint32_t cou
     return {c / reach, s / reach};
 }
 
-Vec3 place(const ShipPart& part, double along, double across, double lift) noexcept
+Vec3 position_on(const ShipPart& part, double along, double across, double lift) noexcept
 {
     switch (part.direction) {
     case Direction::forward:
@@ -108,9 +108,9 @@ private:
     {
         for (std::uint32_t segment = 0; segment < segments_; ++segment) {
             const auto [across, lift] = outline_point(part_.outline, segment, segments_);
-            surface_.positions.push_back(place(part_, section.along,
-                                               section.across + section.half_across * across,
-                                               section.lift + section.half_lift * lift));
+            surface_.positions.push_back(position_on(part_, section.along,
+                                                     section.across + section.half_across * across,
+                                                     section.lift + section.half_lift * lift));
         }
     }
 
@@ -137,8 +137,8 @@ private:
     void add_caps(std::uint32_t last_ring)
     {
         const auto [front, back] = std::pair(part_.sections.back(), part_.sections.front());
-        surface_.positions.push_back(place(part_, back.along, back.across, back.lift));
-        surface_.positions.push_back(place(part_, front.along, front.across, front.lift));
+        surface_.positions.push_back(position_on(part_, back.along, back.across, back.lift));
+        surface_.positions.push_back(position_on(part_, front.along, front.across, front.lift));
         const auto front_center = static_cast<std::uint32_t>(surface_.positions.size() - 1);
         const std::uint32_t back_center = front_center - 1;
         for (std::uint32_t segment = 0; segment < segments_; ++segment) {

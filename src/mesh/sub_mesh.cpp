@@ -25,8 +25,8 @@ TriangleMesh sub_mesh(const TriangleMesh& mesh, std::span<const TriangleId> tria
     for (const TriangleId id : triangles) {
         TriangleCorners corners = mesh.triangles()[index(id)];
         for (std::uint32_t& corner : corners) {
-            const auto place = std::ranges::lower_bound(used, corner) - used.begin();
-            corner = static_cast<std::uint32_t>(place);
+            const auto rank = std::ranges::lower_bound(used, corner) - used.begin();
+            corner = static_cast<std::uint32_t>(rank);
         }
         renamed.push_back(corners);
     }

@@ -98,8 +98,8 @@ std::vector<std::uint8_t> fan_counts(const TriangleMesh& mesh, const Topology& t
 {
     const auto corner = [&](TriangleId triangle, VertexId vertex) {
         const TriangleCorners& corners = mesh.triangles()[index(triangle)];
-        const auto place = std::find(corners.begin(), corners.end(), index(vertex));
-        return 3 * index(triangle) + static_cast<std::uint32_t>(place - corners.begin());
+        const auto found = std::find(corners.begin(), corners.end(), index(vertex));
+        return 3 * index(triangle) + static_cast<std::uint32_t>(found - corners.begin());
     };
     DisjointSets fans(static_cast<std::uint32_t>(3 * mesh.triangle_count()));
     for_neighbours(mesh, topology, [&](TriangleId a, TriangleId b, EdgeId edge) {

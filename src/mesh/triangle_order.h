@@ -1,4 +1,4 @@
-// Triangles in the order of their places in space, so that neighbours have near ranks.
+// Triangles in the order of their positions in space, so that neighbours have near ranks.
 #pragma once
 
 #include "base/radix_sort.h"

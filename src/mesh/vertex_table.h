@@ -27,7 +27,7 @@ public:
         return slot_count(vertex_count) * sizeof(Slot);
     }
 
-    /// Room for so many vertices. Throws std::bad_alloc.
+    /// Capacity for so many vertices. Throws std::bad_alloc.
     explicit VertexTable(std::size_t vertex_count = 0)
         : slots_(free_slots(slot_count(vertex_count))), mask_(slots_.size() - 1)
     {}
@@ -73,7 +73,7 @@ public:
     /// Bytes that it holds.
     [[nodiscard]] std::uint64_t bytes() const noexcept { return slots_.size() * sizeof(Slot); }
 
-    /// Makes room for so many. \pre vertex_count >= size(). Throws std::bad_alloc.
+    /// Grows to hold so many. \pre vertex_count >= size(). Throws std::bad_alloc.
     void reserve(std::size_t vertex_count)
     {
         if (vertex_count <= capacity()) return;
@@ -97,7 +97,7 @@ private:
         std::uint32_t id = free_slot;
     };
 
-    /// All places that a tag can tell.
+    /// All slots that a tag can tell.
     static constexpr std::uint64_t most_slots = std::uint64_t{1} << 32U;
 
     /// A power of two.

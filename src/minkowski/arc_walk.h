@@ -42,13 +42,13 @@ public:
     /// Goes along the arc from the face that theirs has at its start. crossing(edge, out) is called
     /// for every edge of theirs whose arc is crossed, until it returns false; out is +1 if the edge
     /// runs the way the walk goes, -1 if against it. Returns the vertex of theirs where the walk
-    /// ends. `place` is where to look first in the loop of a facet at the start, and where to look
+    /// ends. `position` is where to look first in the loop of a facet at the start, and where to look
     /// next time: neighbouring arcs leave by neighbouring vertices.
     template <class Crossing>
-    std::uint32_t walk(const Arc& arc, const SupportFace& start, std::size_t& place,
+    std::uint32_t walk(const Arc& arc, const SupportFace& start, std::size_t& position,
                        Crossing crossing) const
     {
-        std::uint32_t at = foremost(arc.to, start, place);
+        std::uint32_t at = foremost(arc.to, start, position);
         while (true) {
             const PolyhedronNeighbour* exit = nullptr;
             std::uint32_t through = no_facet;
@@ -85,9 +85,9 @@ public:
 
 private:
     /// The vertex of a face of theirs that is farthest along the normal of our facet: uphill along
-    /// the loop from a place in it.
+    /// the loop from a position in it.
     [[nodiscard]] std::uint32_t foremost(std::uint32_t our_facet, const SupportFace& face,
-                                         std::size_t& place) const
+                                         std::size_t& position) const
     {
         if (face.dimension == 0) return face.vertex;
         const FaceVertices vertices(theirs_, face);
@@ -96,12 +96,12 @@ private:
             const Displacement step = {theirs_.vertex(loop[from]), theirs_.vertex(loop[to])};
             return normal_sign<Scalar>(ours_, our_facet, step) > 0;
         };
-        place %= loop.size();
+        position %= loop.size();
         const auto after = [&](std::size_t i) { return i + 1 == loop.size() ? 0 : i + 1; };
         const auto before = [&](std::size_t i) { return (i == 0 ? loop.size() : i) - 1; };
-        while (is_higher(place, after(place))) place = after(place);
-        while (is_higher(place, before(place))) place = before(place);
-        return loop[place];
+        while (is_higher(position, after(position))) position = after(position);
+        while (is_higher(position, before(position))) position = before(position);
+        return loop[position];
     }
 
     const ConvexPolyhedron& ours_;
@@ -124,14 +124,14 @@ public:
             edges_[next[polyhedron.edges()[e].left]++] = e;
             edges_[next[polyhedron.edges()[e].right]++] = e;
         }
-        std::vector<std::uint32_t> place(polyhedron.vertex_count(), 0);
+        std::vector<std::uint32_t> position(polyhedron.vertex_count(), 0);
         for (std::uint32_t f = 0; f < polyhedron.facet_count(); ++f) {
             const auto loop = polyhedron.facet_loop(f);
             if (loop.size() <= 4) continue; // no matter
-            for (std::uint32_t i = 0; i < loop.size(); ++i) place[loop[i]] = i;
+            for (std::uint32_t i = 0; i < loop.size(); ++i) position[loop[i]] = i;
             const auto start_of = [&](std::uint32_t e) {
                 const PolyhedronEdge& edge = polyhedron.edges()[e];
-                return place[edge.left == f ? edge.from : edge.to];
+                return position[edge.left == f ? edge.from : edge.to];
             };
             std::ranges::sort(edges_.begin() + first_[f], edges_.begin() + first_[f + 1], {},
                               start_of);

@@ -121,7 +121,7 @@ bool span_a_line(std::span<const Vec3> rays)
 }
 
 Result<ConvexPolyhedron> convex_hull(std::span<const Vec3> points, std::span<const Vec3> rays,
-                                     Progress* progress)
+                                     const Execution& execution)
 {
     if (Status status = check_input(points, rays); !status) return tl::unexpected(status.error());
     if (span_a_line(rays)) {
@@ -131,7 +131,8 @@ Result<ConvexPolyhedron> convex_hull(std::span<const Vec3> points, std::span<con
     }
     std::vector<Vec3> coordinates(points.begin(), points.end());
     coordinates.insert(coordinates.end(), rays.begin(), rays.end());
-    return hull_of_pointed({coordinates, static_cast<std::uint32_t>(points.size())}, progress);
+    return hull_of_pointed({coordinates, static_cast<std::uint32_t>(points.size())},
+                           execution.progress);
 }
 
 } // namespace proxima

@@ -109,7 +109,7 @@ std::vector<std::size_t> corner_loop(std::span<const Vec2> points)
     return loop;
 }
 
-/// The place in the loop of the corner that lies farthest to the right of the direction; of two,
+/// The position in the loop of the corner that lies farthest to the right of the direction; of two,
 /// the one less far along `back`.
 std::size_t rightmost(std::span<const Vec2> points, std::span<const std::size_t> loop,
                       const Vec2& direction, const Vec2& back)

@@ -345,8 +345,9 @@ Result<bool> facets_lie_in_planes(const ConvexPolyhedron& polyhedron,
 } // namespace
 
 Result<ConvexPolyhedron> polyhedron_of_half_spaces(std::span<const HalfSpace> given,
-                                                   Progress* progress)
+                                                   const Execution& execution)
 {
+    Progress* const progress = execution.progress;
     const auto scaled = normalised(given);
     if (!scaled) return tl::unexpected(scaled.error());
     const std::vector<Plane>& planes = scaled->planes;
@@ -380,7 +381,7 @@ Result<ConvexPolyhedron> polyhedron_of_half_spaces(std::span<const HalfSpace> gi
 
     for (Vec3& point : corners->points)
         for (double& coordinate : point) coordinate = std::ldexp(coordinate, scaled->exponent);
-    auto polyhedron = convex_hull(corners->points, corners->rays, progress);
+    auto polyhedron = convex_hull(corners->points, corners->rays, execution);
     if (!polyhedron) return polyhedron;
     const auto is_whole = facets_lie_in_planes(*polyhedron, planes, *ball, corners->merged,
                                                scaled->exponent, progress);

@@ -164,7 +164,7 @@ Result<ConvexPolyhedron> polyhedron_of_mesh(const TriangleMesh& mesh,
     for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
         if (is_used[v]) points.push_back(mesh.positions()[v]);
     }
-    auto hull = convex_hull(points, {}, options.execution.progress);
+    auto hull = convex_hull(points, {}, options.execution);
     if (!hull) return hull;
     if (hull->dimension() < 3) {
         return fail(ErrorCode::invalid_mesh,

@@ -26,12 +26,12 @@ public:
     {
         const std::uint64_t key = std::uint64_t{a} << 32U | b;
         // Fibonacci hashing [knuth-1998].
-        std::size_t place = (key * 0x9E3779B97F4A7C15U) >> static_cast<unsigned>(shift_);
-        while (slots_[place].number != no_number) {
-            if (slots_[place].key == key) return {slots_[place].number, false};
-            place = (place + 1) & (slots_.size() - 1);
+        std::size_t position = (key * 0x9E3779B97F4A7C15U) >> static_cast<unsigned>(shift_);
+        while (slots_[position].number != no_number) {
+            if (slots_[position].key == key) return {slots_[position].number, false};
+            position = (position + 1) & (slots_.size() - 1);
         }
-        slots_[place] = {key, count_};
+        slots_[position] = {key, count_};
         return {count_++, true};
     }
 

@@ -96,7 +96,7 @@ private:
             to_do.pop_back();
             if (!go_on()) return false;
             facet_found(visit.facet, visit.theirs);
-            std::size_t place = 0;
+            std::size_t position = 0;
             for (const std::uint32_t e : graph.edges(visit.facet)) {
                 if (is_walked[e]) continue;
                 is_walked[e] = true;
@@ -104,7 +104,7 @@ private:
                 const typename ArcWalk<Scalar>::Arc arc = walk.arc(edge, visit.facet);
                 const int from_left = visit.facet == edge.left ? 1 : -1;
                 const std::uint32_t end =
-                    walk.walk(arc, visit.theirs, place, [&](std::uint32_t their_edge, int out) {
+                    walk.walk(arc, visit.theirs, position, [&](std::uint32_t their_edge, int out) {
                         crossing(e, their_edge, -out * from_left);
                         return has_room();
                     });

@@ -44,14 +44,14 @@ bool polygon_contains(const MinkowskiSum& sum, const Vec3& point)
         std::uint32_t from = loop[i];
         std::uint32_t to = loop[(i + 1) % loop.size()];
         if (sum.is_ray(from) && sum.is_ray(to)) continue;
-        int way = up;
+        int turn = up;
         if (sum.is_ray(from)) { // it comes in along the ray
             std::swap(from, to);
-            way = -up;
+            turn = -up;
         }
         const Displacement along = edge_direction(sum, from, to);
         const SumDisplacement to_point = from_corner(sum, sum.corner(from), point);
-        if (way * cross_component_sign(along, to_point, axis) < 0) return false;
+        if (turn * cross_component_sign(along, to_point, axis) < 0) return false;
     }
     return true;
 }
@@ -234,9 +234,10 @@ std::optional<double> directional_depth(const MinkowskiSum& sum, const Vec3& poi
     return depth;
 }
 
-Result<Separation> separation(const ConvexPolyhedron& a, const ConvexPolyhedron& b)
+Result<Separation> separation(const ConvexPolyhedron& a, const ConvexPolyhedron& b,
+                              const MinkowskiOptions& options)
 {
-    const auto sum = minkowski_sum(b, mirrored(a)); // b - a: the ways from A to B
+    const auto sum = minkowski_sum(b, mirrored(a), options); // b - a: displacements from A to B
     if (!sum) return tl::unexpected(sum.error());
     if (sum->holds_line()) {
         return fail(ErrorCode::invalid_argument,

@@ -38,7 +38,7 @@ std::uint8_t allowed_octants(std::uint32_t steps) noexcept
     return static_cast<std::uint8_t>(octants);
 }
 
-/// Bits of a coarse coordinate moved to every third place.
+/// Bits of a coarse coordinate moved to every third position.
 constexpr auto spread_bits = [] {
     std::array<std::uint32_t, 1U << max_bin_depth> table{};
     for (std::uint32_t value = 0; value < table.size(); ++value) {
@@ -301,21 +301,21 @@ CoarseBins bin_triangles(const SnappedMesh& mesh, int depth, Threads threads, Pr
     }
     GrowBuffer<Coverage> coverages;
     coverages.resize(count);
-    std::vector<std::vector<std::uint32_t>> places(ranges);
+    std::vector<std::vector<std::uint32_t>> starts(ranges);
     parallel_for(ranges, threads, [&](std::size_t range) {
         binners[range].cover(coverages.data());
-        places[range].assign(cells, 0);
+        starts[range].assign(cells, 0);
         binners[range].visit_pairs(
-            [&](std::uint32_t, std::uint32_t cell) { ++places[range][cell]; });
+            [&](std::uint32_t, std::uint32_t cell) { ++starts[range][cell]; });
     });
     if (is_cancelled(progress)) return bins;
-    // Counts become places: cells in order, and within a cell the ranges in order.
+    // Counts become starts: cells in order, and within a cell the ranges in order.
     std::uint32_t total = 0;
     for (std::size_t cell = 0; cell < cells; ++cell) {
         bins.first[cell] = total;
-        for (auto& range_places : places) {
-            const std::uint32_t pairs = range_places[cell];
-            range_places[cell] = total;
+        for (auto& range_starts : starts) {
+            const std::uint32_t pairs = range_starts[cell];
+            range_starts[cell] = total;
             total += pairs;
         }
     }
@@ -323,7 +323,7 @@ CoarseBins bin_triangles(const SnappedMesh& mesh, int depth, Threads threads, Pr
     bins.ids.resize(total);
     parallel_for(ranges, threads, [&](std::size_t range) {
         binners[range].visit_pairs([&](std::uint32_t triangle, std::uint32_t cell) {
-            bins.ids[places[range][cell]++] = triangle;
+            bins.ids[starts[range][cell]++] = triangle;
         });
         advance_stage(progress, count / ranges);
     });

@@ -89,7 +89,7 @@ HWY_INLINE void translate(const std::uint32_t* ids, std::uint32_t* triangles, st
     }
 }
 
-/// Writes children of one level; all arrays have room for everything the level can produce.
+/// Writes children of one level; all arrays can hold everything that the level can produce.
 class ChildWriter {
 public:
     ChildWriter(const SplitRule& rule, SplitLevel& next, OctreeOutput& output)

@@ -33,7 +33,7 @@ struct SplitLevel {
     std::array<GrowBuffer<std::int32_t>, 3> center;
     std::size_t pair_count = 0;
 
-    /// Empties the level and makes room for pairs and padding.
+    /// Empties the level and reserves capacity for pairs and padding.
     void reset(std::size_t pair_capacity);
     /// Zeroes the padding behind the last pair.
     void pad();

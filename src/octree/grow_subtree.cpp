@@ -26,7 +26,7 @@ tl::unexpected<Error> cancelled_build()
     return fail(ErrorCode::cancelled, "building the octree was cancelled");
 }
 
-Status SubtreeGrower::make_room(std::uint64_t children, const OctreeOutput& output)
+Status SubtreeGrower::reserve(std::uint64_t children, const OctreeOutput& output)
 {
     if (output.references.size() + children > std::numeric_limits<std::uint32_t>::max() / 2) {
         return fail(ErrorCode::limit_exceeded,
@@ -76,7 +76,7 @@ Result<OctreeNode> SubtreeGrower::grow(const Subtree& subtree, ChildTest& test,
         masks_.resize(level_.pair_count + lane_padding);
         test.find_touched(level_, depth, masks_.data());
         const std::uint64_t children = count_children(masks_.data(), level_.pair_count);
-        if (auto room = make_room(children, output); !room) return tl::unexpected(room.error());
+        if (auto status = reserve(children, output); !status) return tl::unexpected(status.error());
         const SplitRule rule{.threshold = limits_.threshold,
                              .children_are_deepest = depth + 1 >= limits_.max_depth,
                              .child_half = half / 2};

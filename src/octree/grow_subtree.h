@@ -61,7 +61,7 @@ public:
                                           OctreeOutput& output);
 
 private:
-    [[nodiscard]] Status make_room(std::uint64_t children, const OctreeOutput& output);
+    [[nodiscard]] Status reserve(std::uint64_t children, const OctreeOutput& output);
 
     GrowLimits& limits_;
     SplitLevel level_;

@@ -69,7 +69,7 @@ RegionRays::RegionRays(const Octree& octree, const TriangleMesh& mesh, const Tri
     : octree_(octree), mesh_(mesh), caps_(caps), cells_(cells), regions_(regions)
 {}
 
-RegionRays::Place RegionRays::locate(const std::array<std::uint32_t, 3>& at) const noexcept
+RegionRays::Location RegionRays::locate(const std::array<std::uint32_t, 3>& at) const noexcept
 {
     std::uint32_t record = 0;
     for (int depth = 1;; ++depth) {
@@ -135,11 +135,12 @@ std::optional<RegionRays::End> RegionRays::cast(std::uint32_t region, int direct
     }
 
     for (int passed = 0; passed < most_cells_passed; ++passed) {
-        const Place place = locate(at);
-        const auto size = 1U << static_cast<unsigned>(deepest - place.depth);
+        const Location location = locate(at);
+        const auto size = 1U << static_cast<unsigned>(deepest - location.depth);
         const std::uint32_t exit = up ? (at[axis] & ~(size - 1)) + size : at[axis] & ~(size - 1);
         const double exit_plane = frame.plane(ray.axis, exit, deepest);
-        const std::uint32_t here = place.is_empty ? regions_.of_cell[place.id] : EmptyRegions::none;
+        const std::uint32_t here =
+            location.is_empty ? regions_.of_cell[location.id] : EmptyRegions::none;
         if (here == region) {
             // A closed empty cell is free of triangles, and so is its face.
             ray.from[ray.axis] = exit_plane;
@@ -149,8 +150,8 @@ std::optional<RegionRays::End> RegionRays::cast(std::uint32_t region, int direct
             const auto change = crossings(ray, frame.plane(ray.axis, entry, deepest));
             if (!change) return std::nullopt;
             return End{here, *change};
-        } else if (!place.is_empty) {
-            const OctreeNode leaf = octree_.nodes()[place.id];
+        } else if (!location.is_empty) {
+            const OctreeNode leaf = octree_.nodes()[location.id];
             const auto list = octree_.references().subspan(leaf.first, leaf.count());
             ray.passed.insert(ray.passed.end(), list.begin(), list.end());
         }

@@ -59,14 +59,14 @@ public:
 private:
     struct Ray;
 
-    /// The cell of the lattice of deepest cells at this place.
-    struct Place {
+    /// The cell of the lattice of deepest cells at this location.
+    struct Location {
         bool is_empty = false;
         std::uint32_t id = 0; ///< number of an empty cell, record of a leaf
         int depth = 0;
     };
 
-    [[nodiscard]] Place locate(const std::array<std::uint32_t, 3>& at) const noexcept;
+    [[nodiscard]] Location locate(const std::array<std::uint32_t, 3>& at) const noexcept;
     [[nodiscard]] std::optional<std::int32_t> crossings(const Ray& ray, double end) const;
 
     const Octree& octree_;

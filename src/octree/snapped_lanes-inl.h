@@ -36,7 +36,7 @@ HWY_INLINE void load_points(const PointOf& point, Ints (&coordinates)[3])
 
 #else
 
-/// Four numbers from each of the places that lanes 4 L + row stand for, one per 128-bit block L.
+/// Four numbers from each of the positions that lanes 4 L + row stand for, one per 128-bit block L.
 template <std::size_t lanes, class PointOf>
 HWY_INLINE auto load_rows(const PointOf& point, std::size_t lane)
 {

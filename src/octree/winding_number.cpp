@@ -38,7 +38,7 @@ constexpr double inside_limit = 0.5 - 0x1p-40;
 
 // Moments, built from triangles and moved from child to parent centres.
 
-/// Places of xx yy zz xy xz yz, and of xxx yyy zzz xxy xxz xyy yyz xzz yzz xyz.
+/// Indices of xx yy zz xy xz yz, and of xxx yyy zzz xxy xxz xyy yyz xzz yzz xyz.
 using Quadrupole = std::array<double, 6>;
 using Octupole = std::array<double, 10>;
 

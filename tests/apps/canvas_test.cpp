@@ -21,7 +21,7 @@ std::array<ScreenVertex, 3> half(const Color& color, double nearness)
     return {{{{0, 0, nearness}, color}, {{20, 0, nearness}, color}, {{0, 20, nearness}, color}}};
 }
 
-TEST(Canvas, ColoursSurviveTheWayThroughLinearLight)
+TEST(Canvas, ColoursSurviveConversionToLinearLightAndBack)
 {
     Canvas canvas(1, 1);
     for (const unsigned hex : {0x000000U, 0x123456U, 0x808080U, 0xFEDCBAU, 0xFFFFFFU}) {
@@ -33,7 +33,7 @@ TEST(Canvas, ColoursSurviveTheWayThroughLinearLight)
     }
 }
 
-TEST(Canvas, TrianglesCoverTheirInsideWhicheverWayTheyTurn)
+TEST(Canvas, FillsTrianglesOfEitherOrientation)
 {
     for (const bool turned : {false, true}) {
         Canvas canvas(20, 20);
@@ -50,7 +50,7 @@ TEST(Canvas, TrianglesCoverTheirInsideWhicheverWayTheyTurn)
     }
 }
 
-TEST(Canvas, TheNearerTriangleIsSeenInAnyOrder)
+TEST(Canvas, NearerTrianglesHideFartherOnesInAnyOrder)
 {
     for (const bool near_first : {false, true}) {
         Canvas canvas(20, 20);
@@ -60,7 +60,7 @@ TEST(Canvas, TheNearerTriangleIsSeenInAnyOrder)
     }
 }
 
-TEST(Canvas, LinesAreHiddenByNearerTrianglesAndPanes)
+TEST(Canvas, NearerTrianglesAndPanesHideLines)
 {
     const ScreenPoint left{0, 5, 1.0};
     const ScreenPoint right{20, 5, 1.0};
@@ -86,7 +86,7 @@ TEST(Canvas, LinesAreHiddenByNearerTrianglesAndPanes)
     EXPECT_EQ(behind_triangle.image().pixel(3, 5), red_pixel);
 }
 
-TEST(Canvas, TakesWhatLiesOutsideOrNowhere)
+TEST(Canvas, AcceptsCoordinatesOutsideThePictureAndNotANumber)
 {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     Canvas canvas(20, 20);
@@ -102,7 +102,7 @@ TEST(Canvas, TakesWhatLiesOutsideOrNowhere)
     EXPECT_EQ(canvas.image().pixel(10, 10), red_pixel);
 }
 
-TEST(Canvas, CreasesDarkenAndPlanesDoNot)
+TEST(Canvas, DarkensCreasesAndNotPlanes)
 {
     const auto drawn = [](double middle) {
         Canvas canvas(40, 40);

@@ -39,7 +39,7 @@ TEST(Lettering, EveryPrintableLetterIsDrawnAndDiffersFromAllOthers)
     EXPECT_FALSE(ink_of(drawn("\xFF", {})).empty());
 }
 
-TEST(Lettering, TextStandsWhereItIsAnchored)
+TEST(Lettering, PlacesTextByItsAnchor)
 {
     const double length = text_length("HEH", 20);
     EXPECT_NEAR(length, (3 * 8 + 2 * 3) * 20 / 12.0, 1e-12);
@@ -59,7 +59,7 @@ TEST(Lettering, TextStandsWhereItIsAnchored)
     EXPECT_NEAR(upward.extent().y(), length, 3);
 }
 
-TEST(Figure, BoxesLieBelowLinesAndLaterOnesAbove)
+TEST(Figure, DrawsLinesOverBoxesAndLaterBoxesOverEarlierOnes)
 {
     Figure figure{.width = 20, .height = 20};
     figure.boxes = {{{0, 0}, {20, 20}, 0xFF0000}, {{0, 0}, {10, 20}, 0x0000FF}};
@@ -70,7 +70,7 @@ TEST(Figure, BoxesLieBelowLinesAndLaterOnesAbove)
     EXPECT_EQ(image.pixel(5, 10), (std::array<std::uint8_t, 3>{0, 255, 0}));
 }
 
-TEST(Figure, SvgHoldsTextThatXmlCanHave)
+TEST(Figure, EscapesTextInSvg)
 {
     Figure figure;
     figure.texts.push_back({{1, 2}, "a < b & \"c\" > \x01\xC3\xA9\xFF", {}});
@@ -78,7 +78,7 @@ TEST(Figure, SvgHoldsTextThatXmlCanHave)
     EXPECT_NE(svg.find(">a &lt; b &amp; \"c\" &gt; ?\xC3\xA9?</text>"), std::string::npos) << svg;
 }
 
-TEST(Figure, OtherFilesAreRefused)
+TEST(Figure, RefusesOtherFileFormats)
 {
     EXPECT_EQ(write_figure({}, "a.gif").error().code, ErrorCode::unsupported_format);
 }

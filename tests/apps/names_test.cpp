@@ -24,7 +24,7 @@ TEST(Names, ListsOfNumbersTakeRangesInAnyOrder)
     EXPECT_EQ(parse_numbers("0-0", 0, 19), (Numbers{0}));
 }
 
-TEST(Names, WrongListsOfNumbersAreNone)
+TEST(Names, RefusesWrongListsOfNumbers)
 {
     for (const char* const text :
          {"", ",", "1,", "-", "-1", "1-", "3-1", "a", "1-20", "20", "1 2", "1--2", "99999999999"}) {
@@ -32,7 +32,7 @@ TEST(Names, WrongListsOfNumbersAreNone)
     }
 }
 
-TEST(Names, FiniteNumbersOfALine)
+TEST(Names, ParsesFiniteNumbersOfALine)
 {
     using Numbers = std::vector<double>;
     EXPECT_EQ(parse_finite_numbers("1,-2.5e3,.25"), (Numbers{1, -2500, 0.25}));
@@ -49,7 +49,7 @@ TEST(Names, SplittingKeepsEmptyParts)
     EXPECT_EQ(split_list(""), (std::vector<std::string>{""}));
 }
 
-TEST(Names, PrintableCharactersAreTold)
+TEST(Names, RecognizesPrintableCharacters)
 {
     for (const std::string_view text : {"a", " ", "~", "\u00e4", "\u20ac", "\U0001F407"}) {
         EXPECT_EQ(utf8_length(text), text.size()) << text;

@@ -46,7 +46,7 @@ TEST_F(OctreePicture, IsWrittenWholeOrNotAtAll)
         [&] { return testing::files_in(folder()) == before; }, 1);
 }
 
-TEST_F(OctreePicture, ShowsTheCellsAloneWithoutAMesh)
+TEST_F(OctreePicture, ShowsOnlyTheCellsWithoutAMesh)
 {
     const PictureOptions options{.width = 200, .height = 150};
     const auto both = draw_octree(octree, mesh, options);

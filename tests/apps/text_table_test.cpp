@@ -5,7 +5,7 @@
 namespace proxima {
 namespace {
 
-TEST(TextTable, NumbersStandRightAndWordsLeft)
+TEST(TextTable, AlignsNumbersRightAndWordsLeft)
 {
     TextTable table({"Depth", "Method", "Seconds"});
     table.add_row({"1", "fast", "0.5"});
@@ -16,7 +16,7 @@ TEST(TextTable, NumbersStandRightAndWordsLeft)
                             "   10  separating-axis    12.25\n");
 }
 
-TEST(TextTable, EmptyCellsAndDashesLeaveAColumnOfNumbersOne)
+TEST(TextTable, EmptyCellsAndDashesKeepAColumnNumeric)
 {
     TextTable table({"A", "B"});
     table.add_row({"", "-"});

@@ -10,7 +10,7 @@
 namespace proxima {
 namespace {
 
-TEST(DisjointSets, TheRootIsTheLowestOfWhatWasUnited)
+TEST(DisjointSets, RootIsTheLowestMember)
 {
     for (std::uint32_t seed = 0; seed < 200; ++seed) {
         std::mt19937 random(seed);
@@ -34,7 +34,7 @@ TEST(DisjointSets, TheRootIsTheLowestOfWhatWasUnited)
     }
 }
 
-TEST(DisjointOffsets, TellDifferencesOfHiddenNumbers)
+TEST(DisjointOffsets, FindTheDifferencesOfHiddenNumbers)
 {
     for (std::uint64_t seed = 0; seed < 50; ++seed) {
         SCOPED_TRACE(seed);

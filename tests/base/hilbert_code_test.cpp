@@ -8,7 +8,7 @@
 namespace proxima {
 namespace {
 
-TEST(HilbertCode, WalksThroughEveryCellOfACubeBySides)
+TEST(HilbertCode, VisitsEveryCellOfACubeThroughSharedFaces)
 {
     for (const int bits : {1, 2, 3, 5}) {
         const std::uint32_t cells = 1U << bits;

@@ -6,7 +6,7 @@
 namespace proxima {
 namespace {
 
-TEST(MortonCode, TakesBitsInTurns)
+TEST(MortonCode, InterleavesBits)
 {
     std::mt19937 random(1);
     for (int i = 0; i < 1000; ++i) {

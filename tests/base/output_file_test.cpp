@@ -115,7 +115,7 @@ TEST_F(OutputFileTest, CreatesTheTargetOfADanglingLinkAndRefusesALoop)
     EXPECT_EQ(loop.error().code, ErrorCode::file_not_writable);
 }
 
-TEST_F(OutputFileTest, SaysWhyADestinationCannotBeWritten)
+TEST_F(OutputFileTest, ReportsWhyADestinationCannotBeWritten)
 {
     const auto missing = OutputFile::create(path("missing/a.txt"));
     ASSERT_FALSE(missing);

@@ -23,7 +23,7 @@ TEST(Progress, IsNotCancelledByItself)
     EXPECT_FALSE(progress.cancelled());
 }
 
-TEST(StageSteps, HandsStepsOnInBlocks)
+TEST(StageSteps, ReportsStepsInBlocks)
 {
     Progress progress;
     StageSteps steps(&progress, "work", 100, 10);
@@ -45,7 +45,7 @@ TEST(StageSteps, StopsAtTheNextBlock)
     EXPECT_FALSE(steps.done(1));
 }
 
-TEST(StageSteps, GoesOnWithoutAWatcher)
+TEST(StageSteps, WorksWithoutAProgress)
 {
     StageSteps steps(nullptr, "work", 100, 10);
     for (int i = 0; i < 100; ++i) EXPECT_TRUE(steps.done(1));

@@ -5,7 +5,7 @@
 namespace proxima {
 namespace {
 
-TEST(Simd, EveryTargetCanBeForcedAndTheBestRestored)
+TEST(Simd, CanForceEveryTargetAndRestoreTheBest)
 {
     const auto targets = simd_targets();
     ASSERT_FALSE(targets.empty());

@@ -61,7 +61,7 @@ void expect_distance(const Vec3& a, const Vec3& b, long double expected)
     EXPECT_NEAR(static_cast<double>(root(oracle::dot(gap, gap)) - expected), 0, tolerance);
 }
 
-TEST(ClosestPoint, OfASegment)
+TEST(ClosestPoint, OnASegmentIsNearest)
 {
     for (unsigned seed = 0; seed < 20000; ++seed) {
         SCOPED_TRACE(seed);
@@ -78,7 +78,7 @@ TEST(ClosestPoint, OfASegment)
     }
 }
 
-TEST(ClosestPoint, OfATriangle)
+TEST(ClosestPoint, OnATriangleIsNearest)
 {
     std::array<int, 7> parts = {};
     for (unsigned seed = 0; seed < 20000; ++seed) {
@@ -113,7 +113,7 @@ TEST(ClosestPoint, OfATriangle)
     for (const int count : parts) EXPECT_GT(count, 500);
 }
 
-TEST(ClosestPoint, OfTwoSegments)
+TEST(ClosestPoint, OfTwoSegmentsIsNearest)
 {
     int crossing = 0;
     for (unsigned seed = 0; seed < 20000; ++seed) {

@@ -94,7 +94,7 @@ TEST(Orient3d, EqualsIntegersAtAnyExponents)
     for (const int count : seen) EXPECT_GT(count, 1'000);
 }
 
-TEST(IsDegenerate, TellsLinesAndPointsFromSlivers)
+TEST(IsDegenerate, DistinguishesLinesAndPointsFromSlivers)
 {
     const Vec3 a(0.1, 0.2, 0.3);
     const Vec3 b(0.7, 0.8, 0.9);
@@ -154,7 +154,7 @@ RC_GTEST_PROP(Expansion, ProductsOfDifferencesEqualWideIntegers, ())
     RC_ASSERT(by_expansion.sign() == expected.sign());
 }
 
-TEST(WideInteger, EqualsIntegersOfTheMachine)
+TEST(WideInteger, AgreesWithMachineIntegers)
 {
     constexpr std::uint64_t seed = 82;
     PointGenerator generate(seed);

@@ -120,7 +120,7 @@ private:
     std::mt19937_64 random_;
 };
 
-TEST(RayTriangle, EqualsWholeNumbersInSmallGrids)
+TEST(RayTriangle, AgreesWithExactIntegersOnSmallGrids)
 {
     for (const double scale : {1.0, 0x1p-20, 0x1p20, 0x1p-400, 0x1p300}) {
         constexpr std::uint64_t seed = 3;
@@ -200,7 +200,7 @@ TEST(RayTriangle, IsExactWhereDoublesAreNot)
     EXPECT_GT(misses, 2000U);
 }
 
-TEST(RayTriangle, SharesTheTOfEdgesAndCorners)
+TEST(RayTriangle, GivesTheSameParameterOnSharedEdgesAndCorners)
 {
     // Two triangles of one edge, a ray through it: the same bits, in whichever order it is named.
     Numbers number(5);
@@ -234,7 +234,7 @@ TEST(RayTriangle, KeepsToItsRange)
     EXPECT_TRUE(hit(-HUGE_VAL, HUGE_VAL));
 }
 
-TEST(RayTriangle, AnswersInNumbersWhereTinyDirectionsOverflow)
+TEST(RayTriangle, GivesFiniteAnswersWhereTinyDirectionsOverflow)
 {
     constexpr double inf = HUGE_VAL;
     const Triangle flat{{Vec3(-1, -1, 0), Vec3(3, -1, 0), Vec3(-1, 3, 0)}};

@@ -67,7 +67,7 @@ TEST(TriangleContact, AgreesOnEveryPairInTheUnitCube)
     EXPECT_GT(answers.apart, 50000);
 }
 
-TEST(TriangleContact, AgreesWithTheHullOfDifferencesInWholeNumbers)
+TEST(TriangleContact, AgreesWithTheHullOfDifferencesInIntegers)
 {
     constexpr unsigned seed = 1;
     std::mt19937 random(seed);
@@ -98,7 +98,7 @@ TEST(TriangleContact, AgreesWithTheHullOfDifferencesInWholeNumbers)
     EXPECT_GT(answers.apart, 20000);
 }
 
-TEST(TriangleContact, SeesOneBitOfAGap)
+TEST(TriangleContact, DetectsAGapOfOneBit)
 {
     const Triangle floor = {{Vec3(-1, -1, 0.1), Vec3(3, -1, 0.1), Vec3(-1, 3, 0.1)}};
     const auto standing = [](double z) {
@@ -111,7 +111,7 @@ TEST(TriangleContact, SeesOneBitOfAGap)
         segment_meets_triangle(Vec3(0, 0, 0), Vec3(0, 0, std::nextafter(0.1, 0.0)), floor));
 }
 
-TEST(TriangleIntersection, NamesItsEnds)
+TEST(TriangleIntersection, IdentifiesTheFeaturesOfItsEnds)
 {
     using enum TrianglePart;
     const Triangle floor = {{Vec3(0, 0, 0), Vec3(4, 0, 0), Vec3(0, 4, 0)}};

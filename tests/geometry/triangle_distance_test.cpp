@@ -120,7 +120,7 @@ void expect_on(const TrianglePoint& point, const Triangle& triangle)
     EXPECT_LE((weighted - point.point).norm(), tolerance);
 }
 
-TEST(TriangleDistance, IsThatOfAllPairsOfFeaturesInQuads)
+TEST(TriangleDistance, AgreesWithAllPairsOfFeaturesInQuadPrecision)
 {
     std::array<std::array<int, 7>, 7> parts = {};
     int meeting = 0;
@@ -157,7 +157,7 @@ TEST(TriangleDistance, IsThatOfAllPairsOfFeaturesInQuads)
     }
 }
 
-TEST(TriangleDistance, IsTheSameTheOtherWayRound)
+TEST(TriangleDistance, IsSymmetric)
 {
     for (unsigned seed = 0; seed < 5000; ++seed) {
         SCOPED_TRACE(seed);
@@ -169,7 +169,7 @@ TEST(TriangleDistance, IsTheSameTheOtherWayRound)
     }
 }
 
-TEST(TriangleDistance, IsNeverAboveThatOfPointsOfBoth)
+TEST(TriangleDistance, IsNeverAboveTheDistanceOfSampledPoints)
 {
     std::mt19937 random(7);
     std::uniform_real_distribution<double> unit(0, 1);
@@ -210,7 +210,7 @@ TEST(TriangleDistance, ScalesByPowersOfTwo)
     }
 }
 
-TEST(TriangleDistance, TellsOneBitFromNone)
+TEST(TriangleDistance, DistinguishesADistanceOfOneBitFromZero)
 {
     const Triangle floor = {{Vec3(-1, -1, 0.1), Vec3(3, -1, 0.1), Vec3(-1, 3, 0.1)}};
     const auto standing = [](double z) {

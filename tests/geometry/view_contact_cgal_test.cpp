@@ -38,7 +38,7 @@ protected:
     std::mt19937_64 random_{seed};
 };
 
-TEST_F(NearVolumes, MeetTrianglesAsRationalsSay)
+TEST_F(NearVolumes, MeetTrianglesAsExactRationalsDo)
 {
     int meets = 0;
     int passes_only = 0;
@@ -66,7 +66,7 @@ TEST_F(NearVolumes, MeetTrianglesAsRationalsSay)
 }
 
 /// Triangles through the edge of a wedge, but for rounding.
-TEST_F(NearVolumes, TouchTrianglesAsRationalsSay)
+TEST_F(NearVolumes, TouchTrianglesAsExactRationalsDo)
 {
     std::uniform_real_distribution<double> number(-1, 1);
     const auto any = [&] {

@@ -58,7 +58,7 @@ protected:
     std::mt19937_64 random_{7}; ///< the seed
 };
 
-TEST_F(WholeShapes, MeetTrianglesAsEliminationSays)
+TEST_F(WholeShapes, MeetTrianglesAsExactEliminationDoes)
 {
     Counts counts;
     for (int trial = 0; trial < 60000; ++trial) {
@@ -92,7 +92,7 @@ TEST_F(WholeShapes, MeetTrianglesAsEliminationSays)
     counts.expect_each(500);
 }
 
-TEST_F(WholeShapes, MeetBoxesAsEliminationSays)
+TEST_F(WholeShapes, MeetBoxesAsExactEliminationDoes)
 {
     Counts counts;
     int within = 0;
@@ -138,7 +138,7 @@ TEST(ViewContact, CountsTouching)
     EXPECT_FALSE(meets_volume(wedge, box(below_zero)));
 }
 
-TEST(ViewContact, TakesTheMostPlanes)
+TEST(ViewContact, AcceptsTheGreatestNumberOfPlanes)
 {
     // A ball of 1,024 planes.
     std::vector<ViewPlane> planes(max_view_planes);

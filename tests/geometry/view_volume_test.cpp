@@ -22,7 +22,7 @@ int sign(__int128 value)
     return static_cast<int>(value > 0) - static_cast<int>(value < 0);
 }
 
-TEST(ViewPlane, TellsSidesLikeWholeNumbers)
+TEST(ViewPlane, ClassifiesPointsLikeExactIntegers)
 {
     constexpr std::uint64_t seed = 3;
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
@@ -65,7 +65,7 @@ TEST(ViewPlane, TellsSidesLikeWholeNumbers)
     for (const int count : seen) EXPECT_GT(count, 1000);
 }
 
-TEST(ViewPlane, TellsSidesOfMeetingPoints)
+TEST(ViewPlane, ClassifiesMeetingPointsOfPlanes)
 {
     // Through a known point of whole numbers three planes, and a fourth one.
     constexpr std::uint64_t seed = 4;
@@ -102,7 +102,7 @@ TEST(ViewPlane, TellsSidesOfMeetingPoints)
     for (const int count : seen) EXPECT_GT(count, 100);
 }
 
-TEST(ViewVolume, KnowsContradictions)
+TEST(ViewVolume, DetectsContradictoryPlanes)
 {
     constexpr std::uint64_t seed = 5;
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
@@ -134,7 +134,7 @@ TEST(ViewVolume, MayBeFlatOrEmptyByABit)
     EXPECT_TRUE(slab(third, std::nextafter(third, 0.0)).empty());
 }
 
-TEST(ViewVolume, RefusesWhatIsNoPlane)
+TEST(ViewVolume, RefusesInvalidPlanes)
 {
     const auto code = [](std::vector<ViewPlane> planes) {
         return make_view_volume(planes).error().code;
@@ -210,7 +210,7 @@ TEST(OrthographicCamera, SeesABox)
     }
 }
 
-TEST(Cameras, AreRefusedWhereTheySeeNoVolume)
+TEST(Cameras, AreRefusedWhenTheirVolumeIsEmpty)
 {
     const auto refuses = [](const auto& result) {
         return !result && result.error().code == ErrorCode::invalid_argument &&

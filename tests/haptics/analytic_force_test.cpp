@@ -1,4 +1,5 @@
 // The renderer's force against walls of which it is known: the spring's law to the last digits.
+#include "haptics/force/surface_renderer.h"
 #include "haptics/proxy/slide_sphere.h"
 #include "haptics/spring_alone.h"
 #include "haptics/surface/contact_surface.h"
@@ -70,7 +71,8 @@ double relative_force_error(const TriangleMesh& mesh, std::uint64_t seed)
         // From above the face into it, in steps, and away again.
         const Vec3 over = map.to_device(on + 0.3 * edge * normal);
         const Vec3 within = map.to_device(on - depth * normal);
-        HapticRenderer fresh(surface, map, strong_device(), spring_options());
+        HapticRenderer fresh =
+            make_surface_renderer(surface, map, strong_device(), spring_options());
         fresh.tick(at(over), tick_seconds);
         for (int step = 1; step <= 4; ++step)
             fresh.tick(at(over + step / 4.0 * (within - over)), tick_seconds);
@@ -82,7 +84,7 @@ double relative_force_error(const TriangleMesh& mesh, std::uint64_t seed)
     return std::sqrt(squares / depths);
 }
 
-TEST(AnalyticForce, is_the_springs_to_a_billionth)
+TEST(AnalyticForce, EqualsTheSpringForceToABillionth)
 {
     const TriangleMesh plane = testing::mesh_of(
         {Vec3(-1, -1, 0), Vec3(1, -1, 0), Vec3(1, 1, 0), Vec3(-1, 1, 0)}, {{0, 1, 2}, {0, 2, 3}});

@@ -14,6 +14,7 @@
 //
 // Seen from outside, an edge lets go of a device that goes round it under the surface: such paths
 // take energy, and must never give any.
+#include "haptics/force/surface_renderer.h"
 #include "haptics/spring_alone.h"
 #include "haptics/surface/contact_surface.h"
 #include "haptics/touch_meshes.h"
@@ -81,7 +82,8 @@ private:
 class Walk {
 public:
     Walk(const TriangleMesh& mesh, const Vec3& from, const Vec3& to)
-        : surface_(mesh), map_(map_of(mesh)), renderer_(surface_, map_, device(), options())
+        : surface_(mesh), map_(map_of(mesh)),
+          renderer_(make_surface_renderer(surface_, map_, device(), options()))
     {
         constexpr int steps = 1000;
         for (int step = 0; step < steps; ++step)
@@ -236,7 +238,7 @@ void expect_as_derived(const ClosedPath& path, const std::string& name)
                  std::to_string(path.held / path.unit()));
 }
 
-TEST(ClosedPath, in_a_cube_takes_less_than_a_billionth)
+TEST(ClosedPath, InACubeDissipatesLessThanABillionth)
 {
     const Room room(*sample_mesh("cube"));
     for (std::uint64_t seed = 1; seed <= 2; ++seed) {
@@ -248,7 +250,7 @@ TEST(ClosedPath, in_a_cube_takes_less_than_a_billionth)
     }
 }
 
-TEST(ClosedPath, in_rooms_of_many_walls_takes_what_its_seams_make)
+TEST(ClosedPath, InRoomsOfManyWallsDissipatesWhatItsSeamsPredict)
 {
     // The corners of the finer sphere jammed proxies, by rounding where its triangles lie in pairs
     // in one plane.
@@ -277,7 +279,7 @@ TriangleMesh flat_pyramid(std::uint32_t sides, double height)
     return testing::mesh_of(std::move(positions), std::move(triangles));
 }
 
-TEST(ClosedPath, in_corners_of_all_but_flat_walls_takes_what_its_seams_make)
+TEST(ClosedPath, BetweenNearlyFlatWallsDissipatesWhatItsSeamsPredict)
 {
     for (const double height : {0.5, 0.05, 0.005}) {
         const Room room(flat_pyramid(7, height));
@@ -289,7 +291,7 @@ TEST(ClosedPath, in_corners_of_all_but_flat_walls_takes_what_its_seams_make)
     }
 }
 
-TEST(ClosedPath, takes_a_sixteenth_in_four_times_the_ticks)
+TEST(ClosedPath, DissipatesASixteenthAtFourTimesTheTicks)
 {
     const Room room(*sample_mesh("sphere:12x12"));
     const Loop loop(room.corner(40), 0.005, 2);
@@ -317,7 +319,7 @@ std::array<TriangleId, 3> holding(const RenderTick& felt)
 ///     trapezoid - dU = K / 2 (q before - p before + q - p) . d
 /// which is nothing while the same faces hold it, for d lies in them; and as no slide ends farther
 /// from q than it began, at least -K / 2 w . d where it comes to others.
-TEST(ClosedPath, over_outer_edges_never_gives_any)
+TEST(ClosedPath, OverOuterEdgesNeverGeneratesEnergy)
 {
     for (const char* const name : {"cube", "sphere:12x12"}) {
         const TriangleMesh mesh = *sample_mesh(name);

@@ -139,7 +139,7 @@ CacheCheck check_answers(const TouchMesh& named, std::uint32_t seed, int questio
     return check;
 }
 
-TEST(ContactCache, nothing_near_is_missing)
+TEST(ContactCache, MissesNoNearTriangle)
 {
     std::uint32_t seed = 40;
     CacheCheck sum;
@@ -156,7 +156,7 @@ TEST(ContactCache, nothing_near_is_missing)
     EXPECT_LT(sum.given, 2 * sum.needed);  // and it sorts out
 }
 
-TEST(ContactCache, knows_how_far_the_surface_is_without_asking)
+TEST(ContactCache, KnowsTheClearanceWithoutAskingTheSurface)
 {
     for (const TouchMesh& named : cache_meshes()) {
         const auto listed = testing::listed_index(named.mesh);
@@ -182,7 +182,7 @@ TEST(ContactCache, knows_how_far_the_surface_is_without_asking)
     }
 }
 
-TEST(ContactCache, asks_rarely)
+TEST(ContactCache, AsksTheSurfaceRarelyAlongAPath)
 {
     const TriangleMesh mesh = *sample_mesh("torus:200x100");
     const auto listed = testing::listed_index(mesh);
@@ -196,11 +196,12 @@ TEST(ContactCache, asks_rarely)
         p += Vec3(0, 0.05 * edge, 0);
         (void)cache.collect(surface, p, 0.1 * edge, buffer);
     }
-    EXPECT_LT(cache.work().gathers, 50U);
+    // The path is 50 edges long, and a ball reaches at least two edges beyond what is asked for.
+    EXPECT_LE(cache.work().gathers, 1U + 25U);
     EXPECT_EQ(cache.work().scans, static_cast<std::uint64_t>(questions));
 }
 
-TEST(ContactCache, another_surface_is_asked_anew)
+TEST(ContactCache, AsksANewSurfaceAgain)
 {
     const TriangleMesh cube = *sample_mesh("cube");
     const TriangleMesh sphere = *sample_mesh("sphere:30x30");
@@ -227,7 +228,7 @@ TEST(ContactCache, another_surface_is_asked_anew)
 }
 
 // More triangles within what is asked for than are ever kept: the surface itself answers.
-TEST(ContactCache, crowds_are_answered_too)
+TEST(ContactCache, AnswersWhenMoreTrianglesAreNearThanItKeeps)
 {
     const TriangleMesh mesh = testing::triangle_soup(5, 8000);
     const auto listed = testing::listed_index(mesh);
@@ -248,7 +249,7 @@ TEST(ContactCache, crowds_are_answered_too)
     EXPECT_GT(cache.work().scans, 0U);
 }
 
-TEST(ContactCache, does_not_allocate)
+TEST(ContactCache, DoesNotAllocate)
 {
     const TriangleMesh mesh = *sample_mesh("torus:24x12");
     const auto listed = testing::listed_index(mesh);
@@ -272,7 +273,7 @@ TEST(ContactCache, does_not_allocate)
 
 // A hand as fast as a dash of half the model a tick, to and fro through thin walls: kept balls are
 // left, met again and left out in every way, and the proxy is that of all triangles.
-TEST(ContactCache, fast_hands_feel_what_all_triangles_say_on_every_instruction_set)
+TEST(ContactCache, AgreesWithAllTrianglesForFastHandsOnEveryInstructionSet)
 {
     for (const SimdTarget& target : simd_targets()) {
         force_simd_target(target);

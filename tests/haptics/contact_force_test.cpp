@@ -19,7 +19,7 @@ ForceOptions without_ramps()
     return {.max_slew = 1e9, .start_seconds = 0, .loss_seconds = 0};
 }
 
-TEST(SpringForce, is_spring_and_damper_along_the_normal)
+TEST(SpringForce, IsASpringAndADamperAlongTheNormal)
 {
     const ForceOptions options = {.stiffness = 500, .damping = 2};
     const SpringContact contact = {true, Vec3(0.001, 0, 0.002), Vec3::UnitZ()};
@@ -30,7 +30,7 @@ TEST(SpringForce, is_spring_and_damper_along_the_normal)
     EXPECT_LT((spring_force(options, contact, Vec3(0, 0, 9)) - Vec3(0.5, 0, 0)).norm(), 1e-15);
 }
 
-TEST(SpringForce, penalty_is_nothing_outside)
+TEST(SpringForce, PenaltyIsZeroOutside)
 {
     const ForceOptions options = {.stiffness = 400, .damping = 0};
     EXPECT_EQ(penalty_force(options, -0.001, Vec3::UnitX(), Vec3::Zero()), Vec3::Zero());
@@ -38,7 +38,7 @@ TEST(SpringForce, penalty_is_nothing_outside)
               1e-15);
 }
 
-TEST(ForceGuard, whatever_comes_in_what_goes_out_is_finite_and_within_limits)
+TEST(ForceGuard, GivesFiniteForcesWithinLimitsForAnyInput)
 {
     const double infinity = std::numeric_limits<double>::infinity();
     const std::array special = {infinity, -infinity, std::numeric_limits<double>::quiet_NaN(),
@@ -69,7 +69,7 @@ TEST(ForceGuard, whatever_comes_in_what_goes_out_is_finite_and_within_limits)
     }
 }
 
-TEST(ForceGuard, lets_through_what_is_within_limits)
+TEST(ForceGuard, PassesForcesWithinItsLimits)
 {
     ForceGuard guard(without_ramps(), 3.3);
     for (const Vec3& force : {Vec3(1, 2, -2), Vec3(0, 0, 0), Vec3(0, 3.3, 0)})
@@ -79,7 +79,7 @@ TEST(ForceGuard, lets_through_what_is_within_limits)
     EXPECT_NEAR(guard.last().y() / guard.last().x(), 4.0 / 3, 1e-12);
 }
 
-TEST(ForceGuard, ramps_up_at_the_start_and_down_when_the_patch_is_lost)
+TEST(ForceGuard, RampsUpAtTheStartAndDownWhenThePatchIsLost)
 {
     ForceOptions options = without_ramps();
     options.start_seconds = 0.25;
@@ -97,7 +97,7 @@ TEST(ForceGuard, ramps_up_at_the_start_and_down_when_the_patch_is_lost)
     EXPECT_NEAR(guard.pass(wanted, tick).x(), 1 / 250.0, 1e-9);
 }
 
-TEST(ForceOptions, are_limited_by_the_device)
+TEST(ForceOptions, AreLimitedByTheDevice)
 {
     const auto omni = find_device("omni");
     ASSERT_TRUE(omni);

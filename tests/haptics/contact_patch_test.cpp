@@ -113,7 +113,7 @@ Misses follow(const TriangleMesh& mesh, PatchKind kind, int depth, double radius
     return misses;
 }
 
-TEST(ContactPatch, metric_patches_miss_nothing_at_a_metre_per_second)
+TEST(ContactPatch, MetricPatchesMissNothingAtAMetrePerSecond)
 {
     for (const std::string_view model : {"cube", "sphere:30x30", "torus:24x12", "spaceship:1300"}) {
         const TriangleMesh mesh = *sample_mesh(model);
@@ -126,7 +126,7 @@ TEST(ContactPatch, metric_patches_miss_nothing_at_a_metre_per_second)
     }
 }
 
-TEST(ContactPatch, rings_miss_what_they_do_not_reach)
+TEST(ContactPatch, RingsMissContactsBeyondTheirReach)
 {
     const TriangleMesh mesh = *sample_mesh("torus:60x30");
     std::uint64_t before = 1U << 30U;
@@ -143,7 +143,7 @@ TEST(ContactPatch, rings_miss_what_they_do_not_reach)
     }
 }
 
-TEST(ContactPatch, without_one_nothing_is_touched)
+TEST(ContactPatch, NothingIsTouchedWithoutAPatch)
 {
     const PatchContactSurface surface(SurfaceScale{});
     std::array<ContactTriangle, 4> buffer;
@@ -151,7 +151,7 @@ TEST(ContactPatch, without_one_nothing_is_touched)
     EXPECT_EQ(surface.clearance(Vec3::Zero()), std::numeric_limits<double>::infinity());
 }
 
-TEST(ContactPatch, too_many_triangles_are_told)
+TEST(ContactPatch, ReportsThatItIsIncomplete)
 {
     const TriangleMesh mesh = *sample_mesh("sphere:100x100");
     const auto listed = *testing::listed_index(mesh);
@@ -183,7 +183,7 @@ TEST(ContactPatch, too_many_triangles_are_told)
     EXPECT_GT(patch.count(), 50U);
 }
 
-TEST(CollisionLoop, hands_patches_over_while_a_servo_runs)
+TEST(CollisionLoop, HandsOverPatchesWhileAServoRuns)
 {
     const TriangleMesh mesh = *sample_mesh("torus:24x12");
     const auto listed = *testing::listed_index(mesh);
@@ -195,19 +195,20 @@ TEST(CollisionLoop, hands_patches_over_while_a_servo_runs)
     Vec3 device = hand.next();
     proxy.place(device);
     std::uint64_t with_patch = 0;
-    std::uint64_t oldest = 0;
+    std::vector<std::uint64_t> ages;
+    ages.reserve(400);
     std::uint64_t inconsistent = 0;
     {
         CollisionLoop loop(whole, exchange, {.rate = 100, .speed = 2});
         const ServoStatistics seen = run_servo_loop({.ticks = 400}, [&](std::uint64_t tick) {
             device = hand.next();
-            exchange.say({device, proxy.last().proxy, tick});
-            const ContactPatch* const patch = exchange.take();
+            exchange.send_position({device, proxy.last().proxy, tick});
+            const ContactPatch* const patch = exchange.latest_patch();
             late.use(patch);
             proxy.follow(device);
             if (patch == nullptr) return Flow::proceed;
             ++with_patch;
-            oldest = std::max(oldest, tick - patch->made_at);
+            ages.push_back(tick - patch->made_at);
             for (const ContactTriangle& each : testing::triangles_of(*patch))
                 inconsistent += each.corners[0] == mesh.triangle(each.id)[0] ? 0U : 1U;
             return Flow::proceed;
@@ -216,9 +217,11 @@ TEST(CollisionLoop, hands_patches_over_while_a_servo_runs)
         EXPECT_GE(loop.patches(), 5U);
         EXPECT_GT(loop.stop().ticks, 5U);
     }
-    EXPECT_GT(with_patch, 100U);
+    ASSERT_GT(with_patch, 100U);
     EXPECT_EQ(inconsistent, 0U);
-    EXPECT_LT(oldest, 400U);
+    // A patch is made every tenth tick. Half of them may be late on a busy machine.
+    std::ranges::sort(ages);
+    EXPECT_LE(ages[ages.size() / 2], 2U * 10U);
 }
 
 } // namespace

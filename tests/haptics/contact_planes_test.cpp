@@ -40,7 +40,7 @@ Vec3 shift_by_projections(const std::vector<ContactPlane>& planes, int rounds)
     return x;
 }
 
-TEST(ContactPlanes, nothing_to_do_where_the_place_is_allowed)
+TEST(ContactPlanes, LeaveAllowedPointsWhereTheyAre)
 {
     const std::vector<ContactPlane> planes = {{Vec3::UnitZ(), 0.5}, {Vec3::UnitX(), 0}};
     const PlaneSolution solution = nearest_allowed(planes, 1e-12);
@@ -50,7 +50,7 @@ TEST(ContactPlanes, nothing_to_do_where_the_place_is_allowed)
     EXPECT_EQ(nearest_allowed({}, 1e-12).count, 0U);
 }
 
-TEST(ContactPlanes, a_corner_of_three_in_one_call)
+TEST(ContactPlanes, SolveACornerOfThreePlanesInOneCall)
 {
     const std::vector<ContactPlane> planes = {
         {Vec3::UnitX(), -1}, {Vec3::UnitY(), -2}, {Vec3::UnitZ(), -3}};
@@ -61,7 +61,7 @@ TEST(ContactPlanes, a_corner_of_three_in_one_call)
         EXPECT_NEAR(solution.pressure[i], solution.active[i] + 1.0, 1e-14);
 }
 
-TEST(ContactPlanes, agree_with_projections_for_random_cones)
+TEST(ContactPlanes, AgreeWithProjectionsOntoRandomCones)
 {
     int sizes[4] = {};
     for (std::uint32_t seed = 0; seed < 3000; ++seed) {
@@ -94,7 +94,7 @@ TEST(ContactPlanes, agree_with_projections_for_random_cones)
     for (const int size : sizes) EXPECT_GT(size, 50);
 }
 
-TEST(ContactPlanes, nearly_parallel_planes_do_no_harm)
+TEST(ContactPlanes, SolveNearlyParallelPlanes)
 {
     for (double angle = 1e-15; angle < 1e-2; angle *= 3) {
         const std::vector<ContactPlane> planes = {
@@ -105,7 +105,7 @@ TEST(ContactPlanes, nearly_parallel_planes_do_no_harm)
     }
 }
 
-TEST(ContactPlanes, opposite_planes_that_leave_nothing_are_told)
+TEST(ContactPlanes, ReportOppositePlanesAsInfeasible)
 {
     const std::vector<ContactPlane> planes = {{Vec3::UnitZ(), -1}, {-Vec3::UnitZ(), -1}};
     EXPECT_FALSE(nearest_allowed(planes, 1e-12).feasible);

@@ -13,7 +13,7 @@
 namespace proxima {
 namespace {
 
-TEST(CursorDevice, follows_a_jumping_cursor_smoothly)
+TEST(CursorDevice, FollowsAJumpingCursorSmoothly)
 {
     CursorDevice cursor;
     const Vec3 target(0.05, -0.02, 0.01);
@@ -41,7 +41,7 @@ TEST(CursorDevice, follows_a_jumping_cursor_smoothly)
     EXPECT_LT(last.state.velocity.norm(), 1e-7);
 }
 
-TEST(CursorDevice, velocities_are_those_of_the_motion)
+TEST(CursorDevice, ReportsTheVelocityOfItsMotion)
 {
     CursorDevice fine({.tick_seconds = 1e-6});
     fine.move_to(Vec3(0.1, 0, 0));
@@ -54,7 +54,7 @@ TEST(CursorDevice, velocities_are_those_of_the_motion)
     }
 }
 
-TEST(CursorDevice, is_placed_at_once_and_without_following_too)
+TEST(CursorDevice, IsPlacedAtOnceAndFollowsAtOnceWithoutDelay)
 {
     CursorDevice cursor;
     cursor.place_at(Vec3(0.03, 0, 0));
@@ -67,7 +67,7 @@ TEST(CursorDevice, is_placed_at_once_and_without_following_too)
     EXPECT_NEAR(reading.state.velocity.x(), 1, 1e-12);
 }
 
-TEST(CursorDevice, leaves_out_what_is_no_place)
+TEST(CursorDevice, IgnoresPositionsThatAreNotFinite)
 {
     CursorDevice cursor;
     cursor.place_at(Vec3(0.01, 0, 0));
@@ -77,7 +77,7 @@ TEST(CursorDevice, leaves_out_what_is_no_place)
         EXPECT_EQ(cursor.read().state.pose.translation, Vec3(0.01, 0, 0));
 }
 
-TEST(CursorDevice, hands_over_between_threads_without_allocating)
+TEST(CursorDevice, HandsOverBetweenThreadsWithoutAllocating)
 {
     CursorDevice cursor;
     std::atomic<bool> ended{false};
@@ -87,7 +87,7 @@ TEST(CursorDevice, hands_over_between_threads_without_allocating)
         while (!ended.load()) {
             const int move = moves.fetch_add(1);
             cursor.move_to(Vec3(0.05 * std::sin(0.001 * move), 0, 0));
-            const CursorFeeling& felt = cursor.felt();
+            const CursorFeedback& felt = cursor.feedback();
             EXPECT_GE(felt.ticks, ticks);
             // What was written in one tick is seen together.
             EXPECT_EQ(felt.force, -100 * felt.position);
@@ -107,7 +107,7 @@ TEST(CursorDevice, hands_over_between_threads_without_allocating)
     window.join();
     EXPECT_EQ(seen.ticks, 20000U);
     EXPECT_EQ(before, after);
-    EXPECT_EQ(cursor.felt().ticks, 20000U);
+    EXPECT_EQ(cursor.feedback().ticks, 20000U);
 }
 
 } // namespace

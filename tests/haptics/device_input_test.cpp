@@ -1,5 +1,5 @@
-#include "haptics/device/device_input.h"
-
+#include "haptics/device/button_queue.h"
+#include "haptics/device/velocity_bounds.h"
 #include "haptics/device_session.h"
 #include "proxima/device.h"
 
@@ -42,11 +42,11 @@ SessionFelt with_fault(const PressingDevice::Change& fault, std::uint64_t fades_
     }
     EXPECT_GT(felt.forces[ticks - 1], 1.0);
     EXPECT_EQ(felt.input.recoveries, 1U);
-    EXPECT_LT(felt.input.longest_recovery, 0.06);
+    EXPECT_LT(felt.input.longest_recovery, 1.2 * ForceOptions{}.loss_seconds);
     return felt;
 }
 
-TEST(DeviceInput, lets_a_good_hand_through)
+TEST(DeviceInput, PassesAGoodHandUnchanged)
 {
     const CubeScene scene;
     PressingDevice device(scene);
@@ -58,7 +58,7 @@ TEST(DeviceInput, lets_a_good_hand_through)
     EXPECT_NEAR(felt.forces.back(), 150 * (0.015 - felt.forces.back() / 500), 0.01);
 }
 
-TEST(DeviceInput, no_numbers_fade_the_force)
+TEST(DeviceInput, FadesTheForceOnPositionsThatAreNotFinite)
 {
     for (const double wrong : {nan, std::numeric_limits<double>::infinity(), 1e300, -11.0}) {
         const SessionFelt felt = with_fault([&](std::uint64_t tick, DeviceReading& reading) {
@@ -71,7 +71,7 @@ TEST(DeviceInput, no_numbers_fade_the_force)
     }
 }
 
-TEST(DeviceInput, velocities_that_are_none_count_as_rest)
+TEST(DeviceInput, TreatsVelocitiesThatAreNotFiniteAsRest)
 {
     const CubeScene scene;
     PressingDevice device(scene, [](std::uint64_t, DeviceReading& reading) {
@@ -94,7 +94,7 @@ double largest_step(const SessionFelt& felt, std::size_t from)
     return largest;
 }
 
-TEST(DeviceInput, velocities_that_places_do_not_bear_out_are_not_felt)
+TEST(DeviceInput, IgnoresVelocitiesThatContradictPositions)
 {
     const CubeScene scene;
     PressingDevice plausible(scene);
@@ -125,7 +125,7 @@ TEST(DeviceInput, velocities_that_places_do_not_bear_out_are_not_felt)
     }
 }
 
-TEST(DeviceInput, plausible_velocities_are_used)
+TEST(DeviceInput, UsesPlausibleVelocities)
 {
     // Exact and by differences, with and without an encoder, thrown about and hit against a wall.
     std::mt19937_64 random(8);
@@ -155,7 +155,7 @@ TEST(DeviceInput, plausible_velocities_are_used)
     }
 }
 
-TEST(DeviceInput, vanishing_fades_the_force)
+TEST(DeviceInput, FadesTheForceWhenTheDeviceIsGone)
 {
     const SessionFelt felt = with_fault([](std::uint64_t, DeviceReading& reading) {
         reading.state.condition = InputCondition::gone;
@@ -165,12 +165,13 @@ TEST(DeviceInput, vanishing_fades_the_force)
     EXPECT_EQ(felt.input.faulty_ticks, fault_end - fault_begin);
 }
 
-TEST(DeviceInput, silence_is_borne_for_its_patience)
+TEST(DeviceInput, ToleratesSilenceForItsPatience)
 {
     const SessionFelt felt =
         with_fault([](std::uint64_t, DeviceReading& reading) { --reading.sample; });
     EXPECT_EQ(felt.input.silences, 1U);
-    EXPECT_NEAR(static_cast<double>(felt.input.faulty_ticks), 480, 1.5);
+    // All but the patience of 20 ms, which ends between two ticks.
+    EXPECT_NEAR(static_cast<double>(felt.input.faulty_ticks), fault_end - fault_begin - 20, 1);
     // Less than the patience is no fault.
     const CubeScene scene;
     PressingDevice device(scene, [](std::uint64_t tick, DeviceReading& reading) {
@@ -179,7 +180,7 @@ TEST(DeviceInput, silence_is_borne_for_its_patience)
     EXPECT_EQ(run_session(scene, device, ticks).input.faulty_ticks, 0U);
 }
 
-TEST(DeviceInput, freezing_while_pushed_fades_the_force)
+TEST(DeviceInput, FadesTheForceWhenAPushedDeviceFreezes)
 {
     DeviceState frozen;
     const auto freeze = [&](std::uint64_t tick, DeviceReading& reading) {
@@ -188,7 +189,8 @@ TEST(DeviceInput, freezing_while_pushed_fades_the_force)
     };
     const SessionFelt felt = with_fault(freeze, faded + 100, {.frozen_seconds = 0.1});
     EXPECT_EQ(felt.input.freezes, 1U);
-    EXPECT_NEAR(static_cast<double>(felt.input.faulty_ticks), 400, 2);
+    // All but the 100 ms before it counts as frozen.
+    EXPECT_NEAR(static_cast<double>(felt.input.faulty_ticks), fault_end - fault_begin - 100, 1);
     // A device that may rest is let rest, and so is one that is not pushed.
     const CubeScene scene;
     for (const bool may_rest : {true, false}) {
@@ -200,7 +202,7 @@ TEST(DeviceInput, freezing_while_pushed_fades_the_force)
     }
 }
 
-TEST(DeviceInput, a_jump_of_a_metre_is_not_believed_at_once)
+TEST(DeviceInput, DoesNotTrustAJumpOfAMetreAtOnce)
 {
     // For 30 ms somewhere else: never accepted, and well when it is back.
     const CubeScene scene;
@@ -214,7 +216,7 @@ TEST(DeviceInput, a_jump_of_a_metre_is_not_believed_at_once)
     for (const RecordedTick& tick : felt.recording.ticks) EXPECT_LT(tick.position[0], 0.5);
 }
 
-TEST(DeviceInput, a_jump_that_lasts_is_believed_with_the_force_at_nothing)
+TEST(DeviceInput, TrustsALastingJumpOnceTheForceIsZero)
 {
     const CubeScene scene;
     PressingDevice device(scene, [](std::uint64_t tick, DeviceReading& reading) {
@@ -228,7 +230,7 @@ TEST(DeviceInput, a_jump_that_lasts_is_believed_with_the_force_at_nothing)
     EXPECT_EQ(felt.forces[fault_begin + 100], 0);
 }
 
-TEST(DeviceInput, jumps_all_the_time_are_never_believed)
+TEST(DeviceInput, NeverTrustsADeviceThatKeepsJumping)
 {
     const SessionFelt felt = with_fault([](std::uint64_t tick, DeviceReading& reading) {
         reading.state.pose.translation.x() += tick % 2 == 0 ? 1.0 : -1.0;
@@ -236,7 +238,7 @@ TEST(DeviceInput, jumps_all_the_time_are_never_believed)
     EXPECT_EQ(felt.input.jumps, fault_end - fault_begin);
 }
 
-TEST(DeviceInput, nothing_is_touched_before_the_first_good_sample)
+TEST(DeviceInput, TouchesNothingBeforeTheFirstGoodSample)
 {
     const CubeScene scene;
     PressingDevice device(scene, [](std::uint64_t tick, DeviceReading& reading) {
@@ -273,7 +275,7 @@ private:
     std::uint64_t tick_ = 0;
 };
 
-TEST(DeviceInput, the_clutch_moves_the_hand_without_what_it_holds)
+TEST(DeviceInput, ClutchMovesTheHandWithoutTheTool)
 {
     // Down onto the cube, clutch and up by 30 mm, clutch closed and down by 30 mm again: twice.
     const CubeScene scene;
@@ -301,7 +303,7 @@ TEST(DeviceInput, the_clutch_moves_the_hand_without_what_it_holds)
     EXPECT_NEAR(heights[1199], scene.half - 0.03, 0.001); // 60 mm down with 60 mm of hand
 }
 
-TEST(DeviceInput, axes_are_turned_both_ways)
+TEST(DeviceInput, TurnsAxesInBothDirections)
 {
     // Our z is the device's y: pressing along -y of the device touches the upper face.
     Mat3 rotation;
@@ -330,7 +332,7 @@ TEST(DeviceInput, axes_are_turned_both_ways)
     EXPECT_EQ(command.trust, 1);
 }
 
-TEST(DeviceInput, release_fades_for_good)
+TEST(DeviceInput, ReleaseFadesTheForceForGood)
 {
     const CubeScene scene;
     PressingDevice device(scene);
@@ -344,7 +346,7 @@ TEST(DeviceInput, release_fades_for_good)
     EXPECT_EQ(felt.input.faulty_ticks, 0U);
 }
 
-TEST(ButtonQueue, hands_events_over_in_order)
+TEST(ButtonQueue, HandsOverEventsInOrder)
 {
     const CubeScene scene;
     LedDevice device([](std::uint64_t tick) {
@@ -356,28 +358,27 @@ TEST(ButtonQueue, hands_events_over_in_order)
     });
     std::vector<ButtonEvent> events;
     run_session(scene, device, 30, {}, [&](std::uint64_t, DeviceInput& input) {
-        ButtonEvent event;
-        while (input.buttons().pop(event)) events.push_back(event);
+        while (const auto event = input.next_button_event()) events.push_back(*event);
     });
     const std::vector<ButtonEvent> wanted = {{10, 0, true}, {15, 31, true}, {20, 0, false}};
     EXPECT_EQ(events, wanted);
 }
 
-TEST(ButtonQueue, drops_the_newest_where_nobody_reads)
+TEST(ButtonQueue, DropsTheNewestEventsWhenNobodyReads)
 {
     ButtonQueue queue;
     for (std::uint64_t i = 0; i < ButtonQueue::capacity + 7; ++i)
         EXPECT_EQ(queue.push({i, 0, true}), i < ButtonQueue::capacity);
     EXPECT_EQ(queue.dropped(), 7U);
-    ButtonEvent event;
     for (std::uint64_t i = 0; i < ButtonQueue::capacity; ++i) {
-        ASSERT_TRUE(queue.pop(event));
-        EXPECT_EQ(event.tick, i);
+        const auto event = queue.pop();
+        ASSERT_TRUE(event);
+        EXPECT_EQ(event->tick, i);
     }
-    EXPECT_FALSE(queue.pop(event));
+    EXPECT_FALSE(queue.pop());
 }
 
-TEST(ButtonQueue, loses_nothing_between_threads)
+TEST(ButtonQueue, LosesNoEventBetweenThreads)
 {
     ButtonQueue queue;
     constexpr std::uint64_t count = 100000;
@@ -390,14 +391,14 @@ TEST(ButtonQueue, loses_nothing_between_threads)
             }
         }
     });
-    ButtonEvent event;
     for (std::uint64_t i = 0; i < count;) {
-        if (!queue.pop(event)) {
+        const auto event = queue.pop();
+        if (!event) {
             std::this_thread::yield();
             continue;
         }
         const ButtonEvent wanted{i, static_cast<int>(i % 32), i % 2 == 0};
-        ASSERT_EQ(event, wanted);
+        ASSERT_EQ(*event, wanted);
         ++i;
     }
     pusher.join();

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "counted_allocations.h"
-#include "haptics/device/device_input.h"
 #include "haptics/force/surface_renderer.h"
 #include "haptics/loop/recording.h"
 #include "haptics/surface/contact_surface.h"
@@ -52,9 +51,9 @@ inline SessionFelt run_session(const CubeScene& scene, Device& device, std::uint
                                Pace pace = Pace::unpaced)
 {
     const DeviceLimits limits = device.info().limits;
-    HapticRenderer renderer(scene.surface, scene.map, limits);
+    HapticRenderer renderer = make_surface_renderer(scene.surface, scene.map, limits);
     QualityMeter meter(scene.surface, scene.map);
-    DeviceInput input(device.info(), options);
+    DeviceInput input = make_device_input(device.info(), options).value();
     SessionFelt felt;
     felt.recording.ticks.resize(ticks);
     felt.forces.resize(ticks);
@@ -91,7 +90,7 @@ inline SessionFelt run_session(const CubeScene& scene, Device& device, std::uint
     felt.quality = meter.report();
     felt.recording.settings.render = renderer.options();
     felt.recording.settings.map = scene.map;
-    HapticRenderer again(scene.surface, scene.map, limits);
+    HapticRenderer again = make_surface_renderer(scene.surface, scene.map, limits);
     EXPECT_EQ(count_differences(felt.recording, again), 0U);
     return felt;
 }

@@ -61,7 +61,7 @@ struct Session {
 Session run(const Scene& scene, std::string_view script, std::uint64_t seed, int ticks,
             const RenderOptions& options)
 {
-    HapticRenderer renderer(scene.surface, scene.map, omni(), options);
+    HapticRenderer renderer = make_surface_renderer(scene.surface, scene.map, omni(), options);
     const auto path = HandScript::make(script, scene.mesh, scene.topology, scene.map, seed);
     EXPECT_TRUE(path);
     SimulatedHand hand({}, path->target(0));
@@ -86,8 +86,9 @@ Session run(const Scene& scene, std::string_view script, std::uint64_t seed, int
     return session;
 }
 
-TEST(HapticRenderer, every_script_touches_and_nothing_pops_through)
+TEST(HapticRenderer, TouchesAndHoldsInEveryScript)
 {
+    constexpr int ticks = 4000;
     for (const std::string_view model : {"cube", "sphere:30x30", "torus:24x12", "spaceship:1300"}) {
         const Scene scene(*sample_mesh(model));
         for (const std::string_view script :
@@ -95,7 +96,7 @@ TEST(HapticRenderer, every_script_touches_and_nothing_pops_through)
             for (const double radius : {0.0, 0.002}) {
                 // As far as it goes: how often it must be cut short says how well slides end.
                 const QualityReport quality =
-                    run(scene, script, 1, 4000,
+                    run(scene, script, 1, ticks,
                         {.proxy_radius = radius, .max_moves = max_slide_moves})
                         .quality;
                 const std::string where =
@@ -103,7 +104,7 @@ TEST(HapticRenderer, every_script_touches_and_nothing_pops_through)
                 EXPECT_GT(quality.touching_ticks, 100U) << where;
                 EXPECT_EQ(quality.passes, 0U) << where;
                 EXPECT_EQ(quality.overloaded_ticks, 0U) << where;
-                EXPECT_LT(quality.limited_ticks, 40U) << where;
+                EXPECT_LT(quality.limited_ticks, ticks / 100U) << where; // one in a hundred
                 EXPECT_EQ(quality.faulty_ticks, 0U) << where;
                 EXPECT_LE(quality.max_force, omni().max_force) << where;
                 EXPECT_GT(quality.max_spring, 0.1) << where;
@@ -112,7 +113,7 @@ TEST(HapticRenderer, every_script_touches_and_nothing_pops_through)
     }
 }
 
-TEST(HapticRenderer, a_thin_plate_holds_a_fast_poke)
+TEST(HapticRenderer, HoldsAFastPokeAtAThinPlate)
 {
     const Scene scene(testing::thin_plate());
     const QualityReport quality = run(scene, "poke", 3, 8000, {}).quality;
@@ -122,7 +123,7 @@ TEST(HapticRenderer, a_thin_plate_holds_a_fast_poke)
 }
 
 // Without friction and damping, what a slow closed path took it gives back.
-TEST(HapticRenderer, closed_paths_against_analytic_walls_take_no_energy)
+TEST(HapticRenderer, ConservesEnergyOnClosedPathsAtAnalyticWalls)
 {
     const Scene cube(*sample_mesh("cube"));
     const double k = 500;
@@ -136,7 +137,7 @@ TEST(HapticRenderer, closed_paths_against_analytic_walls_take_no_energy)
                                  .static_friction = 0,
                                  .dynamic_friction = 0,
                                  .passivity = Passivity::unguarded};
-        HapticRenderer renderer(cube.surface, cube.map, omni(), options);
+        HapticRenderer renderer = make_surface_renderer(cube.surface, cube.map, omni(), options);
         QualityMeter meter(cube.surface, cube.map);
         // An ellipse into the upper face and out again, from a point free of it back to it.
         const double top = 1 / cube.map.units_per_metre + radius;
@@ -158,12 +159,12 @@ TEST(HapticRenderer, closed_paths_against_analytic_walls_take_no_energy)
     }
 }
 
-TEST(HapticRenderer, sticks_within_the_friction_cone_and_slides_beyond)
+TEST(HapticRenderer, SticksWithinTheFrictionConeAndSlidesBeyond)
 {
     const Scene cube(*sample_mesh("cube"));
     RenderOptions options = {.force = {.damping = 0, .max_slew = 1e9, .start_seconds = 0},
                              .passivity = Passivity::unguarded};
-    HapticRenderer renderer(cube.surface, cube.map, omni(), options);
+    HapticRenderer renderer = make_surface_renderer(cube.surface, cube.map, omni(), options);
     const double top = 1 / cube.map.units_per_metre;
     renderer.tick(at(Vec3(0, 0, top + 0.001)), tick_seconds);
     renderer.tick(at(Vec3(0, 0, top - 0.001)), tick_seconds);
@@ -185,11 +186,11 @@ TEST(HapticRenderer, sticks_within_the_friction_cone_and_slides_beyond)
     EXPECT_EQ(turned.hold, Hold::sticking);
 }
 
-TEST(HapticRenderer, of_an_index_feels_like_its_surface)
+TEST(HapticRenderer, OnAnIndexFeelsLikeItsSurface)
 {
     const Scene scene(*sample_mesh("torus:24x12"));
-    HapticRenderer of_surface(scene.surface, scene.map, omni());
-    HapticRenderer first(scene.listed, scene.map, omni());
+    HapticRenderer of_surface = make_surface_renderer(scene.surface, scene.map, omni());
+    HapticRenderer first = make_haptic_renderer(scene.listed, scene.map, omni()).value();
     HapticRenderer of_index = std::move(first);
     const auto path = HandScript::make("stroke", scene.mesh, scene.topology, scene.map, 3);
     SimulatedHand hand({}, path->target(0));
@@ -219,12 +220,12 @@ TEST(HapticRenderer, of_an_index_feels_like_its_surface)
     EXPECT_GT(corners, 10);
 }
 
-TEST(HapticRenderer, bad_input_never_reaches_the_force)
+TEST(HapticRenderer, KeepsBadInputOutOfTheForce)
 {
     const Scene scene(*sample_mesh("sphere:30x30"));
     const double nan = std::numeric_limits<double>::quiet_NaN();
     const double infinity = std::numeric_limits<double>::infinity();
-    HapticRenderer renderer(scene.surface, scene.map, omni());
+    HapticRenderer renderer = make_surface_renderer(scene.surface, scene.map, omni());
     const auto path = HandScript::make("slide", scene.mesh, scene.topology, scene.map, 2);
     SimulatedHand hand({}, path->target(0));
     std::mt19937 random(9);
@@ -268,17 +269,17 @@ TEST(HapticRenderer, bad_input_never_reaches_the_force)
     EXPECT_GT(faults, 400);
 }
 
-TEST(HapticRenderer, a_device_that_begins_inside_is_not_kicked_out)
+TEST(HapticRenderer, DoesNotKickADeviceThatStartsInside)
 {
     const Scene scene(*sample_mesh("cube"));
-    HapticRenderer renderer(scene.surface, scene.map, omni());
+    HapticRenderer renderer = make_surface_renderer(scene.surface, scene.map, omni());
     for (int tick = 0; tick < 500; ++tick)
         EXPECT_EQ(renderer.tick(at(Vec3(0, 0, 1e-5 * tick)), tick_seconds).force, Vec3::Zero());
 }
 
 using RecordingTest = FolderTest;
 
-TEST_F(RecordingTest, replays_bit_for_bit)
+TEST_F(RecordingTest, ReplaysBitForBit)
 {
     const Scene scene(*sample_mesh("torus:24x12"));
     const Session session = run(scene, "walk", 5, 3000, {.proxy_radius = 0.001});
@@ -293,17 +294,19 @@ TEST_F(RecordingTest, replays_bit_for_bit)
     EXPECT_EQ(loaded->settings.map.center, scene.map.center);
     EXPECT_EQ(loaded->settings.render.proxy_radius, 0.001);
     {
-        HapticRenderer again(scene.surface, loaded->settings.map, omni(), loaded->settings.render);
+        HapticRenderer again = make_surface_renderer(scene.surface, loaded->settings.map, omni(),
+                                                     loaded->settings.render);
         EXPECT_EQ(count_differences(*loaded, again), 0U);
     }
     // One bit of one position is noticed.
     double& x = loaded->ticks[1500].position[0];
     x = std::nextafter(x, 1.0);
-    HapticRenderer again(scene.surface, loaded->settings.map, omni(), loaded->settings.render);
+    HapticRenderer again =
+        make_surface_renderer(scene.surface, loaded->settings.map, omni(), loaded->settings.render);
     EXPECT_GT(count_differences(*loaded, again), 0U);
 }
 
-TEST_F(RecordingTest, damage_is_refused)
+TEST_F(RecordingTest, RefusesDamagedFiles)
 {
     Recording recording;
     recording.ticks.resize(10);
@@ -323,7 +326,7 @@ TEST_F(RecordingTest, damage_is_refused)
     EXPECT_EQ(load_recording(folder() / "none.pxt").error().code, ErrorCode::file_not_found);
 }
 
-TEST(HandScript, is_smooth_and_goes_round)
+TEST(HandScript, IsSmoothAndPeriodic)
 {
     const Scene scene(*sample_mesh("spaceship:1300"));
     for (const std::string_view name : {"press", "slide", "stroke", "corner", "poke", "walk"}) {

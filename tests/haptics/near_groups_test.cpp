@@ -178,7 +178,7 @@ void check_patch(const Everything& all, const ContactPatch& patch, const Questio
         << what << ": a reach of " << patch.reach << " is too short";
 }
 
-TEST(NearGroups, hold_every_triangle_within_the_reach)
+TEST(NearGroups, HoldEveryTriangleWithinReach)
 {
     std::uint32_t seed = 100;
     std::size_t cut_short = 0;
@@ -210,7 +210,7 @@ TEST(NearGroups, hold_every_triangle_within_the_reach)
     EXPECT_GT(nothing, 100U);
 }
 
-TEST(NearGroups, blocks_as_far_as_each_other_are_all_taken_or_none)
+TEST(NearGroups, TakeAllOrNoneOfEquallyFarBlocks)
 {
     const TriangleMesh mesh = two_heaps(10 * block, 20 * block);
     const Everything all(mesh);
@@ -239,7 +239,7 @@ TEST(NearGroups, blocks_as_far_as_each_other_are_all_taken_or_none)
 }
 
 // A proxy's questions of a patch are answered with all of its triangles that are near.
-TEST(NearGroups, nothing_near_is_missing_from_answers)
+TEST(NearGroups, AnswersMissNoNearTriangle)
 {
     std::uint32_t seed = 900;
     std::size_t needed = 0;
@@ -278,7 +278,7 @@ TEST(NearGroups, nothing_near_is_missing_from_answers)
     EXPECT_GT(needed, 5000U);
 }
 
-TEST(NearGroups, are_the_same_on_every_instruction_set)
+TEST(NearGroups, AreTheSameOnEveryInstructionSet)
 {
     const TriangleMesh mesh = *sample_mesh("torus:60x30");
     const Everything all(mesh);

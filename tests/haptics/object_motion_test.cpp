@@ -1,4 +1,4 @@
-#include "haptics/scene/object_course.h"
+#include "haptics/scene/object_trajectory.h"
 
 #include <gtest/gtest.h>
 
@@ -14,9 +14,9 @@ RigidTransform turned(double angle, const Vec3& axis, const Vec3& to)
     return {Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix(), to};
 }
 
-TEST(ObjectCourse, goes_evenly_and_arrives)
+TEST(ObjectTrajectory, MovesEvenlyAndArrives)
 {
-    ObjectCourse course(turned(0.3, Vec3(1, 2, 3), Vec3(1, 0, 0)));
+    ObjectTrajectory course(turned(0.3, Vec3(1, 2, 3), Vec3(1, 0, 0)));
     const RigidTransform goal = turned(-0.9, Vec3(2, -1, 1), Vec3(2, 3, -1));
     course.follow({.pose = goal, .seconds = 0.02});
     const Vec3 step = (goal.translation - course.now().translation) / 20;
@@ -43,9 +43,9 @@ TEST(ObjectCourse, goes_evenly_and_arrives)
     EXPECT_FALSE(course.moved()); // it stands there
 }
 
-TEST(ObjectCourse, coasts_as_long_as_it_may)
+TEST(ObjectTrajectory, CoastsForItsCoastingTime)
 {
-    ObjectCourse course(RigidTransform{});
+    ObjectTrajectory course(RigidTransform{});
     course.follow({.velocity = Vec3(2, 0, 0), .spin = Vec3(0, 0, 5), .coast_seconds = 0.05});
     course.advance(tick_seconds); // in the next tick it is at the pose
     EXPECT_EQ(course.now().translation, Vec3::Zero());
@@ -59,9 +59,9 @@ TEST(ObjectCourse, coasts_as_long_as_it_may)
     EXPECT_FALSE(course.moved());
 }
 
-TEST(ObjectCourse, a_new_word_begins_where_it_is)
+TEST(ObjectTrajectory, StartsANewMotionFromWhereItIs)
 {
-    ObjectCourse course(RigidTransform{});
+    ObjectTrajectory course(RigidTransform{});
     course.follow({.pose = {Mat3::Identity(), Vec3(1, 0, 0)}, .seconds = 0.02});
     for (int tick = 0; tick < 10; ++tick) course.advance(tick_seconds);
     const Vec3 at = course.now().translation;

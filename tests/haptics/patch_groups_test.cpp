@@ -100,7 +100,7 @@ void feel_both(const TouchMesh& named, int rings, double radius, std::uint32_t s
     }
 }
 
-TEST(PatchGroups, feel_as_every_triangle_of_the_patch_on_every_instruction_set)
+TEST(PatchGroups, AgreeWithAllTrianglesOfThePatchOnEveryInstructionSet)
 {
     std::uint32_t seed = 20;
     for (const SimdTarget& target : simd_targets()) {
@@ -114,7 +114,7 @@ TEST(PatchGroups, feel_as_every_triangle_of_the_patch_on_every_instruction_set)
 }
 
 // Patches of all sizes, down to one triangle: nothing near is missing, and nothing is given twice.
-TEST(PatchGroups, nothing_near_is_missing)
+TEST(PatchGroups, MissNoNearTriangle)
 {
     std::uint64_t needed = 0;
     std::uint64_t given_in_all = 0;
@@ -130,13 +130,13 @@ TEST(PatchGroups, nothing_near_is_missing)
         for (int round = 0; round < 25; ++round) {
             const Vec3 center = path.next();
             const double radius = unit(random) * unit(random) * size;
-            std::size_t held = whole.collect(center, radius, patch.room());
+            std::size_t held = whole.collect(center, radius, patch.copies());
             if (round % 5 == 0) held = std::min<std::size_t>(held, 1 + random() % 20);
-            patch.copied(held, size);
+            patch.use_copies(held, size);
             const auto copy = std::make_unique<ContactPatch>(patch); // of its own groups
             surface.use(copy.get());
             EXPECT_EQ(surface.groups().size(), (held + 7) / 8);
-            patch.copied(held, 2 * size);
+            patch.use_copies(held, 2 * size);
             ContactCache cache;
             for (int question = 0; question < 12; ++question) {
                 const Vec3 p = center + 0.4 * size * unit(random) *
@@ -169,7 +169,7 @@ TEST(PatchGroups, nothing_near_is_missing)
     EXPECT_LT(given_in_all, 2 * needed);
 }
 
-TEST(PatchGroups, are_made_and_asked_without_allocation)
+TEST(PatchGroups, AreFilledAndQueriedWithoutAllocation)
 {
     const TriangleMesh mesh = *sample_mesh("sphere:60x60");
     const auto topology = *build_topology(mesh);
@@ -188,18 +188,18 @@ TEST(PatchGroups, are_made_and_asked_without_allocation)
     std::uint64_t touching = 0;
     std::size_t largest = 0;
     for (std::size_t tick = 0; tick < places.size(); ++tick) {
-        exchange.say({places[tick], proxy.last().proxy, tick});
-        ServoPlace place;
-        if (tick % 10 == 0 && exchange.hear(place)) {
+        exchange.send_position({places[tick], proxy.last().proxy, tick});
+        ServoPosition place;
+        if (tick % 10 == 0 && exchange.receive_position(place)) {
             ContactPatch& patch = exchange.writing();
             if (tick % 40 == 0) {
                 rings.fill(patch, place.device, 2);
             } else {
                 make_patch(patch, whole, place, {.speed = tick % 60 == 0 ? 100.0 : 5.0});
             }
-            exchange.give();
+            exchange.publish_patch();
         }
-        const ContactPatch* const patch = exchange.take();
+        const ContactPatch* const patch = exchange.latest_patch();
         ASSERT_NE(patch, nullptr);
         surface.use(patch);
         touching += proxy.follow(places[tick]).hold != Hold::free ? 1U : 0U;

@@ -48,19 +48,13 @@ struct Inside {
     WorkspaceMap map = {20, Vec3::Zero()}; ///< a cube of 2 is 0.1 m wide on the device
 };
 
-RenderOptions options_of(ForceLaw law)
-{
-    RenderOptions options = testing::spring_alone(stiffness);
-    options.law = law;
-    return options;
-}
-
 HapticRenderer renderer_of(const Inside& model, ForceLaw law)
 {
     const DeviceLimits strong = {.name = "strong", .max_force = 1e3, .max_stiffness = 1e4};
-    if (law == ForceLaw::proxy) return {model.surface, model.map, strong, options_of(law)};
-    return make_penalty_renderer(model.surface, model.penalty(), model.map, strong,
-                                 options_of(law));
+    const RenderOptions options = testing::spring_alone(stiffness);
+    if (law == ForceLaw::proxy)
+        return make_surface_renderer(model.surface, model.map, strong, options);
+    return make_penalty_renderer(model.surface, model.penalty(), model.map, strong, options);
 }
 
 DeviceState at(const Vec3& p)
@@ -90,6 +84,7 @@ Felt go(const Inside& model, ForceLaw law, std::span<const Vec3> corners, double
             place = begin + (corner - begin) * (static_cast<double>(i) / steps);
             const RenderTick& tick = renderer.tick(at(place), tick_seconds);
             meter.add(tick, Vec3::Zero(), renderer.path());
+            if (parts_of(renderer).popped()) meter.add_pass();
             felt.last = tick.force;
             felt.ticks.push_back(recorded(0, at(place), tick));
         }
@@ -108,7 +103,7 @@ void print(const char* what, ForceLaw law, const Felt& felt)
                 felt.quality.max_turn_degrees, felt.last.norm());
 }
 
-TEST(PenaltyProbe, pushes_to_the_nearest_place_of_all_triangles_inside_and_nowhere_outside)
+TEST(PenaltyProbe, PushesToTheNearestSurfacePointInsideAndNotAtAllOutside)
 {
     std::uint64_t inside = 0;
     for (const std::string_view name : {"cube", "torus:24x12", "sphere:30x30"}) {
@@ -142,7 +137,7 @@ TEST(PenaltyProbe, pushes_to_the_nearest_place_of_all_triangles_inside_and_nowhe
 }
 
 // A plate of a millimetre, pressed slowly from above: in the middle the other skin is nearer.
-TEST(PenaltyProbe, pops_through_a_thin_plate_and_a_proxy_does_not)
+TEST(PenaltyProbe, PopsThroughAThinPlateWhereAProxyDoesNot)
 {
     const Inside model(testing::moved(testing::thin_plate(),
                                       [](const Vec3& p) { return Vec3(p[0], p[1], 20 * p[2]); }));
@@ -161,7 +156,7 @@ TEST(PenaltyProbe, pops_through_a_thin_plate_and_a_proxy_does_not)
 }
 
 // Down into a cube beside its upper edge, and aside: another side becomes the nearest one.
-TEST(PenaltyProbe, jumps_inside_of_a_cube_and_a_proxy_does_not)
+TEST(PenaltyProbe, JumpsInsideACubeWhereAProxyDoesNot)
 {
     const Inside model(*sample_mesh("cube"));
     const double half = bounding_box(model.mesh).extent().maxCoeff() / 2;
@@ -180,7 +175,7 @@ TEST(PenaltyProbe, jumps_inside_of_a_cube_and_a_proxy_does_not)
     EXPECT_NEAR(penalty.last[0], stiffness * 0.1 * edge, 1e-6);
 }
 
-TEST(PenaltyProbe, does_not_allocate)
+TEST(PenaltyProbe, DoesNotAllocate)
 {
     const Inside model(*sample_mesh("torus:24x12"));
     HapticRenderer renderer = renderer_of(model, ForceLaw::penalty);
@@ -196,7 +191,7 @@ TEST(PenaltyProbe, does_not_allocate)
 
 using PenaltyRecordingTest = FolderTest;
 
-TEST_F(PenaltyRecordingTest, is_replayed_bit_for_bit)
+TEST_F(PenaltyRecordingTest, IsReplayedBitForBit)
 {
     const Inside model(*sample_mesh("cube"));
     const std::array<Vec3, 3> way = {Vec3(0, 0.001, 0.1), Vec3(0.01, 0.02, 0.0),
@@ -204,15 +199,16 @@ TEST_F(PenaltyRecordingTest, is_replayed_bit_for_bit)
     for (const ForceLaw law : {ForceLaw::penalty, ForceLaw::proxy}) {
         Recording recording;
         recording.settings.map = model.map;
-        recording.settings.render = options_of(law);
+        recording.settings.render = testing::spring_alone(stiffness);
+        recording.settings.law = law;
         recording.settings.max_force = 1e3;
         recording.settings.max_stiffness = 1e4;
         recording.ticks = go(model, law, way, 1e-3).ticks;
         ASSERT_TRUE(save_recording(recording, path("felt.pxt")));
         const auto loaded = load_recording(path("felt.pxt"));
         ASSERT_TRUE(loaded) << describe(loaded.error());
-        EXPECT_EQ(loaded->settings.render.law, law);
-        HapticRenderer again = renderer_of(model, loaded->settings.render.law);
+        EXPECT_EQ(loaded->settings.law, law);
+        HapticRenderer again = renderer_of(model, loaded->settings.law);
         EXPECT_EQ(count_differences(*loaded, again), 0U);
         HapticRenderer other =
             renderer_of(model, law == ForceLaw::proxy ? ForceLaw::penalty : ForceLaw::proxy);

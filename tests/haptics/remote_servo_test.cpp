@@ -1,6 +1,7 @@
 #include "haptics/device/remote_servo.h"
 
 #include "haptics/device_session.h"
+#include "haptics/force/surface_renderer.h"
 #include "proxima/device.h"
 #include "proxima/haptic_renderer.h"
 
@@ -16,14 +17,15 @@ namespace {
 
 using testing::CubeScene;
 
-TEST(RemoteServo, gives_what_the_renderer_gives)
+TEST(RemoteServo, GivesTheForceOfTheRenderer)
 {
     // A hand slides over the cube with a reply every tick: both sides' forces are the same, but for
     // the way of a tick; with a reply every 10 ms it is still the wall's.
     for (const int every : {1, 10}) {
         const CubeScene scene;
-        HapticRenderer renderer(scene.surface, scene.map, *find_device("omni"));
-        DeviceInput input{DeviceInfo{}};
+        HapticRenderer renderer =
+            make_surface_renderer(scene.surface, scene.map, *find_device("omni"));
+        DeviceInput input = make_device_input({}).value();
         RemoteServo servo(3.3);
         double largest = 0;
         for (int tick = 0; tick < 2000; ++tick) {
@@ -51,7 +53,7 @@ TEST(RemoteServo, gives_what_the_renderer_gives)
     }
 }
 
-TEST(RemoteServo, goes_over_to_new_planes_without_a_jump)
+TEST(RemoteServo, ChangesToNewPlanesWithoutAJump)
 {
     RemoteServo servo(3.3);
     ReplyPacket reply;
@@ -79,7 +81,7 @@ TEST(RemoteServo, goes_over_to_new_planes_without_a_jump)
     EXPECT_NEAR(last, 2.5, 1e-12);
 }
 
-TEST(RemoteServo, leaves_hostile_replies_out)
+TEST(RemoteServo, RefusesHostileReplies)
 {
     std::mt19937_64 random(9);
     RemoteServo servo(3.3);
@@ -91,7 +93,7 @@ TEST(RemoteServo, leaves_hostile_replies_out)
             return random() % 3 == 0 ? x : static_cast<double>(random() % 1000) / 100;
         };
         reply.sequence = random() % 2 == 0 ? static_cast<std::uint64_t>(round) : random();
-        for (HeldPlane& plane : reply.command.planes) {
+        for (DevicePlane& plane : reply.command.planes) {
             plane.normal = random() % 4 == 0 ? Vec3{any(), any(), any()} : Vec3(Vec3::UnitX());
             plane.offset = any();
         }

@@ -3,7 +3,7 @@
 #include "counted_allocations.h"
 #include "haptics/force/surface_renderer.h"
 #include "haptics/scene/object_cache.h"
-#include "haptics/scene/object_course.h"
+#include "haptics/scene/object_trajectory.h"
 #include "haptics/scene/touch_access.h"
 #include "haptics/scenes_to_touch.h"
 #include "haptics/surface/contact_surface.h"
@@ -200,10 +200,10 @@ HapticRenderer renderer_of(TouchScene& scene, const Session& session)
     options.static_friction = session.friction;
     options.dynamic_friction = 0.75 * session.friction;
     options.max_jump = 100;
-    return {scene, WorkspaceMap{}, *find_device("omni"), options};
+    return make_haptic_renderer(scene, WorkspaceMap{}, *find_device("omni"), options).value();
 }
 
-TEST(SceneCache, every_tick_is_that_of_a_scene_that_keeps_nothing)
+TEST(SceneCache, EveryTickEqualsThatOfASceneWithoutCache)
 {
     const std::uint32_t first_seed = 700;
     std::uint32_t seed = first_seed;
@@ -231,7 +231,7 @@ TEST(SceneCache, every_tick_is_that_of_a_scene_that_keeps_nothing)
                       parts_of(slow).proxy_tick().slide.center);
             ASSERT_EQ(is.hold, should.hold);
             ASSERT_EQ(is.moves, should.moves);
-            ASSERT_EQ(is.has_room, should.has_room);
+            ASSERT_EQ(is.is_placed, should.is_placed);
             ASSERT_EQ(is.squeezed, should.squeezed);
             ASSERT_EQ(is.force, should.force);
             touching += is.hold != Hold::free ? 1 : 0;
@@ -292,7 +292,7 @@ void ask_in_every_session(std::uint32_t seed, int ticks, const Ask& ask)
     }
 }
 
-TEST(SceneCache, nothing_near_is_missing_while_objects_move)
+TEST(SceneCache, MissesNoNearTriangleWhileObjectsMove)
 {
     std::size_t needed = 0;
     std::vector<ContactTriangle> buffer(4096);
@@ -316,7 +316,7 @@ TEST(SceneCache, nothing_near_is_missing_while_objects_move)
     EXPECT_GT(needed, 500U);
 }
 
-TEST(SceneCache, knows_how_far_objects_are_that_move)
+TEST(SceneCache, KnowsTheClearanceOfMovingObjects)
 {
     int beyond = 0;
     int within = 0;
@@ -342,8 +342,8 @@ TEST(SceneCache, knows_how_far_objects_are_that_move)
 /// Whether no triangle of the object is within the distance of the way, at five places of it.
 void expect_clear(const SceneObject& object, const Vec3& from, const Vec3& to, double distance)
 {
-    const Vec3 begin = seen_from(object.before, from);
-    const Vec3 way = seen_from(object.now, to) - begin;
+    const Vec3 begin = to_local(object.before, from);
+    const Vec3 way = to_local(object.now, to) - begin;
     const TriangleMesh& mesh = object.body->mesh();
     for (std::uint32_t k = 0; k < mesh.triangle_count(); ++k) {
         for (const double part : {0.0, 0.25, 0.5, 0.75, 1.0}) {
@@ -354,7 +354,7 @@ void expect_clear(const SceneObject& object, const Vec3& from, const Vec3& to, d
     }
 }
 
-TEST(SceneCache, no_way_that_is_said_to_be_clear_comes_near)
+TEST(SceneCache, PathsReportedClearStayClear)
 {
     int clear = 0;
     int not_clear = 0;
@@ -377,7 +377,7 @@ TEST(SceneCache, no_way_that_is_said_to_be_clear_comes_near)
 }
 
 // At rest all is kept from tick to tick, until another body stands there.
-TEST(SceneCache, a_body_that_is_exchanged_is_asked_anew)
+TEST(SceneCache, AsksAnExchangedBodyAgain)
 {
     const auto ball = [](double size) {
         return body_of(
@@ -415,7 +415,7 @@ TEST(SceneCache, a_body_that_is_exchanged_is_asked_anew)
 
 // A proxy that lags behind by friction and the place that it would have without are asked about in
 // turn, each in a ball of its own.
-TEST(ObjectCache, two_places_in_turn_are_both_kept)
+TEST(ObjectCache, KeepsTwoAlternatingPositions)
 {
     const TriangleMesh mesh = *sample_mesh("torus:100x50");
     const auto listed = testing::listed_index(mesh);
@@ -432,7 +432,8 @@ TEST(ObjectCache, two_places_in_turn_are_both_kept)
         const std::size_t count = cache.collect_along(surface, p + aside, way, 0.1 * edge, buffer);
         ASSERT_GE(count, surface.collect(p + aside, 0.1 * edge, buffer));
     }
-    EXPECT_LT(cache.work().gathers, 60U);
+    // Both paths are 20 edges long, and a ball reaches at least two edges beyond what is asked for.
+    EXPECT_LE(cache.work().gathers, 2U * (1U + 10U));
     EXPECT_EQ(cache.work().scans, questions);
 }
 

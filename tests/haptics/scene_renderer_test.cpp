@@ -66,7 +66,7 @@ bool passed(const TouchScene& scene, const HapticRenderer& renderer, const Vec3&
     return false;
 }
 
-TEST(SceneRenderer, a_thin_plate_that_flies_at_the_hand_does_not_pass)
+TEST(SceneRenderer, AThinPlateThatFliesAtTheHandDoesNotPass)
 {
     for (const double speed : {0.5, 5.0, 50.0}) {
         for (const double radius : {0.0, 0.005}) {
@@ -74,7 +74,8 @@ TEST(SceneRenderer, a_thin_plate_that_flies_at_the_hand_does_not_pass)
             const auto plate = scene.add(body_of(thin_plate()), at_place(Vec3(0, 0, 1)));
             RenderOptions options = plain();
             options.proxy_radius = radius;
-            HapticRenderer renderer(scene, same_unit, strong_device(), options);
+            HapticRenderer renderer =
+                make_haptic_renderer(scene, same_unit, strong_device(), options).value();
             const double seconds = 2 / speed;
             ASSERT_TRUE(scene.move(*plate, {.pose = at_place(Vec3(0, 0, -1)), .seconds = seconds}));
             const Vec3 hand(0.11, 0.07, 0);
@@ -95,7 +96,7 @@ TEST(SceneRenderer, a_thin_plate_that_flies_at_the_hand_does_not_pass)
     }
 }
 
-TEST(SceneRenderer, a_blade_that_turns_takes_the_proxy_along)
+TEST(SceneRenderer, ATurningBladeCarriesTheProxy)
 {
     for (const double radius : {0.0, 0.01}) {
         TouchScene scene(wide_room);
@@ -103,7 +104,8 @@ TEST(SceneRenderer, a_blade_that_turns_takes_the_proxy_along)
             scene.add(body_of(box_mesh(Vec3(1, 0.0005, 0.3))), at_place(Vec3::Zero()));
         RenderOptions options = plain();
         options.proxy_radius = radius;
-        HapticRenderer renderer(scene, same_unit, strong_device(), options);
+        HapticRenderer renderer =
+            make_haptic_renderer(scene, same_unit, strong_device(), options).value();
         // 40 radians a second: 20 mm in a tick where the hand is.
         ASSERT_TRUE(scene.move(*blade, {.spin = Vec3(0, 0, 40), .coast_seconds = 10}));
         const Vec3 hand(0.35, 0.35, 0.02);
@@ -123,7 +125,7 @@ TEST(SceneRenderer, a_blade_that_turns_takes_the_proxy_along)
     }
 }
 
-TEST(SceneRenderer, nothing_is_passed_whatever_moves)
+TEST(SceneRenderer, NothingPassesThroughMovingObjects)
 {
     for (const std::uint32_t seed : {1U, 2U, 3U}) {
         for (const double radius : {0.0, 0.03}) {
@@ -139,7 +141,8 @@ TEST(SceneRenderer, nothing_is_passed_whatever_moves)
             }
             RenderOptions options = plain(seed % 2 == 0 ? 0.4 : 0);
             options.proxy_radius = radius;
-            HapticRenderer renderer(scene, same_unit, strong_device(), options);
+            HapticRenderer renderer =
+                make_haptic_renderer(scene, same_unit, strong_device(), options).value();
             const TriangleMesh about = *sample_mesh("torus:12x8");
             HandPath path(about, seed);
             Vec3 before = Vec3::Zero();
@@ -155,15 +158,15 @@ TEST(SceneRenderer, nothing_is_passed_whatever_moves)
                     ASSERT_TRUE(scene.move(object, {.pose = posed(3 * number(random), axis, to),
                                                     .seconds = 0.03 * std::abs(number(random))}));
                 }
-                const bool had_room = tick > 0 && parts_of(renderer).proxy().last().has_room;
+                const bool was_placed = tick > 0 && parts_of(renderer).proxy().last().is_placed;
                 const RenderTick& felt = renderer.tick(at(path.next()), tick_seconds);
                 ASSERT_TRUE(felt.force.allFinite()) << where;
                 squeezed += felt.squeezed ? 1 : 0;
-                const bool has_room = felt.has_room;
-                if (had_room && has_room && !felt.squeezed) {
+                const bool is_placed = felt.is_placed;
+                if (was_placed && is_placed && !felt.squeezed) {
                     ASSERT_FALSE(passed(scene, renderer, before)) << where;
                 }
-                if (has_room) {
+                if (is_placed) {
                     ASSERT_GE(distance_of(scene, felt.proxy),
                               parts_of(renderer).proxy().radius() - 2e-10)
                         << where;
@@ -178,7 +181,7 @@ TEST(SceneRenderer, nothing_is_passed_whatever_moves)
 }
 
 // Hand and object that move together feel what they feel at rest.
-TEST(SceneRenderer, touch_is_the_same_in_a_moving_train)
+TEST(SceneRenderer, TouchIsTheSameInAMovingFrame)
 {
     const RigidTransform begin = posed(0.4, Vec3(1, 2, 3), Vec3(0.5, -0.2, 0.1));
     const Vec3 velocity(3, -2, 1);
@@ -190,8 +193,10 @@ TEST(SceneRenderer, touch_is_the_same_in_a_moving_train)
         RenderOptions options = plain();
         options.proxy_radius = 0.02;
         options.max_moves = max_slide_moves; // cut short, ways would differ by more than rounding
-        HapticRenderer expected(still, same_unit, strong_device(), options);
-        HapticRenderer renderer(moving, same_unit, strong_device(), options);
+        HapticRenderer expected =
+            make_haptic_renderer(still, same_unit, strong_device(), options).value();
+        HapticRenderer renderer =
+            make_haptic_renderer(moving, same_unit, strong_device(), options).value();
         ASSERT_TRUE(moving.move(
             *torus,
             {.pose = begin, .velocity = velocity, .spin = Vec3(0, 0, spin), .coast_seconds = 1}));
@@ -220,11 +225,12 @@ TEST(SceneRenderer, touch_is_the_same_in_a_moving_train)
     }
 }
 
-TEST(SceneRenderer, friction_takes_the_proxy_along_with_the_surface)
+TEST(SceneRenderer, FrictionCarriesTheProxyWithTheSurface)
 {
     TouchScene scene(wide_room);
     const auto belt = scene.add(body_of(box_mesh(Vec3(4, 1, 0.1))), at_place(Vec3::Zero()));
-    HapticRenderer renderer(scene, same_unit, strong_device(), plain(0.5));
+    HapticRenderer renderer =
+        make_haptic_renderer(scene, same_unit, strong_device(), plain(0.5)).value();
     const double speed = 0.2;
     ASSERT_TRUE(scene.move(*belt, {.velocity = Vec3(speed, 0, 0), .coast_seconds = 5}));
     renderer.tick(at(Vec3(0, 0, 0.2)), tick_seconds);
@@ -247,13 +253,14 @@ TEST(SceneRenderer, friction_takes_the_proxy_along_with_the_surface)
     EXPECT_GT(sticking, 20);
 }
 
-TEST(SceneRenderer, damping_goes_by_the_motion_relative_to_the_surface)
+TEST(SceneRenderer, DampsTheMotionRelativeToTheSurface)
 {
     TouchScene scene(wide_room);
     const auto wall = scene.add(body_of(box_mesh(Vec3(1, 1, 0.1))), at_place(Vec3::Zero()));
     RenderOptions options = plain();
     options.force.damping = 10;
-    HapticRenderer renderer(scene, same_unit, strong_device(), options);
+    HapticRenderer renderer =
+        make_haptic_renderer(scene, same_unit, strong_device(), options).value();
     ASSERT_TRUE(scene.move(*wall, {.velocity = Vec3(0, 0, 0.2), .coast_seconds = 5}));
     renderer.tick(at(Vec3(0, 0, 0.2)), tick_seconds);
     for (int tick = 1; tick < 100; ++tick) {
@@ -266,7 +273,7 @@ TEST(SceneRenderer, damping_goes_by_the_motion_relative_to_the_surface)
     }
 }
 
-TEST(SceneRenderer, every_object_pushes_by_its_own_stiffness)
+TEST(SceneRenderer, EveryObjectHasItsOwnStiffness)
 {
     TouchScene scene(wide_room);
     const SurfaceMaterial hard = {
@@ -277,7 +284,8 @@ TEST(SceneRenderer, every_object_pushes_by_its_own_stiffness)
                           at_place(Vec3(0, 0, -0.1))));
     ASSERT_TRUE(scene.add(body_of(box_mesh(Vec3(0.1, 2, 2)), {.material = soft}),
                           at_place(Vec3(-0.1, 0, 0))));
-    HapticRenderer renderer(scene, same_unit, strong_device(), plain(0.4));
+    HapticRenderer renderer =
+        make_haptic_renderer(scene, same_unit, strong_device(), plain(0.4)).value();
     renderer.tick(at(Vec3(0.5, 0, 0.5)), tick_seconds);
     const RenderTick floor = renderer.tick(at(Vec3(0.5, 0, -0.02)), tick_seconds);
     EXPECT_LT((floor.spring - Vec3(0, 0, 40)).norm(), 1e-4);
@@ -290,7 +298,7 @@ TEST(SceneRenderer, every_object_pushes_by_its_own_stiffness)
     EXPECT_LT((beside.spring - Vec3(3, 0, 0)).norm(), 1e-4);
 }
 
-TEST(SceneRenderer, bodies_are_exchanged_without_a_spike)
+TEST(SceneRenderer, ExchangesBodiesWithoutAForceSpike)
 {
     const DeviceLimits omni = *find_device("omni");
     // To a finer sphere, a larger one that swallows the proxy, a smaller one and a cube.
@@ -301,7 +309,7 @@ TEST(SceneRenderer, bodies_are_exchanged_without_a_spike)
     const auto object = scene.add(sphere(0.05, "sphere:12x12"), at_place(Vec3::Zero()));
     RenderOptions options;
     options.static_friction = options.dynamic_friction = 0; // its slips are steps, too
-    HapticRenderer renderer(scene, same_unit, omni, options);
+    HapticRenderer renderer = make_haptic_renderer(scene, same_unit, omni, options).value();
     std::vector<TouchBody> bodies;
     bodies.push_back(sphere(0.05, "sphere:30x30"));
     bodies.push_back(sphere(0.06, "sphere:30x30"));
@@ -316,14 +324,14 @@ TEST(SceneRenderer, bodies_are_exchanged_without_a_spike)
         const double depth = std::min(-0.01 + 1e-4 * tick, 0.004);
         const Vec3 hand = (0.048 - depth) * Vec3(0.3, 0.1, 1).normalized();
         if (tick > 400 && tick % 500 == 0 && next < bodies.size()) {
-            ASSERT_TRUE(scene.exchange(*object, std::move(bodies[next++])));
+            ASSERT_TRUE(scene.exchange(*object, bodies[next++]));
         }
         const std::size_t allocations = allocation_count();
         const RenderTick& felt = renderer.tick(at(hand), tick_seconds);
         ASSERT_EQ(allocation_count(), allocations);
         ASSERT_TRUE(felt.force.allFinite());
         ASSERT_LE(felt.force.norm(), omni.max_force);
-        ASSERT_TRUE(felt.has_room) << tick;
+        ASSERT_TRUE(felt.is_placed) << tick;
         // Outside of every body, also of those that swallowed it.
         ASSERT_LT((moving_surface(scene).nearest_exit(felt.proxy) - felt.proxy).norm(), 1e-12)
             << tick;
@@ -339,7 +347,7 @@ TEST(SceneRenderer, bodies_are_exchanged_without_a_spike)
     EXPECT_GT(largest, 1);
 }
 
-TEST(SceneRenderer, a_press_leaves_nothing_to_feel_until_it_opens)
+TEST(SceneRenderer, ACrushedProxyFeelsNothingUntilThePressOpens)
 {
     TouchScene scene(wide_room);
     const auto low = scene.add(body_of(box_mesh(Vec3(1, 1, 0.5))), at_place(Vec3(0, 0, -0.6)));
@@ -348,7 +356,7 @@ TEST(SceneRenderer, a_press_leaves_nothing_to_feel_until_it_opens)
     options.proxy_radius = 0.02;
     options.max_jump = 10;
     const DeviceLimits omni = *find_device("omni");
-    HapticRenderer renderer(scene, same_unit, omni, options);
+    HapticRenderer renderer = make_haptic_renderer(scene, same_unit, omni, options).value();
     const auto close_to = [&](double z) {
         EXPECT_TRUE(scene.move(*low, {.pose = at_place(Vec3(0, 0, -0.5 - z)), .seconds = 0.1}));
         EXPECT_TRUE(scene.move(*high, {.pose = at_place(Vec3(0, 0, 0.5 + z)), .seconds = 0.1}));
@@ -363,25 +371,26 @@ TEST(SceneRenderer, a_press_leaves_nothing_to_feel_until_it_opens)
         }
     };
     run(Vec3::Zero(), 10);
-    EXPECT_TRUE(renderer.last().has_room);
+    EXPECT_TRUE(renderer.last().is_placed);
     close_to(-0.1); // into each other
     run(Vec3::Zero(), 300);
-    EXPECT_FALSE(renderer.last().has_room);
+    EXPECT_FALSE(renderer.last().is_placed);
     EXPECT_LT(last.norm(), 1e-9);
     close_to(0.1);
     run(Vec3::Zero(), 300);
-    EXPECT_TRUE(renderer.last().has_room);
+    EXPECT_TRUE(renderer.last().is_placed);
     for (int step = 1; step <= 425; ++step) run(Vec3(0, 0, -0.0002 * step), 1);
     run(Vec3(0, 0, -0.085), 100);
     EXPECT_NE(renderer.last().hold, Hold::free);
     EXPECT_NEAR(last.z(), 500 * 0.005, 1e-6);
 }
 
-TEST(SceneRenderer, another_thread_moves_and_exchanges)
+TEST(SceneRenderer, AnotherThreadMayMoveAndExchangeObjects)
 {
     TouchScene scene(wide_room);
     const auto cube = scene.add(body_of(*sample_mesh("cube")), at_place(Vec3::Zero()));
-    HapticRenderer renderer(scene, same_unit, strong_device(), plain(0.3));
+    HapticRenderer renderer =
+        make_haptic_renderer(scene, same_unit, strong_device(), plain(0.3)).value();
     std::atomic<bool> ended{false};
     std::atomic<int> exchanges{0};
     std::thread application([&] {

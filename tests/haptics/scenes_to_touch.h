@@ -4,7 +4,7 @@
 #include "geometry/closest_point.h"
 #include "geometry/exact_predicates.h"
 #include "geometry/triangle_contact.h"
-#include "haptics/scene/object_course.h"
+#include "haptics/scene/object_trajectory.h"
 #include "haptics/scene/touch_access.h"
 #include "haptics/touch_meshes.h"
 #include "proxima/touch_scene.h"
@@ -61,7 +61,7 @@ inline bool passes_while_moving(const TouchScene& scene, const Vec3& from, const
 {
     for (std::uint32_t i = 0; i < scene.object_count(); ++i) {
         const SceneObject object = moving_surface(scene).object(ObjectId{i});
-        if (passes_object(object, seen_from(object.before, from), seen_from(object.now, to)))
+        if (passes_object(object, to_local(object.before, from), to_local(object.now, to)))
             return true;
     }
     return false;
@@ -72,7 +72,7 @@ inline bool passes_standing(const TouchScene& scene, const Vec3& from, const Vec
 {
     for (std::uint32_t i = 0; i < scene.object_count(); ++i) {
         const SceneObject object = moving_surface(scene).object(ObjectId{i});
-        if (passes_object(object, seen_from(object.now, from), seen_from(object.now, to)))
+        if (passes_object(object, to_local(object.now, from), to_local(object.now, to)))
             return true;
     }
     return false;
@@ -85,7 +85,7 @@ inline double distance_of(const TouchScene& scene, const Vec3& p)
     for (std::uint32_t i = 0; i < scene.object_count(); ++i) {
         const SceneObject object = moving_surface(scene).object(ObjectId{i});
         const TriangleMesh& mesh = object.body->mesh();
-        const Vec3 local = seen_from(object.now, p);
+        const Vec3 local = to_local(object.now, p);
         for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
             const TrianglePoint closest = closest_point(mesh.triangle(TriangleId{id}), local);
             least = std::min(least, (closest.point - local).norm());

@@ -38,7 +38,7 @@ ScriptedObject object_at(const RigidTransform& pose, const ObjectScript& script 
     return {.mesh_fingerprint = 0, .pose = pose, .script = script, .material = material};
 }
 
-TEST(ObjectScript, goes_where_it_says)
+TEST(ObjectScript, FollowsItsDescription)
 {
     const RigidTransform begin = posed(0.3, Vec3(1, 1, 0), Vec3(5, 0, 1));
     const Vec3 middle(0.5, 0.25, 2);
@@ -64,7 +64,7 @@ TEST(ObjectScript, goes_where_it_says)
     }
 }
 
-TEST(ObjectScript, refuses_what_is_no_motion)
+TEST(ObjectScript, RefusesInvalidMotions)
 {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     const ObjectScript good = {
@@ -88,7 +88,7 @@ TEST(ObjectScript, refuses_what_is_no_motion)
 }
 
 // Every triangle, at every tick: also between the words, where the scene goes straight.
-TEST(ScriptedScene, no_object_leaves_its_reach)
+TEST(ScriptedScene, KeepsItsObjectsWithinItsReach)
 {
     const RigidTransform begin = posed(0.8, Vec3(1, -1, 2), Vec3(0.4, 7, 1));
     const TriangleMesh mesh =
@@ -97,14 +97,14 @@ TEST(ScriptedScene, no_object_leaves_its_reach)
         std::vector<TouchBody> bodies;
         bodies.push_back(body_of(mesh));
         const std::vector<ScriptedObject> objects = {object_at(begin, script)};
-        const auto scripted = ScriptedScene::make(std::move(bodies), objects);
+        const auto scripted = ScriptedScene::make(bodies, objects);
         ASSERT_TRUE(scripted);
         TouchScene& scene = (*scripted)->scene();
-        const Box& reach = (*scripted)->reach();
+        const Box& reach = (*scripted)->bounds();
         const double margin = 1e-9;
         double farthest = 0;
         for (std::uint64_t tick = 0; tick < 1500; ++tick) {
-            (*scripted)->say(tick, tick_seconds);
+            (*scripted)->send_motions(tick, tick_seconds);
             (void)scene.advance(tick_seconds);
             const RigidTransform now = scene.pose(ObjectId{0});
             for (const Vec3& p : mesh.positions()) {
@@ -137,7 +137,7 @@ std::unique_ptr<ScriptedScene> moving_scene(BodySearch search = BodySearch::inde
     objects.push_back(object_at({}, scripts[3], soft.material));
     objects.push_back(object_at(at_place(Vec3(2.2, 0, 0)), scripts[1]));
     objects.push_back(object_at(at_place(Vec3(0, 0, 1)), scripts[4]));
-    return std::move(*ScriptedScene::make(std::move(bodies), objects));
+    return std::move(*ScriptedScene::make(bodies, objects));
 }
 
 const WorkspaceMap millimetres = {.units_per_metre = 30, .center = Vec3(0.5, 0, 0.3)};
@@ -158,7 +158,8 @@ std::vector<TriangleMesh> where_they_come_by()
 std::vector<RecordedTick> feel(ScriptedScene& scripted, const RenderOptions& options,
                                QualityReport* quality = nullptr)
 {
-    HapticRenderer renderer(scripted.scene(), millimetres, *find_device("omni"), options);
+    HapticRenderer renderer =
+        make_haptic_renderer(scripted.scene(), millimetres, *find_device("omni"), options).value();
     QualityMeter meter(scripted.scene(), millimetres);
     const std::vector<TriangleMesh> meshes = where_they_come_by();
     std::vector<HandPath> paths;
@@ -169,7 +170,7 @@ std::vector<RecordedTick> feel(ScriptedScene& scripted, const RenderOptions& opt
         HandPath& path = paths[tick / 250 % paths.size()];
         state.pose.translation = millimetres.to_device(path.next());
         const std::size_t allocations = allocation_count();
-        scripted.say(tick, tick_seconds);
+        scripted.send_motions(tick, tick_seconds);
         const RenderTick& felt = renderer.tick(state, tick_seconds);
         meter.add(felt, state.velocity, renderer.path());
         EXPECT_EQ(allocation_count(), allocations);
@@ -179,7 +180,7 @@ std::vector<RecordedTick> feel(ScriptedScene& scripted, const RenderOptions& opt
     return ticks;
 }
 
-TEST(ScriptedScene, feels_the_same_again_and_by_every_triangle)
+TEST(ScriptedScene, FeelsTheSameAgainAndWithBruteForce)
 {
     for (const double radius : {0.0, 0.001, 0.008}) {
         const RenderOptions options = {.proxy_radius = radius, .max_jump = 10};
@@ -201,7 +202,7 @@ TEST(ScriptedScene, feels_the_same_again_and_by_every_triangle)
     }
 }
 
-TEST(QualityMeter, counts_what_is_passed_while_objects_move)
+TEST(QualityMeter, CountsPassesWhileObjectsMove)
 {
     // A renderer that knows nothing of the scene's motion: the plate comes down through its proxy.
     std::vector<TouchBody> bodies;
@@ -209,13 +210,13 @@ TEST(QualityMeter, counts_what_is_passed_while_objects_move)
     const ObjectScript down = {
         .kind = ObjectMotionKind::swing, .along = Vec3(0, 0, -0.2), .seconds = 0.4};
     const std::vector<ScriptedObject> objects = {object_at(at_place(Vec3(0, 0, 0.1)), down)};
-    const auto scripted = std::move(*ScriptedScene::make(std::move(bodies), objects));
+    const auto scripted = std::move(*ScriptedScene::make(bodies, objects));
     QualityMeter meter(scripted->scene(), WorkspaceMap{});
     RenderTick still;
     still.proxy = Vec3(0.1, 0.1, 0);
     const std::array<Vec3, 1> path = {still.proxy};
     for (std::uint64_t tick = 0; tick < 200; ++tick) {
-        scripted->say(tick, tick_seconds);
+        scripted->send_motions(tick, tick_seconds);
         (void)scripted->scene().advance(tick_seconds);
         meter.add(still, Vec3::Zero(), path);
     }
@@ -223,7 +224,7 @@ TEST(QualityMeter, counts_what_is_passed_while_objects_move)
     EXPECT_LE(meter.report().passes, 2U);
 }
 
-TEST(Recording, keeps_a_scene)
+TEST(Recording, StoresAScene)
 {
     const std::string path =
         (std::filesystem::temp_directory_path() / "proxima_scripted_scene_test.pxt").string();

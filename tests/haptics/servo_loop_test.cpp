@@ -13,7 +13,7 @@
 namespace proxima {
 namespace {
 
-TEST(LatencyHistogram, quantiles_are_within_three_per_cent)
+TEST(LatencyHistogram, QuantilesAreWithinThreePercent)
 {
     std::mt19937_64 random(1);
     LatencyHistogram histogram;
@@ -37,7 +37,7 @@ TEST(LatencyHistogram, quantiles_are_within_three_per_cent)
     EXPECT_EQ(histogram.quantile(0), 0U);
 }
 
-TEST(ServoLoop, keeps_its_rate)
+TEST(ServoLoop, KeepsItsRate)
 {
     using Clock = std::chrono::steady_clock;
     std::vector<Clock::time_point> times(200);
@@ -54,7 +54,7 @@ TEST(ServoLoop, keeps_its_rate)
     EXPECT_GE(seen.seconds, 0.198);
 }
 
-TEST(ServoLoop, counts_what_it_missed_and_does_not_catch_up)
+TEST(ServoLoop, CountsMissedTicksWithoutCatchingUp)
 {
     const ServoStatistics seen = run_servo_loop({.rate = 1000, .ticks = 30}, [](std::uint64_t i) {
         if (i == 10) std::this_thread::sleep_for(std::chrono::microseconds(5500));
@@ -66,7 +66,7 @@ TEST(ServoLoop, counts_what_it_missed_and_does_not_catch_up)
     EXPECT_GE(seen.work.max(), 5'500'000U);
 }
 
-TEST(ServoLoop, stops_when_told_and_does_not_allocate)
+TEST(ServoLoop, StopsOnRequestAndDoesNotAllocate)
 {
     std::size_t first = 0;
     std::size_t last = 0;
@@ -81,7 +81,7 @@ TEST(ServoLoop, stops_when_told_and_does_not_allocate)
     EXPECT_EQ(seen.missed, 0U);
 }
 
-TEST(ServoLoop, says_what_was_not_granted)
+TEST(ServoLoop, ReportsWhatTheSystemDidNotGrant)
 {
     const ServoStatistics seen = run_servo_loop({.ticks = 3, .pace = Pace::real_time},
                                                 [](std::uint64_t) { return Flow::proceed; });

@@ -27,7 +27,7 @@ double angle_between(const Vec3& a, const Vec3& b)
     return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
-TEST(ShadingNormals, a_sphere_is_round_and_a_cube_is_not)
+TEST(ShadingNormals, RoundASphereAndNotACube)
 {
     const TriangleMesh sphere = *sample_mesh("icosphere:2");
     const ShadingNormals round(sphere, *build_topology(sphere));
@@ -50,7 +50,7 @@ TEST(ShadingNormals, a_sphere_is_round_and_a_cube_is_not)
     }
 }
 
-TEST(ShadingNormals, are_the_same_from_both_sides_of_a_smooth_edge)
+TEST(ShadingNormals, AreTheSameFromBothSidesOfASmoothEdge)
 {
     for (const char* const name : {"torus:24x12", "spaceship:1300", "sphere:12x12"}) {
         const TriangleMesh mesh = *sample_mesh(name);
@@ -93,7 +93,7 @@ Roundness stroke_round(ForceShading shading, double radius)
     const auto listed = *testing::listed_index(mesh);
     const IndexContactSurface surface(listed);
     const ShadingNormals normals(mesh, topology);
-    Proxy proxy(surface, {.radius = radius, .shading = shading, .feel = &normals});
+    Proxy proxy(surface, {.radius = radius, .shading = shading, .properties = &normals});
     proxy.place(Vec3(2, 0, 0));
     Roundness result;
     Vec3 last = Vec3::Zero();
@@ -120,7 +120,7 @@ Roundness stroke_round(ForceShading shading, double radius)
     return result;
 }
 
-TEST(ForceShading, makes_a_coarse_sphere_feel_round_and_leaves_its_depth)
+TEST(ForceShading, MakesACoarseSphereFeelRoundAtTheSameDepth)
 {
     for (const double radius : {0.0, 0.05}) {
         const Roundness plain = stroke_round(ForceShading::off, radius);
@@ -135,7 +135,7 @@ TEST(ForceShading, makes_a_coarse_sphere_feel_round_and_leaves_its_depth)
     }
 }
 
-TEST(ForceShading, passes_nothing_and_gives_no_energy_away)
+TEST(ForceShading, PassesThroughNothingAndGeneratesNoEnergy)
 {
     for (const char* const name : {"icosphere:1", "torus:12x8", "spaceship:1300"}) {
         const TriangleMesh mesh = *sample_mesh(name);
@@ -148,9 +148,9 @@ TEST(ForceShading, passes_nothing_and_gives_no_energy_away)
         for (const char* const script_name : {"slide", "stroke", "poke", "walk"}) {
             for (const double radius : {0.0, 0.002}) {
                 const auto script = HandScript::make(script_name, mesh, topology, map, 2);
-                HapticRenderer renderer(surface, map, omni,
-                                        {.proxy_radius = radius, .shading = ForceShading::on},
-                                        &normals);
+                HapticRenderer renderer = make_surface_renderer(
+                    surface, map, omni, {.proxy_radius = radius, .shading = ForceShading::on},
+                    &normals);
                 SimulatedHand hand({}, script->target(0));
                 QualityMeter meter(surface, map);
                 for (int tick = 0; tick < 2500; ++tick) {

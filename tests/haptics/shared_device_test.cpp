@@ -38,7 +38,7 @@ SessionFelt touch_hd(const Stub& stub, Device& device, std::uint64_t count = tic
     return felt;
 }
 
-TEST(HdDevice, touches_in_the_driver_s_callback)
+TEST(HdDevice, TouchesInTheCallbackOfTheDriver)
 {
     Stub stub(STUB_HD);
     auto device = open_hd_device({.library = STUB_HD});
@@ -67,7 +67,7 @@ TEST(HdDevice, touches_in_the_driver_s_callback)
     EXPECT_EQ(stub.state.open_devices, 0);
 }
 
-TEST(HdDevice, is_unplugged_in_flight_and_plugged_in_again)
+TEST(HdDevice, SurvivesBeingUnpluggedAndPluggedInAgain)
 {
     Stub stub(STUB_HD);
     auto device = open_hd_device({.library = STUB_HD});
@@ -84,7 +84,7 @@ TEST(HdDevice, is_unplugged_in_flight_and_plugged_in_again)
         << trouble;
 }
 
-TEST(HdDevice, rests_after_a_force_error)
+TEST(HdDevice, RestsForHalfASecondAfterAForceError)
 {
     Stub stub(STUB_HD);
     auto device = open_hd_device({.library = STUB_HD});
@@ -101,7 +101,7 @@ TEST(HdDevice, rests_after_a_force_error)
     EXPECT_EQ(stub.state.forces_enabled, 2); // once more, after the rest
 }
 
-TEST(HdDevice, a_driver_that_hangs_ends_the_session)
+TEST(HdDevice, EndsTheSessionWhenTheDriverHangs)
 {
     Stub stub(STUB_HD);
     auto device = open_hd_device({.library = STUB_HD});
@@ -112,7 +112,7 @@ TEST(HdDevice, a_driver_that_hangs_ends_the_session)
     EXPECT_NE((*device)->trouble().find("scheduler called no more"), std::string::npos);
 }
 
-TEST(HdDevice, bad_samples_are_watched_for)
+TEST(HdDevice, DetectsBadSamples)
 {
     for (const auto fault : {&stub::State::nan, &stub::State::jump}) {
         Stub stub(STUB_HD);
@@ -126,7 +126,7 @@ TEST(HdDevice, bad_samples_are_watched_for)
     }
 }
 
-TEST(HdDevice, says_what_is_missing)
+TEST(HdDevice, ReportsWhatIsMissing)
 {
     const auto none = open_hd_device({.library = "/nowhere/libHD.so"});
     ASSERT_FALSE(none);
@@ -152,7 +152,7 @@ TEST(HdDevice, says_what_is_missing)
     }
 }
 
-TEST(DhdDevice, touches_by_polling)
+TEST(DhdDevice, TouchesByPolling)
 {
     Stub stub(STUB_DHD);
     auto device = open_dhd_device({.library = STUB_DHD});
@@ -176,7 +176,7 @@ TEST(DhdDevice, touches_by_polling)
     EXPECT_EQ(stub.state.forces_outside, 0);
 }
 
-TEST(DhdDevice, is_unplugged_in_flight)
+TEST(DhdDevice, SurvivesBeingUnplugged)
 {
     Stub stub(STUB_DHD);
     auto device = open_dhd_device({.library = STUB_DHD});
@@ -189,7 +189,7 @@ TEST(DhdDevice, is_unplugged_in_flight)
     EXPECT_NE((*device)->trouble().find("communication error (stub)"), std::string::npos);
 }
 
-TEST(DhdDevice, freezes_and_presses_buttons)
+TEST(DhdDevice, ReportsFreezesAndButtons)
 {
     Stub stub(STUB_DHD);
     auto device = open_dhd_device({.library = STUB_DHD});
@@ -200,15 +200,14 @@ TEST(DhdDevice, freezes_and_presses_buttons)
     int events = 0;
     const SessionFelt felt =
         run_session(scene, **device, 1500, {}, [&](std::uint64_t, DeviceInput& input) {
-            ButtonEvent event;
-            while (input.buttons().pop(event)) ++events;
+            while (input.next_button_event()) ++events;
         });
     EXPECT_EQ(felt.input.freezes, 1U);
     EXPECT_EQ(felt.forces.back(), 0);
     EXPECT_EQ(events, 2);
 }
 
-TEST(DhdDevice, says_what_is_missing)
+TEST(DhdDevice, ReportsWhatIsMissing)
 {
     const auto none = open_dhd_device({.library = "/nowhere/libdhd.so"});
     ASSERT_FALSE(none);

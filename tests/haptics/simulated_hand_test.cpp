@@ -17,7 +17,7 @@ using testing::theory_swing;
 using testing::TheoryWall;
 using testing::without_hand;
 
-TEST(SimulatedHand, limits_of_stability_are_those_of_theory)
+TEST(SimulatedHand, HasTheStabilityLimitsOfTheory)
 {
     HandModel model = without_hand();
     EXPECT_NEAR(stiffness_limit(model, 0), 0.5 / 0.0005, 0.02 * 1000);
@@ -33,7 +33,7 @@ TEST(SimulatedHand, limits_of_stability_are_those_of_theory)
     EXPECT_NEAR(stiffness_limit(model, 1), 1.1 / 0.0005, 0.02 * 2200);
 }
 
-TEST(SimulatedHand, friction_quiets_an_encoder_up_to_its_limit)
+TEST(SimulatedHand, FrictionStopsEncoderLimitCyclesUpToTheStiffnessOfTheory)
 {
     HandModel model = without_hand();
     model.device_damping = 0.5;
@@ -48,7 +48,7 @@ TEST(SimulatedHand, friction_quiets_an_encoder_up_to_its_limit)
     EXPECT_EQ(hand.velocity(), Vec3::Zero()); // at rest, not in a cycle
 }
 
-TEST(SimulatedHand, moves_as_its_equation_says)
+TEST(SimulatedHand, FollowsItsEquationOfMotion)
 {
     // Against many small steps of the midpoint rule.
     const HandModel model;
@@ -77,7 +77,7 @@ TEST(SimulatedHand, moves_as_its_equation_says)
     }
 }
 
-TEST(SimulatedHand, says_what_an_encoder_sees)
+TEST(SimulatedHand, ReportsEncoderReadings)
 {
     HandModel model = without_hand();
     model.encoder_step = 1e-4;
@@ -91,7 +91,7 @@ TEST(SimulatedHand, says_what_an_encoder_sees)
     EXPECT_NEAR(hand.state().velocity.x(), 0.1, 1e-12); // two steps for one and a half
 }
 
-TEST(SimulatedHand, feels_forces_after_the_delay)
+TEST(SimulatedHand, FeelsForcesAfterTheDelay)
 {
     HandModel model = without_hand();
     model.device_damping = 0;
@@ -129,7 +129,7 @@ Guarded guarded_swing(const HandModel& model, const TheoryWall& wall, double max
     return result;
 }
 
-TEST(PassivityGuard, catches_walls_that_are_too_stiff)
+TEST(PassivityGuard, CatchesWallsThatAreTooStiff)
 {
     HandModel model = without_hand();
     for (const double factor : {1.2, 1.5, 2.0, 3.0}) {
@@ -144,7 +144,7 @@ TEST(PassivityGuard, catches_walls_that_are_too_stiff)
     EXPECT_LT(guarded_swing(model, {500, 0}, 30).largest, 1.5e-3);
 }
 
-TEST(PassivityGuard, catches_what_damping_that_a_device_bears_cannot)
+TEST(PassivityGuard, CatchesSwingsThatTheLargestDampingOfADeviceCannot)
 {
     struct Setting {
         double stiffness;
@@ -165,13 +165,13 @@ TEST(PassivityGuard, catches_what_damping_that_a_device_bears_cannot)
     }
 }
 
-TEST(PassivityGuard, leaves_stable_walls_alone_but_for_the_first_swing)
+TEST(PassivityGuard, LeavesStableWallsAloneAfterTheFirstSwing)
 {
     const Guarded guarded = guarded_swing(without_hand(), {300, 0}, 30);
     EXPECT_LT(guarded.largest, 1e-6);
 }
 
-TEST(PassivityGuard, accounts_are_exact)
+TEST(PassivityGuard, AccountsForEnergyExactly)
 {
     // A spring pressed in and let out again by a slow path returns what it took, and no more.
     PassivityGuard guard(0);

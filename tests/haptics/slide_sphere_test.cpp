@@ -48,7 +48,7 @@ TriangleMesh plane_mesh()
         {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}});
 }
 
-TEST(SlideSphere, plane_to_a_billionth_of_the_depth)
+TEST(SlideSphere, IsExactOnAPlaneToABillionthOfTheDepth)
 {
     const TriangleMesh mesh = plane_mesh();
     const MeshContactSurface surface(mesh);
@@ -71,7 +71,7 @@ TEST(SlideSphere, plane_to_a_billionth_of_the_depth)
     }
 }
 
-TEST(SlideSphere, cube_to_a_billionth_of_the_depth)
+TEST(SlideSphere, IsExactOnACubeToABillionthOfTheDepth)
 {
     const TriangleMesh mesh = *sample_mesh("cube");
     const MeshContactSurface surface(mesh);
@@ -98,7 +98,7 @@ TEST(SlideSphere, cube_to_a_billionth_of_the_depth)
 }
 
 // A sphere of radius r against one corner is a point against a sphere of radius r.
-TEST(SlideSphere, sphere_to_a_billionth_of_the_depth)
+TEST(SlideSphere, IsExactOnASphereToABillionthOfTheDepth)
 {
     const TriangleMesh mesh =
         testing::mesh_of({Vec3(0, 0, 0), Vec3(-0.01, 0, -10), Vec3(0.01, 0.01, -10)}, {{0, 1, 2}});
@@ -122,7 +122,7 @@ TEST(SlideSphere, sphere_to_a_billionth_of_the_depth)
     EXPECT_LT(std::sqrt(squares / depths), 1e-9);
 }
 
-TEST(SlideSphere, corner_of_three_planes_in_one_tick)
+TEST(SlideSphere, ReachesACornerOfThreePlanesInOneTick)
 {
     for (const double slant : {0.0, -0.5, 0.3}) {
         const TriangleMesh mesh = testing::inner_corner(slant);
@@ -209,7 +209,7 @@ void check_walk(const Walk& walk, std::uint32_t seed, int ticks, int& touching)
     EXPECT_LT(limited, ticks / 20 + 1) << walk.named.name << " radius " << walk.radius;
 }
 
-TEST(SlideSphere, nothing_is_passed_on_any_mesh)
+TEST(SlideSphere, PassesThroughNoMesh)
 {
     std::uint32_t seed = 100;
     for (const TouchMesh& named : testing::touch_meshes()) {
@@ -222,7 +222,7 @@ TEST(SlideSphere, nothing_is_passed_on_any_mesh)
     }
 }
 
-TEST(SlideSphere, a_fast_poke_does_not_pass_a_thin_wall)
+TEST(SlideSphere, DoesNotPassAThinWallInAFastPoke)
 {
     const TriangleMesh mesh = testing::thin_plate();
     const auto listed = testing::listed_index(mesh);
@@ -237,7 +237,7 @@ TEST(SlideSphere, a_fast_poke_does_not_pass_a_thin_wall)
 
 // Found on a ship of 33,000 triangles: from above the edge of two faces that are all but flat,
 // along one of them and into the other.
-TEST(SlideSphere, valleys_that_are_all_but_flat_are_not_passed)
+TEST(SlideSphere, DoesNotPassNearlyFlatValleys)
 {
     std::mt19937 random(12);
     std::uniform_real_distribution<double> number(-1, 1);
@@ -268,7 +268,7 @@ TEST(SlideSphere, valleys_that_are_all_but_flat_are_not_passed)
     EXPECT_EQ(failures, 0);
 }
 
-TEST(SlideSphere, does_not_allocate)
+TEST(SlideSphere, DoesNotAllocate)
 {
     const TriangleMesh mesh = *sample_mesh("torus:24x12");
     const auto listed = testing::listed_index(mesh);
@@ -283,7 +283,7 @@ TEST(SlideSphere, does_not_allocate)
     EXPECT_EQ(testing::allocation_count(), before);
 }
 
-TEST(SlideSphere, begins_free_wherever_it_is_put)
+TEST(SlideSphere, StartsFreeWhereverItIsPut)
 {
     for (const TouchMesh& named : testing::touch_meshes()) {
         const MeshContactSurface surface(named.mesh);

@@ -14,7 +14,7 @@ struct Page {
     std::array<std::uint64_t, 64> words{};
 };
 
-TEST(Snapshot, gives_the_newest_once)
+TEST(Snapshot, GivesTheNewestValueOnce)
 {
     Snapshot<int> snapshot(7);
     EXPECT_FALSE(snapshot.update());
@@ -30,7 +30,7 @@ TEST(Snapshot, gives_the_newest_once)
     }
 }
 
-TEST(Snapshot, is_never_torn_and_never_goes_back)
+TEST(Snapshot, IsNeverTornAndNeverGoesBack)
 {
     constexpr std::uint64_t last = 200000;
     Snapshot<Page> snapshot;

@@ -31,7 +31,7 @@ std::optional<double> time_by_steps(const Triangle& triangle, double radius, con
     return std::nullopt;
 }
 
-TEST(SweptSphere, agrees_with_small_steps)
+TEST(SweptSphere, AgreesWithSmallSteps)
 {
     int hits = 0;
     int misses = 0;
@@ -71,7 +71,7 @@ TEST(SweptSphere, agrees_with_small_steps)
     EXPECT_GT(misses, 2000);
 }
 
-TEST(SweptSphere, tells_at_a_glance_what_stays_beyond_a_plane)
+TEST(SweptSphere, RejectsMotionsBeyondThePlaneOfTheTriangle)
 {
     int beyond = 0;
     for (std::uint32_t seed = 0; seed < 20000; ++seed) {
@@ -108,7 +108,7 @@ TEST(SweptSphere, tells_at_a_glance_what_stays_beyond_a_plane)
 }
 
 // Spheres of many sizes that come upon triangles of many sizes, near and far from the origin.
-TEST(SweptSphere, is_not_touched_before_its_least_time)
+TEST(SweptSphere, IsNotTouchedBeforeItsLowerBound)
 {
     int told = 0;
     int close = 0;
@@ -141,7 +141,7 @@ TEST(SweptSphere, is_not_touched_before_its_least_time)
     EXPECT_GT(close, 3000);
 }
 
-TEST(SweptSphere, finds_a_radius_of_a_billionth)
+TEST(SweptSphere, IsExactForARadiusOfABillionth)
 {
     int hits = 0;
     for (std::uint32_t seed = 0; seed < 5000; ++seed) {
@@ -170,7 +170,7 @@ TEST(SweptSphere, finds_a_radius_of_a_billionth)
     EXPECT_GT(hits, 4000);
 }
 
-TEST(SweptSphere, normals_of_slivers)
+TEST(SweptSphere, NormalsOfSliversAreExact)
 {
     for (double width = 1; width > 1e-13; width /= 7) {
         const Triangle sliver{{Vec3(1, 1, 1), Vec3(2, 2, 1), Vec3(1.5 + width, 1.5 - width, 1)}};

@@ -52,7 +52,7 @@ private:
     std::vector<ContactTriangle> triangles_;
 };
 
-TEST(TouchScene, is_the_surface_of_all_its_objects)
+TEST(TouchScene, IsTheSurfaceOfAllItsObjects)
 {
     TouchScene scene(wide_room);
     ASSERT_TRUE(scene.add(body_of(*sample_mesh("torus:24x12")),
@@ -100,7 +100,7 @@ TEST(TouchScene, is_the_surface_of_all_its_objects)
     }
 }
 
-TEST(TouchScene, corners_of_several_objects_hold_in_one_tick)
+TEST(TouchScene, CornersOfSeveralObjectsHoldInOneTick)
 {
     TouchScene scene(wide_room);
     for (int axis = 0; axis < 3; ++axis) {
@@ -123,7 +123,7 @@ TEST(TouchScene, corners_of_several_objects_hold_in_one_tick)
     }
 }
 
-TEST(TouchScene, refuses_what_no_object_can_do)
+TEST(TouchScene, RefusesInvalidObjectsAndMotions)
 {
     TouchScene scene(wide_room);
     const auto cube = scene.add(body_of(*sample_mesh("cube")), at_place(Vec3::Zero()));
@@ -146,7 +146,7 @@ TEST(TouchScene, refuses_what_no_object_can_do)
         {.material = SurfaceMaterial{.static_friction = 0.1, .dynamic_friction = 0.2}}));
 }
 
-TEST(TouchScene, says_where_objects_are_and_how_fast)
+TEST(TouchScene, ReportsPosesAndVelocitiesOfObjects)
 {
     const TriangleMesh mesh = *sample_mesh("cube");
     const auto index = listed_index(mesh);
@@ -155,7 +155,7 @@ TEST(TouchScene, says_where_objects_are_and_how_fast)
     ASSERT_TRUE(body);
     EXPECT_EQ(body->mesh().triangle_count(), mesh.triangle_count());
     TouchScene first(wide_room);
-    const auto cube = first.add(std::move(*body), at_place(Vec3(1, 2, 3)));
+    const auto cube = first.add(*body, at_place(Vec3(1, 2, 3)));
     ASSERT_TRUE(cube);
     TouchScene scene = std::move(first);
     EXPECT_EQ(scene.object_count(), 1U);
@@ -168,6 +168,23 @@ TEST(TouchScene, says_where_objects_are_and_how_fast)
     for (int tick = 0; tick < 50; ++tick) (void)scene.advance(1e-3);
     EXPECT_FALSE(scene.advance(1e-3).moved);
     EXPECT_NEAR(scene.pose(*cube).translation.x(), 1.5, 1e-12);
+}
+
+TEST(TouchBody, CopiesShareTheirStorageAndOutliveTheScene)
+{
+    const TouchBody body = body_of(*sample_mesh("cube"));
+    const TouchBody copy = body;
+    EXPECT_EQ(&copy.mesh(), &body.mesh());
+    {
+        TouchScene scene(wide_room);
+        const auto first = scene.add(body, at_place(Vec3(-3, 0, 0)));
+        const auto second = scene.add(copy, at_place(Vec3(3, 0, 0)));
+        ASSERT_TRUE(first && second);
+        EXPECT_TRUE(scene.exchange(*first, body_of(*sample_mesh("torus:8x6"))));
+        EXPECT_TRUE(scene.advance(1e-3).exchanged);
+        EXPECT_EQ(moving_surface(scene).object(*second).body, &contact_body(body));
+    }
+    EXPECT_EQ(body.mesh().triangle_count(), 12U);
 }
 
 } // namespace

@@ -41,7 +41,7 @@ StatePacket state_packet(std::uint64_t sequence)
     return packet;
 }
 
-TEST(UdpPackets, are_laid_out_as_documented)
+TEST(UdpPackets, AreLaidOutAsDocumented)
 {
     StatePacket packet;
     packet.session = 0x0102030405060708;
@@ -76,7 +76,7 @@ TEST(UdpPackets, are_laid_out_as_documented)
     EXPECT_NEAR((device_state(back).pose.rotation - Mat3::Identity()).norm(), std::sqrt(6), 1e-12);
 }
 
-TEST(UdpPackets, replies_come_back_as_they_were)
+TEST(UdpPackets, RepliesSurviveEncodingAndDecoding)
 {
     std::mt19937_64 random(5);
     std::uniform_real_distribution<double> number(-10, 10);
@@ -89,7 +89,7 @@ TEST(UdpPackets, replies_come_back_as_they_were)
     command.plane_count = 3;
     command.force = Vec3{number(random), number(random), number(random)};
     command.anchor = Vec3{number(random), number(random), number(random)};
-    for (HeldPlane& plane : command.planes)
+    for (DevicePlane& plane : command.planes)
         plane = {Vec3{number(random), number(random), number(random)}, number(random)};
     for (double* const x : {&command.trust, &command.stiffness, &command.damping,
                             &command.static_friction, &command.dynamic_friction, &packet.max_force,
@@ -103,7 +103,7 @@ TEST(UdpPackets, replies_come_back_as_they_were)
     EXPECT_EQ(back.recovery_seconds, packet.recovery_seconds);
 }
 
-TEST(UdpPackets, anything_else_is_refused)
+TEST(UdpPackets, RefuseOtherSizesMagicsAndVersions)
 {
     const auto bytes = encode(state_packet(1));
     StatePacket packet;
@@ -120,7 +120,7 @@ TEST(UdpPackets, anything_else_is_refused)
     EXPECT_EQ(decode(wrong, packet), PacketFault::wrong_size);
 }
 
-TEST(UdpDevice, counts_what_the_line_does_to_packets)
+TEST(UdpDevice, CountsLostDuplicatedAndReorderedPackets)
 {
     const auto device = listening();
     const auto take = [&](const StatePacket& packet, std::int64_t ms,
@@ -165,7 +165,7 @@ TEST(UdpDevice, counts_what_the_line_does_to_packets)
     EXPECT_EQ(device->read().state.condition, InputCondition::gone);
 }
 
-TEST(UdpDevice, a_number_too_high_to_follow_locks_nobody_out)
+TEST(UdpDevice, ANumberTooHighToFollowLocksNobodyOut)
 {
     const auto device = listening();
     const auto take = [&](std::uint64_t sequence, std::int64_t ms) {
@@ -184,7 +184,7 @@ TEST(UdpDevice, a_number_too_high_to_follow_locks_nobody_out)
     EXPECT_EQ(report.sessions, 1U);
 }
 
-TEST(UdpDevice, a_first_number_that_is_too_high_is_forgotten_after_a_second)
+TEST(UdpDevice, ForgetsAFirstNumberThatIsTooHighAfterASecond)
 {
     const auto device = listening();
     const auto take = [&](std::uint64_t sequence, std::int64_t ms) {
@@ -201,7 +201,7 @@ TEST(UdpDevice, a_first_number_that_is_too_high_is_forgotten_after_a_second)
     EXPECT_EQ(report.lost, 0U);
 }
 
-TEST(UdpDevice, a_device_that_begins_anew_comes_back_after_a_second_of_silence)
+TEST(UdpDevice, AcceptsARestartedDeviceAfterASecondOfSilence)
 {
     // Its program is started again, with the same port, session and numbers, and another clock.
     const auto device = listening();
@@ -218,7 +218,7 @@ TEST(UdpDevice, a_device_that_begins_anew_comes_back_after_a_second_of_silence)
     EXPECT_EQ(device->read().sample, 600U);
 }
 
-TEST(UdpDevice, a_clock_that_is_put_back_is_believed_after_a_second)
+TEST(UdpDevice, AcceptsAClockSetBackAfterASecond)
 {
     const auto device = listening();
     StatePacket packet = state_packet(1);
@@ -230,11 +230,12 @@ TEST(UdpDevice, a_clock_that_is_put_back_is_believed_after_a_second)
         device->take(encode(packet), device_side,
                      (5000 + static_cast<std::int64_t>(i)) * millisecond);
     }
-    EXPECT_GT(device->report().accepted, 150U);
-    EXPECT_NEAR(static_cast<double>(device->report().late), 1000, 5);
+    // Those of the second after the first packet are late: numbers 2 to 1000.
+    EXPECT_EQ(device->report().late, 999U);
+    EXPECT_EQ(device->report().accepted, 1U + 199U);
 }
 
-TEST(UdpDevice, survives_any_bytes)
+TEST(UdpDevice, SurvivesAnyBytes)
 {
     // What is malformed is refused, what is well formed may hold any numbers: no force spikes.
     const CubeScene scene;
@@ -271,9 +272,50 @@ struct Line {
     int cut_to = -1;
 };
 
+/// The hand begins above the cube's upper face and wants to be below it, m.
+constexpr double begins_above = 0.01;
+constexpr double wants_below = 0.015;
+
+/// Of a hand at rest on the face, N: its spring and the wall's in a row.
+double force_at_rest()
+{
+    const double hand = HandModel{}.hand_stiffness;
+    const double wall = ForceOptions{}.stiffness;
+    return wants_below * hand * wall / (hand + wall);
+}
+
+/// How far the force may be from that after so many ticks of touching, N: by what is left of the
+/// hand's motion, which dies away with its damping over twice its mass. A force that is late by
+/// some time takes that much of the wall's stiffness off the damping: by 5 ms, as on a busy machine.
+double left_of_motion(int ticks)
+{
+    constexpr double late = 5e-3;
+    const HandModel hand;
+    const double wall = ForceOptions{}.stiffness;
+    const double damping = hand.hand_damping + hand.device_damping - wall * late;
+    const double seconds = ticks * hand.tick_seconds;
+    return wall * (begins_above + wants_below) * std::exp(-damping / (2 * hand.mass) * seconds);
+}
+
+/// How much the force may change in a tick, N: by the hand's motion at its fastest, that of a damped
+/// spring let go from rest, and by trust that comes back where the hand is as deep as it wants to be.
+double largest_change()
+{
+    const HandModel hand;
+    const ForceOptions wall;
+    const double rate = std::sqrt(hand.hand_stiffness / hand.mass);
+    const double damping = (hand.hand_damping + hand.device_damping) / (2 * hand.mass * rate);
+    const double phase = std::acos(damping);
+    const double speed =
+        (begins_above + wants_below) * rate * std::exp(-phase / std::tan(phase)); // 0.44 m/s
+    const double trust = hand.tick_seconds / wall.loss_seconds;
+    return wall.stiffness * (speed * hand.tick_seconds + wants_below * trust); // 0.37 N
+}
+
 struct HandOverLine {
     std::vector<double> forces;
-    double largest_step = 0;
+    std::vector<int> trusted; ///< at each tick: since when the force is given in full, in ticks
+    double largest_step = 0;  ///< of the force, N per tick since the reply before
     std::uint64_t replies = 0;
 };
 
@@ -283,12 +325,15 @@ HandOverLine hand_over_line(const UdpAddress& to, const CubeScene& scene, const 
     UdpSocket socket = *UdpSocket::listen({});
     std::mt19937_64 random(3);
     std::uniform_real_distribution<double> part(0, 1);
-    SimulatedHand hand({}, Vec3(0.003, 0.001, scene.half + 0.01));
-    const Vec3 target(0.003, 0.001, scene.half - 0.015);
+    SimulatedHand hand({}, Vec3(0.003, 0.001, scene.half + begins_above));
+    const Vec3 target(0.003, 0.001, scene.half - wants_below);
     RemoteServo servo(3.3);
     HandOverLine result;
     result.forces.reserve(static_cast<std::size_t>(ms));
+    result.trusted.reserve(static_cast<std::size_t>(ms));
     Vec3 force = Vec3::Zero();
+    double trust = 0; // of the last reply
+    int heard_at = 0;
     std::optional<std::array<std::byte, state_packet_size>> held_back;
     const auto begin = std::chrono::steady_clock::now();
     for (int tick = 0; tick < ms; ++tick) {
@@ -312,6 +357,7 @@ HandOverLine hand_over_line(const UdpAddress& to, const CubeScene& scene, const 
             }
         }
         const double now = 1e-3 * tick;
+        const int silence = servo.trust() > 0 ? std::clamp(tick - heard_at, 1, 20) : 1;
         std::array<std::byte, reply_packet_size> buffer{};
         while (const auto received = socket.receive(buffer)) {
             ReplyPacket reply;
@@ -319,19 +365,26 @@ HandOverLine hand_over_line(const UdpAddress& to, const CubeScene& scene, const 
                 continue;
             ++result.replies;
             servo.take(reply, now);
+            trust = reply.command.trust;
+            heard_at = tick;
             if (!own_servo) force = reply.command.force;
         }
         const Vec3 before = force;
         const Vec3 mine = servo.force(state.pose.translation, state.velocity, now);
         if (own_servo) force = mine;
-        result.largest_step = std::max(result.largest_step, (force - before).norm());
+        // What changes while no reply comes is felt at once when one does.
+        const int ticks = heard_at == tick ? silence : 1;
+        result.largest_step = std::max(result.largest_step, (force - before).norm() / ticks);
         result.forces.push_back(force.norm());
+        const bool in_full = trust == 1 && servo.trust() == 1;
+        result.trusted.push_back(in_full && tick > 0 ? result.trusted.back() + 1 : 0);
         hand.step(force, target);
     }
     return result;
 }
 
 struct LoopbackFelt {
+    bool began_outside = false; ///< the session heard of the hand before it was in the cube
     HandOverLine hand;
     SessionFelt session;
     UdpReport report;
@@ -347,60 +400,103 @@ LoopbackFelt loopback(const Line& line, int ms, bool own_servo)
     felt.session =
         run_session(scene, *device, static_cast<std::uint64_t>(ms), {}, {}, Pace::best_effort);
     hand.join();
+    for (const RecordedTick& tick : felt.session.recording.ticks) {
+        if (!std::isfinite(tick.position[2])) continue;
+        felt.began_outside = tick.position[2] > scene.half;
+        break;
+    }
     felt.report = device->report();
     return felt;
 }
 
-TEST(UdpDevice, a_hand_feels_over_loopback)
+/// Expects the force of a hand at rest.
+void expect_rest(const HandOverLine& hand, std::size_t tick)
+{
+    EXPECT_NEAR(hand.forces[tick], force_at_rest(), left_of_motion(hand.trusted[tick])) << tick;
+}
+void expect_rest_at_end(const HandOverLine& hand)
+{
+    expect_rest(hand, hand.forces.size() - 1);
+}
+
+/// Whether the hand came from outside, the force was given in full for so long that little is left
+/// of the hand's motion, at the end and before the line is cut, and nothing interrupted its return.
+bool is_steady(const LoopbackFelt& felt, const Line& line)
+{
+    constexpr int at_end = 300;     // 0.14 N are left
+    constexpr int before_cut = 200; // 0.6 N
+    const std::vector<int>& trusted = felt.hand.trusted;
+    if (line.cut_from > 0 && trusted[static_cast<std::size_t>(line.cut_from) - 1] < before_cut)
+        return false;
+    return felt.began_outside && trusted.back() >= at_end &&
+           felt.session.input.longest_recovery < 2 * ForceOptions{}.loss_seconds;
+}
+
+/// Tries again where a busy machine has begun late, or kept the line silent for longer than its
+/// patience.
+LoopbackFelt steady_loopback(const Line& line, int ms, bool own_servo)
+{
+    LoopbackFelt felt;
+    for (int attempt = 0; attempt < 5; ++attempt) {
+        felt = loopback(line, ms, own_servo);
+        if (is_steady(felt, line)) break;
+    }
+    EXPECT_TRUE(is_steady(felt, line));
+    return felt;
+}
+
+TEST(UdpDevice, AHandFeelsTheSurfaceOverLoopback)
 {
     for (const bool own_servo : {false, true}) {
-        const LoopbackFelt felt = loopback({}, 800, own_servo);
+        const LoopbackFelt felt = steady_loopback({}, 800, own_servo);
         EXPECT_GT(felt.report.accepted, 100U); // of 800, on a machine that does other things
         EXPECT_GT(felt.hand.replies, 100U);
         EXPECT_EQ(felt.report.malformed + felt.report.foreign + felt.report.unsent, 0U);
-        EXPECT_NEAR(felt.hand.forces.back(), 150 * 0.015 / (1 + 150.0 / 500), 0.2) << own_servo;
+        SCOPED_TRACE(own_servo ? "a servo of its own" : "the forces of the replies");
+        expect_rest_at_end(felt.hand);
         EXPECT_EQ(felt.session.quality.passes, 0U);
     }
 }
 
-TEST(UdpDevice, two_hands_feel_at_once)
+TEST(UdpDevice, TwoHandsFeelAtOnce)
 {
     LoopbackFelt left;
     LoopbackFelt right;
-    std::thread other([&] { left = loopback({}, 800, true); });
-    right = loopback({}, 800, false);
+    std::thread other([&] { left = steady_loopback({}, 800, true); });
+    right = steady_loopback({}, 800, false);
     other.join();
     for (const LoopbackFelt* const felt : {&left, &right}) {
         EXPECT_EQ(felt->report.foreign, 0U);
-        EXPECT_NEAR(felt->hand.forces.back(), 150 * 0.015 / (1 + 150.0 / 500), 0.2);
+        expect_rest_at_end(felt->hand);
     }
 }
 
-TEST(UdpDevice, a_bad_line_gives_no_spikes)
+TEST(UdpDevice, ABadLineCausesNoForceSpikes)
 {
-    const LoopbackFelt felt = loopback({.lose = 0.2, .twice = 0.2, .swap = 0.2}, 1200, true);
+    const LoopbackFelt felt = steady_loopback({.lose = 0.2, .twice = 0.2, .swap = 0.2}, 1200, true);
     EXPECT_GT(felt.report.duplicated, 20U);
     EXPECT_GT(felt.report.reordered, 20U);
     EXPECT_GT(felt.report.lost, 20U);
-    EXPECT_NEAR(felt.hand.forces.back(), 150 * 0.015 / (1 + 150.0 / 500), 0.2);
-    EXPECT_LT(felt.hand.largest_step, 0.5);
+    expect_rest_at_end(felt.hand);
+    EXPECT_LT(felt.hand.largest_step, largest_change());
 }
 
-TEST(UdpDevice, a_cut_line_fades_the_force_on_both_sides_and_recovers)
+TEST(UdpDevice, ACutLineFadesTheForceOnBothSidesAndRecovers)
 {
-    const LoopbackFelt felt = loopback({.cut_from = 500, .cut_to = 800}, 1300, true);
-    EXPECT_GT(felt.hand.forces[490], 1.0);
+    const LoopbackFelt felt = steady_loopback({.cut_from = 700, .cut_to = 1000}, 1600, true);
+    expect_rest(felt.hand, 699);
     // The device's side: 20 ms of holding and 50 of fading, by its own clock.
-    for (std::size_t tick = 580; tick < 800; ++tick) EXPECT_EQ(felt.hand.forces[tick], 0) << tick;
-    EXPECT_GT(felt.hand.forces.back(), 1.0);
-    EXPECT_LT(felt.hand.largest_step, 0.5);
+    for (std::size_t tick = 780; tick < 1000; ++tick) EXPECT_EQ(felt.hand.forces[tick], 0) << tick;
+    expect_rest_at_end(felt.hand);
+    EXPECT_LT(felt.hand.largest_step, largest_change());
     EXPECT_GE(felt.session.input.silences, 1U);
     EXPECT_GE(felt.session.input.recoveries, 1U);
+    // 300 ms less the patience, and less what a busy machine leaves out.
     EXPECT_GE(felt.session.input.longest_fault, 0.2);
-    EXPECT_LT(felt.session.input.longest_recovery, 0.1);
+    EXPECT_LT(felt.session.input.longest_recovery, 2 * ForceOptions{}.loss_seconds);
 }
 
-TEST(UdpSocket, reads_addresses_and_says_what_is_taken)
+TEST(UdpSocket, ParsesAddressesAndReportsPortsInUse)
 {
     EXPECT_EQ(*parse_udp_address("4711"), (UdpAddress{0x7f000001, 4711}));
     EXPECT_EQ(*parse_udp_address("192.168.0.7:65535"), (UdpAddress{0xc0a80007, 65535}));

@@ -77,7 +77,8 @@ inline SwingFelt swing(const SwingWall& wall, const SwingSetting& setting, doubl
     options.force.damping = setting.damping;
     options.proxy_radius = wall.radius();
     options.passivity = setting.passivity;
-    HapticRenderer renderer(wall.surface(), SwingWall::map(), setting.device, options);
+    HapticRenderer renderer =
+        make_surface_renderer(wall.surface(), SwingWall::map(), setting.device, options);
     const double tick_seconds = setting.hand.tick_seconds;
     // The proxy begins outside, and the ramp of the start is over when the hand lets go.
     DeviceState rest;

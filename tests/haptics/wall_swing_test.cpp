@@ -75,7 +75,7 @@ const SwingWall& wall_of(const Stand& stand)
     return stand.sides == WallSides::one ? one : two;
 }
 
-TEST(WallSwing, the_hardest_settings_of_every_device_end_below_a_millimetre)
+TEST(WallSwing, HardestSettingsOfEveryDeviceEndBelowAMillimetre)
 {
     int diverging = 0;
     for_each_setting([&](SwingSetting setting, const Stand& stand) {
@@ -90,7 +90,7 @@ TEST(WallSwing, the_hardest_settings_of_every_device_end_below_a_millimetre)
     EXPECT_GT(diverging, 40);
 }
 
-TEST(WallSwing, what_a_device_cannot_give_keeps_no_swing_alive)
+TEST(WallSwing, ForcesBeyondTheLimitOfTheDeviceSustainNoSwing)
 {
     // A part of a force far above the device's greatest may still be all that it can give: a swing
     // went on at 80 mm.
@@ -109,7 +109,7 @@ TEST(WallSwing, what_a_device_cannot_give_keeps_no_swing_alive)
     }
 }
 
-TEST(WallSwing, stable_settings_have_the_bits_that_they_have_without_the_guard)
+TEST(WallSwing, GuardChangesNoBitOfStableSettings)
 {
     int stable = 0;
     int same = 0;
@@ -135,7 +135,7 @@ TEST(WallSwing, stable_settings_have_the_bits_that_they_have_without_the_guard)
     RecordProperty("same_bits", same);
 }
 
-TEST(WallSwing, coarse_encoders_end_below_three_millimetres)
+TEST(WallSwing, CoarseEncodersEndBelowThreeMillimetres)
 {
     for (const double b : {0.1, 0.5}) {
         for (int delay = 0; delay <= 3; ++delay) {
@@ -151,7 +151,7 @@ TEST(WallSwing, coarse_encoders_end_below_three_millimetres)
     }
 }
 
-TEST(OscillationDetector, tapping_and_pressing_hands_do_not_swing)
+TEST(OscillationDetector, IgnoresTappingAndPressingHands)
 {
     // Presses of 3 mm that come back as fast as they went, and taps from above.
     for (const double per_second : {0.5, 2.0, 4.0}) {
@@ -165,7 +165,7 @@ TEST(OscillationDetector, tapping_and_pressing_hands_do_not_swing)
     }
 }
 
-TEST(OscillationDetector, a_quick_release_is_no_swing)
+TEST(OscillationDetector, IgnoresAQuickRelease)
 {
     // A hand rests on the wall for a fifth of a second, trembling, and is drawn back fast.
     for (const double tremor : {1e-4, 2e-4, 3e-4}) {
@@ -201,7 +201,7 @@ int seen_swing(double per_second, double growth, double encoder_step)
     return -1;
 }
 
-TEST(OscillationDetector, growing_swings_are_seen_within_a_few_turns_at_every_rate)
+TEST(OscillationDetector, DetectsGrowingSwingsWithinTwentyTurnsAtAnyRate)
 {
     // Up to nearly half the rate of the ticks.
     for (double per_second = 10; per_second < 480; per_second *= 1.03) {
@@ -214,7 +214,7 @@ TEST(OscillationDetector, growing_swings_are_seen_within_a_few_turns_at_every_ra
     }
 }
 
-TEST(OscillationDetector, fading_swings_are_none_at_any_rate)
+TEST(OscillationDetector, IgnoresFadingSwingsAtAnyRate)
 {
     // Nearer to half the rate of the ticks, what is seen of a swing beats, and rises now and then.
     for (double per_second = 10; per_second < 400; per_second *= 1.03) {

@@ -66,13 +66,13 @@ private:
             std::bit_cast<float>(static_cast<std::uint32_t>(leaf.extent_bits) << 16U);
         for (std::uint32_t i = 0; i < leaf.count; ++i) {
             const std::uint32_t row = leaf.first_row + i;
-            const TriangleId id = index_.id(row);
+            const TriangleId id = index_.ids()[row];
             ASSERT_LT(proxima::index(id), mesh_.triangle_count());
             ++seen_[proxima::index(id)];
             check_names(row, id);
             for (std::size_t corner = 0; corner < 3; ++corner) {
                 const Vec3 p = mesh_.triangle(id).vertices[corner];
-                EXPECT_EQ(index_.triangle(row).vertices[corner], p);
+                EXPECT_EQ(index_.parts().triangle(row).vertices[corner], p);
                 const Vec3 place = (p - index_.parts().center()) * index_.parts().scale();
                 for (int axis = 0; axis < 3; ++axis) {
                     constexpr double margin = 0x1p-21;
@@ -160,7 +160,7 @@ TEST(MeshIndex, HoldsEveryTriangleOnceWithinItsBoxes)
     }
 }
 
-TEST(MeshIndex, TakesManyTrianglesInOnePlace)
+TEST(MeshIndex, AcceptsManyCoincidentTriangles)
 {
     const std::vector<Vec3> positions = {{1, 2, 3}, {2, 2, 3}, {1, 3, 3}};
     const TriangleMesh mesh = mesh_of(positions, std::vector<TriangleCorners>(5000, {0, 1, 2}));
@@ -169,7 +169,7 @@ TEST(MeshIndex, TakesManyTrianglesInOnePlace)
     EXPECT_LE(inspection.levels, 6U);
 }
 
-TEST(MeshIndex, KeepsFloatsWhereTheyAreTheSame)
+TEST(MeshIndex, StoresFloatsWhenTheyAreExact)
 {
     const TriangleMesh cube = cube_mesh(Vec3(1, 2, 3), 0.5);
     EXPECT_EQ(build_mesh_index(cube)->parts().float_rows().size(), 12U);
@@ -177,7 +177,7 @@ TEST(MeshIndex, KeepsFloatsWhereTheyAreTheSame)
     EXPECT_EQ(build_mesh_index(third)->parts().double_rows().size(), 12U);
 }
 
-TEST(MeshIndex, HasExactLeavesOfFloatsWhereverTheyLie)
+TEST(MeshIndex, HasExactLeavesForFloatCoordinatesAnywhere)
 {
     std::mt19937 random(5);
     for (const Vec3& place : {Vec3(0, 0, 0), Vec3(0.2, 3, -1000), Vec3(-0.6, 1e6, 0.9)}) {
@@ -226,7 +226,7 @@ TEST(MeshIndex, IsTheSameForAnyNumberOfThreads)
     }
 }
 
-TEST(MeshIndex, HasPartsAlways)
+TEST(MeshIndex, IsUsableWhenEmptyOrMovedFrom)
 {
     const MeshIndex empty;
     EXPECT_EQ(empty.triangle_count(), 0U);
@@ -244,7 +244,7 @@ TEST(MeshIndex, HasPartsAlways)
     EXPECT_EQ(index.triangle_count(), 0U);
 }
 
-TEST(MeshIndex, RefusesWhatItCannotBeBuiltOf)
+TEST(MeshIndex, RefusesInvalidMeshes)
 {
     const TriangleMesh cube = cube_mesh(Vec3::Zero(), 1.0);
     const auto code = [](const auto& result) { return result.error().code; };

@@ -13,7 +13,7 @@
 namespace proxima {
 namespace {
 
-TEST(MeshOf, IsTheMeshThatItWasBuiltOf)
+TEST(MeshOf, ReturnsTheMeshThatTheIndexWasBuiltFrom)
 {
     bool has_floats = false;
     bool has_doubles = false;
@@ -81,7 +81,7 @@ TEST(MeshOf, RefusesRowsThatContradictEachOther)
     EXPECT_EQ(message(whole), "");
     EditableRows edited = whole;
     edited.rows[3].coordinates[1][2] += 0.25F;
-    EXPECT_NE(message(edited).find("a vertex at two places"), std::string::npos);
+    EXPECT_NE(message(edited).find("a vertex at two positions"), std::string::npos);
     edited = whole;
     std::swap(edited.rows[3].triangle, edited.rows[4].triangle);
     EXPECT_NE(message(edited).find("not those of the mesh"), std::string::npos);
@@ -93,7 +93,7 @@ TEST(MeshOf, RefusesRowsThatContradictEachOther)
     EXPECT_NE(message(edited).find("edges of another mesh"), std::string::npos);
 }
 
-TEST(MeshOf, TellsAnotherMesh)
+TEST(MeshOf, DetectsAnotherMesh)
 {
     const TriangleMesh cube = sample_mesh("cube").value();
     const MeshIndex index = build_mesh_index(cube).value();

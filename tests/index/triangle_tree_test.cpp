@@ -101,7 +101,7 @@ TEST(TriangleTree, VisitsAllGroupsWithinADistanceAndNoOthers)
     }
 }
 
-TEST(TriangleTree, IsOfEveryShape)
+TEST(TriangleTree, HasTheRightShapeForAnyNumberOfTriangles)
 {
     // Numbers of triangles round the powers of eight, where levels end.
     for (const std::uint32_t count : {1U, 7U, 8U, 9U, 63U, 64U, 65U, 512U, 513U, 4097U}) {
@@ -127,7 +127,7 @@ TEST(TriangleTree, IsOfEveryShape)
     }
 }
 
-TEST(TriangleTree, GoesToNearGroupsFirstAndObeysTheBound)
+TEST(TriangleTree, VisitsNearGroupsFirstAndObeysTheBound)
 {
     const TriangleMesh mesh = sample_mesh("sphere:60x60").value();
     const std::vector<TriangleId> order = order_of(mesh);
@@ -153,7 +153,8 @@ TEST(TriangleTree, GoesToNearGroupsFirstAndObeysTheBound)
             truth = std::min(truth, static_cast<double>(squared_gap(box, {p, p})));
         }
         EXPECT_EQ(nearest, truth);
-        EXPECT_LT(visits, 100);
+        // The nearest group of 885 lies in the first node of eight, or in one beside it.
+        EXPECT_LE(visits, 2 * 8);
     }
     int visits = 0;
     visit_nearest(tree, Vec3(0, 0, 5), 1.0, [&](RankRange) noexcept {
@@ -232,7 +233,7 @@ TEST(TriangleTree, DoesNotAllocateInQueries)
     EXPECT_GT(before, 10U); // that they are counted at all
 }
 
-TEST(TriangleTree, RefusesWhatHasNoDistancesAndStopsOnRequest)
+TEST(TriangleTree, RefusesInvalidMeshesAndStopsOnRequest)
 {
     EXPECT_EQ(build_triangle_tree(TriangleMesh{}, {}).error().code, ErrorCode::invalid_mesh);
     const auto scaled = [](double scale) {

@@ -11,7 +11,7 @@
 namespace proxima {
 namespace {
 
-TEST(QuerySets, LieWhereTheyAreSaidTo)
+TEST(QuerySets, LieWhereTheirNamesSay)
 {
     for (const double shift : {0.0, 1e9}) {
         SCOPED_TRACE(shift);

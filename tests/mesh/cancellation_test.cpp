@@ -33,7 +33,7 @@ void write_off(const TriangleMesh& mesh, const std::filesystem::path& path)
     }
 }
 
-TEST_F(Cancellation, OfReading)
+TEST_F(Cancellation, StopsReadingAtEveryStage)
 {
     const struct {
         const char* file;
@@ -62,7 +62,7 @@ TEST_F(Cancellation, OfReading)
     }
 }
 
-TEST_F(Cancellation, OfWriting)
+TEST_F(Cancellation, StopsWritingAtEveryStage)
 {
     for (const char* const name : {"a.obj", "a.ply", "a.stl"}) {
         SCOPED_TRACE(name);
@@ -76,7 +76,7 @@ TEST_F(Cancellation, OfWriting)
     }
 }
 
-TEST(CancellationOfSamples, WhateverTheShape)
+TEST(CancellationOfSamples, StopsAtEveryStageOfEveryShape)
 {
     for (const char* const name :
          {"sphere:100x100", "icosphere:5", "torus:100x100", "spaceship:40000"}) {
@@ -89,7 +89,7 @@ TEST(CancellationOfSamples, WhateverTheShape)
     }
 }
 
-TEST(CancellationOfSamples, LeavesTheMeshAsItWasWhereNobodyAsks)
+TEST(CancellationOfSamples, ProgressDoesNotChangeTheMesh)
 {
     Progress progress;
     const auto watched = sample_mesh("spaceship:40000", {.execution = {.progress = &progress}});

@@ -61,7 +61,7 @@ protected:
     }
 };
 
-TEST_F(GltfDemand, ReadsHonestScenes)
+TEST_F(GltfDemand, AcceptsValidScenes)
 {
     const Scene scenes[] = {
         {},
@@ -79,7 +79,7 @@ TEST_F(GltfDemand, ReadsHonestScenes)
     }
 }
 
-TEST_F(GltfDemand, RefusesWhatNeedsMoreThanTheBudget)
+TEST_F(GltfDemand, RefusesScenesBeyondTheBudget)
 {
     std::string doubling;
     for (int i = 1; i <= 30; ++i) doubling += concat(R"({"children":[)", i, ",", i, "]},");
@@ -118,7 +118,7 @@ TEST_F(GltfDemand, RefusesWhatNeedsMoreThanTheBudget)
     }
 }
 
-TEST_F(GltfDemand, CountsWhatGltf1Names)
+TEST_F(GltfDemand, CountsNodesReferencedByNameInGltf1)
 {
     const std::string json =
         R"({"asset":{"version":"1.0"},"scene":"s","scenes":{"s":{"nodes":["n0"]}},"nodes":{)";
@@ -131,7 +131,7 @@ TEST_F(GltfDemand, CountsWhatGltf1Names)
     EXPECT_EQ(error.code, ErrorCode::budget_exceeded) << describe(error);
 }
 
-TEST_F(GltfDemand, RefusesWhatWouldOverflowTheStack)
+TEST_F(GltfDemand, RefusesScenesThatWouldOverflowTheStack)
 {
     std::string chain;
     for (int i = 1; i <= 2000; ++i) chain += concat(R"({"children":[)", i, "]},");

@@ -100,7 +100,7 @@ std::string written(const JsonText& json, JsonText::Id id)
     return text + (is_object ? "}" : "]");
 }
 
-TEST(JsonText, ReadsWhatWasWritten)
+TEST(JsonText, ParsesWhatItWrites)
 {
     for (unsigned seed = 0; seed < 2000; ++seed) {
         SCOPED_TRACE(concat("seed ", seed));

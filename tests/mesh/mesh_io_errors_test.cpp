@@ -62,7 +62,7 @@ TEST(MeshIoErrors, NameTheLineOrByteAndTheElement)
     }
 }
 
-TEST(MeshIoErrors, RefuseBinaryPlyByItsByte)
+TEST(MeshIoErrors, NameTheByteOfBinaryPly)
 {
     std::string text = file_content(fs::path(PROXIMA_SOURCE_DIR) / "fuzz/corpus/ply/little.ply");
     text[text.size() - 1] = 1; // the high byte of the last index
@@ -132,7 +132,7 @@ TEST(MeshIoErrors, RefuseFacesBeyondTheLimit)
     EXPECT_EQ(error_of(ply, MeshFormat::ply).code, ErrorCode::limit_exceeded);
 }
 
-TEST(MeshIoErrors, KeepTheMemoryBudget)
+TEST(MeshIoErrors, RespectTheMemoryBudget)
 {
     std::string obj;
     for (int i = 0; i < 20'000; ++i) obj += "v 1 1 1\nf 1 1 1 1\n";
@@ -143,7 +143,7 @@ TEST(MeshIoErrors, KeepTheMemoryBudget)
     EXPECT_NE(error.message.find("OBJ data"), std::string::npos);
 }
 
-TEST(MeshIoErrors, StopWhenAsked)
+TEST(MeshIoErrors, StopOnRequest)
 {
     for (const SeedFile& seed : seed_files()) {
         Progress progress;

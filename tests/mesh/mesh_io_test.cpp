@@ -63,7 +63,7 @@ TEST(MeshIo, WeldsStlUnlessToldNotTo)
 }
 
 // Facets of three corners and of more, in blocks that end anywhere.
-TEST(MeshIo, WeldsStlAsItComesLikeAllAtOnce)
+TEST(MeshIo, WeldsStlInPiecesLikeAllAtOnce)
 {
     for (std::uint32_t seed = 0; seed < 20; ++seed) {
         SCOPED_TRACE(seed);
@@ -126,7 +126,7 @@ TEST(MeshIo, CutsConcavePolygonsProperly)
     }
 }
 
-TEST(MeshIo, PassesOverWhatIsNoMeshInPly)
+TEST(MeshIo, SkipsOtherElementsOfPly)
 {
     const TriangleMesh mesh = read_seed("ply/extra.ply");
     EXPECT_EQ(positions_of(mesh),
@@ -265,7 +265,7 @@ TEST(MeshIo, PlacesTheMeshesOfAScene)
     }
 }
 
-TEST(MeshIo, RefusesScenesThatPromiseMoreThanTheBudgetBeforeAssimpTakesIt)
+TEST(MeshIo, RefusesScenesBeyondTheBudgetBeforeAssimpAllocates)
 {
     if (!reads_scenes) GTEST_SKIP() << "built without assimp";
     const fs::path corpus = fs::path(PROXIMA_SOURCE_DIR) / "fuzz" / "corpus";
@@ -324,7 +324,7 @@ TEST(MeshIo, NamesTheOptionThatReadsScenes)
 }
 #endif
 
-TEST(MeshIo, ReadsTheMeshesAtHand)
+TEST(MeshIo, ReadsWellKnownMeshes)
 {
     const fs::path shared = fs::path(PROXIMA_SOURCE_DIR) / ".." / "shared" / "meshes";
     const struct {
@@ -353,7 +353,7 @@ TEST(MeshIo, ReadsTheMeshesAtHand)
 
 class MeshFileTest : public FolderTest {};
 
-TEST_F(MeshFileTest, SaysWhichFilesCannotBeOpened)
+TEST_F(MeshFileTest, ReportsWhichFilesCannotBeOpened)
 {
     EXPECT_EQ(read_mesh(path("missing.ply")).error().code, ErrorCode::file_not_found);
     EXPECT_EQ(read_mesh(path("missing.ply")).error().where, path("missing.ply").string());
@@ -370,7 +370,7 @@ TEST_F(MeshFileTest, SaysWhichFilesCannotBeOpened)
     EXPECT_EQ(read_mesh(path("endless.ply")).error().code, ErrorCode::file_not_found);
 }
 
-TEST_F(MeshFileTest, TakesExtensionsInAnyCase)
+TEST_F(MeshFileTest, AcceptsExtensionsInAnyCase)
 {
     std::ofstream(path("MESH.Obj")) << "v 0 0 0\nf 1 1 1\n";
     EXPECT_TRUE(read_mesh(path("MESH.Obj")));

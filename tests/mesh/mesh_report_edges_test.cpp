@@ -9,7 +9,7 @@
 namespace proxima {
 namespace {
 
-TEST(MeshReport, BoundaryEdgesAndLoops)
+TEST(MeshReport, FindsBoundaryEdgesAndLoops)
 {
     Draft draft = cube_draft();
     draft.triangles.erase(draft.triangles.begin() + 2, draft.triangles.begin() + 4); // z = 1
@@ -32,11 +32,11 @@ TEST(MeshReport, BoundaryEdgesAndLoops)
     const EdgeId edge{found.findings[0].first_ids.at(0)};
     EXPECT_EQ(topology->triangles(edge).size(), 1U);
     const auto [low, high] = topology->vertices(edge);
-    EXPECT_EQ(found.findings[0].first_places.at(0),
+    EXPECT_EQ(found.findings[0].first_positions.at(0),
               0.5 * (draft.positions[index(low)] + draft.positions[index(high)]));
 }
 
-TEST(MeshReport, NonManifoldEdges)
+TEST(MeshReport, FindsNonManifoldEdges)
 {
     // Two cubes that share the edge from (1, 1, -1) to (1, 1, 1): vertices 3 and 7 of the first.
     Draft draft = cube_draft();
@@ -67,7 +67,7 @@ TEST(MeshReport, NonManifoldEdges)
               (Kinds{FindingKind::boundary_edges, FindingKind::non_manifold_edges}));
 }
 
-TEST(MeshReport, NonManifoldVertices)
+TEST(MeshReport, FindsNonManifoldVertices)
 {
     Draft draft = cube_draft();
     draft.add(make_cube(), Vec3(2, 2, 2));
@@ -85,7 +85,7 @@ TEST(MeshReport, NonManifoldVertices)
     EXPECT_EQ(outlook(found, QueryKind::sign), Outlook::with_care);
 }
 
-TEST(MeshReport, InconsistentEdges)
+TEST(MeshReport, FindsInconsistentEdges)
 {
     Draft draft = cube_draft();
     std::swap(draft.triangles[4][0], draft.triangles[4][1]);
@@ -99,7 +99,7 @@ TEST(MeshReport, InconsistentEdges)
     EXPECT_EQ(outlook(found, QueryKind::sign), Outlook::with_care);
 }
 
-TEST(MeshReport, InwardComponents)
+TEST(MeshReport, FindsInwardComponents)
 {
     Draft draft = cube_draft();
     for (TriangleCorners& corners : draft.triangles) std::swap(corners[1], corners[2]);
@@ -133,7 +133,7 @@ TEST(MeshReport, InwardComponents)
               (Kinds{FindingKind::boundary_edges, FindingKind::inward_components}));
 }
 
-TEST(MeshReport, AClosedSheetHasNoOrientation)
+TEST(MeshReport, ReportsNoOrientationForATriangleAndItsReverse)
 {
     Draft draft;
     draft.positions = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)};

@@ -64,7 +64,7 @@ TEST(MeshReport, MeasuresTheSamples)
     EXPECT_EQ(ship.genus, 0);
 }
 
-TEST(MeshReport, AnEmptyMesh)
+TEST(MeshReport, DescribesAnEmptyMesh)
 {
     const MeshReport found = report(TriangleMesh());
     EXPECT_EQ(kinds(found), Kinds{FindingKind::no_triangles});
@@ -81,7 +81,7 @@ TEST(MeshReport, AnEmptyMesh)
               (Kinds{FindingKind::no_triangles, FindingKind::unreferenced_vertices}));
 }
 
-TEST(MeshReport, NonFinitePositions)
+TEST(MeshReport, FindsNonFinitePositions)
 {
     for (const double bad : {nan_value, std::numeric_limits<double>::infinity(),
                              -std::numeric_limits<double>::infinity()}) {
@@ -111,7 +111,7 @@ TEST(MeshReport, NonFinitePositions)
     EXPECT_EQ(outlook(found, QueryKind::octree), Outlook::works);
 }
 
-TEST(MeshReport, ExtremeScale)
+TEST(MeshReport, FindsExtremeScale)
 {
     for (const double scale : {1e-120, 1e120, 1e-308, 1e307}) {
         const MeshReport found = report(Draft().add(make_cube(), Vec3::Zero(), scale));
@@ -125,7 +125,7 @@ TEST(MeshReport, ExtremeScale)
     }
 }
 
-TEST(MeshReport, FarFromTheOrigin)
+TEST(MeshReport, FindsMeshesFarFromTheOrigin)
 {
     const MeshReport found = report(Draft().add(make_cube(), Vec3(0, 1e9, 0)));
     EXPECT_EQ(kinds(found), Kinds{FindingKind::far_from_origin});
@@ -138,20 +138,20 @@ TEST(MeshReport, FarFromTheOrigin)
               Kinds{FindingKind::far_from_origin});
 }
 
-TEST(MeshReport, UnreferencedVertices)
+TEST(MeshReport, FindsUnreferencedVertices)
 {
     Draft draft = cube_draft();
     draft.positions.emplace_back(50, 0, 0);
     const MeshReport found = report(draft);
     EXPECT_EQ(kinds(found), Kinds{FindingKind::unreferenced_vertices});
     EXPECT_EQ(found.findings[0].first_ids, Ids{8});
-    EXPECT_EQ(found.findings[0].first_places.at(0), Vec3(50, 0, 0));
+    EXPECT_EQ(found.findings[0].first_positions.at(0), Vec3(50, 0, 0));
     EXPECT_EQ(found.findings[0].severity, Severity::note);
     EXPECT_EQ(found.bounds.upper, Vec3(1, 1, 1));
     EXPECT_EQ(found.euler_characteristic, 2);
 }
 
-TEST(MeshReport, DuplicateVerticesAndTheSeamsTheyMake)
+TEST(MeshReport, FindsDuplicateVerticesAndTheirSeams)
 {
     Draft draft = cube_draft();
     // The last triangle (1, 7, 5) with copies of its corners, one of them with a negative zero.
@@ -172,7 +172,7 @@ TEST(MeshReport, DuplicateVerticesAndTheSeamsTheyMake)
     EXPECT_EQ(report(draft).closed_if_welded, false);
 }
 
-TEST(MeshReport, NegativeZeroIsZero)
+TEST(MeshReport, TreatsNegativeZeroAsZero)
 {
     Draft draft;
     draft.positions = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(-0.0, 0, -0.0)};
@@ -183,7 +183,7 @@ TEST(MeshReport, NegativeZeroIsZero)
     EXPECT_EQ(found.closed_if_welded, true);
 }
 
-TEST(MeshReport, DegenerateTriangles)
+TEST(MeshReport, FindsDegenerateTriangles)
 {
     Draft draft = cube_draft();
     draft.triangles.push_back({0, 3, 0}); // on an edge of the cube
@@ -206,7 +206,7 @@ TEST(MeshReport, DegenerateTriangles)
     EXPECT_EQ(flat.components, 0U);
 }
 
-TEST(MeshReport, ZeroAreaTrianglesAreDecidedExactly)
+TEST(MeshReport, DecidesZeroAreaExactly)
 {
     // A third corner exactly on the line, and one unit in the last place beside it.
     const double step = std::nextafter(0.3, 1.0);
@@ -220,7 +220,7 @@ TEST(MeshReport, ZeroAreaTrianglesAreDecidedExactly)
     EXPECT_EQ(found.find(FindingKind::degenerate_triangles), nullptr);
 }
 
-TEST(MeshReport, DuplicateAndCoincidentTriangles)
+TEST(MeshReport, FindsDuplicateAndCoincidentTriangles)
 {
     Draft duplicate = cube_draft();
     duplicate.triangles.push_back({3, 0, 2}); // (0, 2, 3) again, turned on
@@ -238,14 +238,14 @@ TEST(MeshReport, DuplicateAndCoincidentTriangles)
     EXPECT_EQ(outlook(twice, QueryKind::sign), Outlook::with_care);
 }
 
-TEST(MeshReport, NamesAsManyElementsAsAskedFor)
+TEST(MeshReport, ListsAsManyElementsAsRequested)
 {
     Draft draft = cube_draft();
     for (int k = 0; k < 9; ++k) draft.positions.emplace_back(k, 5, 5);
     const auto two = report_mesh(draft.mesh(), {.max_ids = 2});
     EXPECT_EQ(two->findings[0].count, 9U);
     EXPECT_EQ(two->findings[0].first_ids, (Ids{8, 9}));
-    EXPECT_EQ(two->findings[0].first_places.size(), 2U);
+    EXPECT_EQ(two->findings[0].first_positions.size(), 2U);
     const auto none = report_mesh(draft.mesh(), {.max_ids = 0});
     EXPECT_EQ(none->findings[0].count, 9U);
     EXPECT_TRUE(none->findings[0].first_ids.empty());
@@ -281,7 +281,7 @@ TEST(MeshReport, EveryFindingHasAMeaningAndEveryNameIsItsOwn)
     }
 }
 
-TEST(MeshReport, StopsOnRequestAndKeepsToItsBudget)
+TEST(MeshReport, StopsOnRequestAndRespectsItsBudget)
 {
     Progress progress;
     progress.cancel();

@@ -22,7 +22,7 @@ std::optional<double> real(const std::string& text)
     return value;
 }
 
-TEST(NumberText, ReadsWhatTheStandardLibraryReads)
+TEST(NumberText, AgreesWithTheStandardLibrary)
 {
     std::mt19937_64 random(1);
     const auto digits = [&](std::uint64_t most) {
@@ -97,7 +97,7 @@ TEST(NumberText, ReadsSignsAndSpecialValues)
     EXPECT_EQ(real("5e-324"), 5e-324);
 }
 
-TEST(NumberText, RefusesWhatIsNoNumber)
+TEST(NumberText, RefusesTextThatIsNotANumber)
 {
     for (const char* text : {"", "+", "-", ".", "-.", "e5", "++1", "+-1", "-+1", "--1", "1.5.2",
                              "1e", "1e+", "0x10", "1,5", "1#", "1.#FOO", "one", " 1"}) {

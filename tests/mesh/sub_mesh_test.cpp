@@ -9,7 +9,7 @@
 namespace proxima {
 namespace {
 
-TEST(SubMesh, HasTheTrianglesAskedForAndTheirVerticesOnly)
+TEST(SubMesh, HasOnlyTheRequestedTrianglesAndTheirVertices)
 {
     const TriangleMesh mesh = sample_mesh("torus:12x7").value();
     for (std::uint32_t seed = 0; seed < 50; ++seed) {

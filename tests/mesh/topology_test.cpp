@@ -98,7 +98,7 @@ void expect_equal(const TriangleMesh& mesh, const Topology& topology, const Orac
     }
 }
 
-TEST(Topology, AgreesWithTheSlowOneOnRandomSoups)
+TEST(Topology, AgreesWithBruteForceOnRandomSoups)
 {
     for (std::uint32_t seed = 0; seed < 2000; ++seed) {
         SCOPED_TRACE(seed);
@@ -111,7 +111,7 @@ TEST(Topology, AgreesWithTheSlowOneOnRandomSoups)
 }
 
 // Stars too long for a linear search, in a shuffled order of triangles.
-TEST(Topology, AgreesWithTheSlowOneOnLongStars)
+TEST(Topology, AgreesWithBruteForceOnLongStars)
 {
     const TriangleMesh sphere = make_sphere(3, 97);
     std::vector<TriangleCorners> triangles(sphere.triangles().begin(), sphere.triangles().end());
@@ -169,7 +169,7 @@ TEST(Topology, IsTheSameForAnyNumberOfThreads)
     }
 }
 
-TEST(Topology, TakesAnEmptyMesh)
+TEST(Topology, AcceptsAnEmptyMesh)
 {
     const auto topology = build_topology(TriangleMesh());
     ASSERT_TRUE(topology);
@@ -177,7 +177,7 @@ TEST(Topology, TakesAnEmptyMesh)
     EXPECT_EQ(topology->triangle_count(), 0U);
 }
 
-TEST(Topology, RefusesWhatTheBudgetCannotHold)
+TEST(Topology, RefusesMeshesBeyondTheBudget)
 {
     const TriangleMesh mesh = make_sphere(20, 20);
     const auto whole = build_topology(mesh);

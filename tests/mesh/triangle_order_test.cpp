@@ -25,7 +25,7 @@ std::uint64_t code_of(const Triangle& triangle, const Box& bounds, SpaceCurve cu
     return curve == SpaceCurve::morton ? morton_code(at) : hilbert_code(at, triangle_order_bits);
 }
 
-TEST(TriangleOrder, SortsTrianglesByTheirPlaces)
+TEST(TriangleOrder, SortsTrianglesAlongTheCurve)
 {
     const TriangleMesh mesh = sample_mesh("spaceship:3000").value();
     for (const SpaceCurve curve : {SpaceCurve::morton, SpaceCurve::hilbert}) {
@@ -50,7 +50,7 @@ TEST(TriangleOrder, SortsTrianglesByTheirPlaces)
     }
 }
 
-TEST(TriangleOrder, TakesOnePlaceForAllAndStopsOnRequest)
+TEST(TriangleOrder, AcceptsCoincidentTrianglesAndStopsOnRequest)
 {
     const TriangleMesh point =
         *make_triangle_mesh({Vec3(1, 2, 3)}, std::vector<TriangleCorners>(5000, {0, 0, 0}));

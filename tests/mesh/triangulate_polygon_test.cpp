@@ -67,7 +67,7 @@ TEST(TriangulatePolygon, FansConvexPolygons)
     }
 }
 
-TEST(TriangulatePolygon, TakesTheRightDiagonalOfAnArrowFromEveryStart)
+TEST(TriangulatePolygon, CutsAnArrowAlongItsInnerDiagonalFromEveryStart)
 {
     const std::vector<Vec3> arrow{{0, 0, 0}, {2, 1, 0}, {0, 2, 0}, {0.5, 1, 0}};
     for (std::size_t start = 0; start < 4; ++start) {
@@ -139,7 +139,7 @@ TEST(TriangulatePolygon, CoversAPolygonWithABridgeToItsHole)
     EXPECT_EQ(area, 2 * (16 - 4));
 }
 
-TEST(TriangulatePolygon, GivesAllTrianglesOfWhatHasNoRightAnswer)
+TEST(TriangulatePolygon, GivesAllTrianglesOfInvalidPolygons)
 {
     const double nan = std::nan("");
     const std::vector<std::vector<Vec3>> polygons{

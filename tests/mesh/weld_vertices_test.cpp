@@ -65,7 +65,7 @@ TEST(WeldVertices, AgreesWithComparingAllPairs)
     }
 }
 
-TEST(WeldVertices, TakesNothing)
+TEST(WeldVertices, AcceptsAnEmptyMesh)
 {
     std::vector<Vec3> positions;
     std::vector<TriangleCorners> triangles;

@@ -130,7 +130,7 @@ TEST(ConvexHull, PolygonsHaveExtremeCornersInOrder)
     }
 }
 
-TEST(ConvexHull, RandomAndTinyAndHugePointsAreHeld)
+TEST(ConvexHull, ContainsRandomTinyAndHugePoints)
 {
     for (const double scale : {1e-200, 1e-30, 1.0, 1e30, 1e90}) {
         for (unsigned seed = 0; seed < 6; ++seed) {
@@ -156,7 +156,7 @@ TEST(ConvexHull, RandomAndTinyAndHugePointsAreHeld)
     }
 }
 
-TEST(ConvexHull, UnboundedOnesHaveTheirRaysInLoops)
+TEST(ConvexHull, UnboundedHullsHaveTheirRaysInLoops)
 {
     // The wedge of an edge between two faces: two strips and two wedge-shaped ends.
     const auto wedge = test::hull_of({{0, 0, 0}, {1, 0, 0}}, {{0, 0, 1}, {0, -1, 0}});
@@ -179,7 +179,7 @@ TEST(ConvexHull, UnboundedOnesHaveTheirRaysInLoops)
     EXPECT_EQ(half_line.points()[0], Vec3(5, 0, 0));
 }
 
-TEST(ConvexHull, BadInputIsRefused)
+TEST(ConvexHull, RefusesBadInput)
 {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     const auto code = [](const auto& result) {
@@ -200,7 +200,7 @@ TEST(ConvexHull, BadInputIsRefused)
     Progress progress;
     progress.cancel();
     std::mt19937 random(1);
-    EXPECT_EQ(code(convex_hull(test::round_points(random, 2000, 1e6), {}, &progress)),
+    EXPECT_EQ(code(convex_hull(test::round_points(random, 2000, 1e6), {}, {.progress = &progress})),
               ErrorCode::cancelled);
 }
 

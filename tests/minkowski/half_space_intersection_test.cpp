@@ -94,7 +94,7 @@ TEST(HalfSpaceIntersection, ThinSlabsHaveTheirEightCorners)
     }
 }
 
-TEST(HalfSpaceIntersection, ThinnerThanItCanDoIsRefused)
+TEST(HalfSpaceIntersection, RefusesSlabsThinnerThanItCanResolve)
 {
     for (const double width : {1e-13, 1e-14, 1e-15, 0.0}) {
         for (unsigned seed = 0; seed < 20; ++seed) {
@@ -106,7 +106,7 @@ TEST(HalfSpaceIntersection, ThinnerThanItCanDoIsRefused)
     }
 }
 
-TEST(HalfSpaceIntersection, FlatAndEmptySetsAreRefused)
+TEST(HalfSpaceIntersection, RefusesFlatAndEmptySets)
 {
     std::normal_distribution<double> normal;
     for (const double gap : {0.0, 1e-12, 1e-9, 1e-7, 1e-5, 1e-3}) {
@@ -137,7 +137,7 @@ TEST(HalfSpaceIntersection, FlatAndEmptySetsAreRefused)
 
 /// Sets of any planes, most of them unbounded: what is accepted is inside all planes, and holds
 /// every random point that is in all of them.
-TEST(HalfSpaceIntersection, RandomPlanes)
+TEST(HalfSpaceIntersection, AgreesWithSampledPointsOfRandomPlanes)
 {
     int accepted = 0;
     int unbounded = 0;
@@ -179,7 +179,7 @@ TEST(HalfSpaceIntersection, RandomPlanes)
     EXPECT_GT(unbounded, 50);
 }
 
-TEST(HalfSpaceIntersection, ObliqueHullsGiveBackTheirCorners)
+TEST(HalfSpaceIntersection, RecoversTheCornersOfObliqueHulls)
 {
     for (unsigned seed = 0; seed < 150; ++seed) {
         SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -206,7 +206,7 @@ TEST(HalfSpaceIntersection, ObliqueHullsGiveBackTheirCorners)
     }
 }
 
-TEST(HalfSpaceIntersection, EverySizeGivesTheSame)
+TEST(HalfSpaceIntersection, IsTheSameAtEveryScale)
 {
     std::mt19937 random(5);
     const Eigen::Matrix3d frame = random_frame(random);
@@ -222,7 +222,7 @@ TEST(HalfSpaceIntersection, EverySizeGivesTheSame)
     }
 }
 
-TEST(HalfSpaceIntersection, NormalsOfAnyLength)
+TEST(HalfSpaceIntersection, AcceptsNormalsOfAnyLength)
 {
     const Vec3 x = Vec3::UnitX();
     const Vec3 y = Vec3::UnitY();
@@ -249,7 +249,7 @@ TEST(HalfSpaceIntersection, StopsOnRequest)
     const Planes planes = slab(random_frame(random), 1);
     Progress progress;
     progress.cancel();
-    const auto result = polyhedron_of_half_spaces(planes, &progress);
+    const auto result = polyhedron_of_half_spaces(planes, {.progress = &progress});
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().code, ErrorCode::cancelled);
 }

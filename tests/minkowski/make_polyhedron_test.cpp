@@ -23,7 +23,7 @@ TriangleMesh mesh_of(Points points, std::vector<TriangleCorners> triangles)
     return make_triangle_mesh(std::move(points), std::move(triangles)).value();
 }
 
-TEST(PolyhedronOfMesh, ConvexSamplesAreAccepted)
+TEST(PolyhedronOfMesh, AcceptsConvexSamples)
 {
     for (const char* name : {"cube", "octahedron", "icosphere:3", "sphere:50x50"}) {
         const auto mesh = sample_mesh(name);
@@ -34,7 +34,7 @@ TEST(PolyhedronOfMesh, ConvexSamplesAreAccepted)
     EXPECT_EQ(polyhedron_of_mesh(make_cube())->facet_count(), 6U);
 }
 
-TEST(PolyhedronOfMesh, OthersAreRefusedWithTheirPlace)
+TEST(PolyhedronOfMesh, RefusesOtherMeshesAndSaysWhere)
 {
     const auto torus = make_torus(12, 8);
     EXPECT_NE(message_of(polyhedron_of_mesh(torus)).find("not convex"), std::string::npos);
@@ -74,7 +74,7 @@ TEST(PolyhedronOfMesh, OthersAreRefusedWithTheirPlace)
     EXPECT_FALSE(polyhedron_of_mesh(TriangleMesh()));
 }
 
-TEST(PolyhedronOfMesh, TinyAndFoldedOnesAreSeenThrough)
+TEST(PolyhedronOfMesh, RefusesTinyConcaveAndFoldedMeshes)
 {
     const TriangleMesh cube = make_cube();
     const std::vector<TriangleCorners> sides(cube.triangles().begin(), cube.triangles().end());
@@ -99,7 +99,7 @@ TEST(PolyhedronOfMesh, TinyAndFoldedOnesAreSeenThrough)
     EXPECT_NE(message_of(result).find("folded"), std::string::npos) << message_of(result);
 }
 
-TEST(PolyhedronOfMesh, TurnedTrianglesAndLooseVerticesDoNotMatter)
+TEST(PolyhedronOfMesh, IgnoresOrientationAndUnusedVertices)
 {
     const TriangleMesh cube = make_cube();
     Points points(cube.positions().begin(), cube.positions().end());
@@ -113,7 +113,7 @@ TEST(PolyhedronOfMesh, TurnedTrianglesAndLooseVerticesDoNotMatter)
 }
 
 /// Every corner is in all half-spaces, and every half-space that matters is reached.
-TEST(PolyhedronOfHalfSpaces, GivesBackAHull)
+TEST(PolyhedronOfHalfSpaces, RecoversAHull)
 {
     for (unsigned seed = 0; seed < 300; ++seed) {
         SCOPED_TRACE(seed);
@@ -149,7 +149,7 @@ TEST(PolyhedronOfHalfSpaces, GivesBackAHull)
     }
 }
 
-TEST(PolyhedronOfHalfSpaces, BadInputIsRefused)
+TEST(PolyhedronOfHalfSpaces, RefusesBadInput)
 {
     const auto refused = [](std::vector<HalfSpace> planes, const char* why) {
         const auto result = polyhedron_of_half_spaces(planes);
@@ -174,7 +174,7 @@ TEST(PolyhedronOfHalfSpaces, BadInputIsRefused)
     EXPECT_EQ(octant->rays().size(), 3U);
 }
 
-TEST(DrawnSurface, DrawsRaysAtALength)
+TEST(DrawnSurface, CutsRaysAtALength)
 {
     const auto cube = test::hull_of(test::cube_points(1));
     EXPECT_EQ(triangulate(*draw(cube))->triangle_count(), 12U);

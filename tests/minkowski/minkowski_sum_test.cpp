@@ -279,7 +279,7 @@ TEST(MinkowskiSum, SupportsAddUpInRandomDirections)
     EXPECT_GE(directions, 5000U);
 }
 
-TEST(MinkowskiSum, PrismsOfManySidesAreSummedInLinearTime)
+TEST(MinkowskiSum, SumsPrismsOfManySidesInLinearTime)
 {
     // Two coaxial prisms: one pair of caps with thousands of corners each.
     const auto prism = [](int sides, double turn) {
@@ -298,7 +298,7 @@ TEST(MinkowskiSum, PrismsOfManySidesAreSummedInLinearTime)
     expect_euler(*sum);
 }
 
-TEST(MinkowskiSum, IsStoppedOnRequest)
+TEST(MinkowskiSum, StopsOnRequest)
 {
     std::mt19937 random(1);
     const auto a = test::hull_of(test::round_points(random, 40, 1e5));

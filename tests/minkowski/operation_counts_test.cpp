@@ -9,7 +9,7 @@
 namespace proxima {
 namespace {
 
-TEST(OperationCounts, CountsEachKindApart)
+TEST(OperationCounts, CountEachKindSeparately)
 {
     reset_operation_counts();
     Counted a = 3;
@@ -39,7 +39,7 @@ TEST(OperationCounts, CountsEachKindApart)
     }
 }
 
-TEST(OperationCounts, CountsVectorProductsAsSuchAndInFull)
+TEST(OperationCounts, CountVectorProductsAsSuchAndByTheirOperations)
 {
     const Vector3<Counted> a = to_scalar<Counted>({1, 2, 3});
     const Vector3<Counted> b = to_scalar<Counted>({4, 5, 7});
@@ -56,7 +56,7 @@ TEST(OperationCounts, CountsVectorProductsAsSuchAndInFull)
     EXPECT_EQ(product.z().value(), -3);
 }
 
-TEST(OperationCounts, EveryThreadHasItsOwn)
+TEST(OperationCounts, AreSeparateForEveryThread)
 {
     reset_operation_counts();
     std::jthread([] {

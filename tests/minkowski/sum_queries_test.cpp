@@ -60,7 +60,7 @@ TEST(SumQueries, ContainsIsExactOnNastySumsOfAllDimensions)
     EXPECT_GT(inside, 1000);
 }
 
-TEST(SumQueries, SignedDistanceIsTheDistanceToTheNearestPlaceAndItsSign)
+TEST(SumQueries, SignedDistanceIsThatOfTheNearestPoint)
 {
     for (unsigned seed = 0; seed < 300; ++seed) {
         SCOPED_TRACE(seed);
@@ -96,7 +96,7 @@ TEST(SumQueries, SignedDistanceIsTheDistanceToTheNearestPlaceAndItsSign)
     }
 }
 
-TEST(SumQueries, DistancesOfAnySizeAreTheSame)
+TEST(SumQueries, DistancesScaleExactly)
 {
     for (const double size : {0x1p-660, 0x1p-100, 0x1p200, 0x1p280}) {
         const auto cube = test::hull_of(test::cube_points(size));
@@ -141,7 +141,7 @@ TEST(SumQueries, UnboundedSumsHaveDistancesToo)
     EXPECT_FALSE(contains(half, {-5, 9, -1e-300}));
 }
 
-TEST(SumQueries, SeparationLetsGo)
+TEST(SumQueries, SeparationPullsBodiesApart)
 {
     for (unsigned seed = 0; seed < 200; ++seed) {
         SCOPED_TRACE(seed);

@@ -38,7 +38,7 @@ void expect_right(const Octree& octree, const TriangleMesh& mesh, const OctreeOp
     ASSERT_TRUE(status) << describe(status.error());
 }
 
-TEST(BuildOctree, FastAndExactEqualsTheSlowBuilder)
+TEST(BuildOctree, EqualsTheSlowBuilder)
 {
     for (std::uint32_t seed = 0; seed < 400; ++seed) {
         SCOPED_TRACE(::testing::Message() << "seed " << seed);
@@ -50,7 +50,7 @@ TEST(BuildOctree, FastAndExactEqualsTheSlowBuilder)
     }
 }
 
-TEST(BuildOctree, FewTrianglesAtTheGreatestDepthStayExact)
+TEST(BuildOctree, IsExactAtTheGreatestDepth)
 {
     for (std::uint32_t seed = 0; seed < 40; ++seed) {
         SCOPED_TRACE(::testing::Message() << "seed " << seed);
@@ -78,7 +78,7 @@ TEST(BuildOctree, FewTrianglesAtTheGreatestDepthStayExact)
     }
 }
 
-TEST(SameCells, TellsOctreesApart)
+TEST(SameCells, DistinguishesOctrees)
 {
     const TriangleMesh mesh = make_torus(20, 12);
     const auto build = [&](const OctreeOptions& options) { return *build_octree(mesh, options); };
@@ -89,7 +89,7 @@ TEST(SameCells, TellsOctreesApart)
     EXPECT_FALSE(same_cells(octree, build({.root_shape = RootShape::box})));
 }
 
-TEST(BuildOctree, SameBitsForEveryThreadCountAndInstructionSet)
+TEST(BuildOctree, HasTheSameBitsForEveryThreadCountAndInstructionSet)
 {
     std::vector<TriangleMesh> meshes;
     meshes.push_back(make_sphere(100, 100));
@@ -117,7 +117,7 @@ TEST(BuildOctree, SameBitsForEveryThreadCountAndInstructionSet)
     }
 }
 
-TEST(BuildOctree, SphereOfTheThesis)
+TEST(BuildOctree, ReproducesTheSphereOfTheThesis)
 {
     struct Row {
         int depth;
@@ -182,7 +182,7 @@ TEST(BuildOctree, TightRootContainsTheMesh)
     }
 }
 
-TEST(BuildOctree, RefusesWhatItCannotBuild)
+TEST(BuildOctree, RefusesInvalidMeshesAndOptions)
 {
     const TriangleMesh cube = make_cube();
     const auto code = [](const TriangleMesh& mesh, const OctreeOptions& options) {
@@ -220,7 +220,7 @@ TEST(BuildOctree, StopsWhenCancelled)
     EXPECT_EQ(octree.error().code, ErrorCode::cancelled);
 }
 
-TEST(BuildOctree, ScalingByPowersOfTwoAndReorderingChangeNothing)
+TEST(BuildOctree, IsInvariantToScalingByPowersOfTwoAndToReordering)
 {
     for (std::uint32_t seed = 0; seed < 60; ++seed) {
         SCOPED_TRACE(::testing::Message() << "seed " << seed);

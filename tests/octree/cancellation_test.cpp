@@ -29,7 +29,7 @@ const Octree& large_octree()
 
 class OctreeCancellation : public FolderTest {};
 
-TEST_F(OctreeCancellation, OfSavingAndLoading)
+TEST_F(OctreeCancellation, StopsSavingAndLoadingAtEveryStage)
 {
     const auto file = path("a.pxo");
     std::ofstream(file) << "old";
@@ -48,7 +48,7 @@ TEST_F(OctreeCancellation, OfSavingAndLoading)
         [] { return true; }, 3);
 }
 
-TEST_F(OctreeCancellation, OfExporting)
+TEST_F(OctreeCancellation, StopsExportingAtEveryStage)
 {
     for (const char* const name : {"a.vtu", "a.htg", "a.ply", "a.glb"}) {
         SCOPED_TRACE(name);
@@ -63,7 +63,7 @@ TEST_F(OctreeCancellation, OfExporting)
     }
 }
 
-TEST(OctreeBuildCancellation, AtEveryStage)
+TEST(OctreeBuildCancellation, StopsAtEveryStage)
 {
     for (const Subdivision subdivision : {Subdivision::adaptive, Subdivision::uniform}) {
         for (const int threads : {1, 2}) {
@@ -81,7 +81,7 @@ TEST(OctreeBuildCancellation, AtEveryStage)
     }
 }
 
-TEST(OctreeBuildCancellation, OfClassifyingAMeshWithAHole)
+TEST(OctreeBuildCancellation, StopsWhileClassifyingAMeshWithAHole)
 {
     std::vector<Vec3> positions(large_mesh().positions().begin(), large_mesh().positions().end());
     std::vector<TriangleCorners> triangles(large_mesh().triangles().begin() + 500,
@@ -99,7 +99,7 @@ TEST(OctreeBuildCancellation, OfClassifyingAMeshWithAHole)
         [] { return true; }, 6);
 }
 
-TEST(OctreeCheckCancellation, StopsAndSaysSo)
+TEST(OctreeCheckCancellation, ReportsThatItWasStopped)
 {
     const TriangleMesh mesh = make_sphere(40, 40);
     const auto octree = build_octree(mesh, {.max_depth = 5});

@@ -47,7 +47,7 @@ TEST_F(CheckOctree, AcceptsWhatTheOracleBuilds)
     EXPECT_EQ(reason(check_octree(slow_octree(mesh, one_leaf), mesh)), "ok");
 }
 
-TEST_F(CheckOctree, AcceptsConservativeListsOnlyWhereTheySayNotExact)
+TEST_F(CheckOctree, AcceptsConservativeListsOnlyWhenMarkedInexact)
 {
     const auto fat = [](const Triangle& triangle, const Box& box) {
         return slow_overlap(triangle,
@@ -92,7 +92,7 @@ TEST_F(CheckOctree, FindsAWrongThreshold)
     EXPECT_NE(reason(check_octree(edit.octree(), mesh)).find("is split"), std::string::npos);
 }
 
-TEST_F(CheckOctree, FindsAForeignMesh)
+TEST_F(CheckOctree, DetectsAnotherMesh)
 {
     EXPECT_FALSE(check_octree(adaptive, sphere_mesh(Vec3::Zero(), 1.0, 8, 9)));
     EXPECT_FALSE(check_octree(adaptive, sphere_mesh(Vec3(0.1, 0.2, 5.0), 1.0, 8, 8)));

@@ -152,7 +152,7 @@ const TriangleMesh& torus()
     return mesh;
 }
 
-TEST(ClassifyCells, ClosedSurfaces)
+TEST(ClassifyCells, AgreesWithBruteForceOnClosedSurfaces)
 {
     const Vec3 center(0.1, 0.2, 0.3);
     const TriangleMesh ball = sphere_mesh(center, 1.0, 12, 12);
@@ -181,7 +181,7 @@ TEST(ClassifyCells, ClosedSurfaces)
     }
 }
 
-TEST(ClassifyCells, TheCavityOfAShellIsOutside)
+TEST(ClassifyCells, FindsTheCavityOfAShellOutside)
 {
     const TriangleMesh shell =
         joined(cube_mesh(Vec3::Zero(), 1.0), inverted(cube_mesh(Vec3::Zero(), 0.5)));
@@ -198,7 +198,7 @@ TEST(ClassifyCells, TheCavityOfAShellIsOutside)
     EXPECT_GT(wall, 0);
 }
 
-TEST(ClassifyCells, SurfacesWithHoles)
+TEST(ClassifyCells, AgreesWithBruteForceOnSurfacesWithHoles)
 {
     std::mt19937 random(17);
     for (int round = 0; round < 12; ++round) {
@@ -216,7 +216,7 @@ TEST(ClassifyCells, SurfacesWithHoles)
     }
 }
 
-TEST(ClassifyCells, AwayFromAHoleNothingChangesAndTheLeakIsReported)
+TEST(ClassifyCells, KeepsCellsAwayFromAHoleAndReportsTheLeak)
 {
     const TriangleMesh closed = sphere_mesh(Vec3::Zero(), 1.0, 24, 24);
     const auto at_top = [&](std::size_t i) {
@@ -251,7 +251,7 @@ TEST(ClassifyCells, AwayFromAHoleNothingChangesAndTheLeakIsReported)
     EXPECT_GT(compared, 1000);
 }
 
-TEST(ClassifyCells, BadSurfaces)
+TEST(ClassifyCells, AgreesWithBruteForceOnBadSurfaces)
 {
     const TriangleMesh ball = sphere_mesh(Vec3(0.1, 0.2, 0.3), 1.0, 12, 12);
     {
@@ -311,7 +311,7 @@ TEST(ClassifyCells, BadSurfaces)
     }
 }
 
-TEST(ClassifyCells, MovedTurnedAndScaled)
+TEST(ClassifyCells, AgreesWithBruteForceAtAnyPoseAndScale)
 {
     const TriangleMesh open = without(torus(), [](std::size_t i) { return i % 40 == 0; });
     const Octree octree = slow_octree(open, {.max_depth = 5});
@@ -328,7 +328,7 @@ TEST(ClassifyCells, MovedTurnedAndScaled)
     expect_right(moved(open, [&](const Vec3& p) { return Vec3(turn * p + Vec3(100, -50, 7)); }));
 }
 
-TEST(ClassifyCells, SameBitsForAnyNumberOfThreads)
+TEST(ClassifyCells, HasTheSameBitsForAnyNumberOfThreads)
 {
     const TriangleMesh open =
         without(torus_mesh(1.0, 0.4, 60, 30), [](std::size_t i) { return i < 200; });
@@ -346,7 +346,7 @@ TEST(ClassifyCells, SameBitsForAnyNumberOfThreads)
     EXPECT_TRUE(std::equal(one.nodes().begin(), one.nodes().end(), again.nodes().begin()));
 }
 
-TEST(ClassifyCells, RefusesAndStops)
+TEST(ClassifyCells, RefusesInvalidInputAndStopsOnRequest)
 {
     const TriangleMesh ball = sphere_mesh(Vec3::Zero(), 1.0, 12, 12);
     const Octree octree = slow_octree(ball, {.max_depth = 4});

@@ -141,7 +141,7 @@ TEST_P(Export, IsReadBackLeafByLeaf)
 INSTANTIATE_TEST_SUITE_P(Formats, Export, ::testing::Values("vtu", "htg", "ply", "glb"),
                          [](const auto& format) { return std::string(format.param); });
 
-TEST(ExportErrors, NamesWhatIsWrong)
+TEST(ExportErrors, AreReported)
 {
     const TriangleMesh mesh = cube_mesh(Vec3::Zero(), 1.0);
     const Octree octree = slow_octree(mesh, {.max_depth = 2});

@@ -70,7 +70,7 @@ protected:
     Octree small = classify_cells(slow_octree(mesh, {.max_depth = 2}), mesh).value();
 };
 
-TEST_F(OctreeFile, ComesBackAsItWas)
+TEST_F(OctreeFile, SurvivesSavingAndLoading)
 {
     const TriangleMesh open =
         without(torus_mesh(1.0, 0.4, 30, 20), [](std::size_t i) { return i < 30; });
@@ -120,7 +120,7 @@ TEST_F(OctreeFile, DamageWithRightChecksumsIsHarmless)
     EXPECT_GT(accepted, 0) << "seed 5";
 }
 
-TEST_F(OctreeFile, NamesTheReason)
+TEST_F(OctreeFile, ReportsWhyAFileIsRefused)
 {
     const std::string bytes = saved(small);
     const auto expect_refused = [](const std::string& file, ErrorCode code, const char* why) {
@@ -152,7 +152,7 @@ TEST_F(OctreeFile, NamesTheReason)
     EXPECT_EQ(save_octree(small, "/dev/full").error().code, ErrorCode::file_not_writable);
 }
 
-TEST_F(OctreeFile, HoldsABigOctree)
+TEST_F(OctreeFile, HoldsALargeOctree)
 {
     const TriangleMesh fine = torus_mesh(1.0, 0.4, 200, 100);
     const Octree octree = slow_octree(

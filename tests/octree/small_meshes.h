@@ -3,8 +3,10 @@
 
 #include "proxima/triangle_mesh.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -38,6 +40,18 @@ inline TriangleMesh cube_mesh(const Vec3& center, double half)
                                {0, 3, 1},
                                {4, 5, 7},
                                {4, 7, 6}});
+}
+
+/// The radius of the largest ball about the origin that a convex mesh around it holds: no point of
+/// its surface is nearer.
+inline double inner_radius(const TriangleMesh& mesh)
+{
+    double least = std::numeric_limits<double>::infinity();
+    for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
+        const Triangle triangle = mesh.triangle(TriangleId{id});
+        least = std::min(least, scaled_normal(triangle).stableNormalized().dot(triangle[0]));
+    }
+    return least;
 }
 
 /// A closed grid of stacks x slices points on a sphere-like or torus-like surface.

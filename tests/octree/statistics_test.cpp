@@ -22,7 +22,7 @@ OctreeFrame unit_root()
     return {Vec3::Constant(-1.0), Vec3::Constant(2.0)};
 }
 
-TEST(Statistics, GivesTheThesisTable21)
+TEST(Statistics, ReproducesTable21OfTheThesis)
 {
     struct Row {
         int depth;
@@ -45,7 +45,7 @@ TEST(Statistics, GivesTheThesisTable21)
     }
 }
 
-TEST(Statistics, AgreesWithAPlainCountOfEveryCell)
+TEST(Statistics, AgreesWithACountOfEveryCell)
 {
     const TriangleMesh mesh = torus_mesh(1.0, 0.4, 24, 12);
     for (const Subdivision subdivision : {Subdivision::adaptive, Subdivision::uniform}) {
@@ -100,6 +100,14 @@ TEST(Statistics, OfOneLeafHasNoSpread)
     EXPECT_EQ(statistics.std_triangles, 0.0);
     EXPECT_EQ(statistics.occupied_percent, 100.0);
     EXPECT_EQ(statistics.depth_reached, 0);
+}
+
+TEST(Statistics, OfTheDefaultOctreeAreZero)
+{
+    const Octree octree;
+    EXPECT_EQ(octree_statistics(octree).total, 0U);
+    EXPECT_TRUE(octree.is_leaf(octree.root()));
+    EXPECT_TRUE(octree.triangles(octree.root()).empty());
 }
 
 } // namespace

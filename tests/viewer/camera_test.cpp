@@ -17,7 +17,7 @@ std::vector<Vec3> random_points(std::mt19937_64& random)
     return points;
 }
 
-TEST(Camera, FitsAllPointsIntoThePictureButForItsMargin)
+TEST(Camera, FitsAllPointsIntoThePictureWithinItsMargin)
 {
     std::mt19937_64 random(20261121);
     std::uniform_real_distribution<double> angle(-3.0, 3.0);
@@ -44,7 +44,7 @@ TEST(Camera, FitsAllPointsIntoThePictureButForItsMargin)
     }
 }
 
-TEST(Camera, OpenGlSeesWhatPicturesSee)
+TEST(Camera, ProjectsTheSameInOpenGlAndInSoftware)
 {
     std::mt19937_64 random(7);
     for (int round = 0; round < 20; ++round) {

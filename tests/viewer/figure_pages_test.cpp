@@ -46,7 +46,7 @@ Result<FigureContent> failing(const Execution& /*context*/)
     return fail(ErrorCode::broken_invariant, "no figure");
 }
 
-TEST_F(FigurePages, PanelsStandBesideAndBelowEachOther)
+TEST_F(FigurePages, PlacesPanelsBesideAndBelowEachOther)
 {
     auto content = two_panels({});
     content->columns = 2;
@@ -61,7 +61,7 @@ TEST_F(FigurePages, PanelsStandBesideAndBelowEachOther)
     EXPECT_EQ(below->pixel(12 + 30, 46 + 86 + 20), (std::array<std::uint8_t, 3>{0, 0, 255}));
 }
 
-TEST_F(FigurePages, DrawingsBecomeTwoFilesAndScenesOne)
+TEST_F(FigurePages, WritesTwoFilesPerDrawingAndOnePerScene)
 {
     const auto flat = write_figure_page({"9.1", "Flat", drawing}, folder(), *renderer, {});
     ASSERT_TRUE(flat);
@@ -74,7 +74,7 @@ TEST_F(FigurePages, DrawingsBecomeTwoFilesAndScenesOne)
     EXPECT_EQ(text_of("figure_9_1.svg").substr(0, 4), "<svg");
 }
 
-TEST_F(FigurePages, FailuresLeaveNoFile)
+TEST_F(FigurePages, LeavesNoFileAfterAFailure)
 {
     const auto page = write_figure_page({"9.3", "Failing", failing}, folder(), *renderer, {});
     ASSERT_FALSE(page);
@@ -89,7 +89,7 @@ TEST_F(FigurePages, FailuresLeaveNoFile)
     EXPECT_EQ(entries(), 0);
 }
 
-TEST_F(FigurePages, TheSheetShowsAllAndNamesWhatIsMissing)
+TEST_F(FigurePages, TheSheetShowsAllFiguresAndListsMissingOnes)
 {
     const auto page = write_figure_page({"9.2", "Scenes", two_panels}, folder(), *renderer, {});
     ASSERT_TRUE(page);

@@ -98,7 +98,7 @@ TEST(Figures, IndexTrackingShowsTheSameNumbersTwice)
     for (int k = 0; k < 12; ++k) EXPECT_EQ(words[std::to_string(k)], 2) << k;
 }
 
-TEST(Figures, WordsStandClearOfStrongLines)
+TEST(Figures, WordsKeepClearOfStrongLines)
 {
     const auto is_strong = [](const FigureLine& line) {
         return line.color != figure_colors::faint && line.from != line.to;
@@ -136,7 +136,7 @@ TEST(Figures, EveryLeafThatListsFeaturesNamesThem)
     }
 }
 
-TEST(Figures, LinesCrossWordsByTheirWidth)
+TEST(Figures, DetectsLinesThatCrossWordsByTheirWidth)
 {
     const FigureText text = {{100, 50}, "xx", {20.0, 0, TextAnchor::middle}};
     const PlanarBox box = box_of(text);
@@ -197,7 +197,7 @@ TEST(Figures, SumsOfTwoSizesHaveTheSameFacets)
         EXPECT_TRUE((facets(0)[i]->color == facets(1)[i]->color).all());
 }
 
-TEST(Figures, DegenerateTrianglesAreToldApartByTheirInside)
+TEST(Figures, DegenerateTrianglesDifferInTheirInterior)
 {
     const auto content = figure_3_15({});
     ASSERT_TRUE(content);

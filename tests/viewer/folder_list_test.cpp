@@ -25,7 +25,7 @@ protected:
     }
 };
 
-TEST_F(FolderListTest, HoldsFoldersAndModelsAlone)
+TEST_F(FolderListTest, ListsOnlyFoldersAndModels)
 {
     EXPECT_TRUE(names().empty());
     write("b.OBJ", "four");
@@ -42,7 +42,7 @@ TEST_F(FolderListTest, HoldsFoldersAndModelsAlone)
     EXPECT_EQ(list_folder(path("z") / "..")->folder, std::filesystem::canonical(folder()));
 }
 
-TEST_F(FolderListTest, SaysWhichFolderCannotBeRead)
+TEST_F(FolderListTest, ReportsWhichFolderCannotBeRead)
 {
     const auto list = list_folder(path("none"));
     ASSERT_FALSE(list);
@@ -54,7 +54,7 @@ TEST_F(FolderListTest, SaysWhichFolderCannotBeRead)
     EXPECT_EQ(list_folder(folder(), &progress).error().code, ErrorCode::cancelled);
 }
 
-TEST_F(FolderListTest, StopsWhereNobodyReadsOn)
+TEST_F(FolderListTest, StopsAfterTheMostEntries)
 {
     for (std::size_t i = 0; i <= FolderList::most_entries; ++i)
         std::filesystem::create_symlink("x", path(std::to_string(i) + ".obj"));
@@ -70,7 +70,7 @@ TEST_F(FolderListTest, StopsWhereNobodyReadsOn)
     EXPECT_EQ(list->entries.size(), FolderList::most_entries);
 }
 
-TEST(TypedPath, IsWhatSomebodyMeans)
+TEST(TypedPath, ExpandsHomeAndRelativePaths)
 {
     ::setenv("HOME", "/home/somebody", 1);
     EXPECT_EQ(typed_path("a.obj", "/models"), "/models/a.obj");

@@ -40,7 +40,7 @@ TEST(IntersectionPanel, HasBothModelsInThePicture)
     }
 }
 
-TEST(IntersectionPanel, SaysHowFarApartMeshesAre)
+TEST(IntersectionPanel, ReportsTheDistanceOfMeshes)
 {
     Shown shown({"icosphere:2", "cube"}, "intersection");
     EXPECT_EQ(shown.fact("meet"), "yes");
@@ -61,7 +61,7 @@ TEST(IntersectionPanel, SaysHowFarApartMeshesAre)
     EXPECT_EQ(shown.fact("inside"), "");
 }
 
-TEST(IntersectionPanel, SaysWhatIsInsideOfWhat)
+TEST(IntersectionPanel, ReportsContainment)
 {
     Shown shown({"icosphere:2", "icosphere:1"}, "intersection");
     const std::string path = "intersection_panel_test.obj";

@@ -130,7 +130,7 @@ std::size_t count_of(const Shape& of, FeatureKind kind)
                                        : of.mesh.triangle_count();
 }
 
-TEST(LocalCone, HoldsEveryPointThatItsFeatureIsTheClosestOf)
+TEST(LocalCone, ContainsEveryPointWhoseClosestFeatureItIs)
 {
     constexpr unsigned seed = 20;
     std::mt19937 random(seed);
@@ -161,7 +161,7 @@ TEST(LocalCone, HoldsEveryPointThatItsFeatureIsTheClosestOf)
     EXPECT_GT(seen[1], 100);
 }
 
-TEST(LocalCone, HoldsNoOtherPoints)
+TEST(LocalCone, ContainsNoOtherPoints)
 {
     constexpr unsigned seed = 21;
     std::mt19937 random(seed);
@@ -198,7 +198,7 @@ TEST(LocalCone, HoldsNoOtherPoints)
     for (const int count : seen) EXPECT_GT(count, 0);
 }
 
-TEST(LocalCone, TellsHowTheSurfaceIsBent)
+TEST(LocalCone, DistinguishesConvexFromConcaveFeatures)
 {
     const Shape of = bracket();
     // The edge that stands in the L's corner, from (1, 1, 0) to (1, 1, 1).
@@ -225,7 +225,7 @@ TEST(LocalCone, TellsHowTheSurfaceIsBent)
     EXPECT_EQ(line->corners[0].direction, Vec3::UnitZ());
 }
 
-TEST(LocalCone, RefusesWhatHasNone)
+TEST(LocalCone, RefusesFeaturesWithoutACone)
 {
     const Shape of =
         shape("flawed", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {2, 0, 0}, {5, 5, 5}, {0, 0, 0}},

@@ -22,7 +22,7 @@ TriangleMesh flawed_mesh()
                                {{0, 1, 2}, {0, 1, 3}, {4, 5, 6}, {5, 4, 7}, {4, 5, 8}});
 }
 
-TEST(ModelPanel, DrawsEdgesThatAreWrong)
+TEST(ModelPanel, HighlightsFaultyEdges)
 {
     const std::string path = "model_panel_test.obj";
     ASSERT_TRUE(write_mesh(flawed_mesh(), path));
@@ -40,14 +40,14 @@ TEST(ModelPanel, DrawsEdgesThatAreWrong)
     EXPECT_EQ(shown.fact("boundary edges"), "10 (red)");
 }
 
-TEST(ModelPanel, HasNothingToSayAgainstASoundModel)
+TEST(ModelPanel, ReportsNoFaultOfASoundModel)
 {
     const Shown shown({"icosphere:2"}, "model");
     EXPECT_EQ(shown.viewer.facts().size(), 4U);
     EXPECT_TRUE(shown.scene().lines.empty());
 }
 
-TEST(ModelPanel, WordsOfAPanelGoWithIt)
+TEST(ModelPanel, FactsOfAPanelDisappearWithIt)
 {
     Shown shown({"icosphere:2"}, "model");
     EXPECT_NE(shown.fact("vertices"), "");

@@ -13,7 +13,7 @@
 namespace proxima {
 namespace {
 
-TEST(ProximityFigures, ListedCellsAreThoseThatTheRegionMeets)
+TEST(ProximityFigures, ListedCellsAreThoseThatMeetTheRegion)
 {
     const auto shown = sphere_with_listed_feature({});
     ASSERT_TRUE(shown);
@@ -64,7 +64,7 @@ TEST(ProximityFigures, VoronoiRegionsAreBoundedByTheirPlanes)
     EXPECT_EQ(surfaces_named(cube, "face").size(), 12U);
 }
 
-TEST(ProximityFigures, ObstructingFacetsAreThoseThatRaysLeadThrough)
+TEST(ProximityFigures, ObstructingFacetsAreThoseThatRaysCross)
 {
     const auto content = figure_4_9({});
     ASSERT_TRUE(content) << content.error().message;

@@ -39,7 +39,7 @@ double area(const std::vector<QuadtreeLeaf>& leaves)
     return sum;
 }
 
-TEST(Quadtree, LeavesListTheSegmentsThatTheyMeet)
+TEST(Quadtree, LeavesListTheSegmentsThatMeetThem)
 {
     for (const Subdivision subdivision : {Subdivision::uniform, Subdivision::adaptive}) {
         const auto tree = circle_quadtree(5, subdivision);

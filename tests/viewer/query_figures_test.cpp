@@ -49,7 +49,7 @@ std::set<std::uint64_t> leaves_on_ray(const LitCells& lit)
     return keys;
 }
 
-TEST(QueryFigures, LitCellsAreThoseOfTheRayWithItsWeights)
+TEST(QueryFigures, LitCellsAreThoseAlongTheRayWithTheirWeights)
 {
     for (const bool fully : {true, false}) {
         const auto lit = fully ? fully_lit_cells({}) : variously_lit_cells({});
@@ -79,7 +79,7 @@ TEST(QueryFigures, LitCellsAreThoseOfTheRayWithItsWeights)
     }
 }
 
-TEST(QueryFigures, TheTouchedPlaceIsThatOfBruteForce)
+TEST(QueryFigures, TouchedPointAgreesWithBruteForce)
 {
     const auto touched = touched_place({});
     ASSERT_TRUE(touched);

@@ -54,7 +54,7 @@ TriangleMesh two_cubes(double gap)
     return *make_triangle_mesh(std::move(positions), std::move(triangles));
 }
 
-TEST(RegionShape, OfConvexBodiesGoesOn)
+TEST(RegionShape, OfConvexBodiesIsUnbounded)
 {
     const Built sphere = built(make_icosphere(1));
     for (const FeatureKind kind : kinds) {
@@ -71,7 +71,7 @@ TEST(RegionShape, OfConvexBodiesGoesOn)
     }
 }
 
-TEST(RegionShape, BetweenTwoCubesEndsHalfWay)
+TEST(RegionShape, EndsHalfwayBetweenTwoCubes)
 {
     constexpr double gap = 0.5;
     const Built cubes = built(two_cubes(gap));
@@ -127,7 +127,7 @@ TEST(RegionShape, EndsWhereAnotherFeatureIsAsNear)
     EXPECT_GT(going_on, 200U);
 }
 
-TEST(RegionShape, IsDrawnOpenWhereItGoesOn)
+TEST(RegionShape, IsDrawnOpenWhereItContinues)
 {
     const Built cubes = built(two_cubes(0.5));
     const auto triangles_of = [&](const RegionShape& shape) {
@@ -158,7 +158,7 @@ TEST(RegionShape, IsDrawnOpenWhereItGoesOn)
     EXPECT_TRUE(has_gone_on);
 }
 
-TEST(RegionShape, LiesBehindWhatIsBentInward)
+TEST(RegionShape, OfConcaveFeaturesLiesBehindTheSurface)
 {
     const Built torus = built(make_torus(24, 12));
     std::array<std::size_t, 3> found = {}; // outside, behind, empty

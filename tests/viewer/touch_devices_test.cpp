@@ -145,7 +145,7 @@ TEST(TouchDevices, AnotherProgramTouchesOverUdp)
     EXPECT_EQ(touching.viewer.problem(), "");
 }
 
-TEST(TouchDevices, AMakersLibraryTouchesAndLetsGo)
+TEST(TouchDevices, ADriverLibraryTouchesAndLetsGo)
 {
     Touching touching({"device=hd", std::string("library=") + STUB_HD});
     ASSERT_TRUE(touching.comes([&] { return touching.force() > 1.0; }));
@@ -163,7 +163,7 @@ TEST(TouchDevices, AMakersLibraryTouchesAndLetsGo)
         touching.comes([&] { return touching.force() > 1.0 && touching.proxy().y() > 0.7; }));
 }
 
-TEST(TouchDevices, WhatIsNotThereIsSaidAndEverythingGoesOn)
+TEST(TouchDevices, ThatAreMissingAreReportedWithoutStoppingTheViewer)
 {
     Touching touching({"device=hd", "library=/nowhere/libHD.so"});
     ASSERT_TRUE(touching.comes([&] { return !touching.viewer.problem().empty(); }));
@@ -192,7 +192,7 @@ TEST(TouchDevices, WhatIsNotThereIsSaidAndEverythingGoesOn)
     EXPECT_EQ(touching.viewer.problem(), "");
 }
 
-TEST(TouchDevices, ThatPlugInLaterAreOpenedAgain)
+TEST(TouchDevices, AreOpenedAgainOnRequest)
 {
     const std::uint16_t port = free_port();
     auto taken = std::make_unique<UdpSocket>(*UdpSocket::listen({.port = port}));
@@ -204,7 +204,7 @@ TEST(TouchDevices, ThatPlugInLaterAreOpenedAgain)
     EXPECT_EQ(touching.viewer.problem(), "");
 }
 
-TEST(TouchDevices, MakeNoPictures)
+TEST(TouchDevices, AreRefusedForStillPictures)
 {
     Viewer viewer;
     ASSERT_TRUE(viewer.choose_panel("touch"));

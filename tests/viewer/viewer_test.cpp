@@ -21,7 +21,7 @@ TEST(Viewer, OpensNothingFromABrokenFile)
     EXPECT_EQ(status.error().code, ErrorCode::file_not_found);
 }
 
-TEST(Viewer, OpensModelsInsteadOfOthersOrBesideThem)
+TEST(Viewer, OpensModelsInPlaceOfOthersOrBesideThem)
 {
     Shown shown({"icosphere:2"}, "model");
     shown.viewer.open({"cube", "octahedron"}, Placing::beside);
@@ -38,7 +38,7 @@ TEST(Viewer, OpensModelsInsteadOfOthersOrBesideThem)
     EXPECT_EQ(shown.triangles("mesh"), 12U);
 }
 
-TEST(Viewer, GoesOnWhereAModelCannotBeOpened)
+TEST(Viewer, ContinuesWhenAModelCannotBeOpened)
 {
     Shown shown({"icosphere:2"}, "model");
     Viewer& viewer = shown.viewer;
@@ -60,7 +60,7 @@ TEST(Viewer, GoesOnWhereAModelCannotBeOpened)
     EXPECT_EQ(viewer.models()[0]->name, "cube");
 }
 
-TEST(Viewer, LoadingIsWatchedAndStopped)
+TEST(Viewer, LoadingReportsProgressAndCanBeStopped)
 {
     Shown shown({"cube"}, "model");
     Viewer& viewer = shown.viewer;
@@ -77,7 +77,7 @@ TEST(Viewer, LoadingIsWatchedAndStopped)
     EXPECT_EQ(viewer.models()[0]->name, "octahedron");
 }
 
-TEST(Viewer, RefusesWhatIsBeyondItsMemory)
+TEST(Viewer, RefusesModelsBeyondItsMemory)
 {
     Viewer viewer({.execution = {.budget = {20'000'000}}});
     viewer.open({"icosphere:4"}); // 5,120 triangles
@@ -92,7 +92,7 @@ TEST(Viewer, RefusesWhatIsBeyondItsMemory)
     EXPECT_EQ(viewer.models()[0]->mesh.triangle_count(), 5120U);
 }
 
-TEST(Viewer, MouseTurnsMovesAndGoesNearer)
+TEST(Viewer, MouseOrbitsPansAndZooms)
 {
     Shown shown({"icosphere:2"}, "model");
     Viewer& viewer = shown.viewer;
@@ -157,7 +157,7 @@ TEST(Viewer, HandlesFollowTheMouseInTheirPlane)
     EXPECT_EQ(viewer.camera().azimuth, OrbitCamera(viewer.camera()).azimuth);
 }
 
-TEST(Viewer, CancelsWorkAndBeginsAgain)
+TEST(Viewer, CancelsWorkAndStartsAgain)
 {
     Shown shown({"icosphere:6"}, "model");
     Viewer& viewer = shown.viewer;
@@ -175,7 +175,7 @@ TEST(Viewer, CancelsWorkAndBeginsAgain)
     EXPECT_FALSE(shown.fact("distance").empty());
 }
 
-TEST(Viewer, MayBeDestroyedInTheMiddleOfWork)
+TEST(Viewer, MayBeDestroyedWhileItWorks)
 {
     Viewer viewer;
     ASSERT_TRUE(viewer.choose_panel("closest"));
@@ -183,7 +183,7 @@ TEST(Viewer, MayBeDestroyedInTheMiddleOfWork)
     viewer.update(0.0);
 }
 
-TEST(NamedSettings, SayWhatDoesNotFit)
+TEST(NamedSettings, ReportUnknownNamesAndBadValues)
 {
     Viewer viewer;
     ASSERT_TRUE(viewer.choose_panel("octree"));
@@ -205,7 +205,7 @@ TEST(NamedSettings, SayWhatDoesNotFit)
               std::string::npos);
 }
 
-TEST(NamedSettings, AreFoundWhateverTheirOrder)
+TEST(NamedSettings, AreAppliedInAnyOrder)
 {
     Viewer viewer;
     ASSERT_TRUE(viewer.choose_panel("octree"));

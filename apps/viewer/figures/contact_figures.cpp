@@ -56,7 +56,7 @@ Result<TouchedPlace> touched_place(const Execution& context)
     NeighbourhoodScratch scratch(mesh);
     std::vector<TriangleId> rings(mesh.triangle_count());
     const auto near = collect_rings(mesh, *topology, closest->feature, 1, scratch, rings);
-    rings.resize(near.count);
+    rings.resize(near.written);
     std::erase(rings, closest->triangle);
     std::ranges::sort(rings);
     return TouchedPlace{std::move(mesh), cursor, *closest, std::move(rings), octree->box(*cell)};

@@ -108,7 +108,7 @@ public:
             std::vector<TriangleId> patch(model->mesh.triangle_count());
             const Neighbourhood near = collect_rings(model->mesh, model->topology, closest.feature,
                                                      settings.rings, scratch, patch);
-            patch.resize(near.count);
+            patch.resize(near.written);
             if (closest.feature.kind == FeatureKind::face) std::erase(patch, closest.triangle);
             std::ranges::sort(patch);
             const auto leaf = leaf_at(**with, settings.cursor.at);
@@ -121,7 +121,7 @@ public:
                 {"point", fmt::format("{:.4g}, {:.4g}, {:.4g}", closest.point.x(),
                                       closest.point.y(), closest.point.z())},
                 {"triangle", fmt::format("{}", index(closest.triangle))},
-                {"patch", fmt::format("{} triangles in {} rings", near.count, settings.rings)},
+                {"patch", fmt::format("{} triangles in {} rings", near.written, settings.rings)},
                 {"leaf", leaf ? fmt::format("depth {}, {} triangles listed", leaf->depth,
                                             leaf->listed.size())
                               : "outside of the root"},

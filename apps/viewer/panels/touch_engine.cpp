@@ -1,6 +1,7 @@
 #include "viewer/panels/touch_engine.h"
 
 #include "base/text.h"
+#include "haptics/force/surface_renderer.h"
 
 #include <algorithm>
 #include <chrono>
@@ -64,8 +65,11 @@ std::string words_of(const DeviceInfo& info)
 TouchSession::TouchSession(const ContactSurface& surface, TouchDevice device,
                            const TouchOptions& options)
     : device_(std::move(device)),
-      input_(device_.device->info(), {.tick_seconds = tick_seconds, .rotation = options.axes}),
-      renderer_(surface, device_.map, device_.limits, render_options(options))
+      input_(make_device_input(device_.device->info(),
+                               {.tick_seconds = tick_seconds, .rotation = options.axes})
+                 .value()),
+      renderer_(
+          make_surface_renderer(surface, device_.map, device_.limits, render_options(options)))
 {}
 
 void TouchSession::tick() noexcept

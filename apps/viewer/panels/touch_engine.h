@@ -7,7 +7,6 @@
 #pragma once
 
 #include "cli/touch_device.h"
-#include "haptics/device/device_input.h"
 #include "haptics/loop/snapshot.h"
 #include "haptics/surface/contact_surface.h"
 #include "proxima/device.h"

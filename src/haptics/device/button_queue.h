@@ -1,28 +1,23 @@
 // Button events from the servo thread to the user's: a ring without lock or waiting.
 #pragma once
 
+#include "proxima/device.h"
+
 #include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 namespace proxima {
 
-struct ButtonEvent {
-    std::uint64_t tick = 0; ///< in which the device said so
-    int button = 0;         ///< which, from 0
-    bool pressed = false;   ///< or released
-
-    friend bool operator==(const ButtonEvent&, const ButtonEvent&) = default;
-};
-
-/// One thread pushes, one other thread pops. Wait-free, noexcept, no allocation. Where nobody pops,
-/// the newest events are dropped and counted: what was pushed first is read first.
+/// One thread pushes, one other thread pops. Wait-free, noexcept, no allocation. Events are popped
+/// in the order in which they were pushed. A full queue drops and counts new ones.
 class ButtonQueue {
 public:
     static constexpr std::size_t capacity = 256;
 
-    /// False where the ring is full. The pushing thread's.
+    /// False where the ring is full. Called by the pushing thread.
     bool push(const ButtonEvent& event) noexcept
     {
         const std::size_t end = end_.load(std::memory_order_relaxed);
@@ -35,17 +30,17 @@ public:
         return true;
     }
 
-    /// False where there is none. The popping thread's.
-    bool pop(ButtonEvent& event) noexcept
+    /// The next event; nothing where there is none. Called by the popping thread.
+    [[nodiscard]] std::optional<ButtonEvent> pop() noexcept
     {
         const std::size_t begin = begin_.load(std::memory_order_relaxed);
-        if (begin == end_.load(std::memory_order_acquire)) return false;
-        event = events_[begin % capacity];
+        if (begin == end_.load(std::memory_order_acquire)) return std::nullopt;
+        const ButtonEvent event = events_[begin % capacity];
         begin_.store(begin + 1, std::memory_order_release);
-        return true;
+        return event;
     }
 
-    /// Events so far that found no room.
+    /// Events that were dropped so far.
     [[nodiscard]] std::uint64_t dropped() const noexcept
     {
         return dropped_.load(std::memory_order_relaxed);

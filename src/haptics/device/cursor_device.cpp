@@ -20,7 +20,7 @@ CursorDevice::CursorDevice(const CursorOptions& options)
     info_.stillness = Stillness::usual;
 }
 
-void CursorDevice::say(const Vec3& position, std::uint32_t buttons) noexcept
+void CursorDevice::send(const Vec3& position, std::uint32_t buttons) noexcept
 {
     cursor_.writing() = {position, buttons, placed_};
     cursor_.publish();
@@ -28,41 +28,41 @@ void CursorDevice::say(const Vec3& position, std::uint32_t buttons) noexcept
 
 void CursorDevice::move_to(const Vec3& position, std::uint32_t buttons) noexcept
 {
-    if (position.allFinite()) say(position, buttons);
+    if (position.allFinite()) send(position, buttons);
 }
 
 void CursorDevice::place_at(const Vec3& position, std::uint32_t buttons) noexcept
 {
     if (!position.allFinite()) return;
     ++placed_;
-    say(position, buttons);
+    send(position, buttons);
 }
 
-const CursorFeeling& CursorDevice::felt() noexcept
+const CursorFeedback& CursorDevice::feedback() noexcept
 {
-    feeling_.update();
-    return feeling_.reading();
+    feedback_.update();
+    return feedback_.reading();
 }
 
 DeviceReading CursorDevice::read() noexcept
 {
     cursor_.update();
     const Cursor& cursor = cursor_.reading();
-    Vec3& place = reading_.state.pose.translation;
+    Vec3& position = reading_.state.pose.translation;
     Vec3& velocity = reading_.state.velocity;
     if (cursor.placed != seen_placed_) {
         seen_placed_ = cursor.placed;
-        place = cursor.position;
+        position = cursor.position;
         velocity = Vec3::Zero();
     } else if (pull_ > 0) {
-        // The exact motion over a tick with the cursor where it is.
-        const Vec3 offset = place - cursor.position;
+        // The exact motion of the tip over a tick with the cursor at rest.
+        const Vec3 offset = position - cursor.position;
         const Vec3 rate = velocity + pull_ * offset;
-        place = cursor.position + kept_ * (offset + tick_seconds_ * rate);
+        position = cursor.position + kept_ * (offset + tick_seconds_ * rate);
         velocity = kept_ * (velocity - (pull_ * tick_seconds_) * rate);
     } else {
-        velocity = (cursor.position - place) / tick_seconds_;
-        place = cursor.position;
+        velocity = (cursor.position - position) / tick_seconds_;
+        position = cursor.position;
     }
     reading_.state.buttons = cursor.buttons;
     ++reading_.sample;
@@ -71,8 +71,8 @@ DeviceReading CursorDevice::read() noexcept
 
 void CursorDevice::write(const DeviceCommand& command) noexcept
 {
-    feeling_.writing() = {reading_.state.pose.translation, command.force, ++writes_};
-    feeling_.publish();
+    feedback_.writing() = {reading_.state.pose.translation, command.force, ++writes_};
+    feedback_.publish();
 }
 
 } // namespace proxima

@@ -1,12 +1,15 @@
-#include "haptics/device/device_input.h"
-
-#include "base/check.h"
+#include "haptics/device/button_queue.h"
+#include "haptics/device/check_numbers.h"
+#include "haptics/device/velocity_bounds.h"
 #include "haptics/force/surface_renderer.h"
+#include "proxima/device.h"
+#include "proxima/haptic_renderer.h"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace proxima {
 
@@ -18,45 +21,112 @@ bool is_fault(InputCondition condition) noexcept
     return condition == unsure || condition == frozen || condition == silent || condition == gone;
 }
 
-} // namespace
-
-DeviceInput::DeviceInput(const DeviceInfo& info, const InputOptions& options) noexcept
-    : options_(options), patience_(info.patience), may_rest_(info.stillness == Stillness::usual)
+/// Error where an option is out of range.
+Status check_input(const DeviceInfo& info, const InputOptions& options)
 {
-    PROXIMA_CHECK_GT(options.tick_seconds, 0);
-    PROXIMA_CHECK_LT((options.rotation.transpose() * options.rotation - Mat3::Identity()).norm(),
-                     rigid_tolerance);
-    state_.pose.translation.setConstant(std::numeric_limits<double>::quiet_NaN());
+    if (Status status = check_positive({"tick_seconds", options.tick_seconds}); !status)
+        return status;
+    if (Status status = check_not_negative({{"max_jump", options.max_jump},
+                                            {"max_distance", options.max_distance},
+                                            {"settle_seconds", options.settle_seconds},
+                                            {"frozen_seconds", options.frozen_seconds},
+                                            {"frozen_force", options.frozen_force},
+                                            {"patience", info.patience}});
+        !status)
+        return status;
+    const Mat3& turn = options.rotation;
+    const double off = (turn.transpose() * turn - Mat3::Identity()).norm();
+    if (!(off < rigid_tolerance) || !(turn.determinant() > 0)) {
+        return fail(ErrorCode::invalid_argument,
+                    "the matrix from the device's axes to those of the model must be a rotation",
+                    "rotation");
+    }
+    return {};
 }
 
-bool DeviceInput::same_as_before(const DeviceState& said) const noexcept
+} // namespace
+
+/// What a DeviceInput is made of.
+class InputGuard {
+public:
+    InputGuard(const DeviceInfo& info, InputOptions options) noexcept
+        : options_(std::move(options)), patience_(info.patience),
+          may_rest_(info.stillness == Stillness::usual)
+    {
+        state_.pose.translation.setConstant(std::numeric_limits<double>::quiet_NaN());
+    }
+
+    const DeviceState& accept(const DeviceReading& reading) noexcept;
+    [[nodiscard]] DeviceCommand command(const HapticRenderer& renderer) noexcept;
+    void release() noexcept { released_ = true; }
+    [[nodiscard]] ButtonQueue& events() noexcept { return events_; }
+    [[nodiscard]] const InputReport& report() const noexcept { return report_; }
+    [[nodiscard]] const DeviceState& state() const noexcept { return state_; }
+
+private:
+    [[nodiscard]] InputCondition condition_of(const DeviceReading& reading) noexcept;
+    [[nodiscard]] InputCondition judge(const DeviceState& reported) noexcept;
+    [[nodiscard]] bool same_as_before(const DeviceState& reported) const noexcept;
+    [[nodiscard]] Vec3 velocity_of(const DeviceState& reported) noexcept;
+    void count_buttons(std::uint32_t buttons) noexcept;
+    void count(InputCondition condition) noexcept;
+    void watch_recovery(double trust) noexcept;
+
+    ButtonQueue events_;
+    InputOptions options_;
+    double patience_;
+    DeviceState state_; ///< as given to the renderer
+    VelocityBounds bounds_;
+    std::uint64_t sampled_ = 0;     ///< tick of the last good sample
+    Vec3 good_ = Vec3::Zero();      ///< the device's last good position, in its axes
+    Vec3 offset_ = Vec3::Zero();    ///< of the clutch
+    Vec3 jumped_to_ = Vec3::Zero(); ///< position of samples that are not accepted
+    double agreed_ = 0;             ///< s for which these agree
+    double unchanged_ = 0;          ///< s of the same bits while pushed
+    double waited_ = 0;             ///< s since the last new sample
+    double force_ = 0;              ///< N, of the last tick
+    std::uint64_t sample_ = 0;
+    std::uint64_t tick_ = 0;
+    DeviceState last_reported_;
+    double fault_ = 0;       ///< s, of the fault in progress
+    double recovering_ = -1; ///< s since the last fault ended; negative where nothing recovers
+    InputReport report_;
+    std::uint32_t buttons_ = 0;
+    bool may_rest_;
+    bool placed_ = false; ///< there was a good sample
+    bool jumping_ = false;
+    bool released_ = false;
+    bool heard_ = false; ///< there was a sample with a position
+};
+
+bool InputGuard::same_as_before(const DeviceState& reported) const noexcept
 {
-    const RigidTransform& a = said.pose;
-    const RigidTransform& b = last_said_.pose;
+    const RigidTransform& a = reported.pose;
+    const RigidTransform& b = last_reported_.pose;
     return a.translation == b.translation && a.rotation == b.rotation;
 }
 
-InputCondition DeviceInput::judge(const DeviceState& said) noexcept
+InputCondition InputGuard::judge(const DeviceState& reported) noexcept
 {
-    const Vec3& place = said.pose.translation;
-    if (!place.allFinite() || place.cwiseAbs().maxCoeff() > options_.max_distance) {
+    const Vec3& position = reported.pose.translation;
+    if (!position.allFinite() || position.cwiseAbs().maxCoeff() > options_.max_distance) {
         ++report_.not_finite;
         unchanged_ = 0;
         return InputCondition::unsure;
     }
     const bool pushed = force_ >= options_.frozen_force;
     const bool frozen = state_.condition == InputCondition::frozen;
-    // Once frozen, the force has faded: it stays so until something changes.
-    const bool same = heard_ && same_as_before(said) && (pushed || frozen);
+    // A frozen device is no longer pushed, for the force has faded: only a change ends it.
+    const bool same = heard_ && same_as_before(reported) && (pushed || frozen);
     unchanged_ = same ? unchanged_ + options_.tick_seconds : 0;
     heard_ = true;
-    last_said_ = said;
-    if (placed_ && (place - good_).norm() > options_.max_jump) {
-        const bool agrees = jumping_ && (place - jumped_to_).norm() <= options_.max_jump;
+    last_reported_ = reported;
+    if (placed_ && (position - good_).norm() > options_.max_jump) {
+        const bool agrees = jumping_ && (position - jumped_to_).norm() <= options_.max_jump;
         report_.jumps += agrees ? 0U : 1U;
         agreed_ = agrees ? agreed_ + options_.tick_seconds : 0;
         jumping_ = true;
-        jumped_to_ = place;
+        jumped_to_ = position;
         if (agreed_ < options_.settle_seconds) return InputCondition::unsure;
     }
     jumping_ = false;
@@ -64,7 +134,7 @@ InputCondition DeviceInput::judge(const DeviceState& said) noexcept
     return InputCondition::well;
 }
 
-InputCondition DeviceInput::condition_of(const DeviceReading& reading) noexcept
+InputCondition InputGuard::condition_of(const DeviceReading& reading) noexcept
 {
     const bool is_new = reading.sample != sample_;
     sample_ = reading.sample;
@@ -80,17 +150,17 @@ InputCondition DeviceInput::condition_of(const DeviceReading& reading) noexcept
 }
 
 /// The velocity of a good sample, as far as it is plausible, in the device's axes.
-Vec3 DeviceInput::velocity_of(const DeviceState& said) noexcept
+Vec3 InputGuard::velocity_of(const DeviceState& reported) noexcept
 {
     const auto ticks = static_cast<double>(std::max<std::uint64_t>(tick_ - sampled_, 1));
     sampled_ = tick_;
-    bounds_.add(said.pose.translation, ticks * options_.tick_seconds);
-    const Vec3 used = bounds_.plausible(said.velocity);
-    report_.velocities += used != said.velocity ? 1U : 0U;
+    bounds_.add(reported.pose.translation, ticks * options_.tick_seconds);
+    Vec3 used = bounds_.plausible(reported.velocity);
+    report_.velocities += used != reported.velocity ? 1U : 0U;
     return used;
 }
 
-void DeviceInput::count_buttons(std::uint32_t buttons) noexcept
+void InputGuard::count_buttons(std::uint32_t buttons) noexcept
 {
     for (std::uint32_t changed = buttons ^ buttons_; changed != 0; changed &= changed - 1) {
         const int button = std::countr_zero(changed);
@@ -99,7 +169,7 @@ void DeviceInput::count_buttons(std::uint32_t buttons) noexcept
     buttons_ = buttons;
 }
 
-void DeviceInput::count(InputCondition condition) noexcept
+void InputGuard::count(InputCondition condition) noexcept
 {
     using enum InputCondition;
     const bool begins = condition != state_.condition;
@@ -107,30 +177,30 @@ void DeviceInput::count(InputCondition condition) noexcept
     if (!is_fault(condition)) return;
     ++report_.faulty_ticks;
     report_.freezes += begins && condition == frozen ? 1U : 0U;
-    // Before it was ever there it was not lost.
+    // Silence before the first good sample is not a loss.
     report_.silences += begins && condition == silent && placed_ ? 1U : 0U;
     report_.losses += begins && condition == gone ? 1U : 0U;
 }
 
-const DeviceState& DeviceInput::accept(const DeviceReading& reading) noexcept
+const DeviceState& InputGuard::accept(const DeviceReading& reading) noexcept
 {
     InputCondition condition = condition_of(reading);
-    const DeviceState& said = reading.state;
+    const DeviceState& reported = reading.state;
     const bool good = condition == InputCondition::well;
     if (good && waited_ == 0) {
-        const Vec3 turned = options_.rotation * said.pose.translation;
-        count_buttons(said.buttons);
-        if ((said.buttons & options_.clutch_buttons) != 0 && placed_) {
+        const Vec3 turned = options_.rotation * reported.pose.translation;
+        count_buttons(reported.buttons);
+        if ((reported.buttons & options_.clutch_buttons) != 0 && placed_) {
             offset_ = state_.pose.translation - turned;
         } else {
             state_.pose.translation = turned + offset_;
         }
-        good_ = said.pose.translation;
+        good_ = reported.pose.translation;
         placed_ = true;
-        if (said.pose.rotation.allFinite())
-            state_.pose.rotation = options_.rotation * said.pose.rotation;
-        state_.velocity = options_.rotation * velocity_of(said);
-        state_.buttons = said.buttons;
+        if (reported.pose.rotation.allFinite())
+            state_.pose.rotation = options_.rotation * reported.pose.rotation;
+        state_.velocity = options_.rotation * velocity_of(reported);
+        state_.buttons = reported.buttons;
     }
     if (good && (state_.buttons & options_.clutch_buttons) != 0)
         condition = InputCondition::clutched;
@@ -149,7 +219,7 @@ const DeviceState& DeviceInput::accept(const DeviceReading& reading) noexcept
     return state_;
 }
 
-void DeviceInput::watch_recovery(double trust) noexcept
+void InputGuard::watch_recovery(double trust) noexcept
 {
     if (recovering_ < 0 || state_.condition != InputCondition::well) return;
     recovering_ += options_.tick_seconds;
@@ -159,7 +229,7 @@ void DeviceInput::watch_recovery(double trust) noexcept
     recovering_ = -1;
 }
 
-DeviceCommand DeviceInput::command(const HapticRenderer& renderer) noexcept
+DeviceCommand InputGuard::command(const HapticRenderer& renderer) noexcept
 {
     const RenderTick& tick = renderer.last();
     const RenderOptions& options = renderer.options();
@@ -171,12 +241,12 @@ DeviceCommand DeviceInput::command(const HapticRenderer& renderer) noexcept
     command.force = back * tick.force;
     command.condition = state_.condition;
     command.trust = parts_of(renderer).guard().trust();
-    // As the guard has softened them: servo loops of their own must not swing either.
+    // As the passivity guard has softened them, so that the device's own loop does not oscillate.
     const double softness = parts_of(renderer).passivity().softness();
     command.stiffness = softness * options.force.stiffness;
     command.damping =
         softness * options.force.damping + parts_of(renderer).passivity().added_damping();
-    // What slides sticks again later than what sticks begins to slide.
+    // A sliding proxy sticks again at less friction than a sticking one begins to slide.
     const bool slides = tick.hold == Hold::sliding;
     const double restick = parts_of(renderer).proxy().options().restick;
     command.static_friction = (slides ? restick : 1.0) * options.static_friction;
@@ -194,6 +264,47 @@ DeviceCommand DeviceInput::command(const HapticRenderer& renderer) noexcept
     force_ = tick.force.norm();
     watch_recovery(command.trust);
     return command;
+}
+
+DeviceInput::DeviceInput(std::unique_ptr<InputGuard> guard) noexcept : guard_(std::move(guard)) {}
+DeviceInput::DeviceInput(DeviceInput&& other) noexcept = default;
+DeviceInput& DeviceInput::operator=(DeviceInput&& other) noexcept = default;
+DeviceInput::~DeviceInput() = default;
+
+const DeviceState& DeviceInput::accept(const DeviceReading& reading) noexcept
+{
+    return guard_->accept(reading);
+}
+
+DeviceCommand DeviceInput::command(const HapticRenderer& renderer) noexcept
+{
+    return guard_->command(renderer);
+}
+
+void DeviceInput::release() noexcept
+{
+    guard_->release();
+}
+
+std::optional<ButtonEvent> DeviceInput::next_button_event() noexcept
+{
+    return guard_->events().pop();
+}
+
+const InputReport& DeviceInput::report() const noexcept
+{
+    return guard_->report();
+}
+
+const DeviceState& DeviceInput::state() const noexcept
+{
+    return guard_->state();
+}
+
+Result<DeviceInput> make_device_input(const DeviceInfo& info, const InputOptions& options)
+{
+    if (Status status = check_input(info, options); !status) return tl::unexpected(status.error());
+    return DeviceInput(std::make_unique<InputGuard>(info, options));
 }
 
 } // namespace proxima

@@ -64,7 +64,7 @@ std::string dhd_text(const char* text)
     return text != nullptr ? text : "";
 }
 
-/// The limits of the model of this name, an omega's where it is unknown.
+/// The limits of the model of this name, or an omega's where it is unknown.
 DeviceLimits limits_of(std::string name)
 {
     std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });

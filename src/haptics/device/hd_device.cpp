@@ -115,7 +115,7 @@ std::string hd_text(const char* text)
     return text != nullptr ? text : "";
 }
 
-/// What the callback works on.
+/// The context of the callback.
 struct HdTicks {
     explicit HdTicks(TickAccount ticks) : account(std::move(ticks)) {}
 
@@ -176,7 +176,7 @@ private:
     std::uint64_t force_errors_ = 0;
     std::uint64_t resting_ = 0; ///< ticks in which forces rest after an error
     bool stalled_ = false;
-    std::unique_ptr<HdTicks> ticks_; ///< lives on: a driver that hung may call once more
+    std::unique_ptr<HdTicks> ticks_; ///< kept, for a driver that hung may call once more
 };
 
 void HdDevice::describe_device(const HdOptions& options)
@@ -196,7 +196,7 @@ void HdDevice::describe_device(const HdOptions& options)
     const DeviceLimits touch = *find_device("touch");
     info_.limits.name = "hd";
     info_.limits.max_force = number(nominal_max_force, touch.max_force);
-    // N/mm and N s/mm by the reference; what the driver does not know is a Touch's.
+    // N/mm and N s/mm by the reference; a Touch's where the driver reports none.
     info_.limits.max_stiffness =
         number(nominal_max_stiffness, touch.max_stiffness * millimetre) / millimetre;
     info_.limits.max_damping =
@@ -204,7 +204,7 @@ void HdDevice::describe_device(const HdOptions& options)
     std::array<double, 6> box{};
     api_.get_doubles(usable_workspace, box.data());
     (void)api_.get_error();
-    // The largest ball about the origin: forces are sure within the box alone.
+    // The largest ball about the origin: full forces are guaranteed inside the box only.
     double radius = touch.workspace_radius / millimetre;
     const bool known =
         std::ranges::all_of(box, [](double x) { return std::isfinite(x); }) &&
@@ -223,7 +223,7 @@ void HdDevice::note(const HdError& error) noexcept
 {
     if (first_error_.code == 0) first_error_ = error;
     if (error.code >= first_force_error && error.code <= last_force_error) {
-        // The driver has stopped the force: it rests for half a second, and comes back by a ramp.
+        // The driver has stopped the force: wait for half a second, then ramp it up.
         ++force_errors_;
         resting_ = 500;
         return;
@@ -247,7 +247,7 @@ DeviceReading HdDevice::read() noexcept
         reading_.state.condition = InputCondition::gone;
         return reading_;
     }
-    // Column after column, as OpenGL has it.
+    // Column by column, as in OpenGL.
     RigidTransform& pose = reading_.state.pose;
     auto at = transform.begin();
     for (int column = 0; column < 3; ++column, ++at)
@@ -274,10 +274,10 @@ std::string HdDevice::trouble() const
     if (stalled_)
         return "the driver's scheduler called no more: see whether the device is plugged in";
     if (first_error_.code == 0) return {};
-    const std::string said = hd_text(api_.get_error_string(first_error_.code));
+    const std::string reported = hd_text(api_.get_error_string(first_error_.code));
     if (force_errors_ > 0)
-        return concat("the driver stopped the force ", force_errors_, " times: ", said);
-    return concat("the driver lost the device: ", said, " (error ", first_error_.code,
+        return concat("the driver stopped the force ", force_errors_, " times: ", reported);
+    return concat("the driver lost the device: ", reported, " (error ", first_error_.code,
                   ", internal ", first_error_.internal_code, ")");
 }
 
@@ -289,7 +289,7 @@ ServoStatistics HdDevice::run(const ServoOptions& options, ServoTick tick)
     const HdCallbackHandle callback = api_.schedule(hd_tick, &ticks, highest_priority);
     if (running_devices.fetch_add(1) == 0) api_.start_scheduler();
     if (const HdError error = api_.get_error(); error.code != 0) note(error);
-    // A driver that hangs must not hang the program: a second without a call ends it.
+    // A driver that hangs must not hang the program: the session ends after a second without calls.
     constexpr auto pause = std::chrono::milliseconds(5);
     constexpr int patience = 200;
     std::uint64_t seen = 0;
@@ -308,7 +308,7 @@ ServoStatistics HdDevice::run(const ServoOptions& options, ServoTick tick)
     return statistics;
 }
 
-/// Asks for calibration, and has the driver do it where it can by itself.
+/// Has the driver calibrate the device where it can. Error where a user has to.
 Status calibrate(const HdApi& api)
 {
     if (api.check_calibration == nullptr) return {};
@@ -345,11 +345,11 @@ Result<std::unique_ptr<Device>> open_hd_device(const HdOptions& options)
         api->init_device(options.device.empty() ? nullptr : options.device.c_str());
     const HdError error = api->get_error();
     if (handle == invalid_handle || error.code != 0) {
-        const std::string said = hd_text(api->get_error_string(error.code));
+        const std::string reported = hd_text(api->get_error_string(error.code));
         return fail(ErrorCode::invalid_argument,
                     concat("cannot open ",
                            options.device.empty() ? "the default device" : options.device, ": ",
-                           said, " (error ", error.code, ", internal ", error.internal_code,
+                           reported, " (error ", error.code, ", internal ", error.internal_code,
                            "); see that it is plugged in and set up in the driver's configuration"),
                     library->path());
     }

@@ -12,8 +12,7 @@ namespace proxima {
 
 namespace {
 
-/// Larger numbers, in the units of the house, are none of a device; what is made of these is
-/// finite.
+/// No device has larger numbers, in SI units; results computed from smaller ones are finite.
 constexpr double largest = 1e6;
 
 bool is_sound(const Vec3& v) noexcept
@@ -29,7 +28,7 @@ bool is_sound(const ReplyPacket& reply) noexcept
          {c.trust, c.stiffness, c.damping, c.static_friction, c.dynamic_friction, reply.max_force,
           reply.hold_seconds, reply.fade_seconds, reply.recovery_seconds})
         sound = sound && x >= 0 && x <= largest;
-    for (const HeldPlane& plane : std::span(c.planes).first(c.plane_count)) {
+    for (const DevicePlane& plane : std::span(c.planes).first(c.plane_count)) {
         sound = sound && std::abs(plane.offset) <= largest && is_sound(plane.normal) &&
                 std::abs(plane.normal.norm() - 1) < 1e-6;
     }
@@ -42,7 +41,7 @@ Vec3 limited(const Vec3& v, double most) noexcept
     return length <= most ? v : Vec3(v * (most / length * (1 - 0x1p-40)));
 }
 
-/// Spring and damper between the tip and where the planes hold it.
+/// Spring and damper between the tip and the nearest position that the planes allow.
 Vec3 contact_force(const DeviceCommand& c, const Vec3& position, const Vec3& velocity) noexcept
 {
     std::array<ContactPlane, 3> planes;
@@ -53,7 +52,7 @@ Vec3 contact_force(const DeviceCommand& c, const Vec3& position, const Vec3& vel
         nearest_allowed(std::span(planes).first(c.plane_count), tolerance);
     const double depth = solution.shift.norm();
     if (!(depth > 0)) return Vec3::Zero();
-    // Friction draws the anchor towards the renderer's.
+    // Friction moves the anchor towards the renderer's.
     const Vec3 normal = solution.shift / depth;
     Vec3 aside = c.anchor - (position + solution.shift);
     aside -= normal * normal.dot(aside);
@@ -74,15 +73,16 @@ RemoteServo::RemoteServo(double max_force) noexcept : max_force_(max_force)
 
 void RemoteServo::take(const ReplyPacket& reply, double now) noexcept
 {
-    const bool old = heard_ && reply.session == reply_.session && reply.sequence < reply_.sequence;
+    const bool old =
+        received_ && reply.session == reply_.session && reply.sequence < reply_.sequence;
     if (old || !is_sound(reply)) {
         ++refused_;
         return;
     }
     reply_ = reply;
-    heard_ = true;
+    received_ = true;
     switched_ = true;
-    heard_at_ = now;
+    received_at_ = now;
 }
 
 Vec3 RemoteServo::force(const Vec3& position, const Vec3& velocity, double now) noexcept
@@ -90,10 +90,10 @@ Vec3 RemoteServo::force(const Vec3& position, const Vec3& velocity, double now) 
     const double tick = std::clamp(now - last_now_, 0.0, 0.01);
     last_now_ = now;
     const bool sound = is_sound(position) && is_sound(velocity);
-    const bool good = heard_ && sound && now - heard_at_ <= reply_.hold_seconds;
+    const bool good = received_ && sound && now - received_at_ <= reply_.hold_seconds;
     const double step = reply_.fade_seconds > 0 ? tick / reply_.fade_seconds : 1;
     trust_ = std::clamp(trust_ + (good ? step : -step), 0.0, 1.0);
-    const double most = heard_ ? std::min(max_force_, reply_.max_force) : 0;
+    const double most = received_ ? std::min(max_force_, reply_.max_force) : 0;
     if (!sound) {
         trust_ = 0;
         return Vec3::Zero();
@@ -104,7 +104,7 @@ Vec3 RemoteServo::force(const Vec3& position, const Vec3& velocity, double now) 
         return whole > 0 ? std::clamp(1 - (now - switched_at_) / whole, 0.0, 1.0) : 0.0;
     };
     if (switched_) {
-        // What the planes before would give here, less what these give, fades.
+        // The difference of the forces by the last planes and the new ones fades.
         difference_ = left() * difference_ + contact_force(used_, position, velocity) - wanted;
         switched_at_ = now;
         used_ = reply_.command;

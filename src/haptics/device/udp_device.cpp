@@ -12,10 +12,10 @@ namespace {
 
 constexpr int datagrams_per_tick = 64;
 
-/// A second of packets has no more: after one without any good packet all numbers are taken.
+/// More packets than a second has; after a second without a good packet any number is accepted.
 constexpr std::uint64_t longest_leap = 65536;
 
-/// Clocks may drift apart by so much of the time: a tenth of a per mille.
+/// The relative drift of two clocks: at most a tenth of a per mille.
 constexpr double clock_drift = 1e-4;
 
 std::int64_t clock_now() noexcept
@@ -53,7 +53,7 @@ bool UdpDevice::is_served(const StatePacket& packet, const UdpAddress& from,
     const bool follows = first_ || (packet.sequence > last_.sequence &&
                                     packet.sequence - last_.sequence <= longest_leap);
     if (same && (follows || silent < options_.forget_seconds)) return true;
-    // The same program, begun anew, need not wait for long: its port is its own.
+    // The same program, started anew, need not wait for long: its port is its own.
     const double wait = from == peer_ ? options_.patience : options_.forget_seconds;
     if (served_ && silent < wait) return false;
     served_ = true;
@@ -67,11 +67,11 @@ bool UdpDevice::is_served(const StatePacket& packet, const UdpAddress& from,
 
 bool UdpDevice::is_in_time(const StatePacket& packet, std::int64_t nanoseconds) noexcept
 {
-    // In doubles: stamps are any numbers.
+    // In doubles, for stamps may be any numbers.
     const double difference =
         static_cast<double>(nanoseconds) - static_cast<double>(packet.nanoseconds);
     const auto passed = static_cast<double>(nanoseconds - quickest_at_);
-    // Where all are late, their clock was put back.
+    // If all are late, their clock was set back.
     const bool anew =
         first_ || 1e-9 * static_cast<double>(nanoseconds - last_heard_) > options_.forget_seconds;
     if (anew || difference < quickest_ + clock_drift * passed) {
@@ -113,7 +113,7 @@ void UdpDevice::take(std::span<const std::byte> datagram, const UdpAddress& from
 
 DeviceReading UdpDevice::read() noexcept
 {
-    // One byte more than a state: longer ones are seen to be so.
+    // One byte more than a state, so that longer datagrams are recognised.
     std::array<std::byte, state_packet_size + 1> buffer;
     for (int i = 0; i < datagrams_per_tick; ++i) {
         const auto received = socket_.receive(buffer);

@@ -3,13 +3,12 @@
 //
 //     proxima touch bunny.obj --device udp:4711         listens on this machine alone
 //
-// Nothing of what comes is trusted. A tick takes at most 64 datagrams; only whole ones of our
-// version count, only of one device at a time (the first one's address and session, until it was
-// silent for a second), only newer samples than the last, though no more than 65,536 newer, and
-// only such that were not longer on the way than the quickest by more than the patience. After a
-// second in which none was good the same device may begin anew with any number. What they say goes
-// through DeviceInput like every device's. After the patience (20 ms) without a good one the force
-// fades within ForceOptions::loss_seconds (50 ms).
+// Datagrams are not trusted. A tick takes at most 64 of them. It accepts only whole ones of our
+// version, from one device at a time (the address and session of the first, until it is silent for a
+// second), only samples newer than the last by at most 65,536, and only if their delay exceeds the
+// shortest by no more than the patience. After a second without a good one the same device may start
+// anew with any number. Their content goes through DeviceInput like that of every device. After the
+// patience (20 ms) without a good one the force fades within ForceOptions::loss_seconds (50 ms).
 #pragma once
 
 #include "base/udp_socket.h"
@@ -25,25 +24,25 @@ struct UdpOptions {
     UdpAddress address; ///< where to listen
     DeviceLimits limits = *find_device("omni");
     double patience = 0.02;         ///< s without a good packet, until the device is silent
-    double fade_seconds = 0.05;     ///< told to the device: in which forces fade there
-    double recovery_seconds = 0.01; ///< told to the device: in which it goes over to new planes
+    double fade_seconds = 0.05;     ///< sent to the device: time in which forces fade there
+    double recovery_seconds = 0.01; ///< sent to the device: time of crossing over to new planes
     double forget_seconds = 1;      ///< silence after which another device may come
 };
 
-/// Datagrams, by what became of them.
+/// Counts of datagrams.
 struct UdpReport {
     std::uint64_t received = 0;
     std::uint64_t accepted = 0;
     std::uint64_t malformed = 0;  ///< of a wrong size, magic or version
-    std::uint64_t foreign = 0;    ///< of another device than the one that is served
+    std::uint64_t foreign = 0;    ///< of another device than the served one
     std::uint64_t duplicated = 0; ///< with the number of the last one
     std::uint64_t reordered = 0;  ///< with a lower number
     std::uint64_t leapt = 0;      ///< with a number that is too high to follow
-    std::uint64_t lost = 0;       ///< numbers left out, of each session from its first
-    std::uint64_t late = 0;       ///< too long on the way
-    std::uint64_t sessions = 0;   ///< devices served, one after another, and begun anew
+    std::uint64_t lost = 0;       ///< missing numbers, in each session from its first
+    std::uint64_t late = 0;       ///< delayed too long
+    std::uint64_t sessions = 0;   ///< of devices, one after another
     std::uint64_t replies = 0;
-    std::uint64_t unsent = 0; ///< replies that the system did not take
+    std::uint64_t unsent = 0; ///< replies that the system refused
 };
 
 /// The device. Clocks: CLOCK_MONOTONIC here, any there.
@@ -60,8 +59,8 @@ public:
     [[nodiscard]] const UdpReport& report() const noexcept { return report_; }
     [[nodiscard]] std::string trouble() const override;
 
-    /// What becomes of a datagram that came at a time, ns: as read() does it with the socket's.
-    /// noexcept, any bytes.
+    /// Handles a datagram that came at a time, ns, as read() does those of the socket. noexcept, any
+    /// bytes.
     void take(std::span<const std::byte> datagram, const UdpAddress& from,
               std::int64_t nanoseconds) noexcept;
 
@@ -82,7 +81,7 @@ private:
     double quickest_ = 0; ///< ns: the least difference of the clocks, arrival less stamp
     std::int64_t quickest_at_ = 0;
     bool served_ = false; ///< there is a device
-    bool first_ = true;   ///< of which nothing was accepted yet
+    bool first_ = true;   ///< nothing of its session was accepted yet
     bool unanswered_ = false;
 };
 

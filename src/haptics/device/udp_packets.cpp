@@ -39,7 +39,7 @@ private:
     std::size_t at_ = 0;
 };
 
-/// Reads them back. \pre no more is read than there is
+/// Reads numbers that a Writer wrote. \pre the bytes suffice
 class Reader {
 public:
     explicit Reader(std::span<const std::byte> bytes) noexcept : bytes_(bytes) {}
@@ -72,11 +72,11 @@ public:
         }
         if (!same) return PacketFault::wrong_magic;
         std::uint16_t version = 0;
-        std::uint16_t said = 0;
+        std::uint16_t reported = 0;
         get(version);
-        get(said);
+        get(reported);
         if (version != udp_version) return PacketFault::wrong_version;
-        return said == size ? PacketFault::none : PacketFault::wrong_size;
+        return reported == size ? PacketFault::none : PacketFault::wrong_size;
     }
 
 private:
@@ -137,7 +137,7 @@ std::array<std::byte, reply_packet_size> encode(const ReplyPacket& packet) noexc
     writer.put(command.static_friction);
     writer.put(command.dynamic_friction);
     writer.put(command.anchor);
-    for (const HeldPlane& plane : command.planes) {
+    for (const DevicePlane& plane : command.planes) {
         writer.put(plane.normal);
         writer.put(plane.offset);
     }
@@ -171,7 +171,7 @@ PacketFault decode(std::span<const std::byte> datagram, ReplyPacket& packet) noe
     reader.get(command.static_friction);
     reader.get(command.dynamic_friction);
     reader.get(command.anchor);
-    for (HeldPlane& plane : command.planes) {
+    for (DevicePlane& plane : command.planes) {
         reader.get(plane.normal);
         reader.get(plane.offset);
     }

@@ -1,8 +1,8 @@
-// What goes over the wire between a device in another program and the renderer: two datagrams of
-// fixed size, little-endian, described byte by byte in docs/devices.md.
+// The datagrams between a device in another program and the renderer: two of fixed size,
+// little-endian, described byte by byte in docs/devices.md.
 //
 //     state  device ──▶ renderer    pose, velocity, buttons, number and time of the sample
-//     reply  renderer ──▶ device    force, and the planes it comes from, for a servo loop there
+//     reply  renderer ──▶ device    force, and its planes, for a servo loop of the device
 #pragma once
 
 #include "proxima/device.h"
@@ -18,14 +18,14 @@ inline constexpr std::uint16_t udp_version = 1;
 inline constexpr std::size_t state_packet_size = 120;
 inline constexpr std::size_t reply_packet_size = 256;
 
-/// What the device says. Numbers are as they came: any, also none.
+/// The state of a device. Numbers are as they came, perhaps NaN or infinite.
 struct StatePacket {
     static constexpr std::uint32_t rotates = 1; ///< flag: the quaternion has a meaning
-    static constexpr std::uint32_t leaving = 2; ///< flag: the device says goodbye
+    static constexpr std::uint32_t leaving = 2; ///< flag: the device ends the session
 
-    std::uint64_t session = 0;     ///< any number that the device chose when it began
+    std::uint64_t session = 0;     ///< any number, chosen by the device when it starts
     std::uint64_t sequence = 0;    ///< of the sample: each larger than the one before
-    std::uint64_t nanoseconds = 0; ///< of the device's clock, from any beginning
+    std::uint64_t nanoseconds = 0; ///< of the device's clock, from any origin
     std::uint32_t buttons = 0;
     std::uint32_t flags = 0;
     std::array<double, 3> position{};                ///< m
@@ -35,16 +35,16 @@ struct StatePacket {
     friend bool operator==(const StatePacket&, const StatePacket&) = default;
 };
 
-/// What the device gets.
+/// The answer to a device.
 struct ReplyPacket {
-    std::uint64_t session = 0;     ///< of the state it answers
+    std::uint64_t session = 0;     ///< of the state that it answers
     std::uint64_t sequence = 0;    ///< of that state
-    std::uint64_t nanoseconds = 0; ///< of that state: when it comes back, the way there and back
+    std::uint64_t nanoseconds = 0; ///< of that state, to measure the round trip
     DeviceCommand command;
     double max_force = 0;        ///< N
-    double hold_seconds = 0;     ///< how long a reply is good for, without another one
+    double hold_seconds = 0;     ///< for which a reply lasts without another one
     double fade_seconds = 0;     ///< in which the force fades after that, and comes back
-    double recovery_seconds = 0; ///< in which the force goes over to new planes
+    double recovery_seconds = 0; ///< in which the force crosses over to new planes
 };
 
 enum class PacketFault : std::uint8_t { none, wrong_size, wrong_magic, wrong_version };
@@ -56,7 +56,7 @@ enum class PacketFault : std::uint8_t { none, wrong_size, wrong_magic, wrong_ver
 [[nodiscard]] std::array<std::byte, state_packet_size> encode(const StatePacket& packet) noexcept;
 [[nodiscard]] std::array<std::byte, reply_packet_size> encode(const ReplyPacket& packet) noexcept;
 
-/// The state as the renderer takes it: a quaternion that is none leaves the rotation away.
+/// The state for a renderer. An invalid quaternion leaves the rotation out.
 [[nodiscard]] DeviceState device_state(const StatePacket& packet) noexcept;
 
 } // namespace proxima

@@ -12,24 +12,25 @@ constexpr double longest_step = 1e-4;  ///< m: no encoder is coarser
 
 } // namespace
 
-void VelocityBounds::add(const Vec3& place, double seconds) noexcept
+void VelocityBounds::add(const Vec3& position, double seconds) noexcept
 {
     if (placed_) {
-        const Vec3 way = place - last_place_;
-        for (const double moved : {std::abs(way.x()), std::abs(way.y()), std::abs(way.z())}) {
+        const Vec3 displacement = position - last_position_;
+        for (const double moved :
+             {std::abs(displacement.x()), std::abs(displacement.y()), std::abs(displacement.z())}) {
             if (moved > 0) step_ = std::min(step_ > 0 ? step_ : longest_step, moved);
         }
-        velocities_[count_ % samples] = way / seconds;
+        velocities_[count_ % samples] = displacement / seconds;
         ++count_;
     }
     seconds_ = seconds;
     placed_ = true;
-    last_place_ = place;
+    last_position_ = position;
 }
 
-Vec3 VelocityBounds::plausible(const Vec3& said) const noexcept
+Vec3 VelocityBounds::plausible(const Vec3& reported) const noexcept
 {
-    if (!said.allFinite()) return Vec3::Zero();
+    if (!reported.allFinite()) return Vec3::Zero();
     Vec3 low = Vec3::Zero();
     Vec3 high = Vec3::Zero();
     Vec3 margin = Vec3::Constant(least_margin + 3 * step_ / seconds_);
@@ -44,9 +45,9 @@ Vec3 VelocityBounds::plausible(const Vec3& said) const noexcept
         change = change.cwiseMax((velocities_[(count_ - i) % samples] - before).cwiseAbs());
     }
     margin += change;
-    const bool is_plausible = (said.array() >= (low - margin).array()).all() &&
-                              (said.array() <= (high + margin).array()).all();
-    if (is_plausible) return said;
+    const bool is_plausible = (reported.array() >= (low - margin).array()).all() &&
+                              (reported.array() <= (high + margin).array()).all();
+    if (is_plausible) return reported;
     return known > 0 ? velocities_[(count_ - 1) % samples] : Vec3(Vec3::Zero());
 }
 

@@ -25,23 +25,23 @@ namespace proxima {
 class VelocityBounds {
 public:
     /// A new position, m, so many seconds after the last one. \pre finite, seconds > 0
-    void add(const Vec3& place, double seconds) noexcept;
+    void add(const Vec3& position, double seconds) noexcept;
 
     /// The velocity that a device reported where it is plausible, m/s; else the last difference of
     /// positions, and zero where there is none or the velocity is not finite.
-    [[nodiscard]] Vec3 plausible(const Vec3& said) const noexcept;
+    [[nodiscard]] Vec3 plausible(const Vec3& reported) const noexcept;
 
-    /// As new: the next position has nothing to do with the last.
+    /// Starts anew: the next position is unrelated to the last.
     void restart() noexcept { *this = {}; }
 
 private:
     static constexpr std::size_t samples = 8;
 
     std::array<Vec3, samples> velocities_ = {};
-    std::size_t count_ = 0; ///< of velocities, all
+    std::size_t count_ = 0; ///< of all velocities so far
     double step_ = 0;       ///< m, of the encoder; 0 while nothing has moved
     double seconds_ = 1;    ///< of the last sample
-    Vec3 last_place_ = Vec3::Zero();
+    Vec3 last_position_ = Vec3::Zero();
     bool placed_ = false;
 };
 

@@ -9,14 +9,14 @@ namespace proxima {
 
 namespace {
 
-/// Moves a ramp by one tick of a rise that takes `whole` seconds.
+/// Advances a ramp by a tick; a whole rise takes `whole` seconds.
 double ramped(double value, double seconds, double whole, int direction) noexcept
 {
     if (!(whole > 0)) return direction > 0 ? 1.0 : 0.0;
     return std::clamp(value + direction * seconds / whole, 0.0, 1.0);
 }
 
-/// Not longer than `most`, rounding included.
+/// The vector, shortened to a length of at most `most`, rounding included.
 Vec3 shortened(const Vec3& v, double most) noexcept
 {
     const double length = v.stableNorm();
@@ -94,7 +94,7 @@ Vec3 ForceGuard::pass(const Vec3& wanted, double seconds, Patch patch) noexcept
     const Vec3 small = shortened(step, options_.max_slew * tick);
     const bool slews = small != step;
     slewed_ += slews ? 1U : 0U;
-    // Between two forces within the limit, but for rounding.
+    // A force between two forces within the limit exceeds it by rounding only.
     last_ = slews ? shortened(last_ + small, max_force_) : within;
     return last_;
 }

@@ -1,12 +1,12 @@
-// From what the proxy says to what the device gets: a spring, a damper, and guards.
+// The force for the device, from the proxy: a spring, a damper, and guards.
 //
 //     spring    F = K (anchor - device)                from the surface to the device
 //     damper    F += -B (v . n) n                     along the contact's normal; never pulls
-//     inward guards    in this order: not finite -> zero; ramps; clamp to |F|max; slew limit
+//     guards    in this order: not finite -> zero; ramps; clamp to |F|max; slew limit
 //
-// Whatever comes in, what goes out is finite and within the device's limit. Ramps: up at the start,
-// for a device that begins deep inside must not be kicked out of it, and down to nothing while the
-// patch is lost.
+// The result is finite and within the device's limit, whatever the input. A ramp goes up at the
+// start, so that a device that starts deep inside is not kicked out, and another goes down to zero
+// while the patch is lost.
 #pragma once
 
 #include "proxima/device.h"
@@ -20,14 +20,14 @@ namespace proxima {
 /// The options within a device's limits.
 [[nodiscard]] ForceOptions limited(ForceOptions options, const DeviceLimits& limits) noexcept;
 
-/// A contact as the force sees it, in the device's metres.
+/// A contact, in the device's metres.
 struct SpringContact {
     bool touching = false;
     Vec3 stretch = Vec3::Zero(); ///< from the device to the anchor
     Vec3 normal = Vec3::Zero();  ///< of length 1, outward
 };
 
-/// Spring and damper. Never pulls against the contact's normal because of damping.
+/// Spring and damper. Damping never makes the force pull against the contact's normal.
 [[nodiscard]] Vec3 spring_force(const ForceOptions& options, const SpringContact& contact,
                                 const Vec3& velocity) noexcept;
 
@@ -42,21 +42,21 @@ public:
     /// \pre max_force > 0
     ForceGuard(const ForceOptions& options, double max_force) noexcept;
 
-    /// What the device gets in this tick of `seconds`: finite, at most max_force long, and at most
+    /// The force for this tick of `seconds`: finite, at most max_force long, and at most
     /// max_slew * seconds away from the last one.
     [[nodiscard]] Vec3 pass(const Vec3& wanted, double seconds,
                             Patch patch = Patch::available) noexcept;
 
-    /// As new: the next force ramps up from nothing.
+    /// Starts anew: the next force ramps up from zero.
     void restart() noexcept;
 
-    /// What is touched is another thing now: the last force fades away in loss_seconds, while what
-    /// is wanted from now on rises as at the start.
+    /// Crosses over to another surface: the last force fades in loss_seconds, while new ones ramp up
+    /// as at the start.
     void cross_over() noexcept;
 
     [[nodiscard]] const Vec3& last() const noexcept { return last_; }
 
-    /// The ramps' factor of the last force: 1 but after a start or a loss.
+    /// The factor of the ramps in the last force: 1 except after a start or a loss.
     [[nodiscard]] double trust() const noexcept { return start_ * patch_; }
 
     /// Ticks in which a guard changed the force.
@@ -69,7 +69,7 @@ private:
     double max_force_;
     double start_ = 0; ///< 0 to 1
     double patch_ = 1; ///< 0 to 1
-    double fade_ = 0;  ///< 1 to 0: the part of what faded away from
+    double fade_ = 0;  ///< 1 to 0: the part of `fading_` that is left
     Vec3 fading_ = Vec3::Zero();
     Vec3 last_ = Vec3::Zero();
     std::uint64_t clamped_ = 0;

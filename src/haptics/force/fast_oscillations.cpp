@@ -14,7 +14,7 @@ constexpr double least_growth = 0.01;
 
 } // namespace
 
-/// A leg is over.
+/// Ends a leg, and judges the legs so far.
 double FastOscillations::turn() noexcept
 {
     const double length = (farthest_ - turned_).norm();

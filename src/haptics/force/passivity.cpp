@@ -8,7 +8,7 @@ namespace proxima {
 namespace {
 
 constexpr double least_softness = 1e-3;
-constexpr double first_recovery = 8; ///< s, in which s doubles after the first swing
+constexpr double first_recovery = 8; ///< s, in which s doubles after the first oscillation
 constexpr double longest_recovery = 512;
 constexpr double fading_damping = 3; ///< of all damping over sqrt(s): from s = 0.09 on it is less
 
@@ -19,7 +19,7 @@ double PassivityGuard::added_damping() const noexcept
     return max_damping_ * (1 - softness_) * std::sqrt(softness_);
 }
 
-/// The faster a swing grew, the more.
+/// Softens the force, by more the faster an oscillation grew.
 void PassivityGuard::soften(double growth) noexcept
 {
     softness_ = std::max(softness_ * std::clamp(std::exp(-1.5 * growth), 0.1, 0.6), least_softness);
@@ -35,8 +35,8 @@ void PassivityGuard::recover(double seconds) noexcept
     if (softness_ >= 1) recovery_ = 0;
 }
 
-/// What the device bears beside a wall's damping and the softening's. Where next to nothing of the
-/// wall is left and it swings all the same, held damping may be what swings: it goes as well.
+/// The most damping that the observer may add beside that of the wall and of softening. It vanishes
+/// with s: where a wall that is almost gone still oscillates, damping may be the cause.
 double PassivityGuard::most_alpha() const noexcept
 {
     if (softness_ >= 1) return max_damping_;
@@ -44,7 +44,7 @@ double PassivityGuard::most_alpha() const noexcept
     return std::max(max_damping_ * bearable - added_damping(), 0.0);
 }
 
-/// Never pulls against the force because of its own damping.
+/// Scales and damps the force. Damping never makes it pull the other way.
 Vec3 PassivityGuard::softened(const Vec3& force, const Vec3& velocity) const noexcept
 {
     if (softness_ >= 1) return force;
@@ -60,7 +60,7 @@ Vec3 PassivityGuard::pass(const Vec3& position, const Vec3& velocity, const Vec3
                           double seconds) noexcept
 {
     recover(seconds);
-    const double growth = swings_.watch(position, force, seconds);
+    const double growth = oscillations_.watch(position, force, seconds);
     if (growth > 0) soften(growth);
     const Vec3 wanted = softened(force, velocity);
     if (running_) energy_ -= last_force_.dot(position - last_position_);
@@ -81,12 +81,12 @@ Vec3 PassivityGuard::pass(const Vec3& position, const Vec3& velocity, const Vec3
 void PassivityGuard::leave(const Vec3& position, double seconds) noexcept
 {
     recover(seconds);
-    const double growth = swings_.watch(position, Vec3::Zero(), seconds);
+    const double growth = oscillations_.watch(position, Vec3::Zero(), seconds);
     if (growth > 0) soften(growth);
-    open_accounts();
+    reset_energy();
 }
 
-void PassivityGuard::open_accounts() noexcept
+void PassivityGuard::reset_energy() noexcept
 {
     energy_ = 0;
     running_ = false;
@@ -94,8 +94,8 @@ void PassivityGuard::open_accounts() noexcept
 
 void PassivityGuard::restart() noexcept
 {
-    open_accounts();
-    swings_.restart();
+    reset_energy();
+    oscillations_.restart();
 }
 
 } // namespace proxima

@@ -1,10 +1,10 @@
 // The baseline without a proxy: a point that is pushed out where the surface is nearest.
 //
-//     outside   nothing              inside   F = K d n - B (v . n) n,  n towards the nearest place
+//     outside   nothing              inside   F = K d n - B (v . n) n,  n towards the nearest point
 //
-// It remembers nothing of where it came in, and has the faults that proxies were invented against
+// It does not remember where it entered, and has the faults that proxies were invented against
 // [zilles-1995]: deep inside, another side becomes the nearest and the force jumps; a thin wall
-// pushes out on its far side, or is leapt over within a tick. Neither friction, radius nor shading.
+// pushes out on its far side, or is passed within a tick. It has no friction, radius or shading.
 #pragma once
 
 #include "haptics/proxy/proxy.h"
@@ -13,11 +13,18 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 namespace proxima {
 
-/// What knows the nearest place and the inside. Refers to both, of the same mesh.
+/// What the spring of a session pulls towards.
+enum class ForceLaw : std::uint8_t {
+    proxy,  ///< a proxy that stays outside
+    penalty ///< the nearest point of the surface
+};
+
+/// The index and the sign of one mesh, to which it refers.
 struct PenaltySurface {
     const MeshIndex* index = nullptr;
     const SurfaceSign* sign = nullptr;
@@ -26,24 +33,24 @@ struct PenaltySurface {
 /// One thread. noexcept, no allocation; a closest feature and its sign per tick.
 class PenaltyProbe {
 public:
-    /// \pre both are there
+    /// \pre both pointers are set
     explicit PenaltyProbe(const PenaltySurface& surface);
 
-    /// Begins there, as if it came from nowhere. \pre p is finite
+    /// Starts at p, without a past. \pre p is finite
     void place(const Vec3& p) noexcept;
 
-    /// What is felt, as a proxy would say it, which is the device itself: inside, its anchor is the
-    /// nearest place of the surface, and it slides. \pre placed; p is finite
+    /// A tick in the form of a proxy's, with the device itself as the proxy: inside, its anchor is the
+    /// nearest point of the surface, and it slides. \pre placed; p is finite
     const ProxyTick& follow(const Vec3& p) noexcept;
 
-    /// What follow() answered last.
+    /// What follow() returned last.
     [[nodiscard]] const ProxyTick& last() const noexcept { return tick_; }
 
-    /// Whether in the last tick it was pushed against the side on which it was pushed before.
+    /// Whether the last tick pushed against the side of the tick before.
     [[nodiscard]] bool popped() const noexcept { return popped_; }
 
-    /// The device's straight way in the last tick, where nothing was felt at its ends: what lies on
-    /// it was leapt over.
+    /// The device's straight path in the last tick if both ends are outside: surfaces on it were
+    /// passed.
     [[nodiscard]] std::span<const Vec3> path() const noexcept
     {
         return std::span(path_).first(path_size_);

@@ -1,6 +1,5 @@
 #include "haptics/force/surface_renderer.h"
 
-#include "base/check.h"
 #include "proxima/touch_scene.h"
 
 #include <algorithm>
@@ -19,89 +18,88 @@ RenderOptions limited_options(RenderOptions options, const DeviceLimits& device)
 } // namespace
 
 ProxyOptions proxy_options(const RenderOptions& options, const WorkspaceMap& map,
-                           const SurfaceFeel* feel) noexcept
+                           const SurfaceProperties* properties) noexcept
 {
-    // Shading slides twice.
+    // With shading the proxy slides twice.
     const std::size_t slides = options.shading == ForceShading::on ? 2 : 1;
     return {.radius = options.proxy_radius * map.units_per_metre,
             .static_friction = options.static_friction,
             .dynamic_friction = options.dynamic_friction,
             .max_moves = std::min(slides * options.max_moves, max_slide_moves),
             .shading = options.shading,
-            .feel = feel};
+            .properties = properties};
 }
 
 SurfaceRenderer::SurfaceRenderer(RenderedSurface rendered, const WorkspaceMap& map,
                                  const DeviceLimits& device, const RenderOptions& options,
                                  std::optional<PenaltyProbe> probe)
-    : owned_(std::move(rendered.owned)), scene_(rendered.scene), feel_(rendered.feel),
+    : owned_(std::move(rendered.owned)), scene_(rendered.scene), properties_(rendered.properties),
       device_(device), map_(map), options_(limited_options(options, device)),
-      proxy_(*rendered.surface, proxy_options(options, map, rendered.feel)),
+      proxy_(*rendered.surface, proxy_options(options, map, rendered.properties)),
       probe_(std::move(probe)), guard_(options_.force, device.max_force),
       passivity_(device.max_damping)
-{
-    PROXIMA_CHECK((options.law == ForceLaw::penalty) == probe_.has_value());
-}
+{}
 
 Vec3 SurfaceRenderer::accept(const DeviceState& state) noexcept
 {
-    const Vec3& said = state.pose.translation;
+    const Vec3& reported = state.pose.translation;
     tick_.fault = InputFault::none;
-    if (!said.allFinite()) {
+    if (!reported.allFinite()) {
         tick_.fault = InputFault::not_finite;
         return tick_.position;
     }
-    if (placed_ && !((said - tick_.position).norm() <= options_.max_jump)) {
+    if (placed_ && !((reported - tick_.position).norm() <= options_.max_jump)) {
         tick_.fault = InputFault::jumped;
         placed_ = false;
         guard_.restart();
         passivity_.restart();
     }
-    return said;
+    return reported;
 }
 
-/// The objects go on, and take the proxy along.
+/// Advances the objects, which carry the proxy.
 void SurfaceRenderer::advance_scene(double seconds) noexcept
 {
     const SceneTick change = scene_->advance(seconds);
     tick_.squeezed = false;
     if (!placed_) return;
     const ProxyTick& last = proxy_.last();
-    if (change.moved && last.has_room) {
-        const auto place = carried(last.proxy);
-        if (place) {
-            // The place without friction is another one, and goes along for itself.
-            const Vec3 easy = last.slide.center;
-            const bool apart = last.hold != Hold::free && easy != last.proxy;
-            proxy_.carry(*place, apart ? carried(easy).value_or(*place) : *place);
+    if (change.moved && last.is_placed) {
+        const auto position = carried(last.proxy);
+        if (position) {
+            // A frictionless position of its own is carried separately.
+            const Vec3 frictionless = last.slide.center;
+            const bool apart = last.hold != Hold::free && frictionless != last.proxy;
+            proxy_.carry(*position, apart ? carried(frictionless).value_or(*position) : *position);
         } else {
             tick_.squeezed = true;
-            begin_anew();
+            start_anew();
         }
     }
-    if (change.exchanged) begin_anew();
+    if (change.exchanged) start_anew();
 }
 
-/// Where objects that moved leave a place of the proxy: with what it touches, if it does.
-std::optional<Vec3> SurfaceRenderer::carried(const Vec3& place) noexcept
+/// A position of the proxy after the objects moved, which carry it where they touch it.
+std::optional<Vec3> SurfaceRenderer::carried(const Vec3& position) noexcept
 {
     const ProxyTick& last = proxy_.last();
     const auto contacts = std::span(last.slide.contacts).first(last.slide.contact_count);
-    const Vec3 goal = last.hold == Hold::free ? place : carried_place(*scene_, contacts, place);
-    return move_with_objects(*scene_, proxy_.radius(), place, goal, carry_scratch_);
+    const Vec3 goal =
+        last.hold == Hold::free ? position : carried_position(*scene_, contacts, position);
+    return move_with_objects(*scene_, proxy_.radius(), position, goal, carry_scratch_);
 }
 
-/// Where it is or nearby, but outside of bodies that are closed: one may have taken its place.
-void SurfaceRenderer::begin_anew() noexcept
+/// Places the proxy anew, outside of closed bodies, one of which may now cover it.
+void SurfaceRenderer::start_anew() noexcept
 {
     proxy_.place(scene_->nearest_exit(proxy_.last().proxy));
-    const Vec3 place = proxy_.last().proxy;
-    if (scene_->nearest_exit(place) != place) proxy_.wait(place);
+    const Vec3 position = proxy_.last().proxy;
+    if (scene_->nearest_exit(position) != position) proxy_.wait(position);
     guard_.cross_over();
     passivity_.restart();
 }
 
-/// Of the surface under the proxy, m/s: of each contact by its part of the pressure.
+/// Velocity of the surface under the proxy, m/s: mean of the contacts, weighted by pressure.
 Vec3 SurfaceRenderer::surface_velocity(const ProxyTick& proxy) const noexcept
 {
     const SlideResult& slide = proxy.slide;
@@ -114,24 +112,24 @@ Vec3 SurfaceRenderer::surface_velocity(const ProxyTick& proxy) const noexcept
     return pressures > 0 ? Vec3(sum / (pressures * map_.units_per_metre)) : Vec3(Vec3::Zero());
 }
 
-/// Spring and damper. Where objects differ each pushes by its own stiffness along its normal;
-/// damping, and the spring of friction, go by the mean, weighted by pressure.
+/// Spring and damper. Objects of different materials push with their own stiffness along their
+/// normals. Damping and the spring of friction use means, weighted by pressure.
 Vec3 SurfaceRenderer::spring(const ProxyTick& proxy, const Vec3& device,
                              const Vec3& velocity) const noexcept
 {
     const bool touching = proxy.hold != Hold::free;
     const Vec3 stretch = (proxy.anchor - device) / map_.units_per_metre;
     const SpringContact contact = {touching, stretch, proxy.normal};
-    if (feel_ == nullptr || !touching) return spring_force(options_.force, contact, velocity);
+    if (properties_ == nullptr || !touching) return spring_force(options_.force, contact, velocity);
     ForceOptions mean = options_.force;
-    Vec3 pushes = Vec3::Zero();    // N: by each contact's own stiffness
-    Vec3 stretches = Vec3::Zero(); // m: what of the stretch they stand for
+    Vec3 pushes = Vec3::Zero();    // N: with each contact's own stiffness
+    Vec3 stretches = Vec3::Zero(); // m: their part of the stretch
     double pressures = 0;
     double stiffness = 0;
     double damping = 0;
     for (const Contact& each : std::span(proxy.slide.contacts).first(proxy.slide.contact_count)) {
         ForceOptions own = options_.force;
-        if (const auto material = feel_->material(each.triangle)) {
+        if (const auto material = properties_->material(each.triangle)) {
             own.stiffness = material->stiffness;
             own.damping = material->damping;
             own = limited(own, device_);
@@ -162,11 +160,11 @@ const ProxyTick& SurfaceRenderer::follow(const Vec3& device) noexcept
 {
     if (probe_) return probe_->follow(device);
     const bool waits =
-        scene_ != nullptr && !proxy_.last().has_room && scene_->nearest_exit(device) != device;
+        scene_ != nullptr && !proxy_.last().is_placed && scene_->nearest_exit(device) != device;
     return waits ? proxy_.wait(device) : proxy_.follow(device);
 }
 
-/// What the tick says of the proxy.
+/// Copies the proxy's part of the tick.
 void SurfaceRenderer::write_proxy(const ProxyTick& proxy) noexcept
 {
     tick_.proxy = proxy.proxy;
@@ -174,7 +172,7 @@ void SurfaceRenderer::write_proxy(const ProxyTick& proxy) noexcept
     tick_.hold = proxy.hold;
     tick_.normal = proxy.normal;
     tick_.depth = proxy.depth;
-    tick_.has_room = proxy.has_room;
+    tick_.is_placed = proxy.is_placed;
     tick_.moves = proxy.moves;
     tick_.slide_end = proxy.slide.end;
     tick_.contact_count = proxy.slide.contact_count;
@@ -198,7 +196,6 @@ const RenderTick& SurfaceRenderer::tick(const DeviceState& state, double seconds
     }
     const ProxyTick& proxy = follow(device);
     write_proxy(proxy);
-    tick_.popped = probe_ && probe_->popped();
     const bool touching = proxy.hold != Hold::free;
     Vec3 velocity = state.velocity.allFinite() ? state.velocity : Vec3(Vec3::Zero());
     if (scene_ != nullptr) {
@@ -213,7 +210,7 @@ const RenderTick& SurfaceRenderer::tick(const DeviceState& state, double seconds
     if (options_.passivity == Passivity::guarded) {
         const Vec3 relative = tick_.position - ground_;
         if (touching) {
-            // Of what is more than the device can give, a part may still be all that it can.
+            // Clamp before softening: a part of an excessive force may still be the device's limit.
             const double size = force.norm();
             if (passivity_.softness() < 1 && size > device_.max_force)
                 force *= device_.max_force / size;

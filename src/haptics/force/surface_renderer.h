@@ -1,11 +1,10 @@
-// What a HapticRenderer (haptic_renderer.h) is made of: proxy, spring, passivity and force guards,
-// and how a tick goes through them.
+// The implementation of HapticRenderer (haptic_renderer.h): proxy, spring, passivity and force
+// guards, and the tick that goes through them.
 //
-// A scene's objects move as part of the tick: the proxy is carried along by what it touches, held
-// back by what comes its way (move_with_objects.h), and damping, friction and the passivity
-// observer go by the motion relative to the surface. Where a body was exchanged, or objects left
-// the proxy no room, it begins anew, outside of closed bodies, and the last force fades while the
-// new one rises as at a start.
+// A scene's objects move as part of the tick: touched objects carry the proxy, others push it
+// (move_with_objects.h), and damping, friction and the passivity observer use the motion relative to
+// the surface. Where a body was exchanged, or objects left the proxy no free position, it starts
+// anew, outside of closed bodies, and the last force fades while the new one ramps up.
 #pragma once
 
 #include "haptics/force/contact_force.h"
@@ -15,7 +14,7 @@
 #include "haptics/scene/move_with_objects.h"
 #include "haptics/scene/moving_surface.h"
 #include "haptics/surface/contact_surface.h"
-#include "haptics/surface/surface_feel.h"
+#include "haptics/surface/surface_properties.h"
 #include "proxima/device.h"
 #include "proxima/geometry.h"
 #include "proxima/haptic_renderer.h"
@@ -26,24 +25,25 @@
 
 namespace proxima {
 
-/// The proxy's part of the options, in the model's units. `feel` must outlive the proxy.
+/// The proxy's part of the options, in the model's units. `properties` must outlive the proxy.
 [[nodiscard]] ProxyOptions proxy_options(const RenderOptions& options, const WorkspaceMap& map,
-                                         const SurfaceFeel* feel) noexcept;
+                                         const SurfaceProperties* properties) noexcept;
 
-/// What a renderer touches. All but `surface` may be null.
+/// The surface of a renderer. All but `surface` may be null.
 struct RenderedSurface {
     const ContactSurface* surface = nullptr;
-    const SurfaceFeel* feel = nullptr;
-    MovingSurface* scene = nullptr; ///< the same as surface and feel, where each tick advances it
-    std::unique_ptr<const ContactSurface> owned = nullptr; ///< the same as surface, kept alive
+    const SurfaceProperties* properties = nullptr;
+    MovingSurface* scene = nullptr; ///< surface and properties, where each tick advances it
+    std::unique_ptr<const ContactSurface> owned = nullptr; ///< surface, where the renderer owns it
 };
 
-/// Refers to surface, scene and feel. One thread. noexcept and without allocation but for the
+/// Refers to surface, scene and properties. One thread. noexcept and without allocation but for the
 /// constructor.
 class SurfaceRenderer {
 public:
-    /// The options are limited to what the device can take. \pre there is a probe if and only if
-    /// options.law is penalty; the proxy is then unused
+    /// Options are limited to what the device can take. With a probe of penalty forces the proxy is
+    /// not used, and radius, frictions, max_moves and shading have no effect.
+    /// \pre check_render_settings() holds
     SurfaceRenderer(RenderedSurface rendered, const WorkspaceMap& map, const DeviceLimits& device,
                     const RenderOptions& options, std::optional<PenaltyProbe> probe = std::nullopt);
 
@@ -53,19 +53,22 @@ public:
     [[nodiscard]] const ForceGuard& guard() const noexcept { return guard_; }
     [[nodiscard]] const PassivityGuard& passivity() const noexcept { return passivity_; }
 
-    /// As HapticRenderer::tick().
+    /// Like HapticRenderer::tick().
     const RenderTick& tick(const DeviceState& state, double seconds, Patch patch) noexcept;
 
     [[nodiscard]] const RenderTick& last() const noexcept { return tick_; }
 
-    /// Of the last tick: what the proxy, or the probe of penalty forces, answered.
+    /// Whether penalty forces pushed against the side of the tick before.
+    [[nodiscard]] bool popped() const noexcept { return probe_ && probe_->popped(); }
+
+    /// The last tick of the proxy, or of the probe of penalty forces.
     [[nodiscard]] const ProxyTick& proxy_tick() const noexcept
     {
         return probe_ ? probe_->last() : proxy_.last();
     }
 
-    /// Places of the last tick, straight ways between them, that nothing should be met on: the
-    /// proxy's, or the probe's of penalty forces.
+    /// The path of the proxy, or of the probe of penalty forces, in the last tick: positions with
+    /// straight moves between them.
     [[nodiscard]] std::span<const Vec3> path() const noexcept
     {
         return probe_ ? probe_->path() : proxy_.path();
@@ -77,15 +80,15 @@ private:
     void write_proxy(const ProxyTick& proxy) noexcept;
     [[nodiscard]] Vec3 accept(const DeviceState& state) noexcept;
     void advance_scene(double seconds) noexcept;
-    [[nodiscard]] std::optional<Vec3> carried(const Vec3& place) noexcept;
-    void begin_anew() noexcept;
+    [[nodiscard]] std::optional<Vec3> carried(const Vec3& position) noexcept;
+    void start_anew() noexcept;
     [[nodiscard]] Vec3 surface_velocity(const ProxyTick& proxy) const noexcept;
     [[nodiscard]] Vec3 spring(const ProxyTick& proxy, const Vec3& device,
                               const Vec3& velocity) const noexcept;
 
     std::unique_ptr<const ContactSurface> owned_;
     MovingSurface* scene_ = nullptr;
-    const SurfaceFeel* feel_ = nullptr;
+    const SurfaceProperties* properties_ = nullptr;
     DeviceLimits device_;
     WorkspaceMap map_;
     RenderOptions options_;
@@ -95,11 +98,11 @@ private:
     PassivityGuard passivity_;
     RenderTick tick_;
     CarryScratch carry_scratch_;
-    Vec3 ground_ = Vec3::Zero(); ///< m: how far the surface has carried what touches it
+    Vec3 ground_ = Vec3::Zero(); ///< m: displacement by the touched surface
     bool placed_ = false;
 };
 
-/// What HapticRenderer lets in.
+/// The library's access to the parts of a HapticRenderer.
 class RendererAccess {
 public:
     [[nodiscard]] static HapticRenderer wrap(std::unique_ptr<SurfaceRenderer> renderer) noexcept
@@ -112,14 +115,26 @@ public:
     }
 };
 
-/// The renderer's proxy, guards and last slide: for tests, and for programs that report them.
+/// The renderer's proxy, guards and last slide, for tests and reports.
 /// \pre the renderer was not moved from
 [[nodiscard]] inline const SurfaceRenderer& parts_of(const HapticRenderer& renderer) noexcept
 {
     return RendererAccess::parts(renderer);
 }
 
-/// A renderer of penalty forces. Refers to surface and inside. \pre options.law is penalty
+/// Error invalid_argument, naming a number that is out of range.
+[[nodiscard]] Status check_render_settings(const WorkspaceMap& map, const DeviceLimits& device,
+                                           const RenderOptions& options);
+
+/// A renderer of the library's own surfaces, with their materials and normals. Refers to both.
+/// \pre check_render_settings() holds
+[[nodiscard]] HapticRenderer make_surface_renderer(const ContactSurface& surface,
+                                                   const WorkspaceMap& map,
+                                                   const DeviceLimits& device,
+                                                   const RenderOptions& options = {},
+                                                   const SurfaceProperties* properties = nullptr);
+
+/// A renderer of penalty forces. Refers to surface and inside. \pre check_render_settings() holds
 [[nodiscard]] HapticRenderer make_penalty_renderer(const ContactSurface& surface,
                                                    const PenaltySurface& inside,
                                                    const WorkspaceMap& map,

@@ -4,14 +4,15 @@
 
 namespace proxima {
 
-void make_patch(ContactPatch& patch, const IndexContactSurface& surface, const ServoPlace& place,
-                const CollisionOptions& options) noexcept
+void make_patch(ContactPatch& patch, const IndexContactSurface& surface,
+                const ServoPosition& position, const CollisionOptions& options) noexcept
 {
-    const double radius = patch_radius(options.speed, 1 / options.rate, options.latency_seconds,
-                                       (place.device - place.proxy).norm(), options.proxy_radius);
-    // A little more: what the proxy asks for beyond its radius is within a skin.
-    fill_metric_patch(patch, surface, place.device, radius * (1 + 1e-6));
-    patch.made_at = place.tick;
+    const double radius =
+        patch_radius(options.speed, 1 / options.rate, options.latency_seconds,
+                     (position.device - position.proxy).norm(), options.proxy_radius);
+    // A little more, for the proxy queries a skin beyond its radius.
+    fill_metric_patch(patch, surface, position.device, radius * (1 + 1e-6));
+    patch.made_at = position.tick;
 }
 
 CollisionLoop::CollisionLoop(const IndexContactSurface& surface, PatchExchange& exchange,
@@ -23,10 +24,10 @@ CollisionLoop::CollisionLoop(const IndexContactSurface& surface, PatchExchange& 
                               .pace = Pace::best_effort},
                              [&](std::uint64_t) noexcept {
                                  if (ending_.load()) return Flow::stop;
-                                 ServoPlace place;
-                                 if (exchange.hear(place)) {
-                                     make_patch(exchange.writing(), surface, place, options);
-                                     exchange.give();
+                                 ServoPosition position;
+                                 if (exchange.receive_position(position)) {
+                                     make_patch(exchange.writing(), surface, position, options);
+                                     exchange.publish_patch();
                                      patches_.fetch_add(1);
                                  }
                                  return Flow::proceed;

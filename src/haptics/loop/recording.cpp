@@ -153,7 +153,7 @@ ObjectNumbers numbers(const ScriptedObject& object)
     return result;
 }
 
-/// Error where no scene can be made of it.
+/// Error where the numbers make no object of a scene.
 Result<ScriptedObject> object_of(const ObjectNumbers& numbers, std::uint64_t fingerprint)
 {
     const auto pose = make_rigid_transform(numbers.pose);
@@ -180,7 +180,7 @@ Result<ScriptedObject> object_of(const ObjectNumbers& numbers, std::uint64_t fin
     return object;
 }
 
-/// None of files that are older.
+/// Empty for files that are older.
 Result<std::vector<ScriptedObject>> objects_of(const BinaryFile& file, const std::string& path)
 {
     std::vector<ScriptedObject> objects;
@@ -204,7 +204,7 @@ Result<std::vector<ScriptedObject>> objects_of(const BinaryFile& file, const std
     return objects;
 }
 
-/// Proxies in files that are older.
+/// proxy for files that are older.
 Result<ForceLaw> force_law_of(const BinaryFile& file, const std::string& path)
 {
     if (file.version() < first_version_with_force_laws) return ForceLaw::proxy;
@@ -254,7 +254,7 @@ DeviceState device_state(const RecordedTick& tick) noexcept
     return state;
 }
 
-bool same_feeling(const RecordedTick& a, const RecordedTick& b) noexcept
+bool same_response(const RecordedTick& a, const RecordedTick& b) noexcept
 {
     return same_bits(a.force, b.force) && same_bits(a.proxy, b.proxy);
 }
@@ -270,7 +270,7 @@ Status save_recording(const Recording& recording, const std::filesystem::path& p
         objects.push_back(numbers(object));
         fingerprints.push_back(object.mesh_fingerprint);
     }
-    const auto law = static_cast<std::uint32_t>(recording.settings.render.law);
+    const auto law = static_cast<std::uint32_t>(recording.settings.law);
     const std::array<BinarySection, 6> sections = {
         {{fingerprint_section, sizeof fingerprint, std::as_bytes(std::span(&fingerprint, 1))},
          {settings_section, sizeof settings, std::as_bytes(std::span(&settings, 1))},
@@ -301,7 +301,7 @@ Result<Recording> load_recording(const std::filesystem::path& path, Progress* pr
     recording.settings = settings_of(settings->front(), fingerprint->front());
     const auto law = force_law_of(*file, path.string());
     if (!law) return tl::unexpected(law.error());
-    recording.settings.render.law = *law;
+    recording.settings.law = *law;
     auto objects = objects_of(*file, path.string());
     if (!objects) return tl::unexpected(objects.error());
     if (*law == ForceLaw::penalty && !objects->empty()) {
@@ -320,7 +320,7 @@ std::uint64_t count_differences(const Recording& recording, HapticRenderer& rend
     for (const RecordedTick& tick : recording.ticks) {
         const DeviceState state = device_state(tick);
         const RenderTick& felt = renderer.tick(state, recording.settings.tick_seconds);
-        if (!same_feeling(recorded(tick.seconds, state, felt), tick)) ++differences;
+        if (!same_response(recorded(tick.seconds, state, felt), tick)) ++differences;
     }
     return differences;
 }

@@ -1,9 +1,10 @@
 // Sessions of touching, tick by tick: written to a file, read back, replayed bit for bit.
 //
-// What was felt follows from what the device said, the models and the settings: the file has all of
-// them but the models, of which it has the fingerprints. Of a scene it has how its objects moved.
+// Forces follow from the device's input, the models and the settings. The file has all of these but
+// the models, which fingerprints stand for, and the motions of a scene's objects.
 #pragma once
 
+#include "haptics/force/penalty_probe.h"
 #include "haptics/scene/scripted_scene.h"
 #include "proxima/device.h"
 #include "proxima/haptic_renderer.h"
@@ -17,9 +18,9 @@
 
 namespace proxima {
 
-/// What happened in one tick. Lengths and forces in metres and newtons, of the device.
+/// One tick of a session. Lengths and forces in metres and newtons of the device.
 struct RecordedTick {
-    double seconds = 0; ///< since the first
+    double seconds = 0; ///< since the first tick
     std::array<double, 3> position{};
     std::array<double, 3> velocity{};
     std::array<double, 3> force{};
@@ -33,13 +34,14 @@ struct RecordedTick {
     friend bool operator==(const RecordedTick&, const RecordedTick&) = default;
 };
 
-/// Settings that a session was felt with.
+/// Settings of a session.
 struct RecordingSettings {
-    std::uint64_t mesh_fingerprint = 0;  ///< of the one model; 0 of a scene
+    std::uint64_t mesh_fingerprint = 0;  ///< of one model at rest; 0 for a scene
     std::vector<ScriptedObject> objects; ///< of a scene; empty for one model at rest
     double tick_seconds = 1e-3;
     WorkspaceMap map;
     RenderOptions render;
+    ForceLaw law = ForceLaw::proxy;
     double max_force = 3.3; ///< of the device
     double max_stiffness = 700;
     double max_damping = 5;
@@ -50,26 +52,26 @@ struct Recording {
     std::vector<RecordedTick> ticks;
 };
 
-/// A tick as it is recorded.
+/// The record of a tick.
 [[nodiscard]] RecordedTick recorded(double seconds, const DeviceState& state,
                                     const RenderTick& tick) noexcept;
 
-/// What the device said in a recorded tick.
+/// The device's state in a recorded tick.
 [[nodiscard]] DeviceState device_state(const RecordedTick& tick) noexcept;
 
 /// Whether two ticks have the same force and proxy, bit for bit.
-[[nodiscard]] bool same_feeling(const RecordedTick& a, const RecordedTick& b) noexcept;
+[[nodiscard]] bool same_response(const RecordedTick& a, const RecordedTick& b) noexcept;
 
 /// Writes a file (.pxt). Errors: those of write_binary_file.
 [[nodiscard]] Status save_recording(const Recording& recording, const std::filesystem::path& path,
                                     Progress* progress = nullptr);
 
-/// Reads it. Errors: those of BinaryFile::open; malformed_file where settings are out of range.
+/// Reads a file. Errors: those of BinaryFile::open; malformed_file where settings are out of range.
 [[nodiscard]] Result<Recording> load_recording(const std::filesystem::path& path,
                                                Progress* progress = nullptr);
 
-/// Feels a recording of one model again with a renderer as new. Returns in how many ticks force or
-/// proxy had other bits than recorded.
+/// Replays a recording of one model with a new renderer. Returns the number of ticks in which force
+/// or proxy have other bits than recorded.
 [[nodiscard]] std::uint64_t count_differences(const Recording& recording,
                                               HapticRenderer& renderer) noexcept;
 

@@ -84,7 +84,7 @@ private:
     sched_param parameters_{};
 };
 
-/// How many ticks a loop makes that a tick alone ends.
+/// The number of ticks of a loop that only a tick ends.
 constexpr std::uint64_t endless = std::numeric_limits<std::uint64_t>::max();
 
 } // namespace
@@ -144,7 +144,7 @@ Flow TickAccount::tick() noexcept
     if (seen_.ticks == 0) {
         begin_ = start;
     } else {
-        // Late against a period after the tick before: the clock is not ours.
+        // The driver keeps time: late means more than a period after the last tick.
         const auto interval = static_cast<double>(start - last_);
         seen_.late.add(std::llround(interval - period));
         const double passed = std::floor(interval / period + 0.5) - 1;

@@ -1,10 +1,10 @@
-// The latest value from one thread to another, without a lock and without waiting: three slots.
+// Hands the latest value from one thread to another, wait-free, through three slots.
 //
 //     writer   fills its slot, swaps it with the middle one         never waits for the reader
 //     reader   takes the middle one in exchange for its own         never waits for the writer
 //
-// The reader always sees a whole value, the newest published when it asked; values in between are
-// lost. The bits of `middle_` are the slot's number and whether it is news.
+// The reader always sees a whole value, the newest one when it updated; values in between are lost.
+// The bits of `middle_` are the slot's number and whether it is new.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ public:
     /// All slots begin as copies.
     explicit Snapshot(const T& value) : slots_{value, value, value} {}
 
-    /// The writer's slot: what was in it before is any older value.
+    /// The writer's slot, with any older value in it.
     [[nodiscard]] T& writing() noexcept { return slots_[write_]; }
 
     /// Hands the writer's slot over.
@@ -34,7 +34,7 @@ public:
             number;
     }
 
-    /// The reader takes what is newest. False where nothing was published since the last time.
+    /// The reader takes the newest value. False where nothing was published since the last update.
     bool update() noexcept
     {
         if ((middle_.load(std::memory_order_relaxed) & news) == 0) return false;
@@ -42,7 +42,7 @@ public:
         return true;
     }
 
-    /// The reader's slot: stays as it is until the next update.
+    /// The reader's slot, which does not change until the next update.
     [[nodiscard]] const T& reading() const noexcept { return slots_[read_]; }
     [[nodiscard]] T& reading() noexcept { return slots_[read_]; }
 
@@ -53,8 +53,8 @@ private:
 
     alignas(64) std::atomic<std::uint8_t> middle_{1};
     alignas(64) std::array<T, 3> slots_{};
-    alignas(64) std::uint8_t write_ = 0; ///< the writer's alone
-    alignas(64) std::uint8_t read_ = 2;  ///< the reader's alone
+    alignas(64) std::uint8_t write_ = 0; ///< of the writer alone
+    alignas(64) std::uint8_t read_ = 2;  ///< of the reader alone
 };
 
 } // namespace proxima

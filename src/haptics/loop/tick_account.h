@@ -1,4 +1,4 @@
-// Counts and times the ticks that a driver's scheduler calls, as run_servo_loop() does its own.
+// Counts and times the ticks that a driver's scheduler calls, as run_servo_loop() does for its own.
 #pragma once
 
 #include "proxima/device.h"
@@ -13,7 +13,7 @@ public:
     /// Refers to the callable of `called`, which must outlive every tick. \pre the rate is positive
     TickAccount(const ServoOptions& options, ServoTick called) noexcept;
 
-    /// The next tick; stop once it says so or all are done. noexcept, without allocation.
+    /// Calls the next tick. Returns stop once it does or all are done. noexcept, no allocation.
     Flow tick() noexcept;
 
     [[nodiscard]] ServoStatistics finish() const { return seen_; }
@@ -23,7 +23,7 @@ private:
     ServoTick tick_;
     ServoStatistics seen_;
     std::int64_t begin_ = 0; ///< ns
-    std::int64_t last_ = 0;  ///< the last tick's beginning
+    std::int64_t last_ = 0;  ///< ns, the beginning of the last tick
 };
 
 } // namespace proxima

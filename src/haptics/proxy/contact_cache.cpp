@@ -9,16 +9,16 @@ namespace proxima {
 
 namespace {
 
-/// A new ball reaches so far beyond what was asked for, in mean edges, at first; then as far as
-/// makes about so many groups: fewer are left too soon, more cost every scan.
+/// The margin of a new ball beyond its query, in mean edges, at first. Later it adapts to a number of
+/// groups in this range: the proxy leaves smaller balls too soon, larger ones slow every scan.
 constexpr double first_margin = 3;
 constexpr std::size_t few_groups = 24;
 constexpr std::size_t many_groups = 64;
 
-/// A new ball on a way has its middle so far ahead, in parts of that margin.
+/// The middle of a new ball is so far ahead of a motion, in parts of that margin.
 constexpr double part_ahead = 0.6;
 
-/// Of coordinates: more than differences of them and distances between are off by.
+/// More than the error of differences and distances, in parts of coordinates.
 constexpr double coordinate_rounding = 0x1p-44;
 
 } // namespace
@@ -28,7 +28,8 @@ ContactCache::ContactCache()
       times_(ranks_.size())
 {}
 
-bool ContactCache::keeps(const ContactSurface& surface) noexcept
+/// Forgets what was cached of another edition. False where nothing may be cached.
+bool ContactCache::update_edition(const ContactSurface& surface) noexcept
 {
     const std::uint64_t edition = surface.edition();
     if (edition == 0) return false;
@@ -67,13 +68,13 @@ bool ContactCache::fill(const ContactSurface& surface, const Vec3& p, double dis
 
 bool ContactCache::covers(const ContactSurface& surface, const Vec3& p, double distance) noexcept
 {
-    return keeps(surface) && (p - center_).norm() + distance + rounding_ <= reach_;
+    return update_edition(surface) && (p - center_).norm() + distance + rounding_ <= reach_;
 }
 
-std::size_t ContactCache::ask(const ContactSurface& surface, const Vec3& p, const Vec3& way,
-                              double distance, std::span<ContactTriangle> buffer) noexcept
+std::size_t ContactCache::bypass(const ContactSurface& surface, const Vec3& p, const Vec3& motion,
+                                 double distance, std::span<ContactTriangle> buffer) noexcept
 {
-    const std::size_t count = surface.collect_along(p, way, distance, buffer);
+    const std::size_t count = surface.collect_along(p, motion, distance, buffer);
     ++work_.gathers;
     work_.gathered += count;
     work_.passed += count;
@@ -89,17 +90,17 @@ std::size_t ContactCache::scan(const ContactSurface& surface, std::span<const st
     return count;
 }
 
-/// Sees to it that the ball has all that is near a way. False where there is too much.
-bool ContactCache::reach_out(const ContactSurface& surface, const Vec3& p, const Vec3& way,
-                             double distance) noexcept
+/// Makes the ball cover a motion. False where there are too many groups.
+bool ContactCache::cover(const ContactSurface& surface, const Vec3& p, const Vec3& motion,
+                         double distance) noexcept
 {
-    const double length = way.norm();
-    const Vec3 middle = p + 0.5 * way;
+    const double length = motion.norm();
+    const Vec3 middle = p + 0.5 * motion;
     const double around = distance + 0.5 * length;
     if (covers(surface, middle, around)) return true;
-    // Who is on the way goes on.
+    // The motion will probably go on.
     const Vec3 ahead =
-        length > 0 ? Vec3(way * (part_ahead * margin_ / length)) : Vec3(Vec3::Zero());
+        length > 0 ? Vec3(motion * (part_ahead * margin_ / length)) : Vec3(Vec3::Zero());
     return fill(surface, middle + ahead, around) &&
            (covers(surface, middle, around) || fill(surface, middle, around));
 }
@@ -111,23 +112,24 @@ std::size_t ContactCache::collect(const ContactSurface& surface, const Vec3& p, 
 }
 
 std::size_t ContactCache::collect_along(const ContactSurface& surface, const Vec3& p,
-                                        const Vec3& way, double distance,
+                                        const Vec3& motion, double distance,
                                         std::span<ContactTriangle> buffer) noexcept
 {
-    begin_sweep(surface, p, way, distance);
-    if (asks_) return ask(surface, p, way, distance, buffer);
+    begin_sweep(surface, p, motion, distance);
+    if (bypasses_) return bypass(surface, p, motion, distance, buffer);
     const GroupsAlongSegment& near = near_.front();
     return scan(surface, std::span(near.ids).first(near.count), buffer);
 }
 
-void ContactCache::begin_sweep(const ContactSurface& surface, const Vec3& p, const Vec3& way,
+void ContactCache::begin_sweep(const ContactSurface& surface, const Vec3& p, const Vec3& motion,
                                double distance) noexcept
 {
     query_ = surface.group_query(p);
-    query_.way = way;
+    query_.motion = motion;
     query_.distance = distance;
-    asks_ = !keeps(surface) || surface.groups().empty() || !reach_out(surface, p, way, distance);
-    if (asks_) return;
+    bypasses_ = !update_edition(surface) || surface.groups().empty() ||
+                !cover(surface, p, motion, distance);
+    if (bypasses_) return;
     query_.rounding = rounding_;
     groups_along_segment(boxes_.front(), query_, near_.front());
     ++work_.scans;
@@ -139,17 +141,18 @@ std::size_t ContactCache::next_before(const ContactSurface& surface, double part
                                       std::span<double> times) noexcept
 {
     GroupsAlongSegment& near = near_.front();
-    if (asks_) {
+    if (bypasses_) {
         near.count = 0;
-        asks_ = false;
-        const std::size_t count = ask(surface, query_.place, query_.way, query_.distance, buffer);
+        bypasses_ = false;
+        const std::size_t count =
+            bypass(surface, query_.position, query_.motion, query_.distance, buffer);
         for (std::size_t i = 0; i < std::min(count, buffer.size()); ++i) {
-            times[i] =
-                least_touch_time(buffer[i].corners, query_.distance, query_.place, query_.way);
+            times[i] = least_touch_time(buffer[i].corners, query_.distance, query_.position,
+                                        query_.motion);
         }
         return count;
     }
-    // Those that are looked at now first.
+    // Move the groups that are due to the front.
     std::size_t now = 0;
     for (std::size_t i = 0; i < near.count; ++i) {
         if (near.times[i] > part) continue;
@@ -167,7 +170,7 @@ std::size_t ContactCache::next_before(const ContactSurface& surface, double part
 
 double ContactCache::known_clearance(const ContactSurface& surface, const Vec3& p) noexcept
 {
-    if (!keeps(surface) || !(free_ > 0)) return -1;
+    if (!update_edition(surface) || !(free_ > 0)) return -1;
     const double rounding = coordinate_rounding * (surface.scale().reach + p.cwiseAbs().maxCoeff());
     return free_ - (p - free_center_).norm() - rounding;
 }
@@ -178,7 +181,7 @@ double ContactCache::clearance(const ContactSurface& surface, const Vec3& p, dou
     if (known > std::max(wanted, 0.0)) return known;
     ++work_.distances;
     const double clearance = surface.clearance_beyond(p, wanted);
-    if (keeps(surface)) {
+    if (update_edition(surface)) {
         free_center_ = p;
         free_ = clearance;
     }

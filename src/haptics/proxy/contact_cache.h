@@ -1,13 +1,13 @@
-// The triangles round a place, kept from one tick to the next: a proxy asks for what is near it
-// several times a tick, a thousand times a second, and each time it is all but at the same place.
+// Caches the triangles near a position from one tick to the next: a proxy queries them several times
+// a tick, a thousand times a second, and hardly moves in between.
 //
-//     ball    the boxes of all groups of triangles within `reach` of `center` are kept
-//     asked   within the ball: answered from the groups whose boxes are near, in lanes of floats
-//             (triangle_groups.h); beyond it: a new ball
-//     free    how far the surface was at a place, less the way since then: often enough to know
-//             that nothing is near without asking
+//     ball     the boxes of all groups of triangles within `reach` of `center`
+//     query    inside the ball: by the groups whose boxes are near, in lanes of floats
+//              (triangle_groups.h); otherwise a new ball is made
+//     free     the surface's distance at a position, less the distance moved since then: often
+//              enough to know that nothing is near without a query of the surface
 //
-// What a proxy does with the answers is the same, bit for bit, as if it had asked the surface.
+// A proxy gets the same result, bit for bit, as by queries of the surface itself.
 #pragma once
 
 #include "haptics/surface/contact_surface.h"
@@ -21,14 +21,14 @@
 
 namespace proxima {
 
-/// What was asked for, since the cache was made.
+/// Work counters, since the cache was made.
 struct ContactWork {
-    std::uint64_t distances = 0; ///< questions of the surface how far it is
-    std::uint64_t gathers = 0;   ///< questions of the surface what is near
-    std::uint64_t gathered = 0;  ///< triangles that these gave, or have in their groups
-    std::uint64_t scans = 0;     ///< questions answered from what was kept
-    std::uint64_t scanned = 0;   ///< boxes that these looked at
-    std::uint64_t passed = 0;    ///< triangles that were given to be looked at in doubles
+    std::uint64_t distances = 0; ///< queries of the surface for its distance
+    std::uint64_t gathers = 0;   ///< queries of the surface for near triangles
+    std::uint64_t gathered = 0;  ///< triangles of these queries, or of their groups
+    std::uint64_t scans = 0;     ///< queries answered by the cache
+    std::uint64_t scanned = 0;   ///< boxes that these tested
+    std::uint64_t passed = 0;    ///< triangles that passed the filter, to be tested in doubles
 
     friend ContactWork operator+(const ContactWork& a, const ContactWork& b) noexcept
     {
@@ -37,56 +37,54 @@ struct ContactWork {
     }
 };
 
-/// Of a thread. All but the constructor are noexcept and do not allocate.
+/// One thread. All but the constructor are noexcept and do not allocate.
 class ContactCache {
 public:
     ContactCache();
 
-    /// As surface.collect(): all triangles within the distance, and perhaps some that are farther.
+    /// Like surface.collect(): all triangles within the distance, and perhaps some farther ones.
     [[nodiscard]] std::size_t collect(const ContactSurface& surface, const Vec3& p, double distance,
                                       std::span<ContactTriangle> buffer) noexcept;
 
-    /// The same of all triangles that come within `distance` of the straight way from p.
+    /// Like surface.collect_along(), of the segment from p to p + motion.
     [[nodiscard]] std::size_t collect_along(const ContactSurface& surface, const Vec3& p,
-                                            const Vec3& way, double distance,
+                                            const Vec3& motion, double distance,
                                             std::span<ContactTriangle> buffer) noexcept;
 
-    /// The same by and by, for who goes until something is met: begins to look along the straight
-    /// way from p.
-    void begin_sweep(const ContactSurface& surface, const Vec3& p, const Vec3& way,
+    /// Begins to collect along the segment part by part, for a motion that ends where it first
+    /// touches something.
+    void begin_sweep(const ContactSurface& surface, const Vec3& p, const Vec3& motion,
                      double distance) noexcept;
 
-    /// The triangles along that way which were not given yet and may be so near before `part` of
-    /// it, 0 to 1, and perhaps some more. Also before which part of it nothing of each is: 0 where
-    /// that is not known. Returns how many, or any number of more than the buffer's size where that
-    /// is full: then some are missing. \pre the surface is the same, there is a time for each place
-    /// of the buffer
+    /// Writes the triangles of that segment which were not written yet and may be near before `part`
+    /// of it, 0 to 1, and perhaps some more; and for each the part of it before which it is not, 0
+    /// where that is not known. Returns how many, or any number that is more than the buffer's size,
+    /// where some are missing. \pre the same surface; as many times as triangles
     [[nodiscard]] std::size_t next_before(const ContactSurface& surface, double part,
                                           std::span<ContactTriangle> buffer,
                                           std::span<double> times) noexcept;
 
-    /// Where it is more than `wanted`: some number that is, and no more than what
-    /// surface.clearance() says; otherwise what that says.
+    /// Like surface.clearance_beyond().
     [[nodiscard]] double clearance(const ContactSurface& surface, const Vec3& p,
                                    double wanted) noexcept;
 
-    /// Whether collect() would answer from what is kept.
+    /// Whether collect() would not query the surface.
     [[nodiscard]] bool covers(const ContactSurface& surface, const Vec3& p,
                               double distance) noexcept;
 
-    /// No part of the surface is nearer to p than this, as is known without asking. Negative where
-    /// nothing is.
+    /// A lower bound of the surface's distance without a query of it; negative where none is known.
     [[nodiscard]] double known_clearance(const ContactSurface& surface, const Vec3& p) noexcept;
 
     [[nodiscard]] const ContactWork& work() const noexcept { return work_; }
 
 private:
-    [[nodiscard]] bool keeps(const ContactSurface& surface) noexcept;
+    [[nodiscard]] bool update_edition(const ContactSurface& surface) noexcept;
     [[nodiscard]] bool fill(const ContactSurface& surface, const Vec3& p, double distance) noexcept;
-    [[nodiscard]] std::size_t ask(const ContactSurface& surface, const Vec3& p, const Vec3& way,
-                                  double distance, std::span<ContactTriangle> buffer) noexcept;
-    [[nodiscard]] bool reach_out(const ContactSurface& surface, const Vec3& p, const Vec3& way,
-                                 double distance) noexcept;
+    [[nodiscard]] std::size_t bypass(const ContactSurface& surface, const Vec3& p,
+                                     const Vec3& motion, double distance,
+                                     std::span<ContactTriangle> buffer) noexcept;
+    [[nodiscard]] bool cover(const ContactSurface& surface, const Vec3& p, const Vec3& motion,
+                             double distance) noexcept;
     [[nodiscard]] std::size_t scan(const ContactSurface& surface,
                                    std::span<const std::uint32_t> groups,
                                    std::span<ContactTriangle> buffer) noexcept;
@@ -94,15 +92,15 @@ private:
     std::uint64_t edition_ = 0;
     Vec3 center_ = Vec3::Zero();
     double reach_ = -1; ///< negative: no ball
-    double margin_ = 0; ///< a new ball's reach beyond what is asked for
+    double margin_ = 0; ///< a new ball's reach beyond that of its query
     double rounding_ = 0;
-    std::vector<GroupBoxes> boxes_; ///< one: of the ball
-    GroupQuery query_;              ///< what is looked for
+    std::vector<GroupBoxes> boxes_; ///< one element: of the ball
+    GroupQuery query_;              ///< of the sweep
     std::vector<GroupsAlongSegment>
-        near_;                         ///< one: groups that may have it and were not looked at yet
-    bool asks_ = false;                ///< of the surface itself
+        near_;              ///< one element: groups of the sweep that were not scanned yet
+    bool bypasses_ = false; ///< the sweep queries the surface itself
     std::vector<std::uint32_t> ranks_; ///< of triangles found
-    std::vector<float> times_;         ///< of these, on a way
+    std::vector<float> times_;         ///< of these, along a motion
     Vec3 free_center_ = Vec3::Zero();
     double free_ = -1; ///< negative: not known
     ContactWork work_;

@@ -16,7 +16,7 @@ constexpr double least_determinant = 1e-16;
 
 using Subset = std::array<std::uint8_t, 3>;
 
-/// The shift onto all planes of the subset. False where they do not meet.
+/// Computes the shift onto all planes of the subset. False where they do not meet.
 bool meet(std::span<const ContactPlane> planes, const Subset& subset, std::size_t count,
           PlaneSolution& result) noexcept
 {
@@ -36,7 +36,7 @@ bool meet(std::span<const ContactPlane> planes, const Subset& subset, std::size_
         const double cosine = a.normal.dot(b.normal);
         result.pressure[0] = (cosine * b.gap - a.gap) / sine_squared;
         result.pressure[1] = (cosine * a.gap - b.gap) / sine_squared;
-        // Along the dual of the normals: no difference of two large multiples of them.
+        // Along the dual basis of the normals, without differences of large multiples of them.
         result.shift = (-a.gap * b.normal.cross(ab) + b.gap * a.normal.cross(ab)) / sine_squared;
         return true;
     }
@@ -56,8 +56,8 @@ double violation(const ContactPlane& plane, const Vec3& shift) noexcept
     return -(plane.gap + plane.normal.dot(shift));
 }
 
-/// The best of some solutions: the nearest that satisfies all members; where rounding leaves none,
-/// the one that violates least, marked infeasible.
+/// Keeps the best of several solutions: the nearest that satisfies all members; where rounding
+/// leaves none, the one with the smallest violation, marked infeasible.
 class BestSubset {
 public:
     BestSubset(std::span<const ContactPlane> planes, std::span<const std::uint8_t> members,
@@ -94,9 +94,8 @@ private:
     double violation_ = std::numeric_limits<double>::infinity();
 };
 
-/// Of all subsets of up to three that have the last of `members`, the best.
-/// Those of fewer planes first: what satisfies all members on fewer planes is nearer than what does
-/// on more.
+/// The best of all subsets of up to three planes that contain the last of `members`. Subsets of
+/// fewer planes come first, for their feasible solutions are nearer.
 PlaneSolution best_subset(std::span<const ContactPlane> planes,
                           std::span<const std::uint8_t> members, double tolerance) noexcept
 {
@@ -127,7 +126,7 @@ PlaneSolution nearest_allowed(std::span<const ContactPlane> planes, double toler
         solution.feasible = violation(plane, solution.shift) <= tolerance;
         return solution;
     }
-    // Every round raises |shift|, or rounding has the last word.
+    // Every round raises |shift|, unless rounding prevents it.
     for (std::size_t round = 0; round < 2 * max_contact_planes; ++round) {
         std::size_t worst = planes.size();
         double worst_violation = tolerance;

@@ -1,7 +1,7 @@
 #include "haptics/proxy/proxy.h"
 
 #include "base/check.h"
-#include "haptics/proxy/free_place.h"
+#include "haptics/proxy/free_position.h"
 
 #include <algorithm>
 
@@ -14,43 +14,43 @@ Proxy::Proxy(const ContactSurface& surface, const ProxyOptions& options)
     PROXIMA_CHECK_GE(options.radius, 0);
     PROXIMA_CHECK_GE(options.dynamic_friction, 0);
     PROXIMA_CHECK_LE(options.dynamic_friction, options.static_friction);
-    PROXIMA_CHECK_GE(options.max_moves, 4U);
+    PROXIMA_CHECK_GE(options.max_moves, least_slide_moves);
     PROXIMA_CHECK_LE(options.max_moves, max_slide_moves);
 }
 
 void Proxy::place(const Vec3& p) noexcept
 {
     tick_ = {};
-    const auto free = find_free_place(surface_, radius_, p, scratch_);
+    const auto free = find_free_position(surface_, radius_, p, scratch_);
     tick_.proxy = tick_.anchor = free.value_or(p);
-    tick_.has_room = free.has_value();
+    tick_.is_placed = free.has_value();
 }
 
 const ProxyTick& Proxy::wait(const Vec3& p) noexcept
 {
     tick_ = {};
     tick_.proxy = tick_.anchor = p;
-    tick_.has_room = false;
+    tick_.is_placed = false;
     return tick_;
 }
 
-/// Whether there is room now, after there was none: where the device itself is.
+/// Tries to place the proxy at the device itself.
 bool Proxy::find_free(const Vec3& p) noexcept
 {
     wait(p);
-    tick_.has_room = surface_.clearance_beyond(p, radius_) > radius_;
-    return tick_.has_room;
+    tick_.is_placed = surface_.clearance_beyond(p, radius_) > radius_;
+    return tick_.is_placed;
 }
 
 Proxy::Friction Proxy::friction_of(const SlideResult& slide) const noexcept
 {
     const Friction own = {options_.static_friction, options_.dynamic_friction};
-    if (options_.feel == nullptr) return own;
+    if (options_.properties == nullptr) return own;
     Friction sum;
     double pressures = 0;
     for (const Contact& contact : std::span(slide.contacts).first(slide.contact_count)) {
         Friction friction = own;
-        if (const auto material = options_.feel->material(contact.triangle))
+        if (const auto material = options_.properties->material(contact.triangle))
             friction = {material->static_friction, material->dynamic_friction};
         sum.fixed += contact.pressure * friction.fixed;
         sum.sliding += contact.pressure * friction.sliding;
@@ -60,25 +60,26 @@ Proxy::Friction Proxy::friction_of(const SlideResult& slide) const noexcept
     return {sum.fixed / pressures, sum.sliding / pressures};
 }
 
-/// How far aside the goal is moved, for the spring to lean along the smooth normal.
+/// The displacement of the goal that makes the spring lean along the smooth normal.
 Vec3 Proxy::shading_of(const SlideResult& slide, const Vec3& normal, double depth) const noexcept
 {
-    if (options_.shading == ForceShading::off || options_.feel == nullptr) return Vec3::Zero();
+    if (options_.shading == ForceShading::off || options_.properties == nullptr)
+        return Vec3::Zero();
     Vec3 smooth = Vec3::Zero();
     for (const Contact& contact : std::span(slide.contacts).first(slide.contact_count)) {
-        const Vec3 shaded = options_.feel->shaded_normal(contact.triangle, contact.point);
+        const Vec3 shaded = options_.properties->shaded_normal(contact.triangle, contact.point);
         if (shaded.isZero(0)) return Vec3::Zero();
-        // Surfaces have two sides.
+        // The proxy may be on either side.
         smooth += contact.pressure * (shaded.dot(contact.normal) < 0 ? Vec3(-shaded) : shaded);
     }
     const double rise = smooth.dot(normal);
-    constexpr double least = 0.5; // beyond 60 degrees it says nothing of this surface
+    constexpr double least = 0.5; // a mean beyond 60 degrees is of no use here
     if (!(rise > least * smooth.norm())) return Vec3::Zero();
     return depth * (smooth / rise - normal);
 }
 
-/// Slides aside, and says how far the spring leans: as far as no wall keeps the proxy. In the tick
-/// of the first touch it does not lean yet.
+/// Slides aside as far as walls allow, and returns how far the spring leans. It does not lean in the
+/// tick of the first contact.
 Vec3 Proxy::lean_towards(const Vec3& p, ProxyTick& next) noexcept
 {
     if (tick_.hold == Hold::free || tick_.slide.contact_count == 0) return Vec3::Zero();
@@ -99,15 +100,15 @@ std::size_t Proxy::moves_left(std::size_t made) const noexcept
                     options_.max_moves / 4);
 }
 
-SlideResult Proxy::slide_easily(const Vec3& p) noexcept
+SlideResult Proxy::slide_without_friction(const Vec3& p) noexcept
 {
     const Vec3& start = tick_.proxy;
-    const Vec3& easy = tick_.slide.center;
+    const Vec3& frictionless = tick_.slide.center;
     const std::size_t moves = options_.max_moves;
-    if (tick_.hold != Hold::free && easy != start) {
-        SlideResult slide = slide_sphere(surface_, options_.radius, easy, p, easy_scratch_,
-                                         SlideStart::touching, moves);
-        // Where it has come loose or far away from the proxy, the proxy may still be held back.
+    if (tick_.hold != Hold::free && frictionless != start) {
+        SlideResult slide = slide_sphere(surface_, options_.radius, frictionless, p,
+                                         frictionless_scratch_, SlideStart::touching, moves);
+        // If this position is free, or far from the proxy, the proxy itself may still be in contact.
         const double depth = (slide.anchor - p).norm();
         const double apart = (slide.center - start).norm();
         const double leaning = options_.shading == ForceShading::on ? 2 : 0;
@@ -124,10 +125,10 @@ SlideResult Proxy::slide_easily(const Vec3& p) noexcept
 
 const ProxyTick& Proxy::follow(const Vec3& p) noexcept
 {
-    if (!tick_.has_room && !find_free(p)) return tick_;
+    if (!tick_.is_placed && !find_free(p)) return tick_;
     const Hold before = tick_.slide.contact_count > 0 ? tick_.hold : Hold::free;
     const Vec3 start = tick_.proxy;
-    const SlideResult slide = slide_easily(p);
+    const SlideResult slide = slide_without_friction(p);
     ProxyTick next;
     next.slide = slide;
     next.proxy = slide.center;
@@ -135,7 +136,7 @@ const ProxyTick& Proxy::follow(const Vec3& p) noexcept
     next.moves = slide.moves;
     const Vec3 back = slide.anchor - p;
     next.depth = back.norm();
-    // Out of moves on a free way it is on its way: the spring eases as it comes.
+    // A proxy that runs out of moves on a free path is late: the spring eases as it arrives.
     const bool touching = slide.contact_count > 0;
     const bool late = !touching && slide.end == SlideEnd::limited;
     if (!(next.depth > 0) || !(touching || late)) {
@@ -148,7 +149,7 @@ const ProxyTick& Proxy::follow(const Vec3& p) noexcept
         tick_ = next;
         return tick_;
     }
-    // Friction begins where the surface was met first.
+    // Friction begins at the first contact.
     const std::size_t met = before == Hold::free ? slide.first_contact : 0;
     const Vec3 gripped = scratch_.path()[met];
     const Vec3 lean = lean_towards(p, next);
@@ -181,7 +182,7 @@ const ProxyTick& Proxy::follow(const Vec3& p) noexcept
             }
         }
     } else if (scratch_.path().back() != next.proxy) {
-        // It goes there by itself where nothing keeps it back any longer.
+        // Without friction the proxy moves to the frictionless position.
         const SlideResult freed = slide_sphere(surface_, options_.radius, start, p, scratch_,
                                                SlideStart::touching, moves_left(next.moves));
         next.moves += freed.moves;

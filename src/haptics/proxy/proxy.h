@@ -1,25 +1,25 @@
 // The proxy: where the finger would be if it could not enter the object.
 //
 //     Proxy proxy(surface, {.radius = 0.002});
-//     proxy.place(device);                            // once: where it begins
+//     proxy.place(device);                            // once: its start
 //     const ProxyTick& tick = proxy.follow(device);   // every tick
 //     force = stiffness * (tick.anchor - device)
 //
 // A point (god-object, [zilles-1995]) or a sphere ([ruspini-1997]) that slides over the surface as
 // near to the device as it can come (slide_sphere.h), with a friction cone ([melder-2004]): while
-// the way to the frictionless place is less than mu_s times the depth it stays where it is, else it
-// follows to mu_d times the depth. The frictionless place goes on from where it was in the tick
-// before, not from the proxy, which lags behind by many triangles: a short way instead of a long
-// one. All in the surface's own unit.
+// the frictionless position is nearer than mu_s times the depth the proxy sticks, else it follows to
+// mu_d times the depth. The frictionless position moves on from the one of the last tick, which is
+// nearer than the proxy, for friction lets the proxy lag behind by many triangles. Lengths are in
+// the surface's own unit.
 //
 // Force shading [ruspini-1997]: the goal is moved aside until the spring leans along the smooth
-// surface's normal, and the proxy slides towards it over the true one: it never enters, and where
-// a wall keeps it the spring leans less. The part of the spring along the true normal stays.
+// surface's normal, and the proxy slides towards it over the true surface. It never enters, and
+// where a wall stops it the spring leans less. The spring's part along the true normal stays.
 #pragma once
 
 #include "haptics/proxy/slide_sphere.h"
 #include "haptics/surface/contact_surface.h"
-#include "haptics/surface/surface_feel.h"
+#include "haptics/surface/surface_properties.h"
 #include "proxima/haptic_renderer.h"
 #include "proxima/touch_scene.h"
 
@@ -32,28 +32,28 @@ struct ProxyOptions {
     double static_friction = 0;  ///< mu_s
     double dynamic_friction = 0; ///< mu_d, at most mu_s
     double restick = 0.6;        ///< sliding ends below this part of mu_s
-    /// Of a tick's first slide, and at least a quarter of it for another one: what is left of a
-    /// way goes on in the next tick.
+    /// Of a tick's first slide; further slides have at least a quarter of it. A slide that uses them
+    /// up goes on in the next tick.
     std::size_t max_moves = max_slide_moves;
     ForceShading shading = ForceShading::off;
-    const SurfaceFeel* feel =
-        nullptr; ///< frictions and normals by triangle; must outlive the proxy
+    /// Frictions and normals by triangle; must outlive the proxy.
+    const SurfaceProperties* properties = nullptr;
 };
 
-/// What is known after a tick. Lengths in the surface's unit.
+/// The result of a tick. Lengths in the surface's unit.
 struct ProxyTick {
     Vec3 proxy = Vec3::Zero();  ///< the centre
     Vec3 anchor = Vec3::Zero(); ///< what a spring pulls the device to; the device where free
     Hold hold = Hold::free;
     Vec3 normal = Vec3::Zero(); ///< of all contacts together, of length 1; zero where free
-    double depth = 0;           ///< of the device below the frictionless place
-    bool has_room = true;  ///< false: no free place is near, and nothing is felt until there is
-    SlideResult slide;     ///< without friction
-    std::size_t moves = 0; ///< of all slides of this tick
+    double depth = 0;           ///< of the device below the frictionless position
+    bool is_placed = true;      ///< false: no free position is near, and nothing is touched
+    SlideResult slide;          ///< without friction
+    std::size_t moves = 0;      ///< of all slides of this tick
 };
 
 /// Refers to the surface, which must outlive it. One thread at a time. All but the constructor are
-/// noexcept, without allocation, and take a few questions of the surface.
+/// noexcept, without allocation, and make a few queries of the surface.
 class Proxy {
 public:
     /// \pre radius >= 0, 0 <= dynamic_friction <= static_friction, all finite, 4 <= max_moves <=
@@ -65,38 +65,37 @@ public:
     /// The sphere's radius: never less than the safety gap.
     [[nodiscard]] double radius() const noexcept { return radius_; }
 
-    /// Begins at the device, or at the free place nearest to it (free_place.h), in up to 0.2 ms.
-    /// Where there is none within four radii it has no room: it is wherever the device is, without
-    /// touching anything, until the device comes where it has. \pre p is finite
+    /// Starts at the device, or at the free position nearest to it (free_position.h), in up to
+    /// 0.2 ms. Where none is within four radii the proxy is not placed: it is at the device and
+    /// touches nothing until the device is at a free position. \pre p is finite
     void place(const Vec3& p) noexcept;
 
-    /// Taken along by objects that moved: from there on, and the place without friction
-    /// (last().slide.center) from there. \pre placed, and nothing was passed on both ways
-    /// (move_with_objects.h)
+    /// Moves the proxy and the frictionless position (last().slide.center) with objects that moved.
+    /// \pre placed, and both paths pass nothing (move_with_objects.h)
     void carry(const Vec3& to, const Vec3& without_friction) noexcept
     {
         tick_.proxy = to;
         tick_.slide.center = without_friction;
     }
 
-    /// Without room, in this tick too. \pre p is finite
+    /// A tick in which the proxy is not placed. \pre p is finite
     const ProxyTick& wait(const Vec3& p) noexcept;
 
-    /// Follows the device by one tick. \pre placed; p is finite
+    /// A tick in which the proxy follows the device. \pre place() was called; p is finite
     const ProxyTick& follow(const Vec3& p) noexcept;
 
     [[nodiscard]] const ProxyTick& last() const noexcept { return tick_; }
 
-    /// The centre's places in the last tick, straight moves between them.
+    /// The centre's positions in the last tick, with straight moves between them.
     [[nodiscard]] std::span<const Vec3> path() const noexcept
     {
-        return tick_.has_room ? scratch_.path() : std::span<const Vec3>();
+        return tick_.is_placed ? scratch_.path() : std::span<const Vec3>();
     }
 
-    /// What all ticks asked the surface for.
+    /// Work counters of all ticks.
     [[nodiscard]] ContactWork work() const noexcept
     {
-        return scratch_.work() + easy_scratch_.work();
+        return scratch_.work() + frictionless_scratch_.work();
     }
 
 private:
@@ -110,14 +109,14 @@ private:
                                   double depth) const noexcept;
     [[nodiscard]] bool find_free(const Vec3& p) noexcept;
     [[nodiscard]] std::size_t moves_left(std::size_t made) const noexcept;
-    [[nodiscard]] SlideResult slide_easily(const Vec3& p) noexcept;
+    [[nodiscard]] SlideResult slide_without_friction(const Vec3& p) noexcept;
     [[nodiscard]] Vec3 lean_towards(const Vec3& p, ProxyTick& next) noexcept;
 
     const ContactSurface& surface_;
     ProxyOptions options_;
     double radius_;
     SlideScratch scratch_;
-    SlideScratch easy_scratch_; ///< of the frictionless place, where that is another
+    SlideScratch frictionless_scratch_; ///< of the frictionless position where friction parts them
     ProxyTick tick_;
 };
 

@@ -12,20 +12,20 @@ namespace proxima {
 
 namespace {
 
-/// More than what places are off by from rounding: the thickness of the skin in which triangles
-/// count as touched.
+/// The thickness of the skin in which triangles count as touched: more than the rounding of
+/// positions.
 double skin_of(const SurfaceScale& scale) noexcept
 {
     return 0x1p-42 * scale.reach;
 }
 
-/// A move is at most so long, in mean edges: a few dozen triangles are along it.
+/// The longest move, in mean edges: it passes a few dozen triangles.
 constexpr double reach_in_edges = 2;
 
-/// Most moves end within this part of it: what lies beyond is looked at where they do not.
+/// Most moves end within this part of them; triangles beyond it are collected only if needed.
 constexpr double first_part = 0.125;
 
-// What is kept and looked at later always has room.
+// The scratch memory takes all triangles that a cache holds.
 static_assert(SlideScratch::triangles >= GroupBoxes::capacity * TriangleGroup::width);
 
 } // namespace
@@ -47,12 +47,12 @@ public:
     {
         result_.center = from;
         scratch_.begin_path(from);
-        if (start == SlideStart::touching || !reach_freely()) {
+        if (start == SlideStart::touching || !go_straight()) {
             result_.end = SlideEnd::limited;
             while (result_.moves < max_moves && move()) {
             }
             if (result_.end == SlideEnd::limited) {
-                hold_where_it_is();
+                stop_in_place();
             } else if (result_.contact_count > 0 && !(radius_ > gap_)) {
                 result_.anchor = anchor_at_surface();
             }
@@ -61,82 +61,82 @@ public:
     }
 
 private:
-    /// Goes straight where nothing can be near.
-    bool reach_freely() noexcept
+    /// Goes straight to the end where nothing can be near.
+    bool go_straight() noexcept
     {
-        const double way = (to_ - result_.center).norm();
-        const double wanted = way + radius_ + skin_;
+        const double distance = (to_ - result_.center).norm();
+        const double wanted = distance + radius_ + skin_;
         const double clearance = scratch_.cache_.clearance(surface_, result_.center, wanted);
         touches_nothing_ = clearance > radius_ + skin_;
         if (clearance <= wanted) return false;
         result_.anchor = to_;
-        if (way > 0) go(to_);
+        if (distance > 0) go(to_);
         return true;
     }
 
-    /// Out of moves: what it touches there holds it back, and there it is. The last goal, of planes
-    /// that a sphere among details has left behind, may be anywhere.
-    void hold_where_it_is() noexcept
+    /// Ends a slide that is out of moves: its contacts hold it back where it is. The last goal may
+    /// be anywhere, for the sphere may have left its planes behind.
+    void stop_in_place() noexcept
     {
-        if (find_touches()) (void)choose_goal(scratch_.touched_.contacts());
+        if (find_contacts()) (void)choose_goal(scratch_.contacts_.contacts());
         result_.anchor = result_.center;
     }
 
-    void go(const Vec3& place) noexcept
+    void go(const Vec3& position) noexcept
     {
-        result_.center = place;
+        result_.center = position;
         ++result_.moves;
-        scratch_.path_[scratch_.path_size_++] = place;
+        scratch_.path_[scratch_.path_size_++] = position;
     }
 
-    /// One goal and the way there. False when the slide is over.
+    /// One goal and the move towards it. False when the slide is over.
     bool move() noexcept
     {
         const Vec3 p = result_.center;
-        if (!find_touches()) return end(SlideEnd::overloaded);
-        const std::span<const Contact> touched = scratch_.touched_.contacts();
-        const Vec3 goal = choose_goal(touched);
+        if (!find_contacts()) return end(SlideEnd::overloaded);
+        const std::span<const Contact> contacts = scratch_.contacts_.contacts();
+        const Vec3 goal = choose_goal(contacts);
 
-        Vec3 way = goal - p;
-        const double length = way.norm();
+        Vec3 motion = goal - p;
+        const double length = motion.norm();
         if (length <= 0.25 * skin_) return end(SlideEnd::settled);
         double reach = std::min(length, reach_in_edges * surface_.scale().mean_edge);
-        if (!collect_way(way / length, reach)) return end(SlideEnd::overloaded);
+        if (!collect_path(motion / length, reach)) return end(SlideEnd::overloaded);
         const bool whole = reach == length;
-        if (!whole) way *= reach / length;
-        const double t = sweep(way, touched);
+        if (!whole) motion *= reach / length;
+        const double t = sweep(motion, contacts);
         if (!(t > 0)) return end(SlideEnd::limited); // planes that no double satisfies
         touches_nothing_ = false;
         if (t == 1 && whole) {
             go(goal);
-            // Nothing held it back: it is there.
+            // Without contacts it has arrived.
             if (result_.contact_count == 0) return end(SlideEnd::settled);
         } else {
-            go(p + t * way);
+            go(p + t * motion);
         }
         return true;
     }
 
-    /// What is touched where it is. False where there is no room.
-    bool find_touches() noexcept
+    /// Finds the contacts at the centre. False where there are too many.
+    bool find_contacts() noexcept
     {
         if (touches_nothing_) {
-            scratch_.touched_.clear();
+            scratch_.contacts_.clear();
             return true;
         }
-        // At the end of a move, what is near was on the way.
+        // What is near the end of a move was collected for the move.
         if (result_.moves > 0) {
             const auto near = std::span<const ContactTriangle>(scratch_.near_).first(near_count_);
-            return scratch_.touched_.find_among(near, surface_, result_.center, radius_ + skin_,
-                                                0.25 * skin_);
+            return scratch_.contacts_.find_among(near, surface_, result_.center, radius_ + skin_,
+                                                 0.25 * skin_);
         }
-        return scratch_.touched_.find(scratch_.cache_, surface_, result_.center, radius_ + skin_,
-                                      0.25 * skin_, scratch_.near_);
+        return scratch_.contacts_.find(scratch_.cache_, surface_, result_.center, radius_ + skin_,
+                                       0.25 * skin_, scratch_.near_);
     }
 
-    /// Triangles along the first part of the first `reach` of a direction; a shorter reach where
+    /// Collects triangles along the first part of a path of length `reach`, which is shortened where
     /// there are too many.
-    bool collect_way(const Vec3& direction, double& reach) noexcept
+    bool collect_path(const Vec3& direction, double& reach) noexcept
     {
         for (int attempt = 0; attempt < 12; ++attempt) {
             scratch_.cache_.begin_sweep(surface_, result_.center, reach * direction,
@@ -156,22 +156,22 @@ private:
         return false;
     }
 
-    /// The nearest place to the wanted one that the contacts allow; notes what holds it back.
-    Vec3 choose_goal(std::span<const Contact> touched) noexcept
+    /// The nearest position to the wanted one that the contacts allow; notes the active contacts.
+    Vec3 choose_goal(std::span<const Contact> contacts) noexcept
     {
         result_.contact_count = 0;
         result_.anchor = to_;
-        const auto used = std::span(scratch_.planes_).first(touched.size());
-        plane_count_ = touched.size();
-        for (std::size_t i = 0; i < touched.size(); ++i) {
-            const Contact& contact = touched[i];
+        const auto used = std::span(scratch_.planes_).first(contacts.size());
+        plane_count_ = contacts.size();
+        for (std::size_t i = 0; i < contacts.size(); ++i) {
+            const Contact& contact = contacts[i];
             used[i] = {contact.normal, contact.normal.dot(to_ - contact.point) - radius_};
         }
         const PlaneSolution solution = nearest_allowed(used, skin_);
         if (solution.count == 0) return to_;
         for (std::size_t i = 0; i < solution.count; ++i) {
             Contact& contact = result_.contacts[i];
-            contact = touched[solution.active[i]];
+            contact = contacts[solution.active[i]];
             contact.pressure = solution.pressure[i];
         }
         result_.contact_count = solution.count;
@@ -181,12 +181,12 @@ private:
             has_contact_ = true;
             result_.first_contact = result_.moves;
         }
-        if (solution.count == 1 && touched.size() == 1 && radius_ > gap_)
+        if (solution.count == 1 && contacts.size() == 1 && radius_ > gap_)
             return around(result_.contacts[0], goal);
         return goal;
     }
 
-    /// What the last planes allow without the safety gap.
+    /// The nearest position that the last planes allow without the safety gap.
     [[nodiscard]] Vec3 anchor_at_surface() const noexcept
     {
         const auto planes = std::span(scratch_.planes_).first(plane_count_);
@@ -194,8 +194,8 @@ private:
         return to_ + nearest_allowed(planes, skin_).shift;
     }
 
-    /// Round a single corner or side, the goal straight above the place where the slide will end:
-    /// repeated projections onto tangent planes would come there slowly.
+    /// The goal of a slide round a single corner or side: straight above the point where it will
+    /// end, which repeated projections onto tangent planes would approach slowly.
     [[nodiscard]] Vec3 around(const Contact& contact, const Vec3& goal) const noexcept
     {
         if (contact.part == TrianglePart::inside) return goal;
@@ -211,22 +211,22 @@ private:
         return contact.point + along + outward * (radius_ / rise);
     }
 
-    /// How much of the way is free: 1 for all.
-    double sweep(const Vec3& way, std::span<const Contact> touched) noexcept
+    /// The part of the motion that is free: 1 for all.
+    double sweep(const Vec3& motion, std::span<const Contact> contacts) noexcept
     {
-        for (const Contact& contact : touched) {
-            if (contact.normal.dot(way) < -3 * skin_) return 0;
+        for (const Contact& contact : contacts) {
+            if (contact.normal.dot(motion) < -3 * skin_) return 0;
         }
         double free = 1;
-        sweep_from(0, way, free);
+        sweep_from(0, motion, free);
         if (free > first_part) {
             const std::size_t before = near_count_;
             near_count_ += scratch_.cache_.next_before(surface_, free,
                                                        std::span(scratch_.near_).subspan(before),
                                                        std::span(scratch_.times_).subspan(before));
-            sweep_from(before, way, free);
+            sweep_from(before, motion, free);
         }
-        // What may be near at the end of the way.
+        // Keep what may be near the end of the motion.
         std::size_t kept = 0;
         for (std::size_t i = 0; i < near_count_; ++i) {
             if (scratch_.times_[i] <= free) scratch_.near_[kept++] = scratch_.near_[i];
@@ -235,28 +235,28 @@ private:
         return free;
     }
 
-    /// Of triangles that were collected from `first` on.
-    void sweep_from(std::size_t first, const Vec3& way, double& free) noexcept
+    /// Tests the triangles that were collected from `first` on.
+    void sweep_from(std::size_t first, const Vec3& motion, double& free) noexcept
     {
-        // What may be touched soonest mostly is, and nothing else before it.
+        // The triangle that may be touched soonest mostly is the one that is touched first.
         const auto times = std::span<const double>(scratch_.times_).first(near_count_);
         std::size_t soonest = near_count_;
         for (std::size_t i = first; i < near_count_; ++i) {
             if (times[i] > 0 && (soonest == near_count_ || times[i] < times[soonest])) soonest = i;
         }
-        if (soonest < near_count_) look_at(soonest, way, free);
+        if (soonest < near_count_) test_triangle(soonest, motion, free);
         for (std::size_t i = first; i < near_count_; ++i)
-            if (times[i] <= free && i != soonest) look_at(i, way, free);
+            if (times[i] <= free && i != soonest) test_triangle(i, motion, free);
     }
 
-    /// Ends the free part of the way where a triangle is touched.
-    void look_at(std::size_t i, const Vec3& way, double& free) noexcept
+    /// Ends the free part of the motion where a triangle is touched.
+    void test_triangle(std::size_t i, const Vec3& motion, double& free) noexcept
     {
         const ContactTriangle& near = scratch_.near_[i];
-        // What is touched already is left or gone along. Of contacts at one place one alone is
-        // kept, and where two faces are all but flat the other may still be gone into.
-        const double least = scratch_.touched_.has(near.id) ? radius_ - 4 * skin_ : radius_;
-        const auto t = touch_time(near.corners, least, result_.center, way);
+        // The motion leaves its contacts or slides along them. But of several contacts at one point
+        // only one is kept, and the motion may enter another face that is almost coplanar.
+        const double least = scratch_.contacts_.has(near.id) ? radius_ - 4 * skin_ : radius_;
+        const auto t = touch_time(near.corners, least, result_.center, motion);
         if (t && *t < free) free = *t;
     }
 

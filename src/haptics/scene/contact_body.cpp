@@ -66,7 +66,9 @@ public:
         if (search_ == BodySearch::every_triangle) {
             body.surface_ = std::make_unique<MeshContactSurface>(body.mesh_);
         } else {
-            body.surface_ = std::make_unique<IndexContactSurface>(body.index_);
+            auto surface = IndexContactSurface::make(body.index_);
+            if (!surface) return tl::unexpected(surface.error());
+            body.surface_ = std::move(*surface);
         }
         if (options_.shading == ForceShading::on)
             body.normals_ = std::make_unique<ShadingNormals>(body.mesh_, body.topology_);

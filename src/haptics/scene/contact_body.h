@@ -1,4 +1,4 @@
-// What a TouchBody (touch_scene.h) is made of: the mesh, its index and surface, normals and signs.
+// The implementation of TouchBody (touch_scene.h): mesh, index and surface, normals and signs.
 #pragma once
 
 #include "haptics/surface/contact_surface.h"
@@ -16,13 +16,13 @@
 
 namespace proxima {
 
-/// What a body's questions are answered by.
+/// How queries of a body search.
 enum class BodySearch : bool {
     index,
-    every_triangle ///< slow: a reference that the other is compared with
+    every_triangle ///< slow: the reference for the other
 };
 
-/// Immutable. Questions are noexcept and without allocation.
+/// Immutable. Queries are noexcept and without allocation.
 class ContactBody {
 public:
     ContactBody(const ContactBody&) = delete;
@@ -36,11 +36,11 @@ public:
     {
         return material_;
     }
-    /// Null where none were asked for.
+    /// Null for a body without shading.
     [[nodiscard]] const ShadingNormals* normals() const noexcept { return normals_.get(); }
 
-    /// The place of the surface nearest to p where p is inside of a closed mesh; nothing outside,
-    /// and where the mesh does not separate its inside everywhere. \pre p is finite
+    /// The point of the surface nearest to p where p is inside a closed mesh; nothing outside, and
+    /// where the mesh does not separate its inside everywhere. \pre p is finite
     [[nodiscard]] std::optional<Vec3> nearest_exit(const Vec3& p) const noexcept;
 
 private:
@@ -51,21 +51,21 @@ private:
     Topology topology_;
     MeshIndex index_;
     Box bounds_;
-    std::unique_ptr<ContactSurface> surface_;
+    std::unique_ptr<const ContactSurface> surface_;
     std::unique_ptr<ShadingNormals> normals_;
     std::optional<SurfaceSign> sign_; ///< of meshes that are closed
     std::optional<SurfaceMaterial> material_;
 };
 
-/// With lists. Errors: those of build_topology, build_mesh_index, with_lists and
-/// build_surface_sign; invalid_argument for materials that are not finite, negative, or of more
-/// dynamic than static friction.
+/// Builds a body, with an index with lists. Errors: those of build_topology, build_mesh_index,
+/// with_lists and build_surface_sign; invalid_argument for materials that are not finite, negative,
+/// or of more dynamic than static friction.
 [[nodiscard]] Result<std::unique_ptr<const ContactBody>>
 build_contact_body(TriangleMesh mesh, const TouchBodyOptions& options = {},
                    BodySearch search = BodySearch::index);
 
-/// Of an index that is built or was saved, with the mesh and the shelves that it has. Errors also
-/// those of mesh_of and check_edges.
+/// Builds a body of an index, with the mesh and the lists that it has. Errors: also those of mesh_of
+/// and check_edges.
 [[nodiscard]] Result<std::unique_ptr<const ContactBody>>
 build_contact_body(const MeshIndex& index, const TouchBodyOptions& options = {});
 

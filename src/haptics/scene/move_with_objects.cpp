@@ -2,7 +2,7 @@
 
 #include "geometry/closest_point.h"
 #include "geometry/exact_predicates.h"
-#include "haptics/scene/object_course.h"
+#include "haptics/scene/object_trajectory.h"
 #include "haptics/surface/swept_sphere.h"
 #include "proxima/touch_scene.h"
 
@@ -14,16 +14,15 @@ namespace proxima {
 
 namespace {
 
-/// As in slides.
+/// The same as that of slides.
 constexpr double skin_part = 0x1p-42;
 
-/// Triangles are looked for so much farther round a way, in mean edges: the next way is about the
-/// same.
+/// Triangles are collected within so many more mean edges of a path, for the next path is similar.
 constexpr double slack_in_edges = 0.05;
 
 } // namespace
 
-/// One carry: see move_with_objects.h.
+/// One call of move_with_objects().
 class Carry {
 public:
     Carry(const MovingSurface& scene, double radius, Vec3 from, Vec3 goal,
@@ -38,31 +37,31 @@ public:
             const auto planes = std::span(scratch_.planes_).first(count_);
             const PlaneSolution solution = nearest_allowed(planes, skin_ / 8);
             if (!solution.feasible) return std::nullopt;
-            const Vec3 place = goal_ + solution.shift;
+            const Vec3 position = goal_ + solution.shift;
             bool blocked = false;
             for (std::uint32_t i = 0; i < scene_.object_count(); ++i) {
-                if (!begin_sweep(ObjectId{i}, place, blocked)) return std::nullopt;
+                if (!begin_sweep(ObjectId{i}, position, blocked)) return std::nullopt;
             }
-            if (!blocked) return place;
+            if (!blocked) return position;
         }
         return std::nullopt;
     }
 
 private:
-    /// Adds what an object holds against the way to `place`. False where there is no room.
-    bool begin_sweep(ObjectId id, const Vec3& place, bool& blocked) noexcept
+    /// Adds the planes of an object on the path to `position`. False where there are too many.
+    bool begin_sweep(ObjectId id, const Vec3& position, bool& blocked) noexcept
     {
         const double reach = radius_ + 2 * skin_;
-        if (scene_.keeps_clear(id, from_, place, reach)) return true;
+        if (scene_.keeps_clear(id, from_, position, reach)) return true;
         const SceneObject object = scene_.object(id);
-        const Vec3 begin = seen_from(object.before, from_);
-        const Vec3 way = seen_from(object.now, place) - begin;
-        if (!collect(id, object, begin, way, reach)) return false;
+        const Vec3 begin = to_local(object.before, from_);
+        const Vec3 motion = to_local(object.now, position) - begin;
+        if (!collect(id, object, begin, motion, reach)) return false;
         double first = 2;
         const ContactTriangle* wall = nullptr;
         std::size_t touched = 0;
         for (const ContactTriangle& triangle : std::span(scratch_.near_).first(near_count_)) {
-            const double least = least_touch_time(triangle.corners, reach, begin, way);
+            const double least = least_touch_time(triangle.corners, reach, begin, motion);
             if (least > std::min(first, 1.0) || is_wall(scene_triangle(id, triangle.id))) continue;
             if (least == 0) {
                 const CarryScratch::Side side = side_of(triangle, begin);
@@ -72,13 +71,13 @@ private:
                     continue;
                 }
             }
-            const auto t = touch_time(triangle.corners, radius_, begin, way);
+            const auto t = touch_time(triangle.corners, radius_, begin, motion);
             if (!t || *t > first || (*t == first && wall->id < triangle.id)) continue;
             first = *t;
             wall = &triangle;
         }
-        // Touched before anything moved: it is gone along or left. By id, for surfaces give their
-        // triangles in any order and planes round by theirs.
+        // Contacts from before the motion: the proxy slides along them or leaves them. Sort by id,
+        // for surfaces return triangles in any order, and the order of planes changes the rounding.
         const auto sides = std::span(scratch_.touched_).first(touched);
         std::ranges::sort(sides, {}, &CarryScratch::Side::triangle);
         for (const CarryScratch::Side& side : sides) {
@@ -87,24 +86,24 @@ private:
         }
         if (wall == nullptr) return true;
         blocked = true;
-        return add_wall(id, object.now, side_of(*wall, begin + first * way));
+        return add_wall(id, object.now, side_of(*wall, begin + first * motion));
     }
 
-    /// All triangles within `reach` of the way, as the object sees it. False where there are too
-    /// many.
-    bool collect(ObjectId id, const SceneObject& object, const Vec3& begin, const Vec3& way,
+    /// Collects all triangles within `reach` of a path in the object's frame. False where there are
+    /// too many.
+    bool collect(ObjectId id, const SceneObject& object, const Vec3& begin, const Vec3& motion,
                  double reach) noexcept
     {
         const bool has_them = near_count_ <= scratch_.near_.size() && near_of_ == id &&
-                              (way - near_way_).norm() + reach <= near_reach_;
+                              (motion - near_motion_).norm() + reach <= near_reach_;
         if (has_them) return true;
         near_of_ = id;
-        near_way_ = way;
+        near_motion_ = motion;
         near_reach_ = reach + slack_in_edges * object.body->surface().scale().mean_edge;
-        near_count_ = scene_.collect_of(id, begin, way, near_reach_, scratch_.near_);
+        near_count_ = scene_.collect_of(id, begin, motion, near_reach_, scratch_.near_);
         if (near_count_ <= scratch_.near_.size()) return true;
         near_reach_ = reach;
-        near_count_ = scene_.collect_of(id, begin, way, reach, scratch_.near_);
+        near_count_ = scene_.collect_of(id, begin, motion, reach, scratch_.near_);
         return near_count_ <= scratch_.near_.size();
     }
 
@@ -147,9 +146,9 @@ private:
     Vec3 goal_;
     CarryScratch& scratch_;
     std::size_t count_ = 0;
-    std::size_t near_count_ = 0; ///< of the object that was looked at last
+    std::size_t near_count_ = 0; ///< of the object `near_of_`
     ObjectId near_of_{max_scene_objects};
-    Vec3 near_way_ = Vec3::Zero();
+    Vec3 near_motion_ = Vec3::Zero();
     double near_reach_ = 0;
 };
 
@@ -159,15 +158,15 @@ std::optional<Vec3> move_with_objects(const MovingSurface& scene, double radius,
     return Carry(scene, radius, from, goal, scratch).run();
 }
 
-Vec3 carried_place(const MovingSurface& scene, std::span<const Contact> contacts,
-                   const Vec3& p) noexcept
+Vec3 carried_position(const MovingSurface& scene, std::span<const Contact> contacts,
+                      const Vec3& p) noexcept
 {
     Vec3 sum = Vec3::Zero();
     double pressures = 0;
     for (const Contact& contact : contacts) {
         const SceneObject object = scene.object(object_of(contact.triangle));
         if (object.moved) {
-            sum += contact.pressure * (object.now(seen_from(object.before, p)) - p);
+            sum += contact.pressure * (object.now(to_local(object.before, p)) - p);
         }
         pressures += contact.pressure;
     }

@@ -1,13 +1,13 @@
-// Takes a proxy along when objects move: from one tick's places of the objects to the next's.
+// Moves a proxy when objects move, from their poses of one tick to those of the next.
 //
-//     goal     where the proxy would be: carried by what it touches, or where it was
-//     seen     by each object, the proxy goes straight from where it stood to where it ends
-//     touch    what an object's way would hit first becomes a plane that moved with the object
-//     repeat   until no object is passed: the place nearest to the goal that all planes allow
+//     goal      where the proxy would be: carried by the objects that it touches, or where it was
+//     path      in each object's frame the proxy moves straight from its old position to the new one
+//     contact   the first triangle on that path becomes a plane that moves with the object
+//     repeat    until no object is passed: the position nearest to the goal that all planes allow
 //
-// Every object, still or moving, holds the proxy back by its own motion relative to it: a plate
-// that flies at the proxy pushes it, however thin and fast, and two that move differently form the
-// corner that they form. Where they leave no room between them there is no such place.
+// Every object, at rest or moving, limits the proxy's motion relative to it: a plate that flies at
+// the proxy pushes it, however thin and fast, and two objects that move differently form a corner.
+// Where objects squeeze the proxy there is no such position.
 #pragma once
 
 #include "haptics/proxy/contact_planes.h"
@@ -26,13 +26,13 @@ namespace proxima {
 /// Memory for it, allocated once; one per thread.
 class CarryScratch {
 public:
-    static constexpr std::size_t triangles = 8192; ///< of an object, near a way
+    static constexpr std::size_t triangles = 8192; ///< capacity, of an object near a path
 
     CarryScratch() : near_(triangles) {}
 
 private:
     friend class Carry;
-    /// A triangle's side that the sphere is on, in the object's frame.
+    /// The side of a triangle on which the sphere is, in the object's frame.
     struct Side {
         TriangleId triangle{};
         Vec3 normal = Vec3::UnitZ();
@@ -46,18 +46,17 @@ private:
     std::array<Side, max_contact_planes> touched_;
 };
 
-/// Where a sphere ends that would go to `goal` while the objects go from where they stood to where
-/// they are; nothing where they leave it no room, or more planes or triangles are near than there
-/// is room for. noexcept, no allocation; half a microsecond per object nearby.
-/// \pre where the objects stood, nothing was nearer to `from` than the radius, up to a skin;
-/// radius >= safety_gap(scene.scale()); all finite
+/// The end of a sphere's motion towards `goal` during the objects' last motion; nothing where they
+/// squeeze it, or more planes or triangles are near than the capacity. noexcept, no allocation; half
+/// a microsecond per object nearby. \pre before the motion nothing was nearer to `from` than the
+/// radius, up to a skin; radius >= safety_gap(scene.scale()); all finite
 [[nodiscard]] std::optional<Vec3> move_with_objects(const MovingSurface& scene, double radius,
                                                     const Vec3& from, const Vec3& goal,
                                                     CarryScratch& scratch) noexcept;
 
-/// Where a proxy that is held by these contacts goes with the objects that move: each carries it
-/// by its part of the pressure.
-[[nodiscard]] Vec3 carried_place(const MovingSurface& scene, std::span<const Contact> contacts,
-                                 const Vec3& p) noexcept;
+/// The position to which moving objects carry a proxy with these contacts, each by its part of the
+/// pressure.
+[[nodiscard]] Vec3 carried_position(const MovingSurface& scene, std::span<const Contact> contacts,
+                                    const Vec3& p) noexcept;
 
 } // namespace proxima

@@ -13,11 +13,11 @@ namespace proxima {
 
 namespace {
 
-/// What moving a position from one frame to another is off by, in parts of the reach of the bounds,
-/// several times over; a slide's skin is 2^-42 of it.
+/// Several times the rounding of a position that is moved between frames, in parts of the reach of
+/// the bounds; a slide's skin is 2^-42 of it.
 constexpr double frame_rounding = 0x1p-47;
 
-/// More than the distance of a body and that of its box are off by, in parts of coordinates.
+/// More than the rounding of the distances of a body and of its box, in parts of coordinates.
 constexpr double box_rounding = 0x1p-44;
 
 bool is_rigid(const RigidTransform& pose)
@@ -50,7 +50,7 @@ MovingSurface::MovingSurface(const Box& bounds) : bounds_(bounds)
     rounding_ = frame_rounding * scale_.reach;
 }
 
-bool MovingSurface::holds(const Box& bounds, const RigidTransform& pose) const
+bool MovingSurface::contains(const Box& bounds, const RigidTransform& pose) const
 {
     for (unsigned corner = 0; corner < 8; ++corner) {
         Vec3 p;
@@ -74,7 +74,7 @@ void MovingSurface::measure() noexcept
     scale_.mean_edge = least;
 }
 
-Result<ObjectId> MovingSurface::add(std::unique_ptr<const ContactBody> body,
+Result<ObjectId> MovingSurface::add(std::shared_ptr<const ContactBody> body,
                                     const RigidTransform& pose)
 {
     PROXIMA_CHECK(body != nullptr);
@@ -82,7 +82,7 @@ Result<ObjectId> MovingSurface::add(std::unique_ptr<const ContactBody> body,
         return fail(ErrorCode::invalid_argument, "a scene has at most 64 objects");
     if (!is_rigid(pose))
         return fail(ErrorCode::invalid_argument, "the object's pose is no rigid one");
-    if (!holds(body->bounds(), pose))
+    if (!contains(body->bounds(), pose))
         return fail(ErrorCode::invalid_argument, "the object reaches out of the scene's bounds");
     auto slot = std::make_unique<Slot>();
     slot->newest_bounds = body->bounds();
@@ -90,7 +90,7 @@ Result<ObjectId> MovingSurface::add(std::unique_ptr<const ContactBody> body,
     slot->bodies.writing() = std::move(body);
     slot->bodies.publish();
     slot->bodies.update();
-    slot->course = ObjectCourse(pose);
+    slot->trajectory = ObjectTrajectory(pose);
     objects_.push_back(std::move(slot));
     measure();
     edition_ = new_edition();
@@ -109,7 +109,7 @@ Status MovingSurface::move(ObjectId object, const ObjectMotion& motion)
     }
     const RigidTransform end = {motion.pose.rotation,
                                 motion.pose.translation + motion.coast_seconds * motion.velocity};
-    if (!holds(slot.newest_bounds, motion.pose) || !holds(slot.newest_bounds, end))
+    if (!contains(slot.newest_bounds, motion.pose) || !contains(slot.newest_bounds, end))
         return fail(ErrorCode::invalid_argument, "the object would go out of the scene's bounds");
     slot.newest_pose = motion.pose;
     slot.motions.writing() = motion;
@@ -117,12 +117,12 @@ Status MovingSurface::move(ObjectId object, const ObjectMotion& motion)
     return {};
 }
 
-Status MovingSurface::exchange(ObjectId object, std::unique_ptr<const ContactBody> body)
+Status MovingSurface::exchange(ObjectId object, std::shared_ptr<const ContactBody> body)
 {
     PROXIMA_CHECK_LT(index(object), objects_.size());
     PROXIMA_CHECK(body != nullptr);
     Slot& slot = *objects_[index(object)];
-    if (!holds(body->bounds(), slot.newest_pose))
+    if (!contains(body->bounds(), slot.newest_pose))
         return fail(ErrorCode::invalid_argument,
                     "the object would reach out of the scene's bounds");
     slot.newest_bounds = body->bounds();
@@ -136,12 +136,12 @@ SceneTick MovingSurface::advance(double seconds) noexcept
     SceneTick tick;
     tick_seconds_ = seconds;
     for (const auto& slot : objects_) {
-        if (slot->motions.update()) slot->course.follow(slot->motions.reading());
-        slot->course.advance(seconds);
+        if (slot->motions.update()) slot->trajectory.follow(slot->motions.reading());
+        slot->trajectory.advance(seconds);
         const bool exchanged = slot->bodies.update();
-        if (slot->course.moved() || exchanged) slot->free_ball.reach = -1;
-        slot->free_way = {};
-        tick.moved |= slot->course.moved();
+        if (slot->trajectory.moved() || exchanged) slot->free_ball.reach = -1;
+        slot->free_path = {};
+        tick.moved |= slot->trajectory.moved();
         tick.exchanged |= exchanged;
     }
     if (tick.exchanged) measure();
@@ -152,14 +152,14 @@ SceneTick MovingSurface::advance(double seconds) noexcept
 SceneObject MovingSurface::object(ObjectId id) const noexcept
 {
     const Slot& slot = *objects_[index(id)];
-    return {&slot.body(), slot.course.before(), slot.course.now(), slot.course.moved()};
+    return {&slot.body(), slot.trajectory.before(), slot.trajectory.now(), slot.trajectory.moved()};
 }
 
 Vec3 MovingSurface::velocity_at(ObjectId id, const Vec3& p) const noexcept
 {
-    const ObjectCourse& course = objects_[index(id)]->course;
-    if (!course.moved()) return Vec3::Zero();
-    return (p - course.before()(seen_from(course.now(), p))) / tick_seconds_;
+    const ObjectTrajectory& trajectory = objects_[index(id)]->trajectory;
+    if (!trajectory.moved()) return Vec3::Zero();
+    return (p - trajectory.before()(to_local(trajectory.now(), p))) / tick_seconds_;
 }
 
 double MovingSurface::frame_margin(const Vec3& p) const noexcept
@@ -169,26 +169,26 @@ double MovingSurface::frame_margin(const Vec3& p) const noexcept
 
 Vec3 MovingSurface::nearest_exit(const Vec3& p) const noexcept
 {
-    Vec3 place = p;
+    Vec3 position = p;
     constexpr int attempts = 4;
     for (int attempt = 0; attempt < attempts; ++attempt) {
         bool inside = false;
         for (const auto& slot : objects_) {
-            const RigidTransform& pose = slot->course.now();
-            const Vec3 local = seen_from(pose, place);
+            const RigidTransform& pose = slot->trajectory.now();
+            const Vec3 local = to_local(pose, position);
             const auto out = slot->body().nearest_exit(local);
             if (!out) continue;
-            // Beyond the surface, by more than a point keeps from it.
+            // Step beyond the surface by more than the safety gap of a point.
             const Vec3 step = *out - local;
             const double beyond = 2 * safety_gap(scale_);
             const double length = step.norm();
             if (!(length > 0)) continue;
-            place = pose(*out + step * (beyond / length));
+            position = pose(*out + step * (beyond / length));
             inside = true;
         }
         if (!inside) break;
     }
-    return place;
+    return position;
 }
 
 double MovingSurface::known_clearance(Slot& slot, const Vec3& local) const noexcept
@@ -203,46 +203,47 @@ bool MovingSurface::keeps_clear(ObjectId id, const Vec3& from, const Vec3& to,
                                 double distance) const noexcept
 {
     Slot& slot = *objects_[index(id)];
-    const FreeWay& known = slot.free_way;
+    const FreePath& known = slot.free_path;
     if (known.is_near) return false;
     const double margin = 4 * frame_margin(from) + 4 * frame_margin(to);
     const double aside = (from - known.from).norm();
     const double length = known.length + aside + (to - known.to).norm();
     if (known.reach > distance + aside + length + margin) return true;
-    const Vec3 begin = seen_from(slot.course.before(), from);
-    const double way = (seen_from(slot.course.now(), to) - begin).norm();
+    const Vec3 begin = to_local(slot.trajectory.before(), from);
+    const double moved = (to_local(slot.trajectory.now(), to) - begin).norm();
     const double reach = known_clearance(slot, begin);
-    const bool is_clear = reach > distance + way + margin;
-    slot.free_way = {from, to, way, reach, !is_clear};
-    slot.free_ball = {to, reach - way - margin};
+    const bool is_clear = reach > distance + moved + margin;
+    slot.free_path = {from, to, moved, reach, !is_clear};
+    slot.free_ball = {to, reach - moved - margin};
     return is_clear;
 }
 
-std::size_t MovingSurface::collect_of(ObjectId id, const Vec3& p, const Vec3& way, double distance,
+std::size_t MovingSurface::collect_of(ObjectId id, const Vec3& p, const Vec3& motion,
+                                      double distance,
                                       std::span<ContactTriangle> buffer) const noexcept
 {
     Slot& slot = *objects_[index(id)];
-    return slot.cache.collect_along(slot.body().surface(), p, way, distance, buffer);
+    return slot.cache.collect_along(slot.body().surface(), p, motion, distance, buffer);
 }
 
-std::size_t MovingSurface::collect_along(const Vec3& p, const Vec3& way, double distance,
+std::size_t MovingSurface::collect_along(const Vec3& p, const Vec3& motion, double distance,
                                          std::span<ContactTriangle> buffer) const noexcept
 {
     std::size_t count = 0;
-    const double margin = frame_margin(p) + frame_margin(way);
+    const double margin = frame_margin(p) + frame_margin(motion);
     const double near = distance + margin;
-    const double around = near + way.norm() + margin;
+    const double around = near + motion.norm() + margin;
     for (std::uint32_t i = 0; i < objects_.size(); ++i) {
         Slot& slot = *objects_[i];
         if (slot.free_ball.reach > around + (p - slot.free_ball.center).norm()) continue;
-        const RigidTransform& pose = slot.course.now();
-        const Vec3 local = seen_from(pose, p);
+        const RigidTransform& pose = slot.trajectory.now();
+        const Vec3 local = to_local(pose, p);
         const double known = known_clearance(slot, local);
         slot.free_ball = {p, known - margin};
         if (known > around) continue;
-        const Vec3 local_way = pose.rotation.transpose() * way;
+        const Vec3 local_motion = pose.rotation.transpose() * motion;
         const auto left = buffer.subspan(std::min(count, buffer.size()));
-        const std::size_t found = collect_of(ObjectId{i}, local, local_way, near, left);
+        const std::size_t found = collect_of(ObjectId{i}, local, local_motion, near, left);
         for (ContactTriangle& triangle : left.first(std::min(found, left.size())))
             triangle = {pose(triangle.corners), scene_triangle(ObjectId{i}, triangle.id)};
         count += found;
@@ -254,7 +255,7 @@ double MovingSurface::clearance(const Vec3& p) const noexcept
 {
     double least = std::numeric_limits<double>::infinity();
     for (const auto& slot : objects_) {
-        const Vec3 local = seen_from(slot->course.now(), p);
+        const Vec3 local = to_local(slot->trajectory.now(), p);
         if (squared_distance(slot->body().bounds(), local) >= least * least) continue;
         least = std::min(least, slot->body().surface().clearance(local));
     }
@@ -267,10 +268,10 @@ double MovingSurface::clearance_beyond(const Vec3& p, double wanted) const noexc
     const double beyond = wanted + margin + 0x1p-50 * std::abs(wanted + margin);
     double least = std::numeric_limits<double>::infinity();
     for (const auto& slot : objects_) {
-        // As far as is known, or farther, is enough.
+        // A known bound is enough.
         double known = slot->free_ball.reach - (p - slot->free_ball.center).norm() - margin;
         if (!(known > beyond)) {
-            const Vec3 local = seen_from(slot->course.now(), p);
+            const Vec3 local = to_local(slot->trajectory.now(), p);
             known = known_clearance(*slot, local);
             if (!(known > beyond))
                 known = slot->cache.clearance(slot->body().surface(), local, beyond);
@@ -298,8 +299,8 @@ Vec3 MovingSurface::shaded_normal(TriangleId triangle, const Vec3& point) const 
     const Slot& slot = *objects_[index(object_of(triangle))];
     const ShadingNormals* const normals = slot.body().normals();
     if (normals == nullptr) return Vec3::Zero();
-    const RigidTransform& pose = slot.course.now();
-    return pose.rotation * normals->shaded_normal(triangle_of(triangle), seen_from(pose, point));
+    const RigidTransform& pose = slot.trajectory.now();
+    return pose.rotation * normals->shaded_normal(triangle_of(triangle), to_local(pose, point));
 }
 
 } // namespace proxima

@@ -3,12 +3,12 @@
 namespace proxima {
 
 std::size_t ObjectCache::collect_along(const ContactSurface& surface, const Vec3& p,
-                                       const Vec3& way, double distance,
+                                       const Vec3& motion, double distance,
                                        std::span<ContactTriangle> buffer) noexcept
 {
-    const Vec3 middle = p + 0.5 * way;
-    const double around = distance + 0.5 * way.norm();
-    // A ball that holds it all, else the one that was used longest ago.
+    const Vec3 middle = p + 0.5 * motion;
+    const double around = distance + 0.5 * motion.norm();
+    // Use a ball that covers the motion, else the one that was used longest ago.
     std::size_t best = 0;
     for (std::size_t i = 0; i < ball_count; ++i) {
         if (balls_[i].covers(surface, middle, around)) {
@@ -17,8 +17,8 @@ std::size_t ObjectCache::collect_along(const ContactSurface& surface, const Vec3
         }
         if (last_use_[i] < last_use_[best]) best = i;
     }
-    last_use_[best] = ++questions_;
-    return balls_[best].collect_along(surface, p, way, distance, buffer);
+    last_use_[best] = ++queries_;
+    return balls_[best].collect_along(surface, p, motion, distance, buffer);
 }
 
 ContactWork ObjectCache::work() const noexcept

@@ -1,9 +1,9 @@
-// What is near on one object of a scene, kept in the object's own frame from tick to tick.
+// Caches the near triangles of one object of a scene in the object's own frame.
 //
-//     seen by the object   who touches it, or flies past, goes slowly: the balls of contact_cache.h
-//                          hold though everything moves in the scene's frame
-//     several balls        a proxy that lags behind by friction, the place without friction and
-//                          where they were are asked about in turn
+//     own frame       relative to the object a proxy that touches it moves slowly, so the balls of
+//                     contact_cache.h stay valid although everything moves in the scene's frame
+//     several balls   queries alternate between the proxy, which lags behind by friction, the
+//                     frictionless position, and the positions of both in the last tick
 #pragma once
 
 #include "haptics/proxy/contact_cache.h"
@@ -16,25 +16,23 @@
 
 namespace proxima {
 
-/// Of a thread; 154 KB. All places are in the object's frame. All but the constructor are noexcept
-/// and do not allocate.
+/// One thread; 154 KB. Positions are in the object's frame. All but the constructor are noexcept and
+/// do not allocate.
 class ObjectCache {
 public:
-    /// As surface.collect_along(): all triangles that come within the distance of the way, and
-    /// perhaps some that do not.
+    /// Like surface.collect_along().
     [[nodiscard]] std::size_t collect_along(const ContactSurface& surface, const Vec3& p,
-                                            const Vec3& way, double distance,
+                                            const Vec3& motion, double distance,
                                             std::span<ContactTriangle> buffer) noexcept;
 
-    /// As surface.clearance_beyond().
+    /// Like surface.clearance_beyond().
     [[nodiscard]] double clearance(const ContactSurface& surface, const Vec3& p,
                                    double wanted) noexcept
     {
         return balls_.front().clearance(surface, p, wanted);
     }
 
-    /// No part of the surface is nearer to p than this, as is known without asking. Negative where
-    /// nothing is.
+    /// A lower bound of the surface's distance without a query of it; negative where none is known.
     [[nodiscard]] double known_clearance(const ContactSurface& surface, const Vec3& p) noexcept
     {
         return balls_.front().known_clearance(surface, p);
@@ -46,8 +44,8 @@ private:
     static constexpr std::size_t ball_count = 3;
 
     std::array<ContactCache, ball_count> balls_;
-    std::array<std::uint64_t, ball_count> last_use_{}; ///< of each ball, in questions
-    std::uint64_t questions_ = 0;
+    std::array<std::uint64_t, ball_count> last_use_{}; ///< of each ball, in queries
+    std::uint64_t queries_ = 0;
 };
 
 } // namespace proxima

@@ -8,14 +8,14 @@ namespace proxima {
 
 namespace {
 
-/// 0 at the beginning, 1 after half the time, 0 again: at rest at both ends.
+/// 0 at the beginning, 1 after half the period, 0 at its end; at rest at both ends.
 double to_and_fro(double seconds, double period) noexcept
 {
     const double part = std::fmod(seconds, period) / period;
     return 0.5 * (1 - std::cos(2 * std::numbers::pi * part));
 }
 
-/// Radians per second.
+/// The fastest rotation, radians per second.
 double fastest_of(const ObjectScript& script) noexcept
 {
     switch (script.kind) {
@@ -48,8 +48,8 @@ Status check_script(const ObjectScript& script)
     if (!finite) return fail(ErrorCode::invalid_argument, "a motion's numbers are finite");
     const bool turns = script.kind != ObjectMotionKind::swing;
     if (!(script.along.norm() > 0) || !std::isfinite(script.along.norm())) {
-        return fail(ErrorCode::invalid_argument,
-                    turns ? "a motion's axis has a length" : "a motion's way has a length");
+        return fail(ErrorCode::invalid_argument, turns ? "a motion's axis has a length"
+                                                       : "a motion's displacement has a length");
     }
     if (script.kind != ObjectMotionKind::spin && !(script.seconds > 0))
         return fail(ErrorCode::invalid_argument, "a motion there and back takes time");
@@ -82,7 +82,8 @@ RigidTransform pose_at(const ObjectScript& script, const RigidTransform& begin, 
     return begin;
 }
 
-Box reach_of(const ObjectScript& script, const RigidTransform& begin, const Box& bounds) noexcept
+Box swept_bounds(const ObjectScript& script, const RigidTransform& begin,
+                 const Box& bounds) noexcept
 {
     Box reach;
     for (unsigned corner = 0; corner < 8; ++corner) {
@@ -95,10 +96,10 @@ Box reach_of(const ObjectScript& script, const RigidTransform& begin, const Box&
     }
     const double turn = fastest_of(script);
     if (turn > 0) {
-        // From word to word its origin goes straight: so far the middle comes off its place.
+        // Between updates the origin moves straight, and so far the middle leaves its position.
         const Vec3 center = begin(bounds.center());
         const double aside = (begin.translation - center).norm();
-        const double off = aside * (1 - std::cos(turn * seconds_per_word / 2));
+        const double off = aside * (1 - std::cos(turn * seconds_per_update / 2));
         const double size = bounds.extent().norm() / 2 + off;
         reach.extend(center - Vec3::Constant(size));
         reach.extend(center + Vec3::Constant(size));

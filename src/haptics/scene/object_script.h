@@ -1,10 +1,9 @@
-// How an object of a scene moves by itself: simple motions that never leave a box, the same in
-// every session.
+// Simple motions of an object of a scene, which never leave a box and are the same in every session.
 //
-//     rest    where it stands          rock    to and fro about an axis through its middle
-//     spin    round that axis          swing   to and fro along a way
+//     rest    no motion                           rock    to and fro about such an axis
+//     spin    about an axis through its middle    swing   to and fro along a displacement
 //
-// A pose follows from the time alone, so that what was felt can be felt again, bit for bit.
+// A pose depends on the time alone, so that a session can be replayed bit for bit.
 #pragma once
 
 #include "proxima/geometry.h"
@@ -19,29 +18,29 @@ enum class ObjectMotionKind : std::uint8_t { rest, spin, rock, swing };
 /// Lengths in the scene's unit, axes of the scene.
 struct ObjectScript {
     ObjectMotionKind kind = ObjectMotionKind::rest;
-    Vec3 along = Vec3::Zero(); ///< spin, rock: the axis, of any length; swing: the way
+    Vec3 along = Vec3::Zero(); ///< spin, rock: the axis, of any length; swing: the displacement
     double angle = 0;          ///< spin: radians per second; rock: radians to either side
     double seconds = 0;        ///< rock, swing: there and back
 };
 
-/// How often an application says where its objects are to be: 50 times a second.
-inline constexpr double seconds_per_word = 0.02;
+/// The time between two updates of an application's objects: 50 updates a second.
+inline constexpr double seconds_per_update = 0.02;
 
-/// Nothing turns faster, radians per second: half a radian from word to word.
+/// The fastest rotation, radians per second: half a radian from one update to the next.
 inline constexpr double fastest_turn = 25;
 
-/// Errors invalid_argument: numbers that are not finite, no axis or way, a time of no length, turns
-/// that are too fast.
+/// Error invalid_argument: numbers that are not finite, no axis or displacement, a period of zero,
+/// a rotation that is too fast.
 [[nodiscard]] Status check_script(const ObjectScript& script);
 
-/// Where an object is that begins at `begin`. `middle` is the one of its own box, in its own frame.
+/// The pose of an object that begins at `begin`. `middle` is that of its box, in its own frame.
 /// noexcept, no allocation. \pre check_script holds, seconds >= 0
 [[nodiscard]] RigidTransform pose_at(const ObjectScript& script, const RigidTransform& begin,
                                      const Vec3& middle, double seconds) noexcept;
 
-/// A box that it never leaves, also where it goes straight, turning evenly, from word to word.
+/// A box that the object never leaves, also where it moves evenly from one update to the next.
 /// \pre check_script holds
-[[nodiscard]] Box reach_of(const ObjectScript& script, const RigidTransform& begin,
-                           const Box& bounds) noexcept;
+[[nodiscard]] Box swept_bounds(const ObjectScript& script, const RigidTransform& begin,
+                               const Box& bounds) noexcept;
 
 } // namespace proxima

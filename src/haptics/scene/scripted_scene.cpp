@@ -11,31 +11,32 @@ namespace proxima {
 
 namespace {
 
-/// The room is so much larger than what objects reach: more than rounding.
-constexpr double room_margin = 1e-6;
+/// The scene's bounds are larger than those of the motions by this part: more than rounding.
+constexpr double bounds_margin = 1e-6;
 
-/// Squares and products of distances are still finite.
+/// The farthest coordinate: squares and products of distances must be finite.
 constexpr double farthest_reach = 1e100;
 
-Box room_of(const Box& reach)
+Box bounds_about(const Box& reach)
 {
-    const double margin = room_margin * std::max({reach.lower.cwiseAbs().maxCoeff(),
-                                                  reach.upper.cwiseAbs().maxCoeff(), 1e-300});
+    const double margin = bounds_margin * std::max({reach.lower.cwiseAbs().maxCoeff(),
+                                                    reach.upper.cwiseAbs().maxCoeff(), 1e-300});
     return {reach.lower - Vec3::Constant(margin), reach.upper + Vec3::Constant(margin)};
 }
 
-std::uint64_t ticks_per_word(double tick_seconds) noexcept
+std::uint64_t ticks_per_update(double tick_seconds) noexcept
 {
-    return static_cast<std::uint64_t>(std::max(1LL, std::llround(seconds_per_word / tick_seconds)));
+    return static_cast<std::uint64_t>(
+        std::max(1LL, std::llround(seconds_per_update / tick_seconds)));
 }
 
 } // namespace
 
-ScriptedScene::ScriptedScene(const Box& reach, std::span<const ScriptedObject> objects)
-    : reach_(reach), scene_(room_of(reach)), objects_(objects.begin(), objects.end())
+ScriptedScene::ScriptedScene(const Box& bounds, std::span<const ScriptedObject> objects)
+    : bounds_(bounds), scene_(bounds_about(bounds)), objects_(objects.begin(), objects.end())
 {}
 
-Result<std::unique_ptr<ScriptedScene>> ScriptedScene::make(std::vector<TouchBody> bodies,
+Result<std::unique_ptr<ScriptedScene>> ScriptedScene::make(std::span<const TouchBody> bodies,
                                                            std::span<const ScriptedObject> objects)
 {
     PROXIMA_CHECK_EQ(bodies.size(), objects.size());
@@ -45,7 +46,7 @@ Result<std::unique_ptr<ScriptedScene>> ScriptedScene::make(std::vector<TouchBody
         const ScriptedObject& object = objects[i];
         if (Status status = check_script(object.script); !status)
             return tl::unexpected(status.error());
-        const Box box = reach_of(object.script, object.pose, contact_body(bodies[i]).bounds());
+        const Box box = swept_bounds(object.script, object.pose, contact_body(bodies[i]).bounds());
         reach.extend(box.lower);
         reach.extend(box.upper);
     }
@@ -54,19 +55,19 @@ Result<std::unique_ptr<ScriptedScene>> ScriptedScene::make(std::vector<TouchBody
     if (!(farthest <= farthest_reach)) {
         return fail(
             ErrorCode::invalid_argument,
-            "an object stands or goes too far away for doubles to say how far: at most 1e100");
+            "an object is or moves too far from the origin: coordinates must be at most 1e100");
     }
     std::unique_ptr<ScriptedScene> scripted(new ScriptedScene(reach, objects));
     for (std::size_t i = 0; i < bodies.size(); ++i) {
-        const auto added = scripted->scene_.add(std::move(bodies[i]), objects[i].pose);
+        const auto added = scripted->scene_.add(bodies[i], objects[i].pose);
         if (!added) return tl::unexpected(added.error());
     }
     return scripted;
 }
 
-void ScriptedScene::say(std::uint64_t tick, double tick_seconds) noexcept
+void ScriptedScene::send_motions(std::uint64_t tick, double tick_seconds) noexcept
 {
-    const std::uint64_t ticks = ticks_per_word(tick_seconds);
+    const std::uint64_t ticks = ticks_per_update(tick_seconds);
     if (tick % ticks != 0) return;
     const double there = static_cast<double>(tick + ticks) * tick_seconds;
     for (std::uint32_t i = 0; i < objects_.size(); ++i) {
@@ -76,7 +77,7 @@ void ScriptedScene::say(std::uint64_t tick, double tick_seconds) noexcept
         const Status status =
             scene_.move(ObjectId{i}, {.pose = pose_at(object.script, object.pose, middle, there),
                                       .seconds = static_cast<double>(ticks) * tick_seconds});
-        PROXIMA_CHECK(status.has_value()); // the room holds what scripts reach
+        PROXIMA_CHECK(status.has_value()); // scripts stay within the bounds
     }
 }
 
@@ -86,13 +87,13 @@ void ScriptedScene::rewind() noexcept
         const Status status = scene_.move(ObjectId{i}, {.pose = objects_[i].pose});
         PROXIMA_CHECK(status.has_value());
     }
-    // One tick to get there, one at rest.
+    // One tick to arrive, one at rest.
     constexpr double seconds = 1e-3;
     (void)scene_.advance(seconds);
     (void)scene_.advance(seconds);
 }
 
-Result<TriangleMesh> standing_mesh(const TouchScene& scene)
+Result<TriangleMesh> scene_mesh(const TouchScene& scene)
 {
     std::vector<Vec3> positions;
     std::vector<TriangleCorners> triangles;

@@ -1,15 +1,15 @@
-// A scene whose objects move by scripts (object_script.h), said to it as an application does: 50
-// times a second, where each object is to be a word later.
+// A scene whose objects move by scripts (object_script.h). It gets motions as from an application: 50
+// times a second, the pose of each object at the next update.
 //
-//     auto scripted = ScriptedScene::make(std::move(bodies), objects);
-//     HapticRenderer renderer((*scripted)->scene(), map, device);
-//     each tick:  (*scripted)->say(tick, 1e-3);  renderer.tick(state, 1e-3);
+//     auto scripted = ScriptedScene::make(bodies, objects);
+//     auto renderer = make_haptic_renderer((*scripted)->scene(), map, device);
+//     each tick:  (*scripted)->send_motions(tick, 1e-3);  renderer->tick(state, 1e-3);
 //
-// Words come at the same ticks in every session: what was felt replays bit for bit.
+// Updates come in the same ticks of every session, so that it can be replayed bit for bit.
 #pragma once
 
 #include "haptics/scene/object_script.h"
-#include "haptics/surface/surface_feel.h"
+#include "haptics/surface/surface_properties.h"
 #include "proxima/geometry.h"
 #include "proxima/result.h"
 #include "proxima/touch_scene.h"
@@ -23,7 +23,7 @@
 
 namespace proxima {
 
-/// An object as a session has it: all but its mesh, of which it has the fingerprint.
+/// An object of a session: all but its mesh, which a fingerprint stands for.
 struct ScriptedObject {
     std::uint64_t mesh_fingerprint = 0;
     RigidTransform pose; ///< at the beginning
@@ -31,38 +31,38 @@ struct ScriptedObject {
     std::optional<SurfaceMaterial> material; ///< none: the renderer's own
 };
 
-/// say(), rewind() and the scene's ticks by one thread.
+/// send_motions(), rewind() and the scene's ticks by one thread.
 class ScriptedScene {
 public:
-    /// A body for each object, made with its material. Errors: check_script's and
-    /// TouchScene::add's.
+    /// With a body for each object, built with its material. Errors: those of check_script and
+    /// TouchScene::add.
     [[nodiscard]] static Result<std::unique_ptr<ScriptedScene>>
-    make(std::vector<TouchBody> bodies, std::span<const ScriptedObject> objects);
+    make(std::span<const TouchBody> bodies, std::span<const ScriptedObject> objects);
 
     [[nodiscard]] TouchScene& scene() noexcept { return scene_; }
     [[nodiscard]] const TouchScene& scene() const noexcept { return scene_; }
     [[nodiscard]] std::span<const ScriptedObject> objects() const noexcept { return objects_; }
 
     /// No object ever leaves it.
-    [[nodiscard]] const Box& reach() const noexcept { return reach_; }
+    [[nodiscard]] const Box& bounds() const noexcept { return bounds_; }
 
-    /// Before a tick, counted from 0: says what there is to say. noexcept, no allocation.
+    /// Sends the motions that are due before a tick, counted from 0. noexcept, no allocation.
     /// \pre tick_seconds > 0
-    void say(std::uint64_t tick, double tick_seconds) noexcept;
+    void send_motions(std::uint64_t tick, double tick_seconds) noexcept;
 
-    /// All objects back to where they began, as new. No renderer has the scene.
+    /// Moves all objects back to their first poses. \pre no renderer has the scene
     void rewind() noexcept;
 
 private:
-    ScriptedScene(const Box& reach, std::span<const ScriptedObject> objects);
+    ScriptedScene(const Box& bounds, std::span<const ScriptedObject> objects);
 
-    Box reach_;
+    Box bounds_;
     TouchScene scene_;
     std::vector<ScriptedObject> objects_;
 };
 
-/// All triangles where they stand, in the order of scene_triangle(). Vertices are not shared
-/// between objects. Error: make_triangle_mesh's.
-[[nodiscard]] Result<TriangleMesh> standing_mesh(const TouchScene& scene);
+/// All triangles at the present poses, in the order of scene_triangle(). Objects share no vertices.
+/// Errors: those of make_triangle_mesh.
+[[nodiscard]] Result<TriangleMesh> scene_mesh(const TouchScene& scene);
 
 } // namespace proxima

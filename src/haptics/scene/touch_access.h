@@ -1,4 +1,4 @@
-// From the public bodies and scenes to what they are made of, and back.
+// Conversions between public bodies and scenes and their implementations.
 #pragma once
 
 #include "haptics/scene/contact_body.h"
@@ -10,16 +10,16 @@
 
 namespace proxima {
 
-/// What TouchBody and TouchScene let in.
+/// The library's access to the parts of TouchBody and TouchScene.
 class TouchAccess {
 public:
-    [[nodiscard]] static TouchBody wrap(std::unique_ptr<const ContactBody> body) noexcept
+    [[nodiscard]] static TouchBody wrap(std::shared_ptr<const ContactBody> body) noexcept
     {
         return TouchBody(std::move(body));
     }
-    [[nodiscard]] static std::unique_ptr<const ContactBody> unwrap(TouchBody body) noexcept
+    [[nodiscard]] static std::shared_ptr<const ContactBody> unwrap(const TouchBody& body) noexcept
     {
-        return std::move(body.body_);
+        return body.body_;
     }
     [[nodiscard]] static const ContactBody& body(const TouchBody& body) noexcept
     {
@@ -35,14 +35,13 @@ public:
     }
 };
 
-/// \pre the body was not moved from
 [[nodiscard]] inline const ContactBody& contact_body(const TouchBody& body) noexcept
 {
     return TouchAccess::body(body);
 }
 
-/// The scene's surface, which stays where it is while the scene lives. A renderer of it alone would
-/// not advance the scene: renderers take the scene itself. \pre the scene was not moved from
+/// The scene's surface, whose address does not change while the scene lives. A renderer takes the
+/// scene itself, for it has to advance it. \pre the scene was not moved from
 [[nodiscard]] inline MovingSurface& moving_surface(TouchScene& scene) noexcept
 {
     return TouchAccess::surface(scene);

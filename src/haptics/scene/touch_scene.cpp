@@ -1,6 +1,5 @@
 #include "proxima/touch_scene.h"
 
-#include "base/check.h"
 #include "haptics/scene/contact_body.h"
 #include "haptics/scene/moving_surface.h"
 #include "haptics/scene/touch_access.h"
@@ -10,14 +9,10 @@
 
 namespace proxima {
 
-TouchBody::TouchBody(std::unique_ptr<const ContactBody> body) noexcept : body_(std::move(body)) {}
-TouchBody::TouchBody(TouchBody&& other) noexcept = default;
-TouchBody& TouchBody::operator=(TouchBody&& other) noexcept = default;
-TouchBody::~TouchBody() = default;
+TouchBody::TouchBody(std::shared_ptr<const ContactBody> body) noexcept : body_(std::move(body)) {}
 
 const TriangleMesh& TouchBody::mesh() const noexcept
 {
-    PROXIMA_CHECK(body_ != nullptr);
     return body_->mesh();
 }
 
@@ -36,9 +31,9 @@ TouchScene::TouchScene(TouchScene&& other) noexcept = default;
 TouchScene& TouchScene::operator=(TouchScene&& other) noexcept = default;
 TouchScene::~TouchScene() = default;
 
-Result<ObjectId> TouchScene::add(TouchBody body, const RigidTransform& pose)
+Result<ObjectId> TouchScene::add(const TouchBody& body, const RigidTransform& pose)
 {
-    return surface_->add(TouchAccess::unwrap(std::move(body)), pose);
+    return surface_->add(TouchAccess::unwrap(body), pose);
 }
 
 Status TouchScene::move(ObjectId object, const ObjectMotion& motion)
@@ -46,9 +41,9 @@ Status TouchScene::move(ObjectId object, const ObjectMotion& motion)
     return surface_->move(object, motion);
 }
 
-Status TouchScene::exchange(ObjectId object, TouchBody body)
+Status TouchScene::exchange(ObjectId object, const TouchBody& body)
 {
-    return surface_->exchange(object, TouchAccess::unwrap(std::move(body)));
+    return surface_->exchange(object, TouchAccess::unwrap(body));
 }
 
 SceneTick TouchScene::advance(double seconds) noexcept

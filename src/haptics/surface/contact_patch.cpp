@@ -21,7 +21,7 @@ void ContactPatch::refer(const IndexContactSurface& surface, const Vec3& p,
     edition_ = new_edition();
 }
 
-void ContactPatch::copied(std::size_t triangles, double extent) noexcept
+void ContactPatch::use_copies(std::size_t triangles, double extent) noexcept
 {
     PROXIMA_CHECK_LE(triangles, copies_.size());
     groups_.make(std::span<const ContactTriangle>(copies_).first(triangles), extent);
@@ -37,7 +37,7 @@ void ContactPatch::read_triangles(std::span<const std::uint32_t> ranks,
         surface_->read_triangles(ranks, triangles);
         return;
     }
-    // Another processor wrote them: all are sent for before the first is read.
+    // Another processor wrote them: prefetch all before the first is read.
     for (const std::uint32_t rank : ranks) {
         __builtin_prefetch(&copies_[rank]);
         __builtin_prefetch(reinterpret_cast<const std::byte*>(&copies_[rank]) + 64);
@@ -80,10 +80,10 @@ void RingPatches::fill(ContactPatch& patch, const Vec3& device, const ClosestFea
 {
     const Neighbourhood found =
         collect_rings(mesh_, topology_, closest.feature, depth, scratch_, ids_);
-    const std::size_t count = std::min(found.count, patch.room().size());
-    for (std::size_t i = 0; i < count; ++i) patch.room()[i] = {mesh_.triangle(ids_[i]), ids_[i]};
-    patch.copied(count, extent_);
-    patch.complete = found.complete && count == found.count;
+    const std::size_t count = std::min(found.written, patch.copies().size());
+    for (std::size_t i = 0; i < count; ++i) patch.copies()[i] = {mesh_.triangle(ids_[i]), ids_[i]};
+    patch.use_copies(count, extent_);
+    patch.complete = found.complete && count == found.written;
     patch.reach = 0;
     patch.center = device;
     patch.clearance = std::sqrt(closest.squared_distance) * (1 - 0x1p-40);
@@ -121,7 +121,7 @@ std::span<const TriangleGroup> PatchContactSurface::groups() const noexcept
 
 GroupQuery PatchContactSurface::group_query(const Vec3& p) const noexcept
 {
-    if (is_empty()) return {.place = p};
+    if (is_empty()) return {.position = p};
     return patch_->group_query(p);
 }
 
@@ -131,7 +131,7 @@ void PatchContactSurface::find_groups(const Vec3& p, double distance,
     boxes.count = 0;
     if (is_empty()) return;
     proxima::find_groups(patch_->tree(), p, distance, boxes);
-    if (boxes.count > GroupBoxes::capacity) return; // some are missing: nobody looks at the others
+    if (boxes.count > GroupBoxes::capacity) return; // some are missing, and the caller uses none
     for (std::uint32_t& id : std::span(boxes.ids).first(boxes.count)) id = patch_->group(id);
 }
 

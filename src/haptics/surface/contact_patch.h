@@ -1,17 +1,17 @@
-// The triangles that the collision loop hands to the servo loop (thesis 5.1.1), and a proxy's view
-// of them.
+// The triangles that the collision loop hands to the servo loop (thesis 5.1.1), and the surface that
+// a proxy sees of them.
 //
 //     metric   all triangles within R of the device:
 //              R >= 2 v (T + latency) + |device - proxy| + proxy radius       v: fastest hand
 //     rings    triangles within so many rings of the closest feature          the thesis's
 //
-// With the metric patch nothing that a proxy can meet before the next patch comes is missing: the
-// proxy stays as near to the device as it was, give or take the device's way, there and back. Rings
-// promise nothing on meshes of uneven triangles: a hand may leave them within a collision tick.
+// A metric patch has all triangles that a proxy can meet before the next patch comes: the distance
+// of proxy and device grows by at most twice the device's displacement. Rings guarantee nothing on
+// meshes of uneven triangles: a hand may leave them within a collision tick.
 //
-// A metric patch says which groups of the surface's triangles these are and has a tree over their
-// boxes: what it refers to is never written, so that making one is quick, of however many
-// triangles, and who touches it reads no more than of the surface itself. Rings are copied.
+// A metric patch names groups of the surface's triangles and has a tree over their boxes. It copies
+// no triangles, so it is made quickly, however many there are, and a proxy reads no more memory
+// than of the whole surface. Rings are copied.
 #pragma once
 
 #include "haptics/surface/contact_surface.h"
@@ -31,40 +31,40 @@
 
 namespace proxima {
 
-/// Triangles round a place: some of a surface's, or copies. Its room is allocated once: it can be
-/// filled in a loop. A copy of it is whole.
+/// Triangles near a position: some of a surface's, or copies. Memory is allocated once, so that it
+/// can be filled in a loop. Copies are independent.
 class ContactPatch {
 public:
-    static constexpr std::size_t most = 8192; ///< triangles, where nothing else is said
+    static constexpr std::size_t most = 8192; ///< triangles, by default
 
     ContactPatch() : ContactPatch(most) {}
-    /// With room for so many triangles of a surface, in whole blocks of 64, 4 bytes each; and for
+    /// Has a capacity of so many triangles of a surface, in whole blocks of 64, 4 bytes each, and of
     /// as many copies up to `most`, 124 bytes each.
     explicit ContactPatch(std::size_t triangles)
         : near_(triangles), copies_(std::min(triangles, most)), groups_(copies_.size())
     {}
 
-    /// All triangles of a surface within `distance` of p and their neighbours, or within the reach
-    /// that there is room for. The surface must stay as long as the patch is used.
-    /// noexcept, no allocation. \pre p is finite, distance >= 0
+    /// Takes all triangles of a surface within `distance` of p, with their neighbours, or those
+    /// within the longest reach that fits the capacity. Refers to the surface. noexcept, no
+    /// allocation. \pre p is finite, distance >= 0
     void refer(const IndexContactSurface& surface, const Vec3& p, double distance) noexcept;
 
-    /// Where copies are written, for copied().
-    [[nodiscard]] std::span<ContactTriangle> room() noexcept { return copies_; }
-    /// The first ones of room(). `extent` is the whole surface's. noexcept, no allocation.
-    /// \pre there is room
-    void copied(std::size_t triangles, double extent) noexcept;
+    /// The buffer into which triangles are copied, for use_copies().
+    [[nodiscard]] std::span<ContactTriangle> copies() noexcept { return copies_; }
+    /// Takes the first triangles of copies(). `extent` is the whole surface's. noexcept, no
+    /// allocation. \pre triangles <= copies().size()
+    void use_copies(std::size_t triangles, double extent) noexcept;
 
     [[nodiscard]] std::size_t count() const noexcept { return count_; }
-    /// New whenever it was filled: as ContactSurface::edition().
+    /// A new number whenever it is filled, as ContactSurface::edition().
     [[nodiscard]] std::uint64_t edition() const noexcept { return edition_; }
 
-    /// For questions, by ranks and groups of its own or of the surface. \pre count() > 0
+    /// The tree over the triangles, whose groups group() numbers. \pre count() > 0
     [[nodiscard]] TriangleTree tree() const noexcept
     {
         return surface_ != nullptr ? near_.tree() : groups_.tree();
     }
-    /// The number among groups() of a group of tree().
+    /// The index in groups() of a group of tree().
     [[nodiscard]] std::uint32_t group(std::uint32_t of_tree) const noexcept
     {
         return surface_ != nullptr ? near_.group(of_tree) : of_tree;
@@ -77,16 +77,16 @@ public:
     {
         return surface_ != nullptr ? surface_->group_query(p) : groups_.query(p);
     }
-    /// The triangles of these ranks among groups(). \pre there is room
+    /// The triangles of these ranks in groups(). \pre triangles has an element for each rank
     void read_triangles(std::span<const std::uint32_t> ranks,
                         std::span<ContactTriangle> triangles) const noexcept;
 
-    /// All of them. \pre there is room
+    /// All triangles. \pre triangles has count() elements
     void read(std::span<ContactTriangle> triangles) const noexcept;
 
-    bool complete = true;       ///< all triangles that were asked for are there
-    double reach = 0;           ///< of a metric patch: all that are so near to the centre are there
-    Vec3 center = Vec3::Zero(); ///< the device's place that it was made for
+    bool complete = true; ///< no triangle is missing for want of capacity
+    double reach = 0;     ///< of a metric patch: all triangles so near to the centre are there
+    Vec3 center = Vec3::Zero(); ///< the device's position that it was made for
     double clearance = 0;       ///< no part of the whole surface is nearer to the centre
     std::uint64_t made_at = 0;  ///< the servo tick whose state it was made for
 
@@ -99,7 +99,7 @@ private:
     std::uint64_t edition_ = 0;
 };
 
-/// How far a metric patch must reach, in the model's units. Lengths of the same unit, seconds.
+/// The reach that a metric patch needs. Lengths in one unit, times in seconds.
 [[nodiscard]] constexpr double patch_radius(double speed, double collision_seconds,
                                             double latency_seconds, double device_to_proxy,
                                             double proxy_radius) noexcept
@@ -107,14 +107,13 @@ private:
     return 2 * speed * (collision_seconds + latency_seconds) + device_to_proxy + proxy_radius;
 }
 
-/// Fills a patch with all triangles within a radius of the device, or of a shorter one where there
-/// are more than it has room for: then it is whole for slower hands. It refers to the surface,
-/// which must outlive it. noexcept, no allocation; half a nanosecond per triangle.
-/// \pre finite, radius >= 0
+/// Fills a patch with all triangles within a radius of the device, or within a shorter one where
+/// they exceed its capacity: then it is complete for slower hands. The patch refers to the surface.
+/// noexcept, no allocation; half a nanosecond per triangle. \pre finite, radius >= 0
 void fill_metric_patch(ContactPatch& patch, const IndexContactSurface& surface, const Vec3& device,
                        double radius) noexcept;
 
-/// Makes patches of rings, the thesis's; one thread.
+/// Makes the thesis's patches of rings; one thread.
 class RingPatches {
 public:
     /// Refers to all three, which must outlive it.
@@ -137,21 +136,21 @@ private:
     std::vector<TriangleId> ids_;
 };
 
-/// The latest patch as a proxy's surface, whose questions cost what they cost of the octree's.
-/// Without one it is empty.
+/// The latest patch as a proxy's surface. Queries cost as much as those of the whole surface.
+/// Without a patch it is empty.
 class PatchContactSurface final : public ContactSurface {
 public:
-    /// The scale is the whole surface's: proxies of both behave alike.
+    /// The scale is the whole surface's, so that proxies of both behave alike.
     explicit PatchContactSurface(const SurfaceScale& scale) : scale_(scale) {}
 
-    /// From now on this patch, which must stay as it is until the next call. One thread.
+    /// Uses this patch, which must not change until the next call. One thread.
     void use(const ContactPatch* patch) noexcept { patch_ = patch; }
 
     [[nodiscard]] const SurfaceScale& scale() const noexcept override { return scale_; }
     /// By boxes of groups, then of triangles.
     [[nodiscard]] std::size_t collect(const Vec3& p, double distance,
                                       std::span<ContactTriangle> buffer) const noexcept override;
-    /// By the patch's clearance and the way from its centre.
+    /// By the patch's clearance and the distance from its centre.
     [[nodiscard]] double clearance(const Vec3& p) const noexcept override;
     [[nodiscard]] std::uint64_t edition() const noexcept override
     {

@@ -21,7 +21,7 @@ namespace proxima {
 
 namespace {
 
-/// Distances as computed are off by less than this part of the coordinates.
+/// Computed distances are wrong by less than this part of the coordinates.
 constexpr double distance_rounding = 0x1p-46;
 
 double less_rounding(double distance, const SurfaceScale& scale, const Vec3& p) noexcept
@@ -29,7 +29,7 @@ double less_rounding(double distance, const SurfaceScale& scale, const Vec3& p) 
     return distance - distance_rounding * (scale.reach + p.cwiseAbs().maxCoeff());
 }
 
-/// Adds triangles up, to their scale.
+/// Computes the scale of triangles one by one.
 class ScaleSum {
 public:
     void add(const Triangle& triangle)
@@ -67,7 +67,7 @@ ContactTriangle contact_triangle(const TriangleRow<Scalar>& row) noexcept
     return {triangle_of(row), TriangleId{row.triangle_id()}};
 }
 
-/// Of one kind of rows, by the tree over them.
+/// Collects triangles of one kind of rows, by the tree over them.
 template <class Scalar>
 std::size_t collect_rows(const TriangleTree& tree, std::span<const TriangleRow<Scalar>> rows,
                          const Vec3& p, double distance, std::span<ContactTriangle> buffer) noexcept
@@ -89,7 +89,7 @@ std::size_t collect_rows(const TriangleTree& tree, std::span<const TriangleRow<S
     return count;
 }
 
-/// Eights of rows.
+/// Appends groups of eight rows.
 template <class Scalar>
 void make_groups(std::span<const TriangleRow<Scalar>> rows, double scale,
                  std::vector<TriangleGroup>& groups)
@@ -138,14 +138,34 @@ SurfaceScale scale_of(const TriangleMesh& mesh)
     return sum.scale();
 }
 
-IndexContactSurface::IndexContactSurface(MeshIndex index) : index_(std::move(index))
+Result<IndexContactSurface::Parts> IndexContactSurface::build_parts(const MeshIndex& index)
 {
-    const auto mesh = mesh_of(index_);
-    PROXIMA_CHECK(mesh.has_value());
-    auto tree = build_triangle_tree(*mesh, index_.ids());
-    PROXIMA_CHECK(tree.has_value());
-    tree_ = std::move(*tree);
-    scale_ = scale_of(*mesh);
+    const auto mesh = mesh_of(index);
+    if (!mesh) return tl::unexpected(mesh.error());
+    auto tree = build_triangle_tree(*mesh, index.ids());
+    if (!tree) return tl::unexpected(tree.error());
+    return Parts{std::move(*tree), scale_of(*mesh)};
+}
+
+Result<std::unique_ptr<const IndexContactSurface>> IndexContactSurface::make(const MeshIndex& index)
+{
+    auto parts = build_parts(index);
+    if (!parts) return tl::unexpected(parts.error());
+    return std::unique_ptr<const IndexContactSurface>(
+        new IndexContactSurface(index, std::move(*parts)));
+}
+
+IndexContactSurface::IndexContactSurface(const MeshIndex& index)
+    : IndexContactSurface(index, [&] {
+          auto parts = build_parts(index);
+          PROXIMA_CHECK(parts.has_value());
+          return std::move(*parts);
+      }())
+{}
+
+IndexContactSurface::IndexContactSurface(const MeshIndex& index, Parts parts)
+    : index_(index), tree_(std::move(parts.tree)), scale_(parts.scale)
+{
     groups_.reserve((index_.triangle_count() + TriangleGroup::width - 1) / TriangleGroup::width);
     make_groups(index_.parts().float_rows(), tree_.scale(), groups_);
     make_groups(index_.parts().double_rows(), tree_.scale(), groups_);
@@ -162,7 +182,7 @@ std::size_t IndexContactSurface::collect(const Vec3& p, double distance,
 
 GroupQuery IndexContactSurface::group_query(const Vec3& p) const noexcept
 {
-    return {.origin = tree_.origin(), .scale = tree_.scale(), .place = p};
+    return {.origin = tree_.origin(), .scale = tree_.scale(), .position = p};
 }
 
 void IndexContactSurface::find_groups(const Vec3& p, double distance,
@@ -211,7 +231,7 @@ std::size_t MeshContactSurface::collect(const Vec3& p, double distance,
 double IndexContactSurface::least_clearance(const Vec3& p) const noexcept
 {
     if (has_list(index_.parts(), p)) return clearance(p);
-    // Of boxes no nearer than two thirds of the nearest one found, none is looked into.
+    // Boxes no nearer than two thirds of the nearest one found are not opened.
     const TriangleTree& tree = tree_;
     const std::span<const TriangleTreeBlock> blocks =
         tree.blocks().subspan(tree.levels().front().first_block);
@@ -222,10 +242,10 @@ double IndexContactSurface::least_clearance(const Vec3& p) const noexcept
         const TriangleTreeBlock& block = blocks[id / TriangleTree::width];
         double squared = 0;
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            const double place = at[static_cast<Eigen::Index>(axis)];
+            const double coordinate = at[static_cast<Eigen::Index>(axis)];
             const auto lower = static_cast<double>(block.lower[axis][id % TriangleTree::width]);
             const auto upper = static_cast<double>(block.upper[axis][id % TriangleTree::width]);
-            const double gap = std::max({lower - place, place - upper, 0.0});
+            const double gap = std::max({lower - coordinate, coordinate - upper, 0.0});
             squared += gap * gap;
         }
         constexpr double part = 4.0 / 9;

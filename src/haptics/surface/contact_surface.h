@@ -1,11 +1,11 @@
-// What a proxy touches: the triangles near a place, by whichever structure knows them.
+// The surface that a proxy touches: queries for the triangles near a position.
 //
-//     direct mode   the mesh index itself: the servo loop asks it for what is near
-//     patch mode    the triangles handed over by the collision loop (contact_patch.h)
-//     brute force   all triangles of the mesh: slow, a reference that the others are compared with
+//     direct mode   of the mesh index itself, which the servo loop queries
+//     patch mode    of the triangles handed over by the collision loop (contact_patch.h)
+//     brute force   of all triangles of the mesh: slow, the reference for the others
 //
 // All members are noexcept, do not allocate, and may be called from any thread, but for those of a
-// scene (touch_scene.h), which keeps what is near, and of a patch's surface: by one thread.
+// scene (touch_scene.h), which caches near triangles, and of a patch's surface: by one thread.
 #pragma once
 
 #include "haptics/surface/contact_triangle.h"
@@ -13,26 +13,28 @@
 #include "index/triangle_tree.h"
 #include "proxima/geometry.h"
 #include "proxima/mesh_index.h"
+#include "proxima/result.h"
 #include "proxima/topology.h"
 #include "proxima/triangle_mesh.h"
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 namespace proxima {
 
-/// The place and size of a surface, in its own unit.
+/// The size of a surface and its distance from the origin, in its own unit.
 struct SurfaceScale {
     double extent = 1;    ///< the longest edge of the box about it
     double reach = 1;     ///< the largest |coordinate|
-    double mean_edge = 1; ///< the side of equal triangles that had its area
+    double mean_edge = 1; ///< the side of as many equilateral triangles of the same area
 };
 
 [[nodiscard]] SurfaceScale scale_of(const TriangleMesh& mesh);
 
-/// Triangles by place. Immutable while it is asked.
+/// Triangles by position. Immutable during queries.
 class ContactSurface {
 public:
     ContactSurface() = default;
@@ -43,46 +45,45 @@ public:
     [[nodiscard]] virtual const SurfaceScale& scale() const noexcept = 0;
 
     /// Writes all triangles within `distance` of p, in any order, and perhaps some that are
-    /// farther. Returns how many it wrote, or any number of more than the buffer's size where that
-    /// is full: then some are missing. \pre p is finite, distance >= 0
+    /// farther. Returns how many it wrote, or any number that is more than the buffer's size, where
+    /// some are missing. \pre p is finite, distance >= 0
     [[nodiscard]] virtual std::size_t collect(const Vec3& p, double distance,
                                               std::span<ContactTriangle> buffer) const noexcept = 0;
 
-    /// The same of all triangles that come within `distance` of the straight way from p.
+    /// Like collect(), of all triangles within `distance` of the segment from p to p + motion.
     [[nodiscard]] virtual std::size_t
-    collect_along(const Vec3& p, const Vec3& way, double distance,
+    collect_along(const Vec3& p, const Vec3& motion, double distance,
                   std::span<ContactTriangle> buffer) const noexcept
     {
-        return collect(p + 0.5 * way, distance + 0.5 * way.norm(), buffer);
+        return collect(p + 0.5 * motion, distance + 0.5 * motion.norm(), buffer);
     }
 
-    /// No part of the surface is nearer to p than this. 0 says nothing. \pre p is finite
+    /// A lower bound of the surface's distance from p, perhaps 0 or less. \pre p is finite
     [[nodiscard]] virtual double clearance(const Vec3& p) const noexcept = 0;
 
-    /// The same, in a bounded time: perhaps less than clearance() says. \pre p is finite
+    /// A lower bound in a bounded time, at most clearance(). \pre p is finite
     [[nodiscard]] virtual double least_clearance(const Vec3& p) const noexcept
     {
         return clearance(p);
     }
 
-    /// Where it is more than `wanted`: some number that is, and no more than what clearance() says;
-    /// otherwise what that says. \pre p is finite
+    /// clearance(), or where that is more than `wanted` any number between the two. \pre p is finite
     [[nodiscard]] virtual double clearance_beyond(const Vec3& p, double wanted) const noexcept
     {
         const double least = least_clearance(p);
         return least > wanted ? least : clearance(p);
     }
 
-    /// While this is the same, so are all answers: they may be kept (contact_cache.h). Of no other
-    /// surface. 0: keep nothing.
+    /// A number of this surface alone. While it stays the same so do all answers, which may be
+    /// cached (contact_cache.h). 0: cache nothing.
     [[nodiscard]] virtual std::uint64_t edition() const noexcept { return 0; }
 
-    /// Its groups, where it has any: then the three below answer as well.
+    /// Its groups. Where it has any, the three functions below answer too.
     [[nodiscard]] virtual std::span<const TriangleGroup> groups() const noexcept { return {}; }
-    /// The units of their boxes, as a query of p.
+    /// A query at p, in the units of their boxes.
     [[nodiscard]] virtual GroupQuery group_query(const Vec3& p) const noexcept
     {
-        return {.place = p};
+        return {.position = p};
     }
     /// The boxes of all groups that have a triangle within the distance of p, and of some more.
     virtual void find_groups(const Vec3& /*p*/, double /*distance*/,
@@ -90,20 +91,23 @@ public:
     {
         boxes.count = 0;
     }
-    /// The triangles of these ranks. \pre there is room
+    /// The triangles of these ranks. \pre triangles has an element for each rank
     virtual void read_triangles(std::span<const std::uint32_t> /*ranks*/,
                                 std::span<ContactTriangle> /*triangles*/) const noexcept
     {}
 };
 
-/// A number that no surface had before. Wait-free; any thread.
+/// An edition that no surface had before. Wait-free; any thread.
 [[nodiscard]] std::uint64_t new_edition() noexcept;
 
 /// The surface of a mesh index, whose storage it shares.
 class IndexContactSurface final : public ContactSurface {
 public:
-    /// O(triangles). \pre the index is not empty, and no larger than 1e150
-    explicit IndexContactSurface(MeshIndex index);
+    /// O(triangles). \pre make() has no error
+    explicit IndexContactSurface(const MeshIndex& index);
+    /// Errors: those of mesh_of and build_triangle_tree. O(triangles).
+    [[nodiscard]] static Result<std::unique_ptr<const IndexContactSurface>>
+    make(const MeshIndex& index);
 
     [[nodiscard]] const SurfaceScale& scale() const noexcept override { return scale_; }
     /// About 1 us and 15 ns per triangle written.
@@ -111,7 +115,7 @@ public:
                                       std::span<ContactTriangle> buffer) const noexcept override;
     /// The distance of the closest feature, less its rounding.
     [[nodiscard]] double clearance(const Vec3& p) const noexcept override;
-    /// Like clearance() where the index lists what is near, else two thirds of it or more by boxes
+    /// clearance() where the index lists the near triangles, else two thirds of it or more, by boxes
     /// alone.
     [[nodiscard]] double least_clearance(const Vec3& p) const noexcept override;
     [[nodiscard]] std::uint64_t edition() const noexcept override { return edition_; }
@@ -119,7 +123,7 @@ public:
     {
         return groups_;
     }
-    /// Of the groups' boxes.
+    /// The tree of the groups' boxes.
     [[nodiscard]] const TriangleTree& tree() const noexcept { return tree_; }
     [[nodiscard]] GroupQuery group_query(const Vec3& p) const noexcept override;
     /// About 0.5 us.
@@ -128,6 +132,13 @@ public:
                         std::span<ContactTriangle> triangles) const noexcept override;
 
 private:
+    struct Parts {
+        TriangleTree tree;
+        SurfaceScale scale;
+    };
+    [[nodiscard]] static Result<Parts> build_parts(const MeshIndex& index);
+    IndexContactSurface(const MeshIndex& index, Parts parts);
+
     MeshIndex index_;
     TriangleTree tree_; ///< eight rows to a group
     SurfaceScale scale_;
@@ -135,7 +146,7 @@ private:
     std::vector<TriangleGroup> groups_; ///< 40 bytes per triangle
 };
 
-/// All triangles of a mesh, which must outlive this, each looked at every time.
+/// All triangles of a mesh, which must outlive this. Each query tests every triangle.
 class MeshContactSurface final : public ContactSurface {
 public:
     explicit MeshContactSurface(const TriangleMesh& mesh) : mesh_(&mesh), scale_(scale_of(mesh)) {}

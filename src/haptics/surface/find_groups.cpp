@@ -5,7 +5,7 @@
 #include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
-// After foreach_target: once per target.
+// After foreach_target, for it is included once per target.
 #include "haptics/surface/ball_gaps-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -13,8 +13,8 @@ namespace proxima::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Stores a whole vector, those of the mask first. Returns how many these are. Not by compressing
-/// stores, which some processors are slow at.
+/// Stores a whole vector, the lanes of the mask first, and returns how many these are. Compressing
+/// stores are slow on some processors.
 template <class Lanes, class Mask, class Scalar>
 HWY_INLINE std::size_t store_met(Lanes lanes, Mask mask, Scalar* to)
 {
@@ -33,7 +33,7 @@ void find_groups(const TriangleTree& tree, const BallQuery& query, GroupBoxes& b
     const std::span<const TriangleTree::Level> levels = tree.levels();
     boxes.count = 0;
     if (levels.empty()) return;
-    std::uint32_t met[2][capacity + width]; // of this level and of the next one below
+    std::uint32_t met[2][capacity + width]; // blocks of this level, and of the one below
     met[0][0] = 0;
     std::size_t count = 1;
     std::size_t now = 0;
@@ -68,7 +68,7 @@ void find_groups(const TriangleTree& tree, const BallQuery& query, GroupBoxes& b
     for (std::size_t i = 0; i < count; ++i) {
         const TriangleTreeBlock& block = blocks[met[now][i]];
         for (std::size_t lane = 0; lane < width; lane += hn::Lanes(d)) {
-            // Whole vectors are stored.
+            // Stores write whole vectors.
             if (found > GroupBoxes::capacity - width) {
                 boxes.count = GroupBoxes::capacity + 1;
                 return;

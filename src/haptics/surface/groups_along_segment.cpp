@@ -4,15 +4,15 @@
 
 #include <cmath>
 
-#ifndef PROXIMA_HAPTICS_GROUPS_ON_WAY_ONCE
-#define PROXIMA_HAPTICS_GROUPS_ON_WAY_ONCE
+#ifndef PROXIMA_HAPTICS_GROUPS_ALONG_SEGMENT_ONCE
+#define PROXIMA_HAPTICS_GROUPS_ALONG_SEGMENT_ONCE
 
 namespace proxima {
 
-/// A way in units, and how far from it, with room for rounding.
+/// A motion in units, and the distance from it, larger by more than rounding.
 struct BoxQuery {
-    float place[3]; ///< from the boxes' origin
-    float way[3];
+    float position[3]; ///< from the boxes' origin
+    float motion[3];
     float limit;
 };
 
@@ -30,10 +30,10 @@ namespace proxima::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Before which part of a way nothing of boxes is within the limit of it: as a plane across the way
-/// from the place to their middles tells, 0 where it does not.
+/// The part of a motion before which it comes within the limit of no point of each box, by a plane
+/// across the direction to the box's middle; 0 where that plane decides nothing.
 template <class Lanes>
-HWY_INLINE Lanes box_time(const Lanes (&lower)[3], const Lanes (&upper)[3], const float* way,
+HWY_INLINE Lanes box_time(const Lanes (&lower)[3], const Lanes (&upper)[3], const float* motion,
                           Lanes limit)
 {
     const hn::DFromV<Lanes> d;
@@ -44,9 +44,9 @@ HWY_INLINE Lanes box_time(const Lanes (&lower)[3], const Lanes (&upper)[3], cons
         const auto middle = hn::Add(lower[axis], upper[axis]);
         squared = hn::MulAdd(middle, middle, squared);
         aside = hn::MulAdd(hn::Abs(middle), hn::Sub(upper[axis], lower[axis]), aside);
-        swept = hn::MulAdd(middle, hn::Set(d, 2 * way[axis]), swept);
+        swept = hn::MulAdd(middle, hn::Set(d, 2 * motion[axis]), swept);
     }
-    // Twice everything. Less what the sums are off by.
+    // All lengths are doubled. The sums are rounded.
     const auto rounding = hn::Mul(hn::Add(squared, aside), hn::Set(d, 0x1p-20F));
     const auto length = hn::Sqrt(squared);
     const auto left =
@@ -57,8 +57,8 @@ HWY_INLINE Lanes box_time(const Lanes (&lower)[3], const Lanes (&upper)[3], cons
     return hn::IfThenElseZero(tells, time);
 }
 
-/// Writes the numbers of groups whose boxes may be within the distance of the way, and before which
-/// part of it none is. Returns how many. \pre room for whole vectors
+/// Writes the ids of groups whose boxes may be within the distance of the motion, and the part of
+/// it before which none is. Returns how many. \pre ids and times take whole vectors
 std::size_t groups_along_segment(const GroupBoxes& boxes, const BoxQuery& query, std::uint32_t* ids,
                                  float* times)
 {
@@ -66,7 +66,7 @@ std::size_t groups_along_segment(const GroupBoxes& boxes, const BoxQuery& query,
     const hn::Rebind<std::uint32_t, decltype(d)> di;
     using Lanes = hn::Vec<decltype(d)>;
     static_assert(GroupBoxes::capacity % 16 == 0);
-    constexpr float short_way = 1e-20F; // beyond it nothing is divided by it
+    constexpr float least_motion = 1e-20F; // along an axis; smaller ones are no divisors
     const auto limit = hn::Set(d, query.limit);
     std::size_t count = 0;
     for (std::size_t first = 0; first < boxes.count; first += hn::Lanes(d)) {
@@ -76,14 +76,14 @@ std::size_t groups_along_segment(const GroupBoxes& boxes, const BoxQuery& query,
         Lanes lower[3];
         Lanes upper[3];
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            const auto place = hn::Set(d, query.place[axis]);
-            lower[axis] = hn::Sub(hn::LoadU(d, boxes.lower[axis].data() + first), place);
-            upper[axis] = hn::Sub(hn::LoadU(d, boxes.upper[axis].data() + first), place);
-            const float way = query.way[axis];
-            const float size = std::abs(way);
-            const auto ahead = hn::Sub(way < 0 ? hn::Neg(upper[axis]) : lower[axis], limit);
-            const auto behind = hn::Add(way < 0 ? hn::Neg(lower[axis]) : upper[axis], limit);
-            if (size > short_way) {
+            const auto position = hn::Set(d, query.position[axis]);
+            lower[axis] = hn::Sub(hn::LoadU(d, boxes.lower[axis].data() + first), position);
+            upper[axis] = hn::Sub(hn::LoadU(d, boxes.upper[axis].data() + first), position);
+            const float motion = query.motion[axis];
+            const float size = std::abs(motion);
+            const auto ahead = hn::Sub(motion < 0 ? hn::Neg(upper[axis]) : lower[axis], limit);
+            const auto behind = hn::Add(motion < 0 ? hn::Neg(lower[axis]) : upper[axis], limit);
+            if (size > least_motion) {
                 const auto parts = hn::Set(d, 1 / size);
                 enter = hn::Max(enter, hn::Mul(ahead, parts));
                 leave = hn::Min(leave, hn::Mul(behind, parts));
@@ -93,11 +93,11 @@ std::size_t groups_along_segment(const GroupBoxes& boxes, const BoxQuery& query,
             }
         }
         near = hn::And(near, hn::Le(enter, leave));
-        enter = hn::Max(enter, box_time(lower, upper, query.way, limit));
+        enter = hn::Max(enter, box_time(lower, upper, query.motion, limit));
         near = hn::And(near, hn::Le(enter, hn::Set(d, 1.0F)));
-        // Not by a compressing store, which some processors are slow at.
-        const auto numbers = hn::LoadU(di, boxes.ids.data() + first);
-        hn::StoreU(hn::Compress(numbers, hn::RebindMask(di, near)), di, ids + count);
+        // Compressing stores are slow on some processors.
+        const auto all_ids = hn::LoadU(di, boxes.ids.data() + first);
+        hn::StoreU(hn::Compress(all_ids, hn::RebindMask(di, near)), di, ids + count);
         hn::StoreU(hn::Compress(enter, near), d, times + count);
         count += hn::CountTrue(d, near);
     }
@@ -117,16 +117,16 @@ void groups_along_segment(const GroupBoxes& boxes, const GroupQuery& query,
                           GroupsAlongSegment& groups) noexcept
 {
     PROXIMA_CHECK_LE(boxes.count, GroupBoxes::capacity);
-    const Vec3 place = (query.place - query.origin) * query.scale;
-    const Vec3 way = query.way * query.scale;
+    const Vec3 position = (query.position - query.origin) * query.scale;
+    const Vec3 motion = query.motion * query.scale;
     const double distance = query.distance * query.scale;
     BoxQuery lanes{};
     for (int axis = 0; axis < 3; ++axis) {
-        lanes.place[axis] = static_cast<float>(place[axis]);
-        lanes.way[axis] = static_cast<float>(way[axis]);
+        lanes.position[axis] = static_cast<float>(position[axis]);
+        lanes.motion[axis] = static_cast<float>(motion[axis]);
     }
-    // Of the place, the way and the distance as floats, and of what is done with them.
-    const double size = place.cwiseAbs().maxCoeff() + way.cwiseAbs().maxCoeff() + distance;
+    // Bounds the rounding of the three as floats, and of the lanes' arithmetic.
+    const double size = position.cwiseAbs().maxCoeff() + motion.cwiseAbs().maxCoeff() + distance;
     lanes.limit = static_cast<float>(distance + 0x1p-20 * size + query.rounding * query.scale);
     groups.count = HWY_DYNAMIC_DISPATCH(groups_along_segment)(boxes, lanes, groups.ids.data(),
                                                               groups.times.data());

@@ -1,8 +1,8 @@
-// Which of the groups kept round a place a way may meet, and how soon: by their boxes alone.
+// Finds which groups near a position a moving ball may meet, and how soon, by their boxes alone.
 //
-//     met       by the slabs of a box, as wide as the distance
-//     how soon  by these, and by a plane across the way to the box's middle: a large sphere that
-//               goes along a surface has groups about it that it never comes to
+//     whether   by the slabs of each box, widened by the ball's radius
+//     how soon  by these slabs, and by a plane across the direction to the box's middle: a large
+//               sphere that slides along a surface has groups about it that it never reaches
 #pragma once
 
 #include "haptics/surface/triangle_groups.h"
@@ -13,7 +13,7 @@
 
 namespace proxima {
 
-/// Groups that a way may meet, and before which part of it, 0 to 1, nothing of each is near.
+/// Groups that a motion may meet, and the part of it, 0 to 1, before which it meets none of each.
 struct GroupsAlongSegment {
     static constexpr std::size_t capacity =
         GroupBoxes::capacity + 16; ///< whole vectors are written
@@ -22,8 +22,9 @@ struct GroupsAlongSegment {
     std::array<float, capacity> times = {};
 };
 
-/// The groups whose boxes are within the distance of the place, or of the way if there is one, and
-/// some that are a little farther. 20 ns. \pre boxes.count <= GroupBoxes::capacity
+/// Finds the groups whose boxes are within the query's distance of its position, or of its motion
+/// if there is one, and some that are a little farther. 20 ns.
+/// \pre boxes.count <= GroupBoxes::capacity
 void groups_along_segment(const GroupBoxes& boxes, const GroupQuery& query,
                           GroupsAlongSegment& near) noexcept;
 

@@ -11,27 +11,27 @@
 
 namespace proxima {
 
-/// Squared distances are counted by their first bits: exponent and five more, so that a reach is
-/// cut short by 3 % at most beside what would fit.
+/// Counts squared distances by their first bits: the exponent and five more, so that a reach is at
+/// most 3 % shorter than what would fit.
 struct DistanceCounts {
     static constexpr int dropped_bits = 18;
     static constexpr std::size_t size = std::size_t{1} << (31 - dropped_bits);
 
-    static std::size_t place(float squared) noexcept
+    static std::size_t bin_of(float squared) noexcept
     {
         return std::bit_cast<std::uint32_t>(squared) >> dropped_bits;
     }
-    /// No distance counted at this place or above it is as small; negative at the first.
-    static float below(std::size_t place) noexcept
+    /// Less than every distance counted in this bin or a later one; negative for the first bin.
+    static float below(std::size_t bin) noexcept
     {
-        if (place == 0) return -1;
-        return std::bit_cast<float>((static_cast<std::uint32_t>(place) << dropped_bits) - 1);
+        if (bin == 0) return -1;
+        return std::bit_cast<float>((static_cast<std::uint32_t>(bin) << dropped_bits) - 1);
     }
 };
 
-/// Where blocks go.
+/// The arrays into which blocks are copied.
 struct NearBlocks {
-    std::span<std::uint32_t> ids; ///< as many as are taken
+    std::span<std::uint32_t> ids; ///< its size says how many to take
     TriangleTreeBlock* blocks;
     TriangleTreeBlock* parents;
 };
@@ -44,7 +44,7 @@ struct NearBlocks {
 #define HWY_TARGET_INCLUDE "haptics/surface/near_groups.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
-// After them: it is read once for every instruction set.
+// After foreach_target, for it is included once per target.
 #include "haptics/surface/ball_gaps-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -52,7 +52,7 @@ namespace proxima::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// A block of groups that the ball meets, and where its box is.
+/// A block of groups that the ball meets, and the lane that has its box.
 struct MetBlock {
     std::uint32_t number;
     float squared;
@@ -65,7 +65,7 @@ struct LevelBlock {
     std::uint32_t block; ///< of its level
 };
 
-/// Which of a block's boxes the ball meets, by bits, and the distances of all.
+/// The boxes of a block that the ball meets, as bits; writes the distances of all.
 HWY_INLINE std::uint32_t met_boxes(const TriangleTreeBlock& block, const BallQuery& query,
                                    std::size_t count, float* squared)
 {
@@ -81,14 +81,14 @@ HWY_INLINE std::uint32_t met_boxes(const TriangleTreeBlock& block, const BallQue
     return met;
 }
 
-/// Calls meet(MetBlock) for all that the ball meets, in their order, until it is false.
+/// Calls meet(MetBlock) for all blocks that the ball meets, in their order, until it returns false.
 template <class Meet>
 HWY_INLINE void visit_blocks(const TriangleTree& tree, const BallQuery& query, const Meet& meet)
 {
     constexpr std::uint32_t width = TriangleTree::width;
     const std::span<const TriangleTree::Level> levels = tree.levels();
     if (levels.empty()) return;
-    if (levels.size() == 1) { // nothing has its one block's box
+    if (levels.size() == 1) { // the one block has no parent with its box
         float squared[width];
         if (met_boxes(tree.blocks()[0], query, levels[0].entries, squared) != 0)
             meet(MetBlock{0, *std::ranges::min_element(squared), nullptr, 0});
@@ -122,7 +122,7 @@ std::size_t count_blocks(const TriangleTree& tree, const BallQuery& query, std::
 {
     std::size_t count = 0;
     visit_blocks(tree, query, [&](const MetBlock& met) {
-        ++counts[DistanceCounts::place(met.squared)];
+        ++counts[DistanceCounts::bin_of(met.squared)];
         ++count;
         return true;
     });
@@ -165,21 +165,20 @@ constexpr std::size_t triangles_per_block = std::size_t{TriangleTree::width} * T
 
 NearGroups::NearGroups(std::size_t triangles)
     : ids_(std::max<std::size_t>(1, (triangles + triangles_per_block - 1) / triangles_per_block)),
-      // One more than a tree of one block has, which may be given a parent.
+      // One block more than a tree of one block has: take_blocks may write a parent.
       blocks_(
           TriangleTree::block_count(static_cast<std::uint32_t>(ids_.size() * triangles_per_block)) +
           1),
       counts_(DistanceCounts::size)
 {}
 
-/// Of the distances that were counted, one within which there is room for all blocks.
-float NearGroups::distance_with_room() const noexcept
+/// A squared distance within which all blocks that were counted fit the capacity.
+float NearGroups::distance_that_fits() const noexcept
 {
-    std::size_t place = 0;
+    std::size_t bin = 0;
     std::size_t blocks = 0;
-    while (place < counts_.size() && blocks + counts_[place] <= ids_.size())
-        blocks += counts_[place++];
-    return DistanceCounts::below(place);
+    while (bin < counts_.size() && blocks + counts_[bin] <= ids_.size()) blocks += counts_[bin++];
+    return DistanceCounts::below(bin);
 }
 
 NearGroups::Found NearGroups::find(const TriangleTree& tree, const Vec3& p,
@@ -193,7 +192,7 @@ NearGroups::Found NearGroups::find(const TriangleTree& tree, const Vec3& p,
     BallQuery query = ball_query(tree, p, distance);
     std::size_t blocks = count(query);
     if (blocks > ids_.size()) {
-        found = {.reach = ball_reach(tree, p, distance_with_room()), .complete = false};
+        found = {.reach = ball_reach(tree, p, distance_that_fits()), .complete = false};
         query = ball_query(tree, p, found.reach);
         blocks = count(query);
         if (blocks > ids_.size()) found.reach = 0;

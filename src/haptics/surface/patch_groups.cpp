@@ -36,7 +36,7 @@ void PatchGroups::make(std::span<const ContactTriangle> triangles, double extent
     origin_ = all.center();
     scale_ = extent > 0 ? std::ldexp(1.0, std::clamp(-std::ilogb(extent), -1000, 1000)) : 1.0;
     reach_ = std::max(all.lower.cwiseAbs().maxCoeff(), all.upper.cwiseAbs().maxCoeff()) * scale_;
-    // More than coordinates up to 2 round as floats; and as in triangle_tree.cpp.
+    // More than the rounding of coordinates up to 2 as floats, and the margin of triangle_tree.cpp.
     const double margin = 0x1p-22 + 0x1p-48 * reach_;
     std::fill_n(blocks_.begin(), TriangleTree::block_count(triangle_count_), detail::empty_block());
     std::array<Triangle, width> eight;

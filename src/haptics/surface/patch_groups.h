@@ -1,11 +1,11 @@
-// The groups of a patch's own triangles: what lets a proxy ask it as quickly as the proximity
-// octree.
+// The groups of a patch's own triangles, with which queries of a patch are as quick as those of the
+// whole surface.
 //
 //     triangles   t0..t7   t8..t15  ...    in the order of the patch, in which neighbours are near
 //     groups      g0       g1       ...    corners as floats (triangle_groups.h)
 //     tree        boxes of groups, boxes of eight boxes, ...    (triangle_tree.h)
 //
-// Made by who makes the patch, in room that was allocated before.
+// The thread that makes the patch fills them, in memory that was allocated before.
 #pragma once
 
 #include "haptics/surface/contact_triangle.h"
@@ -19,13 +19,14 @@
 
 namespace proxima {
 
-/// Groups of up to so many triangles. A copy is whole.
+/// Groups of up to so many triangles. Copies are independent.
 class PatchGroups {
 public:
     explicit PatchGroups(std::size_t triangles);
 
-    /// Of these triangles, in this order. `extent` is the whole surface's (SurfaceScale).
-    /// O(triangles), about 20 ns each; noexcept, no allocation. \pre there is room; finite corners
+    /// Groups these triangles, in this order. `extent` is the whole surface's (SurfaceScale).
+    /// O(triangles), about 20 ns each; noexcept, no allocation. \pre finite corners, and at most as
+    /// many triangles as the constructor was given
     void make(std::span<const ContactTriangle> triangles, double extent) noexcept;
 
     [[nodiscard]] std::span<const TriangleGroup> groups() const noexcept
@@ -35,9 +36,9 @@ public:
     /// The units of the tree.
     [[nodiscard]] GroupQuery query(const Vec3& p) const noexcept
     {
-        return {.origin = origin_, .scale = scale_, .place = p};
+        return {.origin = origin_, .scale = scale_, .position = p};
     }
-    /// Of the groups' boxes, which it refers to. \pre there are triangles
+    /// The tree of the groups' boxes; it refers to this. \pre there are triangles
     [[nodiscard]] TriangleTree tree() const noexcept;
 
 private:

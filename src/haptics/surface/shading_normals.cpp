@@ -27,7 +27,7 @@ double angle_at(const Triangle& triangle, std::size_t corner)
     return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
-/// The triangles round one vertex, parted at its sharp edges.
+/// The triangles round one vertex, split at its sharp edges.
 class Fans {
 public:
     Fans(const TriangleMesh& mesh, const Topology& topology, const std::vector<Vec3>& faces,
@@ -67,7 +67,7 @@ private:
         std::ranges::replace(fan_, joined, kept);
     }
 
-    /// Zero where the fan turns so far that its mean says little of one of its faces.
+    /// The mean normal of a fan; the triangle's own where the mean is far from one of its faces.
     [[nodiscard]] Vec3 mean_of(std::size_t fan, std::span<const TriangleId> star, VertexId vertex,
                                TriangleId self) const
     {
@@ -91,7 +91,7 @@ private:
     const Topology& topology_;
     const std::vector<Vec3>& faces_;
     double least_cosine_;
-    std::vector<std::size_t> fan_; ///< by place in the star
+    std::vector<std::size_t> fan_; ///< of each triangle of the star
 };
 
 } // namespace

@@ -1,14 +1,14 @@
-// Normals that vary smoothly over a mesh, for force shading ([ruspini-1997]): what Phong's are to
+// Normals that vary smoothly over a mesh, for force shading ([ruspini-1997]), like Phong normals for
 // light.
 //
-//     corner    mean of the normals round a vertex, weighted by angle, of the triangles that hang
-//               together there over edges that are not sharp
-//     inside    corners' normals, weighted by place
+//     corner    mean of the normals round a vertex, weighted by angle, of the triangles that are
+//               joined there across edges that are not sharp
+//     inside    corners' normals, weighted by barycentric coordinates
 //
 // So a coarse sphere feels round, and the edges of a cube stay edges.
 #pragma once
 
-#include "haptics/surface/surface_feel.h"
+#include "haptics/surface/surface_properties.h"
 #include "proxima/topology.h"
 #include "proxima/touch_scene.h"
 #include "proxima/triangle_mesh.h"
@@ -23,14 +23,14 @@ struct ShadingOptions {
 };
 
 /// Refers to the mesh, which must outlive it. Immutable; 72 bytes per triangle.
-class ShadingNormals final : public SurfaceFeel {
+class ShadingNormals final : public SurfaceProperties {
 public:
-    /// O(triangles); round a vertex the square of how many meet there. Edges of one triangle, or of
-    /// more than two, are sharp. Triangles without an area have no say.
+    /// O(triangles), and at each vertex the square of how many meet there. Edges of one triangle, or
+    /// of more than two, are sharp. Triangles without an area have no weight.
     ShadingNormals(const TriangleMesh& mesh, const Topology& topology,
                    const ShadingOptions& options = {});
 
-    /// None: the renderer's own.
+    /// Nothing: the renderer's own settings hold.
     [[nodiscard]] std::optional<SurfaceMaterial>
     material(TriangleId /*triangle*/) const noexcept override
     {

@@ -26,11 +26,11 @@ double entry_time(const Vec3& from, const Vec3& motion, double radius) noexcept
     return t >= 0 && t <= 1 ? t : never;
 }
 
-/// Whether the product of two sides is right to some digits: little of it cancels.
+/// Whether the cross product of two sides has few cancelled digits.
 bool is_well_shaped(const Triangle& triangle, double squared) noexcept
 {
-    constexpr double plump = 0x1p-16;
-    return squared > plump * (triangle[1] - triangle[0]).squaredNorm() *
+    constexpr double least_share = 0x1p-16;
+    return squared > least_share * (triangle[1] - triangle[0]).squaredNorm() *
                          (triangle[2] - triangle[0]).squaredNorm() &&
            squared > 1e-280;
 }
@@ -69,7 +69,7 @@ Vec3 unit_normal(const Triangle& triangle) noexcept
 
 TrianglePlane::TrianglePlane(const Triangle& triangle) noexcept
     : triangle_(triangle), scaled_((triangle[1] - triangle[0]).cross(triangle[2] - triangle[0])),
-      squared_(scaled_.squaredNorm()), plump_(is_well_shaped(triangle, squared_))
+      squared_(scaled_.squaredNorm()), is_well_shaped_(is_well_shaped(triangle, squared_))
 {}
 
 bool TrianglePlane::is_beyond(const Vec3& p, const Vec3& motion, double distance) const noexcept
@@ -77,8 +77,8 @@ bool TrianglePlane::is_beyond(const Vec3& p, const Vec3& motion, double distance
     const Vec3 from = p - triangle_[0];
     const double start = scaled_.dot(from);
     const double end = start + scaled_.dot(motion);
-    if (!plump_ || !(start * end > 0)) return false;
-    // A plump one's normal is off by less than 2^-42.
+    if (!is_well_shaped_ || !(start * end > 0)) return false;
+    // The error of a well-shaped triangle's normal is less than 2^-42.
     const double apart = distance + 0x1p-39 * (from.cwiseAbs().sum() + motion.cwiseAbs().sum());
     const double least = apart * apart * squared_ * (1 + 0x1p-40);
     return start * start > least && end * end > least;
@@ -86,7 +86,7 @@ bool TrianglePlane::is_beyond(const Vec3& p, const Vec3& motion, double distance
 
 Vec3 TrianglePlane::normal() const noexcept
 {
-    if (plump_) return scaled_ / std::sqrt(squared_);
+    if (is_well_shaped_) return scaled_ / std::sqrt(squared_);
     return unit_normal({triangle_[0], triangle_[1]}, {triangle_[0], triangle_[2]});
 }
 
@@ -96,13 +96,13 @@ double least_touch_time(const Triangle& triangle, double distance, const Vec3& p
     const Vec3 a = triangle[0] - p;
     const Vec3 b = triangle[1] - p;
     const Vec3 c = triangle[2] - p;
-    const Vec3 way = a + b + c;
+    const Vec3 axis = a + b + c;
     const double sizes =
         a.cwiseAbs().sum() + b.cwiseAbs().sum() + c.cwiseAbs().sum() + motion.cwiseAbs().sum();
-    const double nearest = std::min({way.dot(a), way.dot(b), way.dot(c)});
-    const double left = nearest - distance * way.norm() * (1 + 0x1p-40) - 0x1p-46 * sizes * sizes;
+    const double nearest = std::min({axis.dot(a), axis.dot(b), axis.dot(c)});
+    const double left = nearest - distance * axis.norm() * (1 + 0x1p-40) - 0x1p-46 * sizes * sizes;
     if (!(left > 0)) return 0;
-    const double swept = way.dot(motion) + 0x1p-46 * sizes * sizes;
+    const double swept = axis.dot(motion) + 0x1p-46 * sizes * sizes;
     return swept > 0 ? left / swept * (1 - 0x1p-40) : never;
 }
 
@@ -110,10 +110,10 @@ std::optional<double> touch_time(const Triangle& triangle, double radius, const 
                                  const Vec3& motion) noexcept
 {
     const TrianglePlane plane(triangle);
-    // Most triangles: the whole way on one side of the offset planes.
+    // For most triangles the whole path is on one side of the offset planes.
     if (plane.is_beyond(p, motion, radius)) return std::nullopt;
 
-    // Outside of both planes, nothing else can be touched before them.
+    // From outside of both planes, nothing is touched before one of them.
     const Vec3 normal = plane.normal();
     const double height = normal.dot(p - triangle[0]);
     const double rise = normal.dot(motion);

@@ -1,11 +1,11 @@
-// When a moving sphere first touches a triangle: faces, sides and corners as offset planes,
-// cylinders and spheres.
+// The time at which a moving sphere first touches a triangle: faces, sides and corners are offset
+// to planes, cylinders and spheres.
 //
 //     the centre goes   p + t motion,  0 <= t <= 1
 //     it touches        where the centre is `radius` from the triangle: a convex set, entered once
 //
-// Written so that a radius of a billionth of the coordinates still works: distances of lines are
-// lengths of perpendiculars, not differences of squares.
+// A radius of a billionth of the coordinates still works: distances of lines are computed as lengths
+// of perpendiculars, not as differences of squares.
 #pragma once
 
 #include "geometry/exact_predicates.h"
@@ -15,8 +15,8 @@
 
 namespace proxima {
 
-/// The direction of the triangle's normal, of length 1 and right up to a few roundings also for
-/// slivers; zero for a triangle without an area. 10 ns.
+/// The direction of the triangle's normal, of length 1, accurate to a few roundings for slivers
+/// too; zero for a triangle without an area. 10 ns.
 [[nodiscard]] Vec3 unit_normal(const Triangle& triangle) noexcept;
 
 /// The plane of a triangle, which must outlive this. 5 ns.
@@ -25,22 +25,23 @@ public:
     explicit TrianglePlane(const Triangle& triangle) noexcept;
 
     /// True only if p and p + motion are on one side of it, both farther than the distance by more
-    /// than all rounding of their heights. Never for slivers.
+    /// than the rounding of their heights. False for slivers.
     [[nodiscard]] bool is_beyond(const Vec3& p, const Vec3& motion, double distance) const noexcept;
 
-    /// As unit_normal.
+    /// Like unit_normal().
     [[nodiscard]] Vec3 normal() const noexcept;
 
 private:
     const Triangle& triangle_;
     Vec3 scaled_;
     double squared_;
-    bool plump_;
+    bool is_well_shaped_;
 };
 
-/// No place of the triangle is within the distance before this t of the way p + t motion: as a
-/// plane across the way from p to its middle tells, with room for rounding. 0 where that tells
-/// nothing; infinity for never. For large spheres what planes of triangles are for points. 5 ns.
+/// A t of the path p + t motion before which no point of the triangle is within the distance, by a
+/// plane across the direction from p to the triangle's middle, rounding included; 0 where that plane
+/// decides nothing, infinity for never. Filters for large spheres, where planes of triangles filter
+/// for points. 5 ns.
 [[nodiscard]] double least_touch_time(const Triangle& triangle, double distance, const Vec3& p,
                                       const Vec3& motion) noexcept;
 

@@ -10,9 +10,9 @@
 
 namespace proxima {
 
-/// What is asked for, in units.
+/// A query in units.
 struct LaneQuery {
-    float way[3];
+    float motion[3];
     float distance;
 };
 
@@ -64,7 +64,7 @@ HWY_INLINE NearFloats side_distance(const NearVectors& a, const NearVectors& u)
     return dot(at, at);
 }
 
-/// Squared distances from the origin; 0 where a corner is so sharp that the normal says little.
+/// Squared distances from the origin; 0 where a corner is too sharp for an accurate normal.
 HWY_INLINE NearFloats triangle_distance(const NearVectors& a, const NearVectors& b,
                                         const NearVectors& c)
 {
@@ -94,7 +94,7 @@ HWY_INLINE NearVectors set_vector(const float* v)
     return {hn::Set(d, v[0]), hn::Set(d, v[1]), hn::Set(d, v[2])};
 }
 
-/// Whether two numbers, along an axis of this squared length, are beyond a limit on the same side.
+/// Whether two numbers along an axis of this squared length are beyond a limit on the same side.
 HWY_INLINE auto are_beyond(NearFloats a, NearFloats b, NearFloats squared_length, NearFloats limit)
 {
     const auto least = hn::Min(hn::Mul(a, a), hn::Mul(b, b));
@@ -102,20 +102,20 @@ HWY_INLINE auto are_beyond(NearFloats a, NearFloats b, NearFloats squared_length
                    hn::Gt(least, hn::Mul(hn::Mul(limit, limit), squared_length)));
 }
 
-/// Corners of a group's triangles from `lane` on, as a place sees them.
+/// Corners of a group's triangles from `lane` on, relative to a position.
 struct LaneTriangles {
     NearVectors a, b, c;
 };
 
 HWY_INLINE LaneTriangles load_triangles(const TriangleGroup& group, std::size_t lane,
-                                        const NearVectors& place)
+                                        const NearVectors& position)
 {
     const NearTag d;
     const auto corner = [&](std::size_t k) {
         const auto& at = group.corners[k];
-        return NearVectors{hn::Sub(hn::LoadU(d, at[0].data() + lane), place.x),
-                           hn::Sub(hn::LoadU(d, at[1].data() + lane), place.y),
-                           hn::Sub(hn::LoadU(d, at[2].data() + lane), place.z)};
+        return NearVectors{hn::Sub(hn::LoadU(d, at[0].data() + lane), position.x),
+                           hn::Sub(hn::LoadU(d, at[1].data() + lane), position.y),
+                           hn::Sub(hn::LoadU(d, at[2].data() + lane), position.z)};
     };
     return {corner(0), corner(1), corner(2)};
 }
@@ -125,8 +125,8 @@ HWY_INLINE auto near_ball(const LaneTriangles& t, NearFloats limit)
     return hn::Le(triangle_distance(t.a, t.b, t.c), hn::Mul(limit, limit));
 }
 
-/// Whether the boxes of a way from the origin and of triangles are.
-HWY_INLINE auto near_boxes(const LaneTriangles& t, const NearVectors& way, NearFloats limit)
+/// Whether the boxes of triangles are near that of a motion from the origin.
+HWY_INLINE auto near_boxes(const LaneTriangles& t, const NearVectors& motion, NearFloats limit)
 {
     const auto zero = hn::Zero(NearTag());
     const auto near = [&](NearFloats a, NearFloats b, NearFloats c, NearFloats end) {
@@ -135,12 +135,13 @@ HWY_INLINE auto near_boxes(const LaneTriangles& t, const NearVectors& way, NearF
         return hn::And(hn::Le(hn::Min(hn::Min(a, b), c), high),
                        hn::Ge(hn::Max(hn::Max(a, b), c), low));
     };
-    return hn::And(hn::And(near(t.a.x, t.b.x, t.c.x, way.x), near(t.a.y, t.b.y, t.c.y, way.y)),
-                   near(t.a.z, t.b.z, t.c.z, way.z));
+    return hn::And(
+        hn::And(near(t.a.x, t.b.x, t.c.x, motion.x), near(t.a.y, t.b.y, t.c.y, motion.y)),
+        near(t.a.z, t.b.z, t.c.z, motion.z));
 }
 
-/// Neither the triangle's normal nor the products of its sides with the way separate them.
-HWY_INLINE auto near_way(const LaneTriangles& t, const NearVectors& way, NearFloats limit)
+/// Whether neither the triangle's normal nor a product of a side with the motion separates them.
+HWY_INLINE auto near_motion(const LaneTriangles& t, const NearVectors& motion, NearFloats limit)
 {
     const NearTag d;
     const auto blunt = hn::Set(d, 0x1p-10F); // angles whose products say enough
@@ -149,14 +150,14 @@ HWY_INLINE auto near_way(const LaneTriangles& t, const NearVectors& way, NearFlo
     const NearVectors n = cross(u, w);
     const auto nn = dot(n, n);
     const auto start = dot(n, t.a);
-    auto apart = hn::And(are_beyond(start, hn::Sub(start, dot(n, way)), nn, limit),
+    auto apart = hn::And(are_beyond(start, hn::Sub(start, dot(n, motion)), nn, limit),
                          hn::Gt(nn, hn::Mul(hn::Mul(dot(u, u), dot(w, w)), blunt)));
-    const auto way_squared = dot(way, way);
+    const auto motion_squared = dot(motion, motion);
     const auto separate = [&](const NearVectors& side, const NearVectors& on,
                               const NearVectors& opposite) {
-        const NearVectors axis = cross(way, side);
+        const NearVectors axis = cross(motion, side);
         const auto squared = dot(axis, axis);
-        const auto enough = hn::Mul(hn::Mul(way_squared, dot(side, side)), blunt);
+        const auto enough = hn::Mul(hn::Mul(motion_squared, dot(side, side)), blunt);
         apart =
             hn::Or(apart, hn::And(are_beyond(dot(axis, on), dot(axis, opposite), squared, limit),
                                   hn::Gt(squared, enough)));
@@ -167,24 +168,25 @@ HWY_INLINE auto near_way(const LaneTriangles& t, const NearVectors& way, NearFlo
     return hn::Not(apart);
 }
 
-/// Before which part of the way nothing of a triangle is within the limit, as far as a plane
-/// across an axis tells: 0 where it does not.
+/// The part of the motion before which it comes within the limit of no point of a triangle, by a
+/// plane across an axis; 0 where that plane decides nothing.
 HWY_INLINE NearFloats time_along(const NearVectors& axis, const LaneTriangles& t,
-                                 const NearVectors& way, NearFloats limit)
+                                 const NearVectors& motion, NearFloats limit)
 {
     const NearTag d;
     const auto nearest = hn::Min(hn::Min(dot(axis, t.a), dot(axis, t.b)), dot(axis, t.c));
     const auto squared = dot(axis, axis);
     const auto left = hn::Sub(nearest, hn::Mul(limit, hn::Sqrt(squared)));
-    const auto swept = hn::Max(dot(axis, way), hn::Mul(left, hn::Set(d, 0.5F)));
+    const auto swept = hn::Max(dot(axis, motion), hn::Mul(left, hn::Set(d, 0.5F)));
     const auto time = hn::Mul(hn::Div(left, swept), hn::Set(d, 1 - 0x1p-18F));
-    // Of an axis too short its length is not known.
+    // The length of an axis that is too short is not known.
     const auto tells = hn::And(hn::Gt(left, hn::Zero(d)), hn::Gt(squared, hn::Set(d, 1e-30F)));
     return hn::IfThenElseZero(tells, time);
 }
 
-/// The latest of what planes across the triangle's normal, the way and the middle tell.
-HWY_INLINE NearFloats least_time(const LaneTriangles& t, const NearVectors& way, NearFloats limit)
+/// The latest time by planes across the triangle's normal, its middle and the motion.
+HWY_INLINE NearFloats least_time(const LaneTriangles& t, const NearVectors& motion,
+                                 NearFloats limit)
 {
     const NearVectors n = cross(difference(t.b, t.a), difference(t.c, t.a));
     const auto side = hn::And(dot(n, t.a), hn::SignBit(NearTag()));
@@ -192,19 +194,20 @@ HWY_INLINE NearFloats least_time(const LaneTriangles& t, const NearVectors& way,
     const NearVectors middle = {hn::Add(hn::Add(t.a.x, t.b.x), t.c.x),
                                 hn::Add(hn::Add(t.a.y, t.b.y), t.c.y),
                                 hn::Add(hn::Add(t.a.z, t.b.z), t.c.z)};
-    return hn::Max(time_along(towards, t, way, limit),
-                   hn::Max(time_along(middle, t, way, limit), time_along(way, t, way, limit)));
+    return hn::Max(
+        time_along(towards, t, motion, limit),
+        hn::Max(time_along(middle, t, motion, limit), time_along(motion, t, motion, limit)));
 }
 
 /// Writes the ranks of a group's near triangles, by whole vectors. Returns how many.
 template <class Near>
 HWY_INLINE std::size_t near_triangles(const TriangleGroup& group, std::uint32_t id,
-                                      const float* place, const Near& near, std::uint32_t* ranks)
+                                      const float* position, const Near& near, std::uint32_t* ranks)
 {
     constexpr std::size_t width = TriangleGroup::width;
     const NearTag d;
     const hn::Rebind<std::uint32_t, NearTag> di;
-    const NearVectors p = set_vector(place);
+    const NearVectors p = set_vector(position);
     std::size_t count = 0;
     for (std::size_t lane = 0; lane < width; lane += hn::Lanes(d)) {
         const std::size_t left = group.count - HWY_MIN(group.count, lane);
@@ -217,23 +220,25 @@ HWY_INLINE std::size_t near_triangles(const TriangleGroup& group, std::uint32_t 
     return count;
 }
 
-/// The same of those on a way, and when each can be met.
-HWY_INLINE std::size_t triangles_on_way(const TriangleGroup& group, std::uint32_t id,
-                                        const float* place, const NearVectors& way,
-                                        NearFloats limit, std::uint32_t* ranks, float* times)
+/// Like near_triangles, along a motion, with the time before which each cannot be met.
+HWY_INLINE std::size_t triangles_along(const TriangleGroup& group, std::uint32_t id,
+                                       const float* position, const NearVectors& motion,
+                                       NearFloats limit, std::uint32_t* ranks, float* times)
 {
     constexpr std::size_t width = TriangleGroup::width;
     const NearTag d;
     const hn::Rebind<std::uint32_t, NearTag> di;
-    const NearVectors p = set_vector(place);
+    const NearVectors p = set_vector(position);
     std::size_t count = 0;
     for (std::size_t lane = 0; lane < width; lane += hn::Lanes(d)) {
         const std::size_t left = group.count - HWY_MIN(group.count, lane);
         const LaneTriangles t = load_triangles(group, lane, p);
-        auto found = hn::And(near_boxes(t, way, limit), hn::FirstN(d, HWY_MIN(hn::Lanes(d), left)));
+        auto found =
+            hn::And(near_boxes(t, motion, limit), hn::FirstN(d, HWY_MIN(hn::Lanes(d), left)));
         if (hn::AllFalse(d, found)) continue;
-        const auto time = least_time(t, way, limit);
-        found = hn::And(hn::And(found, near_way(t, way, limit)), hn::Le(time, hn::Set(d, 1.0F)));
+        const auto time = least_time(t, motion, limit);
+        found =
+            hn::And(hn::And(found, near_motion(t, motion, limit)), hn::Le(time, hn::Set(d, 1.0F)));
         const auto rank = static_cast<std::uint32_t>(width * id + lane);
         hn::StoreU(hn::Compress(hn::Iota(di, rank), hn::RebindMask(di, found)), di, ranks + count);
         hn::StoreU(hn::Compress(time, found), d, times + count);
@@ -243,13 +248,14 @@ HWY_INLINE std::size_t triangles_on_way(const TriangleGroup& group, std::uint32_
 }
 
 std::size_t scan_groups(const TriangleGroup* groups, std::span<const std::uint32_t> ids,
-                        const GroupQuery& asked, const LaneQuery& query, std::uint32_t* ranks,
+                        const GroupQuery& group_query, const LaneQuery& query, std::uint32_t* ranks,
                         float* times)
 {
     const NearTag d;
-    const NearVectors way = set_vector(query.way);
-    const float way_size = std::abs(query.way[0]) + std::abs(query.way[1]) + std::abs(query.way[2]);
-    const auto rounding = static_cast<float>(asked.rounding * asked.scale);
+    const NearVectors motion = set_vector(query.motion);
+    const float motion_size =
+        std::abs(query.motion[0]) + std::abs(query.motion[1]) + std::abs(query.motion[2]);
+    const auto rounding = static_cast<float>(group_query.rounding * group_query.scale);
     for (const std::uint32_t id : ids) {
         const auto* const line = reinterpret_cast<const std::byte*>(&groups[id]);
         for (std::size_t at = 0; at < sizeof(TriangleGroup); at += 64) hwy::Prefetch(line + at);
@@ -257,21 +263,23 @@ std::size_t scan_groups(const TriangleGroup* groups, std::span<const std::uint32
     std::size_t written = 0;
     for (const std::uint32_t id : ids) {
         const TriangleGroup& group = groups[id];
-        float place[3];
+        float position[3];
         for (int axis = 0; axis < 3; ++axis) {
-            place[axis] = static_cast<float>(
-                (asked.place[axis] - group.center[static_cast<std::size_t>(axis)]) * asked.scale);
+            position[axis] = static_cast<float>(
+                (group_query.position[axis] - group.center[static_cast<std::size_t>(axis)]) *
+                group_query.scale);
         }
-        // Sides are off by less than 16 roundings of the sizes, heights of corners that are not
+        // Sides are wrong by less than 16 roundings of the sizes, heights of corners that are not
         // sharp by less than 2^8.
-        const float size = group.size + query.distance + way_size;
+        const float size = group.size + query.distance + motion_size;
         const auto limit = hn::Set(d, query.distance + 0x1p-14F * size + rounding);
         std::uint32_t* const to = ranks + written;
-        if (way_size > 0) {
-            written += triangles_on_way(group, id, place, way, limit, to, times + written);
+        if (motion_size > 0) {
+            written += triangles_along(group, id, position, motion, limit, to, times + written);
         } else {
             written += near_triangles(
-                group, id, place, [&](const LaneTriangles& t) { return near_ball(t, limit); }, to);
+                group, id, position, [&](const LaneTriangles& t) { return near_ball(t, limit); },
+                to);
         }
     }
     return written;
@@ -317,7 +325,7 @@ std::size_t scan_groups(std::span<const TriangleGroup> groups, std::span<const s
     PROXIMA_CHECK_LE(ranks.size(), times.size());
     LaneQuery lanes{};
     for (int axis = 0; axis < 3; ++axis)
-        lanes.way[axis] = static_cast<float>(query.way[axis] * query.scale);
+        lanes.motion[axis] = static_cast<float>(query.motion[axis] * query.scale);
     lanes.distance = static_cast<float>(query.distance * query.scale);
     return HWY_DYNAMIC_DISPATCH(scan_groups)(groups.data(), ids, query, lanes, ranks.data(),
                                              times.data());

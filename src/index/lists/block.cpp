@@ -56,7 +56,7 @@ struct BlockVertices {
     std::array<std::uint32_t, block_vertices> ids{};
     std::size_t count = 0;
 
-    std::size_t place(std::uint32_t id)
+    std::size_t index_of(std::uint32_t id)
     {
         auto* const end = ids.data() + count;
         auto* const found = std::find(ids.data(), end, id);
@@ -80,13 +80,13 @@ std::size_t append_block(std::span<const BlockTriangle> triangles, std::span<con
                          std::vector<std::byte>& arena)
 {
     BlockVertices vertices;
-    std::array<std::array<std::size_t, 3>, block_triangles> places{};
+    std::array<std::array<std::size_t, 3>, block_triangles> indices{};
     Box box;
     std::uint32_t base = std::numeric_limits<std::uint32_t>::max();
     std::uint32_t last = 0;
     for (std::size_t k = 0; k < triangles.size(); ++k) {
         for (std::size_t i = 0; i < 3; ++i) {
-            places[k][i] = vertices.place(triangles[k].vertices[i]);
+            indices[k][i] = vertices.index_of(triangles[k].vertices[i]);
             box.extend(positions[triangles[k].vertices[i]]);
         }
         base = std::min(base, triangles[k].rank);
@@ -122,7 +122,7 @@ std::size_t append_block(std::span<const BlockTriangle> triangles, std::span<con
     Slack slack;
     for (std::size_t k = 0; k < triangles.size(); ++k) {
         const Slack one =
-            slack_of({points[places[k][0]], points[places[k][1]], points[places[k][2]]});
+            slack_of({points[indices[k][0]], points[indices[k][1]], points[indices[k][2]]});
         slack.size = std::max(slack.size, one.size);
         slack.reach = std::max(slack.reach, one.reach);
     }
@@ -139,7 +139,7 @@ std::size_t append_block(std::span<const BlockTriangle> triangles, std::span<con
     for (const auto& coordinates : grid) append(arena, coordinates.data(), vertices.count);
     for (std::size_t k = 0; k < triangles.size(); ++k) {
         const auto corners =
-            static_cast<std::uint16_t>(places[k][0] | places[k][1] << 5U | places[k][2] << 10U);
+            static_cast<std::uint16_t>(indices[k][0] | indices[k][1] << 5U | indices[k][2] << 10U);
         append(arena, &corners, 1);
     }
     for (const BlockTriangle& triangle : triangles) {

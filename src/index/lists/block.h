@@ -1,9 +1,9 @@
 // Up to 32 triangles as a query reads them: vertices on a grid of 16 bits, shared by the triangles,
-// triangles as three 5-bit places of vertices. About 190 bytes for 15 triangles.
+// triangles as three 5-bit indices of vertices. About 190 bytes for 15 triangles.
 //
 //     header    origin 3 x 4 | inverse unit 4 | slack 2 x 2 | base 4 | counts 4      28 bytes
 //     vertices  x 2 n | y 2 n | z 2 n      in units from the origin
-//     corners   2 per triangle: places of its vertices, 5 bits each
+//     corners   2 per triangle: indices of its vertices, 5 bits each
 //     ranks     2 per triangle (4 where wide): rank - base
 //
 // Distances to the rounded triangles differ from the true ones by at most sqrt(3)/2 units; how far

@@ -24,15 +24,15 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 /// A block's candidates for the closest triangle.
 struct BlockCandidates {
-    alignas(64) std::int32_t places[list_triangles]; ///< of the triangles asked for
+    alignas(64) std::int32_t indices[list_triangles]; ///< of the triangles asked for
     const std::byte* ranks = nullptr;
-    std::uint32_t lanes = 0; ///< bit i: triangle places[i] of the block
+    std::uint32_t lanes = 0; ///< bit i: triangle indices[i] of the block
     std::uint32_t base = 0;
     bool wide = false;
 
     HWY_INLINE std::uint32_t rank(int lane) const
     {
-        const std::ptrdiff_t i = places[lane];
+        const std::ptrdiff_t i = indices[lane];
         if (wide) {
             std::uint32_t value = 0;
             std::memcpy(&value, ranks + 4 * i, 4);
@@ -139,8 +139,8 @@ HWY_INLINE BlockPoint to_block(const BlockHeader& header, const Vec3& p)
     return point;
 }
 
-/// All places of a block.
-alignas(64) inline constexpr std::uint16_t block_places[block_triangles] = {
+/// All indices of a block.
+alignas(64) inline constexpr std::uint16_t block_indices[block_triangles] = {
     0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13, 14, 15,
     16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31};
 
@@ -156,7 +156,7 @@ PROXIMA_STEP void scan_block(const std::byte* block, std::uint32_t mask, const V
     const auto* const corners = reinterpret_cast<const std::uint16_t*>(block + layout.corners);
     const auto count = static_cast<std::size_t>(std::popcount(mask));
     const NamedNumbers listed(corners, mask);
-    const NamedNumbers listed_places(block_places, mask);
+    const NamedNumbers listed_indices(block_indices, mask);
     const BlockPoint point = to_block(header, p);
     const auto numbers = [&](std::size_t axis) {
         return reinterpret_cast<const std::uint16_t*>(block + sizeof(BlockHeader) +
@@ -174,14 +174,14 @@ PROXIMA_STEP void scan_block(const std::byte* block, std::uint32_t mask, const V
     hn::Vec<LookupTag> squared[list_triangles / lanes];
     auto least = hn::Set(tag, std::numeric_limits<float>::max());
     for (std::size_t part = 0; part < parts; ++part) {
-        const auto places = listed.from(part * lanes);
-        hn::Store(listed_places.from(part * lanes), wide, candidates.places + part * lanes);
+        const auto indices = listed.from(part * lanes);
+        hn::Store(listed_indices.from(part * lanes), wide, candidates.indices + part * lanes);
         const auto at = [&](hn::Vec<LookupIndexTag> index) {
             return LanePoint{xs.at(index), ys.at(index), zs.at(index)};
         };
-        const LanePoint a = at(places);
-        const LanePoint ab = at(hn::ShiftRight<5>(places)) - a;
-        const LanePoint ac = at(hn::ShiftRight<10>(places)) - a;
+        const LanePoint a = at(indices);
+        const LanePoint ab = at(hn::ShiftRight<5>(indices)) - a;
+        const LanePoint ac = at(hn::ShiftRight<10>(indices)) - a;
         const auto used = hn::FirstN(tag, count - part * lanes);
         squared[part] = hn::IfThenElse(used, squared_distances(query - a, ab, ac),
                                        hn::Set(tag, std::numeric_limits<float>::max()));

@@ -15,7 +15,7 @@ void RankSet::clear(std::size_t count)
     }
 }
 
-std::size_t RankSet::place(std::uint32_t rank) const noexcept
+std::size_t RankSet::slot_of(std::uint32_t rank) const noexcept
 {
     const std::uint64_t spread = std::uint64_t{rank} * 0x9E3779B97F4A7C15U;
     std::size_t slot = spread >> shift_;
@@ -26,7 +26,7 @@ std::size_t RankSet::place(std::uint32_t rank) const noexcept
 
 bool RankSet::insert(std::uint32_t rank) noexcept
 {
-    Slot& slot = slots_[place(rank)];
+    Slot& slot = slots_[slot_of(rank)];
     if (slot.epoch == epoch_) return false;
     slot = {rank, epoch_};
     return true;
@@ -34,7 +34,7 @@ bool RankSet::insert(std::uint32_t rank) noexcept
 
 bool RankSet::contains(std::uint32_t rank) const noexcept
 {
-    return slots_[place(rank)].epoch == epoch_;
+    return slots_[slot_of(rank)].epoch == epoch_;
 }
 
 void cover_features(const LocalFeatures& features, std::span<const std::uint32_t> list,

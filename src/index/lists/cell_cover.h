@@ -13,7 +13,7 @@ namespace proxima {
 /// A set of numbers that is emptied at no cost. Grows with use.
 class RankSet {
 public:
-    /// Empty, with room for `count`.
+    /// Empty, with capacity for `count`.
     void clear(std::size_t count);
 
     /// False where it was there already. \pre fewer than `count` numbers so far
@@ -26,7 +26,7 @@ private:
         std::uint32_t rank = 0;
         std::uint32_t epoch = 0;
     };
-    [[nodiscard]] std::size_t place(std::uint32_t rank) const noexcept;
+    [[nodiscard]] std::size_t slot_of(std::uint32_t rank) const noexcept;
 
     std::vector<Slot> slots_;
     std::uint32_t epoch_ = 0;

@@ -55,7 +55,7 @@ BlockLayout layout_of(const BlockHeader& header)
     return block_layout(header.vertices, header.triangles, header.wide != 0);
 }
 
-/// Places of vertices and ranks. \pre the block is within the arena
+/// Positions of vertices and ranks. \pre the block is within the arena
 bool has_sound_triangles(std::span<const std::byte> arena, std::size_t at,
                          const BlockHeader& header, std::uint64_t rows)
 {
@@ -76,7 +76,7 @@ bool has_sound_triangles(std::span<const std::byte> arena, std::size_t at,
 } // namespace
 
 ArenaChecker::ArenaChecker(std::span<const std::byte> arena, std::uint64_t rows)
-    : arena_(arena), rows_(rows), places_(arena.size() / block_alignment)
+    : arena_(arena), rows_(rows), states_(arena.size() / block_alignment)
 {}
 
 Status ArenaChecker::check_blocks(const CheckWork& work)
@@ -96,7 +96,7 @@ Status ArenaChecker::walk_headers(const CheckWork& work)
         if (!is_representable(header)) return bad("a block is damaged", at);
         const std::size_t bytes = layout_of(header).end;
         if (bytes > limit - at) return bad("a block is damaged", at);
-        places_[at / block_alignment].store(header.triangles, std::memory_order_relaxed);
+        states_[at / block_alignment].store(header.triangles, std::memory_order_relaxed);
         ++blocks_;
         if (tasks_.empty() || at - tasks_.back() >= CheckWork::task_bytes) tasks_.push_back(at);
         if (!steps.done(bytes)) return CheckWork::stopped();
@@ -120,10 +120,10 @@ Status ArenaChecker::check_contents(std::size_t task) const
     return {};
 }
 
-std::uint32_t ArenaChecker::use(std::uint32_t place, std::uint32_t mask) noexcept
+std::uint32_t ArenaChecker::use(std::uint32_t position, std::uint32_t mask) noexcept
 {
-    if (place >= places_.size()) return 0;
-    std::atomic<std::uint8_t>& state = places_[place];
+    if (position >= states_.size()) return 0;
+    std::atomic<std::uint8_t>& state = states_[position];
     const unsigned known = state.load(std::memory_order_relaxed);
     const unsigned triangles = known & ~unsigned{used_bit}; // 0 where no block begins
     if (static_cast<std::uint64_t>(mask) >> triangles != 0) return 0;
@@ -135,7 +135,7 @@ std::uint32_t ArenaChecker::use(std::uint32_t place, std::uint32_t mask) noexcep
 
 bool ArenaChecker::all_used() const noexcept
 {
-    return std::ranges::all_of(places_, [](const std::atomic<std::uint8_t>& state) {
+    return std::ranges::all_of(states_, [](const std::atomic<std::uint8_t>& state) {
         const unsigned known = state.load(std::memory_order_relaxed);
         return known == 0 || (known & used_bit) != 0;
     });

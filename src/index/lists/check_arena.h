@@ -12,18 +12,18 @@
 
 namespace proxima {
 
-/// A byte of scratch per eight of the arena. Places are in units of block_alignment.
+/// A byte of scratch per eight of the arena. Positions are in units of block_alignment.
 class ArenaChecker {
 public:
     ArenaChecker(std::span<const std::byte> arena, std::uint64_t rows);
 
-    /// Whether the arena is blocks one behind the other, zeros between, places of vertices and
+    /// Whether the arena is blocks one behind the other, zeros between, indices of vertices and
     /// ranks in range. Error broken_invariant; cancelled.
     [[nodiscard]] Status check_blocks(const CheckWork& work);
 
     /// How many triangles of a block there a leaf names: 1 to 16 that the block has; 0 where it may
     /// not. Thread safe. \pre check_blocks found nothing
-    [[nodiscard]] std::uint32_t use(std::uint32_t place, std::uint32_t mask) noexcept;
+    [[nodiscard]] std::uint32_t use(std::uint32_t position, std::uint32_t mask) noexcept;
 
     [[nodiscard]] std::uint64_t blocks() const noexcept { return blocks_; }
 
@@ -37,7 +37,7 @@ private:
 
     std::span<const std::byte> arena_;
     std::uint64_t rows_;
-    std::vector<std::atomic<std::uint8_t>> places_; ///< triangles of the block there, used_bit
+    std::vector<std::atomic<std::uint8_t>> states_; ///< triangles of the block there, used_bit
     std::vector<std::size_t> tasks_;                ///< ends with the end of the last block
     std::uint64_t blocks_ = 0;
 };

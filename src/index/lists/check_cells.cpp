@@ -125,20 +125,20 @@ bool CellChecker::check_table(const ProximityCell& cell) const
 
 const char* CellChecker::check_leaf(const ProximityCell& cell, Part& part)
 {
-    const std::uint32_t place = proximity_word::place(cell.word);
+    const std::uint32_t position = proximity_word::position(cell.word);
     std::uint32_t list = 0;
     std::uint32_t blocks = 1;
     if (proximity_word::is_block(cell.word)) {
-        list = arena_.use(place, proximity_word::mask(cell.word));
+        list = arena_.use(position, proximity_word::mask(cell.word));
         if (list == 0) return "no such triangles";
     } else if (cell.word == proximity_word::search) {
         ++part.counts.searched_leaves;
         blocks = 0;
     } else {
-        if (proximity_word::mask(cell.word) != 0 || place >= arrays_.runs.size())
+        if (proximity_word::mask(cell.word) != 0 || position >= arrays_.runs.size())
             return "no such run";
-        blocks = arrays_.runs[place].place;
-        list = check_run(cell, place, part);
+        blocks = arrays_.runs[position].position;
+        list = check_run(cell, position, part);
         if (list == 0) return "its run is damaged";
     }
     ProximityStatistics& counts = part.counts;
@@ -154,7 +154,7 @@ const char* CellChecker::check_leaf(const ProximityCell& cell, Part& part)
 std::uint32_t CellChecker::check_run(const ProximityCell& cell, std::size_t begin, Part& part)
 {
     const RunEntry& head = arrays_.runs[begin];
-    const std::size_t count = head.place;
+    const std::size_t count = head.position;
     if (count < 2 || count >= arrays_.runs.size() - begin) return 0;
     if (head.mask != 0 || head.least != 0) return 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -172,7 +172,7 @@ std::uint32_t CellChecker::check_run(const ProximityCell& cell, std::size_t begi
             squared += static_cast<double>(part_of) * static_cast<double>(part_of);
         if (!(squared <= 1) || !std::isfinite(entry.least)) return 0;
         if (i > begin + 1 && entry.least < arrays_.runs[i - 1].least) return 0;
-        const std::uint32_t triangles = arena_.use(entry.place, entry.mask);
+        const std::uint32_t triangles = arena_.use(entry.position, entry.mask);
         if (triangles == 0) return 0;
         list += triangles;
     }

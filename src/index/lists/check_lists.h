@@ -12,7 +12,7 @@ namespace proxima {
 /// blocks as the statistics say.
 ///
 ///     frame    a finite cube, its scale the power of two that make_root_frame gives; rows are in it
-///     arena    blocks one behind the other, zeros between; places of vertices and ranks exist
+///     arena    blocks one behind the other, zeros between; positions of vertices and ranks exist
 ///     nodes    one tree of at most max_list_depth levels, each node in it once; the table is
 ///              its level
 ///     leaves   name blocks where blocks are, of their triangles 1 to 16; each block and each run

@@ -7,7 +7,7 @@ namespace proxima {
 namespace {
 
 /// Chooses for each cell the cheaper of ending and of going on, from the last cell to the first,
-/// and returns what the whole tree costs. `costs` is room for one per cell; below(i, split) adds
+/// and returns what the whole tree costs. `costs` is scratch, one per cell; below(i, split) adds
 /// what hangs below a cell without children and says whether something does.
 template <class Below>
 double cut(GrownTree& tree, const CostModel& model, std::vector<double>& costs, const Below& below)

@@ -175,14 +175,14 @@ HWY_INLINE Eight distances(const LocalFeatures& features, const LocalFeature& fe
 
 /// The features closest to the corners and the centre, each once.
 struct Closest {
-    std::uint32_t places[9];
+    std::uint32_t entries[9];
     std::size_t count = 0;
 
-    void add(std::uint32_t place)
+    void add(std::uint32_t entry)
     {
         for (std::size_t i = 0; i < count; ++i)
-            if (places[i] == place) return;
-        places[count++] = place;
+            if (entries[i] == entry) return;
+        entries[count++] = entry;
     }
 };
 
@@ -191,9 +191,9 @@ std::size_t drop_dominated(const LocalFeatures& features, std::uint32_t* list, s
 {
     const CellCorners corners = corners_of(cell);
     Eight best = eight(infinite);
-    Eight place = eight(0);
+    Eight entry = eight(0);
     float best_at_center = infinite;
-    std::uint32_t place_at_center = 0;
+    std::uint32_t entry_at_center = 0;
     for (std::size_t k = 0; k < count; ++k) {
         const LocalFeature& feature = features.features[list[k]];
         const float* const shape = features.shape(feature);
@@ -215,11 +215,11 @@ std::size_t drop_dominated(const LocalFeatures& features, std::uint32_t* list, s
             break;
         }
         }
-        place = choose(squared, best, eight(static_cast<float>(k)), place);
+        entry = choose(squared, best, eight(static_cast<float>(k)), entry);
         best = minimum(best, squared);
         if (seen.squared < best_at_center) {
             best_at_center = seen.squared;
-            place_at_center = static_cast<std::uint32_t>(k);
+            entry_at_center = static_cast<std::uint32_t>(k);
         }
         for (int axis = 0; axis < 3; ++axis)
             bounds[4 * k + static_cast<std::size_t>(axis)] = seen.n[axis];
@@ -227,13 +227,13 @@ std::size_t drop_dominated(const LocalFeatures& features, std::uint32_t* list, s
     }
 
     Closest closest;
-    closest.add(place_at_center);
-    float places[8];
-    store_eight(place, places);
-    for (const float one : places) closest.add(static_cast<std::uint32_t>(one));
+    closest.add(entry_at_center);
+    float entries[8];
+    store_eight(entry, entries);
+    for (const float one : entries) closest.add(static_cast<std::uint32_t>(one));
     Eight nearest[9];
     for (std::size_t i = 0; i < closest.count; ++i) {
-        nearest[i] = distances(features, features.features[list[closest.places[i]]], corners) +
+        nearest[i] = distances(features, features.features[list[closest.entries[i]]], corners) +
                      eight(domination_margin);
     }
 

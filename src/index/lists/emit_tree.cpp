@@ -36,9 +36,9 @@ EmittedTree TreeEmitter::take_result(std::uint64_t root)
 {
     result_.root = root;
     sharer_.end();
-    result_.places = sharer_.places();
+    result_.positions = sharer_.positions();
     result_.arena = sharer_.arena();
-    result_.statistics.blocks = result_.places.size();
+    result_.statistics.blocks = result_.positions.size();
     return std::move(result_);
 }
 
@@ -64,8 +64,8 @@ std::uint64_t TreeEmitter::leaf_word(const GrownCell& cell, CellKey key)
     split_list();
     if (chunks_.size() != 2) return proximity_word::run(add_run(key));
     result_.statistics.worst_case_blocks = std::max(result_.statistics.worst_case_blocks, 1U);
-    const BlockSharer::Place place = sharer_.place(ranks_);
-    return proximity_word::leaf(place.number, place.mask);
+    const BlockSharer::Location location = sharer_.put(ranks_);
+    return proximity_word::leaf(location.number, location.mask);
 }
 
 void TreeEmitter::count_leaf(const GrownCell& cell, CellKey key)
@@ -126,20 +126,20 @@ std::uint32_t TreeEmitter::add_run(CellKey key)
         for (const RankPart& part : parts_) {
             const auto ranks = std::span(ranks_).subspan(part.begin, part.end - part.begin);
             RunEntry& entry = result_.runs.emplace_back(bound(ranks, center));
-            entry.place = part.block | by_rank_bit;
+            entry.position = part.block | by_rank_bit;
             entry.mask = part.mask;
         }
     } else {
         for (std::size_t i = 0; i + 1 < chunks_.size(); ++i) {
             const auto ranks = std::span(ranks_).subspan(chunks_[i], chunks_[i + 1] - chunks_[i]);
             RunEntry& entry = result_.runs.emplace_back(bound(ranks, center));
-            const BlockSharer::Place place = sharer_.place(ranks);
-            entry.place = place.number;
-            entry.mask = place.mask;
+            const BlockSharer::Location location = sharer_.put(ranks);
+            entry.position = location.number;
+            entry.mask = location.mask;
         }
     }
     const auto count = static_cast<std::uint32_t>(result_.runs.size() - begin - 1);
-    result_.runs[begin].place = count;
+    result_.runs[begin].position = count;
     result_.statistics.worst_case_blocks = std::max(result_.statistics.worst_case_blocks, count);
     std::stable_sort(result_.runs.begin() + static_cast<std::ptrdiff_t>(begin) + 1,
                      result_.runs.end(),
@@ -151,22 +151,22 @@ void TreeEmitter::find_blocks_by_rank()
 {
     parts_.clear();
     for (std::size_t i = 0; i < ranks_.size(); ++i) {
-        const RankBlocks::Place place = by_rank_.place(ranks_[i]);
-        if (parts_.empty() || parts_.back().block != place.block ||
+        const RankBlocks::Location location = by_rank_.location(ranks_[i]);
+        if (parts_.empty() || parts_.back().block != location.block ||
             i - parts_.back().begin == list_triangles)
-            parts_.push_back({place.block, 0, i, i});
-        parts_.back().mask |= 1U << (ranks_[i] - place.first);
+            parts_.push_back({location.block, 0, i, i});
+        parts_.back().mask |= 1U << (ranks_[i] - location.first);
         parts_.back().end = i + 1;
     }
 }
 
 Vec3 TreeEmitter::center_of(CellKey key) const
 {
-    const auto place = cell_coordinates(key);
+    const auto location = cell_coordinates(key);
     const double edge = 2 * frame_half_ / static_cast<double>(1U << depth(key));
     Vec3 center;
     for (int axis = 0; axis < 3; ++axis)
-        center[axis] = -frame_half_ + edge * (place[static_cast<std::size_t>(axis)] + 0.5);
+        center[axis] = -frame_half_ + edge * (location[static_cast<std::size_t>(axis)] + 0.5);
     return center;
 }
 

@@ -1,4 +1,4 @@
-// One tree of cut cells as words and blocks, with places of its own.
+// One tree of cut cells as words and blocks, with positions of its own.
 #pragma once
 
 #include "index/lists/grow_cells.h"
@@ -17,12 +17,12 @@ namespace proxima {
 /// In a tree on its own: a run's block is one of the blocks by rank, which all trees share.
 inline constexpr std::uint32_t by_rank_bit = 1U << 31U;
 
-/// A tree with places of its own: nodes and runs count from its own beginning, blocks by number.
+/// A tree with positions of its own: nodes and runs count from its own beginning, blocks by number.
 struct EmittedTree {
     std::uint64_t root = 0;
     std::vector<std::uint64_t> nodes;
     std::vector<RunEntry> runs;
-    std::vector<std::size_t> places; ///< of blocks in the arena
+    std::vector<std::size_t> positions; ///< of blocks in the arena
     std::vector<std::byte> arena;
     ProximityStatistics statistics;
 };

@@ -27,7 +27,7 @@ public:
         lengths_.push_back(is_leaf ? list_length(arrays, word) : 0);
         std::uint32_t blocks = is_leaf && proximity_word::is_block(word) ? 1 : 0;
         if (is_leaf && proximity_word::is_run(word))
-            blocks = arrays.runs[proximity_word::place(word)].place;
+            blocks = arrays.runs[proximity_word::position(word)].position;
         blocks_.push_back(blocks);
         depths_.push_back(static_cast<std::uint8_t>(cell.depth));
     }

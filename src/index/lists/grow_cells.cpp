@@ -99,12 +99,12 @@ public:
                options_.cost.may_split(grown.probability, grown.triangles);
     }
 
-    /// Everything below `cell`, whose description is tree.cells[place]. Returns the cost of the
+    /// Everything below `cell`, whose description is tree.cells[position]. Returns the cost of the
     /// cheapest way to end, with what does not pay taken back.
-    double grow(const OpenCell& cell, std::span<const std::uint32_t> list, std::size_t place,
+    double grow(const OpenCell& cell, std::span<const std::uint32_t> list, std::size_t position,
                 GrownTree& tree)
     {
-        const GrownCell grown = tree.cells[place];
+        const GrownCell grown = tree.cells[position];
         const double as_leaf = options_.cost.leaf(grown.probability, grown.triangles);
         const int level = depth(cell.key);
         if (!may_split(grown, level) || is_cancelled(options_.execution.progress)) return as_leaf;
@@ -124,7 +124,7 @@ public:
             tree.lists.resize(first_byte);
             return as_leaf;
         }
-        tree.cells[place].children = static_cast<std::uint32_t>(first);
+        tree.cells[position].children = static_cast<std::uint32_t>(first);
         return as_split;
     }
 
@@ -183,7 +183,7 @@ std::optional<GrownTop> grow_top(const LocalFeatures& features, const QueryDensi
     top.tree.cells.push_back(grower.describe(level[0], level[0].features, top.tree));
     const auto drop_finished = [&](int depth) {
         std::erase_if(level, [&](const OpenCell& one) {
-            return !grower.may_split(top.tree.cells[one.place], depth);
+            return !grower.may_split(top.tree.cells[one.position], depth);
         });
     };
     for (int depth = 0; depth < top_depth; ++depth) {
@@ -213,10 +213,10 @@ std::optional<GrownTop> grow_top(const LocalFeatures& features, const QueryDensi
         std::vector<OpenCell> cells;
         for (std::size_t i = 0; i < described.size(); ++i) {
             GrownTree& tree = top.tree;
-            const auto place = static_cast<std::uint32_t>(tree.cells.size());
-            if (i % 8 == 0) tree.cells[level[i / 8].place].children = place;
+            const auto position = static_cast<std::uint32_t>(tree.cells.size());
+            if (i % 8 == 0) tree.cells[level[i / 8].position].children = position;
             OpenCell& one = next[i / 8][i % 8];
-            one.place = place;
+            one.position = position;
             GrownCell grown = described[i].cells[0];
             grown.list = static_cast<std::uint32_t>(tree.lists.size());
             tree.cells.push_back(grown);
@@ -258,7 +258,7 @@ GrownForest join_forest(GrownTop&& top, std::vector<GrownTree>&& below)
     GrownForest forest;
     forest.below_of.assign(top.tree.cells.size(), GrownForest::no_tree);
     for (std::size_t i = 0; i < top.open.size(); ++i)
-        forest.below_of[top.open[i].place] = static_cast<std::uint32_t>(i);
+        forest.below_of[top.open[i].position] = static_cast<std::uint32_t>(i);
     forest.top = std::move(top.tree);
     forest.below = std::move(below);
     return forest;

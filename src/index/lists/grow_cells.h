@@ -56,7 +56,7 @@ struct OpenCell {
     CellKey key;
     CellDensity density;
     std::vector<std::uint32_t> features;
-    std::uint32_t place = 0; ///< in the tree that it belongs to
+    std::uint32_t position = 0; ///< in the tree that it belongs to
 };
 
 /// All cells: `top` down to a few levels; leaves of it may be the roots of trees of `below`.

@@ -9,7 +9,7 @@ namespace proxima {
 
 OctreeJoiner::OctreeJoiner(EmittedLists& octree, std::span<const EmittedTree> trees,
                            const RankBlocks& by_rank)
-    : octree_(octree), by_rank_(by_rank), places_by_rank_(by_rank.size(), no_place)
+    : octree_(octree), by_rank_(by_rank), positions_by_rank_(by_rank.size(), no_position)
 {
     std::size_t nodes = 0;
     std::size_t runs = 0;
@@ -32,10 +32,11 @@ std::uint64_t OctreeJoiner::join(const EmittedTree& tree)
     const auto moved = [&](std::uint64_t word) {
         if (word == proximity_word::search) return word;
         if (!proximity_word::is_leaf(word)) return word + first_node;
-        const std::uint32_t place = proximity_word::place(word);
+        const std::uint32_t position = proximity_word::position(word);
         if (proximity_word::is_run(word))
-            return proximity_word::run(place + static_cast<std::uint32_t>(first_run));
-        return proximity_word::leaf(block_at(tree, first_byte, place), proximity_word::mask(word));
+            return proximity_word::run(position + static_cast<std::uint32_t>(first_run));
+        return proximity_word::leaf(block_at(tree, first_byte, position),
+                                    proximity_word::mask(word));
     };
     octree_.nodes.resize(first_node + tree.nodes.size());
     for (std::size_t i = 0; i < tree.nodes.size(); ++i)
@@ -43,13 +44,13 @@ std::uint64_t OctreeJoiner::join(const EmittedTree& tree)
     append_bytes(first_byte, tree.arena);
     octree_.runs.resize(first_run + tree.runs.size());
     for (std::size_t at = 0; at < tree.runs.size();) {
-        const std::uint32_t count = tree.runs[at].place;
+        const std::uint32_t count = tree.runs[at].position;
         octree_.runs[first_run + at] = tree.runs[at];
         for (const std::size_t last = at++ + count; at <= last; ++at) {
             RunEntry entry = tree.runs[at];
-            entry.place = (entry.place & by_rank_bit) != 0
-                              ? block_by_rank(entry.place & ~by_rank_bit)
-                              : block_at(tree, first_byte, entry.place);
+            entry.position = (entry.position & by_rank_bit) != 0
+                                 ? block_by_rank(entry.position & ~by_rank_bit)
+                                 : block_at(tree, first_byte, entry.position);
             octree_.runs[first_run + at] = entry;
         }
     }
@@ -60,25 +61,25 @@ std::uint64_t OctreeJoiner::join(const EmittedTree& tree)
 std::uint32_t OctreeJoiner::block_at(const EmittedTree& tree, std::size_t first_byte,
                                      std::uint32_t number)
 {
-    return place_of(first_byte + tree.places[number]);
+    return position_of(first_byte + tree.positions[number]);
 }
 
-std::uint32_t OctreeJoiner::place_of(std::size_t byte)
+std::uint32_t OctreeJoiner::position_of(std::size_t byte)
 {
-    PROXIMA_CHECK_LE(byte / block_alignment, proximity_word::max_place);
+    PROXIMA_CHECK_LE(byte / block_alignment, proximity_word::max_position);
     return static_cast<std::uint32_t>(byte / block_alignment);
 }
 
 std::uint32_t OctreeJoiner::block_by_rank(std::uint32_t block)
 {
-    std::uint32_t& place = places_by_rank_[block];
-    if (place != no_place) return place;
+    std::uint32_t& position = positions_by_rank_[block];
+    if (position != no_position) return position;
     bytes_.clear();
     (void)by_rank_.append(block, bytes_);
     const std::size_t first_byte = aligned_end();
     append_bytes(first_byte, bytes_);
     ++octree_.statistics.blocks;
-    return place = place_of(first_byte);
+    return position = position_of(first_byte);
 }
 
 std::size_t OctreeJoiner::aligned_end() const

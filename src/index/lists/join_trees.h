@@ -15,7 +15,7 @@ namespace proxima {
 /// Joins trees into one.
 class OctreeJoiner {
 public:
-    /// Room for all at once: what moves while it grows loses its huge pages.
+    /// Capacity for all at once: what moves while it grows loses its huge pages.
     OctreeJoiner(EmittedLists& octree, std::span<const EmittedTree> trees,
                  const RankBlocks& by_rank);
 
@@ -28,7 +28,7 @@ private:
     static std::uint32_t block_at(const EmittedTree& tree, std::size_t first_byte,
                                   std::uint32_t number);
 
-    static std::uint32_t place_of(std::size_t byte);
+    static std::uint32_t position_of(std::size_t byte);
     /// Written when it is first met.
     std::uint32_t block_by_rank(std::uint32_t block);
 
@@ -36,11 +36,11 @@ private:
     void append_bytes(std::size_t first_byte, std::span<const std::byte> bytes);
     void count(const ProximityStatistics& more);
 
-    static constexpr std::uint32_t no_place = 0xFFFFFFFF;
+    static constexpr std::uint32_t no_position = 0xFFFFFFFF;
 
     EmittedLists& octree_;
     const RankBlocks& by_rank_;
-    std::vector<std::uint32_t> places_by_rank_; ///< in the arena
+    std::vector<std::uint32_t> positions_by_rank_; ///< in the arena
     std::vector<std::byte> bytes_;
 };
 

@@ -13,10 +13,10 @@ namespace {
 
 /// Calls take(rank) for a block's triangles that are in the mask.
 template <class Take>
-void take_ranks(const ProximityArrays& arrays, std::uint32_t place, std::uint32_t mask,
+void take_ranks(const ProximityArrays& arrays, std::uint32_t position, std::uint32_t mask,
                 const Take& take) noexcept
 {
-    const std::byte* const begin = arrays.arena.data() + std::size_t{place} * block_alignment;
+    const std::byte* const begin = arrays.arena.data() + std::size_t{position} * block_alignment;
     BlockHeader header;
     std::memcpy(&header, begin, sizeof(header));
     const bool wide = header.wide != 0;
@@ -41,12 +41,12 @@ void take_list(const ProximityArrays& arrays, std::uint64_t leaf, const Take& ta
 {
     if (leaf == proximity_word::search) return;
     if (!proximity_word::is_run(leaf)) {
-        take_ranks(arrays, proximity_word::place(leaf), proximity_word::mask(leaf), take);
+        take_ranks(arrays, proximity_word::position(leaf), proximity_word::mask(leaf), take);
         return;
     }
-    const std::size_t begin = proximity_word::place(leaf);
-    for (const RunEntry& entry : arrays.runs.subspan(begin + 1, arrays.runs[begin].place))
-        take_ranks(arrays, entry.place, entry.mask, take);
+    const std::size_t begin = proximity_word::position(leaf);
+    for (const RunEntry& entry : arrays.runs.subspan(begin + 1, arrays.runs[begin].position))
+        take_ranks(arrays, entry.position, entry.mask, take);
 }
 
 } // namespace
@@ -85,9 +85,9 @@ std::uint32_t list_length(const ProximityArrays& arrays, std::uint64_t leaf) noe
     if (leaf == proximity_word::search) return 0;
     if (proximity_word::is_block(leaf))
         return static_cast<std::uint32_t>(std::popcount(proximity_word::mask(leaf)));
-    const std::size_t begin = proximity_word::place(leaf);
+    const std::size_t begin = proximity_word::position(leaf);
     std::uint32_t length = 0;
-    for (const RunEntry& entry : arrays.runs.subspan(begin + 1, arrays.runs[begin].place))
+    for (const RunEntry& entry : arrays.runs.subspan(begin + 1, arrays.runs[begin].position))
         length += static_cast<std::uint32_t>(std::popcount(entry.mask));
     return length;
 }

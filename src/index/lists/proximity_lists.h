@@ -5,9 +5,9 @@
 //     table    words of all cells of one level, x fastest: where a query begins
 //     nodes    words of 8 bytes, eight children contiguous
 //                0 | base                     split: its children are nodes base to base + 7
-//                10 | place 30 | mask 32      leaf of one block, at arena + 8 place: of the block's
+//                10 | position 30 | mask 32   leaf of one block, at arena + 8 position: of its
 //                                             triangles those in the mask
-//                11 | place 30 | 0            leaf of several: a run, at runs[place]
+//                11 | position 30 | 0         leaf of several: a run, at runs[position]
 //                11 | 0 | 1                   leaf without a list: queries search the index's tree
 //     runs     per leaf of several blocks: an entry with their number, then one per block, the
 //              nearest to the leaf's centre first
@@ -36,7 +36,7 @@ inline constexpr int max_table_depth = 6;
 namespace proximity_word {
 inline constexpr std::uint64_t leaf_bit = std::uint64_t{1} << 63U;
 inline constexpr std::uint64_t run_bit = std::uint64_t{1} << 62U;
-inline constexpr std::uint32_t max_place = (1U << 30U) - 1;
+inline constexpr std::uint32_t max_position = (1U << 30U) - 1;
 
 [[nodiscard]] constexpr bool is_leaf(std::uint64_t word) noexcept
 {
@@ -47,21 +47,21 @@ inline constexpr std::uint32_t max_place = (1U << 30U) - 1;
 {
     return (word & run_bit) == 0;
 }
-[[nodiscard]] constexpr std::uint32_t place(std::uint64_t word) noexcept
+[[nodiscard]] constexpr std::uint32_t position(std::uint64_t word) noexcept
 {
-    return static_cast<std::uint32_t>(word >> 32U) & max_place;
+    return static_cast<std::uint32_t>(word >> 32U) & max_position;
 }
 [[nodiscard]] constexpr std::uint32_t mask(std::uint64_t word) noexcept
 {
     return static_cast<std::uint32_t>(word);
 }
-[[nodiscard]] constexpr std::uint64_t leaf(std::uint32_t place, std::uint32_t mask) noexcept
+[[nodiscard]] constexpr std::uint64_t leaf(std::uint32_t position, std::uint32_t mask) noexcept
 {
-    return leaf_bit | std::uint64_t{place} << 32U | mask;
+    return leaf_bit | std::uint64_t{position} << 32U | mask;
 }
-[[nodiscard]] constexpr std::uint64_t run(std::uint32_t place) noexcept
+[[nodiscard]] constexpr std::uint64_t run(std::uint32_t position) noexcept
 {
-    return leaf_bit | run_bit | std::uint64_t{place} << 32U;
+    return leaf_bit | run_bit | std::uint64_t{position} << 32U;
 }
 /// Of leaves whose points are answered by the tree of the index.
 inline constexpr std::uint64_t search = leaf_bit | run_bit | 1;
@@ -72,12 +72,12 @@ inline constexpr std::uint64_t search = leaf_bit | run_bit | 1;
 }
 } // namespace proximity_word
 
-/// A block of a leaf that has several; or, before them, their number as `place` and the leaf's
+/// A block of a leaf that has several; or, before them, their number as `position` and the leaf's
 /// centre as `direction`, in the frame.
 struct RunEntry {
-    std::uint32_t place = 0; ///< of the block in the arena, in units of 8 bytes
-    std::uint32_t mask = 0;  ///< its triangles that are meant
-    float direction[3] = {}; ///< unit vector, or a little shorter
+    std::uint32_t position = 0; ///< of the block in the arena, in units of 8 bytes
+    std::uint32_t mask = 0;     ///< its triangles that are meant
+    float direction[3] = {};    ///< unit vector, or a little shorter
     float least = 0; ///< no point of the block has direction . (point - leaf's centre) below it
 };
 

@@ -35,13 +35,13 @@ struct Sequence {
 
 std::uint64_t key_of(const Vec3& p, double frame_half)
 {
-    std::array<std::uint32_t, 3> place{};
+    std::array<std::uint32_t, 3> position{};
     for (int axis = 0; axis < 3; ++axis) {
         const double part = (p[axis] / frame_half + 1) / 2 * grid;
-        place[static_cast<std::size_t>(axis)] =
+        position[static_cast<std::size_t>(axis)] =
             static_cast<std::uint32_t>(std::clamp(part, 0.0, static_cast<double>(grid - 1)));
     }
-    return cell_key(place, QueryDensity::max_depth).bits;
+    return cell_key(position, QueryDensity::max_depth).bits;
 }
 
 } // namespace
@@ -119,11 +119,11 @@ std::array<CellDensity, 8> QueryDensity::split(const CellDensity& cell, CellKey 
 
 double QueryDensity::probability(const CellDensity& cell, CellKey key) const
 {
-    const auto place = cell_coordinates(key);
+    const auto position = cell_coordinates(key);
     const double edge = 2 * frame_half_ / static_cast<double>(1U << depth(key));
     double part = 1;
     for (int axis = 0; axis < 3; ++axis) {
-        const double low = -frame_half_ + edge * place[static_cast<std::size_t>(axis)];
+        const double low = -frame_half_ + edge * position[static_cast<std::size_t>(axis)];
         const double inside =
             std::min(low + edge, box_half_[axis]) - std::max(low, -box_half_[axis]);
         part *= std::max(inside, 0.0) / (2 * box_half_[axis]);

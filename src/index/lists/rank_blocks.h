@@ -18,11 +18,11 @@ public:
     explicit RankBlocks(const BlockSource& source);
 
     /// The block that holds a rank, and the first rank in it.
-    struct Place {
+    struct Location {
         std::uint32_t block = 0;
         std::uint32_t first = 0;
     };
-    [[nodiscard]] Place place(std::uint32_t rank) const noexcept
+    [[nodiscard]] Location location(std::uint32_t rank) const noexcept
     {
         const std::uint32_t block = block_of_[rank];
         return {block, firsts_[block]};

@@ -10,7 +10,7 @@ namespace proxima {
 void BlockSharer::begin()
 {
     arena_.clear();
-    places_.clear();
+    positions_.clear();
     clock_ = 0;
     for (OpenBlock& block : blocks_) block = {};
 }
@@ -42,19 +42,19 @@ bool BlockSharer::join(OpenBlock& block, std::uint64_t bit, std::span<const std:
     return true;
 }
 
-BlockSharer::Place BlockSharer::place_in(const OpenBlock& block,
-                                         std::span<const std::uint32_t> ranks)
+BlockSharer::Location BlockSharer::location_in(const OpenBlock& block,
+                                               std::span<const std::uint32_t> ranks)
 {
-    Place place{block.number, 0};
+    Location location{block.number, 0};
     for (const std::uint32_t rank : ranks) {
         const auto* const found =
             std::find(block.ranks.data(), block.ranks.data() + block.rank_count, rank);
-        place.mask |= 1U << (found - block.ranks.data());
+        location.mask |= 1U << (found - block.ranks.data());
     }
-    return place;
+    return location;
 }
 
-BlockSharer::Place BlockSharer::place(std::span<const std::uint32_t> ranks)
+BlockSharer::Location BlockSharer::put(std::span<const std::uint32_t> ranks)
 {
     std::uint64_t touched = 0;
     for (const std::uint32_t rank : ranks) touched |= open_of_[rank];
@@ -76,7 +76,7 @@ BlockSharer::Place BlockSharer::place(std::span<const std::uint32_t> ranks)
     for (std::size_t i = 0; i < candidates; ++i) {
         const std::size_t slot = order[i] & 63U;
         if (join(blocks_[slot], std::uint64_t{1} << slot, ranks))
-            return place_in(blocks_[slot], ranks);
+            return location_in(blocks_[slot], ranks);
     }
 
     std::size_t oldest = 0;
@@ -85,10 +85,10 @@ BlockSharer::Place BlockSharer::place(std::span<const std::uint32_t> ranks)
     OpenBlock& block = blocks_[oldest];
     const std::uint64_t bit = std::uint64_t{1} << oldest;
     write(block, bit);
-    block.number = static_cast<std::uint32_t>(places_.size());
-    places_.push_back(0);
+    block.number = static_cast<std::uint32_t>(positions_.size());
+    positions_.push_back(0);
     PROXIMA_CHECK(join(block, bit, ranks));
-    return place_in(block, ranks);
+    return location_in(block, ranks);
 }
 
 void BlockSharer::write(OpenBlock& block, std::uint64_t bit)
@@ -99,7 +99,7 @@ void BlockSharer::write(OpenBlock& block, std::uint64_t bit)
         triangles[i] = {block.ranks[i], source_.triangles[block.ranks[i]]};
         open_of_[block.ranks[i]] &= ~bit;
     }
-    places_[block.number] =
+    positions_[block.number] =
         append_block(std::span(triangles).first(block.rank_count), source_.positions, arena_);
     block = {};
 }

@@ -32,19 +32,19 @@ public:
     void begin();
 
     /// Where triangles are.
-    struct Place {
+    struct Location {
         std::uint32_t number = 0; ///< of the block
         std::uint32_t mask = 0;   ///< bit i: the block's triangle i is one of them
     };
 
     /// The block that holds these triangles from now on. \pre 1 to 16 distinct ranks,
     /// at most 32 vertices
-    Place place(std::span<const std::uint32_t> ranks);
+    Location put(std::span<const std::uint32_t> ranks);
 
-    /// Writes all that is open. Block number i then begins at places()[i] in arena().
+    /// Writes all that is open. Block number i then begins at positions()[i] in arena().
     void end();
 
-    [[nodiscard]] const std::vector<std::size_t>& places() const noexcept { return places_; }
+    [[nodiscard]] const std::vector<std::size_t>& positions() const noexcept { return positions_; }
     [[nodiscard]] std::vector<std::byte>& arena() noexcept { return arena_; }
 
 private:
@@ -61,14 +61,14 @@ private:
 
     [[nodiscard]] bool join(OpenBlock& block, std::uint64_t bit,
                             std::span<const std::uint32_t> ranks);
-    [[nodiscard]] static Place place_in(const OpenBlock& block,
-                                        std::span<const std::uint32_t> ranks);
+    [[nodiscard]] static Location location_in(const OpenBlock& block,
+                                              std::span<const std::uint32_t> ranks);
     void write(OpenBlock& block, std::uint64_t bit);
 
     BlockSource source_;
     std::vector<std::uint64_t> open_of_; ///< per rank: bit i = it is in open block i
     std::array<OpenBlock, open_blocks> blocks_;
-    std::vector<std::size_t> places_;
+    std::vector<std::size_t> positions_;
     std::vector<std::byte> arena_;
     std::uint64_t clock_ = 0;
 };

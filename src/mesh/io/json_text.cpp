@@ -64,7 +64,7 @@ std::optional<std::string> without_escapes(std::string_view raw)
 class JsonParser {
 public:
     JsonParser(const MeshSource& source, std::string_view text, MemoryBudget budget)
-        : source_(source), place_(text.data()), end_(text.data() + text.size()),
+        : source_(source), position_(text.data()), end_(text.data() + text.size()),
           most_values_(static_cast<std::size_t>(budget_bytes(budget) / sizeof(JsonText::Value)))
     {}
 
@@ -86,7 +86,7 @@ private:
         } while (!open.empty());
         skip_space();
         // Readers of zero-terminated text would stop at a zero byte.
-        if (place_ != end_ && *place_ != '\0') return refuse("there is more behind its end");
+        if (position_ != end_ && *position_ != '\0') return refuse("there is more behind its end");
         return {};
     }
 
@@ -102,16 +102,16 @@ private:
         if (json_.values_.size() >= most_values_) {
             return fail(ErrorCode::budget_exceeded,
                         "its JSON has more values than the budget has memory for: raise it",
-                        source_.at_byte(place_));
+                        source_.at_byte(position_));
         }
         skip_space();
-        const char first = place_ == end_ ? '\0' : *place_;
+        const char first = position_ == end_ ? '\0' : *position_;
         if (first == '{' || first == '[') {
             if (open.size() >= JsonText::max_nesting) {
                 return refuse(concat("arrays and objects lie more than ", JsonText::max_nesting,
                                      " deep in each other"));
             }
-            ++place_;
+            ++position_;
             value.kind = first == '{' ? JsonText::Kind::object : JsonText::Kind::array;
             open.push_back(static_cast<JsonText::Id>(json_.values_.size()));
         } else if (first == '"') {
@@ -119,8 +119,8 @@ private:
             if (auto status = read_string(value.text); !status) return status;
         } else if (first == '-' || is_digit(first)) {
             value.kind = JsonText::Kind::number;
-            place_ = parse_real(place_, end_, value.number);
-            if (place_ == nullptr) return refuse("a number is damaged");
+            position_ = parse_real(position_, end_, value.number);
+            if (position_ == nullptr) return refuse("a number is damaged");
         } else if (!take_word("true") && !take_word("false") && !take_word("null")) {
             return refuse("a value is missing");
         }
@@ -150,19 +150,19 @@ private:
 
     Status read_string(std::string_view& text)
     {
-        if (place_ == end_ || *place_ != '"') return refuse("a string is missing");
-        const char* const first = ++place_;
+        if (position_ == end_ || *position_ != '"') return refuse("a string is missing");
+        const char* const first = ++position_;
         bool has_escapes = false;
-        while (place_ != end_ && *place_ != '"') {
-            if (*place_ == '\\') {
+        while (position_ != end_ && *position_ != '"') {
+            if (*position_ == '\\') {
                 has_escapes = true;
-                if (++place_ == end_) break;
+                if (++position_ == end_) break;
             }
-            ++place_;
+            ++position_;
         }
-        if (place_ == end_) return refuse("a string has no end");
-        text = {first, static_cast<std::size_t>(place_ - first)};
-        ++place_;
+        if (position_ == end_) return refuse("a string has no end");
+        text = {first, static_cast<std::size_t>(position_ - first)};
+        ++position_;
         if (has_escapes) {
             auto resolved = without_escapes(text);
             if (!resolved) return refuse("a string has an unknown escape");
@@ -173,37 +173,38 @@ private:
 
     void skip_space()
     {
-        while (place_ != end_ &&
-               (*place_ == ' ' || *place_ == '\t' || *place_ == '\n' || *place_ == '\r')) {
-            ++place_;
+        while (position_ != end_ && (*position_ == ' ' || *position_ == '\t' ||
+                                     *position_ == '\n' || *position_ == '\r')) {
+            ++position_;
         }
     }
 
     bool take(char letter)
     {
         skip_space();
-        if (place_ == end_ || *place_ != letter) return false;
-        ++place_;
+        if (position_ == end_ || *position_ != letter) return false;
+        ++position_;
         return true;
     }
 
     bool take_word(std::string_view word)
     {
-        if (!std::string_view(place_, static_cast<std::size_t>(end_ - place_)).starts_with(word)) {
+        if (!std::string_view(position_, static_cast<std::size_t>(end_ - position_))
+                 .starts_with(word)) {
             return false;
         }
-        place_ += word.size();
+        position_ += word.size();
         return true;
     }
 
     [[nodiscard]] tl::unexpected<Error> refuse(std::string_view what) const
     {
         return fail(ErrorCode::malformed_file, concat("its JSON is damaged: ", what),
-                    place_ == nullptr ? source_.name : source_.at_byte(place_));
+                    position_ == nullptr ? source_.name : source_.at_byte(position_));
     }
 
     const MeshSource& source_;
-    const char* place_;
+    const char* position_;
     const char* end_;
     std::size_t most_values_;
     JsonText json_;

@@ -25,7 +25,7 @@ public:
         : source_(source), options_(options)
     {}
 
-    /// Makes room for this many more than there are. Callers make sure that the file can hold them.
+    /// Reserves capacity for this many more than there are. Callers make sure that the file can hold them.
     [[nodiscard]] bool reserve_vertices(std::uint64_t count);
     [[nodiscard]] bool reserve_triangles(std::uint64_t count);
 
@@ -51,7 +51,7 @@ public:
     /// of all: for formats without indices, whose loose corners would be many times the vertices.
     /// Not to be mixed with add_vertex. \pre ids.size() == positions.size() <= weld_block
     static constexpr std::size_t weld_block = 192;
-    /// Makes room for so many more different vertices.
+    /// Reserves capacity for so many more different vertices.
     [[nodiscard]] bool reserve_welded(std::size_t more);
     [[nodiscard]] bool add_welded(std::span<const Vec3> positions, std::span<std::uint32_t> ids);
 

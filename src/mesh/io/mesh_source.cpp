@@ -43,14 +43,14 @@ tl::unexpected<Error> unreadable(const std::filesystem::path& path, int error_nu
 
 } // namespace
 
-std::string MeshSource::at_line(const char* place) const
+std::string MeshSource::at_line(const char* position) const
 {
-    return concat(name, ":", 1 + std::count(text.data(), place, '\n'));
+    return concat(name, ":", 1 + std::count(text.data(), position, '\n'));
 }
 
-std::string MeshSource::at_byte(const char* place) const
+std::string MeshSource::at_byte(const char* position) const
 {
-    return concat(name, ", byte ", place - text.data());
+    return concat(name, ", byte ", position - text.data());
 }
 
 Result<FileBytes> read_file(const std::filesystem::path& path, MemoryBudget budget,

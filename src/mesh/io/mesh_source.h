@@ -1,4 +1,4 @@
-// The bytes of a mesh file, and how messages name a place in them.
+// The bytes of a mesh file, and how messages name a position in them.
 #pragma once
 
 #include "base/grow_buffer.h"
@@ -18,10 +18,10 @@ struct MeshSource {
     std::string name; ///< for messages
     std::string_view text;
 
-    /// "name:12" for a place in line 12. O(place).
-    [[nodiscard]] std::string at_line(const char* place) const;
+    /// "name:12" for a position in line 12. O(position).
+    [[nodiscard]] std::string at_line(const char* position) const;
     /// "name, byte 84", counted from 0.
-    [[nodiscard]] std::string at_byte(const char* place) const;
+    [[nodiscard]] std::string at_byte(const char* position) const;
 };
 
 /// The whole content of a file.
@@ -48,20 +48,20 @@ public:
     }
 
     /// False where the reader shall stop.
-    [[nodiscard]] bool may_continue(const char* place) noexcept
+    [[nodiscard]] bool may_continue(const char* position) noexcept
     {
-        return place < next_ || report(place);
+        return position < next_ || report(position);
     }
 
 private:
     static constexpr std::ptrdiff_t interval = std::ptrdiff_t{1} << 20;
 
-    [[nodiscard]] bool report(const char* place) noexcept
+    [[nodiscard]] bool report(const char* position) noexcept
     {
-        next_ = place + interval;
+        next_ = position + interval;
         if (progress_ == nullptr) return true;
-        progress_->advance(static_cast<std::uint64_t>(place - reported_));
-        reported_ = place;
+        progress_->advance(static_cast<std::uint64_t>(position - reported_));
+        reported_ = position;
         return !progress_->cancelled();
     }
 

@@ -27,10 +27,10 @@ const char* parse_windows_special(const char* begin, const char* end, double& va
     } specials[] = {{"1.#INF", infinity}, {"1.#QNAN", nan}, {"1.#SNAN", nan}, {"1.#IND", nan}};
     for (const auto& special : specials) {
         if (!starts_with_any_case(begin, end, special.word)) continue;
-        const char* place = begin + special.word.size();
-        while (place < end && is_digit(*place)) ++place; // "1.#INF00"
+        const char* position = begin + special.word.size();
+        while (position < end && is_digit(*position)) ++position; // "1.#INF00"
         value = special.value;
-        return place;
+        return position;
     }
     return nullptr;
 }
@@ -61,18 +61,19 @@ bool is_huge(const char* begin, const char* end) noexcept
 
 const char* parse_real_slowly(const char* begin, const char* end, double& value) noexcept
 {
-    const char* place = begin;
-    const bool negative = place < end && *place == '-';
-    if (place < end && (*place == '-' || *place == '+')) ++place;
+    const char* position = begin;
+    const bool negative = position < end && *position == '-';
+    if (position < end && (*position == '-' || *position == '+')) ++position;
     // from_chars would accept a second sign.
-    if (place == end || *place == '-' || *place == '+') return nullptr;
+    if (position == end || *position == '-' || *position == '+') return nullptr;
     double magnitude = 0;
-    const char* stop = parse_windows_special(place, end, magnitude);
+    const char* stop = parse_windows_special(position, end, magnitude);
     if (stop == nullptr) {
-        const auto parsed = std::from_chars(place, end, magnitude);
+        const auto parsed = std::from_chars(position, end, magnitude);
         if (parsed.ec == std::errc::invalid_argument) return nullptr;
         if (parsed.ec == std::errc::result_out_of_range) {
-            magnitude = is_huge(place, parsed.ptr) ? std::numeric_limits<double>::infinity() : 0.0;
+            magnitude =
+                is_huge(position, parsed.ptr) ? std::numeric_limits<double>::infinity() : 0.0;
         }
         stop = parsed.ptr;
     }

@@ -34,18 +34,18 @@ inline constexpr std::uint64_t whole_powers_of_ten[] = {
 
 /// Moves over digits and appends them to `digits`, whose overflow the caller notices by their
 /// number. Eight at a time: how many there are costs no branch.
-[[nodiscard]] inline const char* parse_digits(const char* place, const char* end,
+[[nodiscard]] inline const char* parse_digits(const char* position, const char* end,
                                               std::uint64_t& digits) noexcept
 {
     if constexpr (std::endian::native == std::endian::little) {
-        while (end - place >= 8) {
+        while (end - position >= 8) {
             std::uint64_t values = 0; // the first letter in the lowest byte
-            std::memcpy(&values, place, sizeof values);
+            std::memcpy(&values, position, sizeof values);
             values ^= 0x3030303030303030U; // digits to 0..9
             const std::uint64_t others =
                 ((values + 0x7676767676767676U) | values) & 0x8080808080808080U;
             const auto count = static_cast<unsigned>(std::countr_zero(others)) / 8;
-            if (count == 0) return place;
+            if (count == 0) return position;
             values <<= 8 * (8 - count);            // as many leading zeros
             values = values * 10 + (values >> 8U); // pairs of digits in every second byte
             const std::uint64_t pairs = 0x000000FF000000FFU;
@@ -54,14 +54,14 @@ inline constexpr std::uint64_t whole_powers_of_ten[] = {
                  (values >> 16U & pairs) * (1 + (std::uint64_t{10'000} << 32U))) >>
                 32U;
             digits = digits * whole_powers_of_ten[count] + eight;
-            place += count;
-            if (count < 8) return place;
+            position += count;
+            if (count < 8) return position;
         }
     }
-    for (; place < end && is_digit(*place); ++place) {
-        digits = digits * 10 + static_cast<std::uint64_t>(*place - '0');
+    for (; position < end && is_digit(*position); ++position) {
+        digits = digits * 10 + static_cast<std::uint64_t>(*position - '0');
     }
-    return place;
+    return position;
 }
 
 /// parse_real_slowly, fast for short numbers.
@@ -72,28 +72,28 @@ inline constexpr std::uint64_t whole_powers_of_ten[] = {
     constexpr int exact_power = 22;
     constexpr std::ptrdiff_t digit_limit = 19;
 
-    const char* place = begin;
-    const bool negative = place < end && *place == '-';
-    if (negative) ++place;
+    const char* position = begin;
+    const bool negative = position < end && *position == '-';
+    if (negative) ++position;
     std::uint64_t digits = 0;
-    const char* const first_digit = place;
-    for (; place < end && is_digit(*place); ++place) {
-        digits = digits * 10 + static_cast<std::uint64_t>(*place - '0');
+    const char* const first_digit = position;
+    for (; position < end && is_digit(*position); ++position) {
+        digits = digits * 10 + static_cast<std::uint64_t>(*position - '0');
     }
-    std::ptrdiff_t digit_count = place - first_digit;
+    std::ptrdiff_t digit_count = position - first_digit;
     int exponent = 0;
-    if (place < end && *place == '.') {
-        const char* const first_decimal = ++place;
-        place = parse_digits(place, end, digits);
-        digit_count += place - first_decimal;
+    if (position < end && *position == '.') {
+        const char* const first_decimal = ++position;
+        position = parse_digits(position, end, digits);
+        digit_count += position - first_decimal;
         if (digit_count > digit_limit) return parse_real_slowly(begin, end, value);
-        exponent = -static_cast<int>(place - first_decimal);
+        exponent = -static_cast<int>(position - first_decimal);
     }
     if (digit_count == 0 || digit_count > digit_limit || digits > exact_limit) {
         return parse_real_slowly(begin, end, value);
     }
-    if (place < end && (*place == 'e' || *place == 'E')) {
-        const char* power = place + 1;
+    if (position < end && (*position == 'e' || *position == 'E')) {
+        const char* power = position + 1;
         const bool shrinks = power < end && *power == '-';
         if (power < end && (*power == '-' || *power == '+')) ++power;
         const char* const first_power_digit = power;
@@ -104,8 +104,8 @@ inline constexpr std::uint64_t whole_powers_of_ten[] = {
         const bool more_digits = power < end && is_digit(*power);
         if (power == first_power_digit || more_digits) return parse_real_slowly(begin, end, value);
         exponent += shrinks ? -power_value : power_value;
-        place = power;
-    } else if (place < end && *place == '#') {
+        position = power;
+    } else if (position < end && *position == '#') {
         return parse_real_slowly(begin, end, value);
     }
     if (exponent < -exact_power || exponent > exact_power) {
@@ -115,7 +115,7 @@ inline constexpr std::uint64_t whole_powers_of_ten[] = {
     const double scaled =
         exponent < 0 ? magnitude / powers_of_ten[-exponent] : magnitude * powers_of_ten[exponent];
     value = negative ? -scaled : scaled;
-    return place;
+    return position;
 }
 
 /// Reads a whole number with an optional sign at `begin`. Returns where it ends, nullptr where
@@ -124,18 +124,18 @@ inline constexpr std::uint64_t whole_powers_of_ten[] = {
                                                std::int64_t& value) noexcept
 {
     constexpr std::ptrdiff_t digit_limit = 18; // 10^18 fits
-    const char* place = begin;
-    const bool negative = place < end && *place == '-';
-    if (place < end && (*place == '-' || *place == '+')) ++place;
-    const char* const first_digit = place;
+    const char* position = begin;
+    const bool negative = position < end && *position == '-';
+    if (position < end && (*position == '-' || *position == '+')) ++position;
+    const char* const first_digit = position;
     std::int64_t digits = 0;
-    for (; place < end && is_digit(*place); ++place) {
-        if (place - first_digit >= digit_limit) return nullptr;
-        digits = digits * 10 + (*place - '0');
+    for (; position < end && is_digit(*position); ++position) {
+        if (position - first_digit >= digit_limit) return nullptr;
+        digits = digits * 10 + (*position - '0');
     }
-    if (place == first_digit) return nullptr;
+    if (position == first_digit) return nullptr;
     value = negative ? -digits : digits;
-    return place;
+    return position;
 }
 
 } // namespace proxima::detail

@@ -47,7 +47,7 @@ public:
                 return refuse(ErrorCode::malformed_file,
                               "the file ends before end_header: it is cut off");
             }
-            line_ = cursor_.place();
+            line_ = cursor_.position();
             const std::string_view keyword = cursor_.word();
             if (keyword == "end_header") break;
             if (keyword == "comment" || keyword == "obj_info") continue;
@@ -162,13 +162,13 @@ private:
         if (!cursor_.at_end() && !cursor_.take('\n')) {
             return refuse(ErrorCode::malformed_file, "end_header does not stand alone on its line");
         }
-        header_.body = {cursor_.place(), cursor_.remaining()};
+        header_.body = {cursor_.position(), cursor_.remaining()};
         return std::move(header_);
     }
 
     const MeshSource& source_;
     PlyCursor cursor_;
-    const char* line_ = cursor_.place();
+    const char* line_ = cursor_.position();
     PlyHeader header_;
     bool has_format_ = false;
 };

@@ -21,7 +21,7 @@ class PlyTextValues {
 public:
     explicit PlyTextValues(std::string_view body) noexcept : cursor_(body) {}
 
-    [[nodiscard]] const char* place() const noexcept { return cursor_.place(); }
+    [[nodiscard]] const char* position() const noexcept { return cursor_.position(); }
     [[nodiscard]] PlyFailure failure() const noexcept { return failure_; }
 
     /// The fewest bytes that a value takes: a digit and what parts it from the next.
@@ -79,15 +79,15 @@ template <std::endian Order>
 class PlyBinaryValues {
 public:
     explicit PlyBinaryValues(std::string_view body) noexcept
-        : place_(body.data()), end_(body.data() + body.size())
+        : position_(body.data()), end_(body.data() + body.size())
     {}
 
-    [[nodiscard]] const char* place() const noexcept { return place_; }
+    [[nodiscard]] const char* position() const noexcept { return position_; }
     [[nodiscard]] PlyFailure failure() const noexcept { return failure_; }
     [[nodiscard]] static std::size_t least_bytes(PlyType type) noexcept { return size_of(type); }
     [[nodiscard]] std::size_t remaining() const noexcept
     {
-        return static_cast<std::size_t>(end_ - place_);
+        return static_cast<std::size_t>(end_ - position_);
     }
 
     [[nodiscard]] bool begin_element() const noexcept { return true; }
@@ -97,7 +97,7 @@ public:
     {
         if (remaining() < size_of(type)) return failed(PlyFailure::ends_early);
         value = number(type);
-        place_ += size_of(type);
+        position_ += size_of(type);
         return true;
     }
 
@@ -116,14 +116,14 @@ public:
     [[nodiscard]] bool skip(PlyType type) noexcept
     {
         if (remaining() < size_of(type)) return failed(PlyFailure::ends_early);
-        place_ += size_of(type);
+        position_ += size_of(type);
         return true;
     }
 
     /// True at the end, where some writers put one more line end.
     [[nodiscard]] bool is_complete() const noexcept
     {
-        const std::string_view rest(place_, remaining());
+        const std::string_view rest(position_, remaining());
         return rest.empty() || rest == "\n" || rest == "\r\n";
     }
 
@@ -138,7 +138,7 @@ private:
     [[nodiscard]] double load() const noexcept
     {
         unsigned char bytes[sizeof(T)];
-        std::memcpy(bytes, place_, sizeof(T));
+        std::memcpy(bytes, position_, sizeof(T));
         if constexpr (Order != std::endian::native) {
             for (std::size_t i = 0; i < sizeof(T) / 2; ++i) {
                 std::swap(bytes[i], bytes[sizeof(T) - 1 - i]);
@@ -172,7 +172,7 @@ private:
         return 0;
     }
 
-    const char* place_;
+    const char* position_;
     const char* end_;
     PlyFailure failure_ = PlyFailure::none;
 };

@@ -35,7 +35,7 @@ public:
     Result<TriangleMesh> read(Vertices vertices)
     {
         while (cursor_.next_filled_line()) {
-            line_ = cursor_.place();
+            line_ = cursor_.position();
             if (!may_continue() || !read_statement()) return tl::unexpected(error());
         }
         if (largest_index_ >= static_cast<std::int64_t>(mesh_.vertex_count())) {

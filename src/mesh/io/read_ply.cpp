@@ -144,7 +144,7 @@ private:
     bool each_element(ReadOne&& read_one)
     {
         for (element_index_ = 0; element_index_ < element_->count; ++element_index_) {
-            if (!progress_.may_continue(values_.place())) {
+            if (!progress_.may_continue(values_.position())) {
                 error_ = reading_cancelled(source_.name);
                 return false;
             }
@@ -310,7 +310,7 @@ private:
     [[nodiscard]] std::string where() const
     {
         const bool is_text = header_.body_kind == PlyBody::ascii;
-        return is_text ? source_.at_line(values_.place()) : source_.at_byte(values_.place());
+        return is_text ? source_.at_line(values_.position()) : source_.at_byte(values_.position());
     }
 
     bool refuse(ErrorCode code, std::string message)

@@ -33,11 +33,11 @@ std::uint32_t load_uint32(const char* bytes) noexcept
            std::uint32_t{octets[3]} << 24U;
 }
 
-/// The corners of the triangle at `place`. The normal precedes them.
-Vec3 load_corner(const char* place, std::size_t corner) noexcept
+/// The corners of the triangle at `position`. The normal precedes them.
+Vec3 load_corner(const char* position, std::size_t corner) noexcept
 {
     const auto value = [&](std::size_t index) {
-        return static_cast<double>(std::bit_cast<float>(load_uint32(place + index * 4)));
+        return static_cast<double>(std::bit_cast<float>(load_uint32(position + index * 4)));
     };
     const std::size_t x = 3 * (corner + 1);
     return {value(x), value(x + 1), value(x + 2)};
@@ -74,15 +74,15 @@ Result<TriangleMesh> read_binary(const MeshSource& source, const ReadOptions& op
     constexpr std::uint32_t block = MeshAssembler::weld_block / 3;
     std::array<Vec3, 3 * block> corners;
     std::array<std::uint32_t, 3 * block> ids{};
-    const char* place = text.data() + first_triangle;
+    const char* position = text.data() + first_triangle;
     for (std::uint32_t first = 0; first < count; first += block) {
-        if (!progress.may_continue(place)) return tl::unexpected(reading_cancelled(source.name));
+        if (!progress.may_continue(position)) return tl::unexpected(reading_cancelled(source.name));
         const std::uint32_t triangles = std::min(block, count - first);
         for (std::uint32_t triangle = 0; triangle < triangles; ++triangle) {
             for (std::size_t corner = 0; corner < 3; ++corner) {
-                corners[3 * triangle + corner] = load_corner(place, corner);
+                corners[3 * triangle + corner] = load_corner(position, corner);
             }
-            place += triangle_bytes;
+            position += triangle_bytes;
         }
         const std::span found = std::span(ids).first(3 * triangles);
         bool added = true;
@@ -141,9 +141,9 @@ private:
     // The rest of this line, which may be empty.
     void skip_name()
     {
-        LineCursor line({cursor_.place(), cursor_.remaining()});
+        LineCursor line({cursor_.position(), cursor_.remaining()});
         line.skip_line();
-        cursor_ = StlCursor({line.place(), line.remaining()});
+        cursor_ = StlCursor({line.position(), line.remaining()});
     }
 
     bool read_facet()

@@ -26,11 +26,11 @@ Transform transform_of(const aiNode& node)
     return transform;
 }
 
-std::uint32_t glb_number(std::string_view text, std::size_t place)
+std::uint32_t glb_number(std::string_view text, std::size_t position)
 {
     std::uint32_t value = 0;
     for (std::size_t i = 4; i > 0; --i) {
-        value = value << 8U | static_cast<unsigned char>(text[place + i - 1]);
+        value = value << 8U | static_cast<unsigned char>(text[position + i - 1]);
     }
     return value;
 }
@@ -44,7 +44,7 @@ Status check_glb_lengths(const MeshSource& source)
     const std::string_view text = source.text;
     constexpr std::size_t header_bytes = 12;
     constexpr std::size_t part_header_bytes = 8;
-    const auto number = [&](std::size_t place) { return glb_number(text, place); };
+    const auto number = [&](std::size_t position) { return glb_number(text, position); };
     if (text.size() < header_bytes + part_header_bytes || !text.starts_with("glTF")) {
         return fail(ErrorCode::malformed_file, "this is no GLB file: its header is missing",
                     source.name);
@@ -56,15 +56,15 @@ Status check_glb_lengths(const MeshSource& source)
                     source.name);
     }
     const bool has_one_part = number(4) == 1; // what follows its JSON has no header
-    for (std::size_t place = header_bytes; place < text.size();) {
-        const std::size_t left = text.size() - place;
-        if (left < part_header_bytes || number(place) > left - part_header_bytes) {
+    for (std::size_t position = header_bytes; position < text.size();) {
+        const std::size_t left = text.size() - position;
+        if (left < part_header_bytes || number(position) > left - part_header_bytes) {
             return fail(ErrorCode::malformed_file,
                         "a part is longer than what is left of the file: it is damaged",
-                        source.at_byte(text.data() + place));
+                        source.at_byte(text.data() + position));
         }
         if (has_one_part) break;
-        place += part_header_bytes + number(place);
+        position += part_header_bytes + number(position);
     }
     return {};
 }

@@ -1,4 +1,4 @@
-// A place in a text file, and the steps that readers of line-based formats make from it.
+// A position in a text file, and the steps that readers of line-based formats make from it.
 //
 //     f 1 2 \          a dialect may continue lines by a backslash,
 //       3 4  # four    have comments to the end of the line,
@@ -27,26 +27,26 @@ template <TextDialect Dialect>
 class TextCursor {
 public:
     explicit TextCursor(std::string_view text) noexcept
-        : place_(text.data()), end_(text.data() + text.size())
+        : position_(text.data()), end_(text.data() + text.size())
     {}
 
-    [[nodiscard]] const char* place() const noexcept { return place_; }
+    [[nodiscard]] const char* position() const noexcept { return position_; }
     [[nodiscard]] std::size_t remaining() const noexcept
     {
-        return static_cast<std::size_t>(end_ - place_);
+        return static_cast<std::size_t>(end_ - position_);
     }
-    [[nodiscard]] bool at_end() const noexcept { return place_ == end_; }
+    [[nodiscard]] bool at_end() const noexcept { return position_ == end_; }
 
     /// Moves to the next value of this line, over blanks and what the dialect counts as such.
     void skip_blanks() noexcept
     {
-        for (; place_ < end_; ++place_) {
-            if (is_blank(*place_)) continue;
+        for (; position_ < end_; ++position_) {
+            if (is_blank(*position_)) continue;
             if constexpr (Dialect.line_ends_are_blanks) {
-                if (*place_ == '\n') continue;
+                if (*position_ == '\n') continue;
             }
             if constexpr (Dialect.continues_lines) {
-                if (*place_ == '\\' && step_over_continuation()) continue;
+                if (*position_ == '\\' && step_over_continuation()) continue;
             }
             return;
         }
@@ -58,13 +58,13 @@ public:
     {
         while (true) {
             skip_blanks();
-            if (place_ == end_) return false;
+            if (position_ == end_) return false;
             if constexpr (Dialect.has_comments) {
-                if (*place_ == '#') skip_physical_line();
-                if (place_ == end_) return false;
+                if (*position_ == '#') skip_physical_line();
+                if (position_ == end_) return false;
             }
-            if (*place_ != '\n') return true;
-            ++place_;
+            if (*position_ != '\n') return true;
+            ++position_;
         }
     }
 
@@ -72,21 +72,21 @@ public:
     [[nodiscard]] bool at_line_end() noexcept
     {
         skip_blanks();
-        if (place_ == end_ || *place_ == '\n') return true;
-        return Dialect.has_comments && *place_ == '#';
+        if (position_ == end_ || *position_ == '\n') return true;
+        return Dialect.has_comments && *position_ == '#';
     }
 
     /// Moves behind the end of this line.
     void skip_line() noexcept
     {
         while (true) {
-            const char* const begin = place_;
+            const char* const begin = position_;
             skip_physical_line();
-            const char* last = place_;
-            if (place_ < end_) ++place_;
+            const char* last = position_;
+            if (position_ < end_) ++position_;
             if constexpr (!Dialect.continues_lines) return;
             if (last > begin && last[-1] == '\r') --last;
-            if (place_ == end_ || last == begin || last[-1] != '\\') return;
+            if (position_ == end_ || last == begin || last[-1] != '\\') return;
         }
     }
 
@@ -94,9 +94,9 @@ public:
     [[nodiscard]] bool real(double& value) noexcept
     {
         skip_blanks();
-        const char* const stop = parse_real(place_, end_, value);
+        const char* const stop = parse_real(position_, end_, value);
         if (stop == nullptr || !ends_value(stop)) return false;
-        place_ = stop;
+        position_ = stop;
         return true;
     }
 
@@ -104,9 +104,9 @@ public:
     [[nodiscard]] bool integer(std::int64_t& value) noexcept
     {
         skip_blanks();
-        const char* const stop = parse_integer(place_, end_, value);
+        const char* const stop = parse_integer(position_, end_, value);
         if (stop == nullptr || !ends_value(stop)) return false;
-        place_ = stop;
+        position_ = stop;
         return true;
     }
 
@@ -116,11 +116,11 @@ public:
     {
         constexpr std::size_t length = Size - 1; // known here, so that comparing takes no call
         skip_blanks();
-        if (remaining() < length || std::memcmp(place_, word, length) != 0 ||
-            !ends_value(place_ + length)) {
+        if (remaining() < length || std::memcmp(position_, word, length) != 0 ||
+            !ends_value(position_ + length)) {
             return false;
         }
-        place_ += length;
+        position_ += length;
         return true;
     }
 
@@ -128,41 +128,41 @@ public:
     [[nodiscard]] std::string_view word() noexcept
     {
         skip_blanks();
-        const char* const begin = place_;
+        const char* const begin = position_;
         if constexpr (std::endian::native == std::endian::little && only_blanks_end_values) {
             // Eight letters at a time while all are above the blank.
             while (remaining() >= 8) {
                 std::uint64_t letters = 0;
-                std::memcpy(&letters, place_, sizeof letters);
+                std::memcpy(&letters, position_, sizeof letters);
                 const std::uint64_t low =
                     (letters - 0x2121212121212121U) & ~letters & 0x8080808080808080U;
-                place_ += std::countr_zero(low) / 8;
+                position_ += std::countr_zero(low) / 8;
                 if (low != 0) break;
             }
         }
-        while (place_ < end_ && !ends_value(place_)) ++place_;
-        return {begin, static_cast<std::size_t>(place_ - begin)};
+        while (position_ < end_ && !ends_value(position_)) ++position_;
+        return {begin, static_cast<std::size_t>(position_ - begin)};
     }
 
     /// Moves over `letter` if it is the very next one.
     [[nodiscard]] bool take(char letter) noexcept
     {
-        if (place_ == end_ || *place_ != letter) return false;
-        ++place_;
+        if (position_ == end_ || *position_ != letter) return false;
+        ++position_;
         return true;
     }
 
-    /// Reads a whole number at this very place, whatever follows it.
+    /// Reads a whole number at this very position, whatever follows it.
     [[nodiscard]] bool integer_here(std::int64_t& value) noexcept
     {
-        const char* const stop = parse_integer(place_, end_, value);
+        const char* const stop = parse_integer(position_, end_, value);
         if (stop == nullptr) return false;
-        place_ = stop;
+        position_ = stop;
         return true;
     }
 
     /// True where a value may end here.
-    [[nodiscard]] bool ends_value() const noexcept { return ends_value(place_); }
+    [[nodiscard]] bool ends_value() const noexcept { return ends_value(position_); }
 
 private:
     static constexpr bool only_blanks_end_values =
@@ -175,31 +175,33 @@ private:
                letter == '\f';
     }
 
-    [[nodiscard]] bool ends_value(const char* place) const noexcept
+    [[nodiscard]] bool ends_value(const char* position) const noexcept
     {
-        if (place == end_) return true;
-        if (static_cast<unsigned char>(*place) <= ' ') return is_blank(*place) || *place == '\n';
-        if (Dialect.has_comments && *place == '#') return true;
-        return Dialect.continues_lines && *place == '\\';
+        if (position == end_) return true;
+        if (static_cast<unsigned char>(*position) <= ' ')
+            return is_blank(*position) || *position == '\n';
+        if (Dialect.has_comments && *position == '#') return true;
+        return Dialect.continues_lines && *position == '\\';
     }
 
     // From the backslash to the line end that it hides.
     bool step_over_continuation() noexcept
     {
-        const char* next = place_ + 1;
+        const char* next = position_ + 1;
         if (next < end_ && *next == '\r') ++next;
         if (next == end_ || *next != '\n') return false;
-        place_ = next;
+        position_ = next;
         return true;
     }
 
     void skip_physical_line() noexcept
     {
-        const void* line_end = remaining() == 0 ? nullptr : std::memchr(place_, '\n', remaining());
-        place_ = line_end == nullptr ? end_ : static_cast<const char*>(line_end);
+        const void* line_end =
+            remaining() == 0 ? nullptr : std::memchr(position_, '\n', remaining());
+        position_ = line_end == nullptr ? end_ : static_cast<const char*>(line_end);
     }
 
-    const char* place_;
+    const char* position_;
     const char* end_;
 };
 

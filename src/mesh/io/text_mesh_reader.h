@@ -1,4 +1,4 @@
-// What the readers of text formats share: a place in the text, the mesh so far, and one error.
+// What the readers of text formats share: a position in the text, the mesh so far, and one error.
 #pragma once
 
 #include "mesh/io/mesh_assembler.h"
@@ -22,22 +22,22 @@ protected:
     /// False, with an error, where the watcher asks to stop.
     [[nodiscard]] bool may_continue()
     {
-        if (progress_.may_continue(cursor_.place())) return true;
+        if (progress_.may_continue(cursor_.position())) return true;
         error_ = reading_cancelled(source_.name);
         return false;
     }
 
-    /// An error at the line of `place`.
-    bool refuse_at(const char* place, ErrorCode code, std::string message)
+    /// An error at the line of `position`.
+    bool refuse_at(const char* position, ErrorCode code, std::string message)
     {
-        error_ = {code, std::move(message), source_.at_line(place)};
+        error_ = {code, std::move(message), source_.at_line(position)};
         return false;
     }
 
     /// An error at the line where reading is.
     bool refuse(std::string message, ErrorCode code = ErrorCode::malformed_file)
     {
-        return refuse_at(cursor_.place(), code, std::move(message));
+        return refuse_at(cursor_.position(), code, std::move(message));
     }
 
     bool refused_by_mesh()

@@ -50,7 +50,7 @@ void search_lists_together(const IndexParts& index, const ProximityLists& lists,
     const ProximityArrays& arrays = lists.arrays();
     const int depth = lists.table_depth();
     const int table_shift = static_cast<int>(ProximityLists::location_bits) - depth;
-    const auto table_place = [&](const std::array<std::uint32_t, 3>& at) {
+    const auto table_position = [&](const std::array<std::uint32_t, 3>& at) {
         return (std::size_t{at[2] >> table_shift} << depth | at[1] >> table_shift) << depth |
                at[0] >> table_shift;
     };
@@ -59,11 +59,12 @@ void search_lists_together(const IndexParts& index, const ProximityLists& lists,
         query.frame_p = lists.frame().to_frame(points[i]);
         query.inside = lists.locate(query.frame_p, query.at);
         query.shift = table_shift;
-        if (query.inside) hwy::Prefetch(&arrays.table[table_place(query.at)]);
+        if (query.inside) hwy::Prefetch(&arrays.table[table_position(query.at)]);
     }
     for (std::size_t i = 0; i < points.size(); ++i) {
         ListQuery& query = queries[i];
-        query.word = query.inside ? arrays.table[table_place(query.at)] : proximity_word::leaf_bit;
+        query.word =
+            query.inside ? arrays.table[table_position(query.at)] : proximity_word::leaf_bit;
         if (!proximity_word::is_leaf(query.word))
             hwy::Prefetch(&arrays.nodes[next_node(query, query.shift - 1)]);
     }
@@ -81,7 +82,7 @@ void search_lists_together(const IndexParts& index, const ProximityLists& lists,
     }
     const auto block_of = [&](const ListQuery& query) {
         return arrays.arena.data() +
-               std::size_t{proximity_word::place(query.word)} * block_alignment;
+               std::size_t{proximity_word::position(query.word)} * block_alignment;
     };
     const auto has_block = [](const ListQuery& query) {
         return query.inside && proximity_word::is_block(query.word);

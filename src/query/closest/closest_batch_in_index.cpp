@@ -5,6 +5,7 @@
 #include "base/text.h"
 #include "index/index_parts.h"
 #include "proxima/closest_feature.h"
+#include "query/batch_size.h"
 #include "query/closest/describe_closest.h"
 
 #include <algorithm>
@@ -21,7 +22,7 @@ namespace proxima {
 /// Where a point is along the curve, and which it is.
 struct CurvePoint {
     std::uint32_t key = 0;
-    std::uint32_t place = 0;
+    std::uint32_t position = 0;
 };
 
 /// Points that are searched for one after the other, all finite, and where their answers go.
@@ -31,9 +32,9 @@ struct ClosestChunk {
     std::span<const CurvePoint> order; ///< empty: as they are
     ClosestOutputs outputs;            ///< of these points
 
-    [[nodiscard]] std::size_t place(std::size_t i) const noexcept
+    [[nodiscard]] std::size_t position(std::size_t i) const noexcept
     {
-        return order.empty() ? i : order[i].place;
+        return order.empty() ? i : order[i].position;
     }
 };
 
@@ -51,20 +52,21 @@ struct ClosestChunk {
 HWY_BEFORE_NAMESPACE();
 namespace proxima::HWY_NAMESPACE {
 
-HWY_INLINE void prefetch_places(const IndexParts& index, const RowDistance& found)
+HWY_INLINE void prefetch_feature(const IndexParts& index, const RowDistance& found)
 {
     if (found.kind() == FeatureKind::vertex) hwy::Prefetch(&index.vertex_places()[found.id()]);
     if (found.kind() == FeatureKind::edge) hwy::Prefetch(&index.edge_places()[found.id()]);
 }
 
-HWY_INLINE void write_answer(const ClosestChunk& chunk, std::size_t place, const RowDistance& found)
+HWY_INLINE void write_answer(const ClosestChunk& chunk, std::size_t position,
+                             const RowDistance& found)
 {
     const ClosestOutputs& to = chunk.outputs;
-    if (!to.answers.empty()) to.answers[place] = describe_closest(chunk.index, found);
+    if (!to.answers.empty()) to.answers[position] = describe_closest(chunk.index, found);
     if (!to.squared_distances.empty()) {
-        to.squared_distances[place] = row_scale_of(chunk.index).unscale_squared(found.squared);
+        to.squared_distances[position] = row_scale_of(chunk.index).unscale_squared(found.squared);
     }
-    if (!to.triangles.empty()) to.triangles[place] = triangle_of(chunk.index, found);
+    if (!to.triangles.empty()) to.triangles[position] = triangle_of(chunk.index, found);
 }
 
 /// The points of a chunk, several of them on their way at once, so that they wait for memory
@@ -90,7 +92,7 @@ public:
                     continue;
                 }
                 settle(chunk_.index, rows_, flight.p, flight.query);
-                take(flight.place, flight.p, flight.query.best);
+                take(flight.position, flight.p, flight.query.best);
                 if (begin_next(flight)) {
                     ++i;
                 } else {
@@ -107,7 +109,7 @@ private:
 
     struct Flight {
         Vec3 p;
-        std::size_t place;
+        std::size_t position;
         IndexQuery query;
 
         Flight() noexcept {} // NOLINT(modernize-use-equals-default): clears nothing
@@ -117,33 +119,33 @@ private:
     bool begin_next(Flight& flight)
     {
         while (next_ < chunk_.points.size()) {
-            flight.place = chunk_.place(next_++);
+            flight.position = chunk_.position(next_++);
             if (next_ + ahead < chunk_.points.size())
-                hwy::Prefetch(&chunk_.points[chunk_.place(next_ + ahead)]);
-            flight.p = chunk_.points[flight.place];
+                hwy::Prefetch(&chunk_.points[chunk_.position(next_ + ahead)]);
+            flight.p = chunk_.points[flight.position];
             const double known = last_distance_ + (flight.p - last_point_).norm();
             const double bound = known >= 0 ? known : std::numeric_limits<double>::infinity();
             if (flight.query.begin(chunk_.index, flight.p, bound) == QueryStart::near) return true;
-            take(flight.place, flight.p, search_index(chunk_.index, rows_, flight.p, bound));
+            take(flight.position, flight.p, search_index(chunk_.index, rows_, flight.p, bound));
         }
         return false;
     }
 
     /// Keeps an answer to write it when what it names has arrived from memory.
-    void take(std::size_t place, const Vec3& p, const RowDistance& found)
+    void take(std::size_t position, const Vec3& p, const RowDistance& found)
     {
         last_point_ = p;
         last_distance_ = std::sqrt(found.squared) * chunk_.index.unscale();
         write_last();
-        prefetch_places(chunk_.index, found);
+        prefetch_feature(chunk_.index, found);
         unwritten_ = found;
-        unwritten_place_ = place;
+        unwritten_position_ = position;
         has_unwritten_ = true;
     }
 
     void write_last()
     {
-        if (has_unwritten_) write_answer(chunk_, unwritten_place_, unwritten_);
+        if (has_unwritten_) write_answer(chunk_, unwritten_position_, unwritten_);
         has_unwritten_ = false;
     }
 
@@ -156,7 +158,7 @@ private:
     Vec3 last_point_ = Vec3::Zero();
     double last_distance_ = std::numeric_limits<double>::infinity();
     RowDistance unwritten_;
-    std::size_t unwritten_place_ = 0;
+    std::size_t unwritten_position_ = 0;
     bool has_unwritten_ = false;
     std::array<Flight, together> flights_;
 };
@@ -169,12 +171,12 @@ void search_chunk_in_lists(const ClosestChunk& chunk, std::span<const TriangleRo
     std::array<RowDistance, queries_together> found;
     for (std::size_t first = 0; first < chunk.points.size(); first += queries_together) {
         const std::size_t count = HWY_MIN(queries_together, chunk.points.size() - first);
-        for (std::size_t i = 0; i < count; ++i) points[i] = chunk.points[chunk.place(first + i)];
+        for (std::size_t i = 0; i < count; ++i) points[i] = chunk.points[chunk.position(first + i)];
         search_lists_together(chunk.index, *chunk.index.lists(), rows,
                               std::span(points).first(count), found.data());
-        for (std::size_t i = 0; i < count; ++i) prefetch_places(chunk.index, found[i]);
+        for (std::size_t i = 0; i < count; ++i) prefetch_feature(chunk.index, found[i]);
         for (std::size_t i = 0; i < count; ++i)
-            write_answer(chunk, chunk.place(first + i), found[i]);
+            write_answer(chunk, chunk.position(first + i), found[i]);
     }
 }
 
@@ -225,8 +227,8 @@ std::array<std::uint32_t, 3> curve_cell(const IndexParts& index, const Vec3& p) 
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const auto k = static_cast<Eigen::Index>(axis);
         const double at = (p[k] - index.center()[k]) * index.scale();
-        const double place = (at + reach) * (cells / (2 * reach));
-        cell[axis] = static_cast<std::uint32_t>(std::clamp(place, 0.0, cells - 1));
+        const double position = (at + reach) * (cells / (2 * reach));
+        cell[axis] = static_cast<std::uint32_t>(std::clamp(position, 0.0, cells - 1));
     }
     return cell;
 }
@@ -290,10 +292,8 @@ Status check_sizes(std::size_t points, const ClosestOutputs& outputs)
 {
     for (const std::size_t size :
          {outputs.answers.size(), outputs.squared_distances.size(), outputs.triangles.size()}) {
-        if (size != 0 && size != points) {
-            return fail(ErrorCode::invalid_argument,
-                        concat("room for ", size, " answers, but ", points, " points"));
-        }
+        if (size == 0) continue;
+        if (Status status = check_batch_size(size, points, "points"); !status) return status;
     }
     return {};
 }

@@ -16,8 +16,8 @@ namespace proxima::HWY_NAMESPACE {
 RowDistance search_one(const IndexParts& index, const Vec3& p, double known, QuerySteps& steps)
 {
     return index.double_rows().empty()
-               ? search_shelves(index, index.float_rows(), p, known, steps)
-               : search_shelves(index, index.double_rows(), p, known, steps);
+               ? search_lists_or_tree(index, index.float_rows(), p, known, steps)
+               : search_lists_or_tree(index, index.double_rows(), p, known, steps);
 }
 
 } // namespace proxima::HWY_NAMESPACE

@@ -9,7 +9,7 @@
 namespace proxima {
 
 /// no_closest_feature() where nothing was found. Else the answer named by the lowest triangle that
-/// has the feature. Two loads that may miss the caches: the feature's place, and the row again.
+/// has the feature. Two loads that may miss the caches: where the feature is, and the row again.
 [[nodiscard]] ClosestFeature describe_closest(const IndexParts& index,
                                               const RowDistance& found) noexcept;
 

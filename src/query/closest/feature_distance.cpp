@@ -72,8 +72,8 @@ void offer_features(const NamedTriangle& triangle, const Vec3& p, const RowScale
 
 std::size_t corner_of(const TriangleCorners& corners, VertexId vertex) noexcept
 {
-    const auto place = std::ranges::find(corners, index(vertex));
-    return static_cast<std::size_t>(place - corners.begin());
+    const auto found = std::ranges::find(corners, index(vertex));
+    return static_cast<std::size_t>(found - corners.begin());
 }
 
 } // namespace

@@ -46,7 +46,7 @@ struct IndexQuery {
     static constexpr float per_foot = 600 * roundoff;
     static constexpr float sliver_radius = 0.035F; // the root of 3 over 50, rounded up
 
-    // Entering a node replaces it by eight at most; eight places are written at once.
+    // Entering a node replaces it by eight at most; eight slots are written at once.
     static constexpr std::size_t most_pending = 7 * IndexParts::max_levels + 1 + 8;
 
     static constexpr std::uint32_t end = 0xFFFFFFFF; ///< instead of a reference

@@ -13,16 +13,16 @@ namespace proxima {
 
 namespace {
 
-using Place = std::array<std::uint32_t, 3>;
+using Coordinates = std::array<std::uint32_t, 3>;
 
-std::uint64_t table_word(const ProximityLists& lists, const Place& at) noexcept
+std::uint64_t table_word(const ProximityLists& lists, const Coordinates& at) noexcept
 {
     const int depth = lists.table_depth();
     return lists.arrays().table[(std::size_t{at[2]} << depth | at[1]) << depth | at[0]];
 }
 
 /// Whether all cells of the table below a cell of a level above it are the same leaf's.
-bool is_one_leaf(const ProximityLists& lists, std::uint64_t word, int depth, const Place& at)
+bool is_one_leaf(const ProximityLists& lists, std::uint64_t word, int depth, const Coordinates& at)
 {
     const int below = lists.table_depth() - depth;
     const std::uint32_t edge = 1U << below;
@@ -50,7 +50,8 @@ std::optional<LeafCandidates> leaf_candidates(const IndexParts& index, const Vec
     // Down from the table.
     const auto bits = static_cast<int>(ProximityLists::location_bits);
     const auto cell = [&](int depth) {
-        return Place{at[0] >> (bits - depth), at[1] >> (bits - depth), at[2] >> (bits - depth)};
+        return Coordinates{at[0] >> (bits - depth), at[1] >> (bits - depth),
+                           at[2] >> (bits - depth)};
     };
     int depth = lists.table_depth();
     std::uint64_t word = table_word(lists, cell(depth));
@@ -58,19 +59,19 @@ std::optional<LeafCandidates> leaf_candidates(const IndexParts& index, const Vec
         while (depth > 0 && is_one_leaf(lists, word, depth - 1, cell(depth - 1))) --depth;
     }
     while (!proximity_word::is_leaf(word)) {
-        const Place place = cell(++depth);
+        const Coordinates child = cell(++depth);
         word =
-            arrays.nodes[word + ((place[0] & 1U) | (place[1] & 1U) << 1U | (place[2] & 1U) << 2U)];
+            arrays.nodes[word + ((child[0] & 1U) | (child[1] & 1U) << 1U | (child[2] & 1U) << 2U)];
     }
 
-    const Place place = cell(depth);
+    const Coordinates coordinates = cell(depth);
     LeafCandidates leaf;
     leaf.depth = depth;
     const double edge = std::ldexp(frame.half, 1 - depth);
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const auto k = static_cast<Eigen::Index>(axis);
-        leaf.box.lower[k] = frame.center[k] + (place[axis] * edge - frame.half);
-        leaf.box.upper[k] = frame.center[k] + ((place[axis] + 1.0) * edge - frame.half);
+        leaf.box.lower[k] = frame.center[k] + (coordinates[axis] * edge - frame.half);
+        leaf.box.upper[k] = frame.center[k] + ((coordinates[axis] + 1.0) * edge - frame.half);
     }
     leaf.has_list = word != proximity_word::search;
     leaf.count = read_list(arrays, index.ids(), word, triangles);

@@ -29,10 +29,10 @@ struct LeafCandidates {
 };
 
 /// The leaf that holds p, and the triangles that it lists, ascending, into the caller's buffer;
-/// where they do not fit, some of them. statistics().max_list places always suffice. Nothing where
-/// p is outside of the root or not finite, and where the index has no lists. Real-time safe: noexcept, no allocation, no lock; any
-/// number of threads. 0.1 us for usual lists; as many loads as the table has cells where the leaf
-/// is the root (thesis 4.3).
+/// where they do not fit, some of them. statistics().max_list items always suffice. Nothing where p
+/// is outside of the root or not finite, and where the index has no lists. Real-time safe: noexcept,
+/// no allocation, no lock; any number of threads. 0.1 us for usual lists; as many loads as the table
+/// has cells where the leaf is the root (thesis 4.3).
 [[nodiscard]] std::optional<LeafCandidates>
 leaf_candidates(const IndexParts& index, const Vec3& p, std::span<TriangleId> triangles) noexcept;
 

@@ -1,7 +1,6 @@
 #include "proxima/mesh_index.h"
 
 #include "base/grow_buffer.h"
-#include "base/grow_buffer.h"
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "base/text.h"
@@ -70,7 +69,7 @@ std::optional<MovedTriangles> find_moved(std::span<const TriangleRow<Scalar>> ro
     return result;
 }
 
-/// For each place of the arena where a block begins: which of its triangles moved.
+/// For each position of the arena where a block begins: which of its triangles moved.
 std::vector<std::uint32_t> moved_of_blocks(std::span<const std::byte> arena,
                                            const std::vector<bool>& moved)
 {
@@ -157,7 +156,7 @@ private:
         const double limit = (known + 2 * radius) * (1 + 1e-9) + 1e-9 * frame.half;
         std::erase_if(cell.features, [&](std::uint32_t feature) {
             const auto ranks = features_.triangles(features_.features[feature]);
-            const Triangle triangle = mesh_.triangle(old_.id(ranks.front()));
+            const Triangle triangle = mesh_.triangle(old_.ids()[ranks.front()]);
             return (closest_point(triangle, center).point - center).norm() > limit;
         });
     }
@@ -175,14 +174,16 @@ void drop_moved_lists(const ProximityArrays& arrays, const std::vector<std::uint
 {
     for (std::uint64_t& word : words) {
         if (!proximity_word::is_leaf(word) || word == proximity_word::search) continue;
-        const std::uint32_t place = proximity_word::place(word);
+        const std::uint32_t position = proximity_word::position(word);
         bool stale = false;
         if (proximity_word::is_block(word)) {
-            stale = (moved[place] & proximity_word::mask(word)) != 0;
+            stale = (moved[position] & proximity_word::mask(word)) != 0;
         } else {
-            const auto run = arrays.runs.subspan(place + std::size_t{1}, arrays.runs[place].place);
-            stale = std::ranges::any_of(
-                run, [&](const RunEntry& entry) { return (moved[entry.place] & entry.mask) != 0; });
+            const auto run =
+                arrays.runs.subspan(position + std::size_t{1}, arrays.runs[position].position);
+            stale = std::ranges::any_of(run, [&](const RunEntry& entry) {
+                return (moved[entry.position] & entry.mask) != 0;
+            });
         }
         if (stale) word = proximity_word::search;
     }

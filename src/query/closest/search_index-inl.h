@@ -164,13 +164,13 @@ PROXIMA_STEP void enter_node(const IndexBlock* blocks, const IndexNode& node, co
     store_eight(squared, distances);
     for (std::size_t lane = 0; lane < 8; ++lane) {
         if (!(distances[lane] <= query.most)) continue;
-        std::uint32_t place = query.pending++;
-        for (; place > first && query.nearness[place - 1] < distances[lane]; --place) {
-            query.nearness[place] = query.nearness[place - 1];
-            query.references[place] = query.references[place - 1];
+        std::uint32_t position = query.pending++;
+        for (; position > first && query.nearness[position - 1] < distances[lane]; --position) {
+            query.nearness[position] = query.nearness[position - 1];
+            query.references[position] = query.references[position - 1];
         }
-        query.nearness[place] = distances[lane];
-        query.references[place] = node.children[lane];
+        query.nearness[position] = distances[lane];
+        query.references[position] = node.children[lane];
         prefetch_block_of(blocks, node.children[lane]);
     }
     leave(query);
@@ -211,7 +211,7 @@ PROXIMA_STEP LeafTriangles leaf_triangles(const IndexLeaf& leaf, const Eight3& p
     Eight3 v[3];
     Eight3 a[3];
     for (std::size_t i = 0; i < 3; ++i) {
-        v[i] = look_up(points, places_of_bytes(leaf.corners[i].data()));
+        v[i] = look_up(points, indices_of_bytes(leaf.corners[i].data()));
         a[i] = v[i] - p;
     }
     const Eight3 w[3] = {v[1] - v[0], v[2] - v[1], v[0] - v[2]};

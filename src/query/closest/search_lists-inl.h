@@ -77,14 +77,14 @@ void search_run(const IndexParts& index, const ProximityLists& lists,
                 std::span<const TriangleRow<Scalar>> rows, std::uint64_t word, const Vec3& frame_p,
                 const Vec3& p, double known, RowDistance& best, QuerySteps& steps)
 {
-    const RunEntry* const run = lists.arrays().runs.data() + proximity_word::place(word);
+    const RunEntry* const run = lists.arrays().runs.data() + proximity_word::position(word);
     const Vec3 from_center = frame_p - Eigen::Vector3f(run->direction).cast<double>();
     const double radius = from_center.norm();
     const std::byte* const arena = lists.arrays().arena.data();
     // In the frame, rounded up.
     const double best_to_frame = index.unscale() * lists.frame().scale;
     double nearest = known * lists.frame().scale * (1 + 0x1p-40) + 0x1p-44;
-    for (std::uint32_t i = 1; i <= run->place; ++i) {
+    for (std::uint32_t i = 1; i <= run->position; ++i) {
         const RunEntry& entry = run[i];
         if (static_cast<double>(entry.least) - radius > nearest) break;
         const double bound = static_cast<double>(entry.least) -
@@ -92,7 +92,7 @@ void search_run(const IndexParts& index, const ProximityLists& lists,
                              static_cast<double>(entry.direction[1]) * from_center[1] -
                              static_cast<double>(entry.direction[2]) * from_center[2];
         if (bound > nearest) continue;
-        const std::byte* const block = arena + std::size_t{entry.place} * block_alignment;
+        const std::byte* const block = arena + std::size_t{entry.position} * block_alignment;
         BlockHeader header;
         std::memcpy(&header, block, sizeof(header));
         ++steps.blocks;
@@ -129,8 +129,9 @@ HWY_INLINE RowDistance search_lists(const IndexParts& index, const ProximityList
         search_run(index, lists, rows, leaf.word, frame_p, p, known, best, steps);
         return best;
     }
-    const std::byte* const block = lists.arrays().arena.data() +
-                                   std::size_t{proximity_word::place(leaf.word)} * block_alignment;
+    const std::byte* const block =
+        lists.arrays().arena.data() +
+        std::size_t{proximity_word::position(leaf.word)} * block_alignment;
     prefetch_block(block);
     ++steps.blocks;
     BlockCandidates candidates;
@@ -141,9 +142,9 @@ HWY_INLINE RowDistance search_lists(const IndexParts& index, const ProximityList
 
 /// By the lists where the index has some.
 template <class Scalar>
-HWY_INLINE RowDistance search_shelves(const IndexParts& index,
-                                      std::span<const TriangleRow<Scalar>> rows, const Vec3& p,
-                                      double known, QuerySteps& steps)
+HWY_INLINE RowDistance search_lists_or_tree(const IndexParts& index,
+                                            std::span<const TriangleRow<Scalar>> rows,
+                                            const Vec3& p, double known, QuerySteps& steps)
 {
     if (index.lists() != nullptr) return search_lists(index, *index.lists(), rows, p, known, steps);
     ++steps.searches;

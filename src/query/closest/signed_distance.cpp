@@ -6,6 +6,7 @@
 #include "geometry/exact_predicates.h"
 #include "mesh/surface_parts.h"
 #include "proxima/mesh_index.h"
+#include "query/batch_size.h"
 #include "query/closest/sign_geometry.h"
 #include "query/closest/sign_parts.h"
 
@@ -228,10 +229,8 @@ Status signed_distances(const MeshIndex& index, const SurfaceSign& sign,
                         const BatchOptions& options)
 {
     for (const std::size_t size : {outputs.distances.size(), outputs.answers.size()}) {
-        if (size != 0 && size != points.size()) {
-            return fail(ErrorCode::invalid_argument,
-                        concat("room for ", size, " answers, but ", points.size(), " points"));
-        }
+        if (size == 0) continue;
+        if (Status status = check_batch_size(size, points.size(), "points"); !status) return status;
     }
     const auto bad =
         std::ranges::find_if(points, [](const Vec3& point) { return !point.allFinite(); });

@@ -49,7 +49,7 @@ Box grown(const Box& box, double distance) noexcept
     return {box.lower - Vec3::Constant(distance), box.upper + Vec3::Constant(distance)};
 }
 
-/// The corners of two triangles, those in common first, each in the same place of both.
+/// The corners of two triangles, those in common first, each at the same position in both.
 struct SharedCorners {
     std::array<int, 3> of_a{};
     std::array<int, 3> of_b{};
@@ -64,9 +64,9 @@ SharedCorners share_corners(const TriangleCorners& a, const TriangleCorners& b) 
     for (int i = 0; i < 3; ++i) {
         for (int k = 0; k < 3; ++k) {
             if (a[static_cast<std::size_t>(i)] != b[static_cast<std::size_t>(k)]) continue;
-            const auto place = static_cast<std::size_t>(shared.count++);
-            shared.of_a[place] = i;
-            shared.of_b[place] = k;
+            const auto next = static_cast<std::size_t>(shared.count++);
+            shared.of_a[next] = i;
+            shared.of_b[next] = k;
             a_used[static_cast<std::size_t>(i)] = b_used[static_cast<std::size_t>(k)] = true;
         }
     }

@@ -44,7 +44,7 @@ struct MetBoxes {
 };
 
 /// Which number of a box goes where: its centre is 0 to 2, its half sizes 3 to 5.
-struct BoxPlaces {
+struct BoxIndices {
     HWY_ALIGN std::uint8_t columns[3][8] = {
         {0, 0, 0, 0, 3, 3, 3, 3}, {1, 1, 1, 1, 4, 4, 4, 4}, {2, 2, 2, 2, 5, 5, 5, 5}};
     HWY_ALIGN std::uint8_t edges[4][8] = {{4, 4, 4, 4, 5, 5, 5, 5},
@@ -52,7 +52,7 @@ struct BoxPlaces {
                                           {3, 3, 3, 3, 3, 4, 5, 5},
                                           {4, 4, 4, 4, 3, 3, 3, 3}};
 };
-inline constexpr BoxPlaces box_places;
+inline constexpr BoxIndices box_indices;
 
 /// What a box of the other mesh brings to the axes.
 struct OtherBox {
@@ -62,19 +62,19 @@ struct OtherBox {
     HWY_INLINE OtherBox(const PairFrame& frame, const PairBox& box)
     {
         const Eight numbers = load_eight(box.center.data());
-        const auto product = [&](const std::array<float, 8>& factors, const std::uint8_t* places,
+        const auto product = [&](const std::array<float, 8>& factors, const std::uint8_t* indices,
                                  const Eight& sum) {
             return multiply_add(load_eight(factors.data()),
-                                look_up(numbers, places_of_bytes(places)), sum);
+                                look_up(numbers, indices_of_bytes(indices)), sum);
         };
         Eight sum = load_eight(frame.offset.data());
         for (std::size_t j = 0; j < 3; ++j)
-            sum = product(frame.columns[j], box_places.columns[j], sum);
+            sum = product(frame.columns[j], box_indices.columns[j], sum);
         store_eight(sum, at);
         for (std::size_t k = 0; k < 2; ++k) {
             const Eight first =
-                product(frame.edges[2 * k], box_places.edges[2 * k], eight(frame.slack));
-            store_eight(product(frame.edges[2 * k + 1], box_places.edges[2 * k + 1], first),
+                product(frame.edges[2 * k], box_indices.edges[2 * k], eight(frame.slack));
+            store_eight(product(frame.edges[2 * k + 1], box_indices.edges[2 * k + 1], first),
                         edges[k]);
         }
     }

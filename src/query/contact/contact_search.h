@@ -9,11 +9,13 @@
 #pragma once
 
 #include "index/index_parts.h"
+#include "proxima/function_ref.h"
 #include "proxima/geometry.h"
 #include "proxima/mesh_index.h"
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 namespace proxima {
 
@@ -69,7 +71,7 @@ struct ContactSearch {
     /// points and of the offset, and of coordinates that were put into the indexes' units.
     float pose_error = 0;
 
-    /// Every descent takes a block's place by that of a child, in one of the meshes: of at most
+    /// Every descent replaces a block by one of its children, in one of the meshes: of at most
     /// that many levels, each leaving seven others to be looked at.
     static constexpr std::size_t stack_size = 7 * (2 * IndexParts::max_levels - 2) + 1;
 };
@@ -95,5 +97,19 @@ enum class PairStart : std::uint8_t {
 {
     return ask_rows(*open.sides[0].index, row_a, *open.sides[1].index, row_b, *open.pose);
 }
+
+/// Rows of both indexes.
+struct RowPair {
+    std::uint32_t a;
+    std::uint32_t b;
+};
+
+/// Takes pairs that meet, at most max_rows_together at a time.
+using RowPairVisitor = FunctionRef<Flow(std::span<const RowPair>)>;
+inline constexpr std::size_t max_rows_together = 256;
+
+/// Like visit_intersecting_pairs, by rows.
+void visit_intersecting_rows(const IndexParts& a, const IndexParts& b, const RigidTransform& pose_b,
+                             RowPairVisitor visitor);
 
 } // namespace proxima

@@ -27,7 +27,7 @@ public:
         const auto bounds = checked_bounding_box(mesh_);
         if (!bounds) return tl::unexpected(bounds.error());
         result_->bounds = *bounds;
-        same_place_ = detail::first_at_position(mesh_);
+        same_position_ = detail::first_at_position(mesh_);
         result_->vertices = find_vertices();
         if (is_cancelled(options_.execution.progress)) return stopped();
         result_->method = find_method();
@@ -51,8 +51,8 @@ private:
         std::vector<bool> used(mesh_.vertex_count());
         for (const TriangleCorners& corners : mesh_.triangles()) {
             for (const std::uint32_t corner : corners) {
-                sets.unite(same_place_[corners[0]], same_place_[corner]);
-                used[same_place_[corner]] = true;
+                sets.unite(same_position_[corners[0]], same_position_[corner]);
+                used[same_position_[corner]] = true;
             }
         }
         std::vector<VertexId> lowest;
@@ -74,8 +74,8 @@ private:
         edges.reserve(3 * mesh_.triangle_count());
         for (const TriangleCorners& corners : mesh_.triangles()) {
             for (std::size_t i = 0; i < 3; ++i) {
-                const std::uint64_t from = same_place_[corners[i]];
-                const std::uint64_t to = same_place_[corners[(i + 1) % 3]];
+                const std::uint64_t from = same_position_[corners[i]];
+                const std::uint64_t to = same_position_[corners[(i + 1) % 3]];
                 if (from == to) continue;
                 const auto [low, high] = std::minmax(from, to);
                 edges.push_back({low << 32U | high, from < to ? 1 : -1});
@@ -97,7 +97,7 @@ private:
     std::shared_ptr<EnclosureParts> result_;
     const TriangleMesh& mesh_;
     const EnclosureOptions& options_;
-    std::vector<std::uint32_t> same_place_;
+    std::vector<std::uint32_t> same_position_;
 };
 
 namespace {
@@ -162,6 +162,13 @@ InsideMethod Enclosure::method() const noexcept
 Result<Enclosure> build_enclosure(TriangleMesh mesh, const EnclosureOptions& options)
 {
     return EnclosureBuilder(std::move(mesh), options).build();
+}
+
+Result<Enclosure> build_enclosure(const MeshIndex& index, const EnclosureOptions& options)
+{
+    auto mesh = mesh_of(index);
+    if (!mesh) return tl::unexpected(mesh.error());
+    return build_enclosure(std::move(*mesh), options);
 }
 
 bool encloses(const Enclosure& enclosure, const RigidTransform& pose, const Vec3& point) noexcept

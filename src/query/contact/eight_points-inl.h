@@ -1,4 +1,4 @@
-// Eight points as one value, masks of eight, and looking up by eight places. Included once per
+// Eight points as one value, masks of eight, and looking up by eight indices. Included once per
 // target, after <hwy/highway.h>.
 
 #if defined(PROXIMA_QUERY_EIGHT_POINTS_INL_H) == defined(HWY_TARGET_TOGGLE)
@@ -39,7 +39,7 @@ struct EightMask {
 };
 
 /// Eight whole numbers below 8.
-struct EightPlaces {
+struct EightIndices {
     hn::Vec<EightWordTag> part[eight_parts];
 };
 
@@ -100,29 +100,29 @@ PROXIMA_LANE_OP EightMask operator|(const EightMask& a, const EightMask& b)
 }
 
 /// Eight bytes, below 8.
-PROXIMA_LANE_OP EightPlaces places_of_bytes(const std::uint8_t* bytes)
+PROXIMA_LANE_OP EightIndices indices_of_bytes(const std::uint8_t* bytes)
 {
-    EightPlaces result;
+    EightIndices result;
     for (std::size_t i = 0; i < eight_parts; ++i) {
         result.part[i] =
             hn::PromoteTo(EightWordTag(), hn::LoadU(EightByteTag(), bytes + eight_lanes * i));
     }
     return result;
 }
-/// By lane the value at its place.
-PROXIMA_LANE_OP Eight look_up(const Eight& values, const EightPlaces& places)
+/// By lane the value at its index.
+PROXIMA_LANE_OP Eight look_up(const Eight& values, const EightIndices& indices)
 {
     const EightTag d;
     if constexpr (eight_parts == 1) {
         return make_eight([&](std::size_t i) {
-            return hn::TableLookupLanes(values.part[i], hn::IndicesFromVec(d, places.part[i]));
+            return hn::TableLookupLanes(values.part[i], hn::IndicesFromVec(d, indices.part[i]));
         });
     } else {
         HWY_ALIGN float memory[8];
         store_eight(values, memory);
         const hn::RebindToSigned<EightTag> whole;
         return make_eight([&](std::size_t i) {
-            return hn::GatherIndex(d, memory, hn::BitCast(whole, places.part[i]));
+            return hn::GatherIndex(d, memory, hn::BitCast(whole, indices.part[i]));
         });
     }
 }
@@ -147,9 +147,9 @@ PROXIMA_LANE_OP Eight dot(const Eight3& a, const Eight3& b)
 {
     return multiply_add(a.x, b.x, multiply_add(a.y, b.y, a.z * b.z));
 }
-PROXIMA_LANE_OP Eight3 look_up(const Eight3& values, const EightPlaces& places)
+PROXIMA_LANE_OP Eight3 look_up(const Eight3& values, const EightIndices& indices)
 {
-    return {look_up(values.x, places), look_up(values.y, places), look_up(values.z, places)};
+    return {look_up(values.x, indices), look_up(values.y, indices), look_up(values.z, indices)};
 }
 
 } // namespace proxima::HWY_NAMESPACE

@@ -2,31 +2,13 @@
 
 #include "base/parallel.h"
 #include "base/progress.h"
-#include "base/text.h"
 #include "index/index_parts.h"
+#include "query/batch_size.h"
 #include "query/contact/contact_search.h"
 
 #include <algorithm>
 #include <array>
 #include <span>
-
-#ifndef PROXIMA_QUERY_INTERSECT_MESHES_ONCE
-#define PROXIMA_QUERY_INTERSECT_MESHES_ONCE
-
-namespace proxima {
-
-/// Rows of both indexes.
-struct RowPair {
-    std::uint32_t a;
-    std::uint32_t b;
-};
-
-/// Takes pairs that meet, a few at a time.
-using TakeRowPairs = void (*)(void* context, std::span<const RowPair> pairs);
-
-} // namespace proxima
-
-#endif
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "query/contact/intersect_meshes.cpp"
@@ -57,34 +39,32 @@ private:
     RowPair& found_;
 };
 
-/// Hands on all that meet.
+/// Passes on all pairs that meet.
 class AllPairs {
 public:
     static constexpr bool deepest_first = false;
 
-    AllPairs(const ContactSearch& open, TakeRowPairs hand_on, void* context)
-        : open_(open), hand_on_(hand_on), context_(context)
-    {}
+    AllPairs(const ContactSearch& open, RowPairVisitor visitor) : open_(open), visitor_(visitor) {}
 
     HWY_INLINE bool take(std::uint32_t row_a, std::uint32_t row_b, bool sure)
     {
         if (!sure && !ask_rows(open_, row_a, row_b)) return true;
-        if (count_ == pairs_.size()) flush();
+        if (count_ == pairs_.size() && flush() == Flow::stop) return false;
         pairs_[count_++] = {row_a, row_b};
         return true;
     }
-    void flush()
+    Flow flush()
     {
-        hand_on_(context_, std::span(pairs_).first(count_));
+        const Flow flow = visitor_(std::span(pairs_).first(count_));
         count_ = 0;
+        return flow;
     }
 
 private:
     const ContactSearch& open_;
-    TakeRowPairs hand_on_;
-    void* context_;
+    RowPairVisitor visitor_;
     std::size_t count_ = 0;
-    std::array<RowPair, 256> pairs_;
+    std::array<RowPair, max_rows_together> pairs_;
 };
 
 bool walk_to_first_pair(const ContactSearch& open, RowPair& found)
@@ -93,11 +73,10 @@ bool walk_to_first_pair(const ContactSearch& open, RowPair& found)
     return !walk_pairs(open, search);
 }
 
-void walk_to_all_pairs(const ContactSearch& open, TakeRowPairs take, void* context)
+void walk_to_all_pairs(const ContactSearch& open, RowPairVisitor visitor)
 {
-    AllPairs search(open, take, context);
-    (void)walk_pairs(open, search);
-    search.flush();
+    AllPairs search(open, visitor);
+    if (walk_pairs(open, search)) (void)search.flush();
 }
 
 } // namespace proxima::HWY_NAMESPACE
@@ -204,54 +183,53 @@ bool meshes_intersect(const MeshIndex& a, const MeshIndex& b, const RigidTransfo
     return find_first(a.parts(), b.parts(), pose_b, found);
 }
 
-bool meshes_intersect(const MeshIndex& a, const MeshIndex& b, const RigidTransform& pose_b,
-                      LastMeeting& last) noexcept
+std::optional<MeshMeeting> find_meeting(const MeshIndex& a, const MeshIndex& b,
+                                        const RigidTransform& pose_b,
+                                        const MeetingOptions& options) noexcept
 {
-    if (last.row_a < a.triangle_count() && last.row_b < b.triangle_count() &&
-        ask_rows(a.parts(), last.row_a, b.parts(), last.row_b, pose_b))
-        return true;
+    const IndexParts& parts_a = a.parts();
+    const IndexParts& parts_b = b.parts();
+    const auto meeting = [&](RowPair rows) {
+        return MeshMeeting{parts_a.id(rows.a), parts_b.id(rows.b), rows.a, rows.b};
+    };
+    if (const MeshMeeting* start = options.start_from;
+        start != nullptr && start->row_a < a.triangle_count() &&
+        start->row_b < b.triangle_count() &&
+        ask_rows(parts_a, start->row_a, parts_b, start->row_b, pose_b))
+        return meeting({start->row_a, start->row_b});
     RowPair found;
-    if (!find_first(a.parts(), b.parts(), pose_b, found)) return false;
-    last = {found.a, found.b};
-    return true;
+    if (!find_first(parts_a, parts_b, pose_b, found)) return std::nullopt;
+    return meeting(found);
 }
 
-void visit_intersecting_pairs(const MeshIndex& a, const MeshIndex& b, const RigidTransform& pose_b,
-                              FunctionRef<void(std::span<const TrianglePair>)> visitor)
+void visit_intersecting_rows(const IndexParts& a, const IndexParts& b, const RigidTransform& pose_b,
+                             RowPairVisitor visitor)
 {
-    struct Translator {
-        const IndexParts& a;
-        const IndexParts& b;
-        FunctionRef<void(std::span<const TrianglePair>)> visitor;
-
-        void take(std::span<const RowPair> rows) const
-        {
-            std::array<TrianglePair, 256> pairs;
-            for (std::size_t i = 0; i < rows.size(); ++i) {
-                pairs[i] = {a.id(rows[i].a), b.id(rows[i].b)};
-            }
-            visitor(std::span(pairs).first(rows.size()));
-        }
-    } translator{a.parts(), b.parts(), visitor};
     ContactSearch open;
-    switch (contact_search(translator.a, translator.b, pose_b, open)) {
+    switch (contact_search(a, b, pose_b, open)) {
     case PairStart::apart:
         return;
     case PairStart::ready:
-        HWY_DYNAMIC_DISPATCH(walk_to_all_pairs)
-        (
-            open,
-            [](void* to, std::span<const RowPair> rows) {
-                static_cast<const Translator*>(to)->take(rows);
-            },
-            &translator);
+        HWY_DYNAMIC_DISPATCH(walk_to_all_pairs)(open, visitor);
         return;
     case PairStart::too_far:
         break;
     }
-    (void)ask_all(translator.a, translator.b, pose_b, [&](const RowPair& pair) {
-        translator.take({&pair, 1});
-        return true;
+    (void)ask_all(a, b, pose_b, [&](const RowPair& pair) {
+        return visitor({&pair, 1}) == Flow::proceed;
+    });
+}
+
+void visit_intersecting_pairs(const MeshIndex& a, const MeshIndex& b, const RigidTransform& pose_b,
+                              FunctionRef<Flow(std::span<const TrianglePair>)> visitor)
+{
+    const std::span<const TriangleId> ids_a = a.ids();
+    const std::span<const TriangleId> ids_b = b.ids();
+    visit_intersecting_rows(a.parts(), b.parts(), pose_b, [&](std::span<const RowPair> rows) {
+        std::array<TrianglePair, max_rows_together> pairs;
+        for (std::size_t i = 0; i < rows.size(); ++i)
+            pairs[i] = {ids_a[rows[i].a], ids_b[rows[i].b]};
+        return visitor(std::span(pairs).first(rows.size()));
     });
 }
 
@@ -261,6 +239,7 @@ std::vector<TrianglePair> intersecting_pairs(const MeshIndex& a, const MeshIndex
     std::vector<TrianglePair> pairs;
     visit_intersecting_pairs(a, b, pose_b, [&](std::span<const TrianglePair> some) {
         pairs.insert(pairs.end(), some.begin(), some.end());
+        return Flow::proceed;
     });
     sort_pairs(pairs);
     return pairs;
@@ -270,7 +249,7 @@ std::size_t intersecting_pairs(const MeshIndex& a, const MeshIndex& b, const Rig
                                std::span<TrianglePair> pairs) noexcept
 {
     std::size_t count = 0;
-    // A heap, the last one on top, once all places are taken.
+    // A heap, the last one on top, once the list is full.
     visit_intersecting_pairs(a, b, pose_b, [&](std::span<const TrianglePair> some) {
         for (const TrianglePair& pair : some) {
             if (count < pairs.size()) {
@@ -283,6 +262,7 @@ std::size_t intersecting_pairs(const MeshIndex& a, const MeshIndex& b, const Rig
             }
             ++count;
         }
+        return Flow::proceed;
     });
     std::ranges::sort(pairs.first(std::min(count, pairs.size())));
     return count;
@@ -292,10 +272,8 @@ Status meshes_intersect(const MeshIndex& a, const MeshIndex& b,
                         std::span<const RigidTransform> poses, std::span<bool> answers,
                         const PairOptions& options)
 {
-    if (poses.size() != answers.size()) {
-        return fail(ErrorCode::invalid_argument,
-                    concat("room for ", answers.size(), " answers, but ", poses.size(), " poses"));
-    }
+    if (Status status = check_batch_size(answers.size(), poses.size(), "poses"); !status)
+        return status;
     return for_poses(poses.size(), options,
                      [&](std::size_t i) { answers[i] = meshes_intersect(a, b, poses[i]); });
 }

@@ -2,6 +2,8 @@
 
 #include "geometry/exact_predicates.h"
 #include "geometry/triangle_intersection.h"
+#include "index/index_parts.h"
+#include "query/contact/contact_search.h"
 #include "query/contact/join_segments.h"
 
 #include <algorithm>
@@ -11,36 +13,125 @@
 namespace proxima {
 namespace {
 
+/// The triangles of a mesh that meet another's.
+class TrianglesOfMesh {
+public:
+    explicit TrianglesOfMesh(const TriangleMesh& mesh) : mesh_(mesh) {}
+
+    [[nodiscard]] TriangleCorners corners(TriangleId id) const
+    {
+        return mesh_.triangles()[index(id)];
+    }
+    [[nodiscard]] Triangle triangle(TriangleId id) const { return mesh_.triangle(id); }
+
+    /// The positions of vertices of these triangles, whose ids ascend.
+    [[nodiscard]] std::vector<Vec3> positions(std::span<const std::uint32_t> vertices) const
+    {
+        std::vector<Vec3> positions;
+        positions.reserve(vertices.size());
+        for (const std::uint32_t id : vertices) positions.push_back(mesh_.positions()[id]);
+        return positions;
+    }
+
+private:
+    const TriangleMesh& mesh_;
+};
+
+/// Like TrianglesOfMesh, copied from rows of an index.
+class TrianglesOfRows {
+public:
+    TrianglesOfRows(const IndexParts& index, std::vector<std::uint32_t> rows)
+    {
+        std::ranges::sort(rows);
+        rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+        copy(index.float_rows(), rows);
+        copy(index.double_rows(), rows);
+        std::ranges::sort(copies_, {}, &Copy::id);
+    }
+
+    [[nodiscard]] TriangleCorners corners(TriangleId id) const { return find(id).vertices; }
+    [[nodiscard]] Triangle triangle(TriangleId id) const { return find(id).triangle; }
+
+    [[nodiscard]] std::vector<Vec3> positions(std::span<const std::uint32_t> vertices) const
+    {
+        std::vector<Vec3> positions(vertices.size());
+        for (const Copy& copy : copies_) {
+            for (std::size_t i = 0; i < 3; ++i) {
+                const auto at = std::ranges::lower_bound(vertices, copy.vertices[i]);
+                positions[static_cast<std::size_t>(at - vertices.begin())] =
+                    copy.triangle.vertices[i];
+            }
+        }
+        return positions;
+    }
+
+private:
+    struct Copy {
+        TriangleId id;
+        TriangleCorners vertices;
+        Triangle triangle;
+    };
+
+    template <class Row>
+    void copy(std::span<const Row> all, const std::vector<std::uint32_t>& rows)
+    {
+        if (all.empty()) return;
+        for (const std::uint32_t row : rows) {
+            const auto& [first, second, third] = all[row].vertices;
+            copies_.push_back(
+                {TriangleId{all[row].triangle_id()}, {first, second, third}, all[row].corners()});
+        }
+    }
+    [[nodiscard]] const Copy& find(TriangleId id) const
+    {
+        return *std::ranges::lower_bound(copies_, id, {}, &Copy::id);
+    }
+
+    std::vector<Copy> copies_; ///< by id
+};
+
+SurfacePart vertex_part(std::uint32_t id)
+{
+    return {FeatureKind::vertex, {id, id}};
+}
+SurfacePart edge_part(std::uint32_t a, std::uint32_t b)
+{
+    return {FeatureKind::edge, {std::min(a, b), std::max(a, b)}};
+}
+
 /// The triangles' vertices with those at one position made one.
+template <class Triangles>
 class SharedVertices {
 public:
     template <class TriangleOf>
-    SharedVertices(const TriangleMesh& mesh, std::span<const TrianglePair> pairs,
+    SharedVertices(const Triangles& triangles, std::span<const TrianglePair> pairs,
                    const TriangleOf& triangle_of)
-        : mesh_(mesh)
+        : triangles_(triangles)
     {
         for (const TrianglePair& pair : pairs) {
-            for (const std::uint32_t corner : mesh.triangles()[index(triangle_of(pair))])
+            for (const std::uint32_t corner : triangles.corners(triangle_of(pair)))
                 ids_.push_back(corner);
         }
         std::ranges::sort(ids_);
         ids_.erase(std::unique(ids_.begin(), ids_.end()), ids_.end());
-        std::vector<std::uint32_t> by_place = ids_;
-        const auto place = [&](std::uint32_t id) {
-            const Vec3& p = mesh.positions()[id];
+        const std::vector<Vec3> positions = triangles.positions(ids_);
+        std::vector<std::uint32_t> by_position(ids_.size()); // ranks of ids
+        for (std::uint32_t i = 0; i < by_position.size(); ++i) by_position[i] = i;
+        const auto position = [&](std::uint32_t rank) {
+            const Vec3& p = positions[rank];
             return std::tuple(p.x(), p.y(), p.z());
         };
-        std::ranges::stable_sort(by_place, {}, place);
+        std::ranges::stable_sort(by_position, {}, position);
         first_.resize(ids_.size());
-        for (std::size_t i = 0, first = 0; i < by_place.size(); ++i) {
-            if (place(by_place[i]) != place(by_place[first])) first = i;
-            first_[rank(by_place[i])] = by_place[first];
+        for (std::size_t i = 0, first = 0; i < by_position.size(); ++i) {
+            if (position(by_position[i]) != position(by_position[first])) first = i;
+            first_[by_position[i]] = ids_[by_position[first]];
         }
     }
 
-    [[nodiscard]] std::array<std::uint32_t, 3> corners(TriangleId triangle) const
+    [[nodiscard]] TriangleCorners corners(TriangleId triangle) const
     {
-        std::array<std::uint32_t, 3> corners = mesh_.triangles()[index(triangle)];
+        TriangleCorners corners = triangles_.corners(triangle);
         for (std::uint32_t& corner : corners) corner = first_[rank(corner)];
         return corners;
     }
@@ -51,14 +142,8 @@ public:
             return {FeatureKind::face, {index(triangle), index(triangle)}};
         const auto corner = corners(triangle);
         const auto number = static_cast<std::size_t>(number_of(part));
-        return is_corner(part) ? vertex(corner[number])
-                               : edge(corner[number], corner[(number + 1) % 3]);
-    }
-
-    static SurfacePart vertex(std::uint32_t id) { return {FeatureKind::vertex, {id, id}}; }
-    static SurfacePart edge(std::uint32_t a, std::uint32_t b)
-    {
-        return {FeatureKind::edge, {std::min(a, b), std::max(a, b)}};
+        return is_corner(part) ? vertex_part(corner[number])
+                               : edge_part(corner[number], corner[(number + 1) % 3]);
     }
 
 private:
@@ -67,7 +152,7 @@ private:
         return static_cast<std::size_t>(std::ranges::lower_bound(ids_, id) - ids_.begin());
     }
 
-    const TriangleMesh& mesh_;
+    const Triangles& triangles_;
     std::vector<std::uint32_t> ids_;
     std::vector<std::uint32_t> first_; ///< by rank of the id
 };
@@ -80,9 +165,10 @@ bool are_in_one_plane(const Triangle& a, const Triangle& b) noexcept
 }
 
 /// The ends of segments by name, and which ones each segment joins.
+template <class Triangles>
 class ContourMaker {
 public:
-    ContourMaker(const TriangleMesh& a, const TriangleMesh& b, const RigidTransform& pose_b,
+    ContourMaker(const Triangles& a, const Triangles& b, const RigidTransform& pose_b,
                  std::span<const TrianglePair> pairs)
         : a_(a), b_(b), pose_b_(pose_b),
           vertices_a_(a, pairs, [](const TrianglePair& pair) { return pair.a; }),
@@ -165,8 +251,8 @@ private:
         const int side = side_of(middle);
         if (side == 0 && side_of(from) == 0) return; // in the other's plane
         const SurfacePart short_part =
-            side == 0 ? SharedVertices::vertex(id(middle))
-                      : SharedVertices::edge(id(middle), id(side == side_of(from) ? to : from));
+            side == 0 ? vertex_part(id(middle))
+                      : edge_part(id(middle), id(side == side_of(from) ? to : from));
         ContourPoint twin = ends_[end];
         (a_is_flat ? twin.on_a : twin.on_b) = short_part;
         ends_.push_back(twin);
@@ -213,11 +299,11 @@ private:
         return odd;
     }
 
-    const TriangleMesh& a_;
-    const TriangleMesh& b_;
+    const Triangles& a_;
+    const Triangles& b_;
     const RigidTransform& pose_b_;
-    SharedVertices vertices_a_;
-    SharedVertices vertices_b_;
+    SharedVertices<Triangles> vertices_a_;
+    SharedVertices<Triangles> vertices_b_;
     std::vector<ContourPoint> ends_;
     std::vector<SegmentEnds> segments_;
     std::vector<SegmentEnds> borders_;   ///< of polygons
@@ -239,11 +325,33 @@ double IntersectionContour::length() const noexcept
     return sum;
 }
 
+IntersectionContour intersection_contour(const MeshIndex& a, const MeshIndex& b,
+                                         const RigidTransform& pose_b)
+{
+    std::vector<TrianglePair> pairs;
+    std::vector<std::uint32_t> rows_a;
+    std::vector<std::uint32_t> rows_b;
+    visit_intersecting_rows(a.parts(), b.parts(), pose_b, [&](std::span<const RowPair> some) {
+        for (const RowPair& rows : some) {
+            pairs.push_back({a.ids()[rows.a], b.ids()[rows.b]});
+            rows_a.push_back(rows.a);
+            rows_b.push_back(rows.b);
+        }
+        return Flow::proceed;
+    });
+    std::ranges::sort(pairs);
+    const TrianglesOfRows triangles_a(a.parts(), std::move(rows_a));
+    const TrianglesOfRows triangles_b(b.parts(), std::move(rows_b));
+    return ContourMaker(triangles_a, triangles_b, pose_b, pairs).contour();
+}
+
 IntersectionContour intersection_contour(const TriangleMesh& a, const TriangleMesh& b,
                                          const RigidTransform& pose_b,
                                          std::span<const TrianglePair> pairs)
 {
-    return ContourMaker(a, b, pose_b, pairs).contour();
+    const TrianglesOfMesh triangles_a(a);
+    const TrianglesOfMesh triangles_b(b);
+    return ContourMaker(triangles_a, triangles_b, pose_b, pairs).contour();
 }
 
 } // namespace proxima

@@ -73,8 +73,8 @@ struct LeafShape {
     float extent = 0;
     std::uint64_t corner_bits = 0; ///< byte i: those of triangle i
     Eight3 vertices;
-    EightPlaces places[3]; ///< of corners among vertices
-    Eight3 corners[3];     ///< by triangle
+    EightIndices indices[3]; ///< of corners among vertices
+    Eight3 corners[3];       ///< by triangle
     Eight3 normals;
     Eight heights;                ///< normal . corner
     HWY_ALIGN float planes[4][8]; ///< normals, heights
@@ -122,8 +122,8 @@ HWY_INLINE void take_leaf(const IndexLeaf& leaf, float unit, LeafShape& shape)
 PROXIMA_STEP void find_planes(LeafShape& shape)
 {
     for (std::size_t k = 0; k < 3; ++k) {
-        shape.places[k] = places_of_bytes(shape.leaf->corners[k].data());
-        shape.corners[k] = look_up(shape.vertices, shape.places[k]);
+        shape.indices[k] = indices_of_bytes(shape.leaf->corners[k].data());
+        shape.corners[k] = look_up(shape.vertices, shape.indices[k]);
     }
     shape.normals = cross(shape.corners[1] - shape.corners[0], shape.corners[2] - shape.corners[0]);
     shape.heights = dot(shape.normals, shape.corners[0]);
@@ -341,21 +341,21 @@ HWY_INLINE Eight largest(const Eight3& a, const Eight3& b)
         maximum(size_of(b.y), size_of(b.z)));
 }
 
-PROXIMA_STEP PairVerdict look_at_pairs(const LeafShape& own, const EightPlaces& own_places,
-                                       const LeafShape& other, const EightPlaces& other_places,
+PROXIMA_STEP PairVerdict look_at_pairs(const LeafShape& own, const EightIndices& own_indices,
+                                       const LeafShape& other, const EightIndices& other_indices,
                                        float off)
 {
-    const Eight3 origin = look_up(own.corners[0], own_places);
-    const Eight3 p1 = look_up(own.corners[1], own_places) - origin;
-    const Eight3 p2 = look_up(own.corners[2], own_places) - origin;
+    const Eight3 origin = look_up(own.corners[0], own_indices);
+    const Eight3 p1 = look_up(own.corners[1], own_indices) - origin;
+    const Eight3 p2 = look_up(own.corners[2], own_indices) - origin;
     const Eight3 p_edge = p2 - p1;
-    const Eight3 normal = look_up(own.normals, own_places);
-    const Eight3 other_normal = look_up(other.normals, other_places);
+    const Eight3 normal = look_up(own.normals, own_indices);
+    const Eight3 other_normal = look_up(other.normals, other_indices);
     Eight3 q[3];
     Eight3 f[3];
     Eight3 moments[3];
     Eight q_heights[3];
-    for (std::size_t k = 0; k < 3; ++k) q[k] = look_up(other.corners[k], other_places) - origin;
+    for (std::size_t k = 0; k < 3; ++k) q[k] = look_up(other.corners[k], other_indices) - origin;
     for (std::size_t k = 0; k < 3; ++k) {
         f[k] = q[(k + 1) % 3] - q[k];
         moments[k] = cross(q[k], f[k]);
@@ -408,7 +408,7 @@ HWY_INLINE bool meet_leaves(const ContactSearch& open, std::size_t own_side, con
     const LeafBounds bounds = take_other_leaf(open, own_side, own, leaf, other);
     std::uint64_t left = unparted(own, other, bounds);
     while (left != 0) {
-        // Eight of them, their bits' places as bytes.
+        // Eight of them, their bits' indices as bytes.
         std::uint64_t own_bytes = 0;
         std::uint64_t other_bytes = 0;
         std::uint32_t count = 0;
@@ -417,21 +417,21 @@ HWY_INLINE bool meet_leaves(const ContactSearch& open, std::size_t own_side, con
             own_bytes |= (bit >> 3U) << (8 * count);
             other_bytes |= (bit & 7U) << (8 * count);
         }
-        std::uint8_t own_places[8];
-        std::uint8_t other_places[8];
-        std::memcpy(own_places, &own_bytes, 8);
-        std::memcpy(other_places, &other_bytes, 8);
-        const PairVerdict verdict = look_at_pairs(own, places_of_bytes(own_places), other,
-                                                  places_of_bytes(other_places), bounds.off);
+        std::uint8_t own_indices[8];
+        std::uint8_t other_indices[8];
+        std::memcpy(own_indices, &own_bytes, 8);
+        std::memcpy(other_indices, &other_bytes, 8);
+        const PairVerdict verdict = look_at_pairs(own, indices_of_bytes(own_indices), other,
+                                                  indices_of_bytes(other_indices), bounds.off);
         const auto used = static_cast<std::uint32_t>(first_bits(count));
         for (auto met = verdict.met & used; met != 0; met &= met - 1) {
             const auto lane = static_cast<std::size_t>(std::countr_zero(met));
-            if (!take(own_places[lane], other_places[lane], true)) return false;
+            if (!take(own_indices[lane], other_indices[lane], true)) return false;
         }
         for (auto unsure = ~(verdict.met | verdict.apart) & used; unsure != 0;
              unsure &= unsure - 1) {
             const auto lane = static_cast<std::size_t>(std::countr_zero(unsure));
-            if (!take(own_places[lane], other_places[lane], false)) return false;
+            if (!take(own_indices[lane], other_indices[lane], false)) return false;
         }
     }
     return true;

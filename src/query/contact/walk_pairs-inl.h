@@ -105,7 +105,7 @@ HWY_INLINE bool walk_pairs(const ContactSearch& open, Search& search)
         const std::size_t side = is_leaf(at.sides[0])   ? 1
                                  : is_leaf(at.sides[1]) ? 0
                                                         : at.sides[0].size < at.sides[1].size;
-        const PairBox other = at.sides[1 - side]; // its place is taken below
+        const PairBox other = at.sides[1 - side]; // overwritten below
         const IndexBlock* const blocks = open.sides[side].blocks;
         const IndexNode& node = blocks[at.sides[side].reference].node;
         std::uint32_t met =

@@ -19,24 +19,28 @@ namespace proxima {
 /// Joins rows that come in order to ranges as long as can be.
 class RangeJoiner {
 public:
-    explicit RangeJoiner(FunctionRef<void(TriangleRange)> visitor) noexcept : visitor_(visitor) {}
+    explicit RangeJoiner(FunctionRef<Flow(TriangleRange)> visitor) noexcept : visitor_(visitor) {}
 
-    void add(std::uint32_t first, std::uint32_t end) noexcept
+    /// Flow::stop where the visitor said so: then no more is to be added.
+    Flow add(std::uint32_t first, std::uint32_t end) noexcept
     {
         if (first != end_) {
-            flush();
+            if (flush() == Flow::stop) return Flow::stop;
             first_ = first;
         }
         end_ = end;
+        return Flow::proceed;
     }
-    void flush() noexcept
+    Flow flush() noexcept
     {
-        if (end_ > first_) visitor_({first_, end_ - first_});
+        if (end_ == first_) return Flow::proceed;
+        const TriangleRange range = {first_, end_ - first_};
         first_ = end_;
+        return visitor_(range);
     }
 
 private:
-    FunctionRef<void(TriangleRange)> visitor_;
+    FunctionRef<Flow(TriangleRange)> visitor_;
     std::uint32_t first_ = 0;
     std::uint32_t end_ = 0;
 };
@@ -133,7 +137,7 @@ struct NodeBoxes {
         }
     }
 
-    /// Places that have a child.
+    /// Slots that have a child.
     HWY_INLINE std::uint32_t used() const
     {
         std::uint32_t bits = 0;
@@ -262,12 +266,12 @@ HWY_INLINE void open_node(const Culling& culling, const PendingRows& at, OpenedN
     std::uint32_t shown = 0;
     std::uint32_t whole = 0;
     for (std::uint32_t i = 0; i < count; ++i) {
-        const std::uint32_t place = node.order >> (4 * i) & 15U;
-        firsts[i] = node.starts[place] == IndexNode::far_start
-                        ? first_row_below(blocks, node.children[place])
-                        : node.first_row + node.starts[place];
-        shown |= (visible >> place & 1U) << i;
-        whole |= (visible & ~any_cut) >> place << 31U >> (31U - i);
+        const std::uint32_t slot = node.order >> (4 * i) & 15U;
+        firsts[i] = node.starts[slot] == IndexNode::far_start
+                        ? first_row_below(blocks, node.children[slot])
+                        : node.first_row + node.starts[slot];
+        shown |= (visible >> slot & 1U) << i;
+        whole |= (visible & ~any_cut) >> slot << 31U >> (31U - i);
     }
     firsts[count] = at.end;
     while (shown != 0) {
@@ -280,11 +284,11 @@ HWY_INLINE void open_node(const Culling& culling, const PendingRows& at, OpenedN
             continue;
         }
         shown &= shown - 1;
-        const std::uint32_t place = node.order >> (4 * i) & 15U;
+        const std::uint32_t slot = node.order >> (4 * i) & 15U;
         PlaneMask mask = 0;
         for (std::size_t k = 0; k < 8 && at.mask >> (8 * k) != 0; ++k)
-            mask |= (cut[k] >> (8 * place) & 0xFFU) << (8 * k);
-        const std::uint32_t reference = node.children[place];
+            mask |= (cut[k] >> (8 * slot) & 0xFFU) << (8 * k);
+        const std::uint32_t reference = node.children[slot];
         prefetch_both(blocks[reference & ~index_leaf_bit]);
         opened.children[opened.count++] = {reference, firsts[i], firsts[i + 1], mask};
     }
@@ -309,7 +313,7 @@ HWY_INLINE std::uint32_t nonzero_bytes(std::uint64_t bytes)
     return static_cast<std::uint32_t>((tops >> 7U) * 0x0102040810204080U >> 56U);
 }
 
-HWY_INLINE void cull_leaf(const Culling& culling, const PendingRows& at)
+HWY_INLINE Flow cull_leaf(const Culling& culling, const PendingRows& at)
 {
     const IndexLeaf& leaf = culling.index.blocks()[at.reference & ~index_leaf_bit].leaf;
     constexpr std::uint64_t each = 0x0101010101010101U;
@@ -336,9 +340,11 @@ HWY_INLINE void cull_leaf(const Culling& culling, const PendingRows& at)
     while (visible != 0) {
         const auto first = static_cast<std::uint32_t>(std::countr_zero(visible));
         const auto length = static_cast<std::uint32_t>(std::countr_one(visible >> first));
-        culling.ranges.add(at.first + first, at.first + first + length);
+        if (culling.ranges.add(at.first + first, at.first + first + length) == Flow::stop)
+            return Flow::stop;
         visible &= ~(((1U << length) - 1) << first);
     }
+    return Flow::proceed;
 }
 
 void cull(const Culling& culling)
@@ -353,11 +359,9 @@ void cull(const Culling& culling)
     while (!pending.empty()) {
         if (!is_node(pending.top())) {
             const PendingRows at = pending.pop();
-            if (at.mask == 0) {
-                culling.ranges.add(at.first, at.end);
-            } else {
-                cull_leaf(culling, at);
-            }
+            const Flow flow =
+                at.mask == 0 ? culling.ranges.add(at.first, at.end) : cull_leaf(culling, at);
+            if (flow == Flow::stop) return;
             continue;
         }
         OpenedNode opened[opened_together];
@@ -404,7 +408,7 @@ bool is_row_visible(const Culling& culling, std::uint32_t row, PlaneMask mask) n
 }
 
 void visit_visible(const MeshIndex& index, const ViewVolume& volume, CullMode mode,
-                   FunctionRef<void(TriangleRange)> visitor) noexcept
+                   FunctionRef<Flow(TriangleRange)> visitor) noexcept
 {
     const IndexParts& parts = index.parts();
     VolumeTraversal open;
@@ -413,13 +417,13 @@ void visit_visible(const MeshIndex& index, const ViewVolume& volume, CullMode mo
     case VolumeStart::sees_nothing:
         return;
     case VolumeStart::sees_all:
-        ranges.add(0, parts.triangle_count());
+        (void)ranges.add(0, parts.triangle_count());
         break;
     case VolumeStart::ready:
         HWY_DYNAMIC_DISPATCH(cull)({parts, volume, mode, open, ranges});
         break;
     }
-    ranges.flush();
+    (void)ranges.flush();
 }
 
 } // namespace proxima

@@ -14,6 +14,7 @@ std::size_t visible_ranges(const MeshIndex& index, const ViewVolume& volume,
     visit_visible(index, volume, mode, [&](TriangleRange range) {
         if (count < ranges.size()) ranges[count] = range;
         ++count;
+        return Flow::proceed;
     });
     return count;
 }
@@ -26,6 +27,7 @@ void visible_triangles(const MeshIndex& index, const ViewVolume& volume, CullMod
     visit_visible(index, volume, mode, [&](TriangleRange range) {
         ranges.push_back(range);
         visible += range.count;
+        return Flow::proceed;
     });
     ids.resize(visible);
     const std::uint32_t triangles = index.triangle_count();

@@ -139,18 +139,18 @@ HWY_INLINE bool ask_leaves(DistanceSearch& search, const PoseLanes<T>& pose,
     std::uint64_t left = pairs_within(a, b, along, search.limit());
     if (has_direction) left &= pairs_within(a, b, search.direction(), search.limit());
     while (left != 0) {
-        PairPlace places[8];
+        PairIndex pairs[8];
         std::size_t count = 0;
         for (; left != 0 && count < 8; left &= left - 1)
-            places[count++] = static_cast<PairPlace>(std::countr_zero(left));
-        for (std::size_t i = count; i < 8; ++i) places[i] = places[0];
+            pairs[count++] = static_cast<PairIndex>(std::countr_zero(left));
+        for (std::size_t i = count; i < 8; ++i) pairs[i] = pairs[0];
         EightDistances<T> known;
-        bound_eight(a, b, places, known);
+        bound_eight(a, b, pairs, known);
         for (std::size_t i = 0; i < count; ++i) {
             if (known.least[i] > lane_limit<T>(search.limit())) continue;
             const Vec3 nearest(known.nearest[0][i], known.nearest[1][i], known.nearest[2][i]);
-            if (search.note({known.least[i], known.most[i], a.leaf.first_row + places[i] / 8,
-                             b.leaf.first_row + places[i] % 8},
+            if (search.note({known.least[i], known.most[i], a.leaf.first_row + pairs[i] / 8,
+                             b.leaf.first_row + pairs[i] % 8},
                             nearest))
                 return true;
         }

@@ -14,8 +14,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace proxima::HWY_NAMESPACE {
 
-/// Of two leaves' triangles, 8 times A's place plus B's.
-using PairPlace = std::uint32_t;
+/// Of two leaves' triangles, 8 times A's index plus B's.
+using PairIndex = std::uint32_t;
 
 /// A vector per lane.
 template <class T>
@@ -67,21 +67,21 @@ struct LeafPoints {
         }
     }
 
-    /// The triangles of pairs: `FirstBit` is that of their place there.
+    /// The triangles of pairs: `FirstBit` is that of their index there.
     template <unsigned FirstBit>
-    HWY_INLINE TriangleLanes<T> triangles(const PairPlace* pairs) const
+    HWY_INLINE TriangleLanes<T> triangles(const PairIndex* pairs) const
     {
         const PairTag<T> d;
         TriangleLanes<T> result;
         if constexpr (has_lookup) {
             const hn::RebindToUnsigned<PairTag<T>> words;
             const hn::Rebind<std::uint8_t, PairTag<T>> bytes;
-            const auto place =
+            const auto indices =
                 hn::And(hn::ShiftRight<FirstBit>(hn::LoadU(words, pairs)), hn::Set(words, 7U));
             for (std::size_t i = 0; i < 3; ++i) {
                 const auto corners = hn::PromoteTo(words, hn::LoadU(bytes, leaf.corners[i].data()));
                 const auto corner = hn::IndicesFromVec(
-                    d, hn::TableLookupLanes(corners, hn::IndicesFromVec(words, place)));
+                    d, hn::TableLookupLanes(corners, hn::IndicesFromVec(words, indices)));
                 const auto axis = [&](std::size_t k) HWY_ATTR {
                     return hn::TableLookupLanes(hn::Load(d, x[k]), corner);
                 };
@@ -111,8 +111,8 @@ struct LeafPoints {
             const hn::RebindToUnsigned<PairTag<T>> words;
             const hn::Rebind<std::uint8_t, PairTag<T>> bytes;
             const auto corner = [&](std::size_t i) HWY_ATTR {
-                const auto places = hn::PromoteTo(words, hn::LoadU(bytes, leaf.corners[i].data()));
-                return hn::TableLookupLanes(on, hn::IndicesFromVec(d, places));
+                const auto indices = hn::PromoteTo(words, hn::LoadU(bytes, leaf.corners[i].data()));
+                return hn::TableLookupLanes(on, hn::IndicesFromVec(d, indices));
             };
             hn::StoreU(choose.lanes(choose.lanes(corner(0), corner(1)), corner(2)), d, result);
         } else {

@@ -102,10 +102,10 @@ private:
         std::size_t count = 0;
         for (; within != 0; within &= within - 1) {
             const auto slot = static_cast<std::uint8_t>(std::countr_zero(within));
-            std::size_t place = count++;
-            for (; place > 0 && squared[order[place - 1]] < squared[slot]; --place)
-                order[place] = order[place - 1];
-            order[place] = slot;
+            std::size_t position = count++;
+            for (; position > 0 && squared[order[position - 1]] < squared[slot]; --position)
+                order[position] = order[position - 1];
+            order[position] = slot;
         }
         for (std::size_t i = 0; i < count; ++i) pending_.push(pair_of(order[i]));
     }
@@ -149,26 +149,21 @@ namespace proxima {
 
 HWY_EXPORT(walk_pairs);
 
-std::optional<MeshDistance> mesh_distance_within(const MeshIndex& a, const MeshIndex& b,
-                                                 const RigidTransform& pose_b, double farthest,
-                                                 const MeshDistance* start_from) noexcept
+std::optional<MeshDistance> mesh_distance(const MeshIndex& a, const MeshIndex& b,
+                                          const RigidTransform& pose_b,
+                                          const MeshDistanceOptions& options) noexcept
 {
-    if (a.triangle_count() == 0 || b.triangle_count() == 0 || !(farthest >= 0)) return std::nullopt;
-    DistanceSearch search(a.parts(), b.parts(), pose_b, farthest);
-    const bool touch = start_from != nullptr && search.ask(start_from->row_a, start_from->row_b);
+    if (a.triangle_count() == 0 || b.triangle_count() == 0 || !(options.farthest >= 0))
+        return std::nullopt;
+    DistanceSearch search(a.parts(), b.parts(), pose_b, options.farthest);
+    const MeshDistance* const start = options.start_from;
+    const bool touch = start != nullptr && search.ask(start->row_a, start->row_b);
     if (search.needs_no_walk()) {
         (void)search.ask(0, 0);
     } else if (!touch && !HWY_DYNAMIC_DISPATCH(walk_pairs)(search)) {
         (void)search.settle();
     }
     return search.found() ? std::optional(search.best()) : std::nullopt;
-}
-
-std::optional<MeshDistance> mesh_distance(const MeshIndex& a, const MeshIndex& b,
-                                          const RigidTransform& pose_b,
-                                          const MeshDistance* start_from) noexcept
-{
-    return mesh_distance_within(a, b, pose_b, std::numeric_limits<double>::infinity(), start_from);
 }
 
 } // namespace proxima

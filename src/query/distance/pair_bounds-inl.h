@@ -113,7 +113,7 @@ struct ChildSlabs {
         if (index.slabs().empty()) return;
         const hn::CappedTag<float, 8> d;
         const hn::RebindToSigned<decltype(d)> words;
-        // Children lie side by side in the order of their places, which not all have one.
+        // Children lie side by side in the order of their slots, which not all have one.
         std::uint32_t first = 0;
         for (std::size_t slot = 8; slot-- > 0;) {
             const std::uint32_t block = node.children[slot] & ~index_leaf_bit;
@@ -128,10 +128,10 @@ struct ChildSlabs {
             hn::LoadInterleaved2(words, reinterpret_cast<const std::int32_t*>(slabs), normal_words,
                                  extent_words);
             const hn::RebindToUnsigned<decltype(d)> numbers;
-            const auto places =
+            const auto slots =
                 hn::And(hn::Sub(hn::LoadU(numbers, node.children.data()), hn::Set(numbers, first)),
                         hn::Set(numbers, 7U));
-            const auto lanes = hn::IndicesFromVec(words, places);
+            const auto lanes = hn::IndicesFromVec(words, slots);
             hn::Store(hn::TableLookupLanes(normal_words, lanes), words, normals);
             hn::Store(hn::TableLookupLanes(extent_words, lanes), words, extents);
         } else {

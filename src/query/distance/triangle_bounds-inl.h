@@ -194,12 +194,12 @@ struct EightDistances {
 
 template <class T>
 PROXIMA_STEP void bound_eight(const LeafPoints<T>& a, const LeafPoints<T>& b,
-                              const PairPlace* places, EightDistances<T>& result)
+                              const PairIndex* pairs, EightDistances<T>& result)
 {
     const PairTag<T> d;
     for (std::size_t at = 0; at < 8; at += pair_lanes<T>) {
-        const DistanceLanes<T> distances = bound_triangles(a.template triangles<3>(places + at),
-                                                           b.template triangles<0>(places + at));
+        const DistanceLanes<T> distances = bound_triangles(a.template triangles<3>(pairs + at),
+                                                           b.template triangles<0>(pairs + at));
         hn::StoreU(distances.least, d, result.least + at);
         hn::StoreU(distances.most, d, result.most + at);
         hn::StoreU(distances.nearest.x, d, result.nearest[0] + at);

@@ -21,17 +21,20 @@ class BufferWriter {
 public:
     explicit BufferWriter(std::span<Item> buffer) noexcept : buffer_(buffer) {}
 
-    /// False where there is no room.
+    /// False where it is full.
     bool add(const Item& item) noexcept
     {
-        if (result_.count == buffer_.size()) {
+        if (result_.written == buffer_.size()) {
             result_.complete = false;
             return false;
         }
-        buffer_[result_.count++] = item;
+        buffer_[result_.written++] = item;
         return true;
     }
-    [[nodiscard]] std::span<Item> written() const noexcept { return buffer_.first(result_.count); }
+    [[nodiscard]] std::span<Item> written() const noexcept
+    {
+        return buffer_.first(result_.written);
+    }
     [[nodiscard]] const Neighbourhood& result() const noexcept { return result_; }
 
 private:
@@ -39,7 +42,7 @@ private:
     Neighbourhood result_;
 };
 
-/// Adds the unmarked triangles at the triangle's vertices; false where there is no room.
+/// Adds the unmarked triangles at the triangle's vertices; false where it is full.
 bool add_neighbours(const TriangleMesh& mesh, const Topology& topology, TriangleId triangle,
                     NeighbourhoodScratch& scratch, BufferWriter<TriangleId>& found) noexcept
 {
@@ -152,8 +155,8 @@ Neighbourhood collect_rings(const TriangleMesh& mesh, const Topology& topology,
     std::size_t ring_begin = 0;
     const auto end_ring = [&](int ring) {
         std::ranges::sort(found.written().subspan(ring_begin));
-        const auto place = static_cast<std::size_t>(ring);
-        if (place < ring_ends.size()) ring_ends[place] = found.result().count;
+        const auto at = static_cast<std::size_t>(ring);
+        if (at < ring_ends.size()) ring_ends[at] = found.result().written;
     };
 
     const TriangleId face{feature.id};
@@ -167,11 +170,11 @@ Neighbourhood collect_rings(const TriangleMesh& mesh, const Topology& topology,
             if (static_cast<std::size_t>(ring) < ring_ends.size()) {
                 const auto wanted = std::min(ring_ends.size(), static_cast<std::size_t>(rings) + 1);
                 std::ranges::fill(ring_ends.first(wanted).subspan(static_cast<std::size_t>(ring)),
-                                  found.result().count);
+                                  found.result().written);
             }
             break;
         }
-        ring_begin = found.result().count;
+        ring_begin = found.result().written;
         if (found.result().complete) {
             for (const TriangleId triangle : last) {
                 if (!add_neighbours(mesh, topology, triangle, scratch, found)) break;
@@ -206,9 +209,7 @@ Neighbourhood collect_features(const MeshIndex& index, const Vec3& p, double rad
         const auto offer = [&](double at, FeatureKind kind, std::uint32_t feature) {
             return !(at <= limit) || found.add({scale.unscale_squared(at), {kind, feature}});
         };
-        const auto is_lowest = [&](std::uint32_t place) {
-            return place_word::triangle(place) == id;
-        };
+        const auto is_lowest = [&](std::uint32_t word) { return place_word::triangle(word) == id; };
         if (!offer(squared, FeatureKind::face, id)) return Flow::stop;
         for (std::size_t k = 0; k < 3; ++k) {
             const std::uint32_t vertex = row.vertices[k];

@@ -4,6 +4,7 @@
 #include "base/progress.h"
 #include "base/text.h"
 #include "index/index_parts.h"
+#include "query/batch_size.h"
 #include "query/rays/prepare_ray.h"
 
 #include <algorithm>
@@ -16,8 +17,8 @@
 
 namespace proxima {
 
-/// Takes a hit of the ray at a place of its batch.
-using VisitPlacedHit = void (*)(void* context, std::uint32_t place, const RayHit& hit);
+/// Takes a hit of the ray with this number in its batch.
+using VisitNumberedHit = Flow (*)(void* context, std::uint32_t number, const RayHit& hit);
 
 } // namespace proxima
 
@@ -38,7 +39,7 @@ struct AllSearch {
     static constexpr bool has_packets = false;
     static constexpr bool notes_hits = false;
     const IndexParts& index;
-    VisitPlacedHit visit;
+    VisitNumberedHit visit;
     void* context;
 
     HWY_INLINE bool take(std::uint32_t leaf, const LeafCandidates& candidates,
@@ -46,8 +47,9 @@ struct AllSearch {
     {
         for (std::uint32_t left = candidates.lanes; left != 0; left &= left - 1) {
             const auto lane = static_cast<std::uint32_t>(std::countr_zero(left));
-            if (ask_any_triangle(index, {leaf, lane}, ray, ray.best))
-                visit(context, ray.place, ray.best);
+            if (ask_any_triangle(index, {leaf, lane}, ray, ray.best) &&
+                visit(context, ray.number, ray.best) == Flow::stop)
+                return false;
         }
         return true;
     }
@@ -58,7 +60,7 @@ template <class Search>
 HWY_INLINE void walk(const IndexParts& index, const Search& search, RayTraversal& ray)
 {
     // On its own, so that it can stay in registers.
-    RayPlace at = ray.at;
+    WalkState at = ray.at;
     const NodeLanes lanes(ray);
     const IndexBlock* const blocks = index.blocks().data();
     while (step(blocks, search, lanes, ray, at)) {
@@ -80,7 +82,7 @@ RayStart walk_to_any(const IndexParts& index, const Ray& ray, Faces faces, RayTr
     if (start == RayStart::ready) walk(index, AnySearch{index}, open);
     return start;
 }
-RayStart walk_to_all(const IndexParts& index, const Ray& ray, Faces faces, VisitPlacedHit visit,
+RayStart walk_to_all(const IndexParts& index, const Ray& ray, Faces faces, VisitNumberedHit visit,
                      void* context)
 {
     RayTraversal open;
@@ -96,7 +98,7 @@ void walk_all_to_any(const IndexParts& index, const RaySource& source)
 {
     walk_together(index, AnySearch{index}, source);
 }
-void walk_all_to_all(const IndexParts& index, const RaySource& source, VisitPlacedHit visit,
+void walk_all_to_all(const IndexParts& index, const RaySource& source, VisitNumberedHit visit,
                      void* context)
 {
     walk_together(index, AllSearch{index, visit, context}, source);
@@ -118,13 +120,14 @@ HWY_EXPORT(walk_all_to_all);
 
 namespace {
 
-/// Every triangle in doubles, for rays that floats know nothing of. Until visit returns false.
+/// Tests every triangle in doubles, for rays that floats know nothing of, until visit returns
+/// Flow::stop.
 template <class Visit>
 void ask_all(const IndexParts& index, const Ray& ray, Faces faces, const Visit& visit)
 {
     for (std::uint32_t row = 0; row < index.triangle_count(); ++row) {
         const auto hit = ask_row(index, row, ray, faces);
-        if (hit && !visit(*hit)) return;
+        if (hit && visit(*hit) == Flow::stop) return;
     }
 }
 
@@ -133,7 +136,7 @@ std::optional<RayHit> ask_for_closest(const IndexParts& index, const Ray& ray, F
     std::optional<RayHit> closest;
     ask_all(index, ray, faces, [&](const RayHit& hit) {
         if (!closest || hit.before(*closest)) closest = hit;
-        return true;
+        return Flow::proceed;
     });
     return closest;
 }
@@ -143,13 +146,13 @@ bool ask_for_any(const IndexParts& index, const Ray& ray, Faces faces)
     bool found = false;
     ask_all(index, ray, faces, [&](const RayHit& /*hit*/) {
         found = true;
-        return false;
+        return Flow::stop;
     });
     return found;
 }
 
-/// The rays of a chunk. `answer(place, hit)` takes those whose walk has ended, `miss(place)` those
-/// that need none, `ask(place)` those that are too far for one.
+/// The rays of a chunk. `answer(number, hit)` takes those whose walk has ended, `miss(number)` those
+/// that need none, `ask(number)` those that are too far for one.
 template <class Answer, class Miss, class Ask>
 class ChunkTakers {
 public:
@@ -161,15 +164,15 @@ public:
     [[nodiscard]] RaySource source() noexcept
     {
         return {rays_, faces_,
-                [](void* context, std::uint32_t place, const RayHit* hit) {
-                    static_cast<ChunkTakers*>(context)->answer_(place, hit);
+                [](void* context, std::uint32_t number, const RayHit* hit) {
+                    static_cast<ChunkTakers*>(context)->answer_(number, hit);
                 },
-                [](void* context, std::uint32_t place, RayStart start) {
+                [](void* context, std::uint32_t number, RayStart start) {
                     auto& takers = *static_cast<ChunkTakers*>(context);
                     if (start == RayStart::misses) {
-                        takers.miss_(place);
+                        takers.miss_(number);
                     } else {
-                        takers.ask_(place);
+                        takers.ask_(number);
                     }
                 },
                 this};
@@ -187,13 +190,10 @@ constexpr std::size_t rays_per_task = RaySource::most_rays;
 
 /// Calls task(first, rays of a chunk) for all chunks; the errors of batches.
 template <class Task>
-Status for_chunks(std::span<const Ray> rays, std::size_t room, const RayBatchOptions& options,
+Status for_chunks(std::span<const Ray> rays, std::size_t answers, const RayBatchOptions& options,
                   const Task& task)
 {
-    if (rays.size() != room) {
-        return fail(ErrorCode::invalid_argument,
-                    concat("room for ", room, " answers, but ", rays.size(), " rays"));
-    }
+    if (Status status = check_batch_size(answers, rays.size(), "rays"); !status) return status;
     const auto bad = std::ranges::find_if(rays, [](const Ray& ray) { return !is_valid(ray); });
     if (bad != rays.end()) {
         return fail(ErrorCode::invalid_argument,
@@ -242,25 +242,21 @@ bool any_hit(const MeshIndex& index, const Ray& ray, Faces faces) noexcept
 }
 
 void visit_hits(const MeshIndex& index, const Ray& ray, Faces faces,
-                FunctionRef<void(const RayHit&)> visitor) noexcept
+                FunctionRef<Flow(const RayHit&)> visitor) noexcept
 {
     const IndexParts& parts = index.parts();
-    const auto pass_on = [](void* to, std::uint32_t /*place*/, const RayHit& hit) {
-        (*static_cast<const FunctionRef<void(const RayHit&)>*>(to))(hit);
+    const auto pass_on = [](void* to, std::uint32_t /*number*/, const RayHit& hit) {
+        return (*static_cast<const FunctionRef<Flow(const RayHit&)>*>(to))(hit);
     };
     const RayStart start = HWY_DYNAMIC_DISPATCH(walk_to_all)(parts, ray, faces, pass_on, &visitor);
-    if (start != RayStart::too_far) return;
-    ask_all(parts, ray, faces, [&](const RayHit& hit) {
-        visitor(hit);
-        return true;
-    });
+    if (start == RayStart::too_far) ask_all(parts, ray, faces, visitor);
 }
 
 std::size_t all_hits(const MeshIndex& index, const Ray& ray, std::span<RayHit> hits,
                      Faces faces) noexcept
 {
     std::size_t count = 0;
-    // A heap, the last one on top, once all places are taken.
+    // A heap, the last one on top, once the list is full.
     visit_hits(index, ray, faces, [&](const RayHit& hit) {
         if (count < hits.size()) {
             hits[count] = hit;
@@ -271,6 +267,7 @@ std::size_t all_hits(const MeshIndex& index, const Ray& ray, std::span<RayHit> h
             std::ranges::push_heap(hits, before);
         }
         ++count;
+        return Flow::proceed;
     });
     std::ranges::sort(hits.first(std::min(count, hits.size())), before);
     return count;
@@ -279,7 +276,10 @@ std::size_t all_hits(const MeshIndex& index, const Ray& ray, std::span<RayHit> h
 std::vector<RayHit> all_hits(const MeshIndex& index, const Ray& ray, Faces faces)
 {
     std::vector<RayHit> hits;
-    visit_hits(index, ray, faces, [&](const RayHit& hit) { hits.push_back(hit); });
+    visit_hits(index, ray, faces, [&](const RayHit& hit) {
+        hits.push_back(hit);
+        return Flow::proceed;
+    });
     std::ranges::sort(hits, before);
     return hits;
 }
@@ -289,12 +289,12 @@ Status closest_hits(const MeshIndex& index, std::span<const Ray> rays,
 {
     return for_chunks(
         rays, hits.size(), options, [&](std::size_t first, std::span<const Ray> chunk) {
-            const auto answer = [&](std::uint32_t place, const RayHit* hit) {
-                hits[first + place] = hit != nullptr ? std::optional(*hit) : std::nullopt;
+            const auto answer = [&](std::uint32_t number, const RayHit* hit) {
+                hits[first + number] = hit != nullptr ? std::optional(*hit) : std::nullopt;
             };
-            const auto miss = [&](std::uint32_t place) { hits[first + place].reset(); };
-            const auto ask = [&](std::uint32_t place) {
-                hits[first + place] = ask_for_closest(index.parts(), chunk[place], options.faces);
+            const auto miss = [&](std::uint32_t number) { hits[first + number].reset(); };
+            const auto ask = [&](std::uint32_t number) {
+                hits[first + number] = ask_for_closest(index.parts(), chunk[number], options.faces);
             };
             ChunkTakers takers(chunk, options.faces, answer, miss, ask);
             HWY_DYNAMIC_DISPATCH(walk_all_to_closest)(index.parts(), takers.source());
@@ -306,12 +306,12 @@ Status any_hits(const MeshIndex& index, std::span<const Ray> rays, std::span<boo
 {
     return for_chunks(
         rays, hits.size(), options, [&](std::size_t first, std::span<const Ray> chunk) {
-            const auto answer = [&](std::uint32_t place, const RayHit* hit) {
-                hits[first + place] = hit != nullptr;
+            const auto answer = [&](std::uint32_t number, const RayHit* hit) {
+                hits[first + number] = hit != nullptr;
             };
-            const auto miss = [&](std::uint32_t place) { hits[first + place] = false; };
-            const auto ask = [&](std::uint32_t place) {
-                hits[first + place] = ask_for_any(index.parts(), chunk[place], options.faces);
+            const auto miss = [&](std::uint32_t number) { hits[first + number] = false; };
+            const auto ask = [&](std::uint32_t number) {
+                hits[first + number] = ask_for_any(index.parts(), chunk[number], options.faces);
             };
             ChunkTakers takers(chunk, options.faces, answer, miss, ask);
             HWY_DYNAMIC_DISPATCH(walk_all_to_any)(index.parts(), takers.source());
@@ -321,38 +321,39 @@ Status any_hits(const MeshIndex& index, std::span<const Ray> rays, std::span<boo
 Result<RayHitLists> all_hits(const MeshIndex& index, std::span<const Ray> rays,
                              const RayBatchOptions& options)
 {
-    struct PlacedHit {
-        std::uint32_t place;
+    struct NumberedHit {
+        std::uint32_t number; ///< of the ray in its chunk
         RayHit hit;
     };
-    using Found = std::vector<PlacedHit>;
+    using Found = std::vector<NumberedHit>;
     std::vector<Found> found((rays.size() + rays_per_task - 1) / rays_per_task);
     const Status status =
         for_chunks(rays, rays.size(), options, [&](std::size_t first, std::span<const Ray> chunk) {
             Found& hits = found[first / rays_per_task];
-            const auto answer = [](std::uint32_t /*place*/, const RayHit* /*hit*/) {};
-            const auto miss = [](std::uint32_t /*place*/) {};
-            const auto ask = [&](std::uint32_t place) {
-                ask_all(index.parts(), chunk[place], options.faces, [&](const RayHit& hit) {
-                    hits.push_back({place, hit});
-                    return true;
+            const auto answer = [](std::uint32_t /*number*/, const RayHit* /*hit*/) {};
+            const auto miss = [](std::uint32_t /*number*/) {};
+            const auto ask = [&](std::uint32_t number) {
+                ask_all(index.parts(), chunk[number], options.faces, [&](const RayHit& hit) {
+                    hits.push_back({number, hit});
+                    return Flow::proceed;
                 });
             };
-            const auto keep = [](void* to, std::uint32_t place, const RayHit& hit) {
-                static_cast<Found*>(to)->push_back({place, hit});
+            const auto keep = [](void* to, std::uint32_t number, const RayHit& hit) {
+                static_cast<Found*>(to)->push_back({number, hit});
+                return Flow::proceed;
             };
             ChunkTakers takers(chunk, options.faces, answer, miss, ask);
             HWY_DYNAMIC_DISPATCH(walk_all_to_all)(index.parts(), takers.source(), keep, &hits);
-            std::ranges::sort(hits, [](const PlacedHit& a, const PlacedHit& b) {
-                return a.place < b.place || (a.place == b.place && a.hit.before(b.hit));
+            std::ranges::sort(hits, [](const NumberedHit& a, const NumberedHit& b) {
+                return a.number < b.number || (a.number == b.number && a.hit.before(b.hit));
             });
         });
     if (!status) return tl::unexpected(status.error());
     RayHitLists lists;
     lists.first.assign(rays.size() + 1, 0);
     for (std::size_t task = 0; task < found.size(); ++task) {
-        for (const PlacedHit& at : found[task]) {
-            ++lists.first[task * rays_per_task + at.place + 1];
+        for (const NumberedHit& at : found[task]) {
+            ++lists.first[task * rays_per_task + at.number + 1];
             lists.hits.push_back(at.hit);
         }
     }

@@ -12,7 +12,7 @@ namespace proxima {
 
 namespace {
 
-/// A place on the ray: where it crosses a plane of an axis, or a t that is given.
+/// A position on the ray: where it crosses a plane of an axis, or a t that is given.
 struct Event {
     static constexpr int given = 3;
 
@@ -148,13 +148,12 @@ private:
             const bool crossed = compare(event, at.enter) <= 0;
             if (crossed == (d > 0)) octant |= 1 << axis;
             if (crossed || compare(event, at.exit) >= 0) continue;
-            int place = count++;
-            for (; place > 0 && compare(event, inside[static_cast<std::size_t>(place - 1)]) < 0;
-                 --place) {
-                inside[static_cast<std::size_t>(place)] =
-                    inside[static_cast<std::size_t>(place - 1)];
+            int slot = count++;
+            for (; slot > 0 && compare(event, inside[static_cast<std::size_t>(slot - 1)]) < 0;
+                 --slot) {
+                inside[static_cast<std::size_t>(slot)] = inside[static_cast<std::size_t>(slot - 1)];
             }
-            inside[static_cast<std::size_t>(place)] = event;
+            inside[static_cast<std::size_t>(slot)] = event;
         }
         int made = 0;
         Event enter = at.enter;

@@ -65,16 +65,16 @@ HWY_INLINE QuickAnswer ask_leaf(const IndexParts& index, const IndexLeaf& leaf, 
     const auto unscale = hn::Set(d, index.unscale());
     const auto about = [&](std::uint32_t axis) {
         const auto own = hn::TableLookupLanes(hn::Load(f, leaf.coordinates[axis].data()), corners);
-        const auto place = hn::Add(hn::Mul(hn::PromoteTo(d, hn::LowerHalf(own)), unscale),
-                                   hn::Set(d, index.center().data()[axis]));
-        return hn::Sub(place, hn::Set(d, searched.ray->origin.data()[axis]));
+        const auto position = hn::Add(hn::Mul(hn::PromoteTo(d, hn::LowerHalf(own)), unscale),
+                                      hn::Set(d, index.center().data()[axis]));
+        return hn::Sub(position, hn::Set(d, searched.ray->origin.data()[axis]));
     };
     const auto about_x = about(shear.x);
     const auto about_y = about(shear.y);
     const auto about_z = about(shear.z);
     const auto x = hn::Sub(about_x, hn::Mul(hn::Set(d, shear.slope_x), about_z));
     const auto y = hn::Sub(about_y, hn::Mul(hn::Set(d, shear.slope_y), about_z));
-    const auto places = hn::Mul(about_z, hn::Set(d, shear.inverse_z));
+    const auto depths = hn::Mul(about_z, hn::Set(d, shear.inverse_z));
     const auto size =
         hn::MaxOfLanes(d, hn::Max(hn::Max(hn::Abs(about_x), hn::Abs(about_y)), hn::Abs(about_z)));
     const auto reach = hn::MaxOfLanes(d, hn::Max(hn::Abs(x), hn::Abs(y)));
@@ -96,11 +96,11 @@ HWY_INLINE QuickAnswer ask_leaf(const IndexParts& index, const IndexLeaf& leaf, 
     if (!detail::is_wanted(shear.inverse_z > 0 ? sum : -sum, searched.faces))
         return QuickAnswer::missed;
     const auto shares = hn::Div(weights, hn::Set(d, sum));
-    const auto parts = hn::Mul(shares, places);
+    const auto parts = hn::Mul(shares, depths);
     const double t = hn::GetLane(hn::Add(hn::Add(parts, of_next(parts)), of_last(parts)));
-    const double first = hn::GetLane(places);
-    const double second = hn::GetLane(of_next(places));
-    const double third = hn::GetLane(of_last(places));
+    const double first = hn::GetLane(depths);
+    const double second = hn::GetLane(of_next(depths));
+    const double third = hn::GetLane(of_last(depths));
     const double own = std::clamp(t, std::min(std::min(first, second), third),
                                   std::max(std::max(first, second), third));
     if (!(std::abs(own) <= farthest_hit)) return QuickAnswer::unsure;

@@ -33,13 +33,13 @@ public:
     {}
 
     /// To be answered now or later. The shear is of the ray's direction.
-    HWY_INLINE void add(std::uint32_t place, const RayShear& shear, RayTriangle triangle)
+    HWY_INLINE void add(std::uint32_t number, const RayShear& shear, RayTriangle triangle)
     {
         const std::size_t lane = count_++;
-        const Ray& ray = source_.rays[place];
+        const Ray& ray = source_.rays[number];
         const IndexLeaf& leaf = index_.blocks()[triangle.leaf].leaf;
         const std::array<std::uint32_t, 3> axes = {shear.x, shear.y, shear.z};
-        places_[lane] = place;
+        numbers_[lane] = number;
         rows_[lane] = leaf.first_row + triangle.lane;
         if (index_.has_exact_leaves()) {
             for (std::size_t k = 0; k < 3; ++k) {
@@ -74,11 +74,11 @@ public:
             const std::uint32_t sure = intersect_from(first);
             const std::size_t end = HWY_MIN(count_, first + double_lanes);
             for (std::size_t lane = first; lane < end; ++lane) {
-                const std::uint32_t place = places_[lane];
+                const std::uint32_t number = numbers_[lane];
                 if ((sure >> (lane - first) & 1U) == 0) {
                     const auto hit =
-                        ask_row(index_, rows_[lane], source_.rays[place], source_.faces);
-                    source_.answer(source_.context, place, hit ? &*hit : nullptr);
+                        ask_row(index_, rows_[lane], source_.rays[number], source_.faces);
+                    source_.answer(source_.context, number, hit ? &*hit : nullptr);
                     continue;
                 }
                 RayHit hit;
@@ -86,7 +86,7 @@ public:
                 hit.triangle = index_.ids()[rows_[lane]];
                 hit.u = u_.values[lane];
                 hit.v = v_.values[lane];
-                source_.answer(source_.context, place, &hit);
+                source_.answer(source_.context, number, &hit);
             }
         }
         count_ = 0;
@@ -112,7 +112,7 @@ private:
         const auto inverse_z = inverse_z_.from(first);
         Doubles x[3];
         Doubles y[3];
-        Doubles places[3];
+        Doubles depths[3];
         auto size = hn::Zero(d);
         auto reach = hn::Zero(d);
         for (std::size_t i = 0; i < 3; ++i) {
@@ -124,7 +124,7 @@ private:
             const auto about_z = about(2);
             x[i] = hn::Sub(about_x, hn::Mul(slope_x, about_z));
             y[i] = hn::Sub(about_y, hn::Mul(slope_y, about_z));
-            places[i] = hn::Mul(about_z, inverse_z);
+            depths[i] = hn::Mul(about_z, inverse_z);
             size = hn::Max(size,
                            hn::Max(hn::Max(hn::Abs(about_x), hn::Abs(about_y)), hn::Abs(about_z)));
             reach = hn::Max(reach, hn::Max(hn::Abs(x[i]), hn::Abs(y[i])));
@@ -153,10 +153,10 @@ private:
         }
         Doubles shares[3];
         for (std::size_t i = 0; i < 3; ++i) shares[i] = hn::Div(weights[i], sum);
-        auto t = hn::Add(hn::Add(hn::Mul(shares[0], places[0]), hn::Mul(shares[1], places[1])),
-                         hn::Mul(shares[2], places[2]));
-        const auto least = lesser(lesser(places[0], places[1]), places[2]);
-        const auto most = greater(greater(places[0], places[1]), places[2]);
+        auto t = hn::Add(hn::Add(hn::Mul(shares[0], depths[0]), hn::Mul(shares[1], depths[1])),
+                         hn::Mul(shares[2], depths[2]));
+        const auto least = lesser(lesser(depths[0], depths[1]), depths[2]);
+        const auto most = greater(greater(depths[0], depths[1]), depths[2]);
         t = hn::IfThenElse(hn::Lt(t, least), least, hn::IfThenElse(hn::Lt(most, t), most, t));
         sure = hn::And(sure, hn::Le(hn::Abs(t), hn::Set(d, farthest_hit)));
         sure = hn::And(sure, hn::And(hn::Le(t_min_.from(first), t), hn::Le(t, t_max_.from(first))));
@@ -169,7 +169,7 @@ private:
     const IndexParts& index_;
     const RaySource& source_;
     std::size_t count_ = 0;
-    std::array<std::uint32_t, packet_size> places_{};
+    std::array<std::uint32_t, packet_size> numbers_{};
     std::array<std::uint32_t, packet_size> rows_{};
     std::array<std::array<PacketDoubles, 3>, 3> corners_{}; ///< by corner, then by the shear's axes
     std::array<PacketDoubles, 3> origin_{};

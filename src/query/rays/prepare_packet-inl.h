@@ -164,18 +164,16 @@ private:
         const DoubleTag d;
         const FloatTag f;
         const BitTag bits;
-        constexpr std::uint64_t exponent_bits = 0x7FF0000000000000U;
         const auto [x, y, z] = axes;
         const auto along = given_direction_[z].from(first);
         const auto exponent =
-            hn::And(hn::BitCast(bits, along), hn::Set(bits, std::uint64_t{exponent_bits}));
+            hn::And(hn::BitCast(bits, along), hn::Set(bits, RayUnit::exponent_bits));
         const auto unscale = hn::BitCast(d, exponent);
-        const auto scale =
-            hn::BitCast(d, hn::Sub(hn::Set(bits, std::uint64_t{0x7FE0000000000000U}), exponent));
+        const auto scale = hn::BitCast(d, hn::Sub(hn::Set(bits, RayUnit::inverting), exponent));
         const auto rates = hn::Mul(hn::Set(d, index.scale()), unscale);
         const auto is_ordinary = [&](Doubles value) {
-            return hn::And(hn::Gt(value, hn::Set(d, 0x1p-1000)),
-                           hn::Lt(value, hn::Set(d, 0x1p1000)));
+            return hn::And(hn::Gt(value, hn::Set(d, RayUnit::least)),
+                           hn::Lt(value, hn::Set(d, RayUnit::most)));
         };
         auto usual = hn::And(is_ordinary(unscale), is_ordinary(rates));
         Doubles origins[3];
@@ -220,8 +218,8 @@ private:
             const auto limited =
                 hn::CopySign(hn::Min(hn::Abs(inverses[axis]), most_inverse), inverses[axis]);
             hn::StoreU(hn::DemoteTo(f, limited), f, inverse[axis].values + first);
-            const auto place = hn::MulAdd(shifts, directions[axis], origins[axis]);
-            hn::StoreU(hn::DemoteTo(f, place), f, origin[axis].values + first);
+            const auto moved_origin = hn::MulAdd(shifts, directions[axis], origins[axis]);
+            hn::StoreU(hn::DemoteTo(f, moved_origin), f, origin[axis].values + first);
         }
         const auto backward = hn::Div(hn::Set(d, 1.0), along);
         const auto across_x = hn::Mul(given_direction_[x].from(first), backward);

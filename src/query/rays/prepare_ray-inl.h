@@ -12,7 +12,6 @@
 #include "query/rays/prepare_ray.h"
 
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -36,11 +35,7 @@ HWY_INLINE bool open_near_ray(const IndexParts& index, const Ray& ray, Faces fac
     const auto first_three = hn::FirstN(d, 3);
     const RayShear shear(ray.direction);
     const double largest = std::abs(ray.direction.data()[shear.z]);
-    constexpr std::uint64_t exponent_bits = 0x7FF0000000000000U;
-    const std::uint64_t exponent = std::bit_cast<std::uint64_t>(largest) & exponent_bits;
-    const auto unscale = std::bit_cast<double>(exponent);
-    const auto scale = std::bit_cast<double>(0x7FE0000000000000U - exponent);
-    const double rate = index.scale() * unscale;
+    const RayUnit unit(index, largest);
     const auto center = hn::LoadU(d, index.center().data());
     auto origin =
         hn::Mul(hn::Sub(hn::LoadU(d, ray.origin.data()), center), hn::Set(d, index.scale()));
@@ -50,15 +45,13 @@ HWY_INLINE bool open_near_ray(const IndexParts& index, const Ray& ray, Faces fac
     const auto sizes = hn::Abs(hn::LoadU(d, ray.direction.data()));
     const auto usual = hn::And(hn::Le(distances, hn::Set(d, RayTraversal::far)),
                                hn::Or(hn::Le(sizes, hn::Set(d, largest)), hn::Not(first_three)));
-    if (!(unscale > 0x1p-1000 && unscale < 0x1p1000 && rate > 0x1p-1000 && rate < 0x1p1000 &&
-          ray.t_min <= ray.t_max && hn::AllTrue(d, usual)))
-        return false;
-    const auto direction = hn::Mul(hn::LoadU(d, ray.direction.data()), hn::Set(d, scale));
+    if (!(unit.is_ordinary() && ray.t_min <= ray.t_max && hn::AllTrue(d, usual))) return false;
+    const auto direction = hn::Mul(hn::LoadU(d, ray.direction.data()), hn::Set(d, unit.scale));
     const auto sign = hn::IfThenElseZero(first_three, direction);
     const auto tiny = hn::Set(d, 0x1p-500); // so that nothing is infinite
     const auto inverse = hn::Div(hn::Set(d, 1.0), hn::CopySign(hn::Max(hn::Abs(sign), tiny), sign));
-    double least = ray.t_min * rate;
-    double most = ray.t_max * rate;
+    double least = ray.t_min * unit.rate;
+    double most = ray.t_max * unit.rate;
     double shift = 0;
     double moved = 0;
     if (!hn::AllTrue(d, hn::Le(distances, hn::Set(d, RayTraversal::root_reach)))) {
@@ -76,8 +69,8 @@ HWY_INLINE bool open_near_ray(const IndexParts& index, const Ray& ray, Faces fac
     const auto most_inverse = hn::Set(d, RayTraversal::most_inverse);
     const auto inverses =
         hn::DemoteTo(f, hn::CopySign(hn::Min(hn::Abs(inverse), most_inverse), inverse));
-    const auto places = hn::DemoteTo(f, origin);
-    const auto starts = hn::Neg(hn::Mul(places, inverses));
+    const auto origins = hn::DemoteTo(f, origin);
+    const auto starts = hn::Neg(hn::Mul(origins, inverses));
     std::uint8_t negative[8] = {};
     (void)hn::StoreMaskBits(d, hn::Lt(inverse, hn::Zero(d)), negative);
     open.octant = negative[0] & 7U;
@@ -87,15 +80,15 @@ HWY_INLINE bool open_near_ray(const IndexParts& index, const Ray& ray, Faces fac
     hn::StoreU(hn::Broadcast<0>(starts), f, open.start[0].data());
     hn::StoreU(hn::Broadcast<1>(starts), f, open.start[1].data());
     hn::StoreU(hn::Broadcast<2>(starts), f, open.start[2].data());
-    HWY_ALIGN float place[4];
-    hn::Store(places, f, place);
+    HWY_ALIGN float floats[4];
+    hn::Store(origins, f, floats);
     open.shear = shear;
     open.axes = {shear.x, shear.y, shear.z};
-    open.origin = {place[shear.x], place[shear.y], place[shear.z]};
+    open.origin = {floats[shear.x], floats[shear.y], floats[shear.z]};
     open.slope_x = static_cast<float>(shear.slope_x);
     open.slope_y = static_cast<float>(shear.slope_y);
-    open.inverse_z = static_cast<float>(shear.inverse_z * unscale);
-    open.set_range(index, ray, faces, {rate, least, most, shift, moved, moved});
+    open.inverse_z = static_cast<float>(shear.inverse_z * unit.unscale);
+    open.set_range(index, ray, faces, {unit.rate, least, most, shift, moved, moved});
     return true;
 }
 

@@ -13,7 +13,6 @@ namespace proxima {
 namespace {
 
 constexpr double too_far = 0x1p40;
-constexpr std::uint64_t exponent_bits = 0x7FF0000000000000U;
 constexpr std::uint64_t sign_bit = 0x8000000000000000U;
 
 using Three = std::array<double, 3>;
@@ -24,9 +23,9 @@ double moved_origin(double origin, double center, double scale, double shift,
                     double direction) noexcept
 {
     const auto about = detail::two_sum(origin, -center);
-    const auto way = detail::two_product(shift, direction, detail::split(direction));
-    const auto sum = detail::two_sum(about.rounded * scale, way.rounded);
-    return sum.rounded + (sum.error + (about.error * scale + way.error));
+    const auto moved = detail::two_product(shift, direction, detail::split(direction));
+    const auto sum = detail::two_sum(about.rounded * scale, moved.rounded);
+    return sum.rounded + (sum.error + (about.error * scale + moved.error));
 }
 
 } // namespace
@@ -37,14 +36,8 @@ RayStart prepare_ray(const IndexParts& index, const Ray& ray, Faces faces,
     if (index.triangle_count() == 0 || !is_valid(ray)) return RayStart::misses;
     open.shear = RayShear(ray.direction);
     const auto [x, y, z] = std::array{open.shear.x, open.shear.y, open.shear.z};
-    const double largest = std::abs(ray.direction.data()[z]);
-    const std::uint64_t exponent = std::bit_cast<std::uint64_t>(largest) & exponent_bits;
-    // 1 / k by the bits of an exponent.
-    const auto unscale = std::bit_cast<double>(exponent);
-    const auto scale = std::bit_cast<double>(0x7FE0000000000000U - exponent);
-    const double rate = index.scale() * unscale;
-    if (!(unscale > 0x1p-1000 && unscale < 0x1p1000 && rate > 0x1p-1000 && rate < 0x1p1000))
-        return RayStart::too_far;
+    const RayUnit unit(index, std::abs(ray.direction.data()[z]));
+    if (!unit.is_ordinary()) return RayStart::too_far;
     Three origin;
     Three direction;
     Three inverse; // infinite where a component is zero
@@ -52,12 +45,12 @@ RayStart prepare_ray(const IndexParts& index, const Ray& ray, Faces faces,
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const double center = index.center().data()[axis];
         origin[axis] = (ray.origin.data()[axis] - center) * index.scale();
-        direction[axis] = ray.direction.data()[axis] * scale;
+        direction[axis] = ray.direction.data()[axis] * unit.scale;
         inverse[axis] = 1 / direction[axis];
         distance = std::max(distance, std::abs(origin[axis]));
     }
-    double least = ray.t_min * rate;
-    double most = ray.t_max * rate;
+    double least = ray.t_min * unit.rate;
+    double most = ray.t_max * unit.rate;
     double shift = 0;
     double moved = 0; // how far off the origin is for having been moved
     double t_off = 0; // and t
@@ -83,25 +76,25 @@ RayStart prepare_ray(const IndexParts& index, const Ray& ray, Faces faces,
             moved = t_off;
         }
     }
-    std::array<float, 3> places;
+    std::array<float, 3> floats;
     open.octant = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const std::uint64_t sign = std::bit_cast<std::uint64_t>(direction[axis]) & sign_bit;
         const double size = std::min(std::abs(inverse[axis]), RayTraversal::most_inverse);
         const auto own =
             static_cast<float>(std::bit_cast<double>(std::bit_cast<std::uint64_t>(size) | sign));
-        places[axis] = static_cast<float>(origin[axis]);
-        const float start = -places[axis] * own;
+        floats[axis] = static_cast<float>(origin[axis]);
+        const float start = -floats[axis] * own;
         open.inverse[axis] = {own, own, own, own};
         open.start[axis] = {start, start, start, start};
         open.octant |= static_cast<std::uint32_t>(sign >> (63 - axis));
     }
     open.axes = {x, y, z};
-    open.origin = {places[x], places[y], places[z]};
+    open.origin = {floats[x], floats[y], floats[z]};
     open.slope_x = static_cast<float>(open.shear.slope_x);
     open.slope_y = static_cast<float>(open.shear.slope_y);
     open.inverse_z = open.inverse[z][0];
-    open.set_range(index, ray, faces, {rate, least, most, shift, moved, t_off});
+    open.set_range(index, ray, faces, {unit.rate, least, most, shift, moved, t_off});
     return RayStart::ready;
 }
 

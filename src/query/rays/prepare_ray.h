@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -36,7 +37,7 @@ inline constexpr float float_roundoff = 0x1p-24F;
 }
 
 /// How far a walk has come.
-struct RayPlace {
+struct WalkState {
     std::uint32_t next = 0;    ///< the block to look at
     std::uint32_t pending = 0; ///< the end of those put aside
 };
@@ -58,7 +59,7 @@ struct SearchedRay {
     float best_least;       ///< the best hit's t is not below
     bool found;             ///< `best` is a hit
     RayTriangle best_noted; ///< surely hit, not yet computed; then `best` is older
-    std::uint32_t place;    ///< of the ray in its batch
+    std::uint32_t number;   ///< of the ray in its batch
     const Ray* ray;
     Faces faces;
     double rate;  ///< r
@@ -100,7 +101,7 @@ struct RayTraversal : SearchedRay {
     bool refuses_positive; ///< weights of this sign are of faces not asked for
     bool refuses_negative;
 
-    RayPlace at;
+    WalkState at;
     std::array<std::uint32_t, stack_size> references;
     std::array<float, stack_size> nearness; ///< t at which the box is entered
 
@@ -145,6 +146,33 @@ struct RayTraversal : SearchedRay {
     }
 };
 
+/// k of a ray and what follows of it, by the bits of an exponent.
+struct RayUnit {
+    static constexpr std::uint64_t exponent_bits = 0x7FF0000000000000U;
+    static constexpr std::uint64_t inverting = 0x7FE0000000000000U; ///< less those of x: of 1 / x
+
+    double unscale; ///< 1 / k
+    double scale;   ///< k
+    double rate;    ///< r
+
+    /// `largest` is the size of the direction's largest component.
+    RayUnit(const IndexParts& index, double largest) noexcept
+    {
+        const std::uint64_t exponent = std::bit_cast<std::uint64_t>(largest) & exponent_bits;
+        unscale = std::bit_cast<double>(exponent);
+        scale = std::bit_cast<double>(inverting - exponent);
+        rate = index.scale() * unscale;
+    }
+
+    /// Whether products of them stay normal numbers.
+    [[nodiscard]] bool is_ordinary() const noexcept
+    {
+        return unscale > least && unscale < most && rate > least && rate < most;
+    }
+    static constexpr double least = 0x1p-1000;
+    static constexpr double most = 0x1p1000;
+};
+
 /// What prepare_ray says.
 enum class RayStart : std::uint8_t {
     misses,  ///< the root: no hit
@@ -159,8 +187,8 @@ struct RaySource {
     std::span<const Ray> rays;
     Faces faces = Faces::both;
     /// The ray's walk has ended: with this hit, or without one.
-    void (*answer)(void* context, std::uint32_t place, const RayHit* hit) = nullptr;
-    void (*refuse)(void* context, std::uint32_t place, RayStart start) = nullptr; ///< no walk
+    void (*answer)(void* context, std::uint32_t number, const RayHit* hit) = nullptr;
+    void (*refuse)(void* context, std::uint32_t number, RayStart start) = nullptr; ///< no walk
     void* context = nullptr;
 };
 

@@ -48,7 +48,7 @@ private:
 };
 
 /// leave(), of eight blocks put aside at a time.
-HWY_INLINE void leave_by_eights(const RayTraversal& ray, RayPlace& at)
+HWY_INLINE void leave_by_eights(const RayTraversal& ray, WalkState& at)
 {
     if constexpr (ray_lanes == 8) {
         const RayTag d;
@@ -103,19 +103,19 @@ private:
                 continue;
             }
             const Ray& own = source_.rays[next_];
-            const auto place = static_cast<std::uint32_t>(next_++);
+            const auto number = static_cast<std::uint32_t>(next_++);
             const RayStart start = open_any_ray(index_, own, source_.faces, ray);
             if (start == RayStart::ready) {
-                ray.place = place;
+                ray.number = number;
                 go_to(ray, ray.at);
                 return true;
             }
-            source_.refuse(source_.context, place, start);
+            source_.refuse(source_.context, number, start);
         }
         return false;
     }
 
-    HWY_INLINE void go_to(RayTraversal& ray, RayPlace at)
+    HWY_INLINE void go_to(RayTraversal& ray, WalkState at)
     {
         ray.at = at;
         prefetch_block(blocks_[at.next & ~index_leaf_bit]);
@@ -130,7 +130,7 @@ private:
         nodes_.clear();
         for (std::size_t i = 0; i < count; ++i) {
             RayTraversal& ray = nodes_[i];
-            RayPlace at = ray.at;
+            WalkState at = ray.at;
             const IndexNode& node = blocks_[at.next].node;
             const MetChildren met = meet_children(node, NodeLanes(ray), ray);
             enter_nearest(node, met, ray, at);
@@ -146,22 +146,22 @@ private:
 
     HWY_INLINE void look_at_leaves()
     {
-        std::array<std::uint32_t, rays_together> hopeful; // places in leaves_
-        std::size_t hopeful_count = 0;
+        std::array<std::uint32_t, rays_together> with_candidates; // indices in leaves_
+        std::size_t candidate_count = 0;
         for (std::size_t i = 0; i < leaves_.size(); ++i) {
             LeafCandidates& candidates = candidates_[i];
             candidates.lanes = 0;
             candidates.sure = 0;
-            const std::uint32_t place = leaves_[i].at.next & ~index_leaf_bit;
-            look_at_leaf<LeafWork::whole>(blocks_[place].leaf, leaves_[i], candidates);
-            hopeful[hopeful_count] = static_cast<std::uint32_t>(i);
-            hopeful_count += candidates.lanes != 0 ? 1 : 0;
+            const std::uint32_t block = leaves_[i].at.next & ~index_leaf_bit;
+            look_at_leaf<LeafWork::whole>(blocks_[block].leaf, leaves_[i], candidates);
+            with_candidates[candidate_count] = static_cast<std::uint32_t>(i);
+            candidate_count += candidates.lanes != 0 ? 1 : 0;
             leaving_.push_if(true, leaves_[i]);
         }
-        for (std::size_t k = 0; k < hopeful_count; ++k) {
-            RayTraversal& ray = leaves_[hopeful[k]];
-            const std::uint32_t place = ray.at.next & ~index_leaf_bit;
-            const bool goes_on = search_.take(place, candidates_[hopeful[k]], ray);
+        for (std::size_t k = 0; k < candidate_count; ++k) {
+            RayTraversal& ray = leaves_[with_candidates[k]];
+            const std::uint32_t block = ray.at.next & ~index_leaf_bit;
+            const bool goes_on = search_.take(block, candidates_[with_candidates[k]], ray);
             if (!goes_on) ray.at.pending = RayTraversal::bottom;
         }
         leaves_.clear();
@@ -171,7 +171,7 @@ private:
     {
         for (std::size_t i = 0; i < leaving_.size(); ++i) {
             RayTraversal& ray = leaving_[i];
-            RayPlace at = ray.at;
+            WalkState at = ray.at;
             leave_by_eights(ray, at);
             ray.at = at;
             prefetch_block(blocks_[at.next & ~index_leaf_bit]);
@@ -189,10 +189,10 @@ private:
         for (std::size_t i = 0; i < ended_.size(); ++i) {
             RayTraversal& ray = ended_[i];
             if (Search::notes_hits && !ray.found && ray.best_noted.leaf != RayTriangle::no_leaf) {
-                hits_.add(ray.place, ray.shear, ray.best_noted);
+                hits_.add(ray.number, ray.shear, ray.best_noted);
             } else {
                 search_.settle(ray);
-                source_.answer(source_.context, ray.place, ray.found ? &ray.best : nullptr);
+                source_.answer(source_.context, ray.number, ray.found ? &ray.best : nullptr);
             }
             (void)open_next(ray);
         }
@@ -214,7 +214,7 @@ private:
     HitLanes hits_;
 };
 
-/// Those that follow the same way as packets, then all others in turns.
+/// Those that go alike as packets, then all others in turns.
 template <class Search>
 HWY_INLINE void walk_together(const IndexParts& index, const Search& search,
                               const RaySource& source)

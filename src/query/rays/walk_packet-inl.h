@@ -42,7 +42,7 @@ public:
         std::fill_n(stack_.nearness.begin(), RayTraversal::bottom, -infinity);
     }
 
-    /// Takes on packet_size rays of the source, from this place on. False where they are no packet:
+    /// Takes on packet_size rays of the source, from this number on. False where they are no packet:
     /// then none of them is answered.
     HWY_INLINE bool run(std::size_t first)
     {
@@ -143,7 +143,7 @@ private:
                 const std::size_t own = 4 * ray_lanes * part;
                 const auto front = plane_numbers(node.planes[axis], shuffles[axis][0] + own);
                 const auto back = plane_numbers(node.planes[axis], shuffles[axis][1] + own);
-                // No ray meets the box of a place without a child, but intervals of rays do.
+                // No ray meets the box of a slot without a child, but intervals of rays do.
                 if (axis == 0)
                     used = (octant & 1U) == 0 ? hn::Le(front, back) : hn::Le(back, front);
                 RayFloats in[2];
@@ -171,11 +171,11 @@ private:
     {
         RayTraversal& like = stack_;
         like.octant = rays_.octant;
-        RayPlace at = {index_.root(), RayTraversal::bottom};
+        WalkState at = {index_.root(), RayTraversal::bottom};
         while (at.next != RayTraversal::end) {
-            const std::uint32_t place = at.next & ~index_leaf_bit;
+            const std::uint32_t block = at.next & ~index_leaf_bit;
             if ((at.next & index_leaf_bit) == 0) {
-                const IndexNode& node = blocks_[place].node;
+                const IndexNode& node = blocks_[block].node;
                 const MetChildren met = meet(node, like.octant);
                 if (met.bits != 0) {
                     enter_nearest(node, met, like, at);
@@ -183,7 +183,7 @@ private:
                     continue;
                 }
             } else {
-                look_at_leaf_together(place);
+                look_at_leaf_together(block);
             }
             do {
                 --at.pending;
@@ -193,10 +193,10 @@ private:
     }
 
     /// As look_at_leaf, but that rays may pass by far from the leaf's box.
-    HWY_INLINE void look_at_leaf_together(std::uint32_t place)
+    HWY_INLINE void look_at_leaf_together(std::uint32_t block)
     {
         const RayTag d;
-        const IndexLeaf& leaf = blocks_[place].leaf;
+        const IndexLeaf& leaf = blocks_[block].leaf;
         bool changes = false;
         for (std::size_t part = 0; part < packet_parts; ++part) {
             Corners corners;
@@ -231,7 +231,7 @@ private:
                                        hn::Set(d, 86 * float_roundoff * rays_.error));
             hn::Store(error, d, corners.error);
             for (std::uint32_t lane = 0; lane < leaf.count; ++lane)
-                changes = look_at_triangle({place, lane}, part, corners) || changes;
+                changes = look_at_triangle({block, lane}, part, corners) || changes;
         }
         if (changes) find_most();
     }
@@ -348,8 +348,8 @@ private:
             searched_now_ |= 1U << i;
             ray.t_error = rays_.t_error;
             ray.found = false;
-            ray.place = first_ + static_cast<std::uint32_t>(i);
-            ray.ray = &source_.rays[ray.place];
+            ray.number = first_ + static_cast<std::uint32_t>(i);
+            ray.ray = &source_.rays[ray.number];
             ray.faces = source_.faces;
             ray.rate = rays_.rate.values[i];
             ray.shift = rays_.shift.values[i];
@@ -374,17 +374,17 @@ private:
 
     HWY_INLINE void answer(std::uint32_t i)
     {
-        const std::uint32_t place = first_ + i;
+        const std::uint32_t number = first_ + i;
         if ((rays_.ready >> i & 1U) == 0) {
-            source_.refuse(source_.context, place, RayStart::misses);
+            source_.refuse(source_.context, number, RayStart::misses);
         } else if ((searched_now_ >> i & 1U) != 0) {
             SearchedRay& ray = searched(i);
             search_.settle(ray);
-            source_.answer(source_.context, place, ray.found ? &ray.best : nullptr);
+            source_.answer(source_.context, number, ray.found ? &ray.best : nullptr);
         } else if (noted_[i].leaf != RayTriangle::no_leaf) {
-            hits_.add(place, shear(i), noted_[i]);
+            hits_.add(number, shear(i), noted_[i]);
         } else {
-            source_.answer(source_.context, place, nullptr);
+            source_.answer(source_.context, number, nullptr);
         }
     }
 
@@ -394,9 +394,9 @@ private:
     const RaySource& source_;
     HitLanes hits_;
     PacketRays rays_;
-    RayTraversal stack_; ///< lends its octant, and its room for blocks put aside
+    RayTraversal stack_; ///< lends its octant, and its stack of blocks put aside
     End ends_[3][2];
-    std::uint32_t first_ = 0; ///< place of the packet's first ray
+    std::uint32_t first_ = 0; ///< number of the packet's first ray
     float packet_least_ = 0;
     float packet_most_ = 0;
     bool refuses_positive_ = false;

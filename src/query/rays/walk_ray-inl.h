@@ -1,7 +1,7 @@
 // One step of a ray through a mesh index: eight boxes, or up to eight triangles, at once. Included
 // once per target, after <hwy/highway.h>.
 //
-//     lane     7 6 5 4 3 2 1 0        children from far to near: lane = octant ^ place, so that the
+//     lane     7 6 5 4 3 2 1 0        children from far to near: lane = octant ^ slot, so that the
 //     nearest                ^        lowest bit of the mask is the next one to enter
 //
 // Floats leave out what surely is not hit; a triangle that surely is hit, with t surely less than
@@ -129,7 +129,7 @@ struct NodeLanes {
 };
 
 /// Takes the last of the blocks put aside that are near enough.
-HWY_INLINE void leave(const RayTraversal& ray, RayPlace& at)
+HWY_INLINE void leave(const RayTraversal& ray, WalkState& at)
 {
     do {
         --at.pending;
@@ -171,7 +171,7 @@ PROXIMA_STEP MetChildren meet_children(const IndexNode& node, const NodeLanes& l
 /// Goes on to the nearest child met and puts the others aside. Where none was met, only `at.next`
 /// is changed, to any child.
 PROXIMA_STEP void enter_nearest(const IndexNode& node, const MetChildren& met, RayTraversal& ray,
-                                RayPlace& at)
+                                WalkState& at)
 {
     const RayTag d;
     const auto nearest = static_cast<std::uint32_t>(std::countr_zero(met.bits));
@@ -181,9 +181,9 @@ PROXIMA_STEP void enter_nearest(const IndexNode& node, const MetChildren& met, R
     if constexpr (ray_lanes == 8) {
         // Backwards, the nearest last.
         const RayIndexTag words;
-        const auto places = hn::Xor(hn::Iota(words, 0), hn::Set(words, 7U ^ ray.octant));
+        const auto indices = hn::Xor(hn::Iota(words, 0), hn::Set(words, 7U ^ ray.octant));
         const auto children = hn::TableLookupLanes(hn::LoadU(words, node.children.data()),
-                                                   hn::IndicesFromVec(words, places));
+                                                   hn::IndicesFromVec(words, indices));
         const std::uint8_t mask_byte[8] = {reversed_bits.bits[rest]};
         // Compressing to memory is far slower than to a register on some processors.
         hn::StoreU(hn::Compress(children, hn::LoadMaskBits(words, mask_byte)), words,
@@ -215,13 +215,13 @@ public:
             hn::Store(values, RayTag(), memory_ + ray_lanes * part);
         }
     }
-    HWY_INLINE RayFloats at(hn::Vec<RayIndexTag> places) const
+    HWY_INLINE RayFloats at(hn::Vec<RayIndexTag> indices) const
     {
         if constexpr (ray_lanes == 8) {
-            return hn::TableLookupLanes(values_, hn::IndicesFromVec(RayTag(), places));
+            return hn::TableLookupLanes(values_, hn::IndicesFromVec(RayTag(), indices));
         } else {
             const hn::RebindToSigned<RayTag> d;
-            return hn::GatherIndex(RayTag(), memory_, hn::BitCast(d, places));
+            return hn::GatherIndex(RayTag(), memory_, hn::BitCast(d, indices));
         }
     }
 
@@ -313,8 +313,8 @@ PROXIMA_STEP void look_at_leaf(const IndexLeaf& leaf, const RayTraversal& ray,
         std::uint32_t lanes = mask_bits(hn::Not(hn::And(some_positive, some_negative)));
         if (ray.refuses_positive) lanes &= ~mask_bits(positive);
         if (ray.refuses_negative) lanes &= ~mask_bits(negative);
-        const std::uint32_t room = (1U << ray_lanes) - 1;
-        lanes &= room;
+        const std::uint32_t all_lanes = (1U << ray_lanes) - 1;
+        lanes &= all_lanes;
         if (leaf.count < first + ray_lanes)
             lanes &= leaf.count > first ? (1U << (leaf.count - first)) - 1 : 0U;
         if constexpr (Work == LeafWork::until_missed) {
@@ -414,11 +414,11 @@ struct AnySearch {
 /// One block. False where the walk has ended.
 template <class Search>
 HWY_INLINE bool step(const IndexBlock* blocks, const Search& search, const NodeLanes& lanes,
-                     RayTraversal& ray, RayPlace& at)
+                     RayTraversal& ray, WalkState& at)
 {
-    const std::uint32_t place = at.next & ~index_leaf_bit;
+    const std::uint32_t block = at.next & ~index_leaf_bit;
     if ((at.next & index_leaf_bit) == 0) {
-        const IndexNode& node = blocks[place].node;
+        const IndexNode& node = blocks[block].node;
         const MetChildren met = meet_children(node, lanes, ray);
         if (met.bits != 0) {
             enter_nearest(node, met, ray, at);
@@ -427,8 +427,8 @@ HWY_INLINE bool step(const IndexBlock* blocks, const Search& search, const NodeL
         }
     } else {
         LeafCandidates candidates;
-        look_at_leaf<LeafWork::until_missed>(blocks[place].leaf, ray, candidates);
-        if (candidates.lanes != 0 && !search.take(place, candidates, ray)) return false;
+        look_at_leaf<LeafWork::until_missed>(blocks[block].leaf, ray, candidates);
+        if (candidates.lanes != 0 && !search.take(block, candidates, ray)) return false;
         leave(ray, at);
     }
     return at.next != RayTraversal::end;

@@ -42,7 +42,7 @@ inline constexpr double unit_roundoff = std::numeric_limits<double>::epsilon() /
 enum class NormalSource : std::uint8_t { face, edge_pair };
 
 /// Whether a plane is pushed along its normal only, or one of the opposite normal as well.
-enum class PushedWays : std::uint8_t { both, outward };
+enum class PushedSides : std::uint8_t { both, outward };
 
 /// A direction, of any length, that a facet of the sum may have.
 template <class Scalar, int Dim = 3>
@@ -50,7 +50,7 @@ struct CandidateNormal {
     Vector<Scalar, Dim> direction;
     Vector<double, Dim> magnitude; ///< bounds |direction| by component, whatever cancels in it
     NormalSource source = NormalSource::face;
-    PushedWays ways = PushedWays::both;
+    PushedSides sides = PushedSides::both;
 };
 
 /// The half-space normal . x <= offset, which holds the sum and touches it at vertex v_support. In
@@ -175,12 +175,12 @@ template <class Scalar>
 namespace detail {
 
 /// The vertices most extreme along one direction, with all that rounding cannot tell from them,
-/// listed in the room given.
+/// listed in the scratch given.
 template <class Scalar>
 class ExtremeVertices {
 public:
-    ExtremeVertices(const Scalar& product, double tie_tolerance, std::span<int> room) noexcept
-        : tie_tolerance_(tie_tolerance), list_(room)
+    ExtremeVertices(const Scalar& product, double tie_tolerance, std::span<int> list) noexcept
+        : tie_tolerance_(tie_tolerance), list_(list)
     {
         restart(product, 0);
     }
@@ -321,7 +321,7 @@ void push_each_plane(const SumVertices<Scalar, Dim>& vertices,
     // Of the operands, not of their sums: where those cancel, what was rounded before does not.
     const Plain reach =
         detail::reach<Scalar, Dim>(vertices.a) + detail::reach<Scalar, Dim>(vertices.b);
-    const std::size_t room = vertices.sums.size();
+    const std::size_t count = vertices.sums.size();
     for (std::size_t index = 0; index < normals.size(); ++index) {
         const CandidateNormal<Scalar, Dim>& candidate = normals[index];
         if (candidate.magnitude == Plain::Zero()) continue;
@@ -331,11 +331,11 @@ void push_each_plane(const SumVertices<Scalar, Dim>& vertices,
         const double tie_tolerance = 32 * unit_roundoff * candidate.magnitude.dot(reach) +
                                      std::numeric_limits<double>::min();
 
-        const bool both = candidate.ways == PushedWays::both;
+        const bool both = candidate.sides == PushedSides::both;
         const Scalar first = dot(vertices.sums[0], normal);
         using Extreme = detail::ExtremeVertices<Scalar>;
-        Extreme maximal(first, tie_tolerance, scratch.first(room));
-        Extreme minimal(both ? -first : first, tie_tolerance, scratch.subspan(room, room));
+        Extreme maximal(first, tie_tolerance, scratch.first(count));
+        Extreme minimal(both ? -first : first, tie_tolerance, scratch.subspan(count, count));
         for (std::size_t j = 1; j < vertices.sums.size(); ++j) {
             const Scalar product = dot(vertices.sums[j], normal);
             maximal.offer(product, static_cast<int>(j));

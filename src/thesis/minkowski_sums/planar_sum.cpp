@@ -107,7 +107,7 @@ private:
             const Vec2 normal(along.y(), -along.x());
             sources_.push_back(source);
             candidates_.push_back(
-                {normal, normal.cwiseAbs(), NormalSource::face, PushedWays::outward});
+                {normal, normal.cwiseAbs(), NormalSource::face, PushedSides::outward});
         }
     }
 

@@ -29,9 +29,9 @@ Result<MinkowskiSum> sum_on(MinkowskiMethod method, const ConvexPolyhedron& a,
 } // namespace
 
 Result<MinkowskiSum> minkowski_sum_by(MinkowskiMethod method, const ConvexPolyhedron& a,
-                                      const ConvexPolyhedron& b, Progress* progress)
+                                      const ConvexPolyhedron& b, const MinkowskiOptions& options)
 {
-    return sum_on<double>(method, a, b, progress);
+    return sum_on<double>(method, a, b, options.execution.progress);
 }
 
 Result<CountedSum> count_minkowski_sum(MinkowskiMethod method, const ConvexPolyhedron& a,

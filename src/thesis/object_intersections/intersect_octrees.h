@@ -5,7 +5,7 @@
 // Pairs of cells are descended by turns, one level of A, then one of B. Two things differ from the
 // pseudocode as printed: where the cell whose turn it is is a leaf, the other one is descended
 // (else pairs are lost), and pairs are always a leaf of A, then one of B. For triangles that meet,
-// intersect_meshes.h is the fast way.
+// intersect_meshes.h is faster.
 #pragma once
 
 #include "base/fixed_stack.h"

@@ -15,7 +15,7 @@ struct Overlap {
 
 /// One triangle against many cells, level by level: constants of the triangle are found by the
 /// constructor, those of a depth by set_half_size, so that overlap() does only what depends on the
-/// cell's place. Cells of one depth are equal but for rounding of their planes, which `certain`
+/// cell's position. Cells of one depth are equal but for rounding of their planes, which `certain`
 /// allows for: a certain answer is that for the cell's own closed box (rounding_bounds.h). For this
 /// the first half size must be that of the root or of its children.
 template <class T>

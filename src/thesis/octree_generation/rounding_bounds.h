@@ -2,7 +2,7 @@
 //
 // A test is given a rounded centre c and a half size h that stands for all cells of a depth. The
 // cell's own box lies between planes lower + part * edge of the root, each off by at most
-// u (edge + |plane|) from its ideal place (u = 2^-53). Centre and half size together are thus off
+// u (edge + |plane|) from its ideal position (u = 2^-53). Centre and half size together are thus off
 // by at most five such errors per axis: one for each plane, as many where h is another cell's, and
 // their own rounding. `slack` is eight.
 //

@@ -158,8 +158,8 @@ private:
             offer({partition_.planes_[pieces[i].facet], pieces[i].facet});
         const Box bounds = cell.bounds();
         for (int axis = 0; axis < 3; ++axis) {
-            for (const double place : places(bounds, pieces, axis))
-                offer({{Vec3::Unit(axis), place}, std::nullopt});
+            for (const double offset : offsets(bounds, pieces, axis))
+                offer({{Vec3::Unit(axis), offset}, std::nullopt});
         }
         return best;
     }
@@ -201,8 +201,8 @@ private:
 
     /// Where an axis is tried: at even steps and, of few pieces, just beside some of their corners,
     /// where few facets are enough on one side.
-    [[nodiscard]] std::vector<double> places(const Box& bounds, const std::vector<Piece>& pieces,
-                                             int axis) const
+    [[nodiscard]] std::vector<double> offsets(const Box& bounds, const std::vector<Piece>& pieces,
+                                              int axis) const
     {
         const double lower = bounds.lower[axis];
         const double upper = bounds.upper[axis];
@@ -218,8 +218,8 @@ private:
         corners.erase(std::unique(corners.begin(), corners.end(), is_close), corners.end());
         const std::size_t stride = corners.size() / max_corners_tried + 1;
         for (std::size_t i = 0; i < corners.size(); i += stride) {
-            for (const double place : {corners[i] - 3 * tolerance_, corners[i] + 3 * tolerance_})
-                if (place > lower && place < upper) result.push_back(place);
+            for (const double offset : {corners[i] - 3 * tolerance_, corners[i] + 3 * tolerance_})
+                if (offset > lower && offset < upper) result.push_back(offset);
         }
         return result;
     }

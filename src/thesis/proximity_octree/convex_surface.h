@@ -40,7 +40,7 @@ struct ConvexSurface {
 
 /// Errors: invalid_mesh for a mesh that is empty, has NaN or infinite coordinates, a triangle of no
 /// area, is open, branches, falls apart, is not convex, has no volume, or whose triangles are not
-/// all counter-clockwise seen from outside; the message names the place. limit_exceeded as
+/// all counter-clockwise seen from outside; the message says where. limit_exceeded as
 /// polyhedron_of_mesh; cancelled. O(n log n). \pre topology is the mesh's
 [[nodiscard]] Result<ConvexSurface> check_convex_surface(const TriangleMesh& mesh,
                                                          const Topology& topology,

@@ -144,12 +144,12 @@ private:
             for (const Vec3& normal : normals) product = std::min(product, normal.dot(unit));
             return product;
         };
-        const Vec3 outward = place_of(feature) - surface_.inner_point;
+        const Vec3 outward = position_of(feature) - surface_.inner_point;
         // Behind its planes strictly, the inside leads outward; rounding may hide how little.
         return std::max({least(mean), least(outward), half_ulp});
     }
 
-    [[nodiscard]] Vec3 place_of(Feature feature) const
+    [[nodiscard]] Vec3 position_of(Feature feature) const
     {
         switch (feature.kind) {
         case FeatureKind::vertex:

@@ -31,7 +31,7 @@ Result<ConvexPolyhedron> cut_rays(const ConvexPolyhedron& polyhedron, double len
         return fail(ErrorCode::limit_exceeded,
                     "rays of this length end beyond 2^300, about 2e90: cut them off shorter");
     }
-    return convex_hull(points, {}, progress);
+    return convex_hull(points, {}, {.progress = progress});
 }
 
 Result<CutSum> sum_by_cutting(const ConvexPolyhedron& a, const ConvexPolyhedron& b, double length,

@@ -162,7 +162,7 @@ std::unique_ptr<ScriptedScene> make_scene(const SoakScene& wanted, BodySearch se
         bodies.push_back(body_of(object.mesh, {.material = object.scripted.material}, search));
         objects.push_back(object.scripted);
     }
-    return std::move(*ScriptedScene::make(std::move(bodies), objects));
+    return std::move(*ScriptedScene::make(bodies, objects));
 }
 
 struct SceneTotals {
@@ -212,9 +212,9 @@ SceneTotals run_row(const SoakScene& wanted, const std::string& script_name, dou
     const auto fast = make_scene(wanted, BodySearch::index);
     const auto slow = make_scene(wanted, BodySearch::every_triangle);
     const TouchScene& scene = fast->scene();
-    const TriangleMesh mesh = *standing_mesh(scene);
+    const TriangleMesh mesh = *scene_mesh(scene);
     const Topology topology = *build_topology(mesh);
-    const WorkspaceMap map = fit_workspace(fast->reach(), 0.1);
+    const WorkspaceMap map = fit_workspace(fast->bounds(), 0.1);
     std::vector<std::uint32_t> parts;
     std::uint32_t triangles = 0;
     for (const SoakObject& object : wanted.objects) {
@@ -225,17 +225,17 @@ SceneTotals run_row(const SoakScene& wanted, const std::string& script_name, dou
     if (!script) return {.wrong = 1};
     const DeviceLimits device = *find_device("omni");
     const RenderOptions render = {.proxy_radius = radius};
-    HapticRenderer renderer(fast->scene(), map, device, render);
-    HapticRenderer expected(slow->scene(), map, device, render);
+    HapticRenderer renderer = make_haptic_renderer(fast->scene(), map, device, render).value();
+    HapticRenderer expected = make_haptic_renderer(slow->scene(), map, device, render).value();
     SimulatedHand hand({}, script->target(0));
     const double rounding = 0x1p-36 * moving_surface(scene).scale().reach;
     SceneTotals row;
     Vec3 before = Vec3::Zero();
-    bool had_room = false;
+    bool was_placed = false;
     for (std::uint64_t tick = 0; tick < ticks; ++tick) {
         const DeviceState state = hand.state();
-        fast->say(tick, tick_seconds);
-        slow->say(tick, tick_seconds);
+        fast->send_motions(tick, tick_seconds);
+        slow->send_motions(tick, tick_seconds);
         const RenderTick& felt = renderer.tick(state, tick_seconds);
         const RenderTick& should = expected.tick(state, tick_seconds);
         ++row.ticks;
@@ -246,15 +246,15 @@ SceneTotals run_row(const SoakScene& wanted, const std::string& script_name, dou
             (felt.proxy - should.proxy).norm() / moving_surface(scene).scale().reach;
         row.apart = std::max(row.apart, apart);
         row.wrong += apart == 0 && felt.force == should.force ? 0U : 1U;
-        const bool has_room = felt.has_room;
-        if (had_room && has_room && !felt.squeezed)
+        const bool is_placed = felt.is_placed;
+        if (was_placed && is_placed && !felt.squeezed)
             row.passes += count_passes(scene, before, renderer.path());
-        if (has_room) {
+        if (is_placed) {
             const double least = parts_of(renderer).proxy().radius() - rounding;
             row.near += distance_of(scene, felt.proxy) >= least ? 0U : 1U;
         }
         before = felt.proxy;
-        had_room = has_room;
+        was_placed = is_placed;
         hand.step(felt.force, script->target(static_cast<double>(tick) * tick_seconds));
     }
     row.print(wanted.name, script_name, radius);

@@ -127,8 +127,8 @@ private:
         if (!script) return {.wrong = 1};
         const RenderOptions render = {.proxy_radius = radius};
         const DeviceLimits device = *find_device("omni");
-        HapticRenderer renderer(surface_, map_, device, render);
-        HapticRenderer slow(all_, map_, device, render);
+        HapticRenderer renderer = make_surface_renderer(surface_, map_, device, render);
+        HapticRenderer slow = make_surface_renderer(all_, map_, device, render);
         const bool is_small = named_.mesh.triangle_count() <= small_mesh;
         QualityMeter meter(is_small ? static_cast<const ContactSurface&>(all_) : surface_, map_);
         const std::uint64_t compared =

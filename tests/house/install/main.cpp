@@ -21,7 +21,7 @@ int main()
     const auto closest = closest_feature(*index, above);
     if (!hit || !closest || !(signed_distance(*index, *sign, above).distance > 0)) return 1;
     if (!meshes_intersect(*index, *index, {}) || !mesh_distance(*index, *index)) return 1;
-    HapticRenderer renderer(*index, {}, *find_device("omni"));
+    HapticRenderer renderer = make_haptic_renderer(*index, {}, *find_device("omni")).value();
     if (renderer.tick({}, 1e-3).fault != InputFault::none) return 1;
     std::cout << mesh->triangle_count() << ' ' << sum->facet_count() << ' '
               << octree_statistics(*octree).inner << ' ' << view->planes().size() << '\n';

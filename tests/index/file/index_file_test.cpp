@@ -50,7 +50,7 @@ MeshIndex built(const TriangleMesh& mesh, std::uint64_t bytes_per_triangle = 520
 {
     const MeshIndex plain = build_mesh_index(mesh).value();
     if (bytes_per_triangle == 0) return plain;
-    const ListOptions options{.budget_bytes = bytes_per_triangle * mesh.triangle_count() + 4096};
+    const ListOptions options{.list_bytes = bytes_per_triangle * mesh.triangle_count() + 4096};
     return with_lists(with_slabs(plain).value(), options).value();
 }
 
@@ -148,7 +148,7 @@ protected:
     }
 };
 
-TEST_F(IndexFile, ComesBackAsItWas)
+TEST_F(IndexFile, SurvivesSavingAndLoading)
 {
     bool has_floats = false;
     bool has_doubles = false;
@@ -182,7 +182,7 @@ TEST_F(IndexFile, ComesBackAsItWas)
     EXPECT_TRUE(has_floats && has_doubles && has_runs && has_table);
 }
 
-TEST_F(IndexFile, SameMeshSameBytes)
+TEST_F(IndexFile, HasTheSameBytesForTheSameMesh)
 {
     const TriangleMesh mesh = sample_mesh("torus:24x36").value();
     // Doubles that no floats hold: their rows have bytes to fill up.
@@ -248,7 +248,7 @@ TEST_F(IndexFile, DamageWithRightChecksumsIsHarmless)
     EXPECT_GT(refused, 100) << "seed " << seed;
 }
 
-TEST_F(IndexFile, NamesTheReason)
+TEST_F(IndexFile, ReportsWhyAFileIsRefused)
 {
     const MeshIndex index = built(sample_mesh("cube").value());
     const std::string bytes = saved(index);
@@ -282,7 +282,7 @@ TEST_F(IndexFile, NamesTheReason)
     EXPECT_EQ(save_index(index, "/dev/full").error().code, ErrorCode::file_not_writable);
 }
 
-TEST_F(IndexFile, StopsWhenAskedTo)
+TEST_F(IndexFile, StopsOnRequest)
 {
     const MeshIndex index = built(sample_mesh("torus:30x40").value());
     (void)saved(index);

@@ -82,7 +82,7 @@ void expect_answers(const MeshIndex& index, const TriangleMesh& mesh, const Topo
     }
 }
 
-TEST(Lists, AnswersAsBruteForceDoes)
+TEST(Lists, AnswerLikeBruteForce)
 {
     for (const NamedMesh& named : proximity_meshes()) {
         SCOPED_TRACE(named.name);
@@ -91,9 +91,9 @@ TEST(Lists, AnswersAsBruteForceDoes)
         for (const std::uint64_t bytes_per_triangle : {125ULL, 325ULL, 525ULL, 12000ULL}) {
             SCOPED_TRACE(bytes_per_triangle);
             ListOptions options;
-            options.budget_bytes = bytes_per_triangle * named.mesh.triangle_count() + 4096;
+            options.list_bytes = bytes_per_triangle * named.mesh.triangle_count() + 4096;
             const MeshIndex index = build(named.mesh, options);
-            EXPECT_LE(index.parts().lists()->bytes(), options.budget_bytes);
+            EXPECT_LE(index.parts().lists()->bytes(), options.list_bytes);
             expect_answers(index, named.mesh, *topology, proximity_points(named.mesh, 200, 1));
             expect_answers(index, named.mesh, *topology,
                            boundary_points(named.mesh, index.parts().lists()->frame(), 60, 2));
@@ -101,7 +101,7 @@ TEST(Lists, AnswersAsBruteForceDoes)
     }
 }
 
-TEST(Lists, AnswersAtAnyScale)
+TEST(Lists, AnswerAtAnyScale)
 {
     const TriangleMesh sphere = testing::sphere_mesh(Vec3(0.1, 0.2, 0.3), 1.0, 12, 16);
     for (const double scale : {1e-120, 1e-30, 1e-6, 1e6, 1e30, 1e120}) {
@@ -133,7 +133,7 @@ TEST(Lists, TiesGoToTheLowestDimensionAndId)
     }
 }
 
-TEST(Lists, HasTheSameBitsForAnyThreadsAndInstructionSet)
+TEST(Lists, HaveTheSameBitsForAnyThreadsAndInstructionSet)
 {
     const TriangleMesh mesh = sample_mesh("torus:24x36").value();
     const std::vector<Vec3> points = proximity_points(mesh, 500, 4);
@@ -160,7 +160,7 @@ TEST(Lists, HasTheSameBitsForAnyThreadsAndInstructionSet)
     }
 }
 
-TEST(Lists, BatchesAnswerAsSingleQueries)
+TEST(Lists, BatchesAnswerLikeSingleQueries)
 {
     const TriangleMesh mesh = sample_mesh("spaceship:1300").value();
     const MeshIndex index = build(mesh);
@@ -179,7 +179,7 @@ TEST(Lists, BatchesAnswerAsSingleQueries)
     }
 }
 
-TEST(Lists, RefusesBatchesThatCannotBe)
+TEST(Lists, RefuseInvalidBatches)
 {
     const MeshIndex index = build(sample_mesh("cube").value());
     std::vector<Vec3> points(5000, Vec3::Zero());
@@ -197,7 +197,7 @@ TEST(Lists, RefusesBatchesThatCannotBe)
     }
 }
 
-TEST(Lists, FindsNothingBeyondTheRadius)
+TEST(Lists, FindNothingBeyondTheRadius)
 {
     const MeshIndex index = build(sample_mesh("cube").value());
     const double edge = index.parts().lists()->frame().half;
@@ -207,10 +207,10 @@ TEST(Lists, FindsNothingBeyondTheRadius)
     EXPECT_TRUE(closest_feature(index, p, {.radius = 1.001 * distance}));
 }
 
-TEST(Lists, SearchesLessFromAnEarlierAnswer)
+TEST(Lists, SearchLessFromAnEarlierAnswer)
 {
     const TriangleMesh mesh = sample_mesh("torus:60x40").value();
-    const MeshIndex index = build(mesh, {.budget_bytes = 125 * mesh.triangle_count()});
+    const MeshIndex index = build(mesh, {.list_bytes = 125 * mesh.triangle_count()});
     std::mt19937_64 random(9);
     std::uniform_real_distribution<double> part(-1, 1);
     const auto step = [&](double length) {
@@ -235,7 +235,7 @@ TEST(Lists, SearchesLessFromAnEarlierAnswer)
 TEST(Lists, QueriesDoNotAllocate)
 {
     const TriangleMesh mesh = sample_mesh("sphere:20x20").value();
-    const MeshIndex index = build(mesh, {.budget_bytes = 175 * mesh.triangle_count()});
+    const MeshIndex index = build(mesh, {.list_bytes = 175 * mesh.triangle_count()});
     const std::vector<Vec3> points = proximity_points(mesh, 500, 6);
     const std::size_t before = testing::allocation_count();
     double sum = 0;
@@ -244,7 +244,7 @@ TEST(Lists, QueriesDoNotAllocate)
     EXPECT_GT(sum, 0);
 }
 
-TEST(Lists, RefusesWhatItCannotBuild)
+TEST(Lists, RefuseInvalidMeshesAndOptions)
 {
     const TriangleMesh cube = sample_mesh("cube").value();
     const auto code = [](const Result<MeshIndex>& result) { return result.error().code; };
@@ -256,12 +256,15 @@ TEST(Lists, RefusesWhatItCannotBuild)
     EXPECT_EQ(code(testing::listed_index(cube, {.margin = -1})), ErrorCode::invalid_argument);
     EXPECT_EQ(code(testing::listed_index(cube, {.margin = nan})), ErrorCode::invalid_argument);
     EXPECT_EQ(code(testing::listed_index(cube, {.max_depth = 15})), ErrorCode::invalid_argument);
-    const auto small = testing::listed_index(cube, {.budget_bytes = 100});
+    const auto small = testing::listed_index(cube, {.list_bytes = 100});
     EXPECT_EQ(code(small), ErrorCode::budget_exceeded);
     EXPECT_NE(small.error().message.find("at least"), std::string::npos);
+    EXPECT_EQ(code(testing::listed_index(sample_mesh("torus:30x40").value(),
+                                         {.execution = {.budget = {1'000'000}}})),
+              ErrorCode::budget_exceeded);
 }
 
-TEST(Lists, StopsWhenAskedTo)
+TEST(Lists, StopOnRequest)
 {
     const TriangleMesh mesh = sample_mesh("torus:30x40").value();
     testing::cancel_at_every_stage(

@@ -49,11 +49,11 @@ std::array<std::uint32_t, 2> sizes(const MeshIndex& octree, std::uint64_t word)
     if (word == proximity_word::search) return {0, 0};
     if (!proximity_word::is_run(word))
         return {static_cast<std::uint32_t>(std::popcount(proximity_word::mask(word))), 1};
-    const RunEntry* const run = &octree.parts().lists()->arrays().runs[proximity_word::place(word)];
+    const RunEntry* const run = &octree.parts().lists()->arrays().runs[proximity_word::position(word)];
     std::uint32_t length = 0;
-    for (std::uint32_t i = 1; i <= run->place; ++i)
+    for (std::uint32_t i = 1; i <= run->position; ++i)
         length += static_cast<std::uint32_t>(std::popcount(run[i].mask));
-    return {length, run->place};
+    return {length, run->position};
 }
 
 /// Each printed leaf is compared with what a query finds in its lowest deepest cell; sizes and
@@ -123,8 +123,8 @@ TEST_F(ExportProximity, IsReadBackLeafByLeaf)
     const TriangleMesh torus = testing::torus_mesh(1.0, 0.3, 24, 12);
     const TriangleMesh one = sample_mesh("cube").value();
     const std::vector<MeshIndex> octrees = {
-        testing::listed_index(torus, {.budget_bytes = 225 * torus.triangle_count()}).value(),
-        testing::listed_index(torus, {.budget_bytes = 4000 * torus.triangle_count()}).value(),
+        testing::listed_index(torus, {.list_bytes = 225 * torus.triangle_count()}).value(),
+        testing::listed_index(torus, {.list_bytes = 4000 * torus.triangle_count()}).value(),
         testing::listed_index(one, {.max_depth = 0}).value()};
     ASSERT_GT(octrees[0].parts().lists()->arrays().runs.size() +
                   octrees[1].parts().lists()->arrays().runs.size(),
@@ -149,7 +149,7 @@ TEST_F(ExportProximity, IsReadBackLeafByLeaf)
     }
 }
 
-TEST_F(ExportProximity, NamesWhatIsWrong)
+TEST_F(ExportProximity, ReportsErrors)
 {
     const MeshIndex octree = testing::listed_index(sample_mesh("cube").value()).value();
     EXPECT_EQ(export_proximity(*octree.parts().lists(), path("octree.ply")).error().code,

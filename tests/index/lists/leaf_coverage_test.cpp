@@ -52,7 +52,7 @@ Coverage ask_every_leaf(const MeshIndex& index, const MeshIndex& without_lists,
         EXPECT_EQ(ranks.size(), list_length(arrays, cell.word));
         if (ranks.empty()) continue; // answered without a list
         listed.clear();
-        for (const std::uint32_t rank : ranks) listed.push_back(index.id(rank));
+        for (const std::uint32_t rank : ranks) listed.push_back(index.ids()[rank]);
         std::ranges::sort(listed);
         EXPECT_EQ(std::ranges::adjacent_find(listed), listed.end()) << "a triangle twice";
 
@@ -79,7 +79,7 @@ Coverage ask_every_leaf(const MeshIndex& index, const MeshIndex& without_lists,
     return coverage;
 }
 
-TEST(LeafCandidates, HoldTheClosestFeatureOfEveryPointOfTheirBox)
+TEST(LeafCandidates, ListTheClosestFeatureOfEveryPointOfTheirBox)
 {
     std::mt19937_64 random(12);
     std::uniform_real_distribution<double> part(0, 1);
@@ -91,7 +91,7 @@ TEST(LeafCandidates, HoldTheClosestFeatureOfEveryPointOfTheirBox)
         const Topology topology = build_topology(named.mesh).value();
         for (const std::uint64_t bytes_per_triangle : {200U, 600U}) {
             const std::uint64_t budget = 4096 + bytes_per_triangle * named.mesh.triangle_count();
-            const auto index = testing::listed_index(named.mesh, {.budget_bytes = budget}).value();
+            const auto index = testing::listed_index(named.mesh, {.list_bytes = budget}).value();
             std::vector<TriangleId> buffer(index.parts().lists()->statistics().max_list);
             for (const Vec3& p : proximity_points(named.mesh, 40, 13)) {
                 const std::size_t before = allocation_count();
@@ -167,7 +167,7 @@ TEST(LeafCoverage, EveryLeafListsTheClosestFeatureOfItsPoints)
         for (const std::uint64_t bytes_per_triangle : {200U, 600U}) {
             SCOPED_TRACE(bytes_per_triangle);
             const std::uint64_t budget = 4096 + bytes_per_triangle * named.mesh.triangle_count();
-            const auto index = testing::listed_index(named.mesh, {.budget_bytes = budget});
+            const auto index = testing::listed_index(named.mesh, {.list_bytes = budget});
             ASSERT_TRUE(index) << describe(index.error());
             const Coverage coverage = ask_every_leaf(*index, *plain, *topology, 3);
             EXPECT_EQ(coverage.missed, 0U) << "of " << coverage.points;

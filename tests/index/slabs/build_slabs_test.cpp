@@ -75,7 +75,7 @@ private:
     void visit_leaf(const IndexLeaf& leaf, const std::vector<Plane>& above)
     {
         for (std::uint32_t i = leaf.first_row; i < leaf.first_row + leaf.count; ++i) {
-            for (const Vec3& vertex : index_.triangle(i).vertices) {
+            for (const Vec3& vertex : index_.parts().triangle(i).vertices) {
                 const Vec3 p = (vertex - index_.parts().center()) * index_.parts().scale();
                 for (const Plane& plane : above) {
                     const double on = plane.normal.dot(p - plane.center);
@@ -89,7 +89,7 @@ private:
     const MeshIndex& index_;
 };
 
-TEST(Slabs, HoldWhatIsInBlocks)
+TEST(Slabs, BoundTheTrianglesOfTheirBlocks)
 {
     std::size_t thin = 0;
     for (const NamedMesh& named : proximity_meshes()) {

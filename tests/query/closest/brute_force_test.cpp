@@ -72,7 +72,7 @@ TEST(BruteForce, FindsTheTrueDistance)
     }
 }
 
-TEST(BruteForce, SaysWhereThePointIs)
+TEST(BruteForce, LocatesTheClosestPoint)
 {
     for (const NamedMesh& named : proximity_meshes()) {
         SCOPED_TRACE(named.name);
@@ -157,7 +157,7 @@ Rational exact_distance(const TriangleMesh& mesh, const Feature& feature, const 
     return {x.dot(normal) * x.dot(normal), normal.squaredNorm()};
 }
 
-TEST(BruteForce, NamesTheFeatureThatIsExactlyClosest)
+TEST(BruteForce, FindsTheExactlyClosestFeature)
 {
     for (std::uint32_t seed = 0; seed < 300; ++seed) {
         SCOPED_TRACE(seed);
@@ -188,7 +188,7 @@ TEST(BruteForce, NamesTheFeatureThatIsExactlyClosest)
     }
 }
 
-TEST(BruteForce, SettlesTiesByKindAndId)
+TEST(BruteForce, BreaksTiesByKindAndId)
 {
     // From the centre all six sides of a cube are equally close, at their diagonals.
     const TriangleMesh cube = cube_mesh(Vec3::Zero(), 1.0);
@@ -210,7 +210,7 @@ TEST(BruteForce, SettlesTiesByKindAndId)
     EXPECT_EQ(closest(Vec3(2, 0, 1)), (Feature{FeatureKind::vertex, 4}));
 }
 
-TEST(BruteForce, LeavesOutVerticesWithoutATriangle)
+TEST(BruteForce, IgnoresVerticesWithoutATriangle)
 {
     const TriangleMesh mesh =
         mesh_of({Vec3(9, 9, 9), Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, {{1, 2, 3}});
@@ -230,7 +230,7 @@ TEST(BruteForce, AnswersEvenWhereSquaresOverflow)
     EXPECT_EQ(far.barycentric[0] + far.barycentric[1] + far.barycentric[2], 1.0);
 }
 
-TEST(FeatureDistance, OfATriangleIsTheBestOfItsFeatures)
+TEST(FeatureDistance, OfATriangleIsTheLeastOfItsFeatures)
 {
     for (const NamedMesh& named : proximity_meshes()) {
         SCOPED_TRACE(named.name);

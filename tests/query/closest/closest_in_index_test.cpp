@@ -39,7 +39,7 @@ void expect_answers_of_brute_force(const TriangleMesh& mesh, std::span<const Vec
     }
 }
 
-TEST(ClosestInIndex, AnswersAsBruteForceToTheLastBit)
+TEST(ClosestInIndex, AnswersLikeBruteForceToTheLastBit)
 {
     for (const NamedMesh& named : proximity_meshes()) {
         SCOPED_TRACE(named.name);
@@ -47,7 +47,7 @@ TEST(ClosestInIndex, AnswersAsBruteForceToTheLastBit)
     }
 }
 
-TEST(ClosestInIndex, AnswersAsBruteForceOnManyRandomMeshes)
+TEST(ClosestInIndex, AnswersLikeBruteForceOnManyRandomMeshes)
 {
     for (std::uint32_t seed = 100; seed < 400; ++seed) {
         SCOPED_TRACE(seed);
@@ -56,7 +56,7 @@ TEST(ClosestInIndex, AnswersAsBruteForceOnManyRandomMeshes)
     }
 }
 
-TEST(ClosestInIndex, AnswersAsBruteForceAtEveryScale)
+TEST(ClosestInIndex, AnswersLikeBruteForceAtEveryScale)
 {
     for (const double scale : {1e-300, 1e-170, 1e-150, 1e-40, 1e40, 1e100, 1e160, 1e300}) {
         SCOPED_TRACE(scale);
@@ -95,7 +95,7 @@ TEST(ClosestInIndex, NamesTheSameFeatureAtEveryPowerOfTwo)
     }
 }
 
-TEST(ClosestInIndex, AnswersAsBruteForceFarAway)
+TEST(ClosestInIndex, AnswersLikeBruteForceFarAway)
 {
     const TriangleMesh mesh = sample_mesh("torus:20x10").value();
     for (const double far :
@@ -110,7 +110,7 @@ TEST(ClosestInIndex, AnswersAsBruteForceFarAway)
 
 // The distance to the closest point as rounded, which the surface search once returned, is off by
 // the rounding of coordinates: 1e-9 here. Differences of coordinates are exact.
-TEST(ClosestInIndex, MeasuresFarFromTheOriginAsNearIt)
+TEST(ClosestInIndex, IsAsAccurateFarFromTheOriginAsNearIt)
 {
     const TriangleMesh mesh = sample_mesh("torus:20x10").value();
     const Vec3 away(0x1p26, -0x1p25, 0x1p27);
@@ -131,7 +131,7 @@ TEST(ClosestInIndex, MeasuresFarFromTheOriginAsNearIt)
     }
 }
 
-TEST(ClosestInIndex, AnswersAsByLists)
+TEST(ClosestInIndex, AnswersLikeLists)
 {
     for (const char* const name : {"spaceship:20000", "sphere:40x40"}) {
         SCOPED_TRACE(name);
@@ -168,7 +168,7 @@ TEST(ClosestInIndex, AnswersAtTheCentreOfASphere)
     expect_answers_of_brute_force(mesh, points);
 }
 
-TEST(ClosestInIndex, TakesARadius)
+TEST(ClosestInIndex, RespectsARadius)
 {
     const TriangleMesh mesh = sample_mesh("spaceship:1300").value();
     const Topology topology = build_topology(mesh).value();
@@ -202,7 +202,7 @@ TEST(ClosestInIndex, FindsNothingForPointsThatAreNotFinite)
     }
 }
 
-TEST(ClosestInIndex, StartsFromAnyAnswer)
+TEST(ClosestInIndex, AcceptsAnyAnswerAsAStart)
 {
     const TriangleMesh mesh = sample_mesh("spaceship:1300").value();
     const TriangleMesh other =
@@ -252,7 +252,7 @@ TEST(ClosestInIndex, HasTheSameAnswersOnEveryInstructionSetWithoutAllocating)
     restore_simd_targets();
 }
 
-TEST(ClosestInIndex, BatchesAnswerAsSingleQueries)
+TEST(ClosestInIndex, BatchesAnswerLikeSingleQueries)
 {
     for (const NamedMesh& named : proximity_meshes()) {
         SCOPED_TRACE(named.name);
@@ -300,7 +300,7 @@ TEST(ClosestInIndex, BatchesHaveTheSameAnswersForEveryNumberOfThreads)
     }
 }
 
-TEST(ClosestInIndex, BatchesSayWhatIsWrong)
+TEST(ClosestInIndex, BatchesReportErrors)
 {
     const MeshIndex index = build_mesh_index(sample_mesh("cube").value()).value();
     std::vector<Vec3> points(5000, Vec3(1, 2, 3));

@@ -45,7 +45,7 @@ void expect_signs(const TriangleMesh& mesh, int count, unsigned seed,
     EXPECT_GT(outside, count / 3);
 }
 
-TEST(IndexSigns, OfClosedMeshesAreThoseOfExactCrossings)
+TEST(IndexSigns, OfClosedMeshesAgreeWithExactCrossings)
 {
     const TriangleMesh inner =
         moved(make_sphere(16, 20), [](const Vec3& p) { return Vec3(p / 2); });
@@ -69,7 +69,7 @@ TEST(IndexSigns, OfClosedMeshesAreThoseOfExactCrossings)
     }
 }
 
-TEST(IndexSigns, OfOpenMeshesAreThoseOfTheWindingNumber)
+TEST(IndexSigns, OfOpenMeshesAgreeWithTheWindingNumber)
 {
     const std::vector<NamedMesh> meshes = {
         {"sphere with a lid off",
@@ -87,7 +87,7 @@ TEST(IndexSigns, OfOpenMeshesAreThoseOfTheWindingNumber)
     }
 }
 
-TEST(ColumnWinding, IsThatOfAnyLine)
+TEST(ColumnWinding, AgreesWithExactWindingNumbers)
 {
     const TriangleMesh mesh = joined(make_torus(12, 8), inverted(make_sphere(8, 9)));
     const oracle::ColumnWinding columns(mesh);

@@ -86,7 +86,7 @@ std::vector<Vec3> points_about(const TriangleMesh& before, const TriangleMesh& a
     return points;
 }
 
-TEST(RefitIndex, AnswersAsBruteForceDoes)
+TEST(RefitIndex, AnswersLikeBruteForce)
 {
     for (const NamedMesh& named : proximity_meshes()) {
         const TriangleMesh& mesh = named.mesh;
@@ -123,7 +123,7 @@ TEST(RefitIndex, AnswersAsBruteForceDoes)
     }
 }
 
-TEST(RefitIndex, KeepsListsAwayFromWhatMoved)
+TEST(RefitIndex, KeepsListsAwayFromMovedTriangles)
 {
     const TriangleMesh mesh = sample_mesh("sphere:60x60").value();
     const auto topology = build_topology(mesh).value();
@@ -163,7 +163,7 @@ TEST(RefitIndex, IsTheSameForAnyNumberOfThreads)
     EXPECT_EQ(one.parts().lists()->statistics(), four.parts().lists()->statistics());
 }
 
-TEST(RefitIndex, RefusesWhatIsNotTheSameMesh)
+TEST(RefitIndex, RefusesAnotherMesh)
 {
     const TriangleMesh mesh = sample_mesh("sphere:8x8").value();
     const auto topology = build_topology(mesh).value();

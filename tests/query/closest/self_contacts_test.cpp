@@ -17,7 +17,7 @@ using namespace testing;
 
 /// All pairs: a triangle meets another one where they share more than their common corners say, by
 /// triangles_meet on those without common ids, by area moved off the common corner on others.
-TEST(SelfContacts, AreFoundAmongAllPairs)
+TEST(SelfContacts, AgreeWithAllPairs)
 {
     for (std::uint32_t seed = 0; seed < 200; ++seed) {
         SCOPED_TRACE(seed);
@@ -48,7 +48,7 @@ TEST(SelfContacts, AreFoundAmongAllPairs)
     }
 }
 
-TEST(SelfContacts, OfNeighboursAreFoldsAndPassages)
+TEST(SelfContacts, OfNeighboursAreFoldsAndCrossings)
 {
     const auto contacts = [](const std::vector<Vec3>& positions,
                              const std::vector<TriangleCorners>& triangles) {

@@ -26,7 +26,7 @@ bool same_bits(double a, double b)
     return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
 }
 
-TEST(SignedDistances, HaveTheBitsOfSingleOnesForAnyNumberOfThreads)
+TEST(SignedDistances, HaveTheBitsOfSingleQueriesForAnyNumberOfThreads)
 {
     const TriangleMesh mesh = ship_and_balls();
     const MeshIndex index = build_mesh_index(mesh).value();
@@ -55,7 +55,7 @@ TEST(SignedDistances, HaveTheBitsOfSingleOnesForAnyNumberOfThreads)
     }
 }
 
-TEST(SignedDistances, OfASignThatOutlivesTheIndexAreThoseOfTheMeshAndItsTopology)
+TEST(SignedDistances, OfASignThatOutlivesTheIndexAgreeWithTheMesh)
 {
     const Signed of(ship_and_balls());
     std::optional<MeshIndex> index = build_mesh_index(of.mesh).value();
@@ -71,7 +71,7 @@ TEST(SignedDistances, OfASignThatOutlivesTheIndexAreThoseOfTheMeshAndItsTopology
     EXPECT_EQ(sign.bytes(), of.sign.bytes());
 }
 
-TEST(SignedDistances, SayWhatIsWrong)
+TEST(SignedDistances, ReportErrors)
 {
     EXPECT_EQ(build_surface_sign(MeshIndex()).error().code, ErrorCode::invalid_mesh);
     const MeshIndex index = build_mesh_index(cube_mesh(Vec3::Zero(), 1.0)).value();

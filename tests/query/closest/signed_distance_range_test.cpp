@@ -42,7 +42,7 @@ std::vector<Vec3> random_directions(int count, unsigned seed)
     return directions;
 }
 
-TEST(SignedDistance, IsPositiveHoweverFarFromAClosedMesh)
+TEST(SignedDistance, IsPositiveAtAnyDistanceFromAClosedMesh)
 {
     const std::vector<NamedMesh> meshes = {
         {"cube", cube_mesh(Vec3::Zero(), 1.0)},
@@ -71,7 +71,7 @@ TEST(SignedDistance, IsPositiveHoweverFarFromAClosedMesh)
     }
 }
 
-TEST(SignedDistance, IsExactAboutPartsOfAnySizeInAMesh)
+TEST(SignedDistance, IsExactForPartsOfAnySizeInAMesh)
 {
     const TriangleMesh whole = ball(Vec3::Zero(), 1.0);
     constexpr unsigned seed = 52;
@@ -109,7 +109,7 @@ TEST(SignedDistance, IsExactAboutPartsOfAnySizeInAMesh)
     EXPECT_GT(outside, 1000);
 }
 
-TEST(SignedDistance, IsNoNumberWhereThePointIsNone)
+TEST(SignedDistance, IsNotANumberForPointsThatAreNotFinite)
 {
     const Signed of(ball(Vec3::Zero(), 1.0));
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -130,9 +130,9 @@ TEST(SignedDistance, IsNoNumberWhereThePointIsNone)
     EXPECT_FALSE(closest_feature(of.index, Vec3::Zero(), {.radius = -1.0}));
     EXPECT_FALSE(closest_feature(of.index, Vec3::Zero(), {.radius = nan}));
     std::vector<TriangleId> buffer(500);
-    EXPECT_EQ(collect_triangles(of.index, Vec3::Zero(), -1.0, buffer).count, 0U);
-    EXPECT_EQ(collect_triangles(of.index, Vec3::Zero(), nan, buffer).count, 0U);
-    EXPECT_EQ(collect_triangles(of.index, Vec3(nan, 0, 0), 9.0, buffer).count, 0U);
+    EXPECT_EQ(collect_triangles(of.index, Vec3::Zero(), -1.0, buffer).written, 0U);
+    EXPECT_EQ(collect_triangles(of.index, Vec3::Zero(), nan, buffer).written, 0U);
+    EXPECT_EQ(collect_triangles(of.index, Vec3(nan, 0, 0), 9.0, buffer).written, 0U);
 }
 
 } // namespace

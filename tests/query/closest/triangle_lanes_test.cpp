@@ -10,7 +10,7 @@ namespace {
 
 using namespace testing;
 
-TEST(TriangleLanes, AreRightUpToTheirLimit)
+TEST(TriangleLanes, AreExactUpToTheirLimit)
 {
     for (const NamedMesh& named : proximity_meshes()) {
         SCOPED_TRACE(named.name);

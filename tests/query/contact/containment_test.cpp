@@ -28,7 +28,12 @@ ContainmentAnswer ask(const TriangleMesh& a, const TriangleMesh& b, const RigidT
 {
     const Enclosure inner = build_enclosure(a).value();
     const Enclosure outer = build_enclosure(b).value();
-    return find_containment(inner, outer, pose);
+    const ContainmentAnswer answer = find_containment(inner, outer, pose);
+    const Enclosure of_index = build_enclosure(build_mesh_index(a).value()).value();
+    const ContainmentAnswer same = find_containment(of_index, outer, pose);
+    EXPECT_EQ(same.containment, answer.containment);
+    EXPECT_EQ(same.method, answer.method);
+    return answer;
 }
 
 TriangleMesh ball(double radius, const Vec3& center = Vec3::Zero())
@@ -36,7 +41,7 @@ TriangleMesh ball(double radius, const Vec3& center = Vec3::Zero())
     return sphere_mesh(center, radius, 8, 9);
 }
 
-TEST(Containment, KnowsWhichOfTwoBallsIsInside)
+TEST(Containment, FindsWhichOfTwoBallsIsInside)
 {
     const RigidTransform turned = {Eigen::AngleAxisd(1, Vec3(1, 2, 3).normalized()).matrix(),
                                    Vec3(0.25, 0.25, 0)};
@@ -50,7 +55,7 @@ TEST(Containment, KnowsWhichOfTwoBallsIsInside)
     EXPECT_EQ(ask(ball(1), ball(2)).method, InsideMethod::crossings);
 }
 
-TEST(Containment, AsksEveryPartOfTheInnerMesh)
+TEST(Containment, ChecksEveryPartOfTheInnerMesh)
 {
     const TriangleMesh two = joined(ball(0.3), ball(0.3, Vec3(3, 0, 0)));
     EXPECT_EQ(build_enclosure(two)->parts().vertices.size(), 2U);
@@ -64,7 +69,7 @@ TEST(Containment, AsksEveryPartOfTheInnerMesh)
     EXPECT_EQ(ask(ball(0.3, Vec3(1, 0, 0)), overlapping).containment, a_in_b);
 }
 
-TEST(Containment, HasAMethodForEveryMesh)
+TEST(Containment, UsesAMethodThatFitsTheMesh)
 {
     const ContainmentAnswer inside_out = ask(ball(1), inverted(ball(2)));
     EXPECT_EQ(inside_out.containment, a_in_b);
@@ -97,6 +102,7 @@ TEST(Containment, HasAMethodForEveryMesh)
     }
     EXPECT_EQ(ask(ball(1), mesh_of(positions, triangles)).method, InsideMethod::crossings);
     EXPECT_FALSE(build_enclosure(TriangleMesh{}));
+    EXPECT_FALSE(build_enclosure(MeshIndex()));
 }
 
 /// Points in line with corners and edges, where a careless count of crossings is wrong.

@@ -39,7 +39,7 @@ std::vector<TrianglePair> brute_pairs(const TriangleMesh& mesh)
     return pairs;
 }
 
-TEST(MeetBeyondCorners, HeedsWhatTrianglesShare)
+TEST(MeetBeyondCorners, IgnoresContactAtSharedCornersAndEdges)
 {
     const Vec3 o(0, 0, 0);
     const Vec3 x(4, 0, 0);
@@ -73,7 +73,7 @@ TEST(MeetBeyondCorners, HeedsWhatTrianglesShare)
     EXPECT_TRUE(meet_beyond_corners({{o, Vec3(2, 0, 0), x}}, {{Vec3(3, 0, 0), y, z}}));
 }
 
-TEST(SelfIntersection, HasNoneInGoodMeshes)
+TEST(SelfIntersection, FindsNoneInValidMeshes)
 {
     for (const TriangleMesh& mesh : {make_sphere(20, 20), make_torus(30, 12), make_cube(),
                                      torus_mesh(1.0, 0.4, 24, 16), make_octahedron()}) {
@@ -81,7 +81,7 @@ TEST(SelfIntersection, HasNoneInGoodMeshes)
     }
 }
 
-TEST(SelfIntersection, FindsWhatAllPairsHave)
+TEST(SelfIntersection, AgreesWithAllPairs)
 {
     std::size_t found = 0;
     std::size_t none = 0;
@@ -106,7 +106,7 @@ TEST(SelfIntersection, FindsWhatAllPairsHave)
     EXPECT_GT(none, 3U);
 }
 
-TEST(SelfIntersection, OfTwoSpheresIsWhereTheyMeet)
+TEST(SelfIntersection, OfTwoSpheresLiesWhereTheyMeet)
 {
     const TriangleMesh sphere = make_sphere(12, 16);
     const TriangleMesh other =
@@ -119,7 +119,7 @@ TEST(SelfIntersection, OfTwoSpheresIsWhereTheyMeet)
     }
 }
 
-TEST(SelfIntersection, StopsAtItsLimitWhateverTheThreads)
+TEST(SelfIntersection, StopsAtItsLimitForAnyNumberOfThreads)
 {
     // 1,000 times the same triangle: half a million pairs.
     const TriangleMesh heap = mesh_of({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)},

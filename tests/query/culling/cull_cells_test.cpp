@@ -27,7 +27,7 @@ struct LeafCollector {
     }
 };
 
-TEST(CullCells, SeesWhatAllLeavesSay)
+TEST(CullCells, AgreesWithAllLeaves)
 {
     std::array<std::size_t, 4> counts{}; // outside, passing only, met, inside
     std::uint64_t seed = 1;

@@ -86,7 +86,7 @@ void expect_truth(const TriangleMesh& mesh, const MeshIndex& index, const ViewVo
     }
 }
 
-TEST(CullVolume, SeesWhatBruteForceSees)
+TEST(CullVolume, AgreesWithBruteForce)
 {
     Seen seen;
     std::uint64_t seed = 1;
@@ -106,7 +106,7 @@ TEST(CullVolume, SeesWhatBruteForceSees)
     EXPECT_GT(seen.conservative_only, 100U);
 }
 
-TEST(CullVolume, SeesWhatBruteForceSeesOfNastyMeshes)
+TEST(CullVolume, AgreesWithBruteForceOnNastyMeshes)
 {
     Seen seen;
     for (std::uint32_t seed = 0; seed < 400; ++seed) {
@@ -124,7 +124,7 @@ TEST(CullVolume, SeesWhatBruteForceSeesOfNastyMeshes)
     EXPECT_GT(seen.conservative_only, 300U);
 }
 
-TEST(CullVolume, SeesTheSameWithEveryInstructionSet)
+TEST(CullVolume, IsTheSameOnEveryInstructionSet)
 {
     const TriangleMesh mesh = torus_mesh(1.0, 0.4, 60, 40);
     const MeshIndex index = index_of(mesh);
@@ -139,7 +139,7 @@ TEST(CullVolume, SeesTheSameWithEveryInstructionSet)
     }
 }
 
-TEST(CullVolume, DoesNotDependOnScaleOrPlace)
+TEST(CullVolume, DoesNotDependOnScaleOrPosition)
 {
     const TriangleMesh torus = torus_mesh(1.0, 0.4, 60, 40);
     for (const double scale : {1e-6, 1.0, 1e6, 1e-90, 1e90}) {
@@ -177,7 +177,7 @@ TEST(CullVolume, CountsTouching)
     }
 }
 
-TEST(CullVolume, FillsWhatRoomThereIs)
+TEST(CullVolume, FillsASmallBufferAndReturnsTheWholeCount)
 {
     const TriangleMesh mesh = torus_mesh(1.0, 0.4, 60, 40);
     const MeshIndex index = index_of(mesh);
@@ -191,6 +191,23 @@ TEST(CullVolume, FillsWhatRoomThereIs)
     EXPECT_TRUE(std::ranges::equal(some, std::span(all).first(7)));
     EXPECT_EQ(visible_ranges(index, volume, {}), count);
     EXPECT_EQ(visible_ranges(MeshIndex(), volume, all), 0U);
+}
+
+TEST(CullVolume, StopsWhereTheVisitorSaysSo)
+{
+    const MeshIndex index = index_of(torus_mesh(1.0, 0.4, 60, 40));
+    const ViewVolume volume =
+        make_view_volume(std::vector<ViewPlane>{{Vec3(1, 2, 3), 0.1}}).value();
+    std::vector<TriangleRange> all(index.triangle_count());
+    all.resize(visible_ranges(index, volume, all));
+    for (std::size_t most = 1; most <= all.size(); ++most) {
+        std::vector<TriangleRange> seen;
+        visit_visible(index, volume, CullMode::conservative, [&](TriangleRange range) {
+            seen.push_back(range);
+            return seen.size() < most ? Flow::proceed : Flow::stop;
+        });
+        EXPECT_TRUE(std::ranges::equal(seen, std::span(all).first(most)));
+    }
 }
 
 } // namespace

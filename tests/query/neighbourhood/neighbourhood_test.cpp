@@ -79,7 +79,7 @@ std::vector<Feature> some_features(const TriangleMesh& mesh, const Topology& top
     return features;
 }
 
-TEST(Rings, AreThoseOfABreadthFirstSearchOverSets)
+TEST(Rings, AgreeWithABreadthFirstSearch)
 {
     std::mt19937 random(1);
     for (const NamedMesh& named : proximity_meshes()) {
@@ -96,7 +96,7 @@ TEST(Rings, AreThoseOfABreadthFirstSearchOverSets)
             const Neighbourhood found =
                 collect_rings(mesh, topology, feature, rings, scratch, buffer, ends);
             EXPECT_TRUE(found.complete);
-            EXPECT_EQ(found.count, ends.back());
+            EXPECT_EQ(found.written, ends.back());
             std::size_t begin = 0;
             for (std::size_t ring = 0; ring < truth.size(); ++ring) {
                 std::vector<std::uint32_t> ids;
@@ -109,7 +109,7 @@ TEST(Rings, AreThoseOfABreadthFirstSearchOverSets)
     }
 }
 
-TEST(Rings, SayWhereTheBufferIsTooSmall)
+TEST(Rings, ReportABufferThatIsTooSmall)
 {
     const TriangleMesh mesh = sample_mesh("icosphere:2").value();
     const Topology topology = build_topology(mesh).value();
@@ -119,17 +119,17 @@ TEST(Rings, SayWhereTheBufferIsTooSmall)
     std::array<std::size_t, 3> ends{};
     const Neighbourhood whole = collect_rings(mesh, topology, feature, 2, scratch, all, ends);
     ASSERT_TRUE(whole.complete);
-    for (std::size_t room = 0; room <= whole.count + 1; ++room) {
-        SCOPED_TRACE(room);
-        std::vector<TriangleId> buffer(room, no_triangle);
+    for (std::size_t capacity = 0; capacity <= whole.written + 1; ++capacity) {
+        SCOPED_TRACE(capacity);
+        std::vector<TriangleId> buffer(capacity, no_triangle);
         std::array<std::size_t, 3> some_ends{};
         const Neighbourhood found =
             collect_rings(mesh, topology, feature, 2, scratch, buffer, some_ends);
-        EXPECT_EQ(found.complete, room >= whole.count);
-        EXPECT_EQ(found.count, std::min(room, whole.count));
+        EXPECT_EQ(found.complete, capacity >= whole.written);
+        EXPECT_EQ(found.written, std::min(capacity, whole.written));
         std::size_t begin = 0;
         for (std::size_t ring = 0; ring < ends.size(); ++ring) {
-            EXPECT_EQ(some_ends[ring], std::min(room, ends[ring]));
+            EXPECT_EQ(some_ends[ring], std::min(capacity, ends[ring]));
             const auto written = std::span(buffer).subspan(begin, some_ends[ring] - begin);
             const auto truth = std::span(all).subspan(begin, ends[ring] - begin);
             EXPECT_TRUE(std::ranges::is_sorted(written));
@@ -140,7 +140,7 @@ TEST(Rings, SayWhereTheBufferIsTooSmall)
     }
 }
 
-TEST(Rings, EndWhereThereAreNoMore)
+TEST(Rings, EndAtTheLastRing)
 {
     const TriangleMesh mesh = cube_mesh(Vec3::Zero(), 1.0);
     const Topology topology = build_topology(mesh).value();
@@ -151,16 +151,16 @@ TEST(Rings, EndWhereThereAreNoMore)
     const Neighbourhood found = collect_rings(
         mesh, topology, corner, std::numeric_limits<int>::max(), scratch, buffer, ends);
     EXPECT_TRUE(found.complete);
-    EXPECT_EQ(found.count, 12U);
+    EXPECT_EQ(found.written, 12U);
     EXPECT_EQ(ends.back(), 12U);
     EXPECT_EQ(ends.front(), topology.triangles(VertexId{0}).size());
     ends.fill(99);
-    EXPECT_EQ(collect_rings(mesh, topology, corner, 5, scratch, buffer, ends).count, 12U);
+    EXPECT_EQ(collect_rings(mesh, topology, corner, 5, scratch, buffer, ends).written, 12U);
     EXPECT_EQ(ends[5], 12U);
     EXPECT_EQ(ends[6], 99U);
 }
 
-TEST(Rings, NeedNoClearingEvenWhenRoundsRunOut)
+TEST(Rings, NeedNoClearingEvenWhenTheRoundCounterOverflows)
 {
     const TriangleMesh mesh = sample_mesh("torus:12x8").value();
     const Topology topology = build_topology(mesh).value();
@@ -168,7 +168,8 @@ TEST(Rings, NeedNoClearingEvenWhenRoundsRunOut)
     const auto rings = [&](std::uint32_t vertex) {
         std::vector<TriangleId> buffer(mesh.triangle_count());
         buffer.resize(
-            collect_rings(mesh, topology, {FeatureKind::vertex, vertex}, 1, scratch, buffer).count);
+            collect_rings(mesh, topology, {FeatureKind::vertex, vertex}, 1, scratch, buffer)
+                .written);
         return buffer;
     };
     std::vector<std::vector<TriangleId>> truth;
@@ -211,7 +212,7 @@ TEST(MetricPatch, HasAllTrianglesWithinTheRadius)
         buffer.resize(mesh.triangle_count());
         const Neighbourhood found = collect_triangles(index, ball.p, ball.radius, buffer);
         EXPECT_TRUE(found.complete);
-        const auto ids = std::span(buffer).first(found.count);
+        const auto ids = std::span(buffer).first(found.written);
         EXPECT_TRUE(std::ranges::is_sorted(ids));
         EXPECT_EQ(std::ranges::adjacent_find(ids), ids.end());
         for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
@@ -224,14 +225,14 @@ TEST(MetricPatch, HasAllTrianglesWithinTheRadius)
     });
 }
 
-TEST(MetricPatch, TakesRadiiOfNothingAndEverything)
+TEST(MetricPatch, AcceptsZeroAndInfiniteRadii)
 {
     const TriangleMesh mesh = cube_mesh(Vec3::Zero(), 1.0);
     const Topology topology = build_topology(mesh).value();
     const MeshIndex index = build_mesh_index(mesh).value();
     std::array<TriangleId, 12> buffer{};
     const auto count = [&](const Vec3& p, double radius) {
-        return collect_triangles(index, p, radius, buffer).count;
+        return collect_triangles(index, p, radius, buffer).written;
     };
     EXPECT_EQ(count(Vec3(1, 0.5, 0.25), 0.0), 1U);
     EXPECT_EQ(count(Vec3(1, 1, 1), 0.0), topology.triangles(VertexId{7}).size());
@@ -240,7 +241,7 @@ TEST(MetricPatch, TakesRadiiOfNothingAndEverything)
     EXPECT_EQ(count(Vec3(1e300, 0, 0), std::numeric_limits<double>::infinity()), 12U);
 }
 
-TEST(FeaturesWithin, AreThoseOfAllVerticesEdgesAndFaces)
+TEST(FeaturesWithin, AgreeWithAllVerticesEdgesAndFaces)
 {
     std::vector<NearestFeature> buffer;
     for_balls(
@@ -248,7 +249,7 @@ TEST(FeaturesWithin, AreThoseOfAllVerticesEdgesAndFaces)
             buffer.resize(mesh.vertex_count() + topology.edge_count() + mesh.triangle_count());
             const Neighbourhood found = collect_features(index, ball.p, ball.radius, buffer);
             EXPECT_TRUE(found.complete);
-            const auto features = std::span(buffer).first(found.count);
+            const auto features = std::span(buffer).first(found.written);
             for (std::size_t i = 1; i < features.size(); ++i)
                 EXPECT_LT(features[i - 1].feature, features[i].feature);
             const auto expect = [&](FeatureKind kind, std::uint32_t id, const Vec3& closest) {
@@ -278,7 +279,7 @@ TEST(FeaturesWithin, AreThoseOfAllVerticesEdgesAndFaces)
         });
 }
 
-TEST(Neighbourhoods, SayWhereTheBufferIsTooSmallAndDoNotAllocate)
+TEST(Neighbourhoods, ReportABufferThatIsTooSmallAndDoNotAllocate)
 {
     const TriangleMesh mesh = sample_mesh("sphere:30x30").value();
     const Topology topology = build_topology(mesh).value();
@@ -294,21 +295,21 @@ TEST(Neighbourhoods, SayWhereTheBufferIsTooSmallAndDoNotAllocate)
     const Neighbourhood features = collect_features(index, p, 0.3, all_features);
     EXPECT_EQ(allocation_count(), before);
     EXPECT_TRUE(rings.complete && triangles.complete && features.complete);
-    ASSERT_GT(triangles.count, 10U);
-    for (const std::size_t room : {std::size_t{0}, std::size_t{1}, triangles.count - 1,
-                                   triangles.count, triangles.count + 1}) {
-        std::vector<TriangleId> buffer(room);
+    ASSERT_GT(triangles.written, 10U);
+    for (const std::size_t capacity : {std::size_t{0}, std::size_t{1}, triangles.written - 1,
+                                       triangles.written, triangles.written + 1}) {
+        std::vector<TriangleId> buffer(capacity);
         const Neighbourhood found = collect_triangles(index, p, 0.3, buffer);
-        EXPECT_EQ(found.complete, room >= triangles.count);
-        EXPECT_EQ(found.count, std::min(room, triangles.count));
-        EXPECT_TRUE(std::ranges::includes(std::span(all).first(triangles.count),
-                                          std::span(buffer).first(found.count)));
+        EXPECT_EQ(found.complete, capacity >= triangles.written);
+        EXPECT_EQ(found.written, std::min(capacity, triangles.written));
+        EXPECT_TRUE(std::ranges::includes(std::span(all).first(triangles.written),
+                                          std::span(buffer).first(found.written)));
     }
-    for (const std::size_t room : {std::size_t{0}, features.count - 1, features.count}) {
-        std::vector<NearestFeature> buffer(room);
+    for (const std::size_t capacity : {std::size_t{0}, features.written - 1, features.written}) {
+        std::vector<NearestFeature> buffer(capacity);
         const Neighbourhood found = collect_features(index, p, 0.3, buffer);
-        EXPECT_EQ(found.complete, room >= features.count);
-        EXPECT_EQ(found.count, std::min(room, features.count));
+        EXPECT_EQ(found.complete, capacity >= features.written);
+        EXPECT_EQ(found.written, std::min(capacity, features.written));
     }
 }
 

@@ -49,7 +49,7 @@ std::vector<Ray> rows_of_rays(const TriangleMesh& mesh, std::uint32_t seed)
     return rays;
 }
 
-TEST(CastPacket, AnswersAsBruteForceOnEveryInstructionSet)
+TEST(CastPacket, AnswersLikeBruteForceOnEveryInstructionSet)
 {
     std::size_t hits = 0;
     std::size_t cast = 0;
@@ -141,7 +141,7 @@ std::vector<Ray> broad_sixteens(const TriangleMesh& mesh, std::uint32_t seed)
     return rays;
 }
 
-TEST(CastPacket, LosesNoHitAtPlacesWithoutAChild)
+TEST(CastPacket, LosesNoHitNextToEmptyChildren)
 {
     // The box of such a place is empty, but the intervals of a packet's rays may meet it.
     std::size_t hits = 0;

@@ -79,8 +79,10 @@ void compare(const TriangleMesh& mesh, int rays, std::uint64_t seed, std::size_t
         ray.t_min = i % 2 == 0 ? 0 : -std::numeric_limits<double>::infinity();
         ray.t_max = std::numeric_limits<double>::infinity();
         std::map<TriangleId, double> found;
-        visit_hits(index, ray, Faces::both,
-                   [&](const RayHit& hit) { found[hit.triangle] = hit.t; });
+        visit_hits(index, ray, Faces::both, [&](const RayHit& hit) {
+            found[hit.triangle] = hit.t;
+            return Flow::proceed;
+        });
         for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
             const Triangle triangle = mesh.triangle(TriangleId{id});
             const auto truth = stretch(ray, triangle);

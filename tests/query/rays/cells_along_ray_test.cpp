@@ -103,7 +103,55 @@ std::optional<Stretch> stretch_in(const WholeRay& ray, const Box& box, std::int6
     return stretch;
 }
 
-TEST(CellsAlongRay, AreThoseOfSlabsOverAllLeavesInOrder)
+/// A leaf that a ray passes through.
+struct LeafOnRay {
+    CellKey key;
+    Stretch stretch;
+};
+
+/// The leaves that the ray passes through, in its order, by asking all leaves.
+std::vector<LeafOnRay> leaves_on_ray(const Octree& octree, const WholeRay& ray, std::int64_t root)
+{
+    struct Collect {
+        const Octree& octree;
+        const WholeRay& ray;
+        std::int64_t root;
+        std::vector<LeafOnRay>& leaves;
+        [[nodiscard]] bool should_enter(const Cell& /*cell*/) const { return true; }
+        [[nodiscard]] Flow visit_leaf(const Cell& cell, std::span<const TriangleId> /*ids*/) const
+        {
+            if (const auto found = stretch_in(ray, octree.box(cell), root))
+                leaves.push_back({cell.key, *found});
+            return Flow::proceed;
+        }
+    };
+    std::vector<LeafOnRay> leaves;
+    traverse(octree, Collect{octree, ray, root, leaves});
+    std::ranges::sort(leaves, [](const LeafOnRay& a, const LeafOnRay& b) {
+        return a.stretch.enter < b.stretch.enter;
+    });
+    return leaves;
+}
+
+/// Number i of a series of rays: short and long, slow and fast, from in and around the root.
+WholeRay nth_whole_ray(int i, std::int64_t root, std::mt19937_64& random)
+{
+    const auto whole = [&](std::int64_t limit) {
+        return static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(2 * limit + 1)) -
+               limit;
+    };
+    WholeRay ray{};
+    const std::int64_t reach = i % 3 == 0 ? 3 : i % 3 == 1 ? 40 : 1'000'000;
+    for (std::size_t k = 0; k < 3; ++k) {
+        ray.origin[k] = root / 2 + whole(i % 2 == 0 ? root : 3 * root);
+        ray.direction[k] = i % 7 == 0 ? whole(reach) : root / 2 + whole(root / 2) - ray.origin[k];
+    }
+    ray.t_min = i % 4 == 0 ? 1 : -100;
+    ray.t_max = i % 5 == 0 ? 2 : 1000;
+    return ray;
+}
+
+TEST(CellsAlongRay, AgreeWithSlabTestsOfAllLeaves)
 {
     constexpr int depth = 5;
     constexpr std::int64_t root = 1 << depth;
@@ -112,46 +160,11 @@ TEST(CellsAlongRay, AreThoseOfSlabsOverAllLeavesInOrder)
         SCOPED_TRACE(::testing::Message() << "seed " << seed);
         const Octree octree = whole_octree(seed, depth);
         std::mt19937_64 random(seed);
-        const auto whole = [&](std::int64_t limit) {
-            return static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(2 * limit + 1)) -
-                   limit;
-        };
         for (int i = 0; i < 300; ++i) {
-            WholeRay whole_ray{};
-            const std::int64_t reach = i % 3 == 0 ? 3 : i % 3 == 1 ? 40 : 1'000'000;
-            for (std::size_t k = 0; k < 3; ++k) {
-                whole_ray.origin[k] = root / 2 + whole(i % 2 == 0 ? root : 3 * root);
-                whole_ray.direction[k] =
-                    i % 7 == 0 ? whole(reach) : root / 2 + whole(root / 2) - whole_ray.origin[k];
-            }
+            const WholeRay whole_ray = nth_whole_ray(i, root, random);
             if (whole_ray.direction == std::array<std::int64_t, 3>{}) continue;
-            whole_ray.t_min = i % 4 == 0 ? 1 : -100;
-            whole_ray.t_max = i % 5 == 0 ? 2 : 1000;
             const Ray ray = whole_ray.ray();
-
-            struct Truth {
-                CellKey key;
-                Stretch stretch;
-            };
-            std::vector<Truth> truth;
-            struct Collect {
-                const Octree& octree;
-                const WholeRay& ray;
-                std::vector<Truth>& truth;
-                [[nodiscard]] bool should_enter(const Cell& /*cell*/) const { return true; }
-                [[nodiscard]] Flow visit_leaf(const Cell& cell,
-                                              std::span<const TriangleId> /*ids*/) const
-                {
-                    if (const auto found = stretch_in(ray, octree.box(cell), root))
-                        truth.push_back({cell.key, *found});
-                    return Flow::proceed;
-                }
-            };
-            traverse(octree, Collect{octree, whole_ray, truth});
-            std::ranges::sort(truth, [](const Truth& a, const Truth& b) {
-                return a.stretch.enter < b.stretch.enter;
-            });
-
+            const std::vector<LeafOnRay> truth = leaves_on_ray(octree, whole_ray, root);
             const std::vector<CellOnRay> found = cells_along_ray(octree, ray);
             ASSERT_EQ(found.size(), truth.size()) << "ray " << i;
             double chords = 0;
@@ -213,7 +226,7 @@ TEST(CellsAlongRay, JoinWithoutGapsForRaysOfAllKinds)
     EXPECT_GT(cells, 100'000U);
 }
 
-TEST(CellsAlongRay, StopsWhenAsked)
+TEST(CellsAlongRay, StopOnRequest)
 {
     const Octree octree = whole_octree(1, 4);
     const Ray ray{Vec3(-1, 7.3, 8.2), Vec3(1, 0.01, 0.02)};

@@ -36,7 +36,7 @@ protected:
     ContactPatch expected;
 };
 
-TEST_F(ThesisPatchesTest, AreThoseOfTheFastClosestFeatureOutside)
+TEST_F(ThesisPatchesTest, AgreeWithTheFastClosestFeatureOutside)
 {
     std::mt19937_64 random(1);
     std::uniform_real_distribution<double> coordinate(-1.4, 1.4);
@@ -83,7 +83,7 @@ TEST_F(ThesisPatchesTest, FollowAProxyThatRoundingPutsBehindTheSurface)
     EXPECT_EQ(ids_of(made), ids_of(expected));
 }
 
-TEST_F(ThesisPatchesTest, NothingBeforeAnyFeatureIsFound)
+TEST_F(ThesisPatchesTest, AreEmptyBeforeAnyFeatureIsFound)
 {
     EXPECT_FALSE(patches.fill(made, Vec3::Zero(), Vec3::Zero(), 2));
 }

@@ -67,7 +67,7 @@ Triangle random_triangle(std::mt19937& random)
     return triangle;
 }
 
-TEST(GeometricMethod, FacetsAreThoseOfTheConvexHullOnWholeNumbers)
+TEST(GeometricMethod, HasTheFacetsOfTheConvexHullForIntegers)
 {
     std::map<std::size_t, int> facet_counts;
     for (unsigned seed = 0; seed < 4000; ++seed) {
@@ -101,7 +101,7 @@ TEST(GeometricMethod, FacetsAreThoseOfTheConvexHullOnWholeNumbers)
     EXPECT_GT(facet_counts[17], 1980);
 }
 
-TEST(GeometricMethod, SeventeenFacetsInGeneralPosition)
+TEST(GeometricMethod, FindsSeventeenFacetsInGeneralPosition)
 {
     std::mt19937 random(7);
     int with_seventeen = 0;
@@ -114,7 +114,7 @@ TEST(GeometricMethod, SeventeenFacetsInGeneralPosition)
     EXPECT_EQ(with_seventeen, triangles);
 }
 
-TEST(GeometricMethod, FacetsAreThoseOfTheConvexHullOnRandomNumbers)
+TEST(GeometricMethod, HasTheFacetsOfTheConvexHullForRandomNumbers)
 {
     for (unsigned seed = 0; seed < 1000; ++seed) {
         SCOPED_TRACE(seed);
@@ -160,7 +160,7 @@ TEST(GeometricMethod, SupportsAreVerticesOnTheirPlanes)
 }
 
 /// Figures 3.12 to 3.14: sums at all depths have the same planes with the same support indices.
-TEST(GeometricMethod, TopologyDoesNotDependOnTheCubesSize)
+TEST(GeometricMethod, TopologyDoesNotDependOnTheSizeOfTheCube)
 {
     for (unsigned seed = 0; seed < 500; ++seed) {
         SCOPED_TRACE(seed);

@@ -36,7 +36,7 @@ void expect_convex_hull(const std::vector<HullFace<double>>& faces, const Points
     EXPECT_EQ(static_cast<int>(corners.size()) - edges + static_cast<int>(faces.size()), 2);
 }
 
-TEST(IncrementalHull, HullsOfWholePointsAreExact)
+TEST(IncrementalHull, IsExactForIntegerPoints)
 {
     for (unsigned seed = 0; seed < 2000; ++seed) {
         SCOPED_TRACE(seed);
@@ -64,7 +64,7 @@ TEST(IncrementalHull, HullsOfWholePointsAreExact)
     }
 }
 
-TEST(IncrementalHull, HullsOfRandomPointsHoldThem)
+TEST(IncrementalHull, ContainsRandomPoints)
 {
     for (unsigned seed = 0; seed < 500; ++seed) {
         SCOPED_TRACE(seed);

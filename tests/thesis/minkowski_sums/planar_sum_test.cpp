@@ -68,7 +68,7 @@ Points nasty_partner(std::mt19937_64& random, const Points& other)
     return points;
 }
 
-TEST(PlanarSum, EdgesAreThoseOfTheHullOfAllPairs)
+TEST(PlanarSum, HasTheEdgesOfTheHullOfAllPairs)
 {
     int with_parallel = 0;
     for (unsigned seed = 0; seed < 20000; ++seed) {
@@ -109,7 +109,7 @@ TEST(PlanarSum, EdgesAreThoseOfTheHullOfAllPairs)
     EXPECT_GT(with_parallel, 5000);
 }
 
-TEST(PlanarSum, LinesTouchWhatIsFarthest)
+TEST(PlanarSum, LinesTouchTheFarthestPoints)
 {
     for (unsigned seed = 0; seed < 3000; ++seed) {
         SCOPED_TRACE(seed);
@@ -189,7 +189,7 @@ TEST_F(ThesisExample, IndexTrackingFindsTheEdgesOfEverySize)
     }
 }
 
-TEST(PlanarSum, RefusesWhatHasNoAnswer)
+TEST(PlanarSum, RefusesInvalidInput)
 {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     EXPECT_EQ(convex_polygon({}).error().code, ErrorCode::invalid_argument);
@@ -210,7 +210,7 @@ TEST(PlanarSum, RefusesWhatHasNoAnswer)
 }
 
 /// Products underflow at 1e-170, and are large at 1e80; edges do not change.
-TEST(PlanarSum, SizesDoNotMatter)
+TEST(PlanarSum, HasTheSameEdgesAtAnyScale)
 {
     for (unsigned seed = 0; seed < 500; ++seed) {
         SCOPED_TRACE(seed);

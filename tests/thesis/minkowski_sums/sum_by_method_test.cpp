@@ -79,7 +79,7 @@ TEST(SumByMethod, CountingChangesNothing)
     }
 }
 
-TEST(SumByMethod, IsStoppedOnRequest)
+TEST(SumByMethod, StopsOnRequest)
 {
     std::mt19937 random(1);
     const auto a = test::hull_of(test::round_points(random, 40, 1e5));
@@ -87,7 +87,7 @@ TEST(SumByMethod, IsStoppedOnRequest)
          {MinkowskiMethod::arcs, MinkowskiMethod::geometric, MinkowskiMethod::hull}) {
         Progress progress;
         progress.cancel();
-        const auto sum = minkowski_sum_by(method, a, a, &progress);
+        const auto sum = minkowski_sum_by(method, a, a, {.execution = {.progress = &progress}});
         ASSERT_FALSE(sum);
         EXPECT_EQ(sum.error().code, ErrorCode::cancelled);
     }

@@ -119,7 +119,7 @@ void expect_same_edges(const PlanarSum& sum, const PlanarSum& other)
     }
 }
 
-TEST(UnboundedPlanarSum, IsThatOfBruteForceWhereverItIsCut)
+TEST(UnboundedPlanarSum, AgreesWithBruteForceWhereverItIsCut)
 {
     int whole_planes = 0;
     for (unsigned seed = 0; seed < 3000; ++seed) {

@@ -105,7 +105,7 @@ TEST(BuildOctreeBy, RoundedMethodsDifferFromExactOnlyOnTouchingTriangles)
     EXPECT_GT(differences, 0U);
 }
 
-TEST(BuildOctreeBy, RefusesWhatTheBudgetDoesNotHold)
+TEST(BuildOctreeBy, RefusesMeshesBeyondTheBudget)
 {
     for (const OverlapMethod method : all_methods) {
         const auto octree = build_octree_by(make_sphere(100, 100), {.method = method},

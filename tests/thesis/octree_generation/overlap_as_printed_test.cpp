@@ -44,7 +44,7 @@ TEST(OverlapAsPrinted, LosesTheFacetsThatRestOnTheFirstVertex)
     EXPECT_GT(only_printed, 0U);
 }
 
-TEST(OverlapAsPrinted, MakesTheSphereOfTable21ListMoreThanTouches)
+TEST(OverlapAsPrinted, MakesTheSphereOfTable21ListTrianglesThatDoNotTouch)
 {
     constexpr std::uint64_t exact = 22392;
     EXPECT_GT(sphere_statistics({}).references, exact);

@@ -163,7 +163,7 @@ private:
 
 TYPED_TEST_SUITE(OverlapCertainty, testing::AllOverlapTests, testing::OverlapTestNames);
 
-TYPED_TEST(OverlapCertainty, CertainAnswersAreExactInAwkwardPlaces)
+TYPED_TEST(OverlapCertainty, CertainAnswersAreExactInDegeneratePositions)
 {
     for (unsigned seed = 0; seed < 60; ++seed) {
         Scene scene(seed);

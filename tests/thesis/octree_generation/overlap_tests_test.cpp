@@ -123,7 +123,7 @@ TYPED_TEST(OverlapTests, AgreeWithIntegersDownAnOctree)
     std::cout << tally << "\n";
 }
 
-TYPED_TEST(OverlapTests, KnownPairs)
+TYPED_TEST(OverlapTests, AnswerKnownPairs)
 {
     struct Case {
         const char* what;
@@ -161,7 +161,7 @@ TYPED_TEST(OverlapTests, KnownPairs)
     }
 }
 
-TYPED_TEST(OverlapTests, AreCertainOfPlainPairs)
+TYPED_TEST(OverlapTests, AreCertainOfClearPairs)
 {
     TypeParam through(Triangle{{Vec3(-1.5, .2, .3), Vec3(5, .2, .1), Vec3(.3, 6, .2)}});
     through.set_half_size(Vec3::Ones());

@@ -92,7 +92,7 @@ void expect_same_answers(const MinkowskiSum& sum, const SumPartition& partition,
     }
 }
 
-TEST(SumPartition, AnswersAsAllFacetsDo)
+TEST(SumPartition, AnswersLikeATestOfAllFacets)
 {
     int bodies = 0;
     for (unsigned seed = 0; seed < 400; ++seed) {
@@ -129,7 +129,7 @@ TEST(SumPartition, AnswersForTriangleAndCube)
 }
 
 /// On half-grid points every touching query is exact: the closed sum holds its boundary.
-TEST(SumPartition, HoldsItsBoundary)
+TEST(SumPartition, ContainsItsBoundary)
 {
     for (unsigned seed = 0; seed < 100; ++seed) {
         SCOPED_TRACE(seed);

@@ -178,7 +178,7 @@ TEST(TriangleCubeDescent, EqualsTheOraclesAtEveryDepth)
     }
 }
 
-TEST(TriangleCubeDescent, TracksTheValuesItWouldComputeAfresh)
+TEST(TriangleCubeDescent, TracksTheValuesOfACellComputedDirectly)
 {
     constexpr std::uint64_t seed = 112;
     TriangleGenerator generate(seed);
@@ -278,7 +278,7 @@ TEST(TriangleCubeDescent, MarginOfOneUnitMissesNothingOfTheOriginal)
     }
 }
 
-TEST(TriangleCubeDescent, DoublesFollowWhileNothingRounds)
+TEST(TriangleCubeDescent, DoublesAgreeWhileNothingRounds)
 {
     constexpr std::uint64_t seed = 114;
     TriangleGenerator generate(seed);
@@ -310,7 +310,7 @@ TEST(TriangleCubeDescent, DoublesFollowWhileNothingRounds)
     }
 }
 
-TEST(TriangleCubeDescent, CostsWhatItSays)
+TEST(TriangleCubeDescent, TakesTheStatedNumberOfOperations)
 {
     using Counting = TriangleCubeDescent<CountingNumber>;
     const CornerCoordinates<CountingNumber> vertices = {{{0, 0, 0}, {97, 13, 5}, {11, 89, 43}}};

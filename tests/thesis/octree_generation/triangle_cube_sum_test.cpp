@@ -193,7 +193,7 @@ TEST(TriangleCubeSum, ContainsCentersOfTouchingBoxesAndCubes)
     }
 }
 
-TEST(TriangleCubeSum, IsExactInIntegersToTheEndOfTheGrid)
+TEST(TriangleCubeSum, IsExactInIntegersUpToTheLimitOfTheGrid)
 {
     constexpr std::uint64_t seed = 104;
     PairGenerator generate(seed, 1 << 20);
@@ -208,7 +208,7 @@ TEST(TriangleCubeSum, IsExactInIntegersToTheEndOfTheGrid)
     }
 }
 
-TEST(TriangleCubeSum, CostsWhatItSays)
+TEST(TriangleCubeSum, TakesTheStatedNumberOfOperations)
 {
     const CornerCoordinates<CountingNumber> vertices = {{{0, 0, 0}, {97, 13, 5}, {11, 89, 43}}};
     CountingNumber::tally = {};

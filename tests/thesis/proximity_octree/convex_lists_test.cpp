@@ -113,7 +113,7 @@ ThesisProximityOctree uniform_thesis(const TriangleMesh& mesh, const Topology& t
         .value();
 }
 
-TEST(ConvexLists, HoldAllThatTheThesisLists)
+TEST(ConvexLists, ContainTheListsOfTheThesis)
 {
     std::size_t compared = 0;
     for (const auto& [name, mesh] : test::convex_meshes()) {
@@ -145,7 +145,7 @@ TEST(ConvexLists, HoldAllThatTheThesisLists)
     EXPECT_GT(compared, 200000U);
 }
 
-TEST(ConvexLists, HoldLittleElse)
+TEST(ConvexLists, ContainLittleBeyondTheListsOfTheThesis)
 {
     std::mt19937 random(31);
     std::size_t same = 0;
@@ -216,7 +216,7 @@ std::vector<TriangleId> triangles_with(const Topology& topology, const Feature& 
 }
 
 // What queries see: triangles that hold all that the thesis lists in the same cell.
-TEST(ConvexLists, OfLeavesCoverThoseOfTheThesis)
+TEST(ConvexLists, OfLeavesContainThoseOfTheThesis)
 {
     constexpr int max_depth = 4;
     std::size_t leaves = 0;
@@ -231,10 +231,10 @@ TEST(ConvexLists, OfLeavesCoverThoseOfTheThesis)
             cells.push_back(cells_of(thesis.back()));
         }
         const auto octree = testing::listed_index(
-            mesh, {.budget_bytes = 65536 + 20000 * mesh.triangle_count(), .max_depth = max_depth});
+            mesh, {.list_bytes = 65536 + 20000 * mesh.triangle_count(), .max_depth = max_depth});
         ASSERT_TRUE(octree) << describe(octree.error());
         const ProximityArrays& arrays = octree->parts().lists()->arrays();
-        const auto triangle_of = [&](std::uint32_t rank) { return octree->id(rank); };
+        const auto triangle_of = [&](std::uint32_t rank) { return octree->ids()[rank]; };
         std::vector<std::uint32_t> ranks;
         std::vector<ProximityCell> pending = {{root_word(arrays).value(), 0, {}}};
         while (!pending.empty()) {
@@ -267,7 +267,7 @@ TEST(ConvexLists, OfLeavesCoverThoseOfTheThesis)
 }
 
 // Thesis 5.1.2, figure 5.3: the general construction comes to the figures of the thesis's.
-TEST(ConvexLists, OfTheSphereOfFigure53AreAsLongAsTheThesiss)
+TEST(ConvexLists, ReproduceTheListLengthsOfFigure53)
 {
     const TriangleMesh mesh = make_sphere(50, 50);
     const Topology topology = *build_topology(mesh);

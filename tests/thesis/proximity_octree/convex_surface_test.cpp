@@ -40,7 +40,7 @@ struct Draft {
     [[nodiscard]] TriangleMesh mesh() const { return *make_triangle_mesh(positions, triangles); }
 };
 
-TEST(ConvexSurface, TakesConvexMeshesOfAllKinds)
+TEST(ConvexSurface, AcceptsConvexMeshesOfAllKinds)
 {
     for (const auto& [name, mesh] : test::convex_meshes()) {
         SCOPED_TRACE(name);
@@ -55,7 +55,7 @@ TEST(ConvexSurface, TakesConvexMeshesOfAllKinds)
     }
 }
 
-TEST(ConvexSurface, TellsRidgesFromFlatEdges)
+TEST(ConvexSurface, DistinguishesRidgesFromFlatEdges)
 {
     EXPECT_EQ(flat_edges(*checked(make_cube())), 6U);
     EXPECT_EQ(flat_edges(*checked(make_octahedron())), 0U);
@@ -68,70 +68,69 @@ TEST(ConvexSurface, TellsRidgesFromFlatEdges)
     EXPECT_LT(flat_edges(*checked(make_sphere(50, 50), {.flat_sine = 0})), 2000U);
 }
 
-TEST(ConvexSurface, RefusesWhatIsNoConvexSurface)
+TEST(ConvexSurface, RefusesMeshesWithoutTrianglesOrNumbers)
 {
-    const double nan = std::numeric_limits<double>::quiet_NaN();
     expect_refused(TriangleMesh(), "no triangle");
+    Draft draft(make_cube());
+    draft.positions[0].x() = std::numeric_limits<double>::quiet_NaN();
+    expect_refused(draft.mesh(), "");
+}
+
+TEST(ConvexSurface, RefusesOpenMeshes)
+{
+    Draft holed(make_cube());
+    holed.triangles.pop_back();
+    expect_refused(holed.mesh(), "open");
+    // Two vertices in one place: open where they part.
+    Draft parted(make_cube());
+    parted.positions.push_back(parted.positions[parted.triangles[0][0]]);
+    parted.triangles[0][0] = static_cast<std::uint32_t>(parted.positions.size() - 1);
+    expect_refused(parted.mesh(), "open");
+}
+
+TEST(ConvexSurface, RefusesTrianglesThatFaceTheWrongWay)
+{
+    Draft one(make_cube());
+    std::swap(one.triangles[3][0], one.triangles[3][1]);
+    expect_refused(one.mesh(), "turned against each other");
+    Draft all(make_cube());
+    for (TriangleCorners& corners : all.triangles) std::swap(corners[0], corners[1]);
+    expect_refused(all.mesh(), "inside out");
+}
+
+TEST(ConvexSurface, RefusesTrianglesWithoutAreaAndMeshesWithoutVolume)
+{
+    Draft draft(make_octahedron());
+    draft.positions[4] = 0.5 * (draft.positions[0] + draft.positions[2]);
+    expect_refused(draft.mesh(), "no area");
+    for (Vec3& position : draft.positions) position.z() = 0;
+    draft.positions[4] = Vec3(0.25, 0.125, 0);
+    expect_refused(draft.mesh(), "no volume");
+    // Two triangles back to back: closed, without a volume.
+    const auto flat = make_triangle_mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 1}});
+    expect_refused(*flat, "no volume");
+}
+
+TEST(ConvexSurface, RefusesSeveralComponents)
+{
+    Draft draft(make_cube());
+    const auto count = static_cast<std::uint32_t>(draft.positions.size());
+    for (std::uint32_t v = 0; v < count; ++v)
+        draft.positions.emplace_back(draft.positions[v] + Vec3(5, 0, 0));
+    const auto triangles = draft.triangles;
+    for (const TriangleCorners& t : triangles)
+        draft.triangles.push_back({t[0] + count, t[1] + count, t[2] + count});
+    expect_refused(draft.mesh(), "several components");
+}
+
+TEST(ConvexSurface, RefusesDentsLargerThanItsTolerance)
+{
     expect_refused(make_torus(12, 8), "not convex");
-    {
-        Draft draft(make_cube());
-        draft.triangles.pop_back();
-        expect_refused(draft.mesh(), "open");
-    }
-    {
-        Draft draft(make_cube());
-        draft.positions[0].x() = nan;
-        expect_refused(draft.mesh(), "");
-    }
-    {
-        Draft draft(make_cube());
-        std::swap(draft.triangles[3][0], draft.triangles[3][1]);
-        expect_refused(draft.mesh(), "turned against each other");
-    }
-    {
-        Draft draft(make_cube());
-        for (TriangleCorners& corners : draft.triangles) std::swap(corners[0], corners[1]);
-        expect_refused(draft.mesh(), "inside out");
-    }
-    {
-        Draft draft(make_octahedron());
-        draft.positions[4] = 0.5 * (draft.positions[0] + draft.positions[2]);
-        expect_refused(draft.mesh(), "no area");
-        for (Vec3& position : draft.positions) position.z() = 0;
-        draft.positions[4] = Vec3(0.25, 0.125, 0);
-        expect_refused(draft.mesh(), "no volume");
-    }
-    {
-        // Two triangles back to back: closed, without a volume.
-        const auto flat =
-            make_triangle_mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 1}});
-        expect_refused(*flat, "no volume");
-    }
-    {
-        Draft draft(make_cube());
-        const auto count = static_cast<std::uint32_t>(draft.positions.size());
-        for (std::uint32_t v = 0; v < count; ++v)
-            draft.positions.emplace_back(draft.positions[v] + Vec3(5, 0, 0));
-        const auto triangles = draft.triangles;
-        for (const TriangleCorners& t : triangles)
-            draft.triangles.push_back({t[0] + count, t[1] + count, t[2] + count});
-        expect_refused(draft.mesh(), "several components");
-    }
-    {
-        // A dent, larger than the tolerance.
-        Draft draft(make_icosphere(2));
-        draft.positions[20] *= 0.9;
-        expect_refused(draft.mesh(), "not convex");
-        draft.positions[20] = make_icosphere(2).positions()[20] * (1 - 1e-6);
-        EXPECT_TRUE(checked(draft.mesh()));
-    }
-    {
-        // Two vertices in one place: open where they part.
-        Draft draft(make_cube());
-        draft.positions.push_back(draft.positions[draft.triangles[0][0]]);
-        draft.triangles[0][0] = static_cast<std::uint32_t>(draft.positions.size() - 1);
-        expect_refused(draft.mesh(), "open");
-    }
+    Draft draft(make_icosphere(2));
+    draft.positions[20] *= 0.9;
+    expect_refused(draft.mesh(), "not convex");
+    draft.positions[20] = make_icosphere(2).positions()[20] * (1 - 1e-6);
+    EXPECT_TRUE(checked(draft.mesh()));
 }
 
 } // namespace

@@ -34,7 +34,7 @@ double beyond(const ConvexPolyhedron& region, const Vec3& p)
     return worst;
 }
 
-TEST(FeatureRegions, HoldThePointsThatTheThesisSays)
+TEST(FeatureRegions, ContainThePointsThatTheThesisDefines)
 {
     std::mt19937 random(21);
     std::normal_distribution<double> normal;
@@ -140,7 +140,7 @@ TEST(FeatureRegions, MeetTheSameCellsWhetherCutOrNot)
     EXPECT_GT(missed, 3000U);
 }
 
-TEST(FeatureRegions, AreDrawnAsLongAsAskedFor)
+TEST(FeatureRegions, AreDrawnAtTheRequestedLength)
 {
     const TriangleMesh mesh = make_octahedron();
     const Topology topology = *build_topology(mesh);
@@ -163,7 +163,7 @@ TEST(FeatureRegions, AreDrawnAsLongAsAskedFor)
     EXPECT_NEAR(report_mesh(pyramid)->signed_volume.value(), 4 * edge * edge * edge / 3, 1e-12);
 }
 
-TEST(FeatureRegions, RefuseWhatHasNone)
+TEST(FeatureRegions, RefuseFeaturesWithoutARegion)
 {
     const TriangleMesh cube = make_cube();
     const Topology topology = *build_topology(cube);

@@ -13,7 +13,7 @@
 namespace proxima {
 namespace {
 
-TEST(ListStatistics, CountsLengths)
+TEST(ListStatistics, CountLengths)
 {
     const std::array<std::uint32_t, 5> lengths = {3, 0, 3, 7, 1};
     const ListStatistics statistics = list_statistics(lengths);
@@ -26,7 +26,7 @@ TEST(ListStatistics, CountsLengths)
     EXPECT_DOUBLE_EQ(statistics.share_up_to(100), 1);
 }
 
-TEST(ListStatistics, WeighsThem)
+TEST(ListStatistics, WeightLengths)
 {
     const std::array<std::uint32_t, 3> lengths = {2, 4, 2};
     const std::array weights = {1.0, 6.0, 0.5};
@@ -36,7 +36,7 @@ TEST(ListStatistics, WeighsThem)
     EXPECT_DOUBLE_EQ(statistics.share_up_to(2), 0.2);
 }
 
-TEST(ListStatistics, OfNothing)
+TEST(ListStatistics, OfNoListsAreZero)
 {
     const ListStatistics statistics = list_statistics({});
     EXPECT_EQ(statistics.cells, 0U);
@@ -71,7 +71,7 @@ TEST(ListStatistics, OuterCellsAreOutsideTheCircumscribedSphere)
     EXPECT_GT(outside, 100U);
 }
 
-TEST(ListStatistics, LeavesOfListsAreThoseCountedWhenBuilt)
+TEST(ListStatistics, AgreeWithTheCountsOfTheBuild)
 {
     const std::array meshes = {make_octahedron(), *sample_mesh("sphere:16x16"),
                                *sample_mesh("torus:40x20"), *sample_mesh("spaceship:2000")};
@@ -80,7 +80,7 @@ TEST(ListStatistics, LeavesOfListsAreThoseCountedWhenBuilt)
         // Tables of several depths; a small budget leaves runs of several blocks.
         for (const std::uint64_t bytes_per_triangle : {200U, 600U, 2000U}) {
             const std::uint64_t budget = 4096 + bytes_per_triangle * mesh.triangle_count();
-            const auto index = *testing::listed_index(mesh, {.budget_bytes = budget});
+            const auto index = *testing::listed_index(mesh, {.list_bytes = budget});
             const LeafLists lists = list_lengths(*index.parts().lists());
             const ProximityStatistics& counted = index.parts().lists()->statistics();
             ASSERT_EQ(lists.volumes.size(), lists.lengths.size());

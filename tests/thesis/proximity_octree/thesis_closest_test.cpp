@@ -85,7 +85,7 @@ void expect_consistent(const TriangleMesh& mesh, const Topology& topology,
     }
 }
 
-TEST(ThesisClosest, IsTheClosestOfAll)
+TEST(ThesisClosest, AgreesWithBruteForce)
 {
     std::mt19937 random(11);
     std::uniform_real_distribution<double> part(-0.02, 1.02);
@@ -125,7 +125,7 @@ TEST(ThesisClosest, IsTheClosestOfAll)
     for (const std::size_t count : kinds) EXPECT_GT(count, 500U);
 }
 
-TEST(ThesisClosest, PointsOfTheSurfaceAreAtDistanceZero)
+TEST(ThesisClosest, IsAtDistanceZeroOnTheSurface)
 {
     const TriangleMesh mesh = make_cube();
     const Topology topology = *build_topology(mesh);
@@ -148,7 +148,7 @@ TEST(ThesisClosest, PointsOfTheSurfaceAreAtDistanceZero)
     EXPECT_FALSE(found({std::numeric_limits<double>::quiet_NaN(), 0, 0}));
 }
 
-TEST(ThesisClosest, IsTheSameWithAMeshOfItsOwn)
+TEST(ThesisClosest, IsTheSameWithItsOwnCopyOfTheMesh)
 {
     const TriangleMesh mesh = make_sphere(12, 16);
     const Topology topology = *build_topology(mesh);

@@ -40,7 +40,7 @@ protected:
         ("thesis_proximity_" + std::to_string(::getpid()) + thesis_proximity_extension);
 };
 
-TEST_F(ThesisProximityFile, AnswersAsBeforeItWasSaved)
+TEST_F(ThesisProximityFile, AnswersTheSameAfterLoading)
 {
     const TriangleMesh mesh = make_sphere(20, 20);
     const Topology topology = *build_topology(mesh);

@@ -208,7 +208,7 @@ TEST(ThesisLabels, ListsHoldExactlyTheRegionsThatMeetTheCell)
     EXPECT_GT(other_pairs, 1500U);
 }
 
-TEST(ThesisLabels, BoundaryCellsTellWhichFeaturesTouchThem)
+TEST(ThesisLabels, BoundaryCellsListTheFeaturesThatTouchThem)
 {
     for (const NamedMesh& named : meshes()) {
         const TriangleMesh& mesh = named.mesh;
@@ -245,7 +245,7 @@ TEST(ThesisLabels, BoundaryCellsTellWhichFeaturesTouchThem)
     }
 }
 
-TEST(ThesisLabels, LeavesAreAsShortAsTheThresholdsSayOrAtTheDeepestLevel)
+TEST(ThesisLabels, LeavesAreWithinTheThresholdsOrAtTheDeepestLevel)
 {
     const TriangleMesh mesh = make_sphere(12, 16);
     const Topology topology = *build_topology(mesh);
@@ -276,7 +276,7 @@ TEST(ThesisLabels, LeavesAreAsShortAsTheThresholdsSayOrAtTheDeepestLevel)
 
 // Thesis 5.1.2; the figures of cells outside the circumscribed sphere were found before by linear
 // programs on the regions' half-spaces.
-TEST(ThesisLabels, MeanListsOfTheSphereOfFigure53)
+TEST(ThesisLabels, ReproduceTheMeanListsOfFigure53)
 {
     const TriangleMesh mesh = make_sphere(50, 50);
     const Topology topology = *build_topology(mesh);
@@ -368,7 +368,7 @@ TEST(ThesisLabels, AreTheSameForAnyNumberOfThreads)
     });
 }
 
-TEST(ThesisLabels, TurningScalingAndMovingByPowersOfTwoKeepsTheLists)
+TEST(ThesisLabels, AreInvariantToScalingAndPermutationOfAxes)
 {
     const TriangleMesh mesh = make_icosphere(2);
     const Topology topology = *build_topology(mesh);
@@ -383,7 +383,7 @@ TEST(ThesisLabels, TurningScalingAndMovingByPowersOfTwoKeepsTheLists)
     EXPECT_EQ(turned.node_count(), octree.node_count());
 }
 
-TEST(ThesisLabels, RefuseWhatIsNoOption)
+TEST(ThesisLabels, RefuseInvalidOptions)
 {
     const TriangleMesh mesh = make_cube();
     const double nan = std::numeric_limits<double>::quiet_NaN();

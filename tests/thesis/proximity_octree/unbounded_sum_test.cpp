@@ -61,7 +61,7 @@ TEST(UnboundedSum, EqualsCuttingForAnyLength)
     }
 }
 
-TEST(CutRays, BadLengthsAreRefused)
+TEST(CutRays, RefusesBadLengths)
 {
     const auto octant = test::hull_of({{0, 0, 0}}, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
     const double infinity = std::numeric_limits<double>::infinity();

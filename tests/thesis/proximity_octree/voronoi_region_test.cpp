@@ -9,7 +9,7 @@
 namespace proxima {
 namespace {
 
-TEST(VoronoiRegion, OfASphereMeetTheThesisHalfSpaces)
+TEST(VoronoiRegion, OfASphereIsTheIntersectionOfTheHalfSpacesOfTheThesis)
 {
     const TriangleMesh sphere = make_sphere(10, 10);
     for (std::uint32_t t = 0; t < sphere.triangle_count(); t += 7) {

@@ -55,7 +55,7 @@ std::size_t expect_truth(const TriangleMesh& mesh, int depth, std::uint64_t seed
     return hits;
 }
 
-TEST(CastRayByCells, AnswersAsBruteForceOnNamedMeshes)
+TEST(CastRayByCells, AnswersLikeBruteForceOnNamedMeshes)
 {
     std::size_t hits = 0;
     std::uint64_t seed = 1;
@@ -66,7 +66,7 @@ TEST(CastRayByCells, AnswersAsBruteForceOnNamedMeshes)
     EXPECT_GT(hits, 2'000U);
 }
 
-TEST(CastRayByCells, AnswersAsBruteForceOnNastyMeshes)
+TEST(CastRayByCells, AnswersLikeBruteForceOnNastyMeshes)
 {
     std::size_t hits = 0;
     for (std::uint32_t seed = 0; seed < 300; ++seed)
@@ -74,7 +74,7 @@ TEST(CastRayByCells, AnswersAsBruteForceOnNastyMeshes)
     EXPECT_GT(hits, 5'000U);
 }
 
-TEST(CastRayByCells, AnswersAsTheMeshIndexWithATightRoot)
+TEST(CastRayByCells, AnswersLikeTheMeshIndexWithATightRoot)
 {
     const TriangleMesh mesh = make_torus(60, 40);
     const auto octree = build_octree(mesh, {.classification = Classification::none});

@@ -77,7 +77,7 @@ Result<std::vector<MeshIndex>> build_indexes(const TriangleMesh& mesh, Threads t
     auto usual = testing::listed_index(mesh, {.execution = {.threads = threads}});
     if (!usual) return tl::unexpected(usual.error());
     indexes.push_back(std::move(*usual));
-    auto tight = testing::listed_index(mesh, {.budget_bytes = 2048 + 20 * mesh.triangle_count(),
+    auto tight = testing::listed_index(mesh, {.list_bytes = 2048 + 20 * mesh.triangle_count(),
                                               .execution = {.threads = threads}});
     if (!tight) return tl::unexpected(tight.error());
     indexes.push_back(std::move(*tight));

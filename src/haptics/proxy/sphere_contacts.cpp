@@ -1,4 +1,4 @@
-#include "haptics/proxy/touched_places.h"
+#include "haptics/proxy/sphere_contacts.h"
 
 #include "haptics/proxy/contact_planes.h"
 #include "haptics/surface/swept_sphere.h"
@@ -25,15 +25,14 @@ bool replaces(const Contact& a, const Contact& b) noexcept
     return a_inside != b_inside ? a_inside : a.triangle < b.triangle;
 }
 
-/// Whether the face passes the side or corner so closely that a centre that goes along it comes no
-/// nearer than `least`.
+/// Whether a centre that slides along the face comes no nearer than `least` to the side or corner.
 bool covers(const Contact& face, const Contact& edge, const Vec3& p, double least) noexcept
 {
     return face.part == TrianglePart::inside && edge.part != TrianglePart::inside &&
            face.normal.dot(p - edge.point) >= least;
 }
 
-/// Whether its box is. Differences of coordinates are rounded once, which `limit` has room for.
+/// Whether the triangle's box is beyond. `limit` includes the rounding of coordinate differences.
 bool is_beyond(const Triangle& triangle, const Vec3& p, double limit) noexcept
 {
     const Vec3 lower = triangle[0].cwiseMin(triangle[1]).cwiseMin(triangle[2]);
@@ -43,7 +42,7 @@ bool is_beyond(const Triangle& triangle, const Vec3& p, double limit) noexcept
 
 constexpr std::size_t touched_triangles = 4096;
 
-/// In roundings: limit less this is what a slide lets come near (slide_sphere.cpp) but for two of
+/// In roundings: the limit less this is what a slide lets come near (slide_sphere.cpp) but for two of
 /// its skins.
 constexpr double cover = 12;
 
@@ -66,7 +65,7 @@ std::optional<Contact> contact_with(const ContactTriangle& triangle, const Vec3&
     contact.point = closest.point;
     contact.triangle = triangle.id;
     contact.part = closest.part;
-    // Straight above, the face's normal is more exact than the difference of two near points.
+    // Above the face its normal is more accurate than the difference of two near points.
     const double aside = std::sqrt(std::max(0.0, distance * distance - height * height));
     if (closest.part == TrianglePart::inside || aside <= rounding || !(distance > 0)) {
         contact.part = TrianglePart::inside;
@@ -81,22 +80,22 @@ std::optional<Contact> contact_with(const ContactTriangle& triangle, const Vec3&
     return contact;
 }
 
-TouchedPlaces::TouchedPlaces() : contacts_(max_contact_planes), touched_(touched_triangles) {}
+SphereContacts::SphereContacts() : contacts_(max_contact_planes), touched_(touched_triangles) {}
 
-void TouchedPlaces::clear() noexcept
+void SphereContacts::clear() noexcept
 {
     count_ = 0;
     touched_count_ = 0;
     edition_ = 0;
 }
 
-bool TouchedPlaces::has(TriangleId id) const noexcept
+bool SphereContacts::has(TriangleId id) const noexcept
 {
     const auto touched = std::span(touched_).first(touched_count_);
     return std::ranges::binary_search(touched, id, {}, &Contact::triangle);
 }
 
-bool TouchedPlaces::add(const Contact& contact, double rounding) noexcept
+bool SphereContacts::add(const Contact& contact, double rounding) noexcept
 {
     for (Contact& other : std::span(contacts_).first(count_)) {
         if (!is_same(other, contact, rounding)) continue;
@@ -108,33 +107,33 @@ bool TouchedPlaces::add(const Contact& contact, double rounding) noexcept
     return true;
 }
 
-/// A centre that is lower over a face than it should be, by rounding, meets the side of the next
-/// face aside of it, and by much more than rounding: by its root. Where the two are all but in one
-/// plane that side is no edge, and its normal, which leans, must not hold the centre back.
-void TouchedPlaces::drop_covered(const Vec3& p, double least) noexcept
+/// A centre that rounding leaves too low over a face meets the side of the next face, and by the
+/// square root of that rounding. Where both faces are almost coplanar that side is no edge, and its
+/// tilted normal must not hold the centre back.
+void SphereContacts::drop_covered(const Vec3& p, double least) noexcept
 {
     const auto all = std::span(contacts_).first(count_);
     const auto is_covered = [&](const Contact& contact) {
         return std::ranges::any_of(
             all, [&](const Contact& face) { return covers(face, contact, p, least); });
     };
-    // Faces, which cover, stay where they are until all sides and corners have been looked at. (The
-    // algorithms of ranges that return subranges do not go through clang 14.)
+    // Faces, which cover, must not move until all sides and corners are tested. (The algorithms of
+    // ranges that return subranges do not compile with clang 14.)
     const auto edges = std::partition(all.begin(), all.end(), [](const Contact& contact) {
         return contact.part == TrianglePart::inside;
     });
     count_ = static_cast<std::size_t>(std::remove_if(edges, all.end(), is_covered) - all.begin());
 }
 
-bool TouchedPlaces::is_known(const ContactSurface& surface, const Vec3& p,
-                             double limit) const noexcept
+bool SphereContacts::is_known(const ContactSurface& surface, const Vec3& p,
+                              double limit) const noexcept
 {
     const std::uint64_t edition = surface.edition();
-    return edition != 0 && edition == edition_ && p == at_ && limit == limit_;
+    return edition != 0 && edition == edition_ && p == position_ && limit == limit_;
 }
 
-bool TouchedPlaces::find(ContactCache& cache, const ContactSurface& surface, const Vec3& p,
-                         double limit, double rounding, std::span<ContactTriangle> near) noexcept
+bool SphereContacts::find(ContactCache& cache, const ContactSurface& surface, const Vec3& p,
+                          double limit, double rounding, std::span<ContactTriangle> near) noexcept
 {
     if (is_known(surface, p, limit)) return true;
     clear();
@@ -142,8 +141,9 @@ bool TouchedPlaces::find(ContactCache& cache, const ContactSurface& surface, con
     return found <= near.size() && find_among(near.first(found), surface, p, limit, rounding);
 }
 
-bool TouchedPlaces::find_among(std::span<const ContactTriangle> near, const ContactSurface& surface,
-                               const Vec3& p, double limit, double rounding) noexcept
+bool SphereContacts::find_among(std::span<const ContactTriangle> near,
+                                const ContactSurface& surface, const Vec3& p, double limit,
+                                double rounding) noexcept
 {
     if (is_known(surface, p, limit)) return true;
     clear();
@@ -154,14 +154,14 @@ bool TouchedPlaces::find_among(std::span<const ContactTriangle> near, const Cont
         if (touched_count_ == touched_.size()) return false;
         touched_[touched_count_++] = *contact;
     }
-    // Which contacts are one may hang on which came first: by id, whatever the order of `near`.
+    // Which contacts merge depends on their order: sort by id, whatever the order of `near`.
     const auto touched = std::span(touched_).first(touched_count_);
     std::ranges::sort(touched, {}, &Contact::triangle);
     for (const Contact& contact : touched)
         if (!add(contact, rounding)) return false;
     drop_covered(p, limit - cover * rounding);
     std::ranges::sort(std::span(contacts_).first(count_), {}, &Contact::triangle);
-    at_ = p;
+    position_ = p;
     limit_ = limit;
     edition_ = surface.edition();
     return true;

@@ -1,4 +1,4 @@
-#include "haptics/proxy/free_place.h"
+#include "haptics/proxy/free_position.h"
 
 #include "haptics/force/surface_renderer.h"
 #include "haptics/proxy/proxy.h"
@@ -28,7 +28,7 @@ double distance_to(const TriangleMesh& mesh, const Vec3& p)
     return least;
 }
 
-TEST(FreePlace, is_free_wherever_one_is_found)
+TEST(FreePosition, IsFreeWhereverOneIsFound)
 {
     SlideScratch scratch;
     for (const TouchMesh& named : touch_meshes()) {
@@ -41,13 +41,13 @@ TEST(FreePlace, is_free_wherever_one_is_found)
         for (const double radius : {1e-6, 0.02}) {
             for (std::uint32_t v = 0; v < named.mesh.vertex_count(); v += 41) {
                 const Vec3 p = named.mesh.positions()[v];
-                const auto free = find_free_place(surface, radius * size, p, scratch);
+                const auto free = find_free_position(surface, radius * size, p, scratch);
                 ++asked;
                 if (!free) continue;
                 ++found;
                 EXPECT_GE(distance_to(named.mesh, *free), radius * size * (1 - 1e-6) - skin)
                     << named.name << ' ' << radius << ' ' << v;
-                EXPECT_LE((*free - p).norm(), free_place_radii * radius * size * (1 + 1e-5));
+                EXPECT_LE((*free - p).norm(), free_position_radii * radius * size * (1 + 1e-5));
             }
         }
         // A soup may be too narrow here and there.
@@ -55,24 +55,25 @@ TEST(FreePlace, is_free_wherever_one_is_found)
     }
 }
 
-TEST(FreePlace, near_a_wall_it_is_the_nearest_on_the_same_side)
+TEST(FreePosition, NearAWallIsTheNearestOneOnTheSameSide)
 {
     const TriangleMesh mesh = thin_plate(); // 1 mm, in 2 m
     const auto listed = *testing::listed_index(mesh);
     const IndexContactSurface surface(listed);
     SlideScratch scratch;
     for (const double side : {1.0, -1.0}) {
-        const auto free = find_free_place(surface, 0.02, Vec3(0.31, 0.12, side * 0.003), scratch);
+        const auto free =
+            find_free_position(surface, 0.02, Vec3(0.31, 0.12, side * 0.003), scratch);
         ASSERT_TRUE(free);
         EXPECT_LT((*free - Vec3(0.31, 0.12, side * 0.0205)).norm(), 1e-6);
     }
     // Within the plate there is no room: beside it.
-    const auto free = find_free_place(surface, 0.02, Vec3(0.31, 0.12, 0.0001), scratch);
+    const auto free = find_free_position(surface, 0.02, Vec3(0.31, 0.12, 0.0001), scratch);
     ASSERT_TRUE(free);
     EXPECT_NEAR(std::abs(free->z()), 0.0205, 1e-6);
 }
 
-TEST(FreePlace, in_a_crevice_it_is_at_the_mouth)
+TEST(FreePosition, InACreviceIsAtItsMouth)
 {
     // Two slanted walls that meet below: 30 degrees.
     const double s = std::sin(0.2618);
@@ -85,12 +86,12 @@ TEST(FreePlace, in_a_crevice_it_is_at_the_mouth)
     SlideScratch scratch;
     const double radius = 0.05;
     const double lowest = radius / s; // where a sphere rests on both
-    const auto free = find_free_place(surface, radius, Vec3(0, 0, 0.12), scratch);
+    const auto free = find_free_position(surface, radius, Vec3(0, 0, 0.12), scratch);
     ASSERT_TRUE(free);
     EXPECT_LT((*free - Vec3(0, 0, lowest)).norm(), 1e-6);
     // Deeper than four radii there is none within reach.
-    EXPECT_FALSE(find_free_place(surface, 0.5, Vec3(0, 0, 0.001), scratch) &&
-                 !find_free_place(surface, 0.5, Vec3(0, 0, 0.12), scratch));
+    EXPECT_FALSE(find_free_position(surface, 0.5, Vec3(0, 0, 0.001), scratch) &&
+                 !find_free_position(surface, 0.5, Vec3(0, 0, 0.12), scratch));
 }
 
 /// Many plates, a little apart: nowhere is there room for a sphere of the size of the gaps.
@@ -108,21 +109,21 @@ TriangleMesh stack()
     return mesh_of(std::move(positions), std::move(triangles));
 }
 
-TEST(Proxy, feels_nothing_where_it_has_no_room)
+TEST(Proxy, FeelsNothingWhereItDoesNotFit)
 {
     const TriangleMesh mesh = stack();
     const auto listed = *testing::listed_index(mesh);
     const IndexContactSurface surface(listed);
     Proxy proxy(surface, {.radius = 0.02});
     proxy.place(Vec3(0, 0, 0.003));
-    EXPECT_FALSE(proxy.last().has_room);
+    EXPECT_FALSE(proxy.last().is_placed);
     for (int tick = 0; tick < 300; ++tick) {
         const Vec3 device(0, 0, 0.003 + 1e-3 * tick);
         const ProxyTick& at = proxy.follow(device);
         EXPECT_EQ(at.hold, Hold::free);
         EXPECT_EQ(at.anchor, device);
-        EXPECT_EQ(at.has_room, device.z() > 0.22) << device.z();
-        if (!at.has_room) {
+        EXPECT_EQ(at.is_placed, device.z() > 0.22) << device.z();
+        if (!at.is_placed) {
             EXPECT_TRUE(proxy.path().empty());
         }
     }
@@ -131,7 +132,7 @@ TEST(Proxy, feels_nothing_where_it_has_no_room)
     EXPECT_NEAR(at.anchor.z(), 0.22, 1e-9);
 }
 
-TEST(Proxy, a_sphere_that_begins_in_a_corner_of_the_ship_is_not_stuck)
+TEST(Proxy, IsNotStuckWhenItStartsInACornerOfTheShip)
 {
     const TriangleMesh mesh = *sample_mesh("spaceship:1300");
     const Topology topology = *build_topology(mesh);
@@ -140,14 +141,15 @@ TEST(Proxy, a_sphere_that_begins_in_a_corner_of_the_ship_is_not_stuck)
     const WorkspaceMap map = fit_workspace(bounding_box(mesh), 0.1);
     for (const std::uint64_t seed : {1U, 2U, 3U}) {
         const auto script = HandScript::make("corner", mesh, topology, map, seed);
-        HapticRenderer renderer(surface, map, *find_device("omni"), {.proxy_radius = 0.002});
+        HapticRenderer renderer =
+            make_surface_renderer(surface, map, *find_device("omni"), {.proxy_radius = 0.002});
         SimulatedHand hand({}, script->target(0));
         int moved = 0;
         int touching = 0;
         Vec3 last = Vec3::Zero();
         for (int tick = 0; tick < 700; ++tick) {
             const RenderTick& felt = renderer.tick(hand.state(), 1e-3);
-            ASSERT_TRUE(felt.has_room) << seed << ' ' << tick;
+            ASSERT_TRUE(felt.is_placed) << seed << ' ' << tick;
             ASSERT_GE(distance_to(mesh, felt.proxy),
                       parts_of(renderer).proxy().radius() * (1 - 1e-6));
             moved += felt.proxy != last ? 1 : 0;

@@ -1,4 +1,4 @@
-#include "haptics/scene/object_course.h"
+#include "haptics/scene/object_trajectory.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -16,21 +16,21 @@ Mat3 turned(const Vec3& turn, double part) noexcept
 
 } // namespace
 
-RigidTransform straightened(const RigidTransform& pose) noexcept
+RigidTransform orthonormalized(const RigidTransform& pose) noexcept
 {
     return {Eigen::Quaterniond(pose.rotation).normalized().toRotationMatrix(), pose.translation};
 }
 
-ObjectCourse::ObjectCourse(const RigidTransform& pose) noexcept
-    : before_(straightened(pose)), now_(before_)
+ObjectTrajectory::ObjectTrajectory(const RigidTransform& pose) noexcept
+    : before_(orthonormalized(pose)), now_(before_)
 {
     motion_.pose = now_;
 }
 
-void ObjectCourse::follow(const ObjectMotion& motion) noexcept
+void ObjectTrajectory::follow(const ObjectMotion& motion) noexcept
 {
     motion_ = motion;
-    motion_.pose = straightened(motion.pose);
+    motion_.pose = orthonormalized(motion.pose);
     from_ = now_;
     const Eigen::AngleAxisd turn(Mat3(motion_.pose.rotation * from_.rotation.transpose()));
     turn_ = turn.angle() * turn.axis();
@@ -38,13 +38,13 @@ void ObjectCourse::follow(const ObjectMotion& motion) noexcept
     resting_ = false;
 }
 
-void ObjectCourse::advance(double seconds) noexcept
+void ObjectTrajectory::advance(double seconds) noexcept
 {
     before_ = now_;
     moved_ = false;
     if (resting_) return;
     passed_ += seconds;
-    // Sums of ticks fall short of the time that is meant by some roundings.
+    // The sum of ticks may be less than the wanted time by a few roundings.
     const double arrival = motion_.seconds * (1 - 1e-9);
     if (passed_ < arrival) {
         const double part = passed_ / motion_.seconds;
