@@ -60,7 +60,7 @@ Result<std::unique_ptr<Scene>> make_scene(TriangleMesh mesh)
     const double seconds = processor_seconds() - start;
     std::vector<TriangleCorners> sorted;
     for (std::uint32_t row = 0; row < index->triangle_count(); ++row)
-        sorted.push_back(mesh.triangles()[proxima::index(index->ids()[row])]);
+        sorted.push_back(mesh.triangles()[to_index(index->ids()[row])]);
     TriangleArrays by_id(triangles_of(mesh, mesh.triangles()));
     TriangleArrays by_row(triangles_of(mesh, sorted));
     VertexArrays vertices_by_id(mesh.positions(), mesh.triangles());

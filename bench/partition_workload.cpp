@@ -64,7 +64,7 @@ PartitionWorkload partition_workload(const std::string& name, const std::string&
         std::vector<std::uint32_t> touching;
         if (octree->is_leaf(cell)) {
             for (const TriangleId id : octree->triangles(cell)) {
-                if (index(id) % every_nth == 0) touching.push_back(index(id));
+                if (to_index(id) % every_nth == 0) touching.push_back(to_index(id));
             }
             return touching;
         }

@@ -42,7 +42,7 @@ public:
     [[nodiscard]] PeerHit hit(std::size_t ray) const override
     {
         if (!hits_[ray]) return {};
-        return {index(hits_[ray]->triangle), hits_[ray]->t};
+        return {to_index(hits_[ray]->triangle), hits_[ray]->t};
     }
     [[nodiscard]] bool was_hit(std::size_t ray) const override { return any_[ray]; }
 

@@ -105,7 +105,7 @@ std::uint64_t hash_of(std::span<const PeerAnswer> answers)
     std::uint64_t hash = 0;
     for (const auto& [squared, triangle] : answers) {
         const auto bits = std::bit_cast<std::uint64_t>(squared);
-        hash = (hash ^ bits ^ std::uint64_t{index(triangle)} << 32U) * 0x9E3779B97F4A7C15U;
+        hash = (hash ^ bits ^ std::uint64_t{to_index(triangle)} << 32U) * 0x9E3779B97F4A7C15U;
     }
     return hash;
 }

@@ -16,9 +16,8 @@ int main()
     const auto index = load_index(path);
     if (!index) return std::cerr << describe(index.error()) << '\n', 1;
     if (const auto found = closest_feature(*index, Vec3(0.1, 0.2, 3))) {
-        std::cout << "triangle " << proxima::index(found->triangle) << " of "
-                  << index->triangle_count() << ", squared distance " << found->squared_distance
-                  << '\n';
+        std::cout << "triangle " << to_index(found->triangle) << " of " << index->triangle_count()
+                  << ", squared distance " << found->squared_distance << '\n';
     }
     std::filesystem::remove(path);
 }

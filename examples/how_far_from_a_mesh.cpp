@@ -18,7 +18,7 @@ int main()
     if (!done) return std::cerr << describe(done.error()) << '\n', 1;
     for (const SignedDistance& found : answers) {
         std::cout << (found.distance < 0 ? "inside" : "outside") << ", " << found.distance
-                  << " from triangle " << proxima::index(found.closest.triangle) << " at "
+                  << " from triangle " << to_index(found.closest.triangle) << " at "
                   << found.closest.point.transpose() << '\n';
     }
 }

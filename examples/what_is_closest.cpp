@@ -13,5 +13,5 @@ int main(int argc, char** argv)
     if (const auto closest = closest_feature(*bunny, eye))
         std::cout << "closest point " << closest->point.transpose() << '\n';
     if (const auto hit = closest_hit(*bunny, {.origin = eye, .direction = Vec3(0, 0, -1)}))
-        std::cout << "hit after " << hit->t << ", at triangle " << index(hit->triangle) << '\n';
+        std::cout << "hit after " << hit->t << ", at triangle " << to_index(hit->triangle) << '\n';
 }

@@ -28,7 +28,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         proxima::QuerySteps steps;
         const auto closest = closest_feature(
             *loaded, loaded->parts().center() + 0.76 * loaded->parts().unscale() * at, {}, steps);
-        if (!closest || index(closest->triangle) >= loaded->triangle_count()) std::abort();
+        if (!closest || to_index(closest->triangle) >= loaded->triangle_count()) std::abort();
         if (!loaded->has_lists()) continue;
         if (steps.steps > loaded->parts().lists()->statistics().worst_case_steps) std::abort();
         if (steps.blocks > loaded->parts().lists()->statistics().worst_case_blocks) std::abort();

@@ -46,7 +46,7 @@ Json json_of(const MeshFinding& finding)
     for (const Vec3& position : finding.first_positions) positions.push_back(json_of(position));
     return {{"kind", name_of(finding.kind)},       {"severity", name_of(finding.severity)},
             {"element", name_of(finding.element)}, {"count", finding.count},
-            {"first_ids", finding.first_ids},      {"first_places", positions},
+            {"first_ids", finding.first_ids},      {"first_positions", positions},
             {"meaning", finding.meaning}};
 }
 
@@ -57,7 +57,7 @@ Json json_of(const SelfIntersections& found)
 {
     Json first = Json::array();
     for (std::size_t i = 0; i < std::min(first_pairs, found.pairs.size()); ++i)
-        first.push_back({index(found.pairs[i].a), index(found.pairs[i].b)});
+        first.push_back({to_index(found.pairs[i].a), to_index(found.pairs[i].b)});
     return {{"pairs", found.pairs.size()}, {"complete", found.complete}, {"first_pairs", first}};
 }
 
@@ -161,8 +161,8 @@ std::string intersections_text(const SelfIntersections& found)
         counted(found.pairs.size(), "pair of triangles", "pairs of triangles"),
         found.pairs.size() > first_pairs ? "the first" : "at");
     for (std::size_t i = 0; i < std::min(first_pairs, found.pairs.size()); ++i) {
-        text += fmt::format("{} {} and {}", i == 0 ? "" : ",", index(found.pairs[i].a),
-                            index(found.pairs[i].b));
+        text += fmt::format("{} {} and {}", i == 0 ? "" : ",", to_index(found.pairs[i].a),
+                            to_index(found.pairs[i].b));
     }
     return text + '\n';
 }

@@ -71,7 +71,7 @@ Status check_index_file(const std::string& path, const std::string& mesh, Sessio
                    std::to_string(index->bytes())});
     session.print(fmt::format(
         "{}: index of {} triangles\n\nchecksums and structure are sound\n"
-        "answers at {} places are those of all triangles, up to rounding\n{}\n\n{}",
+        "answers at {} points are those of all triangles, up to rounding\n{}\n\n{}",
         path, surface->mesh.triangle_count(), points.size(),
         has_mesh ? fmt::format("it is of {}", mesh)
                  : "whether it is of the mesh you mean was not asked: name it with --mesh",
@@ -79,7 +79,7 @@ Status check_index_file(const std::string& path, const std::string& mesh, Sessio
     return session.write_json({{"model", path},
                                {"mesh", has_mesh ? nlohmann::ordered_json(mesh) : nullptr},
                                {"triangles", surface->mesh.triangle_count()},
-                               {"places", points.size()},
+                               {"points", points.size()},
                                {"nodes", counts.nodes},
                                {"leaves", counts.leaves},
                                {"searched_leaves", counts.searched_leaves},

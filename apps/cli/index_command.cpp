@@ -81,12 +81,13 @@ Status run_index(const IndexOptions& options, Session& session)
         if (!status) return status;
     }
     const MeshIndexBytes bytes = bytes_of(*index);
-    const std::array<std::pair<const char*, std::uint64_t>, 6> parts = {{{"blocks", bytes.blocks},
-                                                                         {"rows", bytes.rows},
-                                                                         {"ids", bytes.ids},
-                                                                         {"places", bytes.places},
-                                                                         {"lists", bytes.lists},
-                                                                         {"slabs", bytes.slabs}}};
+    const std::array<std::pair<const char*, std::uint64_t>, 6> parts = {
+        {{"blocks", bytes.blocks},
+         {"rows", bytes.rows},
+         {"ids", bytes.ids},
+         {"incidences", bytes.incidences},
+         {"lists", bytes.lists},
+         {"slabs", bytes.slabs}}};
     const auto triangles = static_cast<double>(index->triangle_count());
     TextTable table({"Part", "Bytes", "Per triangle"});
     nlohmann::ordered_json per_triangle;

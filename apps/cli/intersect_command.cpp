@@ -211,8 +211,8 @@ Json json_of(const PoseAnswer& answer, const IntersectOptions& options)
         json["separation"] = answer.nearest->distance;
         json["closest_a"] = coordinates(answer.nearest->point_a);
         json["closest_b"] = coordinates(answer.nearest->point_b);
-        json["triangle_a"] = index(answer.nearest->triangle_a);
-        json["triangle_b"] = index(answer.nearest->triangle_b);
+        json["triangle_a"] = to_index(answer.nearest->triangle_a);
+        json["triangle_b"] = to_index(answer.nearest->triangle_b);
         json["feature_a"] = kind_name(kind_of(answer.nearest->part_a));
         json["feature_b"] = kind_name(kind_of(answer.nearest->part_b));
         json["distance_seconds"] = answer.distance_seconds;
@@ -248,8 +248,8 @@ std::string text_of(const PoseAnswer& answer, const IntersectOptions& options)
     }
     if (answer.nearest) {
         text += fmt::format("; separation {:.9g} between triangles {} and {}, {:.1f} us",
-                            answer.nearest->distance, index(answer.nearest->triangle_a),
-                            index(answer.nearest->triangle_b), 1e6 * answer.distance_seconds);
+                            answer.nearest->distance, to_index(answer.nearest->triangle_a),
+                            to_index(answer.nearest->triangle_b), 1e6 * answer.distance_seconds);
     }
     if (options.cells) {
         text += fmt::format("; {} pairs of cells ({} of A, {} of B) hold {} and {} triangles, "

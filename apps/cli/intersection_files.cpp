@@ -19,13 +19,13 @@ std::string pair_rows(AnswerFormat format, std::uint64_t pose, std::span<const T
     for (const TrianglePair& pair : pairs) {
         if (format == AnswerFormat::npy) {
             const std::array<double, 3> row = {static_cast<double>(pose),
-                                               static_cast<double>(index(pair.a)),
-                                               static_cast<double>(index(pair.b))};
+                                               static_cast<double>(to_index(pair.a)),
+                                               static_cast<double>(to_index(pair.b))};
             const char* const raw = reinterpret_cast<const char*>(row.data());
             text.append(raw, raw + sizeof(row));
         } else {
-            fmt::format_to(std::back_inserter(text), "{},{},{}\n", pose, index(pair.a),
-                           index(pair.b));
+            fmt::format_to(std::back_inserter(text), "{},{},{}\n", pose, to_index(pair.a),
+                           to_index(pair.b));
         }
     }
     return fmt::to_string(text);

@@ -154,7 +154,7 @@ std::string text_of(const PatchOptions& options, const PatchModel& model,
         fmt::format("{}: {} triangles\n"
                     "closest to {}: {} {} of triangle {} at {}, distance {:.6g}\n",
                     options.model, model.surface.mesh.triangle_count(), position(options.point),
-                    kind_name(closest.feature.kind), closest.feature.id, index(closest.triangle),
+                    kind_name(closest.feature.kind), closest.feature.id, to_index(closest.triangle),
                     position(closest.point), std::sqrt(closest.squared_distance));
     const std::size_t count = patch.triangles.size();
     if (options.radius) {
@@ -187,7 +187,7 @@ Json json_of(const PatchOptions& options, const PatchModel& model, const Collect
                    {"closest_point", coordinates(closest.point)},
                    {"kind", kind_name(closest.feature.kind)},
                    {"feature", closest.feature.id},
-                   {"triangle", index(closest.triangle)},
+                   {"triangle", to_index(closest.triangle)},
                    {"patch_triangles", patch.triangles.size()},
                    {"ring_triangles", nullptr},
                    {"area", area},

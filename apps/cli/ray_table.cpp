@@ -53,7 +53,7 @@ std::string hit_rows(AnswerFormat format, std::uint64_t first,
         std::array<double, 5> row = {static_cast<double>(first + i),
                                      std::numeric_limits<double>::infinity(), -1, 0, 0};
         if (hits[i]) {
-            row = {row[0], hits[i]->t, static_cast<double>(index(hits[i]->triangle)), hits[i]->u,
+            row = {row[0], hits[i]->t, static_cast<double>(to_index(hits[i]->triangle)), hits[i]->u,
                    hits[i]->v};
         }
         append_row(text, format, row);

@@ -25,7 +25,7 @@ bool is_mesh_extension(const std::string& extension)
 std::string csv_of(std::span<const TriangleId> triangles)
 {
     std::string text = "triangle\n";
-    for (const TriangleId id : triangles) text += concat(index(id), '\n');
+    for (const TriangleId id : triangles) text += concat(to_index(id), '\n');
     return text;
 }
 
@@ -33,7 +33,7 @@ std::string npy_of(std::span<const TriangleId> triangles)
 {
     std::vector<double> numbers;
     numbers.reserve(triangles.size());
-    for (const TriangleId id : triangles) numbers.push_back(index(id));
+    for (const TriangleId id : triangles) numbers.push_back(to_index(id));
     const auto bytes = std::as_bytes(std::span(numbers));
     std::string text = npy_header(triangles.size(), 1);
     text.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());

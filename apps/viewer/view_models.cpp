@@ -62,7 +62,7 @@ Feature nearest_part(const ViewModel& model, TriangleId id, const RayHit& hit)
     constexpr double near_corner = 0.8; // barycentric
     constexpr double near_side = 0.1;
     const std::array<double, 3> weights = {1.0 - hit.u - hit.v, hit.u, hit.v};
-    const TriangleCorners& corners = model.mesh.triangles()[index(id)];
+    const TriangleCorners& corners = model.mesh.triangles()[to_index(id)];
     for (std::size_t k = 0; k < 3; ++k)
         if (weights[k] > near_corner) return {FeatureKind::vertex, corners[k]};
     for (std::size_t k = 0; k < 3; ++k) {
@@ -70,7 +70,7 @@ Feature nearest_part(const ViewModel& model, TriangleId id, const RayHit& hit)
         if (weights[k] < near_side && edge != no_edge)
             return {FeatureKind::edge, static_cast<std::uint32_t>(edge)};
     }
-    return {FeatureKind::face, index(id)};
+    return {FeatureKind::face, to_index(id)};
 }
 
 } // namespace

@@ -156,7 +156,7 @@ struct MeshIndexBytes {
     std::uint64_t blocks = 0; ///< the tree and its leaves
     std::uint64_t rows = 0;   ///< triangles in the order of the index
     std::uint64_t ids = 0;
-    std::uint64_t places = 0; ///< where each vertex and edge is
+    std::uint64_t incidences = 0; ///< the lowest triangle of each vertex and edge
     std::uint64_t lists = 0;
     std::uint64_t slabs = 0;
 };

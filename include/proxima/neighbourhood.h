@@ -47,10 +47,10 @@ public:
     void begin() noexcept;
 
     /// True the first time after begin().
-    [[nodiscard]] bool mark(VertexId vertex) noexcept { return mark(vertices_[index(vertex)]); }
+    [[nodiscard]] bool mark(VertexId vertex) noexcept { return mark(vertices_[to_index(vertex)]); }
     [[nodiscard]] bool mark(TriangleId triangle) noexcept
     {
-        return mark(triangles_[index(triangle)]);
+        return mark(triangles_[to_index(triangle)]);
     }
 
     /// For tests: as if so many rounds had passed.
@@ -84,7 +84,7 @@ private:
 /// A feature and its squared distance; none yet by default.
 struct NearestFeature {
     double squared = std::numeric_limits<double>::infinity();
-    Feature feature = {FeatureKind::face, index(no_triangle)};
+    Feature feature = {FeatureKind::face, to_index(no_triangle)};
 
     /// The order of answers.
     friend constexpr bool operator<(const NearestFeature& a, const NearestFeature& b) noexcept

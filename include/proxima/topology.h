@@ -40,7 +40,7 @@ struct Feature {
 
 enum class EdgeId : std::uint32_t {};
 
-[[nodiscard]] constexpr std::uint32_t index(EdgeId id) noexcept
+[[nodiscard]] constexpr std::uint32_t to_index(EdgeId id) noexcept
 {
     return static_cast<std::uint32_t>(id);
 }
@@ -73,31 +73,31 @@ public:
 
     [[nodiscard]] const EdgeVertices& vertices(EdgeId edge) const noexcept
     {
-        return edge_vertices_[index(edge)];
+        return edge_vertices_[to_index(edge)];
     }
 
     /// All triangles of the edge, ascending: one on a boundary, two inside a surface, or more.
     [[nodiscard]] std::span<const TriangleId> triangles(EdgeId edge) const noexcept
     {
-        return slice(edge_triangles_, edge_first_, index(edge));
+        return slice(edge_triangles_, edge_first_, to_index(edge));
     }
 
     /// Edge k joins corner k and corner k + 1; no_edge where they are the same vertex.
     [[nodiscard]] const std::array<EdgeId, 3>& edges(TriangleId triangle) const noexcept
     {
-        return triangle_edges_[index(triangle)];
+        return triangle_edges_[to_index(triangle)];
     }
 
     /// The star: all triangles that use the vertex, ascending; empty for an unreferenced one.
     [[nodiscard]] std::span<const TriangleId> triangles(VertexId vertex) const noexcept
     {
-        return slice(star_triangles_, star_first_, index(vertex));
+        return slice(star_triangles_, star_first_, to_index(vertex));
     }
 
     /// All edges at the vertex, ascending; other_end() gives its neighbours.
     [[nodiscard]] std::span<const EdgeId> edges(VertexId vertex) const noexcept
     {
-        return slice(vertex_edges_, vertex_edges_first_, index(vertex));
+        return slice(vertex_edges_, vertex_edges_first_, to_index(vertex));
     }
 
     /// The other vertex of an edge at `vertex`. \pre vertex is one of the edge's

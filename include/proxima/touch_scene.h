@@ -80,7 +80,7 @@ private:
 /// The number of an object in its scene, from 0, in the order in which objects were added.
 enum class ObjectId : std::uint32_t {};
 
-[[nodiscard]] constexpr std::uint32_t index(ObjectId id) noexcept
+[[nodiscard]] constexpr std::uint32_t to_index(ObjectId id) noexcept
 {
     return static_cast<std::uint32_t>(id);
 }
@@ -94,17 +94,17 @@ inline constexpr unsigned scene_triangle_bits = 26;
 
 [[nodiscard]] constexpr TriangleId scene_triangle(ObjectId object, TriangleId triangle) noexcept
 {
-    return TriangleId{index(object) << scene_triangle_bits | index(triangle)};
+    return TriangleId{to_index(object) << scene_triangle_bits | to_index(triangle)};
 }
 /// The object of a triangle that a scene names, as RenderTick::contacts do.
 [[nodiscard]] constexpr ObjectId object_of(TriangleId scene_triangle) noexcept
 {
-    return ObjectId{index(scene_triangle) >> scene_triangle_bits};
+    return ObjectId{to_index(scene_triangle) >> scene_triangle_bits};
 }
 /// That triangle's id in the object's mesh.
 [[nodiscard]] constexpr TriangleId triangle_of(TriangleId scene_triangle) noexcept
 {
-    return TriangleId{index(scene_triangle) & ((1U << scene_triangle_bits) - 1)};
+    return TriangleId{to_index(scene_triangle) & ((1U << scene_triangle_bits) - 1)};
 }
 
 /// The motion of an object: to a pose within a time, and from there on at a velocity. The servo loop

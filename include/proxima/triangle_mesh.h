@@ -18,11 +18,11 @@ namespace proxima {
 enum class VertexId : std::uint32_t {};
 enum class TriangleId : std::uint32_t {};
 
-[[nodiscard]] constexpr std::uint32_t index(VertexId id) noexcept
+[[nodiscard]] constexpr std::uint32_t to_index(VertexId id) noexcept
 {
     return static_cast<std::uint32_t>(id);
 }
-[[nodiscard]] constexpr std::uint32_t index(TriangleId id) noexcept
+[[nodiscard]] constexpr std::uint32_t to_index(TriangleId id) noexcept
 {
     return static_cast<std::uint32_t>(id);
 }
@@ -42,12 +42,15 @@ public:
     [[nodiscard]] std::size_t triangle_count() const noexcept { return triangles_.size(); }
 
     /// \pre id is in range
-    [[nodiscard]] const Vec3& position(VertexId id) const noexcept { return positions_[index(id)]; }
+    [[nodiscard]] const Vec3& position(VertexId id) const noexcept
+    {
+        return positions_[to_index(id)];
+    }
 
     /// Corner positions. \pre id is in range
     [[nodiscard]] Triangle triangle(TriangleId id) const noexcept
     {
-        const TriangleCorners& corners = triangles_[index(id)];
+        const TriangleCorners& corners = triangles_[to_index(id)];
         return {{positions_[corners[0]], positions_[corners[1]], positions_[corners[2]]}};
     }
 

@@ -47,7 +47,7 @@ IndexFrame index_frame(const Box& box, bool has_floats) noexcept
 namespace {
 
 /// The cell of the deepest grid in which a point lies.
-std::uint64_t place_of(const Vec3& point, const OctreeFrame& root) noexcept
+std::uint64_t cell_position(const Vec3& point, const OctreeFrame& root) noexcept
 {
     constexpr double cells = 1U << morton_bits;
     std::array<std::uint32_t, 3> at{};
@@ -114,7 +114,7 @@ public:
         keys_.resize(count);
         for_triangles([&](std::uint32_t i) {
             const Box box = bounding_box(mesh_.triangle(TriangleId{i}));
-            keys_[i] = {place_of(box.center(), root_), i};
+            keys_[i] = {cell_position(box.center(), root_), i};
         });
         constexpr unsigned key_bits = 3 * morton_bits;
         if (!sort_keys(keys_, key_bits, threads_, progress_)) return false;
@@ -185,7 +185,7 @@ private:
     template <class Visit>
     void for_each_run(const Run& top, const Visit& visit)
     {
-        // Of every node on the way down the right child waits: one per bit of place and rank.
+        // Of every node on the way down the right child waits: one per bit of position and rank.
         FixedStack<Run, 3 * morton_bits + 32> pending;
         if (top.count > 1) pending.push(top);
         while (!pending.empty()) {
@@ -237,7 +237,7 @@ private:
         Cover cover;
         cover.vertices.fill(Cover::no_vertex);
         cover.costs.fill(tree_.boxes[child.first].half_area());
-        for (const std::uint32_t corner : mesh_.triangles()[index(tree_.order[child.first])])
+        for (const std::uint32_t corner : mesh_.triangles()[to_index(tree_.order[child.first])])
             cover.add_vertex(corner);
         return cover;
     }

@@ -3,7 +3,7 @@
 //
 //     order   triangles along the Morton curve of the octree's cells, by their centres
 //     node    a run of the order, cut where its highest differing bit changes: one of a cell's
-//             three halvings; runs of the same place are cut in the middle
+//             three halvings; runs at the same position are cut in the middle
 //
 // A node's cost is the sum of areas of all boxes that it makes queries look into, by dynamic
 // programming: cost(node, k) covers it by at most k boxes of one wide node [ylitie-2017].

@@ -39,7 +39,7 @@ struct PendingBlock {
     double extent; ///< the largest edge of the box that queries meet it by
 };
 
-constexpr std::uint32_t empty_leaf = 0; ///< what unused places refer to
+constexpr std::uint32_t empty_leaf = 0; ///< what unused slots refer to
 
 /// The runs that cover one best, by at most `most`; in their order.
 void cover(const BinaryTree& tree, const BinaryTree::Child& child, std::uint32_t most,
@@ -113,9 +113,9 @@ public:
 private:
     using Child = BinaryTree::Child;
 
-    /// Gives children the places of octants: place[slot] = child or none. What lies on the side of
+    /// Assigns children to the slots of octants: child_of[slot] = child or none. What lies on the side of
     /// an octant gains by how far; greedily, then by swaps of two.
-    [[nodiscard]] std::array<int, 8> give_places(const FloatBox& box) const
+    [[nodiscard]] std::array<int, 8> assign_slots(const FloatBox& box) const
     {
         std::array<std::array<float, 8>, 8> gain{}; // of children, then of nothing: zero
         for (std::size_t i = 0; i < found_.size(); ++i) {
@@ -128,7 +128,7 @@ private:
                 }
             }
         }
-        std::array<int, 8> place{0, 1, 2, 3, 4, 5, 6, 7}; // gain's row in each slot
+        std::array<int, 8> child_of{0, 1, 2, 3, 4, 5, 6, 7}; // gain's row in each slot
         const auto gain_of = [&](std::size_t slot, int row) {
             return gain[static_cast<std::size_t>(row)][slot];
         };
@@ -136,15 +136,15 @@ private:
             better = false;
             for (std::size_t a = 0; a < 8; ++a) {
                 for (std::size_t b = a + 1; b < 8; ++b) {
-                    const float now = gain_of(a, place[a]) + gain_of(b, place[b]);
-                    const float swapped = gain_of(a, place[b]) + gain_of(b, place[a]);
+                    const float now = gain_of(a, child_of[a]) + gain_of(b, child_of[b]);
+                    const float swapped = gain_of(a, child_of[b]) + gain_of(b, child_of[a]);
                     if (!(swapped > now + 1e-6F * std::abs(now))) continue;
-                    std::swap(place[a], place[b]);
+                    std::swap(child_of[a], child_of[b]);
                     better = true;
                 }
             }
         }
-        return place;
+        return child_of;
     }
 
     void write_node(const PendingBlock& at, std::vector<PendingBlock>& pending)
@@ -155,10 +155,10 @@ private:
         next_ += static_cast<std::uint32_t>(found_.size());
         IndexNode& node = blocks_[at.block].node;
         const FloatBox& box = tree_.box(at.child);
-        const std::array<int, 8> place = give_places(box);
+        const std::array<int, 8> child_of = assign_slots(box);
         std::array<const FloatBox*, 8> boxes{};
         for (std::size_t slot = 0; slot < 8; ++slot) {
-            const auto i = static_cast<std::size_t>(place[slot]);
+            const auto i = static_cast<std::size_t>(child_of[slot]);
             if (i < found_.size()) boxes[slot] = &tree_.box(found_[i]);
         }
         const std::array<double, 8> extents = write_boxes(node, box, boxes);
@@ -166,23 +166,24 @@ private:
         for (std::size_t slot = 0; slot < 8; ++slot) {
             node.children[slot] = empty_leaf | index_leaf_bit;
             if (boxes[slot] == nullptr) continue;
-            const Child& child = found_[static_cast<std::size_t>(place[slot])];
+            const Child& child = found_[static_cast<std::size_t>(child_of[slot])];
             node.children[slot] = block | (tree_.is_leaf(child) ? index_leaf_bit : 0U);
             pending.push_back({child, block++, extents[slot]});
         }
         std::reverse(pending.begin() + static_cast<std::ptrdiff_t>(mark), pending.end());
-        write_runs(at.child.first, place, node);
+        write_runs(at.child.first, child_of, node);
     }
 
-    /// Which rows lie below which place.
-    void write_runs(std::uint32_t first_row, const std::array<int, 8>& place, IndexNode& node) const
+    /// Which rows lie below which slot.
+    void write_runs(std::uint32_t first_row, const std::array<int, 8>& child_of,
+                    IndexNode& node) const
     {
         node.first_row = first_row;
         node.order = ~0U;
         node.starts.fill(0);
         // Children were found in the order of their rows.
         for (std::size_t slot = 0; slot < 8; ++slot) {
-            const auto i = static_cast<std::size_t>(place[slot]);
+            const auto i = static_cast<std::size_t>(child_of[slot]);
             if (i >= found_.size()) continue;
             node.order ^= (IndexNode::no_child ^ static_cast<std::uint32_t>(slot)) << 4 * i;
             node.starts[slot] = static_cast<std::uint16_t>(
@@ -197,12 +198,12 @@ private:
         std::size_t count = 0;
         for (std::uint32_t i = 0; i < at.child.count; ++i) {
             const TriangleCorners& corners =
-                mesh_.triangles()[index(tree_.order[at.child.first + i])];
+                mesh_.triangles()[to_index(tree_.order[at.child.first + i])];
             for (std::size_t k = 0; k < 3; ++k) {
                 const auto end = vertices.begin() + static_cast<std::ptrdiff_t>(count);
-                const auto place = std::find(vertices.begin(), end, corners[k]);
-                if (place == end) vertices[count++] = corners[k];
-                leaf.corners[k][i] = static_cast<std::uint8_t>(place - vertices.begin());
+                const auto found = std::find(vertices.begin(), end, corners[k]);
+                if (found == end) vertices[count++] = corners[k];
+                leaf.corners[k][i] = static_cast<std::uint8_t>(found - vertices.begin());
             }
         }
         for (std::size_t i = 0; i < index_width; ++i) {
@@ -258,7 +259,7 @@ public:
         for (std::uint32_t& each : ends) each = end += each;
         const std::span<IndexBlock> blocks = storage_.make_blocks(end);
         blocks[empty_leaf].leaf = {};
-        std::vector<PendingBlock> parts; // with the places that the top gives them
+        std::vector<PendingBlock> parts; // with the positions that the top gives them
         BlockWriter top(mesh_, tree_, blocks, 2);
         top.write({tree_.root(), 1, root_extent}, [&](const PendingBlock& at) {
             if (is_part(at.child)) parts.push_back(at);

@@ -16,7 +16,7 @@ Status compare(std::span<const TriangleRow<Scalar>> rows, const Topology& topolo
     for (const TriangleRow<Scalar>& row : rows) {
         const auto& edges = topology.edges(TriangleId{row.triangle_id()});
         if (!std::ranges::equal(row.edges, edges, {}, {},
-                                [](EdgeId edge) { return proxima::index(edge); })) {
+                                [](EdgeId edge) { return to_index(edge); })) {
             return fail(ErrorCode::broken_invariant, "edges of another numbering",
                         concat("triangle ", row.triangle_id()));
         }

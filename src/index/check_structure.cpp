@@ -39,8 +39,7 @@ const char* fault_of(const TriangleRow<Scalar>& row, const IndexParts& index)
         const std::uint32_t to = row.vertices[next];
         if (from >= index.vertex_count()) return "no such vertex";
         if (row.backward(k) != (from > to)) return "a side's direction is wrong";
-        if ((row.edges[k] == proxima::index(no_edge)) != (from == to))
-            return "an edge of one vertex";
+        if ((row.edges[k] == to_index(no_edge)) != (from == to)) return "an edge of one vertex";
         if (from != to && row.edges[k] >= index.edge_count()) return "no such edge";
         for (const auto& line : row.coordinates) {
             if (from == to && line[k] != line[next]) return "a vertex at two positions";
@@ -50,14 +49,14 @@ const char* fault_of(const TriangleRow<Scalar>& row, const IndexParts& index)
     return "";
 }
 
-/// Rows against the places of vertices and edges: each names the lowest triangle that has it.
-class PlaceChecker {
+/// Rows against the incidences of vertices and edges: each names the lowest triangle that has it.
+class IncidenceChecker {
 public:
-    explicit PlaceChecker(const IndexParts& index)
-        : vertex_places_(index.vertex_places()), edge_places_(index.edge_places())
+    explicit IncidenceChecker(const IndexParts& index)
+        : vertex_incidences_(index.vertex_incidences()), edge_incidences_(index.edge_incidences())
     {}
 
-    /// Places that rows met.
+    /// Incidences that rows met.
     struct Met {
         std::size_t vertices = 0;
         std::size_t edges = 0;
@@ -69,14 +68,15 @@ public:
     {
         for (std::size_t k = 0; k < 3; ++k) {
             const std::uint32_t vertex = row.vertices[k];
-            const std::uint32_t corner = vertex_places_[vertex];
-            if (place_word::triangle(corner) > row.triangle_id())
-                return "a vertex's place is wrong";
+            const std::uint32_t corner = vertex_incidences_[vertex];
+            if (incidence::triangle(corner) > row.triangle_id())
+                return "a vertex's incidence is wrong";
             if (corner_of(row, vertex) == k && corner == word(row, k, false)) ++met.vertices;
             const std::uint32_t edge = row.edges[k];
-            if (edge == proxima::index(no_edge)) continue;
-            const std::uint32_t side = edge_places_[edge];
-            if (place_word::triangle(side) > row.triangle_id()) return "an edge's place is wrong";
+            if (edge == to_index(no_edge)) continue;
+            const std::uint32_t side = edge_incidences_[edge];
+            if (incidence::triangle(side) > row.triangle_id())
+                return "an edge's incidence is wrong";
             if (side_of(row, edge) == k && side == word(row, k, row.backward(k))) ++met.edges;
         }
         return "";
@@ -89,23 +89,23 @@ public:
         edges_.fetch_add(met.edges, std::memory_order_relaxed);
     }
 
-    /// Whether every place was met, once all was added.
+    /// Whether every incidence was met, once all was added.
     [[nodiscard]] bool all_met() const
     {
-        const auto unused = std::ranges::count(vertex_places_, place_word::none);
-        return vertices_ + static_cast<std::size_t>(unused) == vertex_places_.size() &&
-               edges_ == edge_places_.size();
+        const auto unused = std::ranges::count(vertex_incidences_, incidence::none);
+        return vertices_ + static_cast<std::size_t>(unused) == vertex_incidences_.size() &&
+               edges_ == edge_incidences_.size();
     }
 
 private:
     template <class Scalar>
     static std::uint32_t word(const TriangleRow<Scalar>& row, std::size_t corner, bool backward)
     {
-        return place_word::make(row.triangle_id(), static_cast<std::uint32_t>(corner), backward);
+        return incidence::make(row.triangle_id(), static_cast<std::uint32_t>(corner), backward);
     }
 
-    std::span<const std::uint32_t> vertex_places_;
-    std::span<const std::uint32_t> edge_places_;
+    std::span<const std::uint32_t> vertex_incidences_;
+    std::span<const std::uint32_t> edge_incidences_;
     std::atomic<std::size_t> vertices_ = 0;
     std::atomic<std::size_t> edges_ = 0;
 };
@@ -116,11 +116,11 @@ Status check_rows(std::span<const TriangleRow<Scalar>> rows, const IndexParts& i
 {
     constexpr std::size_t task_rows = CheckWork::task_bytes / sizeof(TriangleRow<Scalar>);
     AtomicBits seen(rows.size());
-    PlaceChecker places(index);
+    IncidenceChecker incidences(index);
     const auto check_task = [&](std::size_t task) -> Status {
         const std::size_t begin = task * task_rows;
         const std::size_t end = std::min(begin + task_rows, rows.size());
-        PlaceChecker::Met met;
+        IncidenceChecker::Met met;
         for (std::size_t rank = begin; rank < end; ++rank) {
             const TriangleRow<Scalar>& row = rows[rank];
             if (const char* const fault = fault_of(row, index); *fault != '\0')
@@ -129,18 +129,18 @@ Status check_rows(std::span<const TriangleRow<Scalar>> rows, const IndexParts& i
                 return bad_structure("another triangle's id", concat("row ", rank));
             if (seen.set(row.triangle_id()))
                 return bad_structure("a triangle twice", concat("row ", rank));
-            if (const char* const fault = places.fault_of(row, met); *fault != '\0')
+            if (const char* const fault = incidences.fault_of(row, met); *fault != '\0')
                 return bad_structure(fault, concat("row ", rank));
         }
-        places.add(met);
+        incidences.add(met);
         StageSteps steps = work.steps();
         if (!steps.done((end - begin) * sizeof(TriangleRow<Scalar>))) return CheckWork::stopped();
         return {};
     };
     if (Status status = work.run((rows.size() + task_rows - 1) / task_rows, check_task); !status)
         return status;
-    if (!rows.empty() && !places.all_met())
-        return bad_structure("places of no row", "vertices and edges");
+    if (!rows.empty() && !incidences.all_met())
+        return bad_structure("incidences of no row", "vertices and edges");
     return {};
 }
 

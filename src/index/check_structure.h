@@ -16,7 +16,7 @@ struct CheckStructureOptions {
 ///
 ///     frame    a finite center, a scale that is a power of two
 ///     rows     every triangle once, with the id in ids; vertices and edges that exist, no_edge
-///              just where both ends are one vertex and one position; places name the lowest
+///              just where both ends are one vertex and one position; incidences name the lowest
 ///              triangle of each vertex and edge
 ///     blocks   one tree of at most max_levels levels, each block in it once, runs of rows in its
 ///              order; boxes hold what is below them, leaves have the corners of their rows, finite

@@ -8,7 +8,7 @@
 //     rows     the triangles in the order of the leaves (triangle_row.h), in doubles, or in floats
 //              where these are the same: corners, ids, vertices, edges; below a block they are a run
 //     ids      the triangle ids of the rows, side by side
-//     places   of each vertex and edge, its lowest triangle and where it is there (place_word)
+//     incidences  of each vertex and edge, its lowest triangle and where it is there (incidence)
 //
 // Optional additions: lists (lists/proximity_lists.h) and slabs (slabs/block_slab.h).
 //
@@ -79,8 +79,8 @@ struct IndexArrays {
     std::span<const TriangleRow<float>> float_rows; ///< or double_rows, not both
     std::span<const TriangleRow<double>> double_rows;
     std::span<const TriangleId> ids;
-    std::span<const std::uint32_t> vertex_places;
-    std::span<const std::uint32_t> edge_places;
+    std::span<const std::uint32_t> vertex_incidences;
+    std::span<const std::uint32_t> edge_incidences;
 };
 
 /// Immutable; copies share the storage. Thread safe. Searches are handed this, not the MeshIndex that
@@ -94,8 +94,11 @@ public:
     {
         return static_cast<std::uint32_t>(arrays_.ids.size());
     }
-    [[nodiscard]] std::size_t vertex_count() const noexcept { return arrays_.vertex_places.size(); }
-    [[nodiscard]] std::size_t edge_count() const noexcept { return arrays_.edge_places.size(); }
+    [[nodiscard]] std::size_t vertex_count() const noexcept
+    {
+        return arrays_.vertex_incidences.size();
+    }
+    [[nodiscard]] std::size_t edge_count() const noexcept { return arrays_.edge_incidences.size(); }
     [[nodiscard]] std::span<const IndexBlock> blocks() const noexcept { return arrays_.blocks; }
     [[nodiscard]] std::uint32_t root() const noexcept { return arrays_.root; }
     [[nodiscard]] std::span<const TriangleRow<float>> float_rows() const noexcept
@@ -119,14 +122,14 @@ public:
     [[nodiscard]] TriangleId id(std::uint32_t row) const noexcept { return arrays_.ids[row]; }
 
     /// Of each vertex and each edge of the mesh, by id: its lowest triangle and where it is there
-    /// (place_word). Edges are numbered as Topology does.
-    [[nodiscard]] std::span<const std::uint32_t> vertex_places() const noexcept
+    /// (incidence). Edges are numbered as Topology does.
+    [[nodiscard]] std::span<const std::uint32_t> vertex_incidences() const noexcept
     {
-        return arrays_.vertex_places;
+        return arrays_.vertex_incidences;
     }
-    [[nodiscard]] std::span<const std::uint32_t> edge_places() const noexcept
+    [[nodiscard]] std::span<const std::uint32_t> edge_incidences() const noexcept
     {
-        return arrays_.edge_places;
+        return arrays_.edge_incidences;
     }
 
     /// Whether coordinate * unscale() + center() of a leaf's vertex, in doubles, is the mesh's own.

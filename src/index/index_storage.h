@@ -39,8 +39,8 @@ struct IndexStorage {
     arrays.float_rows = storage->tables.float_rows.span();
     arrays.double_rows = storage->tables.double_rows.span();
     arrays.ids = storage->ids;
-    arrays.vertex_places = storage->tables.vertex_places.span();
-    arrays.edge_places = storage->tables.edge_places.span();
+    arrays.vertex_incidences = storage->tables.vertex_incidences.span();
+    arrays.edge_incidences = storage->tables.edge_incidences.span();
     return IndexParts::adopt(arrays, std::move(storage));
 }
 

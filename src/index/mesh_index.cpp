@@ -34,7 +34,7 @@ std::size_t MeshIndex::edge_count() const noexcept
 std::uint64_t MeshIndex::bytes() const noexcept
 {
     const MeshIndexBytes bytes = bytes_of(*this);
-    return bytes.blocks + bytes.rows + bytes.ids + bytes.places + bytes.lists + bytes.slabs;
+    return bytes.blocks + bytes.rows + bytes.ids + bytes.incidences + bytes.lists + bytes.slabs;
 }
 
 bool MeshIndex::has_lists() const noexcept
@@ -64,7 +64,8 @@ MeshIndexBytes bytes_of(const MeshIndex& index) noexcept
     bytes.blocks = parts.blocks().size_bytes();
     bytes.rows = parts.float_rows().size_bytes() + parts.double_rows().size_bytes();
     bytes.ids = parts.ids().size_bytes();
-    bytes.places = parts.vertex_places().size_bytes() + parts.edge_places().size_bytes();
+    bytes.incidences =
+        parts.vertex_incidences().size_bytes() + parts.edge_incidences().size_bytes();
     bytes.lists = parts.lists() != nullptr ? parts.lists()->bytes() : 0;
     bytes.slabs = parts.slabs().size_bytes();
     return bytes;

@@ -62,12 +62,12 @@ private:
     {
         IndexLeaf& leaf = blocks_[block].leaf;
         // Those that no triangle uses are the first one, which some triangle does.
-        const TriangleCorners& first = mesh_.triangles()[proxima::index(index_.id(leaf.first_row))];
+        const TriangleCorners& first = mesh_.triangles()[to_index(index_.id(leaf.first_row))];
         for (std::size_t i = 0; i < index_width; ++i)
             write_point(leaf, i, mesh_.positions()[first[0]]);
         for (std::uint32_t i = 0; i < leaf.count; ++i) {
             const TriangleCorners& corners =
-                mesh_.triangles()[proxima::index(index_.id(leaf.first_row + i))];
+                mesh_.triangles()[to_index(index_.id(leaf.first_row + i))];
             for (std::size_t k = 0; k < 3; ++k)
                 write_point(leaf, leaf.corners[k][i], mesh_.positions()[corners[k]]);
         }

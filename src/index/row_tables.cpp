@@ -39,9 +39,9 @@ void fill_rows(const TriangleMesh& mesh, const EdgeNumbers& edges,
     for_each_item(order.size(), threads, [&](std::uint32_t rank) {
         const TriangleId id = order[rank];
         const Triangle triangle = mesh.triangle(id);
-        const TriangleCorners& corners = mesh.triangles()[index(id)];
+        const TriangleCorners& corners = mesh.triangles()[to_index(id)];
         TriangleRow<Scalar> row;
-        row.triangle = index(id) | (is_thin(triangle) ? TriangleRow<Scalar>::thin_bit : 0U);
+        row.triangle = to_index(id) | (is_thin(triangle) ? TriangleRow<Scalar>::thin_bit : 0U);
         for (int i = 0; i < 3; ++i) {
             const auto k = static_cast<std::size_t>(i);
             for (int axis = 0; axis < 3; ++axis)
@@ -49,26 +49,27 @@ void fill_rows(const TriangleMesh& mesh, const EdgeNumbers& edges,
             row.vertices[i] = corners[k];
             if (corners[k] > corners[(k + 1) % 3])
                 row.triangle |= TriangleRow<Scalar>::side_bit << k;
-            row.edges[i] = index(edges.triangle_edges[index(id)][k]);
+            row.edges[i] = to_index(edges.triangle_edges[to_index(id)][k]);
         }
         rows[rank] = row;
     });
 }
 
 /// By vertex: its first corner in its lowest triangle.
-void fill_vertex_places(const TriangleMesh& mesh, GrowBuffer<std::uint32_t>& places)
+void fill_vertex_incidences(const TriangleMesh& mesh, GrowBuffer<std::uint32_t>& incidences)
 {
-    places.resize(mesh.vertex_count());
-    std::ranges::fill(places.span(), place_word::none);
+    incidences.resize(mesh.vertex_count());
+    std::ranges::fill(incidences.span(), incidence::none);
     for (auto id = static_cast<std::uint32_t>(mesh.triangle_count()); id-- > 0;) {
         for (std::uint32_t corner = 3; corner-- > 0;)
-            places[mesh.triangles()[id][corner]] = place_word::make(id, corner, false);
+            incidences[mesh.triangles()[id][corner]] = incidence::make(id, corner, false);
     }
 }
 
 /// Where an edge is in its lowest triangle: the side between the first corners of its
 /// vertices, as side_of() has it. They are two where two corners are one vertex.
-std::uint32_t place_of_edge(const TriangleMesh& mesh, const EdgeNumbers& edges, std::uint32_t edge)
+std::uint32_t incidence_of_edge(const TriangleMesh& mesh, const EdgeNumbers& edges,
+                                std::uint32_t edge)
 {
     const std::uint32_t triangle = edges.first_sides[edge] / 3;
     const TriangleCorners& corners = mesh.triangles()[triangle];
@@ -81,7 +82,7 @@ std::uint32_t place_of_edge(const TriangleMesh& mesh, const EdgeNumbers& edges, 
             side = k;
     }
     const std::uint32_t next = side == 2 ? 0 : side + 1;
-    return place_word::make(triangle, side, corners[side] > corners[next]);
+    return incidence::make(triangle, side, corners[side] > corners[next]);
 }
 
 } // namespace
@@ -122,7 +123,7 @@ bool has_floats(const TriangleMesh& mesh) noexcept
 std::uint64_t RowTables::bytes() const noexcept
 {
     return float_rows.span().size_bytes() + double_rows.span().size_bytes() +
-           vertex_places.span().size_bytes() + edge_places.span().size_bytes();
+           vertex_incidences.span().size_bytes() + edge_incidences.span().size_bytes();
 }
 
 RowTables make_row_tables(const TriangleMesh& mesh, const EdgeNumbers& edges,
@@ -134,10 +135,10 @@ RowTables make_row_tables(const TriangleMesh& mesh, const EdgeNumbers& edges,
     } else {
         fill_rows(mesh, edges, order, threads, tables.double_rows);
     }
-    fill_vertex_places(mesh, tables.vertex_places);
-    tables.edge_places.resize(edges.first_sides.size());
+    fill_vertex_incidences(mesh, tables.vertex_incidences);
+    tables.edge_incidences.resize(edges.first_sides.size());
     for_each_item(edges.first_sides.size(), threads, [&](std::uint32_t edge) {
-        tables.edge_places[edge] = place_of_edge(mesh, edges, edge);
+        tables.edge_incidences[edge] = incidence_of_edge(mesh, edges, edge);
     });
     return tables;
 }

@@ -15,8 +15,8 @@ namespace proxima {
 struct RowTables {
     GrowBuffer<TriangleRow<float>> float_rows; ///< one of the two is empty
     GrowBuffer<TriangleRow<double>> double_rows;
-    GrowBuffer<std::uint32_t> vertex_places; ///< place_word
-    GrowBuffer<std::uint32_t> edge_places;
+    GrowBuffer<std::uint32_t> vertex_incidences; ///< incidence
+    GrowBuffer<std::uint32_t> edge_incidences;
 
     [[nodiscard]] std::uint64_t bytes() const noexcept;
 };

@@ -117,7 +117,7 @@ void triangle_distances(const TriangleMesh& mesh, std::span<const TriangleId> id
     alignas(64) double corners[3][3][8];
     for (std::size_t lane = 0; lane < 8; ++lane) {
         const std::size_t item = std::min(lane, ids.size() - 1);
-        const TriangleCorners& triangle = mesh.triangles()[index(ids[item])];
+        const TriangleCorners& triangle = mesh.triangles()[to_index(ids[item])];
         for (std::size_t corner = 0; corner < 3; ++corner) {
             const Vec3& position = mesh.positions()[triangle[corner]];
             corners[corner][0][lane] = position.x();

@@ -59,7 +59,7 @@ static_assert(sizeof(TriangleRow<double>) == 104);
 ///
 ///     vertex   triangle 28 | corner 2
 ///     edge     triangle 28 | side 2 | 1 where the side goes from its higher to its lower vertex id
-namespace place_word {
+namespace incidence {
 inline constexpr std::uint32_t none = 0xFFFFFFFF; ///< of a vertex without a triangle
 
 [[nodiscard]] constexpr std::uint32_t make(std::uint32_t triangle, std::uint32_t corner,
@@ -79,7 +79,7 @@ inline constexpr std::uint32_t none = 0xFFFFFFFF; ///< of a vertex without a tri
 {
     return (word >> 30U & 1U) != 0;
 }
-} // namespace place_word
+} // namespace incidence
 
 /// A power of two that brings the mesh's size to about 1, so that sixth powers of lengths do not
 /// leave the doubles, and its inverse.

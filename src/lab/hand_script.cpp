@@ -168,7 +168,7 @@ private:
 
     [[nodiscard]] std::size_t part_of(TriangleId id) const
     {
-        const auto after = std::upper_bound(parts_.begin(), parts_.end(), index(id));
+        const auto after = std::upper_bound(parts_.begin(), parts_.end(), to_index(id));
         return static_cast<std::size_t>(after - parts_.begin());
     }
 

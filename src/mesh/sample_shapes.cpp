@@ -63,7 +63,7 @@ Result<TriangleMesh> subdivided_sphere(const TriangleMesh& mesh, Progress* progr
         TriangleCorners middle{};
         for (std::size_t side = 0; side < 3; ++side) {
             const EdgeId edge = topology->edges(TriangleId{triangle})[side];
-            middle[side] = id(mesh.vertex_count() + index(edge));
+            middle[side] = id(mesh.vertex_count() + to_index(edge));
         }
         triangles.push_back({corner[0], middle[0], middle[2]});
         triangles.push_back({corner[1], middle[1], middle[0]});

@@ -11,7 +11,7 @@ TriangleMesh sub_mesh(const TriangleMesh& mesh, std::span<const TriangleId> tria
     std::vector<std::uint32_t> used;
     used.reserve(3 * triangles.size());
     for (const TriangleId id : triangles) {
-        const TriangleCorners& corners = mesh.triangles()[index(id)];
+        const TriangleCorners& corners = mesh.triangles()[to_index(id)];
         used.insert(used.end(), corners.begin(), corners.end());
     }
     std::ranges::sort(used);
@@ -23,7 +23,7 @@ TriangleMesh sub_mesh(const TriangleMesh& mesh, std::span<const TriangleId> tria
     std::vector<TriangleCorners> renamed;
     renamed.reserve(triangles.size());
     for (const TriangleId id : triangles) {
-        TriangleCorners corners = mesh.triangles()[index(id)];
+        TriangleCorners corners = mesh.triangles()[to_index(id)];
         for (std::uint32_t& corner : corners) {
             const auto rank = std::ranges::lower_bound(used, corner) - used.begin();
             corner = static_cast<std::uint32_t>(rank);

@@ -16,7 +16,7 @@ void for_neighbours(const TriangleMesh& mesh, const Topology& topology, const Vi
     for (std::uint32_t id = 0; id < topology.edge_count(); ++id) {
         TriangleId previous = no_triangle;
         for (const TriangleId triangle : topology.triangles(EdgeId{id})) {
-            if (!is_proper(mesh.triangles()[index(triangle)])) continue;
+            if (!is_proper(mesh.triangles()[to_index(triangle)])) continue;
             if (previous != no_triangle) visit(previous, triangle, EdgeId{id});
             previous = triangle;
         }
@@ -69,7 +69,7 @@ std::vector<EdgeUse> edge_uses(const TriangleMesh& mesh, const Topology& topolog
         if (!is_proper(corners)) continue;
         const auto& sides = topology.edges(TriangleId{id});
         for (std::size_t k = 0; k < 3; ++k) {
-            EdgeUse& use = uses[index(sides[k])];
+            EdgeUse& use = uses[to_index(sides[k])];
             ++(corners[k] < corners[(k + 1) % 3] ? use.forward : use.backward);
         }
     }
@@ -84,8 +84,8 @@ std::uint64_t boundary_loops(const Topology& topology, std::span<const EdgeUse> 
     for (std::uint32_t id = 0; id < topology.edge_count(); ++id) {
         if (uses[id].total() != 1) continue;
         const auto [low, high] = topology.vertices(EdgeId{id});
-        loops.unite(index(low), index(high));
-        on_boundary[index(low)] = on_boundary[index(high)] = true;
+        loops.unite(to_index(low), to_index(high));
+        on_boundary[to_index(low)] = on_boundary[to_index(high)] = true;
     }
     std::uint64_t count = 0;
     for (std::uint32_t vertex = 0; vertex < vertices; ++vertex) {
@@ -97,9 +97,9 @@ std::uint64_t boundary_loops(const Topology& topology, std::span<const EdgeUse> 
 std::vector<std::uint8_t> fan_counts(const TriangleMesh& mesh, const Topology& topology)
 {
     const auto corner = [&](TriangleId triangle, VertexId vertex) {
-        const TriangleCorners& corners = mesh.triangles()[index(triangle)];
-        const auto found = std::find(corners.begin(), corners.end(), index(vertex));
-        return 3 * index(triangle) + static_cast<std::uint32_t>(found - corners.begin());
+        const TriangleCorners& corners = mesh.triangles()[to_index(triangle)];
+        const auto found = std::find(corners.begin(), corners.end(), to_index(vertex));
+        return 3 * to_index(triangle) + static_cast<std::uint32_t>(found - corners.begin());
     };
     DisjointSets fans(static_cast<std::uint32_t>(3 * mesh.triangle_count()));
     for_neighbours(mesh, topology, [&](TriangleId a, TriangleId b, EdgeId edge) {
@@ -122,7 +122,7 @@ std::vector<std::uint8_t> fan_counts(const TriangleMesh& mesh, const Topology& t
 std::vector<std::uint32_t> first_duplicates(const TriangleMesh& mesh, const Topology& topology)
 {
     const auto ids = [&](TriangleId triangle) {
-        TriangleCorners corners = mesh.triangles()[index(triangle)];
+        TriangleCorners corners = mesh.triangles()[to_index(triangle)];
         std::sort(corners.begin(), corners.end());
         return corners;
     };
@@ -141,7 +141,7 @@ std::vector<std::uint32_t> first_duplicates(const TriangleMesh& mesh, const Topo
         const auto found = std::find_if(around.begin(), around.end(), [&](TriangleId other) {
             return other == TriangleId{id} || ids(other) == own;
         });
-        first[id] = index(*found);
+        first[id] = to_index(*found);
     }
     return first;
 }
@@ -151,8 +151,9 @@ std::vector<SurfaceComponent> surface_components(const TriangleMesh& mesh, const
 {
     const auto count = static_cast<std::uint32_t>(mesh.triangle_count());
     DisjointSets sets(count);
-    for_neighbours(mesh, topology,
-                   [&](TriangleId a, TriangleId b, EdgeId) { sets.unite(index(a), index(b)); });
+    for_neighbours(mesh, topology, [&](TriangleId a, TriangleId b, EdgeId) {
+        sets.unite(to_index(a), to_index(b));
+    });
 
     std::vector<SurfaceComponent> components;
     std::vector<std::uint32_t> number(count, 0);
@@ -175,8 +176,8 @@ std::vector<SurfaceComponent> surface_components(const TriangleMesh& mesh, const
     for (std::uint32_t id = 0; id < topology.edge_count(); ++id) {
         if (!uses[id].is_open() && !uses[id].is_inconsistent()) continue;
         for (const TriangleId triangle : topology.triangles(EdgeId{id})) {
-            if (!is_proper(mesh.triangles()[index(triangle)])) continue;
-            components[number[index(triangle)]].sealed = false;
+            if (!is_proper(mesh.triangles()[to_index(triangle)])) continue;
+            components[number[to_index(triangle)]].sealed = false;
         }
     }
     return components;

@@ -98,9 +98,9 @@ public:
             [&](auto&& visit) {
                 for (std::uint32_t id = 0; id < topology_.triangle_count(); ++id) {
                     const auto [a, b, c] = topology_.triangle_edges_[id];
-                    if (a != no_edge) visit(index(a), TriangleId{id});
-                    if (b != no_edge && b != a) visit(index(b), TriangleId{id});
-                    if (c != no_edge && c != a && c != b) visit(index(c), TriangleId{id});
+                    if (a != no_edge) visit(to_index(a), TriangleId{id});
+                    if (b != no_edge && b != a) visit(to_index(b), TriangleId{id});
+                    if (c != no_edge && c != a && c != b) visit(to_index(c), TriangleId{id});
                 }
             },
             topology_.edge_first_, topology_.edge_triangles_);
@@ -114,8 +114,8 @@ public:
             [&](auto&& visit) {
                 for (std::uint32_t id = 0; id < topology_.edge_count(); ++id) {
                     const auto [low, high] = topology_.edge_vertices_[id];
-                    visit(index(low), EdgeId{id});
-                    visit(index(high), EdgeId{id});
+                    visit(to_index(low), EdgeId{id});
+                    visit(to_index(high), EdgeId{id});
                 }
             },
             topology_.vertex_edges_first_, topology_.vertex_edges_);

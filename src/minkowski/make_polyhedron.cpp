@@ -29,8 +29,8 @@ Status check_surface(const TriangleMesh& mesh, Progress* progress)
         return fail(ErrorCode::invalid_mesh,
                     concat(count < 2 ? "the mesh is open" : "the surface branches", ": ", count,
                            count == 1 ? " triangle has" : " triangles have",
-                           " the edge from vertex ", index(from), " ",
-                           point_text(mesh.position(from)), " to vertex ", index(to),
+                           " the edge from vertex ", to_index(from), " ",
+                           point_text(mesh.position(from)), " to vertex ", to_index(to),
                            ", where a convex surface has two"));
     }
     std::vector<bool> is_met(mesh.triangle_count(), false);
@@ -42,10 +42,10 @@ Status check_surface(const TriangleMesh& mesh, Progress* progress)
         to_do.pop_back();
         for (int side = 0; side < 3; ++side) {
             const TriangleId other = topology->across(triangle, side);
-            if (other == no_triangle || is_met[index(other)]) continue;
-            is_met[index(other)] = true;
+            if (other == no_triangle || is_met[to_index(other)]) continue;
+            is_met[to_index(other)] = true;
             ++met;
-            to_do.push_back(index(other));
+            to_do.push_back(to_index(other));
         }
     }
     const auto unmet = std::ranges::find(is_met, false) - is_met.begin();

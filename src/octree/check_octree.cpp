@@ -106,13 +106,13 @@ private:
         std::set_difference(touching.begin(), touching.end(), listed.begin(), listed.end(),
                             std::back_inserter(difference));
         if (!difference.empty()) {
-            return bad(cell, concat("triangle ", index(difference.front()),
+            return bad(cell, concat("triangle ", to_index(difference.front()),
                                     " touches the leaf and is not listed"));
         }
         if (octree_.parameters().exact && listed.size() != touching.size()) {
             std::set_difference(listed.begin(), listed.end(), touching.begin(), touching.end(),
                                 std::back_inserter(difference));
-            return bad(cell, concat("triangle ", index(difference.front()),
+            return bad(cell, concat("triangle ", to_index(difference.front()),
                                     " is listed and does not touch the leaf"));
         }
         return {};

@@ -123,8 +123,8 @@ private:
             octree_.references().subspan(node.first, node.count());
         for (std::size_t i = 0; i < list.size(); ++i) {
             if (!steps_.done(1)) return stopped();
-            if (index(list[i]) >= octree_.triangle_count()) {
-                return bad(concat("triangle ", index(list[i]), " of ", octree_.triangle_count()),
+            if (to_index(list[i]) >= octree_.triangle_count()) {
+                return bad(concat("triangle ", to_index(list[i]), " of ", octree_.triangle_count()),
                            at.record);
             }
             if (i > 0 && list[i] <= list[i - 1]) return bad("a list does not ascend", at.record);

@@ -307,9 +307,9 @@ class SavedOctrees(ProgramTest):
         """By `proxima check`: alone, with its mesh, with another one, damaged."""
         model, octree = self.saved(bumpy_ball(random.Random(11)))
         alone = self.json_of("check", octree)
-        self.assertEqual((alone["mesh"], alone["triangles"], alone["places"]), (None, 128, 3000))
+        self.assertEqual((alone["mesh"], alone["triangles"], alone["points"]), (None, 128, 3000))
         self.assertEqual(self.json_of("check", octree, "--mesh", model), {**alone, "mesh": str(model)})
-        self.assertIn("answers at 3000 places are those of all triangles", self.succeed("check", octree))
+        self.assertIn("answers at 3000 points are those of all triangles", self.succeed("check", octree))
         other = self.file("other.off", bumpy_ball(random.Random(12)).text())
         self.refuse("check", octree, "--mesh", other, says=("other.off", "another mesh"))
         data = octree.read_bytes()

@@ -270,7 +270,7 @@ class Check(ProgramTest):
         finding, = [finding for finding in result["findings"] if finding["kind"] == "boundary_edges"]
         self.assertEqual(finding["count"], 3)
         self.assertEqual(list(finding), ["kind", "severity", "element", "count", "first_ids",
-                                         "first_places", "meaning"])
+                                         "first_positions", "meaning"])
         self.assertIn("3 boundary edges", self.succeed("check", path))
 
     def test_people_read_words(self):
@@ -286,7 +286,7 @@ class Check(ProgramTest):
     def test_infinity_is_null(self):
         path = self.file("nan.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 nan 0\n3 0 1 2\n")
         result = self.json_of("check", path)
-        self.assertIsNone(result["findings"][0]["first_places"][0][1])
+        self.assertIsNone(result["findings"][0]["first_positions"][0][1])
         self.assertIsNone(result["self_intersections"])
 
 

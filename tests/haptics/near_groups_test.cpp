@@ -148,7 +148,7 @@ void check_patch(const Everything& all, const ContactPatch& patch, const Questio
 {
     std::set<TriangleId> there;
     for (const ContactTriangle& each : testing::triangles_of(patch)) {
-        ASSERT_LT(index(each.id), all.mesh().triangle_count()) << what;
+        ASSERT_LT(to_index(each.id), all.mesh().triangle_count()) << what;
         EXPECT_EQ(each.corners[1], all.mesh().triangle(each.id)[1]) << what;
         EXPECT_TRUE(there.insert(each.id).second) << what;
     }

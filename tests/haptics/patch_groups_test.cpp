@@ -160,7 +160,7 @@ TEST(PatchGroups, MissNoNearTriangle)
                     ++needed;
                     EXPECT_TRUE(given.contains(each.id))
                         << named.name << ", round " << round << ", question " << question
-                        << ", triangle " << index(each.id) << " of " << held;
+                        << ", triangle " << to_index(each.id) << " of " << held;
                 }
             }
         }

@@ -118,7 +118,7 @@ TEST(TouchScene, CornersOfSeveralObjectsHoldInOneTick)
         EXPECT_LT((tick.anchor - Vec3(radius, radius, radius)).norm(), 1e-10);
         std::array<bool, 3> held{};
         for (const Contact& contact : tick.slide.contacts)
-            held[index(object_of(contact.triangle))] = true;
+            held[to_index(object_of(contact.triangle))] = true;
         EXPECT_TRUE(held[0] && held[1] && held[2]);
     }
 }

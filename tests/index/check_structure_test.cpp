@@ -25,17 +25,17 @@ namespace {
 
 /// The index with its arrays copied, for tests that break them.
 struct EditableIndex {
-    explicit EditableIndex(const MeshIndex& whole) : index(whole) {}
+    explicit EditableIndex(const MeshIndex& whole) : to_index(whole) {}
 
     MeshIndex index;
     std::vector<IndexBlock> blocks{index.parts().blocks().begin(), index.parts().blocks().end()};
     std::vector<TriangleRow<float>> rows{index.parts().float_rows().begin(),
                                          index.parts().float_rows().end()};
     std::vector<TriangleId> ids{index.ids().begin(), index.ids().end()};
-    std::vector<std::uint32_t> vertex_places{index.parts().vertex_places().begin(),
-                                             index.parts().vertex_places().end()};
-    std::vector<std::uint32_t> edge_places{index.parts().edge_places().begin(),
-                                           index.parts().edge_places().end()};
+    std::vector<std::uint32_t> vertex_incidences{index.parts().vertex_incidences().begin(),
+                                                 index.parts().vertex_incidences().end()};
+    std::vector<std::uint32_t> edge_incidences{index.parts().edge_incidences().begin(),
+                                               index.parts().edge_incidences().end()};
     std::vector<BlockSlab> slabs{index.parts().slabs().begin(), index.parts().slabs().end()};
     std::uint32_t root = index.parts().root();
     Vec3 center = index.parts().center();
@@ -63,8 +63,8 @@ struct EditableIndex {
         arrays.float_rows = rows;
         arrays.double_rows = index.parts().double_rows();
         arrays.ids = ids;
-        arrays.vertex_places = vertex_places;
-        arrays.edge_places = edge_places;
+        arrays.vertex_incidences = vertex_incidences;
+        arrays.edge_incidences = edge_incidences;
         return make_mesh_index(
             IndexParts::adopt(arrays, nullptr)
                 .adopt_slabs(slabs, nullptr)
@@ -128,8 +128,7 @@ protected:
                 return Vec3((p * 0x1p20).array().round().matrix() * 0x1p-20);
             });
         const MeshIndex listed =
-            testing::listed_index(mesh, {.list_bytes = 225 * mesh.triangle_count() + 4096})
-                .value();
+            testing::listed_index(mesh, {.list_bytes = 225 * mesh.triangle_count() + 4096}).value();
         index_ = with_slabs(listed).value();
         const ProximityLists* lists = index_.parts().lists();
         ASSERT_FALSE(index_.parts().float_rows().empty());
@@ -336,10 +335,10 @@ TEST_F(CheckStructure, NamesADamagedRow)
          {"direction", [](EditableIndex& e) { e.rows[7].triangle ^= e.rows[7].side_bit; }},
          {"no such edge",
           [](EditableIndex& e) {
-              e.rows[7].edges[2] = static_cast<std::uint32_t>(e.edge_places.size());
+              e.rows[7].edges[2] = static_cast<std::uint32_t>(e.edge_incidences.size());
           }},
          {"an edge of one vertex",
-          [](EditableIndex& e) { e.rows[7].edges[2] = proxima::index(no_edge); }},
+          [](EditableIndex& e) { e.rows[7].edges[2] = to_index(no_edge); }},
          {"a triangle twice", // the last one: all its vertices and edges have lower triangles
           [](EditableIndex& e) {
               const auto last = static_cast<std::uint32_t>(e.rows.size()) - 1;
@@ -359,16 +358,20 @@ TEST_F(CheckStructure, NamesADamagedRow)
 TEST_F(CheckStructure, NamesAWrongPlaceOfAVertexOrAnEdge)
 {
     expect_named(
-        {{"a vertex's place is wrong",
-          [](EditableIndex& e) { e.vertex_places[3] = static_cast<std::uint32_t>(e.rows.size()); }},
-         {"an edge's place is wrong",
-          [](EditableIndex& e) { e.edge_places[3] = static_cast<std::uint32_t>(e.rows.size()); }},
-         {"a vertex's place is wrong",
-          [](EditableIndex& e) { e.vertex_places[3] = place_word::none; }},
-         {"places of no row", [](EditableIndex& e) { e.vertex_places[3] ^= 3U << 28U; }},
-         {"places of no row", [](EditableIndex& e) { e.edge_places[3] ^= 3U << 28U; }},
-         {"places of no row", [](EditableIndex& e) { e.edge_places[3] ^= 1U << 30U; }},
-         {"places of no row", [](EditableIndex& e) { e.edge_places[3] = 0; }}});
+        {{"a vertex's incidence is wrong",
+          [](EditableIndex& e) {
+              e.vertex_incidences[3] = static_cast<std::uint32_t>(e.rows.size());
+          }},
+         {"an edge's incidence is wrong",
+          [](EditableIndex& e) {
+              e.edge_incidences[3] = static_cast<std::uint32_t>(e.rows.size());
+          }},
+         {"a vertex's incidence is wrong",
+          [](EditableIndex& e) { e.vertex_incidences[3] = incidence::none; }},
+         {"incidences of no row", [](EditableIndex& e) { e.vertex_incidences[3] ^= 3U << 28U; }},
+         {"incidences of no row", [](EditableIndex& e) { e.edge_incidences[3] ^= 3U << 28U; }},
+         {"incidences of no row", [](EditableIndex& e) { e.edge_incidences[3] ^= 1U << 30U; }},
+         {"incidences of no row", [](EditableIndex& e) { e.edge_incidences[3] = 0; }}});
 }
 
 TEST_F(CheckStructure, NamesBlocksThatFormNoTree)

@@ -67,8 +67,8 @@ private:
         for (std::uint32_t i = 0; i < leaf.count; ++i) {
             const std::uint32_t row = leaf.first_row + i;
             const TriangleId id = index_.ids()[row];
-            ASSERT_LT(proxima::index(id), mesh_.triangle_count());
-            ++seen_[proxima::index(id)];
+            ASSERT_LT(to_index(id), mesh_.triangle_count());
+            ++seen_[to_index(id)];
             check_names(row, id);
             for (std::size_t corner = 0; corner < 3; ++corner) {
                 const Vec3 p = mesh_.triangle(id).vertices[corner];
@@ -104,8 +104,8 @@ private:
     template <class Scalar>
     void check_names(const TriangleRow<Scalar>& row, TriangleId id)
     {
-        EXPECT_EQ(row.triangle_id(), proxima::index(id));
-        const TriangleCorners& corners = mesh_.triangles()[proxima::index(id)];
+        EXPECT_EQ(row.triangle_id(), to_index(id));
+        const TriangleCorners& corners = mesh_.triangles()[to_index(id)];
         for (std::size_t k = 0; k < 3; ++k) {
             EXPECT_EQ(row.vertices[k], corners[k]);
             EXPECT_EQ(EdgeId{row.edges[k]}, topology_.edges(id)[k]);
@@ -119,22 +119,22 @@ private:
         ASSERT_EQ(index_.edge_count(), topology_.edge_count());
         for (std::uint32_t i = 0; i < index_.vertex_count(); ++i) {
             const std::span<const TriangleId> star = topology_.triangles(VertexId{i});
-            const std::uint32_t place = index_.parts().vertex_places()[i];
+            const std::uint32_t place = index_.parts().vertex_incidences()[i];
             if (star.empty()) {
-                EXPECT_EQ(place, place_word::none);
+                EXPECT_EQ(place, incidence::none);
                 continue;
             }
-            EXPECT_EQ(TriangleId{place_word::triangle(place)}, star.front());
-            EXPECT_EQ(mesh_.triangles()[place_word::triangle(place)][place_word::corner(place)], i);
+            EXPECT_EQ(TriangleId{incidence::triangle(place)}, star.front());
+            EXPECT_EQ(mesh_.triangles()[incidence::triangle(place)][incidence::corner(place)], i);
         }
         for (std::uint32_t i = 0; i < index_.edge_count(); ++i) {
-            const std::uint32_t place = index_.parts().edge_places()[i];
-            const std::uint32_t triangle = place_word::triangle(place);
+            const std::uint32_t place = index_.parts().edge_incidences()[i];
+            const std::uint32_t triangle = incidence::triangle(place);
             EXPECT_EQ(TriangleId{triangle}, topology_.triangles(EdgeId{i}).front());
-            const std::size_t side = place_word::corner(place);
+            const std::size_t side = incidence::corner(place);
             EXPECT_EQ(topology_.edges(TriangleId{triangle})[side], EdgeId{i});
             const TriangleCorners& corners = mesh_.triangles()[triangle];
-            EXPECT_EQ(place_word::backward(place), corners[side] > corners[(side + 1) % 3]);
+            EXPECT_EQ(incidence::backward(place), corners[side] > corners[(side + 1) % 3]);
         }
     }
 
@@ -221,8 +221,8 @@ TEST(MeshIndex, IsTheSameForAnyNumberOfThreads)
                       0);
         EXPECT_TRUE(is_same(other.parts().double_rows(), truth.parts().double_rows()));
         EXPECT_TRUE(is_same(other.ids(), truth.ids()));
-        EXPECT_TRUE(is_same(other.parts().vertex_places(), truth.parts().vertex_places()));
-        EXPECT_TRUE(is_same(other.parts().edge_places(), truth.parts().edge_places()));
+        EXPECT_TRUE(is_same(other.parts().vertex_incidences(), truth.parts().vertex_incidences()));
+        EXPECT_TRUE(is_same(other.parts().edge_incidences(), truth.parts().edge_incidences()));
     }
 }
 

@@ -48,8 +48,8 @@ struct EditableRows {
     MeshIndex index;
     std::vector<TriangleRow<float>> rows{index.parts().float_rows().begin(),
                                          index.parts().float_rows().end()};
-    std::vector<std::uint32_t> edge_places{index.parts().edge_places().begin(),
-                                           index.parts().edge_places().end()};
+    std::vector<std::uint32_t> edge_incidences{index.parts().edge_incidences().begin(),
+                                               index.parts().edge_incidences().end()};
 
     [[nodiscard]] MeshIndex changed() const
     {
@@ -61,8 +61,8 @@ struct EditableRows {
         arrays.blocks = index.parts().blocks();
         arrays.float_rows = rows;
         arrays.ids = index.ids();
-        arrays.vertex_places = index.parts().vertex_places();
-        arrays.edge_places = edge_places;
+        arrays.vertex_incidences = index.parts().vertex_incidences();
+        arrays.edge_incidences = edge_incidences;
         return make_mesh_index(IndexParts::adopt(arrays, nullptr));
     }
 };
@@ -89,7 +89,7 @@ TEST(MeshOf, RefusesRowsThatContradictEachOther)
     std::swap(edited.rows[3].edges[0], edited.rows[3].edges[1]);
     EXPECT_NE(message(edited).find("another numbering"), std::string::npos);
     edited = whole;
-    edited.edge_places.push_back(0);
+    edited.edge_incidences.push_back(0);
     EXPECT_NE(message(edited).find("edges of another mesh"), std::string::npos);
 }
 

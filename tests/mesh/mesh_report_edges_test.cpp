@@ -33,7 +33,7 @@ TEST(MeshReport, FindsBoundaryEdgesAndLoops)
     EXPECT_EQ(topology->triangles(edge).size(), 1U);
     const auto [low, high] = topology->vertices(edge);
     EXPECT_EQ(found.findings[0].first_positions.at(0),
-              0.5 * (draft.positions[index(low)] + draft.positions[index(high)]));
+              0.5 * (draft.positions[to_index(low)] + draft.positions[to_index(high)]));
 }
 
 TEST(MeshReport, FindsNonManifoldEdges)

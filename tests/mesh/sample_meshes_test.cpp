@@ -25,12 +25,12 @@ void expect_closed(const TriangleMesh& mesh)
         ASSERT_EQ(both.size(), 2U);
         int directions = 0;
         for (const TriangleId triangle : both) {
-            const TriangleCorners& corners = mesh.triangles()[index(triangle)];
+            const TriangleCorners& corners = mesh.triangles()[to_index(triangle)];
             for (std::size_t k = 0; k < 3; ++k) {
                 const auto from = corners[k];
                 const auto to = corners[(k + 1) % 3];
-                if (from == index(low) && to == index(high)) ++directions;
-                if (from == index(high) && to == index(low)) --directions;
+                if (from == to_index(low) && to == to_index(high)) ++directions;
+                if (from == to_index(high) && to == to_index(low)) --directions;
             }
         }
         ASSERT_EQ(directions, 0) << "edge " << id;

@@ -24,7 +24,7 @@ TEST(SubMesh, HasOnlyTheRequestedTrianglesAndTheirVertices)
         for (std::uint32_t i = 0; i < chosen.size(); ++i) {
             for (int k = 0; k < 3; ++k)
                 EXPECT_EQ(part.triangle(TriangleId{i})[k], mesh.triangle(chosen[i])[k]);
-            for (const std::uint32_t vertex : mesh.triangles()[index(chosen[i])])
+            for (const std::uint32_t vertex : mesh.triangles()[to_index(chosen[i])])
                 used.insert(vertex);
         }
         // In their order, each once.

@@ -74,7 +74,7 @@ void expect_equal(const TriangleMesh& mesh, const Topology& topology, const Orac
         for (std::size_t k = 0; k < 3; ++k) {
             TriangleId expected = no_triangle;
             if (const EdgeId edge = oracle.triangle_edges[id][k]; edge != no_edge) {
-                const auto& both = oracle.edges[index(edge)].triangles;
+                const auto& both = oracle.edges[to_index(edge)].triangles;
                 if (both.size() == 2) expected = both[0] == TriangleId{id} ? both[1] : both[0];
             }
             EXPECT_EQ(topology.across(TriangleId{id}, static_cast<int>(k)), expected);
@@ -91,7 +91,7 @@ void expect_equal(const TriangleMesh& mesh, const Topology& topology, const Orac
         std::vector<EdgeId> edges;
         for (std::uint32_t id = 0; id < oracle.edges.size(); ++id) {
             const auto [low, high] = oracle.edges[id].vertices;
-            if (index(low) == vertex || index(high) == vertex) edges.push_back(EdgeId{id});
+            if (to_index(low) == vertex || to_index(high) == vertex) edges.push_back(EdgeId{id});
         }
         EXPECT_EQ(to_vector(topology.triangles(VertexId{vertex})), star);
         EXPECT_EQ(to_vector(topology.edges(VertexId{vertex})), edges);

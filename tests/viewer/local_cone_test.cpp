@@ -203,7 +203,7 @@ TEST(LocalCone, DistinguishesConvexFromConcaveFeatures)
     const Shape of = bracket();
     // The edge that stands in the L's corner, from (1, 1, 0) to (1, 1, 1).
     const EdgeId inner = of.topology.find_edge(VertexId{3}, VertexId{9});
-    const auto edge = local_cone(of.mesh, of.topology, {FeatureKind::edge, index(inner)});
+    const auto edge = local_cone(of.mesh, of.topology, {FeatureKind::edge, to_index(inner)});
     ASSERT_TRUE(edge);
     EXPECT_EQ(edge->shape, ConeShape::solid);
     EXPECT_EQ(edge->side, ConeSide::behind);
@@ -237,9 +237,9 @@ TEST(LocalCone, RefusesFeaturesWithoutACone)
     EXPECT_EQ(code(FeatureKind::face, 1), ErrorCode::invalid_mesh);
     EXPECT_EQ(code(FeatureKind::vertex, 4), ErrorCode::invalid_argument);
     const EdgeId none = of.topology.find_edge(VertexId{0}, VertexId{5});
-    EXPECT_EQ(code(FeatureKind::edge, index(none)), ErrorCode::invalid_mesh);
+    EXPECT_EQ(code(FeatureKind::edge, to_index(none)), ErrorCode::invalid_mesh);
     const EdgeId line = of.topology.find_edge(VertexId{1}, VertexId{3});
-    EXPECT_EQ(code(FeatureKind::edge, index(line)), ErrorCode::invalid_mesh);
+    EXPECT_EQ(code(FeatureKind::edge, to_index(line)), ErrorCode::invalid_mesh);
     for (const FeatureKind kind : {FeatureKind::vertex, FeatureKind::edge, FeatureKind::face})
         EXPECT_EQ(code(kind, 100), ErrorCode::invalid_argument);
 }

@@ -78,7 +78,7 @@ private:
         if (triangles.empty()) return "triangles: none";
         std::string text = "triangles:";
         for (std::size_t i = 0; i < std::min(shown, triangles.size()); ++i)
-            text += fmt::format("{} {}", i == 0 ? "" : ",", index(triangles[i]));
+            text += fmt::format("{} {}", i == 0 ? "" : ",", to_index(triangles[i]));
         if (triangles.size() > shown) text += fmt::format(", {} more", triangles.size() - shown);
         return text;
     }

@@ -80,7 +80,7 @@ Result<std::array<NamedFeature, 3>> pyramid_features(const Topology& topology)
 {
     const EdgeId edge = topology.find_edge(VertexId{1}, VertexId{4});
     return std::array{NamedFeature{{FeatureKind::face, 0}, "face", 1.0},
-                      NamedFeature{{FeatureKind::edge, index(edge)}, "edge", 1.0},
+                      NamedFeature{{FeatureKind::edge, to_index(edge)}, "edge", 1.0},
                       NamedFeature{{FeatureKind::vertex, 4}, "vertex", 1.0}};
 }
 

@@ -135,7 +135,7 @@ Result<FigureContent> figure_4_4(const Execution& /*context*/)
     const auto topology = build_topology(make_pyramid());
     if (!topology) return tl::unexpected(topology.error());
     const EdgeId edge = topology->find_edge(VertexId{1}, VertexId{4});
-    return pyramid_figure({FeatureKind::edge, index(edge)},
+    return pyramid_figure({FeatureKind::edge, to_index(edge)},
                           "a wedge between the regions of its two triangles");
 }
 

@@ -120,7 +120,7 @@ public:
                 {"distance", fmt::format("{:.6g}", std::sqrt(closest.squared_distance))},
                 {"point", fmt::format("{:.4g}, {:.4g}, {:.4g}", closest.point.x(),
                                       closest.point.y(), closest.point.z())},
-                {"triangle", fmt::format("{}", index(closest.triangle))},
+                {"triangle", fmt::format("{}", to_index(closest.triangle))},
                 {"patch", fmt::format("{} triangles in {} rings", near.written, settings.rings)},
                 {"leaf", leaf ? fmt::format("depth {}, {} triangles listed", leaf->depth,
                                             leaf->listed.size())

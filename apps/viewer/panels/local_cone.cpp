@@ -33,7 +33,7 @@ Result<LocalCone> cone_of_face(const TriangleMesh& mesh, TriangleId id)
     const Triangle triangle = mesh.triangle(id);
     if (is_degenerate(triangle)) {
         return fail(ErrorCode::invalid_mesh,
-                    concat("triangle ", index(id), " has no area, so it has no normal"));
+                    concat("triangle ", to_index(id), " has no area, so it has no normal"));
     }
     const Vec3 normal = unit_normal({triangle[0], triangle[1]}, {triangle[0], triangle[2]});
     return cone_of(ConeShape::solid,
@@ -57,7 +57,7 @@ Result<LocalCone> cone_of_edge(const TriangleMesh& mesh, const Topology& topolog
     const Vec3& to = mesh.position(q);
     const Vec3 along = (to - from).stableNormalized();
     if (along.squaredNorm() == 0.0)
-        return fail(ErrorCode::invalid_mesh, concat("edge ", index(edge), " has no length"));
+        return fail(ErrorCode::invalid_mesh, concat("edge ", to_index(edge), " has no length"));
     Vec3 outward = Vec3::Zero();
     const Vec3 any = along.unitOrthogonal();
     const Across across = {any, along.cross(any)};
@@ -75,7 +75,7 @@ Result<LocalCone> cone_of_edge(const TriangleMesh& mesh, const Topology& topolog
     }
     if (faces.empty()) {
         return fail(ErrorCode::invalid_mesh,
-                    concat("all triangles of edge ", index(edge), " are of no area"));
+                    concat("all triangles of edge ", to_index(edge), " are of no area"));
     }
     // The widest gap between neighbours; of a lone face all round.
     std::ranges::sort(faces);
@@ -167,8 +167,9 @@ Result<LocalCone> cone_of_vertex(const TriangleMesh& mesh, const Topology& topol
                                  VertexId vertex)
 {
     if (topology.triangles(vertex).empty()) {
-        return fail(ErrorCode::invalid_argument, concat("no triangle uses vertex ", index(vertex),
-                                                        ": it is not on the surface"));
+        return fail(
+            ErrorCode::invalid_argument,
+            concat("no triangle uses vertex ", to_index(vertex), ": it is not on the surface"));
     }
     const Vec3& at = mesh.position(vertex);
     Vec3 outward = Vec3::Zero(); // by the angles that faces have there

@@ -35,9 +35,9 @@ bool are_turned(const ViewModel& model, EdgeId edge)
     const auto high = model.topology.vertices(edge)[1];
     int forward = 0;
     for (const TriangleId id : model.topology.triangles(edge)) {
-        const TriangleCorners& corners = model.mesh.triangles()[index(id)];
+        const TriangleCorners& corners = model.mesh.triangles()[to_index(id)];
         for (std::size_t k = 0; k < 3; ++k)
-            if (corners[k] == index(low) && corners[(k + 1) % 3] == index(high)) ++forward;
+            if (corners[k] == to_index(low) && corners[(k + 1) % 3] == to_index(high)) ++forward;
     }
     return forward != 1;
 }

@@ -137,7 +137,7 @@ public:
                              {"triangles hit", fmt::format("{}", hits.size())}};
             if (!hits.empty()) {
                 picture.facts.push_back(
-                    {"first hit", fmt::format("triangle {} at {:.6g}", index(hits[0].triangle),
+                    {"first hit", fmt::format("triangle {} at {:.6g}", to_index(hits[0].triangle),
                                               hits[0].t * ray.direction.norm())});
             }
             PanelPlot weights = {"weight of cell by cell", {}, true};

@@ -235,7 +235,7 @@ RecordedTick recorded(double seconds, const DeviceState& state, const RenderTick
     result.force = numbers(tick.force);
     result.proxy = numbers(tick.proxy);
     result.buttons = state.buttons;
-    result.triangle = index(tick.contact_count > 0 ? tick.contacts[0].triangle : no_triangle);
+    result.triangle = to_index(tick.contact_count > 0 ? tick.contacts[0].triangle : no_triangle);
     result.hold = static_cast<std::uint32_t>(tick.hold);
     result.fault = static_cast<std::uint16_t>(tick.fault);
     result.condition = static_cast<std::uint16_t>(state.condition);

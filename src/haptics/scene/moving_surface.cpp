@@ -99,8 +99,8 @@ Result<ObjectId> MovingSurface::add(std::shared_ptr<const ContactBody> body,
 
 Status MovingSurface::move(ObjectId object, const ObjectMotion& motion)
 {
-    PROXIMA_CHECK_LT(index(object), objects_.size());
-    Slot& slot = *objects_[index(object)];
+    PROXIMA_CHECK_LT(to_index(object), objects_.size());
+    Slot& slot = *objects_[to_index(object)];
     if (!is_rigid(motion.pose))
         return fail(ErrorCode::invalid_argument, "the object's pose is no rigid one");
     if (!in_range(motion)) {
@@ -119,9 +119,9 @@ Status MovingSurface::move(ObjectId object, const ObjectMotion& motion)
 
 Status MovingSurface::exchange(ObjectId object, std::shared_ptr<const ContactBody> body)
 {
-    PROXIMA_CHECK_LT(index(object), objects_.size());
+    PROXIMA_CHECK_LT(to_index(object), objects_.size());
     PROXIMA_CHECK(body != nullptr);
-    Slot& slot = *objects_[index(object)];
+    Slot& slot = *objects_[to_index(object)];
     if (!contains(body->bounds(), slot.newest_pose))
         return fail(ErrorCode::invalid_argument,
                     "the object would reach out of the scene's bounds");
@@ -151,13 +151,13 @@ SceneTick MovingSurface::advance(double seconds) noexcept
 
 SceneObject MovingSurface::object(ObjectId id) const noexcept
 {
-    const Slot& slot = *objects_[index(id)];
+    const Slot& slot = *objects_[to_index(id)];
     return {&slot.body(), slot.trajectory.before(), slot.trajectory.now(), slot.trajectory.moved()};
 }
 
 Vec3 MovingSurface::velocity_at(ObjectId id, const Vec3& p) const noexcept
 {
-    const ObjectTrajectory& trajectory = objects_[index(id)]->trajectory;
+    const ObjectTrajectory& trajectory = objects_[to_index(id)]->trajectory;
     if (!trajectory.moved()) return Vec3::Zero();
     return (p - trajectory.before()(to_local(trajectory.now(), p))) / tick_seconds_;
 }
@@ -202,7 +202,7 @@ double MovingSurface::known_clearance(Slot& slot, const Vec3& local) const noexc
 bool MovingSurface::keeps_clear(ObjectId id, const Vec3& from, const Vec3& to,
                                 double distance) const noexcept
 {
-    Slot& slot = *objects_[index(id)];
+    Slot& slot = *objects_[to_index(id)];
     const FreePath& known = slot.free_path;
     if (known.is_near) return false;
     const double margin = 4 * frame_margin(from) + 4 * frame_margin(to);
@@ -222,7 +222,7 @@ std::size_t MovingSurface::collect_of(ObjectId id, const Vec3& p, const Vec3& mo
                                       double distance,
                                       std::span<ContactTriangle> buffer) const noexcept
 {
-    Slot& slot = *objects_[index(id)];
+    Slot& slot = *objects_[to_index(id)];
     return slot.cache.collect_along(slot.body().surface(), p, motion, distance, buffer);
 }
 
@@ -291,12 +291,12 @@ ContactWork MovingSurface::work() const noexcept
 
 std::optional<SurfaceMaterial> MovingSurface::material(TriangleId triangle) const noexcept
 {
-    return objects_[index(object_of(triangle))]->body().material();
+    return objects_[to_index(object_of(triangle))]->body().material();
 }
 
 Vec3 MovingSurface::shaded_normal(TriangleId triangle, const Vec3& point) const noexcept
 {
-    const Slot& slot = *objects_[index(object_of(triangle))];
+    const Slot& slot = *objects_[to_index(object_of(triangle))];
     const ShadingNormals* const normals = slot.body().normals();
     if (normals == nullptr) return Vec3::Zero();
     const RigidTransform& pose = slot.trajectory.now();

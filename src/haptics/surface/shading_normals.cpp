@@ -14,7 +14,7 @@ namespace {
 std::size_t corner_of(const TriangleCorners& corners, VertexId vertex)
 {
     for (std::size_t k = 0; k < 2; ++k) {
-        if (corners[k] == index(vertex)) return k;
+        if (corners[k] == to_index(vertex)) return k;
     }
     return 2;
 }
@@ -44,21 +44,21 @@ public:
         for (const EdgeId edge : topology_.edges(vertex)) join_across(edge, star);
         for (std::size_t i = 0; i < star.size(); ++i) {
             const std::size_t corner = corner_in(star[i], vertex);
-            corners[index(star[i])][corner] = mean_of(fan_[i], star, vertex, star[i]);
+            corners[to_index(star[i])][corner] = mean_of(fan_[i], star, vertex, star[i]);
         }
     }
 
 private:
     [[nodiscard]] std::size_t corner_in(TriangleId triangle, VertexId vertex) const
     {
-        return corner_of(mesh_.triangles()[index(triangle)], vertex);
+        return corner_of(mesh_.triangles()[to_index(triangle)], vertex);
     }
 
     void join_across(EdgeId edge, std::span<const TriangleId> star)
     {
         const auto sides = topology_.triangles(edge);
         if (sides.size() != 2) return;
-        if (!(faces_[index(sides[0])].dot(faces_[index(sides[1])]) >= least_cosine_)) return;
+        if (!(faces_[to_index(sides[0])].dot(faces_[to_index(sides[1])]) >= least_cosine_)) return;
         const auto rank = [&](TriangleId id) {
             return static_cast<std::size_t>(std::ranges::lower_bound(star, id) - star.begin());
         };
@@ -75,14 +75,14 @@ private:
         for (std::size_t i = 0; i < star.size(); ++i) {
             if (fan_[i] != fan) continue;
             sum += angle_at(mesh_.triangle(star[i]), corner_in(star[i], vertex)) *
-                   faces_[index(star[i])];
+                   faces_[to_index(star[i])];
         }
         const double length = sum.norm();
-        if (!(length > 0)) return faces_[index(self)];
+        if (!(length > 0)) return faces_[to_index(self)];
         constexpr double least = 0.25;
         for (std::size_t i = 0; i < star.size(); ++i) {
-            if (fan_[i] == fan && sum.dot(faces_[index(star[i])]) < least * length)
-                return faces_[index(self)];
+            if (fan_[i] == fan && sum.dot(faces_[to_index(star[i])]) < least * length)
+                return faces_[to_index(self)];
         }
         return sum / length;
     }
@@ -112,7 +112,7 @@ ShadingNormals::ShadingNormals(const TriangleMesh& mesh, const Topology& topolog
 Vec3 ShadingNormals::shaded_normal(TriangleId triangle, const Vec3& point) const noexcept
 {
     const TrianglePoint at = closest_point(mesh_.triangle(triangle), point);
-    const std::array<Vec3, 3>& corners = corners_[index(triangle)];
+    const std::array<Vec3, 3>& corners = corners_[to_index(triangle)];
     Vec3 sum = Vec3::Zero();
     for (std::size_t k = 0; k < 3; ++k) sum += at.weights[k] * corners[k];
     const double length = sum.norm();

@@ -70,7 +70,7 @@ private:
         positions_.reserve(mesh_.vertex_count());
         for (const Vec3& p : mesh_.positions()) positions_.push_back(frame_.to_frame(p));
         corners_.reserve(order_.size());
-        for (const TriangleId id : order_) corners_.push_back(mesh_.triangles()[index(id)]);
+        for (const TriangleId id : order_) corners_.push_back(mesh_.triangles()[to_index(id)]);
     }
 
     [[nodiscard]] EmitOptions emit_options() const

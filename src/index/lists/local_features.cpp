@@ -27,7 +27,8 @@ public:
                      std::span<const TriangleId> order, const RootFrame& frame)
         : mesh_(mesh), topology_(topology), order_(order), rank_(order.size())
     {
-        for (std::uint32_t rank = 0; rank < order.size(); ++rank) rank_[index(order[rank])] = rank;
+        for (std::uint32_t rank = 0; rank < order.size(); ++rank)
+            rank_[to_index(order[rank])] = rank;
         positions_.reserve(mesh.vertex_count());
         for (const Vec3& position : mesh.positions())
             positions_.push_back(frame.to_frame(position));
@@ -42,11 +43,11 @@ public:
         for (const TriangleId triangle : order_) {
             add_face(triangle);
             for (const EdgeId edge : topology_.edges(triangle)) {
-                if (edge == no_edge || edge_seen[index(edge)]) continue;
-                edge_seen[index(edge)] = true;
+                if (edge == no_edge || edge_seen[to_index(edge)]) continue;
+                edge_seen[to_index(edge)] = true;
                 add_edge(edge);
             }
-            for (const std::uint32_t vertex : mesh_.triangles()[index(triangle)]) {
+            for (const std::uint32_t vertex : mesh_.triangles()[to_index(triangle)]) {
                 if (vertex_seen[vertex]) continue;
                 vertex_seen[vertex] = true;
                 add_vertex(VertexId{vertex});
@@ -67,7 +68,7 @@ private:
 
     [[nodiscard]] Face face_of(TriangleId triangle) const
     {
-        const TriangleCorners& v = mesh_.triangles()[index(triangle)];
+        const TriangleCorners& v = mesh_.triangles()[to_index(triangle)];
         const Vec3 ab = at(v[1]) - at(v[0]);
         const Vec3 ac = at(v[2]) - at(v[0]);
         const Vec3 bc = at(v[2]) - at(v[1]);
@@ -126,7 +127,7 @@ private:
     void end(std::span<const TriangleId> triangles)
     {
         for (const TriangleId triangle : triangles)
-            result_.incident.push_back(rank_[index(triangle)]);
+            result_.incident.push_back(rank_[to_index(triangle)]);
         feature_.incident_count = static_cast<std::uint32_t>(triangles.size());
         std::sort(result_.incident.begin() + feature_.incident, result_.incident.end());
         result_.features.push_back(feature_);
@@ -136,7 +137,7 @@ private:
     {
         const Face face = face_of(triangle);
         if (!std::isfinite(face.error)) return;
-        const TriangleCorners& v = mesh_.triangles()[index(triangle)];
+        const TriangleCorners& v = mesh_.triangles()[to_index(triangle)];
         begin(FeatureKind::face);
         for (std::size_t i = 0; i < 3; ++i) add_side_plane(face, v[i], v[(i + 1) % 3], 1.0);
         feature_.flat = feature_.planes == 3 && face.error < 0x1p-24;
@@ -156,27 +157,27 @@ private:
     {
         const auto [low, high] = topology_.vertices(edge);
         begin(FeatureKind::edge);
-        add_end_plane(index(high), index(low), index(low));
-        add_end_plane(index(low), index(high), index(high));
+        add_end_plane(to_index(high), to_index(low), to_index(low));
+        add_end_plane(to_index(low), to_index(high), to_index(high));
         std::uint32_t faces = 0;
         for (const TriangleId triangle : topology_.triangles(edge)) {
             if (faces == max_edge_faces) break;
             const Face face = face_of(triangle);
             if (!std::isfinite(face.error)) continue;
             ++faces;
-            const TriangleCorners& v = mesh_.triangles()[index(triangle)];
+            const TriangleCorners& v = mesh_.triangles()[to_index(triangle)];
             for (std::size_t i = 0; i < 3; ++i) {
                 const std::uint32_t a = v[i];
                 const std::uint32_t b = v[(i + 1) % 3];
-                if ((a == index(low) && b == index(high)) ||
-                    (a == index(high) && b == index(low))) {
+                if ((a == to_index(low) && b == to_index(high)) ||
+                    (a == to_index(high) && b == to_index(low))) {
                     add_side_plane(face, a, b, -1.0);
                     break;
                 }
             }
         }
-        add_point(at(index(low)));
-        add_point(at(index(high)));
+        add_point(at(to_index(low)));
+        add_point(at(to_index(high)));
         end(topology_.triangles(edge));
     }
 
@@ -187,10 +188,10 @@ private:
         // Of very many neighbours some, evenly spread over their list.
         const std::size_t stride = (edges.size() + max_vertex_planes - 1) / max_vertex_planes;
         for (std::size_t i = 0; i < edges.size(); i += std::max<std::size_t>(stride, 1)) {
-            add_end_plane(index(vertex), index(topology_.other_end(edges[i], vertex)),
-                          index(vertex));
+            add_end_plane(to_index(vertex), to_index(topology_.other_end(edges[i], vertex)),
+                          to_index(vertex));
         }
-        add_point(at(index(vertex)));
+        add_point(at(to_index(vertex)));
         end(topology_.triangles(vertex));
     }
 

@@ -91,23 +91,23 @@ private:
         CommonSides common;
         Vec3 sum = Vec3::Zero();
         for (const TriangleId id : sign_.topology_->triangles(vertex)) {
-            const TriangleCorners& corners = mesh.triangles()[index(id)];
+            const TriangleCorners& corners = mesh.triangles()[to_index(id)];
             if (!detail::is_proper(corners)) continue;
-            common.add(sign_.sides_[index(id)]);
+            common.add(sign_.sides_[to_index(id)]);
             if (common.result() != SurfaceSides::separates) continue;
             const auto corner =
-                static_cast<int>(std::ranges::find(corners, index(vertex)) - corners.begin());
+                static_cast<int>(std::ranges::find(corners, to_index(vertex)) - corners.begin());
             const Triangle triangle = mesh.triangle(id);
             sum += angle_at(triangle, corner) * unit_normal_of(triangle);
         }
-        SurfaceSides& sides = sign_.vertex_sides_[index(vertex)];
+        SurfaceSides& sides = sign_.vertex_sides_[to_index(vertex)];
         sides = common.result();
         if (sides != SurfaceSides::separates) return;
         const double length = sum.norm();
         if (length < shortest_sum) {
             sides = SurfaceSides::doubtful;
         } else {
-            sign_.pseudonormals_[index(vertex)] = sum / length;
+            sign_.pseudonormals_[to_index(vertex)] = sum / length;
         }
     }
 

@@ -45,7 +45,7 @@ std::string text_of(const ClosestFeature& answer)
 {
     constexpr std::array names = {"vertex ", "edge ", "face "};
     return concat(names[static_cast<std::size_t>(answer.feature.kind)], answer.feature.id,
-                  " of triangle ", proxima::index(answer.triangle), " at ",
+                  " of triangle ", to_index(answer.triangle), " at ",
                   std::sqrt(answer.squared_distance));
 }
 

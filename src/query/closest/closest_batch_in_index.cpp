@@ -54,8 +54,8 @@ namespace proxima::HWY_NAMESPACE {
 
 HWY_INLINE void prefetch_feature(const IndexParts& index, const RowDistance& found)
 {
-    if (found.kind() == FeatureKind::vertex) hwy::Prefetch(&index.vertex_places()[found.id()]);
-    if (found.kind() == FeatureKind::edge) hwy::Prefetch(&index.edge_places()[found.id()]);
+    if (found.kind() == FeatureKind::vertex) hwy::Prefetch(&index.vertex_incidences()[found.id()]);
+    if (found.kind() == FeatureKind::edge) hwy::Prefetch(&index.edge_incidences()[found.id()]);
 }
 
 HWY_INLINE void write_answer(const ClosestChunk& chunk, std::size_t position,

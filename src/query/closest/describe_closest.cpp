@@ -10,13 +10,13 @@ namespace proxima {
 namespace {
 
 /// Where the lowest triangles of vertices and edges are.
-struct FeaturePlaces {
+struct FeatureIncidences {
     std::span<const std::uint32_t> vertices;
     std::span<const std::uint32_t> edges;
 };
 
 template <class Scalar>
-ClosestFeature describe(const FeaturePlaces& places, const TriangleRow<Scalar>& row,
+ClosestFeature describe(const FeatureIncidences& incidences, const TriangleRow<Scalar>& row,
                         const RowScale& scale, const RowDistance& found)
 {
     ClosestFeature answer;
@@ -24,15 +24,15 @@ ClosestFeature describe(const FeaturePlaces& places, const TriangleRow<Scalar>& 
     answer.squared_distance = scale.unscale_squared(found.squared);
     switch (found.kind()) {
     case FeatureKind::vertex: {
-        const std::uint32_t place = places.vertices[found.id()];
-        answer.triangle = TriangleId{place_word::triangle(place)};
-        answer.barycentric[place_word::corner(place)] = 1;
+        const std::uint32_t incident = incidences.vertices[found.id()];
+        answer.triangle = TriangleId{incidence::triangle(incident)};
+        answer.barycentric[incidence::corner(incident)] = 1;
         answer.point = row.corner(static_cast<int>(corner_of(row, found.id())));
         break;
     }
     case FeatureKind::edge: {
-        const std::uint32_t place = places.edges[found.id()];
-        answer.triangle = TriangleId{place_word::triangle(place)};
+        const std::uint32_t incident = incidences.edges[found.id()];
+        answer.triangle = TriangleId{incidence::triangle(incident)};
         const std::size_t side = side_of(row, found.id());
         const double along = found.along[side];
         const auto next_to = [](std::size_t corner) { return corner == 2 ? 0 : corner + 1; };
@@ -44,7 +44,7 @@ ClosestFeature describe(const FeaturePlaces& places, const TriangleRow<Scalar>& 
         answer.point = (1 - along) * row.corner(static_cast<int>(lower)) +
                        along * row.corner(static_cast<int>(upper));
         const auto [first, second] =
-            lower_first(place_word::backward(place), place_word::corner(place));
+            lower_first(incidence::backward(incident), incidence::corner(incident));
         answer.barycentric[first] = 1 - along;
         answer.barycentric[second] = along;
         break;
@@ -69,20 +69,20 @@ ClosestFeature describe_closest(const IndexParts& index, const RowDistance& foun
 {
     if (!found.found()) [[unlikely]]
         return no_closest_feature();
-    const FeaturePlaces places{index.vertex_places(), index.edge_places()};
+    const FeatureIncidences incidences{index.vertex_incidences(), index.edge_incidences()};
     const RowScale scale = row_scale_of(index);
     return index.double_rows().empty()
-               ? describe(places, index.float_rows()[found.rank], scale, found)
-               : describe(places, index.double_rows()[found.rank], scale, found);
+               ? describe(incidences, index.float_rows()[found.rank], scale, found)
+               : describe(incidences, index.double_rows()[found.rank], scale, found);
 }
 
 TriangleId triangle_of(const IndexParts& index, const RowDistance& found) noexcept
 {
     switch (found.kind()) {
     case FeatureKind::vertex:
-        return TriangleId{place_word::triangle(index.vertex_places()[found.id()])};
+        return TriangleId{incidence::triangle(index.vertex_incidences()[found.id()])};
     case FeatureKind::edge:
-        return TriangleId{place_word::triangle(index.edge_places()[found.id()])};
+        return TriangleId{incidence::triangle(index.edge_incidences()[found.id()])};
     case FeatureKind::face:
         break;
     }

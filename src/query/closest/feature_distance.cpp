@@ -61,7 +61,7 @@ void offer_features(const NamedTriangle& triangle, const Vec3& p, const RowScale
         const std::size_t next = k == 2 ? 0 : k + 1;
         offer(squared_distance(shape.vertices[k], p, scale), FeatureKind::vertex,
               triangle.vertices[k]);
-        if (triangle.edges[k] == index(no_edge)) continue;
+        if (triangle.edges[k] == to_index(no_edge)) continue;
         const bool ascends = triangle.vertices[k] < triangle.vertices[next];
         offer(foot_between(shape.vertices[ascends ? k : next], shape.vertices[ascends ? next : k],
                            p, scale)
@@ -72,7 +72,7 @@ void offer_features(const NamedTriangle& triangle, const Vec3& p, const RowScale
 
 std::size_t corner_of(const TriangleCorners& corners, VertexId vertex) noexcept
 {
-    const auto found = std::ranges::find(corners, index(vertex));
+    const auto found = std::ranges::find(corners, to_index(vertex));
     return static_cast<std::size_t>(found - corners.begin());
 }
 
@@ -152,9 +152,9 @@ void offer_triangle(const TriangleMesh& mesh, const Topology& topology, Triangle
 {
     const std::array<EdgeId, 3>& edges = topology.edges(triangle);
     offer_features({mesh.triangle(triangle),
-                    index(triangle),
-                    mesh.triangles()[index(triangle)],
-                    {index(edges[0]), index(edges[1]), index(edges[2])}},
+                    to_index(triangle),
+                    mesh.triangles()[to_index(triangle)],
+                    {to_index(edges[0]), to_index(edges[1]), to_index(edges[2])}},
                    p, scale, best);
 }
 
@@ -192,7 +192,7 @@ ClosestFeature describe_closest(const TriangleMesh& mesh, const Topology& topolo
     closest.feature = feature;
     closest.triangle = lowest_triangle(topology, feature);
     closest.squared_distance = scale.unscale_squared(nearest.squared);
-    const TriangleCorners& corners = mesh.triangles()[index(closest.triangle)];
+    const TriangleCorners& corners = mesh.triangles()[to_index(closest.triangle)];
     if (feature.kind == FeatureKind::vertex) {
         closest.point = mesh.position(VertexId{feature.id});
         closest.barycentric[corner_of(corners, VertexId{feature.id})] = 1;

@@ -55,11 +55,11 @@ std::optional<MovedTriangles> find_moved(std::span<const TriangleRow<Scalar>> ro
     for (std::size_t rank = 0; rank < rows.size(); ++rank) {
         const TriangleRow<Scalar>& row = rows[rank];
         const TriangleId id{row.triangle_id()};
-        const TriangleCorners& corners = mesh.triangles()[index(id)];
+        const TriangleCorners& corners = mesh.triangles()[to_index(id)];
         const auto& edges = topology.edges(id);
         bool moved = false;
         for (std::size_t k = 0; k < 3; ++k) {
-            if (row.vertices[k] != corners[k] || row.edges[k] != index(edges[k]))
+            if (row.vertices[k] != corners[k] || row.edges[k] != to_index(edges[k]))
                 return std::nullopt;
             moved = moved || row.corner(static_cast<int>(k)) != mesh.positions()[corners[k]];
         }

@@ -79,7 +79,7 @@ std::optional<bool> is_behind_edge(const SignParts& sign, EdgeId edge, const Vec
     const TriangleMesh& mesh = sign.mesh();
     Vec3 normal = Vec3::Zero();
     for (const TriangleId id : sign.topology().triangles(edge)) {
-        if (!detail::is_proper(mesh.triangles()[index(id)])) continue;
+        if (!detail::is_proper(mesh.triangles()[to_index(id)])) continue;
         normal += unit_normal_of(mesh.triangle(id));
     }
     // The normal is across the edge, so any of its points will do: the nearer end rounds less.
@@ -95,7 +95,7 @@ std::optional<bool> is_behind_edge(const SignParts& sign, EdgeId edge, const Vec
 std::optional<bool> is_behind_vertex(const SignParts& sign, VertexId vertex, const Vec3& p,
                                      double distance) noexcept
 {
-    const Vec3& normal = sign.pseudonormals()[index(vertex)];
+    const Vec3& normal = sign.pseudonormals()[to_index(vertex)];
     return by_height(normal.dot(p - sign.mesh().position(vertex)),
                      (normal_error + tie_error) * distance);
 }
@@ -106,8 +106,8 @@ SurfaceSides sides_of(const SignParts& sign, const Feature& feature) noexcept
     if (feature.kind == FeatureKind::face) return sign.sides()[feature.id];
     CommonSides common;
     for (const TriangleId id : sign.topology().triangles(EdgeId{feature.id})) {
-        if (!detail::is_proper(sign.mesh().triangles()[index(id)])) continue;
-        common.add(sign.sides()[index(id)]);
+        if (!detail::is_proper(sign.mesh().triangles()[to_index(id)])) continue;
+        common.add(sign.sides()[to_index(id)]);
     }
     return common.result();
 }
@@ -118,7 +118,7 @@ double height_at(const SignParts& sign, const Feature& feature) noexcept
     const auto least = [&](std::span<const TriangleId> triangles) {
         double height = std::numeric_limits<double>::infinity();
         for (const TriangleId id : triangles) {
-            if (!detail::is_proper(sign.mesh().triangles()[index(id)])) continue;
+            if (!detail::is_proper(sign.mesh().triangles()[to_index(id)])) continue;
             height = std::min(height, height_of(sign.mesh().triangle(id), sign.winding().unit()));
         }
         return height;

@@ -105,7 +105,7 @@ bool meet_beyond_shared(const TriangleMesh& mesh, TriangleId a_id, TriangleId b_
     const Triangle a = mesh.triangle(a_id);
     const Triangle b = mesh.triangle(b_id);
     const SharedCorners shared =
-        share_corners(mesh.triangles()[index(a_id)], mesh.triangles()[index(b_id)]);
+        share_corners(mesh.triangles()[to_index(a_id)], mesh.triangles()[to_index(b_id)]);
     switch (shared.count) {
     case 0:
         return triangles_meet(a, b);
@@ -134,7 +134,7 @@ bool nearly_meet(const TriangleMesh& mesh, TriangleId a_id, TriangleId b_id,
     const Triangle a = scaled(a_id);
     const Triangle b = scaled(b_id);
     const SharedCorners shared =
-        share_corners(mesh.triangles()[index(a_id)], mesh.triangles()[index(b_id)]);
+        share_corners(mesh.triangles()[to_index(a_id)], mesh.triangles()[to_index(b_id)]);
     if (shared.count == 0) {
         const double least = clearance.distance * unit;
         return closest_points(a, b).squared_distance < least * least;
@@ -166,7 +166,7 @@ bool meets_another(const IndexParts& tree, const TriangleMesh& mesh,
     int tests = 0;
     visit_near(tree, box, 0.0, [&](RowRange rows) noexcept {
         for (const TriangleId other : tree.ids().subspan(rows.first, rows.count)) {
-            if (other == id || areas[index(other)] == 0) continue;
+            if (other == id || areas[to_index(other)] == 0) continue;
             if (!boxes_meet(box, bounding_box(mesh.triangle(other)))) continue;
             if (++tests <= max_tests && !meet_beyond_shared(mesh, id, other) &&
                 !(nearly && nearly_meet(mesh, id, other, clearance, unit)))
@@ -226,8 +226,8 @@ Patches find_patches(const TriangleMesh& mesh, const Topology& topology,
         if (uses[edge].total() != 2) continue;
         TriangleId previous = no_triangle;
         for (const TriangleId id : topology.triangles(EdgeId{edge})) {
-            if (!takes_part[index(id)]) continue;
-            if (previous != no_triangle) sets.unite(index(previous), index(id));
+            if (!takes_part[to_index(id)]) continue;
+            if (previous != no_triangle) sets.unite(to_index(previous), to_index(id));
             previous = id;
         }
     }
@@ -309,8 +309,8 @@ Result<std::vector<std::uint8_t>> find_contacts(const IndexParts& tree, const Tr
     // By row: neighbours share what the caches hold.
     for_all([&](std::size_t row) {
         const TriangleId id = tree.ids()[row];
-        if (areas[index(id)] == 0) return;
-        contacts[index(id)] = meets_another(tree, mesh, areas, id, clearance) ? 1 : 0;
+        if (areas[to_index(id)] == 0) return;
+        contacts[to_index(id)] = meets_another(tree, mesh, areas, id, clearance) ? 1 : 0;
     });
     if (is_cancelled(options.execution.progress)) return sides_stopped();
     return contacts;

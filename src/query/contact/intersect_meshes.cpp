@@ -137,12 +137,14 @@ void sort_pairs(std::vector<TrianglePair>& pairs)
     }
     const auto by_a = [](const TrianglePair& x, const TrianglePair& y) { return x.a < y.a; };
     const auto [least, most] = std::ranges::minmax_element(pairs, by_a);
-    const std::uint32_t start = index(least->a);
-    const std::uint32_t range = index(most->a) - start;
+    const std::uint32_t start = to_index(least->a);
+    const std::uint32_t range = to_index(most->a) - start;
     unsigned shift = 0;
     while ((range >> shift) >= 2 * pairs.size()) ++shift;
     std::vector<std::uint32_t> end((range >> shift) + 2, 0);
-    const auto group = [&](const TrianglePair& pair) { return (index(pair.a) - start) >> shift; };
+    const auto group = [&](const TrianglePair& pair) {
+        return (to_index(pair.a) - start) >> shift;
+    };
     for (const TrianglePair& pair : pairs) ++end[group(pair) + 1];
     for (std::size_t i = 1; i < end.size(); ++i) end[i] += end[i - 1];
     std::vector<TrianglePair> sorted(pairs.size());

@@ -20,7 +20,7 @@ public:
 
     [[nodiscard]] TriangleCorners corners(TriangleId id) const
     {
-        return mesh_.triangles()[index(id)];
+        return mesh_.triangles()[to_index(id)];
     }
     [[nodiscard]] Triangle triangle(TriangleId id) const { return mesh_.triangle(id); }
 
@@ -139,7 +139,7 @@ public:
     [[nodiscard]] SurfacePart part(TriangleId triangle, TrianglePart part) const
     {
         if (part == TrianglePart::inside)
-            return {FeatureKind::face, {index(triangle), index(triangle)}};
+            return {FeatureKind::face, {to_index(triangle), to_index(triangle)}};
         const auto corner = corners(triangle);
         const auto number = static_cast<std::size_t>(number_of(part));
         return is_corner(part) ? vertex_part(corner[number])

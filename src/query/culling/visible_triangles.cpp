@@ -42,7 +42,7 @@ void visible_triangles(const MeshIndex& index, const ViewVolume& volume, CullMod
     if (marks_hidden && triangles % word != 0) marks.back() = (1ULL << triangles % word) - 1;
     const auto turn = [&](std::uint32_t first, std::uint32_t end) {
         for (const TriangleId triangle : index.ids().subspan(first, end - first)) {
-            const std::uint32_t id = proxima::index(triangle);
+            const std::uint32_t id = to_index(triangle);
             marks[id / word] ^= 1ULL << id % word;
         }
     };

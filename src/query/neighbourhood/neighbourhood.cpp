@@ -46,7 +46,7 @@ private:
 bool add_neighbours(const TriangleMesh& mesh, const Topology& topology, TriangleId triangle,
                     NeighbourhoodScratch& scratch, BufferWriter<TriangleId>& found) noexcept
 {
-    for (const std::uint32_t corner : mesh.triangles()[index(triangle)]) {
+    for (const std::uint32_t corner : mesh.triangles()[to_index(triangle)]) {
         const VertexId vertex{corner};
         if (!scratch.mark(vertex)) continue;
         for (const TriangleId neighbour : topology.triangles(vertex)) {
@@ -209,19 +209,19 @@ Neighbourhood collect_features(const MeshIndex& index, const Vec3& p, double rad
         const auto offer = [&](double at, FeatureKind kind, std::uint32_t feature) {
             return !(at <= limit) || found.add({scale.unscale_squared(at), {kind, feature}});
         };
-        const auto is_lowest = [&](std::uint32_t word) { return place_word::triangle(word) == id; };
+        const auto is_lowest = [&](std::uint32_t word) { return incidence::triangle(word) == id; };
         if (!offer(squared, FeatureKind::face, id)) return Flow::stop;
         for (std::size_t k = 0; k < 3; ++k) {
             const std::uint32_t vertex = row.vertices[k];
-            if (corner_of(row, vertex) == k && is_lowest(parts.vertex_places()[vertex]) &&
+            if (corner_of(row, vertex) == k && is_lowest(parts.vertex_incidences()[vertex]) &&
                 !offer(squared_distance(row.corner(static_cast<int>(k)), p, scale),
                        FeatureKind::vertex, vertex)) {
                 return Flow::stop;
             }
             const std::uint32_t edge = row.edges[k];
-            const bool met = edge == proxima::index(no_edge) ||
+            const bool met = edge == to_index(no_edge) ||
                              std::find(row.edges, row.edges + k, edge) != row.edges + k;
-            if (!met && is_lowest(parts.edge_places()[edge]) &&
+            if (!met && is_lowest(parts.edge_incidences()[edge]) &&
                 !offer(closed_distance(row, k, p, scale), FeatureKind::edge, edge)) {
                 return Flow::stop;
             }

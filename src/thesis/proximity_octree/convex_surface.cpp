@@ -22,9 +22,9 @@ Status check_areas(const TriangleMesh& mesh)
 /// Whether a triangle runs along the edge from its lower vertex to its higher.
 bool runs_upward(const TriangleMesh& mesh, TriangleId triangle, const EdgeVertices& edge)
 {
-    const TriangleCorners& corners = mesh.triangles()[index(triangle)];
+    const TriangleCorners& corners = mesh.triangles()[to_index(triangle)];
     for (std::size_t i = 0; i < 3; ++i)
-        if (corners[i] == index(edge[0])) return corners[(i + 1) % 3] == index(edge[1]);
+        if (corners[i] == to_index(edge[0])) return corners[(i + 1) % 3] == to_index(edge[1]);
     return false;
 }
 
@@ -36,7 +36,7 @@ Status check_directions(const TriangleMesh& mesh, const Topology& topology)
         const auto sides = topology.triangles(EdgeId{e});
         if (runs_upward(mesh, sides[0], ends) != runs_upward(mesh, sides[1], ends)) continue;
         return fail(ErrorCode::invalid_mesh,
-                    concat("triangles ", index(sides[0]), " and ", index(sides[1]),
+                    concat("triangles ", to_index(sides[0]), " and ", to_index(sides[1]),
                            " are turned against each other: orient all counter-clockwise seen "
                            "from outside"));
     }
@@ -86,9 +86,9 @@ Status check_outward(const TriangleMesh& mesh, const Vec3& inner_point)
 std::uint32_t opposite_corner(const TriangleMesh& mesh, TriangleId triangle,
                               const EdgeVertices& edge)
 {
-    const TriangleCorners& corners = mesh.triangles()[index(triangle)];
+    const TriangleCorners& corners = mesh.triangles()[to_index(triangle)];
     return *std::ranges::find_if(corners, [&](std::uint32_t corner) {
-        return corner != index(edge[0]) && corner != index(edge[1]);
+        return corner != to_index(edge[0]) && corner != to_index(edge[1]);
     });
 }
 
@@ -96,8 +96,8 @@ EdgeFold fold_of(const TriangleMesh& mesh, const Topology& topology, EdgeId edge
                  const std::vector<Vec3>& normals, double flat_sine)
 {
     const auto sides = topology.triangles(edge);
-    const Vec3& one = normals[index(sides[0])];
-    const Vec3& other = normals[index(sides[1])];
+    const Vec3& one = normals[to_index(sides[0])];
+    const Vec3& other = normals[to_index(sides[1])];
     if (one.dot(other) > 0 && sine_between(one, other) <= flat_sine) return EdgeFold::flat;
     const Triangle triangle = mesh.triangle(sides[0]);
     const std::uint32_t opposite = opposite_corner(mesh, sides[1], topology.vertices(edge));

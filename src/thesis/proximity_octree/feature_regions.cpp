@@ -25,7 +25,7 @@ Result<Vec3> normal_of(const TriangleMesh& mesh, TriangleId id)
     const Triangle triangle = mesh.triangle(id);
     if (is_degenerate(triangle)) {
         return fail(ErrorCode::invalid_mesh,
-                    concat("triangle ", index(id), " has no area, so it has no normal"));
+                    concat("triangle ", to_index(id), " has no area, so it has no normal"));
     }
     return unit_normal({triangle[0], triangle[1]}, {triangle[0], triangle[2]});
 }
@@ -36,7 +36,7 @@ Result<std::vector<Vec3>> normals_of_edge(const TriangleMesh& mesh, const Topolo
 {
     const auto sides = topology.triangles(edge);
     if (sides.size() != 2) {
-        return fail(ErrorCode::invalid_mesh, concat("edge ", index(edge), " has ", sides.size(),
+        return fail(ErrorCode::invalid_mesh, concat("edge ", to_index(edge), " has ", sides.size(),
                                                     " triangles: that of a closed mesh has two"));
     }
     const auto one = normal_of(mesh, sides[0]);
@@ -52,7 +52,7 @@ Result<std::vector<Vec3>> normals_of_edge(const TriangleMesh& mesh, const Topolo
                             [&](const Vec3& corner) { return stands_beyond(first, corner); });
     if (bends_inward && sine_between(*one, *other) > ConvexSurfaceOptions{}.flat_sine) {
         return fail(ErrorCode::invalid_mesh,
-                    concat("the mesh is not convex: it bends inward at edge ", index(edge)));
+                    concat("the mesh is not convex: it bends inward at edge ", to_index(edge)));
     }
     return std::vector{*one, *other};
 }
@@ -70,8 +70,9 @@ Result<ConvexPolyhedron> region_of_vertex(const TriangleMesh& mesh, const Topolo
                                           VertexId vertex)
 {
     if (topology.triangles(vertex).empty()) {
-        return fail(ErrorCode::invalid_argument, concat("no triangle uses vertex ", index(vertex),
-                                                        ": it is not on the surface"));
+        return fail(
+            ErrorCode::invalid_argument,
+            concat("no triangle uses vertex ", to_index(vertex), ": it is not on the surface"));
     }
     for (const EdgeId edge : topology.edges(vertex)) {
         const auto sound = normals_of_edge(mesh, topology, edge);

@@ -90,7 +90,7 @@ private:
         std::vector<Vec3> normals;
         const auto add = [&](std::span<const TriangleId> triangles) {
             for (const TriangleId triangle : triangles)
-                normals.push_back(surface_.normals[index(triangle)]);
+                normals.push_back(surface_.normals[to_index(triangle)]);
         };
         switch (feature.kind) {
         case FeatureKind::vertex:
@@ -169,10 +169,10 @@ private:
         if (feature.kind != FeatureKind::face) return 0;
         double sine = 0;
         for (const EdgeId edge : topology_.edges(TriangleId{feature.id})) {
-            if (surface_.folds[index(edge)] != EdgeFold::flat) continue;
+            if (surface_.folds[to_index(edge)] != EdgeFold::flat) continue;
             const auto sides = topology_.triangles(edge);
-            sine = std::max(sine, sine_between(surface_.normals[index(sides[0])],
-                                               surface_.normals[index(sides[1])]));
+            sine = std::max(sine, sine_between(surface_.normals[to_index(sides[0])],
+                                               surface_.normals[to_index(sides[1])]));
         }
         if (sine == 0) return 0;
         // More than rounding of the sine, of the sine for the angle, and of this product.

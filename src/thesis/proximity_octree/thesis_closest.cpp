@@ -27,7 +27,7 @@ public:
     void try_vertex(VertexId vertex) noexcept
     {
         Candidate candidate;
-        candidate.feature = {FeatureKind::vertex, index(vertex)};
+        candidate.feature = {FeatureKind::vertex, to_index(vertex)};
         candidate.triangle = topology_.triangles(vertex).front();
         candidate.weights[corner_of(candidate.triangle, vertex)] = 1;
         candidate.point = mesh_.position(vertex);
@@ -42,7 +42,7 @@ public:
         if (nearest.t <= 0) return try_vertex(p);
         if (nearest.t >= 1) return try_vertex(q);
         Candidate candidate;
-        candidate.feature = {FeatureKind::edge, index(edge)};
+        candidate.feature = {FeatureKind::edge, to_index(edge)};
         candidate.triangle = topology_.triangles(edge).front();
         candidate.weights[corner_of(candidate.triangle, p)] = 1 - nearest.t;
         candidate.weights[corner_of(candidate.triangle, q)] = nearest.t;
@@ -54,12 +54,12 @@ public:
     {
         const TrianglePoint nearest = closest_point(mesh_.triangle(triangle), query_);
         const auto part = static_cast<std::size_t>(nearest.part);
-        const TriangleCorners& corners = mesh_.triangles()[index(triangle)];
+        const TriangleCorners& corners = mesh_.triangles()[to_index(triangle)];
         if (part < 3) return try_vertex(VertexId{corners[part]});
         Candidate candidate;
-        candidate.feature = {FeatureKind::face, index(triangle)};
+        candidate.feature = {FeatureKind::face, to_index(triangle)};
         if (nearest.part != TrianglePart::inside)
-            candidate.feature = {FeatureKind::edge, index(topology_.edges(triangle)[part - 3])};
+            candidate.feature = {FeatureKind::edge, to_index(topology_.edges(triangle)[part - 3])};
         candidate.triangle = triangle;
         candidate.weights = nearest.weights;
         candidate.point = nearest.point;
@@ -75,7 +75,7 @@ public:
         answer.triangle = faces_of(best_.feature).front();
         answer.point = best_.point;
         answer.squared_distance = best_.squared_distance;
-        const TriangleCorners& corners = mesh_.triangles()[index(best_.triangle)];
+        const TriangleCorners& corners = mesh_.triangles()[to_index(best_.triangle)];
         for (std::size_t i = 0; i < 3; ++i) {
             if (best_.weights[i] == 0) continue;
             const std::size_t corner = corner_of(answer.triangle, VertexId{corners[i]});
@@ -98,8 +98,8 @@ private:
 
     [[nodiscard]] std::size_t corner_of(TriangleId triangle, VertexId vertex) const noexcept
     {
-        const TriangleCorners& corners = mesh_.triangles()[index(triangle)];
-        return static_cast<std::size_t>(std::ranges::find(corners, index(vertex)) -
+        const TriangleCorners& corners = mesh_.triangles()[to_index(triangle)];
+        return static_cast<std::size_t>(std::ranges::find(corners, to_index(vertex)) -
                                         corners.begin());
     }
 

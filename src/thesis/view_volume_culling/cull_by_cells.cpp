@@ -11,7 +11,7 @@ CellCulling cull_by_cells(const Octree& octree, const ViewVolume& volume)
     visible_cells(octree, volume, CullMode::exact, [&](const VisibleCell& at) {
         const auto list = octree.triangles(at.cell);
         culling.cells += list.empty() ? 0U : 1U;
-        for (const TriangleId id : list) is_listed[index(id)] = true;
+        for (const TriangleId id : list) is_listed[to_index(id)] = true;
         return Flow::proceed;
     });
     for (std::uint32_t id = 0; id < is_listed.size(); ++id)

@@ -87,8 +87,8 @@ void expect_equal(const MeshIndex& a, const MeshIndex& b)
     EXPECT_TRUE(same_bytes(a.parts().float_rows(), b.parts().float_rows()));
     EXPECT_TRUE(same_bytes(a.parts().double_rows(), b.parts().double_rows()));
     EXPECT_TRUE(same_bytes(a.ids(), b.ids()));
-    EXPECT_TRUE(same_bytes(a.parts().vertex_places(), b.parts().vertex_places()));
-    EXPECT_TRUE(same_bytes(a.parts().edge_places(), b.parts().edge_places()));
+    EXPECT_TRUE(same_bytes(a.parts().vertex_incidences(), b.parts().vertex_incidences()));
+    EXPECT_TRUE(same_bytes(a.parts().edge_incidences(), b.parts().edge_incidences()));
     EXPECT_TRUE(same_bytes(a.parts().slabs(), b.parts().slabs()));
     expect_equal(a.parts().lists(), b.parts().lists());
 }
@@ -122,7 +122,7 @@ void expect_harmless(const MeshIndex& index, unsigned seed)
         const std::array<std::size_t, 3> counts = {index.vertex_count(), index.edge_count(),
                                                    index.triangle_count()};
         ASSERT_LT(found.feature.id, counts[static_cast<std::size_t>(found.feature.kind)]);
-        ASSERT_LT(proxima::index(found.triangle), index.triangle_count());
+        ASSERT_LT(to_index(found.triangle), index.triangle_count());
     };
     for (const Vec3& p : points) {
         QuerySteps steps;

@@ -29,14 +29,14 @@ inline std::vector<Feature> names_of(const LocalFeatures& features, const Triang
         if (names.size() < features.features.size()) {
             const LocalFeature& next = features.features[names.size()];
             if (next.kind == FeatureKind::face && features.triangles(next).front() == rank)
-                add(FeatureKind::face, index(order[rank]));
+                add(FeatureKind::face, to_index(order[rank]));
         }
         for (const EdgeId edge : topology.edges(order[rank])) {
-            if (edge == no_edge || edge_seen[index(edge)]) continue;
-            edge_seen[index(edge)] = true;
-            add(FeatureKind::edge, index(edge));
+            if (edge == no_edge || edge_seen[to_index(edge)]) continue;
+            edge_seen[to_index(edge)] = true;
+            add(FeatureKind::edge, to_index(edge));
         }
-        for (const std::uint32_t vertex : mesh.triangles()[index(order[rank])]) {
+        for (const std::uint32_t vertex : mesh.triangles()[to_index(order[rank])]) {
             if (vertex_seen[vertex]) continue;
             vertex_seen[vertex] = true;
             add(FeatureKind::vertex, vertex);

@@ -101,13 +101,13 @@ private:
     void add_side(TriangleId triangle, VertexId a, VertexId b, int sign,
                   std::vector<ExactPlane>& planes) const
     {
-        const TriangleCorners& c = mesh_.triangles()[index(triangle)];
+        const TriangleCorners& c = mesh_.triangles()[to_index(triangle)];
         const Point normal =
             cross(at(VertexId{c[1]}) - at(VertexId{c[0]}), at(VertexId{c[2]}) - at(VertexId{c[0]}));
         if (dot(normal, normal) == 0) return;
         Point inward = cross(normal, at(b) - at(a));
         const auto third = std::ranges::find_if(
-            c, [&](std::uint32_t v) { return v != index(a) && v != index(b); });
+            c, [&](std::uint32_t v) { return v != to_index(a) && v != to_index(b); });
         if (dot(inward, at(VertexId{*third}) - at(a)) < 0) inward = Point{} - inward;
         if (sign < 0) inward = Point{} - inward;
         planes.push_back({inward, dot(inward, at(a))});

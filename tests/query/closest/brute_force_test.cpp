@@ -97,7 +97,7 @@ TEST(BruteForce, LocatesTheClosestPoint)
             } else {
                 while (!has_all(mesh.triangles()[lowest])) ++lowest;
             }
-            EXPECT_EQ(index(found.triangle), lowest);
+            EXPECT_EQ(to_index(found.triangle), lowest);
 
             // The weights name the feature's vertices, and the point.
             const Triangle triangle = mesh.triangle(found.triangle);

@@ -15,7 +15,7 @@ namespace proxima::testing {
 struct Signed {
     explicit Signed(TriangleMesh m)
         : mesh(std::move(m)), topology(build_topology(mesh).value()),
-          index(build_mesh_index(mesh).value()),
+          to_index(build_mesh_index(mesh).value()),
           sign(build_surface_sign(mesh, topology, index).value())
     {}
     Signed(const Signed&) = delete;

@@ -114,8 +114,8 @@ TEST(SelfIntersection, OfTwoSpheresLiesWhereTheyMeet)
     const auto pairs = pairs_of(joined(sphere, other));
     EXPECT_GT(pairs.size(), 20U);
     for (const TrianglePair& pair : pairs) {
-        EXPECT_LT(index(pair.a), sphere.triangle_count());
-        EXPECT_GE(index(pair.b), sphere.triangle_count());
+        EXPECT_LT(to_index(pair.a), sphere.triangle_count());
+        EXPECT_GE(to_index(pair.b), sphere.triangle_count());
     }
 }
 

@@ -22,7 +22,7 @@ Ids vertices_of(const TriangleMesh& mesh, const Topology& topology, const Featur
     if (feature.kind == FeatureKind::vertex) return {feature.id};
     if (feature.kind == FeatureKind::edge) {
         const auto [low, high] = topology.vertices(EdgeId{feature.id});
-        return {index(low), index(high)};
+        return {to_index(low), to_index(high)};
     }
     const TriangleCorners& corners = mesh.triangles()[feature.id];
     return {corners.begin(), corners.end()};
@@ -100,7 +100,7 @@ TEST(Rings, AgreeWithABreadthFirstSearch)
             std::size_t begin = 0;
             for (std::size_t ring = 0; ring < truth.size(); ++ring) {
                 std::vector<std::uint32_t> ids;
-                for (; begin < ends[ring]; ++begin) ids.push_back(index(buffer[begin]));
+                for (; begin < ends[ring]; ++begin) ids.push_back(to_index(buffer[begin]));
                 EXPECT_TRUE(std::ranges::equal(ids, truth[ring]))
                     << "ring " << ring << " of feature " << static_cast<int>(feature.kind) << ' '
                     << feature.id;

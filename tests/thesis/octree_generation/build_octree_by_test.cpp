@@ -55,7 +55,7 @@ TEST(BuildOctreeBy, RoundedMethodsLoseNoTriangle)
             ASSERT_TRUE(octree) << describe(octree.error());
             ASSERT_TRUE(check_structure(*octree));
             std::vector<bool> is_listed(mesh.triangle_count(), false);
-            for (const TriangleId id : octree->references()) is_listed[index(id)] = true;
+            for (const TriangleId id : octree->references()) is_listed[to_index(id)] = true;
             EXPECT_EQ(std::ranges::count(is_listed, false), 0);
         }
     }
@@ -97,8 +97,8 @@ TEST(BuildOctreeBy, RoundedMethodsDifferFromExactOnlyOnTouchingTriangles)
             for (const TriangleId id :
                  listed_once(exact->triangles(cell), rounded->triangles(other))) {
                 ++differences;
-                EXPECT_TRUE(triangle_overlaps_box(mesh.triangle(id), grown)) << index(id);
-                EXPECT_FALSE(triangle_overlaps_box(mesh.triangle(id), shrunk)) << index(id);
+                EXPECT_TRUE(triangle_overlaps_box(mesh.triangle(id), grown)) << to_index(id);
+                EXPECT_FALSE(triangle_overlaps_box(mesh.triangle(id), shrunk)) << to_index(id);
             }
         }
     }

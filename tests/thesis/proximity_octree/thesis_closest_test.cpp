@@ -57,7 +57,7 @@ bool is_behind_all_faces(const TriangleMesh& mesh, const Vec3& p)
 void expect_consistent(const TriangleMesh& mesh, const Topology& topology,
                        const ClosestFeature& found, double tolerance)
 {
-    const auto& corners = mesh.triangles()[index(found.triangle)];
+    const auto& corners = mesh.triangles()[to_index(found.triangle)];
     Vec3 point = Vec3::Zero();
     double sum = 0;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -80,7 +80,7 @@ void expect_consistent(const TriangleMesh& mesh, const Topology& topology,
         EXPECT_GE(zeros, 1U);
         break;
     case FeatureKind::face:
-        EXPECT_EQ(index(found.triangle), found.feature.id);
+        EXPECT_EQ(to_index(found.triangle), found.feature.id);
         break;
     }
 }

@@ -77,8 +77,8 @@ Result<std::vector<MeshIndex>> build_indexes(const TriangleMesh& mesh, Threads t
     auto usual = testing::listed_index(mesh, {.execution = {.threads = threads}});
     if (!usual) return tl::unexpected(usual.error());
     indexes.push_back(std::move(*usual));
-    auto tight = testing::listed_index(mesh, {.list_bytes = 2048 + 20 * mesh.triangle_count(),
-                                              .execution = {.threads = threads}});
+    auto tight = testing::listed_index(
+        mesh, {.list_bytes = 2048 + 20 * mesh.triangle_count(), .execution = {.threads = threads}});
     if (!tight) return tl::unexpected(tight.error());
     indexes.push_back(std::move(*tight));
     return indexes;
@@ -94,7 +94,7 @@ bool is_closed(const TriangleMesh& mesh, const Topology& topology)
         for (std::size_t k = 0; k < 3; ++k) {
             const std::uint32_t from = corners[k];
             const std::uint32_t to = corners[(k + 1) % 3];
-            if (edges[k] != no_edge) passes[index(edges[k])] += from < to ? 1 : -1;
+            if (edges[k] != no_edge) passes[to_index(edges[k])] += from < to ? 1 : -1;
         }
     }
     return std::ranges::all_of(passes, [](int sum) { return sum == 0; });

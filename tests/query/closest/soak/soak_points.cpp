@@ -92,7 +92,7 @@ Vec3 PointMaker::in_volume(Random& random) const
 /// Half of them uniform by area, half by triangle.
 Vec3 PointMaker::on_surface(Random& random) const
 {
-    std::uint32_t id = index(any_triangle(random));
+    std::uint32_t id = to_index(any_triangle(random));
     if (random() % 2 == 0) {
         const auto chosen = std::ranges::upper_bound(areas_, areas_.back() * part(random));
         id = static_cast<std::uint32_t>(
@@ -183,7 +183,7 @@ Vec3 PointMaker::height_over(TriangleId triangle, Random& random) const
 Vec3 PointMaker::above_vertex(Random& random) const
 {
     const TriangleId triangle = any_triangle(random);
-    const std::uint32_t corner = mesh_.triangles()[index(triangle)][random() % 3];
+    const std::uint32_t corner = mesh_.triangles()[to_index(triangle)][random() % 3];
     Vec3 point = mesh_.position(VertexId{corner}) + height_over(triangle, random);
     if (random() % 2 == 0) return point;
     const auto edges = topology_.edges(VertexId{corner});
