@@ -22,6 +22,17 @@ void free_memory(void* memory, std::size_t bytes) noexcept;
 
 } // namespace detail
 
+/// While one lives, large blocks that buffers of this thread give back serve the thread's next ones:
+/// the system need not clear them again. What is left goes back at the end. For builders that hold
+/// one large array after the other; one at a time on a thread.
+class PageReserve {
+public:
+    PageReserve() noexcept;
+    ~PageReserve();
+    PageReserve(const PageReserve&) = delete;
+    PageReserve& operator=(const PageReserve&) = delete;
+};
+
 /// Like a vector of plain values, but new elements are left as they come, and growing moves pages
 /// instead of copying where the system can. Throws std::bad_alloc when memory runs out.
 template <class T>

@@ -8,6 +8,7 @@
 #include "index/block_boxes.h"
 #include "index/index_parts.h"
 #include "index/index_storage.h"
+#include "proxima/function_ref.h"
 #include "proxima/octree.h"
 
 #include <algorithm>
@@ -16,6 +17,7 @@
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace proxima {
@@ -237,10 +239,10 @@ public:
     MeshIndexWriter(const TriangleMesh& mesh, BinaryTree tree) : mesh_(mesh), tree_(std::move(tree))
     {}
 
-    /// The top of the tree first, then side by side the parts below it.
-    bool write_blocks(Threads threads, Progress* progress)
+    /// The top of the tree first, then side by side the parts below it. `beside` is called
+    /// meanwhile, by one thread.
+    bool write_blocks(Threads threads, Progress* progress, FunctionRef<void()> beside)
     {
-        begin_stage(progress, "writing mesh index", tree_.order.size());
         root_ = 1U | (tree_.is_leaf(tree_.root()) ? index_leaf_bit : 0U);
         const auto is_part = [](const BinaryTree::Child& at) {
             return at.count <= triangles_of_part;
@@ -267,14 +269,18 @@ public:
         });
         std::ranges::sort(parts, {}, [](const PendingBlock& at) { return at.child.first; });
         std::vector<unsigned char> is_exact(parts.size(), 0);
-        parallel_for(parts.size(), threads, [&](std::size_t i) {
+        parallel_for(1 + parts.size(), threads, [&](std::size_t task) {
             if (is_cancelled(progress)) return;
+            if (task == 0) return beside();
+            const std::size_t i = task - 1;
             BlockWriter writer(mesh_, tree_, blocks, i == 0 ? top_end : ends[i - 1]);
             writer.write(parts[i], [](const PendingBlock&) { return false; });
             is_exact[i] = writer.has_exact_leaves() ? 1 : 0;
             advance_stage(progress, parts[i].child.count);
         });
         has_exact_leaves_ = std::ranges::all_of(is_exact, [](auto exact) { return exact != 0; });
+        tree_.boxes = {};
+        tree_.nodes = {};
         return !is_cancelled(progress);
     }
 
@@ -320,15 +326,18 @@ Result<MeshIndex> build_mesh_index(const TriangleMesh& mesh, const MeshIndexOpti
     const auto cancelled = [] {
         return fail(ErrorCode::cancelled, "mesh index: stopped on request");
     };
+    const PageReserve reserve;
     auto tree = build_binary_tree(mesh, *box, tight_root(*box, RootShape::cube),
                                   options.execution.threads, options.execution.progress);
     if (!tree) return tl::unexpected(tree.error());
     MeshIndexWriter writer(mesh, std::move(*tree));
-    if (!writer.write_blocks(options.execution.threads, options.execution.progress))
+    begin_stage(options.execution.progress, "writing mesh index", 2 * mesh.triangle_count());
+    std::optional<Result<EdgeNumbers>> edges;
+    const auto number = [&] { edges = number_edges(mesh, options.execution.progress); };
+    if (!writer.write_blocks(options.execution.threads, options.execution.progress, number) ||
+        !edges->has_value())
         return cancelled();
-    const auto edges = number_edges(mesh, options.execution.threads, options.execution.progress);
-    if (!edges) return cancelled();
-    writer.write_rows(*edges, options.execution.threads);
+    writer.write_rows(**edges, options.execution.threads);
     return writer.result();
 }
 

@@ -1,5 +1,6 @@
 #include "index/refit_tree.h"
 
+#include "base/progress.h"
 #include "index/binary_tree.h"
 #include "index/block_boxes.h"
 #include "index/index_parts.h"
@@ -115,7 +116,8 @@ private:
 Result<IndexParts> refit_tree(const IndexParts& index, const TriangleMesh& mesh, Threads threads,
                               Progress* progress)
 {
-    const auto edges = number_edges(mesh, threads, progress);
+    begin_stage(progress, "numbering edges", mesh.triangle_count());
+    const auto edges = number_edges(mesh, progress);
     if (!edges) return tl::unexpected(edges.error());
     const IndexFrame frame = index_frame(bounding_box(mesh), has_floats(mesh));
     IndexStorage storage;

@@ -75,8 +75,8 @@ public:
     // Edges, numbered where their first side stands.
     Status list_edges()
     {
-        Result<EdgeNumbers> numbers =
-            number_edges(mesh_, options_.execution.threads, options_.execution.progress);
+        begin_stage(options_.execution.progress, "numbering edges", mesh_.triangle_count());
+        Result<EdgeNumbers> numbers = number_edges(mesh_, options_.execution.progress);
         if (!numbers) return tl::unexpected(numbers.error());
         if (Status fits = check_bytes(numbers->first_sides.size()); !fits) return fits;
         topology_.triangle_edges_ = std::move(numbers->triangle_edges);
