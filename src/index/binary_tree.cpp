@@ -59,42 +59,45 @@ std::uint64_t cell_position(const Vec3& point, const OctreeFrame& root) noexcept
     return morton_code(at);
 }
 
-/// By how many boxes a run is covered at most, less one: the sum of areas that queries look into.
-using CoverCosts = std::array<float, index_width>;
-
 /// How a run is covered, and its vertices while they fit a leaf.
 struct Cover {
-    CoverCosts costs;
+    /// [k]: by at most k + 1 boxes, the sum of areas that queries look into.
+    std::array<float, index_width> costs;
     std::array<std::uint32_t, index_width> vertices; ///< then no_vertex
-    std::uint32_t vertex_count = 0;                  ///< index_width + 1: more than fit
+    std::uint32_t vertex_count;                      ///< index_width + 1: more than fit
     static constexpr std::uint32_t no_vertex = 0xFFFFFFFF;
-
-    void add_vertex(std::uint32_t vertex) noexcept
-    {
-        bool is_known = false; // all compared: no branch to guess
-        for (const std::uint32_t known : vertices) is_known |= known == vertex;
-        if (is_known || vertex_count > index_width) return;
-        if (vertex_count < index_width) vertices[vertex_count] = vertex;
-        ++vertex_count;
-    }
-    void add_vertices(const Cover& other) noexcept
-    {
-        if (other.vertex_count > index_width) vertex_count = index_width + 1;
-        if (vertex_count > index_width) return;
-        for (std::uint32_t i = 0; i < other.vertex_count; ++i) add_vertex(other.vertices[i]);
-    }
 };
+
+/// The vertices of two runs, each once. Without branches that depend on the mesh.
+void unite_vertices(const Cover& left, const Cover& right, Cover& both) noexcept
+{
+    std::array<std::uint32_t, 2 * index_width + 1> united;
+    united.fill(Cover::no_vertex);
+    std::ranges::copy(left.vertices, united.begin());
+    std::uint32_t count = left.vertex_count;
+    if (count <= index_width && right.vertex_count <= index_width) {
+        for (std::uint32_t i = 0; i < right.vertex_count; ++i) {
+            bool is_known = false;
+            for (const std::uint32_t known : left.vertices) is_known |= known == right.vertices[i];
+            united[count] = right.vertices[i];
+            count += is_known ? 0U : 1U;
+        }
+        united[count] = Cover::no_vertex;
+    } else {
+        count = index_width + 1;
+    }
+    std::copy_n(united.begin(), index_width, both.vertices.begin());
+    both.vertex_count = std::min(count, index_width + 1);
+}
 
 using Run = BinaryTree::Child;
 
-FloatBox union_of(const FloatBox& a, const FloatBox& b) noexcept
+void unite(const FloatBox& a, const FloatBox& b, FloatBox& both) noexcept
 {
-    FloatBox box{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        box.lower[axis] = std::min(a.lower[axis], b.lower[axis]);
-        box.upper[axis] = std::max(a.upper[axis], b.upper[axis]);
+        both.lower[axis] = std::min(a.lower[axis], b.lower[axis]);
+        both.upper[axis] = std::max(a.upper[axis], b.upper[axis]);
     }
-    return box;
 }
 
 // The steps of build_binary_tree, in the order of their calls there.
@@ -112,25 +115,26 @@ public:
     {
         const std::size_t count = mesh_.triangle_count();
         keys_.resize(count);
+        GrowBuffer<FloatBox> boxes; // by id
+        boxes.resize(count);
         for_triangles([&](std::uint32_t i) {
             const Box box = bounding_box(mesh_.triangle(TriangleId{i}));
             keys_[i] = {cell_position(box.center(), root_), i};
+            const Vec3 lower = tree_.frame.to_frame(box.lower);
+            const Vec3 upper = tree_.frame.to_frame(box.upper);
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const auto k = static_cast<Eigen::Index>(axis);
+                boxes[i].lower[axis] = static_cast<float>(lower[k]);
+                boxes[i].upper[axis] = static_cast<float>(upper[k]);
+            }
         });
         constexpr unsigned key_bits = 3 * morton_bits;
         if (!sort_keys(keys_, key_bits, threads_, progress_)) return false;
         tree_.order.resize(count);
         tree_.boxes.resize(count);
         for_triangles([&](std::uint32_t i) {
-            const TriangleId id{keys_[i].index};
-            tree_.order[i] = id;
-            const Box box = bounding_box(mesh_.triangle(id));
-            const Vec3 lower = tree_.frame.to_frame(box.lower);
-            const Vec3 upper = tree_.frame.to_frame(box.upper);
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                const auto k = static_cast<Eigen::Index>(axis);
-                tree_.boxes[i].lower[axis] = static_cast<float>(lower[k]);
-                tree_.boxes[i].upper[axis] = static_cast<float>(upper[k]);
-            }
+            tree_.order[i] = TriangleId{keys_[i].index};
+            tree_.boxes[i] = boxes[keys_[i].index];
         });
         return !is_cancelled(progress_);
     }
@@ -226,34 +230,36 @@ private:
         return static_cast<std::uint32_t>(cut - begin);
     }
 
-    /// What is known of a child; of nodes it waits on the stack, the left child's on top.
-    Cover cover_of(const BinaryTree::Child& child, std::vector<Cover>& pending) const
+    /// What is known of a child. That of a node waits on the stack: `waiting` is one past it, and
+    /// then it. That of a triangle is written to `own`.
+    const Cover& cover_of(const BinaryTree::Child& child, const Cover*& waiting, Cover& own) const
     {
-        if (child.count > 1) {
-            const Cover cover = pending.back();
-            pending.pop_back();
-            return cover;
-        }
-        Cover cover;
-        cover.vertices.fill(Cover::no_vertex);
-        cover.costs.fill(tree_.boxes[child.first].half_area());
-        for (const std::uint32_t corner : mesh_.triangles()[to_index(tree_.order[child.first])])
-            cover.add_vertex(corner);
-        return cover;
+        if (child.count > 1) return *--waiting;
+        own.costs.fill(tree_.boxes[child.first].half_area());
+        const auto [a, b, c] = mesh_.triangles()[to_index(tree_.order[child.first])];
+        own.vertices.fill(Cover::no_vertex);
+        std::uint32_t count = 0;
+        own.vertices[count++] = a;
+        if (b != a) own.vertices[count++] = b;
+        if (c != a && c != b) own.vertices[count++] = c;
+        own.vertex_count = count;
+        return own;
     }
 
-    /// \pre its children's covers are on the stack, on which it puts its own
+    /// \pre its children's covers are on the stack, the left one's on top; its own replaces them
     void choose_cover(const Run& at, std::vector<Cover>& pending)
     {
         BinaryNode& node = tree_.nodes[at.node];
         const auto [left, right] = tree_.children(at);
-        Cover cover = cover_of(left, pending);
-        const CoverCosts left_costs = cover.costs;
-        const Cover right_cover = cover_of(right, pending);
-        cover.add_vertices(right_cover);
-        node.box = union_of(tree_.box(left), tree_.box(right));
+        std::array<Cover, 2> own;
+        const Cover* waiting = pending.data() + pending.size();
+        const Cover& left_cover = cover_of(left, waiting, own[0]);
+        const Cover& right_cover = cover_of(right, waiting, own[1]);
+        Cover cover;
+        unite_vertices(left_cover, right_cover, cover);
+        unite(tree_.box(left), tree_.box(right), node.box);
         // [k]: by k + 1 boxes of both children, of which shares[k] are the left one's.
-        CoverCosts apart;
+        std::array<float, index_width> apart;
         apart.fill(float_infinity);
         std::array<std::uint32_t, index_width> shares;
         shares.fill(1);
@@ -265,7 +271,7 @@ private:
         for (std::uint32_t share = 1; share <= most_share; ++share) {
             const float* const rest = shifted.data() + index_width - share;
             for (std::size_t k = 0; k < index_width; ++k) {
-                const float sum = left_costs[share - 1] + rest[k];
+                const float sum = left_cover.costs[share - 1] + rest[k];
                 const bool is_less = sum < apart[k];
                 apart[k] = is_less ? sum : apart[k];
                 shares[k] = is_less ? share : shares[k];
@@ -276,15 +282,17 @@ private:
         const bool is_leaf =
             area <= as_node && at.count <= index_width && cover.vertex_count <= index_width;
         node.choices = is_leaf ? BinaryTree::leaf_choice : 0U;
-        CoverCosts& costs = cover.costs;
-        costs[0] = is_leaf ? area : as_node;
+        const float alone = is_leaf ? area : as_node;
+        for (std::size_t k = 0; k < index_width; ++k)
+            cover.costs[k] = apart[k] < alone ? apart[k] : alone;
+        cover.costs[0] = alone;
         for (std::uint32_t most = 2; most <= index_width; ++most) {
             const std::size_t k = most - 1;
-            const bool is_single = !(apart[k] < costs[0]);
-            costs[k] = is_single ? costs[0] : apart[k];
             node.choices |= shares[k] << BinaryTree::share_bit(most) |
-                            static_cast<std::uint32_t>(is_single) << BinaryTree::single_bit(most);
+                            static_cast<std::uint32_t>(!(apart[k] < alone))
+                                << BinaryTree::single_bit(most);
         }
+        pending.resize(static_cast<std::size_t>(waiting - pending.data()));
         pending.push_back(cover);
     }
 

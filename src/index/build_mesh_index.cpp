@@ -24,8 +24,8 @@ namespace proxima {
 
 namespace {
 
-// Bytes per triangle at most: keys twice, order, boxes, nodes, rows and blocks.
-constexpr std::uint64_t scratch_bytes = 32 + 4 + 24 + sizeof(BinaryNode) + edge_number_bytes;
+// Bytes per triangle at most: keys twice, order, boxes twice, nodes, rows and blocks.
+constexpr std::uint64_t scratch_bytes = 32 + 4 + 48 + sizeof(BinaryNode) + edge_number_bytes;
 constexpr std::uint64_t index_bytes =
     sizeof(TriangleRow<double>) + sizeof(TriangleId) + 2 * sizeof(IndexBlock) + 24;
 constexpr std::uint32_t triangles_of_part = 8192;
@@ -208,10 +208,12 @@ private:
                 leaf.corners[k][i] = static_cast<std::uint8_t>(found - vertices.begin());
             }
         }
-        for (std::size_t i = 0; i < index_width; ++i) {
-            const Vec3& point = mesh_.positions()[vertices[i < count ? i : 0]];
+        for (std::size_t i = 0; i < count; ++i) {
+            const Vec3& point = mesh_.positions()[vertices[i]];
             if (!write_vertex(leaf, i, point, tree_.frame)) has_exact_leaves_ = false;
         }
+        for (std::array<float, 8>& axis : leaf.coordinates)
+            std::fill(axis.begin() + static_cast<std::ptrdiff_t>(count), axis.end(), axis[0]);
         leaf.first_row = at.child.first;
         leaf.count = static_cast<std::uint16_t>(at.child.count);
         write_extent(leaf, at.extent);

@@ -92,14 +92,20 @@ bool is_thin(const Triangle& triangle) noexcept
     Vec3 ab = triangle[1] - triangle[0];
     Vec3 ac = triangle[2] - triangle[0];
     Vec3 bc = triangle[2] - triangle[1];
-    const double size =
-        std::max({ab.cwiseAbs().maxCoeff(), ac.cwiseAbs().maxCoeff(), bc.cwiseAbs().maxCoeff()});
+    const auto longest = [&] {
+        return std::max({ab.squaredNorm(), ac.squaredNorm(), bc.squaredNorm()});
+    };
+    double squared = longest();
     // Fourth powers of lengths outside of these leave the doubles.
-    if (!(size > 0x1p-200 && size < 0x1p200) && size > 0 && std::isfinite(size)) {
-        const int exponent = std::clamp(-std::ilogb(size), -1000, 1000);
-        for (Vec3* const side : {&ab, &ac, &bc}) *side *= std::ldexp(1.0, exponent);
+    if (!(squared > 0x1p-400 && squared < 0x1p400)) {
+        const double size = std::max(
+            {ab.cwiseAbs().maxCoeff(), ac.cwiseAbs().maxCoeff(), bc.cwiseAbs().maxCoeff()});
+        if (size > 0 && std::isfinite(size)) {
+            const double unit = std::ldexp(1.0, std::clamp(-std::ilogb(size), -1000, 1000));
+            for (Vec3* const side : {&ab, &ac, &bc}) *side *= unit;
+            squared = longest();
+        }
     }
-    const double squared = std::max({ab.squaredNorm(), ac.squaredNorm(), bc.squaredNorm()});
     return !(squared <= thin_condition * ab.cross(ac).norm());
 }
 
