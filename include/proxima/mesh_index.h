@@ -75,8 +75,8 @@ struct MeshIndexOptions {
 
 /// Keeps no reference to the mesh. The same bits for any number of threads. Errors: invalid_mesh
 /// (empty, NaN), limit_exceeded (more than max_index_triangles), budget_exceeded, cancelled. About
-/// 0.5 us per triangle on one thread; once built, 120 bytes per triangle, 160 where positions are not
-/// floats.
+/// 0.5 us per triangle on one thread; once built, 120 bytes per triangle, 160 where positions are
+/// not floats.
 [[nodiscard]] Result<MeshIndex> build_mesh_index(const TriangleMesh& mesh,
                                                  const MeshIndexOptions& options = {});
 
