@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t triangles_per_task = 4096;
 constexpr std::uint64_t beyond_float = (1U << 29U) - 1; // bits that floats lack
-constexpr std::uint32_t subtree_triangles = 16384;
+constexpr std::uint32_t subtree_triangles = 4096;
 constexpr float float_infinity = std::numeric_limits<float>::infinity();
 
 /// Where floats count from so that they stay floats: from zero, unless the ends are within a factor
