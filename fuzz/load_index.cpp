@@ -9,6 +9,7 @@
 #include "proxima/closest_feature.h"
 #include "proxima/index_io.h"
 #include "proxima/mesh_index.h"
+#include "proxima/signed_distance.h"
 #include "proxima/topology.h"
 #include "query/closest/find_closest.h"
 
@@ -26,9 +27,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (int i = 0; i < 125; ++i) {
         const proxima::Vec3 at(i % 5 - 2, i / 5 % 5 - 2, i / 25 - 2);
         proxima::QuerySteps steps;
-        const auto closest = closest_feature(
-            *loaded, loaded->parts().center() + 0.76 * loaded->parts().unscale() * at, {}, steps);
+        const proxima::Vec3 p = loaded->parts().center() + 0.76 * loaded->parts().unscale() * at;
+        const auto closest = closest_feature(*loaded, p, {}, steps);
         if (!closest || to_index(closest->triangle) >= loaded->triangle_count()) std::abort();
+        if (signed_distance(*loaded, p).has_value() != loaded->has_signs()) std::abort();
         if (!loaded->has_lists()) continue;
         if (steps.steps > loaded->parts().lists()->statistics().worst_case_steps) std::abort();
         if (steps.blocks > loaded->parts().lists()->statistics().worst_case_blocks) std::abort();

@@ -67,21 +67,21 @@ struct AnswerCounts {
 /// Answers points round by round.
 class ClosestRun {
 public:
-    ClosestRun(const ClosestSearcher& searcher, const NumberTable& table, Session& session)
-        : searcher_(searcher), table_(table), session_(session)
+    ClosestRun(const MeshIndex& index, AnswerSigns kinds, const NumberTable& table,
+               Session& session)
+        : index_(index), kinds_(kinds), table_(table), session_(session)
     {}
 
     Status run(RowWriter& writer)
     {
-        const AnswerSigns kinds = searcher_.sign ? AnswerSigns::present : AnswerSigns::absent;
-        if (Status status = writer.write(answer_header(writer.format(), kinds, table_.rows()));
+        if (Status status = writer.write(answer_header(writer.format(), kinds_, table_.rows()));
             !status)
             return status;
         const ProgressBar shown(session_.progress(), session_.bar());
         session_.progress().begin_stage("closest features", table_.rows());
         const std::size_t capacity = std::min(table_.rows(), round_points);
         answers_.resize(capacity);
-        if (searcher_.sign) signs_.resize(capacity);
+        if (is_signed()) signs_.resize(capacity);
         for (std::size_t first = 0; first < table_.rows(); first += round_points) {
             const std::size_t count = std::min(round_points, table_.rows() - first);
             const Stopwatch watch;
@@ -91,7 +91,7 @@ public:
             if (Status status = session_.check_running(); !status) return status;
             const auto answers = std::span<const ClosestFeature>(answers_).first(count);
             const auto signs =
-                std::span<const SignedDistance>(signs_).first(searcher_.sign ? count : 0);
+                std::span<const SignedDistance>(signs_).first(is_signed() ? count : 0);
             counts_.add(answers, signs);
             if (Status status = write(writer, first, answers, signs); !status) return status;
         }
@@ -102,6 +102,8 @@ public:
     [[nodiscard]] const AnswerCounts& counts() const noexcept { return counts_; }
 
 private:
+    [[nodiscard]] bool is_signed() const noexcept { return kinds_ == AnswerSigns::present; }
+
     /// The rows of a round.
     Status write(RowWriter& writer, std::uint64_t first, std::span<const ClosestFeature> answers,
                  std::span<const SignedDistance> signs)
@@ -126,17 +128,18 @@ private:
             points[i] = {row[0], row[1], row[2]};
         }
         // Cannot fail: sizes agree and the table holds finite numbers.
-        (void)closest_features(searcher_.index, std::span(points).first(count),
+        (void)closest_features(index_, std::span(points).first(count),
                                {.answers = std::span(answers_).subspan(begin, count)},
                                {.execution = {.threads = {1}}});
-        if (searcher_.sign) {
+        if (is_signed()) {
             for (std::size_t i = 0; i < count; ++i)
-                signs_[begin + i] = sign_of(*searcher_.sign, answers_[begin + i], points[i]);
+                signs_[begin + i] = *sign_of(index_, answers_[begin + i], points[i]);
         }
         session_.progress().advance(count);
     }
 
-    const ClosestSearcher& searcher_;
+    const MeshIndex& index_;
+    AnswerSigns kinds_;
     const NumberTable& table_;
     Session& session_;
     std::vector<ClosestFeature> answers_;
@@ -210,21 +213,22 @@ Status run_closest(const ClosestOptions& options, Session& session)
     if (!searcher) return tl::unexpected(searcher.error());
     auto writer = RowWriter::open(options.out);
     if (!writer) return tl::unexpected(writer.error());
-    ClosestRun run(**searcher, *table, session);
+    ClosestRun run(searcher->index, options.is_signed ? AnswerSigns::present : AnswerSigns::absent,
+                   *table, session);
     if (Status status = run.run(*writer); !status) return status;
 
-    if (options.out != to_stdout) session.print(text_of(options, **searcher, run, table->rows()));
+    if (options.out != to_stdout) session.print(text_of(options, *searcher, run, table->rows()));
     nlohmann::ordered_json load_seconds; // null where it was built
-    if ((*searcher)->load_seconds) load_seconds = *(*searcher)->load_seconds;
+    if (searcher->load_seconds) load_seconds = *searcher->load_seconds;
     return session.write_json(
         {{"model", options.model},
-         {"triangles", (*searcher)->index.triangle_count()},
+         {"triangles", searcher->index.triangle_count()},
          {"queries", table->rows()},
          {"seconds", run.seconds()},
          {"ns_per_query", 1e9 * run.seconds() / static_cast<double>(table->rows())},
-         {"build_seconds", (*searcher)->build_seconds},
+         {"build_seconds", searcher->build_seconds},
          {"load_seconds", load_seconds},
-         {"bytes", (*searcher)->index.bytes()}});
+         {"bytes", searcher->index.bytes()}});
 }
 
 } // namespace

@@ -1,9 +1,9 @@
 #include "cli/closest_searcher.h"
 
+#include "cli/index_file_model.h"
 #include "cli/model_options.h"
 #include "cli/stopwatch.h"
 #include "proxima/mesh_index.h"
-#include "query/closest/sign_parts.h"
 
 #include <utility>
 
@@ -40,26 +40,21 @@ Status build(const std::string& model, std::uint64_t list_bytes, Session& sessio
 
 } // namespace
 
-Result<std::unique_ptr<ClosestSearcher>>
-make_closest_searcher(const std::string& model, const ClosestSearcherOptions& options,
-                      Session& session)
+Result<ClosestSearcher> make_closest_searcher(const std::string& model,
+                                              const ClosestSearcherOptions& options,
+                                              Session& session)
 {
-    auto searcher = std::make_unique<ClosestSearcher>();
+    ClosestSearcher searcher;
     const Status status = is_index_file(model)
-                              ? load(model, session, *searcher)
-                              : build(model, options.list_bytes, session, *searcher);
+                              ? load(model, session, searcher)
+                              : build(model, options.list_bytes, session, searcher);
     if (!status) return tl::unexpected(status.error());
-    if (!options.is_signed) return searcher;
+    if (!options.is_signed || searcher.index.has_signs()) return searcher;
     const Stopwatch watch;
-    auto surface = surface_of(searcher->index, model, session);
-    if (!surface) return tl::unexpected(surface.error());
-    searcher->surface = std::move(*surface);
-    const ProgressBar shown(session.progress(), session.bar());
-    auto sign = build_surface_sign(searcher->surface.mesh, searcher->surface.topology,
-                                   searcher->index, {.execution = session.execution()});
-    if (!sign) return at_model(sign.error(), model);
-    searcher->sign = std::move(*sign);
-    searcher->build_seconds += watch.seconds();
+    const auto index = index_with_signs(searcher.index, model, session);
+    if (!index) return tl::unexpected(index.error());
+    searcher.index = *index;
+    searcher.build_seconds += watch.seconds();
     return searcher;
 }
 

@@ -1,23 +1,18 @@
-// What answers `proxima closest`: a mesh index, built or loaded, and what tells signs.
+// What answers `proxima closest`: a mesh index, built or loaded.
 #pragma once
 
-#include "cli/index_file_model.h"
 #include "cli/session.h"
 #include "proxima/mesh_index.h"
-#include "proxima/signed_distance.h"
+#include "proxima/result.h"
 
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
 
 namespace proxima {
 
-/// Stays where it is: signs refer to the surface.
 struct ClosestSearcher {
-    MeshIndex index;
-    ModelSurface surface; ///< empty where no signs are asked for
-    std::optional<SurfaceSign> sign;
+    MeshIndex index;                    ///< with signs where they are asked for
     std::optional<double> load_seconds; ///< of a saved index: mapping and checking it
     double build_seconds = 0;           ///< index and what signs need
 };
@@ -29,8 +24,8 @@ struct ClosestSearcherOptions {
 
 /// Builds the searcher of a mesh, with lists where list_bytes is not 0, or of a saved index (.pxi). Errors
 /// name the model.
-[[nodiscard]] Result<std::unique_ptr<ClosestSearcher>>
-make_closest_searcher(const std::string& model, const ClosestSearcherOptions& options,
-                      Session& session);
+[[nodiscard]] Result<ClosestSearcher> make_closest_searcher(const std::string& model,
+                                                            const ClosestSearcherOptions& options,
+                                                            Session& session);
 
 } // namespace proxima

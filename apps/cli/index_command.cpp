@@ -26,22 +26,25 @@ struct IndexOptions {
     bool lists = false;
     std::uint64_t budget_mb = 0; ///< of lists; 0: the library's own
     bool slabs = false;
+    bool signs = false;
 };
 
-/// Adds lists and slabs where asked for.
+/// Adds lists, slabs and signs where asked for.
 Result<MeshIndex> with_additions(MeshIndex index, const IndexOptions& options, Session& session)
 {
-    Progress* const progress = &session.progress();
+    const Execution execution = {.threads = session.threads(), .progress = &session.progress()};
     if (options.lists || options.budget_mb != 0) {
-        auto listed =
-            with_lists(index, {.list_bytes = options.budget_mb * 1'000'000,
-                               .execution = {.threads = session.threads(), .progress = progress}});
+        auto listed = with_lists(
+            index, {.list_bytes = options.budget_mb * 1'000'000, .execution = execution});
         if (!listed) return listed;
         index = std::move(*listed);
     }
-    if (options.slabs)
-        return with_slabs(index,
-                          {.execution = {.threads = session.threads(), .progress = progress}});
+    if (options.slabs) {
+        auto with = with_slabs(index, {.execution = execution});
+        if (!with) return with;
+        index = std::move(*with);
+    }
+    if (options.signs) return with_signs(index, {.execution = execution});
     return index;
 }
 
@@ -81,13 +84,14 @@ Status run_index(const IndexOptions& options, Session& session)
         if (!status) return status;
     }
     const MeshIndexBytes bytes = bytes_of(*index);
-    const std::array<std::pair<const char*, std::uint64_t>, 6> parts = {
+    const std::array<std::pair<const char*, std::uint64_t>, 7> parts = {
         {{"blocks", bytes.blocks},
          {"rows", bytes.rows},
          {"ids", bytes.ids},
          {"incidences", bytes.incidences},
          {"lists", bytes.lists},
-         {"slabs", bytes.slabs}}};
+         {"slabs", bytes.slabs},
+         {"signs", bytes.signs}}};
     const auto triangles = static_cast<double>(index->triangle_count());
     TextTable table({"Part", "Bytes", "Per triangle"});
     nlohmann::ordered_json per_triangle;
@@ -126,6 +130,8 @@ Command add_index_command(CLI::App& app)
                       "With lists, of so many 10^6 bytes at most (default: 520 bytes per triangle, "
                       "more for small meshes)");
     parser->add_flag("--slabs", options->slabs, "With slabs, which speed up distances of meshes");
+    parser->add_flag("--signs", options->signs,
+                     "With signs, which tell inside from outside (closest --signed)");
     return {parser, [options](Session& session) { return run_index(*options, session); }};
 }
 

@@ -57,6 +57,18 @@ Result<MeshIndex> index_of_model(const std::string& model, const TriangleMesh& m
     return index;
 }
 
+Result<MeshIndex> index_with_signs(const MeshIndex& index, const std::string& model,
+                                   Session& session)
+{
+    if (index.has_signs()) return index;
+    const ProgressBar shown(session.progress(), session.bar());
+    auto with = with_signs(index, {.execution = session.execution()});
+    if (with) return with;
+    if (is_index_file(model) && with.error().code == ErrorCode::broken_invariant)
+        return damaged(with.error(), model);
+    return at_model(with.error(), model);
+}
+
 Result<ModelSurface> surface_of(TriangleMesh mesh, const std::string& model, Session& session)
 {
     const ProgressBar shown(session.progress(), session.bar());

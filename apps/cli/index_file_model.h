@@ -32,6 +32,11 @@ void refuse_beside_index_file(CLI::App& parser, const std::string& model,
 [[nodiscard]] Result<MeshIndex> index_of_model(const std::string& model, const TriangleMesh& mesh,
                                                Session& session);
 
+/// The index with the signs that it has, or with signs that are built. Errors as with_signs, with the
+/// model as their place; malformed_file where a crafted file has no such mesh.
+[[nodiscard]] Result<MeshIndex> index_with_signs(const MeshIndex& index, const std::string& model,
+                                                 Session& session);
+
 struct ModelSurface {
     TriangleMesh mesh;
     Topology topology;

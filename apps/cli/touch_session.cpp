@@ -10,9 +10,7 @@
 #include "proxima/device.h"
 #include "proxima/haptic_renderer.h"
 #include "proxima/mesh_index.h"
-#include "proxima/signed_distance.h"
 #include "proxima/touch_scene.h"
-#include "query/closest/sign_parts.h"
 
 #include <algorithm>
 #include <atomic>
@@ -80,7 +78,7 @@ std::string_view word_of(const LiveTouch& now)
 /// own.
 struct RenderParts {
     std::unique_ptr<ShadingNormals> normals; ///< of shaded forces
-    std::optional<SurfaceSign> sign;         ///< of penalty forces
+    std::optional<MeshIndex> signed_index;   ///< of penalty forces
 };
 
 Result<RenderParts> parts_for(const TouchModel& model, const RenderOptions& options, ForceLaw law)
@@ -91,9 +89,9 @@ Result<RenderParts> parts_for(const TouchModel& model, const RenderOptions& opti
     if (options.shading == ForceShading::on)
         parts.normals = std::make_unique<ShadingNormals>(mesh, topology);
     if (law == ForceLaw::penalty) {
-        auto sign = build_surface_sign(mesh, topology);
-        if (!sign) return tl::unexpected(sign.error());
-        parts.sign = std::move(*sign);
+        const auto index = model.index.has_signs() ? model.index : with_signs(model.index);
+        if (!index) return tl::unexpected(index.error());
+        parts.signed_index = *index;
     }
     return parts;
 }
@@ -149,10 +147,8 @@ private:
         if (model.scene != nullptr)
             return make_haptic_renderer(model.scene->scene(), map, device, options).value();
         const ContactSurface& surface = patches == nullptr ? *model.contact : patches->surface();
-        if (parts.sign) {
-            return make_penalty_renderer(surface, {&model.index, &*parts.sign}, map, device,
-                                         options);
-        }
+        if (parts.signed_index)
+            return make_penalty_renderer(surface, *parts.signed_index, map, device, options);
         return make_surface_renderer(surface, map, device, options, parts.normals.get());
     }
 

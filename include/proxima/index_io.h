@@ -1,7 +1,7 @@
 // Mesh indexes in files (.pxi): a second start takes no build.
 //
 //     if (Status saved = save_index(*index, "dragon.pxi"); !saved) ...
-//     auto loaded = load_index("dragon.pxi");          // memory-mapped, with its lists and slabs
+//     auto loaded = load_index("dragon.pxi");          // memory-mapped, with its additions
 //     auto mesh = mesh_of(*loaded);                    // the mesh is in it, too
 //
 // docs/file_format.md describes every byte.

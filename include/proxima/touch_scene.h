@@ -67,7 +67,7 @@ private:
 };
 
 /// Builds an index with lists for the mesh, and a body. Errors: those of build_topology,
-/// build_mesh_index, with_lists and build_surface_sign; invalid_argument for materials that are not
+/// build_mesh_index, with_lists and with_signs; invalid_argument for materials that are not
 /// finite, negative, or of more dynamic than static friction.
 [[nodiscard]] Result<TouchBody> build_touch_body(TriangleMesh mesh,
                                                  const TouchBodyOptions& options = {});

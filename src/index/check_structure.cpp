@@ -7,6 +7,7 @@
 #include "index/check_work.h"
 #include "index/index_parts.h"
 #include "index/lists/check_lists.h"
+#include "index/signs/check_signs.h"
 #include "index/slabs/block_slab.h"
 #include "proxima/topology.h"
 
@@ -167,8 +168,10 @@ Status check_all(const IndexParts& index, const CheckWork& work)
     if (Status status = check_rows(index.float_rows(), index, work); !status) return status;
     if (Status status = check_rows(index.double_rows(), index, work); !status) return status;
     if (Status status = check_blocks(index, work); !status) return status;
-    if (index.lists() == nullptr) return {};
-    return check_lists(index, work);
+    if (index.lists() != nullptr) {
+        if (Status status = check_lists(index, work); !status) return status;
+    }
+    return index.signs() != nullptr ? check_signs(index, work) : Status();
 }
 
 } // namespace

@@ -23,6 +23,7 @@ struct CheckStructureOptions {
 ///              and in the frame
 ///     lists    check_lists.h
 ///     slabs    one for each block, and seven
+///     signs    check_signs.h
 ///
 /// Errors: broken_invariant naming the first fault; cancelled. The same for any number of threads.
 /// For any content of the arrays, also a crafted one, but aligned as their types want.

@@ -32,4 +32,11 @@ IndexParts IndexParts::adopt_slabs(std::span<const BlockSlab> slabs,
     return parts;
 }
 
+IndexParts IndexParts::adopt_signs(std::shared_ptr<const SignParts> signs) const noexcept
+{
+    IndexParts parts = *this;
+    parts.signs_ = std::move(signs);
+    return parts;
+}
+
 } // namespace proxima

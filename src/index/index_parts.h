@@ -10,7 +10,8 @@
 //     ids      the triangle ids of the rows, side by side
 //     incidences  of each vertex and edge, its lowest triangle and where it is there (incidence)
 //
-// Optional additions: lists (lists/proximity_lists.h) and slabs (slabs/block_slab.h).
+// Optional additions: lists (lists/proximity_lists.h), slabs (slabs/block_slab.h) and signs
+// (signs/sign_parts.h).
 //
 // The order of the rows is the Morton curve of the octree's cells by the triangles' centres. Chains
 // of cells with a single child are left out, and levels are joined where that makes fewer steps.
@@ -67,6 +68,7 @@ inline constexpr std::uint32_t index_leaf_bit = 1U << 31U;
 
 struct BlockSlab;
 class ProximityLists;
+class SignParts;
 
 /// The frame and the arrays that every mesh index has.
 struct IndexArrays {
@@ -151,7 +153,10 @@ public:
     /// none.
     [[nodiscard]] std::span<const BlockSlab> slabs() const noexcept { return slabs_; }
 
-    /// Takes arrays that satisfy the layout above; `storage` keeps them alive. These three are for
+    /// Signs (sign_parts.h); null where there are none.
+    [[nodiscard]] const SignParts* signs() const noexcept { return signs_.get(); }
+
+    /// Takes arrays that satisfy the layout above; `storage` keeps them alive. These four are for
     /// builders and the file reader: they check, these do not.
     [[nodiscard]] static IndexParts adopt(const IndexArrays& arrays,
                                           std::shared_ptr<const void> storage) noexcept;
@@ -159,6 +164,7 @@ public:
     adopt_lists(std::shared_ptr<const ProximityLists> lists) const noexcept;
     [[nodiscard]] IndexParts adopt_slabs(std::span<const BlockSlab> slabs,
                                          std::shared_ptr<const void> storage) const noexcept;
+    [[nodiscard]] IndexParts adopt_signs(std::shared_ptr<const SignParts> signs) const noexcept;
 
 private:
     IndexArrays arrays_;
@@ -167,6 +173,7 @@ private:
     std::shared_ptr<const ProximityLists> lists_;
     std::span<const BlockSlab> slabs_;
     std::shared_ptr<const void> slab_storage_;
+    std::shared_ptr<const SignParts> signs_;
 };
 
 /// The index that holds these parts.

@@ -2,6 +2,7 @@
 
 #include "index/index_parts.h"
 #include "index/lists/proximity_lists.h"
+#include "index/signs/sign_parts.h"
 #include "index/slabs/block_slab.h"
 
 #include <utility>
@@ -34,7 +35,8 @@ std::size_t MeshIndex::edge_count() const noexcept
 std::uint64_t MeshIndex::bytes() const noexcept
 {
     const MeshIndexBytes bytes = bytes_of(*this);
-    return bytes.blocks + bytes.rows + bytes.ids + bytes.incidences + bytes.lists + bytes.slabs;
+    return bytes.blocks + bytes.rows + bytes.ids + bytes.incidences + bytes.lists + bytes.slabs +
+           bytes.signs;
 }
 
 bool MeshIndex::has_lists() const noexcept
@@ -45,6 +47,11 @@ bool MeshIndex::has_lists() const noexcept
 bool MeshIndex::has_slabs() const noexcept
 {
     return !parts_->slabs().empty();
+}
+
+bool MeshIndex::has_signs() const noexcept
+{
+    return parts_->signs() != nullptr;
 }
 
 std::uint64_t MeshIndex::mesh_fingerprint() const noexcept
@@ -68,6 +75,7 @@ MeshIndexBytes bytes_of(const MeshIndex& index) noexcept
         parts.vertex_incidences().size_bytes() + parts.edge_incidences().size_bytes();
     bytes.lists = parts.lists() != nullptr ? parts.lists()->bytes() : 0;
     bytes.slabs = parts.slabs().size_bytes();
+    bytes.signs = parts.signs() != nullptr ? parts.signs()->bytes() : 0;
     return bytes;
 }
 

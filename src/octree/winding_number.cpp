@@ -18,23 +18,19 @@
 
 #include "base/parallel.h"
 #include "base/progress.h"
-#include "geometry/solid_angle.h"
 #include "mesh/triangle_order.h"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numbers>
+#include <cstdint>
+#include <span>
 
 namespace proxima {
 
 namespace {
 
 constexpr std::uint32_t leaf_triangles = 16;
-constexpr double rounding_error = 1e-12;
-constexpr double inverse_sphere = 0.25 * std::numbers::inv_pi;
-/// A little below 1/2, so that a half by symmetry does not depend on rounding.
-constexpr double inside_limit = 0.5 - 0x1p-40;
 
 // Moments, built from triangles and moved from child to parent centres.
 
@@ -87,14 +83,23 @@ struct Extent {
     double second = 0.0; ///< integral of squared distances to the centre
 };
 
+Eigen::Map<Vec3> vector_in(std::array<double, 3>& numbers) noexcept
+{
+    return Eigen::Map<Vec3>(numbers.data());
+}
+Vec3 vector_of(const std::array<double, 3>& numbers) noexcept
+{
+    return Vec3(numbers.data());
+}
+
 /// Moments of one leaf from its triangles.
 void fill_leaf(WindingCluster& cluster, Extent& extent, const TriangleMesh& mesh,
-               std::span<const TriangleId> ids, double unit) noexcept
+               std::span<const std::uint32_t> ids, double unit) noexcept
 {
     Vec3 weighted = Vec3::Zero();
-    const Vec3 origin = mesh.triangle(ids.front())[0];
-    for (const TriangleId id : ids) {
-        const Triangle triangle = mesh.triangle(id);
+    const Vec3 origin = mesh.triangle(TriangleId{ids.front()})[0];
+    for (const std::uint32_t id : ids) {
+        const Triangle triangle = mesh.triangle(TriangleId{id});
         for (const Vec3& vertex : triangle.vertices) extent.box.extend(vertex);
         const Vec3 a = (triangle[1] - triangle[0]) * unit;
         const Vec3 b = (triangle[2] - triangle[0]) * unit;
@@ -103,18 +108,19 @@ void fill_leaf(WindingCluster& cluster, Extent& extent, const TriangleMesh& mesh
         extent.area += area;
         weighted += area * centroid;
     }
-    cluster.center =
+    const Vec3 center =
         extent.area > 0.0 ? Vec3(origin + weighted / (extent.area * unit)) : extent.box.center();
-    for (const TriangleId id : ids) {
-        const Triangle triangle = mesh.triangle(id);
+    vector_in(cluster.center) = center;
+    for (const std::uint32_t id : ids) {
+        const Triangle triangle = mesh.triangle(TriangleId{id});
         std::array<Vec3, 3> s;
         for (std::size_t i = 0; i < 3; ++i) {
-            s[i] = (triangle.vertices[i] - cluster.center) * unit;
+            s[i] = (triangle.vertices[i] - center) * unit;
             cluster.radius = std::max(cluster.radius, s[i].norm());
         }
         const Vec3 normal = 0.5 * (s[1] - s[0]).cross(s[2] - s[0]);
         const Vec3 sum = s[0] + s[1] + s[2];
-        cluster.dipole += normal;
+        vector_in(cluster.dipole) += normal;
         add_product(cluster.quadrupole, sum / 3.0, normal);
         Quadrupole squares{}; // mean of s s over the triangle
         for (const Vec3& corner : s) add_product(squares, corner, corner / 12.0);
@@ -129,15 +135,16 @@ void fill_leaf(WindingCluster& cluster, Extent& extent, const TriangleMesh& mesh
 void add_child(WindingCluster& parent, Extent& extent, const WindingCluster& child,
                const Extent& child_extent, double unit) noexcept
 {
-    const Vec3 shift = (child.center - parent.center) * unit;
-    parent.dipole += child.dipole;
+    const Vec3 shift = (vector_of(child.center) - vector_of(parent.center)) * unit;
+    const Vec3 dipole = vector_of(child.dipole);
+    vector_in(parent.dipole) += dipole;
     for (std::size_t i = 0; i < 6; ++i) parent.quadrupole[i] += child.quadrupole[i];
-    add_product(parent.quadrupole, shift, child.dipole);
+    add_product(parent.quadrupole, shift, dipole);
     for (std::size_t i = 0; i < 10; ++i) parent.octupole[i] += child.octupole[i];
     add_product(parent.octupole, child.quadrupole, shift, 2.0);
     Quadrupole squares{};
     add_product(squares, shift, shift);
-    add_product(parent.octupole, squares, child.dipole, 1.0);
+    add_product(parent.octupole, squares, dipole, 1.0);
     parent.radius = std::max(parent.radius, child.radius + shift.norm());
     extent.second += child_extent.second + child_extent.area * shift.squaredNorm();
 }
@@ -151,11 +158,12 @@ void fill_parent(WindingCluster& parent, Extent& extent, const WindingCluster& l
     extent.box.extend(right_extent.box.lower);
     extent.box.extend(right_extent.box.upper);
     const double part = extent.area > 0.0 ? right_extent.area / extent.area : 0.5;
-    parent.center = left.center + part * (right.center - left.center);
+    const Vec3 from = vector_of(left.center);
+    const Vec3 center = from + part * (vector_of(right.center) - from);
+    vector_in(parent.center) = center;
     add_child(parent, extent, left, left_extent, unit);
     add_child(parent, extent, right, right_extent, unit);
-    const Vec3 corner =
-        (parent.center - extent.box.lower).cwiseMax(extent.box.upper - parent.center);
+    const Vec3 corner = (center - extent.box.lower).cwiseMax(extent.box.upper - center);
     parent.radius = std::min(parent.radius, corner.norm() * unit);
     remove_traces(parent);
 }
@@ -186,90 +194,17 @@ void append_clusters(std::vector<WindingCluster>& clusters, std::span<const Keye
     clusters[self].next = static_cast<std::uint32_t>(clusters.size());
 }
 
-bool is_leaf(std::span<const WindingCluster> clusters, std::size_t cluster) noexcept
-{
-    return clusters[cluster].next == cluster + 1;
-}
-
-/// Solid angle of the cluster over 4 pi, from `eye` relative to its centre.
-double far_field(const WindingCluster& cluster, const Vec3& eye, double squared_distance) noexcept
-{
-    const double x = eye[0];
-    const double y = eye[1];
-    const double z = eye[2];
-    const Quadrupole& q = cluster.quadrupole;
-    const Octupole& o = cluster.octupole;
-    const double xx = x * x;
-    const double yy = y * y;
-    const double zz = z * z;
-    const double xy = x * y;
-    const double first = cluster.dipole.dot(eye);
-    const double second =
-        q[0] * xx + q[1] * yy + q[2] * zz + 2.0 * (q[3] * xy + q[4] * (x * z) + q[5] * (y * z));
-    const double third = o[0] * (xx * x) + o[1] * (yy * y) + o[2] * (zz * z) +
-                         3.0 * (xx * (o[3] * y + o[4] * z) + yy * (o[5] * x + o[6] * z) +
-                                zz * (o[7] * x + o[8] * y)) +
-                         6.0 * (o[9] * (xy * z));
-    const double inverse = 1.0 / squared_distance;
-    const double inverse_3 = inverse * std::sqrt(inverse);
-    return -inverse_sphere * inverse_3 *
-           (first + inverse * (3.0 * second + inverse * (7.5 * third)));
-}
-
-/// One pass down the clusters: expansions where their bound is below `tolerance`.
-WindingEstimate estimate(const WindingNumber& winding, const Vec3& point, double tolerance) noexcept
-{
-    const auto clusters = winding.clusters();
-    const TriangleMesh& mesh = winding.mesh();
-    const double unit = winding.unit();
-    WindingEstimate sum{0.0, rounding_error};
-    SolidAngleSum near;
-    for (std::size_t at = 0; at < clusters.size();) {
-        const WindingCluster& cluster = clusters[at];
-        const Vec3 eye = (point - cluster.center) * unit;
-        const double squared_distance = eye.squaredNorm();
-        const double distance = std::sqrt(squared_distance);
-        const double gap = distance - cluster.radius;
-        if (gap > 0.0) {
-            // remainder (4 - 3t) / (1 - t)^2 / R^5, multiplied out
-            const double bound = cluster.remainder * (4.0 * distance - 3.0 * cluster.radius) /
-                                 (gap * gap * squared_distance * squared_distance);
-            if (bound <= tolerance) {
-                sum.value += far_field(cluster, eye, squared_distance);
-                sum.error += bound;
-                at = cluster.next;
-                continue;
-            }
-        }
-        if (is_leaf(clusters, at)) {
-            for (const TriangleId id : winding.order().subspan(cluster.first, cluster.count)) {
-                const Triangle triangle = mesh.triangle(id);
-                near.add((triangle[0] - point) * unit, (triangle[1] - point) * unit,
-                         (triangle[2] - point) * unit);
-            }
-        }
-        ++at;
-    }
-    sum.value += near.winding();
-    return sum;
-}
-
-/// Whether sign w + offset is at least 1/2, with as little work as decides it.
-bool exceeds(const WindingNumber& winding, const Vec3& point, double sign, double offset) noexcept
-{
-    for (double tolerance = 0.006; tolerance > rounding_error; tolerance /= 16.0) {
-        const WindingEstimate found = estimate(winding, point, tolerance);
-        const double value = sign * found.value + offset;
-        if (std::abs(value - inside_limit) > found.error) return value >= inside_limit;
-    }
-    return sign * estimate(winding, point, 0.0).value + offset >= inside_limit;
-}
-
 /// The power of two that brings lengths near `size` to about 1.
 double unit_for(double size) noexcept
 {
     if (!(size > 0.0)) return 1.0;
     return std::ldexp(1.0, std::clamp(-std::ilogb(size), -1000, 1000));
+}
+
+/// The triangles by id, as the search of clusters takes them.
+auto triangles_of(const TriangleMesh& mesh) noexcept
+{
+    return [&mesh](std::uint32_t id) { return mesh.triangle(TriangleId{id}); };
 }
 
 tl::unexpected<Error> cancelled()
@@ -290,66 +225,70 @@ Result<WindingNumber> build_winding_number(const TriangleMesh& mesh, const Windi
     }
     WindingNumber winding;
     winding.mesh_ = &mesh;
-    winding.unit_ = unit_for(bounds.extent().maxCoeff());
-    std::vector<WindingCluster>& clusters = winding.clusters_;
+    auto& [clusters, order, unit] = winding.storage_;
+    unit = unit_for(bounds.extent().maxCoeff());
     {
         const auto items =
             triangle_order(mesh, bounds, SpaceCurve::morton, options.execution.progress);
         if (!items) return cancelled();
-        winding.order_.reserve(items->size());
-        for (const KeyedIndex& item : *items) winding.order_.push_back(TriangleId{item.index});
+        order.reserve(items->size());
+        for (const KeyedIndex& item : *items) order.push_back(item.index);
         append_clusters(clusters, *items, 0, static_cast<std::uint32_t>(items->size()));
     }
     begin_stage(options.execution.progress, "winding number", mesh.triangle_count());
+    const WindingClusters view = winding.clusters();
     std::vector<Extent> extents(clusters.size());
     constexpr std::size_t chunk = 256;
     parallel_for((clusters.size() + chunk - 1) / chunk, options.execution.threads,
-                 [&](std::size_t part) {
+                 [&, &made = clusters](std::size_t part) {
                      if (is_cancelled(options.execution.progress)) return;
-                     const std::size_t end = std::min(clusters.size(), (part + 1) * chunk);
+                     const std::size_t end = std::min(made.size(), (part + 1) * chunk);
                      for (std::size_t i = part * chunk; i < end; ++i) {
-                         if (!is_leaf(clusters, i)) continue;
-                         fill_leaf(clusters[i], extents[i], mesh,
-                                   winding.order().subspan(clusters[i].first, clusters[i].count),
-                                   winding.unit());
-                         advance_stage(options.execution.progress, clusters[i].count);
+                         if (!view.is_leaf(i)) continue;
+                         fill_leaf(made[i], extents[i], mesh,
+                                   view.order.subspan(made[i].first, made[i].count), view.unit);
+                         advance_stage(options.execution.progress, made[i].count);
                      }
                  });
     if (is_cancelled(options.execution.progress)) return cancelled();
     for (std::size_t i = clusters.size(); i-- > 0;) {
-        if (!is_leaf(clusters, i)) {
+        if (!view.is_leaf(i)) {
             const std::size_t left = i + 1;
             const std::size_t right = clusters[left].next;
             fill_parent(clusters[i], extents[i], clusters[left], extents[left], clusters[right],
-                        extents[right], winding.unit());
+                        extents[right], view.unit);
         }
     }
     for (std::size_t i = 0; i < clusters.size(); ++i) {
         constexpr double outward = 1.0 + 1e-9; // rounding of the bound itself
         clusters[i].radius *= outward;
-        clusters[i].remainder = outward * inverse_sphere * clusters[i].radius * extents[i].second;
+        clusters[i].remainder =
+            outward * winding::inverse_sphere * clusters[i].radius * extents[i].second;
     }
     return winding;
 }
 
-WindingEstimate winding_number(const WindingNumber& winding, const Vec3& point,
-                               double accuracy) noexcept
+WindingEstimate winding_number(const WindingNumber& of, const Vec3& point, double accuracy) noexcept
 {
-    for (double tolerance = accuracy / 16.0; tolerance > rounding_error; tolerance /= 16.0) {
-        const WindingEstimate found = estimate(winding, point, tolerance);
+    const auto triangle_at = triangles_of(of.mesh());
+    for (double tolerance = accuracy / 16.0; tolerance > winding::rounding_error;
+         tolerance /= 16.0) {
+        const WindingEstimate found =
+            winding::estimate(of.clusters(), triangle_at, point, tolerance);
         if (found.error <= accuracy) return found;
     }
-    return estimate(winding, point, 0.0);
+    return winding::estimate(of.clusters(), triangle_at, point, 0.0);
 }
 
-bool is_inside(const WindingNumber& winding, const Vec3& point) noexcept
+bool is_inside(const WindingNumber& of, const Vec3& point) noexcept
 {
-    return exceeds(winding, point, 1.0, 0.0);
+    return is_inside(of.clusters(), triangles_of(of.mesh()), point);
 }
 
 bool is_inside_but_for(const WindingNumber& caps, const Vec3& point, int whole) noexcept
 {
-    return exceeds(caps, point, -1.0, static_cast<double>(whole));
+    return winding::exceeds(caps.clusters(), triangles_of(caps.mesh()), point, -1.0,
+                            static_cast<double>(whole));
 }
 
 double brute_winding_number(const TriangleMesh& mesh, const Vec3& point) noexcept
@@ -366,7 +305,7 @@ double brute_winding_number(const TriangleMesh& mesh, const Vec3& point) noexcep
 
 bool brute_is_inside(const TriangleMesh& mesh, const Vec3& point) noexcept
 {
-    return brute_winding_number(mesh, point) >= inside_limit;
+    return brute_winding_number(mesh, point) >= winding::inside_limit;
 }
 
 } // namespace proxima

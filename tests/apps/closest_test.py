@@ -300,8 +300,22 @@ class SavedOctrees(ProgramTest):
         self.assertEqual(list(result), KEYS)
         self.assertEqual((result["triangles"], result["build_seconds"]), (128, 0))
         self.assertGreater(result["load_seconds"], 0)
-        self.assertEqual(result["bytes"], self.json_of("closest", octree, "--points", points, "--signed")["bytes"])
         self.assertIn("loaded in", self.succeed("closest", octree, "--points", points))
+
+    def test_saved_signs_are_used(self):
+        for seed, mesh in enumerate((bumpy_ball(random.Random(13)), soup(random.Random(14), 60))):
+            model, index = self.file("model.off", mesh.text()), self.folder / "signs.pxi"
+            plain = self.json_of("index", model)
+            self.assertEqual(plain["bytes_per_triangle"]["signs"], 0)
+            saved = self.json_of("index", model, "--signs", "--save", index)
+            self.assertAlmostEqual(saved["bytes_per_triangle"]["signs"] * saved["triangles"],
+                                   saved["bytes"] - plain["bytes"])
+            points = self.file("points.csv", csv_text(queries(random.Random(seed), mesh, 300)))
+            texts = [self.succeed("closest", one, "--points", points, "--out", "-", "--signed")
+                     for one in (model, index)]
+            self.assertTrue(texts[0] == texts[1])
+            self.assertEqual(self.json_of("closest", index, "--points", points, "--signed")["build_seconds"], 0)
+            self.assertGreater(self.json_of("closest", model, "--points", points, "--signed")["build_seconds"], 0)
 
     def test_checked(self):
         """By `proxima check`: alone, with its mesh, with another one, damaged."""

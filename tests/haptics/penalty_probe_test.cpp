@@ -15,7 +15,6 @@
 #include "octree/winding_number.h"
 #include "proxima/device.h"
 #include "proxima/haptic_renderer.h"
-#include "query/closest/sign_parts.h"
 
 #include <gtest/gtest.h>
 
@@ -35,16 +34,14 @@ constexpr double stiffness = 500;
 struct Inside {
     explicit Inside(TriangleMesh model)
         : mesh(std::move(model)), topology(*build_topology(mesh)),
-          listed(*testing::listed_index(mesh)), surface(listed),
-          sign(*build_surface_sign(mesh, topology))
+          listed(*testing::listed_index(mesh)), surface(listed), with_sign(*with_signs(listed))
     {}
-    [[nodiscard]] PenaltySurface penalty() const { return {&listed, &sign}; }
 
     TriangleMesh mesh;
     Topology topology;
     MeshIndex listed;
     IndexContactSurface surface;
-    SurfaceSign sign;
+    MeshIndex with_sign;
     WorkspaceMap map = {20, Vec3::Zero()}; ///< a cube of 2 is 0.1 m wide on the device
 };
 
@@ -54,7 +51,7 @@ HapticRenderer renderer_of(const Inside& model, ForceLaw law)
     const RenderOptions options = testing::spring_alone(stiffness);
     if (law == ForceLaw::proxy)
         return make_surface_renderer(model.surface, model.map, strong, options);
-    return make_penalty_renderer(model.surface, model.penalty(), model.map, strong, options);
+    return make_penalty_renderer(model.surface, model.with_sign, model.map, strong, options);
 }
 
 DeviceState at(const Vec3& p)

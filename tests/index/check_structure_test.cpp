@@ -5,6 +5,7 @@
 #include "index/listed_index.h"
 #include "index/lists/block.h"
 #include "index/lists/proximity_lists.h"
+#include "index/signs/sign_parts.h"
 #include "index/slabs/block_slab.h"
 #include "index/test_meshes.h"
 #include "lab/query_sets.h"
@@ -25,7 +26,7 @@ namespace {
 
 /// The index with its arrays copied, for tests that break them.
 struct EditableIndex {
-    explicit EditableIndex(const MeshIndex& whole) : to_index(whole) {}
+    explicit EditableIndex(const MeshIndex& whole) : index(whole) {}
 
     MeshIndex index;
     std::vector<IndexBlock> blocks{index.parts().blocks().begin(), index.parts().blocks().end()};
@@ -50,6 +51,30 @@ struct EditableIndex {
     ProximityStatistics statistics = index.parts().lists()->statistics();
     int table_depth = index.parts().lists()->table_depth();
 
+    SignArrays signs = index.parts().signs()->arrays();
+    std::vector<std::uint32_t> sign_rows{signs.rows.begin(), signs.rows.end()};
+    std::vector<SurfaceSides> sides{signs.sides.begin(), signs.sides.end()};
+    std::vector<SurfaceSides> vertex_sides{signs.vertex_sides.begin(), signs.vertex_sides.end()};
+    std::vector<VertexSign> vertex_signs{signs.vertices.begin(), signs.vertices.end()};
+    std::vector<std::uint32_t> edges{signs.edges.begin(), signs.edges.end()};
+    std::vector<std::uint32_t> edge_lists{signs.edge_lists.begin(), signs.edge_lists.end()};
+    std::vector<WindingCluster> clusters{signs.winding.clusters.begin(),
+                                         signs.winding.clusters.end()};
+    std::vector<std::uint32_t> order{signs.winding.order.begin(), signs.winding.order.end()};
+
+    [[nodiscard]] std::shared_ptr<const SignParts> adopted_signs() const
+    {
+        SignArrays arrays = signs; // bounds and least height
+        arrays.rows = sign_rows;
+        arrays.sides = sides;
+        arrays.vertex_sides = vertex_sides;
+        arrays.vertices = vertex_signs;
+        arrays.edges = edges;
+        arrays.edge_lists = edge_lists;
+        arrays.winding = {clusters, order, signs.winding.unit};
+        return std::make_shared<const SignParts>(SignParts::adopt(arrays, nullptr));
+    }
+
     /// The index of the edited arrays. \pre this outlives it
     [[nodiscard]] MeshIndex adopted() const
     {
@@ -68,6 +93,7 @@ struct EditableIndex {
         return make_mesh_index(
             IndexParts::adopt(arrays, nullptr)
                 .adopt_slabs(slabs, nullptr)
+                .adopt_signs(adopted_signs())
                 .adopt_lists(std::make_shared<const ProximityLists>(ProximityLists::adopt(
                     frame, table_depth, {table, nodes, runs, arena}, statistics, nullptr))));
     }
@@ -117,7 +143,7 @@ struct Damage {
     std::function<void(EditableIndex&)> damage;
 };
 
-/// An index with lists, runs, a table and slabs of a torus, whose parts the tests break.
+/// An index with lists, runs, a table, slabs and signs of a torus, whose parts the tests break.
 class CheckStructure : public ::testing::Test {
 protected:
     void SetUp() override
@@ -129,7 +155,8 @@ protected:
             });
         const MeshIndex listed =
             testing::listed_index(mesh, {.list_bytes = 225 * mesh.triangle_count() + 4096}).value();
-        index_ = with_slabs(listed).value();
+        index_ = with_signs(with_slabs(listed).value()).value();
+        ASSERT_TRUE(index_.parts().signs()->is_local());
         const ProximityLists* lists = index_.parts().lists();
         ASSERT_FALSE(index_.parts().float_rows().empty());
         ASSERT_FALSE(lists->arrays().runs.empty());
@@ -430,6 +457,92 @@ TEST_F(CheckStructure, NamesADamagedLeaf)
          {"extent", [](EditableIndex& e) { first_leaf_of(e).extent_bits = 0x7FFF; }}});
 }
 
+TEST_F(CheckStructure, NamesSignsOfOtherNumbers)
+{
+    expect_named(
+        {{"signs of another number of triangles", [](EditableIndex& e) { e.sign_rows.pop_back(); }},
+         {"signs of another number of triangles", [](EditableIndex& e) { e.order.pop_back(); }},
+         {"signs of another number of vertices", [](EditableIndex& e) { e.sides.clear(); }},
+         {"signs of another number of vertices",
+          [](EditableIndex& e) { e.vertex_sides.pop_back(); }},
+         {"signs of another number of vertices",
+          [](EditableIndex& e) { e.vertex_signs.pop_back(); }},
+         {"signs of another number of vertices", [](EditableIndex& e) { e.edges.emplace_back(); }},
+         {"no power of two", [](EditableIndex& e) { e.signs.winding.unit = nan; }},
+         {"no power of two", [](EditableIndex& e) { e.signs.winding.unit = -1; }}});
+}
+
+TEST_F(CheckStructure, NamesWrongRowsAndSidesOfSigns)
+{
+    constexpr auto no_sides = static_cast<SurfaceSides>(4);
+    expect_named(
+        {{"another triangle's row",
+          [](EditableIndex& e) { e.sign_rows[3] = static_cast<std::uint32_t>(e.rows.size()); }},
+         {"another triangle's row",
+          [](EditableIndex& e) { std::swap(e.sign_rows[3], e.sign_rows[4]); }},
+         {"signs of row 5: no such sides", [](EditableIndex& e) { e.sides[5] = no_sides; }},
+         {"signs of vertex 5: no such sides",
+          [](EditableIndex& e) { e.vertex_sides[5] = no_sides; }}});
+}
+
+TEST_F(CheckStructure, NamesWrongTrianglesOfEdges)
+{
+    expect_named(
+        {{"a triangle without the edge",
+          [](EditableIndex& e) { e.edges[3] = static_cast<std::uint32_t>(e.rows.size()); }},
+         {"a triangle without the edge",
+          [](EditableIndex& e) { std::swap(e.edges[3], e.edges[90]); }},
+         {"no such list", [](EditableIndex& e) { e.edges[3] = edge_list_bit; }},
+         {"no such list", [](EditableIndex& e) { e.edges[3] = 0xFFFFFFFF; }},
+         {"no such list",
+          [](EditableIndex& e) {
+              e.edges[3] = edge_list_bit;
+              e.edge_lists = {2, e.edges[3]};
+          }},
+         {"no such list",
+          [](EditableIndex& e) {
+              // Two edges with one list.
+              e.edge_lists = {0};
+              e.edges[3] = e.edges[4] = edge_list_bit;
+          }},
+         {"a triangle without the edge",
+          [](EditableIndex& e) {
+              e.edge_lists = {1, e.edges[90]};
+              e.edges[3] = edge_list_bit;
+          }},
+         {"lists of no edge", [](EditableIndex& e) { e.edge_lists = {0}; }}});
+}
+
+TEST_F(CheckStructure, AcceptsAListOfAnEdge)
+{
+    EditableIndex edited(index_);
+    edited.edge_lists = {1, edited.edges[3]};
+    edited.edges[3] = edge_list_bit;
+    EXPECT_EQ(edited.fault(), "");
+}
+
+TEST_F(CheckStructure, NamesClustersThatFormNoTree)
+{
+    expect_named(
+        {{"no clusters", [](EditableIndex& e) { e.clusters.clear(); }},
+         {"not all triangles", [](EditableIndex& e) { e.clusters[0].count -= 1; }},
+         {"not all triangles", [](EditableIndex& e) { e.clusters[0].first = 1; }},
+         {"not all triangles", [](EditableIndex& e) { e.clusters[0].next -= 1; }},
+         {"not all triangles", [](EditableIndex& e) { e.clusters.emplace_back(); }},
+         {"form no tree", [](EditableIndex& e) { e.clusters[1].next = 1; }},
+         {"form no tree", [](EditableIndex& e) { e.clusters[1].next = 0; }},
+         {"form no tree", [](EditableIndex& e) { e.clusters[1].next = 0xFFFFFFFF; }},
+         {"form no tree", [](EditableIndex& e) { e.clusters[1].next += 1; }},
+         {"form no tree", [](EditableIndex& e) { e.clusters[e.clusters[1].next].next -= 1; }},
+         {"form no tree", [](EditableIndex& e) { e.clusters[1].first += 1; }},
+         {"form no tree", [](EditableIndex& e) { e.clusters[1].count += 1; }},
+         {"form no tree", [](EditableIndex& e) { e.clusters.back().count = 0; }},
+         {"form no tree", [](EditableIndex& e) { e.clusters.back().first = 0xFFFFFFFF; }},
+         {"no such row",
+          [](EditableIndex& e) { e.order[9] = static_cast<std::uint32_t>(e.rows.size()); }},
+         {"a row twice", [](EditableIndex& e) { e.order[9] = e.order[200]; }}});
+}
+
 TEST(CheckAnswers, FindsALeafThatOmitsATriangle)
 {
     const TriangleMesh mesh = sample_mesh("torus:24x36").value();
@@ -445,7 +558,7 @@ TEST(CheckAnswers, FindsALeafThatOmitsATriangle)
     };
     EXPECT_EQ(message(index, 1), "");
     // In every leaf of one block the last of its triangles is forgotten: the structure is sound.
-    EditableIndex edited(index);
+    EditableIndex edited(with_signs(index).value());
     for (std::vector<std::uint64_t>* const words : {&edited.table, &edited.nodes}) {
         for (std::uint64_t& word : *words) {
             const std::uint32_t mask = proximity_word::mask(word);

@@ -140,7 +140,7 @@ HapticRenderer make_surface_renderer(const ContactSurface& surface, const Worksp
     return renderer_of({.surface = &surface, .properties = properties}, map, device, options);
 }
 
-HapticRenderer make_penalty_renderer(const ContactSurface& surface, const PenaltySurface& inside,
+HapticRenderer make_penalty_renderer(const ContactSurface& surface, const MeshIndex& inside,
                                      const WorkspaceMap& map, const DeviceLimits& device,
                                      const RenderOptions& options)
 {

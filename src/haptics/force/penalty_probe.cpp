@@ -2,13 +2,13 @@
 
 #include "base/check.h"
 #include "proxima/haptic_renderer.h"
+#include "proxima/signed_distance.h"
 
 namespace proxima {
 
-PenaltyProbe::PenaltyProbe(const PenaltySurface& surface) : surface_(surface)
+PenaltyProbe::PenaltyProbe(const MeshIndex& index) : index_(index)
 {
-    PROXIMA_CHECK(surface.index != nullptr);
-    PROXIMA_CHECK(surface.sign != nullptr);
+    PROXIMA_CHECK(index.has_signs());
 }
 
 void PenaltyProbe::place(const Vec3& p) noexcept
@@ -23,7 +23,7 @@ const ProxyTick& PenaltyProbe::follow(const Vec3& p) noexcept
 {
     const ProxyTick last = tick_;
     place(p);
-    const SignedDistance at = sign_of(*surface_.sign, *closest_feature(*surface_.index, p), p);
+    const SignedDistance at = *signed_distance(index_, p);
     const Vec3 out = at.closest.point - p;
     const double depth = out.norm();
     if (!(at.distance < 0) || !(depth > 0)) {

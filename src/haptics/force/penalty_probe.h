@@ -9,7 +9,6 @@
 
 #include "haptics/proxy/proxy.h"
 #include "proxima/mesh_index.h"
-#include "proxima/signed_distance.h"
 
 #include <array>
 #include <cstddef>
@@ -24,17 +23,11 @@ enum class ForceLaw : std::uint8_t {
     penalty ///< the nearest point of the surface
 };
 
-/// The index and the sign of one mesh, to which it refers.
-struct PenaltySurface {
-    const MeshIndex* index = nullptr;
-    const SurfaceSign* sign = nullptr;
-};
-
-/// One thread. noexcept, no allocation; a closest feature and its sign per tick.
+/// One thread. noexcept, no allocation; a signed distance per tick.
 class PenaltyProbe {
 public:
-    /// \pre both pointers are set
-    explicit PenaltyProbe(const PenaltySurface& surface);
+    /// \pre the index has signs
+    explicit PenaltyProbe(const MeshIndex& index);
 
     /// Starts at p, without a past. \pre p is finite
     void place(const Vec3& p) noexcept;
@@ -57,7 +50,7 @@ public:
     }
 
 private:
-    PenaltySurface surface_;
+    MeshIndex index_;
     ProxyTick tick_;
     bool popped_ = false;
     std::array<Vec3, 2> path_;

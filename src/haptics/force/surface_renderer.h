@@ -134,10 +134,10 @@ public:
                                                    const RenderOptions& options = {},
                                                    const SurfaceProperties* properties = nullptr);
 
-/// A renderer of penalty forces. Refers to surface and inside. \pre check_render_settings() holds
+/// A renderer of penalty forces. Refers to the surface. \pre check_render_settings() holds; inside has
+/// signs
 [[nodiscard]] HapticRenderer make_penalty_renderer(const ContactSurface& surface,
-                                                   const PenaltySurface& inside,
-                                                   const WorkspaceMap& map,
+                                                   const MeshIndex& inside, const WorkspaceMap& map,
                                                    const DeviceLimits& device,
                                                    const RenderOptions& options);
 

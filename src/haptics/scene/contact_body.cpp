@@ -1,9 +1,8 @@
 #include "haptics/scene/contact_body.h"
 
 #include "index/check_edges.h"
-#include "proxima/closest_feature.h"
 #include "proxima/mesh_index.h"
-#include "query/closest/sign_parts.h"
+#include "proxima/signed_distance.h"
 
 #include <array>
 #include <cmath>
@@ -25,10 +24,10 @@ bool in_range(const SurfaceMaterial& material)
 
 std::optional<Vec3> ContactBody::nearest_exit(const Vec3& p) const noexcept
 {
-    if (!sign_) return std::nullopt;
-    const SignedDistance at = sign_of(*sign_, *closest_feature(index_, p), p);
-    if (!(at.distance < 0)) return std::nullopt;
-    return at.closest.point;
+    if (!has_local_signs(index_)) return std::nullopt;
+    const auto at = signed_distance(index_, p);
+    if (!at || !(at->distance < 0)) return std::nullopt;
+    return at->closest.point;
 }
 
 /// Makes a body step by step.
@@ -58,10 +57,11 @@ public:
         } else if (Status status = build_index(); !status) {
             return tl::unexpected(status.error());
         }
-        auto sign = build_surface_sign(body.mesh_, body.topology_, body.index_,
-                                       {.execution = options_.execution});
-        if (!sign) return tl::unexpected(sign.error());
-        if (sign->is_local()) body.sign_ = std::move(*sign);
+        if (!body.index_.has_signs()) {
+            const auto with = with_signs(body.index_, {.execution = options_.execution});
+            if (!with) return tl::unexpected(with.error());
+            if (has_local_signs(*with)) body.index_ = *with;
+        }
         body.bounds_ = bounding_box(body.mesh_);
         if (search_ == BodySearch::every_triangle) {
             body.surface_ = std::make_unique<MeshContactSurface>(body.mesh_);

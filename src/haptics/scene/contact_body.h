@@ -1,4 +1,4 @@
-// The implementation of TouchBody (touch_scene.h): mesh, index and surface, normals and signs.
+// The implementation of TouchBody (touch_scene.h): mesh, index with signs and surface, normals.
 #pragma once
 
 #include "haptics/surface/contact_surface.h"
@@ -6,7 +6,6 @@
 #include "proxima/geometry.h"
 #include "proxima/mesh_index.h"
 #include "proxima/result.h"
-#include "proxima/signed_distance.h"
 #include "proxima/topology.h"
 #include "proxima/touch_scene.h"
 #include "proxima/triangle_mesh.h"
@@ -49,16 +48,15 @@ private:
 
     TriangleMesh mesh_;
     Topology topology_;
-    MeshIndex index_;
+    MeshIndex index_; ///< with signs where the mesh is closed
     Box bounds_;
     std::unique_ptr<const ContactSurface> surface_;
     std::unique_ptr<ShadingNormals> normals_;
-    std::optional<SurfaceSign> sign_; ///< of meshes that are closed
     std::optional<SurfaceMaterial> material_;
 };
 
 /// Builds a body, with an index with lists. Errors: those of build_topology, build_mesh_index,
-/// with_lists and build_surface_sign; invalid_argument for materials that are not finite, negative,
+/// with_lists and with_signs; invalid_argument for materials that are not finite, negative,
 /// or of more dynamic than static friction.
 [[nodiscard]] Result<std::unique_ptr<const ContactBody>>
 build_contact_body(TriangleMesh mesh, const TouchBodyOptions& options = {},

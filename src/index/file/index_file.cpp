@@ -5,6 +5,7 @@
 #include "index/check_structure.h"
 #include "index/index_parts.h"
 #include "index/lists/proximity_lists.h"
+#include "index/signs/sign_parts.h"
 #include "index/slabs/block_slab.h"
 
 #include <array>
@@ -30,7 +31,16 @@ enum SectionId : std::uint32_t {
     nodes_section,
     runs_section,
     arena_section,
-    slabs_section
+    slabs_section,
+    signs_section,
+    sign_rows_section,
+    sides_section,
+    vertex_sides_section,
+    vertex_signs_section,
+    edge_signs_section,
+    edge_lists_section,
+    clusters_section,
+    cluster_order_section
 };
 
 /// Frame and root. Doubles by their bits, so that the struct has no other values.
@@ -60,7 +70,16 @@ struct ListsHeader {
     std::uint32_t table_depth = 0;
     std::uint32_t searched_leaves = 0;
 };
+
+/// All of signs but their arrays.
+struct SignsHeader {
+    std::array<std::uint64_t, 3> lower{};
+    std::array<std::uint64_t, 3> upper{};
+    std::uint64_t unit = 0;
+    std::uint64_t least_height = 0;
+};
 static_assert(sizeof(IndexHeader) == 48 && sizeof(ListsHeader) == 112);
+static_assert(sizeof(SignsHeader) == 64 && sizeof(VertexSign) == 32);
 static_assert(sizeof(RunEntry) == 24 && sizeof(BlockSlab) == 8);
 static_assert(alignof(IndexBlock) <= section_alignment);
 
@@ -110,6 +129,12 @@ ListsHeader header_of(const ProximityLists& lists)
     header.table_depth = static_cast<std::uint32_t>(lists.table_depth());
     header.searched_leaves = static_cast<std::uint32_t>(counts.searched_leaves);
     return header;
+}
+
+SignsHeader header_of(const SignArrays& signs)
+{
+    return {bits(signs.bounds.lower), bits(signs.bounds.upper), bits(signs.winding.unit),
+            bits(signs.least_height)};
 }
 
 ProximityStatistics statistics_of(const ListsHeader& header)
@@ -166,8 +191,10 @@ Result<MeshIndex> index_of(const BinaryFile& file, const std::string& name,
     std::span<const IndexHeader> headers;
     std::span<const ListsHeader> list_headers;
     std::span<const BlockSlab> slabs;
+    std::span<const SignsHeader> sign_headers;
     IndexArrays arrays;
     ProximityArrays lists;
+    SignArrays signs;
     SectionReader reader(file);
     reader.read(header_section, headers);
     reader.read(blocks_section, arrays.blocks);
@@ -182,11 +209,20 @@ Result<MeshIndex> index_of(const BinaryFile& file, const std::string& name,
     reader.read(runs_section, lists.runs);
     reader.read(arena_section, lists.arena);
     reader.read(slabs_section, slabs);
+    reader.read(signs_section, sign_headers);
+    reader.read(sign_rows_section, signs.rows);
+    reader.read(sides_section, signs.sides);
+    reader.read(vertex_sides_section, signs.vertex_sides);
+    reader.read(vertex_signs_section, signs.vertices);
+    reader.read(edge_signs_section, signs.edges);
+    reader.read(edge_lists_section, signs.edge_lists);
+    reader.read(clusters_section, signs.winding.clusters);
+    reader.read(cluster_order_section, signs.winding.order);
     if (!reader.status()) return tl::unexpected(reader.status().error());
 
     // What would not fit the numbers of memory must be refused before it gets there.
-    if (headers.size() != 1 || list_headers.size() > 1 || headers[0].has_exact_leaves > 1 ||
-        arrays.ids.size() > max_index_triangles) {
+    if (headers.size() != 1 || list_headers.size() > 1 || sign_headers.size() > 1 ||
+        headers[0].has_exact_leaves > 1 || arrays.ids.size() > max_index_triangles) {
         return fail(ErrorCode::malformed_file, "the index's parameters are damaged", name);
     }
     arrays.center = vector(headers[0].center);
@@ -205,6 +241,14 @@ Result<MeshIndex> index_of(const BinaryFile& file, const std::string& name,
                                   statistics_of(header), file.storage())));
     }
     if (!slabs.empty()) parts = parts.adopt_slabs(slabs, file.storage());
+    if (!sign_headers.empty()) {
+        const SignsHeader& header = sign_headers[0];
+        signs.bounds = Box{vector(header.lower), vector(header.upper)};
+        signs.winding.unit = number(header.unit);
+        signs.least_height = number(header.least_height);
+        parts = parts.adopt_signs(
+            std::make_shared<const SignParts>(SignParts::adopt(signs, file.storage())));
+    }
     MeshIndex index = make_mesh_index(std::move(parts));
     if (const Status status = check_structure(index, {.execution = options.execution}); !status) {
         // What would be a fault of the program in an index of its own is damage in a file.
@@ -230,7 +274,10 @@ Status save_index(const MeshIndex& index, const std::filesystem::path& path,
     const IndexHeader header = header_of(index.parts());
     const ListsHeader lists_header = lists != nullptr ? header_of(*lists) : ListsHeader{};
     const ProximityArrays arrays = lists != nullptr ? lists->arrays() : ProximityArrays{};
-    const std::array<BinarySection, 13> sections = {
+    const SignParts* const parts = index.parts().signs();
+    const SignArrays signs = parts != nullptr ? parts->arrays() : SignArrays{};
+    const SignsHeader signs_header = header_of(signs);
+    const std::array<BinarySection, 22> sections = {
         binary_section(header_section, std::span(&header, 1)),
         section_of(blocks_section, index.parts().blocks()),
         section_of(float_rows_section, index.parts().float_rows()),
@@ -243,7 +290,16 @@ Status save_index(const MeshIndex& index, const std::filesystem::path& path,
         binary_section(nodes_section, arrays.nodes),
         section_of(runs_section, arrays.runs),
         section_of(arena_section, arrays.arena),
-        binary_section(slabs_section, index.parts().slabs())};
+        binary_section(slabs_section, index.parts().slabs()),
+        binary_section(signs_section, std::span(&signs_header, parts != nullptr ? 1 : 0)),
+        binary_section(sign_rows_section, signs.rows),
+        binary_section(sides_section, signs.sides),
+        binary_section(vertex_sides_section, signs.vertex_sides),
+        section_of(vertex_signs_section, signs.vertices),
+        binary_section(edge_signs_section, signs.edges),
+        binary_section(edge_lists_section, signs.edge_lists),
+        section_of(clusters_section, signs.winding.clusters),
+        binary_section(cluster_order_section, signs.winding.order)};
     return write_binary_file(path, index_format, sections, options.execution.progress);
 }
 

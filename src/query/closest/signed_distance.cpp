@@ -4,19 +4,18 @@
 #include "base/progress.h"
 #include "base/text.h"
 #include "geometry/exact_predicates.h"
-#include "mesh/surface_parts.h"
+#include "index/index_parts.h"
+#include "index/signs/sign_geometry.h"
+#include "index/signs/sign_parts.h"
 #include "proxima/mesh_index.h"
 #include "query/batch_size.h"
-#include "query/closest/sign_geometry.h"
-#include "query/closest/sign_parts.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <optional>
-#include <utility>
+#include <span>
 #include <vector>
 
 namespace proxima {
@@ -43,191 +42,234 @@ std::optional<bool> by_height(double height, double doubt) noexcept
     return height < 0;
 }
 
-// Whether p is inside, told by a feature whose triangles separate; nothing in doubt.
+/// The sign at one point, told by its closest feature and the rows of its triangles.
+template <class Scalar>
+class SignQuery {
+public:
+    SignQuery(const SignArrays& signs, std::span<const TriangleRow<Scalar>> rows,
+              const ClosestFeature& closest, const Vec3& p) noexcept
+        : signs_(signs), rows_(rows), closest_(closest), p_(p),
+          distance_(std::sqrt(closest.squared_distance)),
+          row_(signs.rows[to_index(closest.triangle)])
+    {}
 
-/// On which side of the face's plane p is, exactly.
-int side_of_face(const TriangleMesh& mesh, TriangleId face, const Vec3& p) noexcept
-{
-    const Triangle triangle = mesh.triangle(face);
-    return orient3d(triangle[0], triangle[1], triangle[2], p);
-}
-
-/// Whether p is on the closest feature: as computed or exactly, though the closest point as
-/// computed may be beside it.
-bool is_on(const SignParts& sign, const ClosestFeature& closest, const Vec3& p,
-           double distance) noexcept
-{
-    if (distance == 0) return true;
-    constexpr double rounding = 0x1p-44;
-    double size = p.cwiseAbs().maxCoeff();
-    for (const Vec3& corner : sign.mesh().triangle(closest.triangle).vertices) {
-        size = std::max(size, corner.cwiseAbs().maxCoeff());
+    [[nodiscard]] SignedDistance answer() const noexcept
+    {
+        SignedDistance result{distance_, SignMethod::on_surface, closest_};
+        if (is_on_feature()) {
+            result.distance = 0;
+            return result;
+        }
+        const auto inside = is_inside_locally();
+        const bool beyond = !signs_.bounds.contains(p_);
+        result.method =
+            inside && !(beyond && *inside) ? SignMethod::pseudonormal : SignMethod::winding_number;
+        if (beyond) return result;
+        // Where squares overflow, whatever mesh there is is a dot.
+        if (inside ? *inside : std::isfinite(distance_) && is_inside_by_winding())
+            result.distance = -distance_;
+        return result;
     }
-    if (distance > rounding * size) return false;
-    if (closest.feature.kind == FeatureKind::face) {
-        return side_of_face(sign.mesh(), closest.triangle, p) == 0;
+
+private:
+    [[nodiscard]] Triangle triangle(std::uint32_t row) const noexcept
+    {
+        return rows_[row].corners();
     }
-    if (closest.feature.kind == FeatureKind::vertex) return false;
-    const EdgeVertices& ends = sign.topology().vertices(EdgeId{closest.feature.id});
-    const Vec3& from = sign.mesh().position(ends[0]);
-    return are_parallel({from, p}, {from, sign.mesh().position(ends[1])});
-}
 
-std::optional<bool> is_behind_edge(const SignParts& sign, EdgeId edge, const Vec3& p,
-                                   double distance) noexcept
-{
-    const TriangleMesh& mesh = sign.mesh();
-    Vec3 normal = Vec3::Zero();
-    for (const TriangleId id : sign.topology().triangles(edge)) {
-        if (!detail::is_proper(mesh.triangles()[to_index(id)])) continue;
-        normal += unit_normal_of(mesh.triangle(id));
+    /// On which side of the closest triangle's plane p is, exactly.
+    [[nodiscard]] int side_of_face() const noexcept
+    {
+        const Triangle face = triangle(row_);
+        return orient3d(face[0], face[1], face[2], p_);
     }
-    // The normal is across the edge, so any of its points will do: the nearer end rounds less.
-    const EdgeVertices& ends = sign.topology().vertices(edge);
-    const Vec3 from_low = p - mesh.position(ends[0]);
-    const Vec3 from_high = p - mesh.position(ends[1]);
-    const Vec3& from = from_low.squaredNorm() < from_high.squaredNorm() ? from_low : from_high;
-    constexpr double rounding = 0x1p-48;
-    return by_height(normal.dot(from), (normal_error + tie_error * normal.norm()) * distance +
-                                           rounding * from.norm());
-}
 
-std::optional<bool> is_behind_vertex(const SignParts& sign, VertexId vertex, const Vec3& p,
-                                     double distance) noexcept
-{
-    const Vec3& normal = sign.pseudonormals()[to_index(vertex)];
-    return by_height(normal.dot(p - sign.mesh().position(vertex)),
-                     (normal_error + tie_error) * distance);
-}
-
-SurfaceSides sides_of(const SignParts& sign, const Feature& feature) noexcept
-{
-    if (feature.kind == FeatureKind::vertex) return sign.vertex_sides()[feature.id];
-    if (feature.kind == FeatureKind::face) return sign.sides()[feature.id];
-    CommonSides common;
-    for (const TriangleId id : sign.topology().triangles(EdgeId{feature.id})) {
-        if (!detail::is_proper(sign.mesh().triangles()[to_index(id)])) continue;
-        common.add(sign.sides()[to_index(id)]);
+    struct EdgeEnds {
+        Vec3 low; ///< of the lower vertex id
+        Vec3 high;
+    };
+    [[nodiscard]] EdgeEnds edge_ends() const noexcept
+    {
+        const TriangleRow<Scalar>& row = rows_[row_];
+        const std::size_t side = side_of(row, closest_.feature.id);
+        const Vec3 from = row.corner(static_cast<int>(side));
+        const Vec3 to = row.corner(side == 2 ? 0 : static_cast<int>(side) + 1);
+        return row.backward(side) ? EdgeEnds{to, from} : EdgeEnds{from, to};
     }
-    return common.result();
-}
 
-/// The least height of the triangles about a feature.
-double height_at(const SignParts& sign, const Feature& feature) noexcept
-{
-    const auto least = [&](std::span<const TriangleId> triangles) {
+    /// Calls visit(row) for the proper triangles of the closest edge, by ascending id.
+    template <class Visit>
+    void visit_edge(const Visit& visit) const noexcept
+    {
+        const std::uint32_t word = signs_.edges[closest_.feature.id];
+        if ((word & edge_list_bit) == 0) {
+            visit(row_);
+            visit(word);
+            return;
+        }
+        const std::uint32_t first = word & ~edge_list_bit;
+        for (const std::uint32_t row :
+             signs_.edge_lists.subspan(first + 1, signs_.edge_lists[first]))
+            visit(row);
+    }
+
+    /// Whether p is on the closest feature: as computed or exactly, though the closest point as
+    /// computed may be beside it.
+    [[nodiscard]] bool is_on_feature() const noexcept
+    {
+        if (distance_ == 0) return true;
+        constexpr double rounding = 0x1p-44;
+        double size = p_.cwiseAbs().maxCoeff();
+        for (const Vec3& corner : triangle(row_).vertices)
+            size = std::max(size, corner.cwiseAbs().maxCoeff());
+        if (distance_ > rounding * size) return false;
+        if (closest_.feature.kind == FeatureKind::face) return side_of_face() == 0;
+        if (closest_.feature.kind == FeatureKind::vertex) return false;
+        const EdgeEnds ends = edge_ends();
+        return are_parallel({ends.low, p_}, {ends.low, ends.high});
+    }
+
+    // Whether p is inside, told by a feature whose triangles separate; nothing in doubt.
+
+    [[nodiscard]] std::optional<bool> is_behind_face() const noexcept
+    {
+        const int side = side_of_face();
+        return side == 0 ? std::nullopt : std::optional(side < 0);
+    }
+
+    [[nodiscard]] std::optional<bool> is_behind_edge() const noexcept
+    {
+        Vec3 normal = Vec3::Zero();
+        visit_edge([&](std::uint32_t row) { normal += unit_normal_of(triangle(row)); });
+        // The normal is across the edge, so any of its points will do: the nearer end rounds less.
+        const EdgeEnds ends = edge_ends();
+        const Vec3 from_low = p_ - ends.low;
+        const Vec3 from_high = p_ - ends.high;
+        const Vec3& from = from_low.squaredNorm() < from_high.squaredNorm() ? from_low : from_high;
+        constexpr double rounding = 0x1p-48;
+        return by_height(normal.dot(from), (normal_error + tie_error * normal.norm()) * distance_ +
+                                               rounding * from.norm());
+    }
+
+    [[nodiscard]] std::optional<bool> is_behind_vertex() const noexcept
+    {
+        const std::uint32_t vertex = closest_.feature.id;
+        const Vec3 normal(signs_.vertices[vertex].normal.data());
+        const TriangleRow<Scalar>& row = rows_[row_];
+        const Vec3 position = row.corner(static_cast<int>(corner_of(row, vertex)));
+        return by_height(normal.dot(p_ - position), (normal_error + tie_error) * distance_);
+    }
+
+    [[nodiscard]] SurfaceSides sides() const noexcept
+    {
+        if (signs_.sides.empty()) return SurfaceSides::doubtful;
+        if (closest_.feature.kind == FeatureKind::vertex)
+            return signs_.vertex_sides[closest_.feature.id];
+        if (closest_.feature.kind == FeatureKind::face) return signs_.sides[row_];
+        CommonSides common;
+        visit_edge([&](std::uint32_t row) { common.add(signs_.sides[row]); });
+        return common.result();
+    }
+
+    /// The least height of the triangles about the feature. \pre its sides are known
+    [[nodiscard]] double height() const noexcept
+    {
+        if (closest_.feature.kind == FeatureKind::vertex)
+            return signs_.vertices[closest_.feature.id].least_height;
         double height = std::numeric_limits<double>::infinity();
-        for (const TriangleId id : triangles) {
-            if (!detail::is_proper(sign.mesh().triangles()[to_index(id)])) continue;
-            height = std::min(height, height_of(sign.mesh().triangle(id), sign.winding().unit()));
+        const auto add = [&](std::uint32_t row) {
+            height = std::min(height, height_of(triangle(row), signs_.winding.unit));
+        };
+        if (closest_.feature.kind == FeatureKind::edge) {
+            visit_edge(add);
+        } else {
+            add(row_);
         }
         return height;
-    };
-    switch (feature.kind) {
-    case FeatureKind::vertex:
-        return least(sign.topology().triangles(VertexId{feature.id}));
-    case FeatureKind::edge:
-        return least(sign.topology().triangles(EdgeId{feature.id}));
-    case FeatureKind::face:
-        break;
     }
-    return least(std::array{TriangleId{feature.id}});
-}
 
-/// Whether the feature is large enough, seen from its distance, to be told from its neighbours and
-/// they from what lies behind them.
-bool is_told_apart(const SignParts& sign, const ClosestFeature& closest, double distance) noexcept
-{
-    const auto large = [&](double height) {
-        if (!(height > least_part * distance)) return false;
-        return closest.feature.kind != FeatureKind::face ||
-               *std::ranges::min_element(closest.barycentric) * height > least_inset * distance;
-    };
-    return large(sign.least_height()) || large(height_at(sign, closest.feature));
-}
+    /// Whether the feature is large enough, seen from its distance, to be told from its neighbours
+    /// and they from what lies behind them.
+    [[nodiscard]] bool is_told_apart() const noexcept
+    {
+        const auto large = [&](double height) {
+            if (!(height > least_part * distance_)) return false;
+            return closest_.feature.kind != FeatureKind::face ||
+                   *std::ranges::min_element(closest_.barycentric) * height >
+                       least_inset * distance_;
+        };
+        return large(signs_.least_height) || large(height());
+    }
 
-/// Whether p is inside by what the feature is known of; nothing in doubt.
-std::optional<bool> is_inside_locally(const SignParts& sign, const ClosestFeature& closest,
-                                      const Vec3& p, double distance) noexcept
+    /// Whether p is inside by what the feature is known of; nothing in doubt.
+    [[nodiscard]] std::optional<bool> is_inside_locally() const noexcept
+    {
+        const SurfaceSides known = sides();
+        if (known == SurfaceSides::doubtful || !is_told_apart()) return std::nullopt;
+        if (known != SurfaceSides::separates) return known == SurfaceSides::inside_both;
+        switch (closest_.feature.kind) {
+        case FeatureKind::vertex:
+            return is_behind_vertex();
+        case FeatureKind::edge:
+            return is_behind_edge();
+        case FeatureKind::face:
+            break;
+        }
+        return is_behind_face();
+    }
+
+    [[nodiscard]] bool is_inside_by_winding() const noexcept
+    {
+        return is_inside(
+            signs_.winding, [&](std::uint32_t row) { return triangle(row); }, p_);
+    }
+
+    const SignArrays& signs_;
+    std::span<const TriangleRow<Scalar>> rows_;
+    const ClosestFeature& closest_;
+    const Vec3& p_;
+    double distance_;
+    std::uint32_t row_; ///< of the closest triangle
+};
+
+/// \pre the index has signs, closest was found
+SignedDistance answer_of(const IndexParts& index, const ClosestFeature& closest,
+                         const Vec3& p) noexcept
 {
-    const Feature& feature = closest.feature;
-    const SurfaceSides sides = sides_of(sign, feature);
-    if (sides == SurfaceSides::doubtful || !is_told_apart(sign, closest, distance))
-        return std::nullopt;
-    switch (sides) {
-    case SurfaceSides::inside_both:
-        return true;
-    case SurfaceSides::outside_both:
-        return false;
-    case SurfaceSides::doubtful:
-        return std::nullopt;
-    case SurfaceSides::separates:
-        break;
-    }
-    switch (feature.kind) {
-    case FeatureKind::vertex:
-        return is_behind_vertex(sign, VertexId{feature.id}, p, distance);
-    case FeatureKind::edge:
-        return is_behind_edge(sign, EdgeId{feature.id}, p, distance);
-    case FeatureKind::face:
-        break;
-    }
-    const int side = side_of_face(sign.mesh(), TriangleId{feature.id}, p);
-    return side == 0 ? std::nullopt : std::optional(side < 0);
+    const SignArrays& signs = index.signs()->arrays();
+    return index.double_rows().empty() ? SignQuery(signs, index.float_rows(), closest, p).answer()
+                                       : SignQuery(signs, index.double_rows(), closest, p).answer();
 }
 
 } // namespace
 
-SurfaceSign::SurfaceSign(std::shared_ptr<const SignParts> parts) noexcept : parts_(std::move(parts))
-{}
-
-bool SurfaceSign::is_local() const noexcept
+bool has_local_signs(const MeshIndex& index) noexcept
 {
-    const auto sides = parts_->sides();
-    return std::ranges::find(sides, SurfaceSides::doubtful) == sides.end();
+    return index.has_signs() && index.parts().signs()->is_local();
 }
 
-std::uint64_t SurfaceSign::bytes() const noexcept
+std::optional<SignedDistance> sign_of(const MeshIndex& index, const ClosestFeature& closest,
+                                      const Vec3& p) noexcept
 {
-    return parts_->sides().size() + parts_->vertex_sides().size() +
-           parts_->pseudonormals().size_bytes() + parts_->winding().clusters().size_bytes() +
-           parts_->winding().order().size_bytes();
+    if (!index.has_signs() || !is_found(closest)) return std::nullopt;
+    return answer_of(index.parts(), closest, p);
 }
 
-SignedDistance sign_of(const SurfaceSign& sign, const ClosestFeature& closest,
-                       const Vec3& p) noexcept
+std::optional<SignedDistance> signed_distance(const MeshIndex& index, const Vec3& p) noexcept
 {
-    SignedDistance result{std::sqrt(closest.squared_distance), SignMethod::on_surface, closest};
-    if (std::isnan(result.distance)) {
-        result.method = SignMethod::none;
-        return result;
+    if (!index.has_signs()) return std::nullopt;
+    const auto closest = closest_feature(index, p);
+    if (!closest) return std::nullopt;
+    return answer_of(index.parts(), *closest, p);
+}
+
+Status signed_distances(const MeshIndex& index, std::span<const Vec3> points,
+                        const SignedOutputs& outputs, const BatchOptions& options)
+{
+    if (!index.has_signs()) {
+        return fail(ErrorCode::invalid_argument, "the index has no signs: call with_signs first",
+                    "index");
     }
-    const SignParts& parts = sign.parts();
-    if (is_on(parts, closest, p, result.distance)) {
-        result.distance = 0;
-        return result;
-    }
-    const auto inside = is_inside_locally(parts, closest, p, result.distance);
-    const bool beyond = !parts.bounds().contains(p);
-    result.method =
-        inside && !(beyond && *inside) ? SignMethod::pseudonormal : SignMethod::winding_number;
-    if (beyond) return result;
-    // Where squares overflow, whatever mesh there is is a dot.
-    if (inside ? *inside : std::isfinite(result.distance) && is_inside(parts.winding(), p))
-        result.distance = -result.distance;
-    return result;
-}
-
-SignedDistance signed_distance(const MeshIndex& index, const SurfaceSign& sign,
-                               const Vec3& p) noexcept
-{
-    return sign_of(sign, closest_feature(index, p).value_or(no_closest_feature()), p);
-}
-
-Status signed_distances(const MeshIndex& index, const SurfaceSign& sign,
-                        std::span<const Vec3> points, const SignedOutputs& outputs,
-                        const BatchOptions& options)
-{
     for (const std::size_t size : {outputs.distances.size(), outputs.answers.size()}) {
         if (size == 0) continue;
         if (Status status = check_batch_size(size, points.size(), "points"); !status) return status;
@@ -254,7 +296,7 @@ Status signed_distances(const MeshIndex& index, const SurfaceSign& sign,
             (void)closest_features(index, own, {.answers = closest},
                                    {.order = options.order, .execution = {.threads = {1}}});
             for (std::size_t k = 0; k < own.size(); ++k) {
-                const SignedDistance answer = sign_of(sign, closest[k], own[k]);
+                const SignedDistance answer = answer_of(index.parts(), closest[k], own[k]);
                 if (!outputs.distances.empty()) outputs.distances[first + k] = answer.distance;
                 if (!outputs.answers.empty()) outputs.answers[first + k] = answer;
             }
@@ -273,11 +315,9 @@ std::string_view name_of(SignMethod method) noexcept
     case SignMethod::pseudonormal:
         return "pseudonormal";
     case SignMethod::winding_number:
-        return "winding_number";
-    case SignMethod::none:
         break;
     }
-    return "none";
+    return "winding_number";
 }
 
 } // namespace proxima

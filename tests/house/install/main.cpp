@@ -11,15 +11,15 @@ int main()
                                    *polyhedron_of_box({Vec3(0, 0, 0), Vec3(1, 1, 1)}));
     const auto octree = build_octree(*mesh, {.max_depth = 3, .execution = {.threads = {2}}});
     const auto view = make_perspective_volume({});
-    const auto index = build_mesh_index(*mesh);
+    const auto index =
+        build_mesh_index(*mesh).and_then([](const MeshIndex& plain) { return with_signs(plain); });
     if (!sum || !octree || !view || !index) return 1;
-    const auto sign = build_surface_sign(*index);
     const auto proximity = build_thesis_proximity(*mesh, {.max_depth = 3});
-    if (!sign || !proximity) return 1;
+    if (!proximity) return 1;
     const Vec3 above(0.1, 0.2, 3);
     const auto hit = closest_hit(*index, {.origin = above, .direction = Vec3(0, 0, -1)});
     const auto closest = closest_feature(*index, above);
-    if (!hit || !closest || !(signed_distance(*index, *sign, above).distance > 0)) return 1;
+    if (!hit || !closest || !(signed_distance(*index, above)->distance > 0)) return 1;
     if (!meshes_intersect(*index, *index, {}) || !mesh_distance(*index, *index)) return 1;
     HapticRenderer renderer = make_haptic_renderer(*index, {}, *find_device("omni")).value();
     if (renderer.tick({}, 1e-3).fault != InputFault::none) return 1;

@@ -11,11 +11,13 @@
 #include "index/index_parts.h"
 #include "index/listed_index.h"
 #include "index/lists/proximity_lists.h"
+#include "index/signs/sign_parts.h"
 #include "index/slabs/block_slab.h"
 #include "index/test_meshes.h"
 #include "proxima/closest_feature.h"
 #include "proxima/mesh_index.h"
 #include "proxima/sample_meshes.h"
+#include "proxima/signed_distance.h"
 #include "query/closest/find_closest.h"
 
 #include <algorithm>
@@ -45,13 +47,13 @@ Result<MeshIndex> load_bytes(const std::string& bytes, Verification verify = Ver
     return load_index(std::span(copy.get(), bytes.size()), copy, "memory", {.verify = verify});
 }
 
-/// With slabs and lists of so many bytes; without both for none.
+/// With slabs, signs and lists of so many bytes; without all for none.
 MeshIndex built(const TriangleMesh& mesh, std::uint64_t bytes_per_triangle = 520)
 {
     const MeshIndex plain = build_mesh_index(mesh).value();
     if (bytes_per_triangle == 0) return plain;
     const ListOptions options{.list_bytes = bytes_per_triangle * mesh.triangle_count() + 4096};
-    return with_lists(with_slabs(plain).value(), options).value();
+    return with_signs(with_lists(with_slabs(plain).value(), options).value()).value();
 }
 
 template <class T>
@@ -76,6 +78,27 @@ void expect_equal(const ProximityLists* a, const ProximityLists* b)
     EXPECT_TRUE(same_bytes(a->arrays().arena, b->arrays().arena));
 }
 
+void expect_equal(const SignParts* a, const SignParts* b)
+{
+    ASSERT_EQ(a == nullptr, b == nullptr);
+    if (a == nullptr) return;
+    EXPECT_EQ(a->is_local(), b->is_local());
+    const SignArrays& one = a->arrays();
+    const SignArrays& two = b->arrays();
+    EXPECT_EQ(one.bounds.lower, two.bounds.lower);
+    EXPECT_EQ(one.bounds.upper, two.bounds.upper);
+    EXPECT_EQ(one.least_height, two.least_height);
+    EXPECT_EQ(one.winding.unit, two.winding.unit);
+    EXPECT_TRUE(same_bytes(one.rows, two.rows));
+    EXPECT_TRUE(same_bytes(one.sides, two.sides));
+    EXPECT_TRUE(same_bytes(one.vertex_sides, two.vertex_sides));
+    EXPECT_TRUE(same_bytes(one.vertices, two.vertices));
+    EXPECT_TRUE(same_bytes(one.edges, two.edges));
+    EXPECT_TRUE(same_bytes(one.edge_lists, two.edge_lists));
+    EXPECT_TRUE(same_bytes(one.winding.clusters, two.winding.clusters));
+    EXPECT_TRUE(same_bytes(one.winding.order, two.winding.order));
+}
+
 void expect_equal(const MeshIndex& a, const MeshIndex& b)
 {
     EXPECT_EQ(a.parts().center(), b.parts().center());
@@ -91,6 +114,7 @@ void expect_equal(const MeshIndex& a, const MeshIndex& b)
     EXPECT_TRUE(same_bytes(a.parts().edge_incidences(), b.parts().edge_incidences()));
     EXPECT_TRUE(same_bytes(a.parts().slabs(), b.parts().slabs()));
     expect_equal(a.parts().lists(), b.parts().lists());
+    expect_equal(a.parts().signs(), b.parts().signs());
 }
 
 /// Whether two indexes answer with the same bits.
@@ -104,6 +128,11 @@ void expect_same_answers(const MeshIndex& a, const MeshIndex& b, std::span<const
         ASSERT_EQ(one.point, two.point);
         ASSERT_EQ(one.barycentric, two.barycentric);
         ASSERT_EQ(one.squared_distance, two.squared_distance);
+        if (!a.has_signs()) continue;
+        const SignedDistance sign_one = signed_distance(a, p).value();
+        const SignedDistance sign_two = signed_distance(b, p).value();
+        ASSERT_EQ(sign_one.distance, sign_two.distance) << p.transpose();
+        ASSERT_EQ(sign_one.method, sign_two.method) << p.transpose();
     }
 }
 
@@ -129,6 +158,7 @@ void expect_harmless(const MeshIndex& index, unsigned seed)
         const auto found = closest_feature(index, p, {}, steps);
         ASSERT_TRUE(found) << p.transpose();
         expect_exists(*found);
+        ASSERT_EQ(signed_distance(index, p).has_value(), index.has_signs());
         if (!index.has_lists()) continue;
         ASSERT_LE(steps.steps, index.parts().lists()->statistics().worst_case_steps);
         ASSERT_LE(steps.blocks, index.parts().lists()->statistics().worst_case_blocks);
@@ -273,7 +303,7 @@ TEST_F(IndexFile, ReportsWhyAFileIsRefused)
     expect_refused(bytes.substr(0, 1000), ErrorCode::malformed_file, "cut off");
     other = bytes;
     other.back() = static_cast<char>(other.back() ^ 1);
-    expect_refused(other, ErrorCode::malformed_file, "section 13 is wrong");
+    expect_refused(other, ErrorCode::malformed_file, "section 22 is wrong");
 
     EXPECT_EQ(load_index(path("missing.pxi")).error().code, ErrorCode::file_not_found);
     EXPECT_EQ(load_index(folder()).error().code, ErrorCode::file_not_found);

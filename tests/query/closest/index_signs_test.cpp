@@ -6,7 +6,6 @@
 #include "octree/winding_number.h"
 #include "oracles/column_winding.h"
 #include "proxima/signed_distance.h"
-#include "query/closest/sign_parts.h"
 
 #include <cmath>
 #include <functional>
@@ -21,18 +20,15 @@ using namespace testing;
 void expect_signs(const TriangleMesh& mesh, int count, unsigned seed,
                   const std::function<std::optional<bool>(const Vec3&)>& is_inside)
 {
-    const auto topology = build_topology(mesh);
-    ASSERT_TRUE(topology);
-    const auto sign = build_surface_sign(mesh, *topology);
-    ASSERT_TRUE(sign);
-    const auto index = testing::listed_index(mesh);
+    const auto index = testing::listed_index(mesh).and_then(
+        [](const MeshIndex& listed) { return with_signs(listed); });
     ASSERT_TRUE(index);
     const Box box = bounding_box(mesh);
     const double size = box.extent().norm() + box.center().norm();
     int inside = 0;
     int outside = 0;
     for (const Vec3& p : proximity_points(mesh, count, seed)) {
-        const SignedDistance found = sign_of(*sign, closest_feature(*index, p).value(), p);
+        const SignedDistance found = signed_distance(*index, p).value();
         if (std::abs(found.distance) < 1e-14 * (size + p.norm())) continue; // either side will do
         const auto truth = is_inside(p);
         if (!truth) continue;

@@ -6,7 +6,7 @@
 #include <bit>
 #include <gtest/gtest.h>
 #include <limits>
-#include <optional>
+#include <string>
 #include <vector>
 
 namespace proxima {
@@ -29,21 +29,20 @@ bool same_bits(double a, double b)
 TEST(SignedDistances, HaveTheBitsOfSingleQueriesForAnyNumberOfThreads)
 {
     const TriangleMesh mesh = ship_and_balls();
-    const MeshIndex index = build_mesh_index(mesh).value();
-    const SurfaceSign sign = build_surface_sign(index).value();
+    const MeshIndex index = with_signs(build_mesh_index(mesh).value()).value();
     std::vector<Vec3> points = proximity_points(mesh, 12'000, 77);
     for (const Vec3& position : mesh.positions()) points.push_back(position);
     std::vector<SignedDistance> truth;
-    for (const Vec3& p : points) truth.push_back(signed_distance(index, sign, p));
+    for (const Vec3& p : points) truth.push_back(signed_distance(index, p).value());
     for (const int threads : {1, 2, 5}) {
         for (const BatchOrder order : {BatchOrder::as_given, BatchOrder::sorted}) {
             std::vector<double> distances(points.size());
             std::vector<SignedDistance> answers(points.size());
             const BatchOptions options{.order = order, .execution = {.threads = {threads}}};
-            ASSERT_TRUE(signed_distances(index, sign, points,
+            ASSERT_TRUE(signed_distances(index, points,
                                          {.distances = distances, .answers = answers}, options));
             std::vector<double> alone(points.size());
-            ASSERT_TRUE(signed_distances(index, sign, points, {.distances = alone}, options));
+            ASSERT_TRUE(signed_distances(index, points, {.distances = alone}, options));
             for (std::size_t i = 0; i < points.size(); ++i) {
                 ASSERT_TRUE(same_bits(distances[i], truth[i].distance)) << "point " << i;
                 ASSERT_TRUE(same_bits(alone[i], truth[i].distance)) << "point " << i;
@@ -55,47 +54,33 @@ TEST(SignedDistances, HaveTheBitsOfSingleQueriesForAnyNumberOfThreads)
     }
 }
 
-TEST(SignedDistances, OfASignThatOutlivesTheIndexAgreeWithTheMesh)
-{
-    const Signed of(ship_and_balls());
-    std::optional<MeshIndex> index = build_mesh_index(of.mesh).value();
-    const SurfaceSign sign = build_surface_sign(*index).value();
-    index.reset();
-    for (const Vec3& p : proximity_points(of.mesh, 500, 5)) {
-        const SignedDistance truth = of.at(p);
-        const SignedDistance found = sign_of(sign, of.closest(p), p);
-        ASSERT_TRUE(same_bits(found.distance, truth.distance)) << p.transpose();
-        ASSERT_EQ(found.method, truth.method) << p.transpose();
-    }
-    EXPECT_EQ(sign.is_local(), of.sign.is_local());
-    EXPECT_EQ(sign.bytes(), of.sign.bytes());
-}
-
 TEST(SignedDistances, ReportErrors)
 {
-    EXPECT_EQ(build_surface_sign(MeshIndex()).error().code, ErrorCode::invalid_mesh);
-    const MeshIndex index = build_mesh_index(cube_mesh(Vec3::Zero(), 1.0)).value();
-    const SurfaceSign sign = build_surface_sign(index).value();
+    const MeshIndex plain = build_mesh_index(cube_mesh(Vec3::Zero(), 1.0)).value();
+    const MeshIndex index = with_signs(plain).value();
     std::vector<Vec3> points(10, Vec3(3, 0, 0));
     std::vector<double> distances(9);
-    EXPECT_EQ(signed_distances(index, sign, points, {.distances = distances}).error().code,
+    const Status without = signed_distances(plain, points, {});
+    ASSERT_FALSE(without);
+    EXPECT_EQ(without.error().code, ErrorCode::invalid_argument);
+    EXPECT_NE(without.error().message.find("with_signs"), std::string::npos);
+    EXPECT_EQ(signed_distances(index, points, {.distances = distances}).error().code,
               ErrorCode::invalid_argument);
     distances.resize(10);
-    EXPECT_TRUE(signed_distances(index, sign, points, {.distances = distances}));
+    EXPECT_TRUE(signed_distances(index, points, {.distances = distances}));
     EXPECT_EQ(distances[7], 2.0);
-    EXPECT_TRUE(signed_distances(index, sign, {}, {}));
+    EXPECT_TRUE(signed_distances(index, {}, {}));
     Progress progress;
     progress.cancel();
-    EXPECT_EQ(signed_distances(index, sign, points, {.distances = distances},
+    EXPECT_EQ(signed_distances(index, points, {.distances = distances},
                                {.execution = {.progress = &progress}})
                   .error()
                   .code,
               ErrorCode::cancelled);
     points[4].y() = std::numeric_limits<double>::infinity();
-    const Status refused = signed_distances(index, sign, points, {.distances = distances});
+    const Status refused = signed_distances(index, points, {.distances = distances});
     ASSERT_FALSE(refused);
     EXPECT_NE(refused.error().message.find("point 4"), std::string::npos);
-    EXPECT_EQ(signed_distance(index, sign, points[4]).method, SignMethod::none);
 }
 
 } // namespace

@@ -2,12 +2,11 @@
 
 #include "counted_allocations.h"
 #include "geometry/triangle_contact.h"
-#include "index/index_parts.h"
+#include "octree/winding_number.h"
 #include "oracles/exact_winding.h"
 #include "proxima/mesh_io.h"
 #include "proxima/neighbourhood.h"
 #include "query/closest/brute_force.h"
-#include "query/closest/sign_parts.h"
 #include "query/closest/signed_mesh.h"
 
 #include <filesystem>
@@ -95,7 +94,7 @@ TEST(SignedDistance, OfCleanSurfacesIsExactByPseudonormals)
     for (const NamedMesh& named : meshes) {
         SCOPED_TRACE(named.name);
         const Signed of(named.mesh);
-        EXPECT_TRUE(of.sign.is_local());
+        EXPECT_TRUE(of.is_local());
         Methods methods = expect_exact_signs(of, 1500, 21);
         EXPECT_GE(methods[SignMethod::pseudonormal], 1000);
         EXPECT_EQ(methods[SignMethod::winding_number], 0) << "no random point is in doubt";
@@ -116,7 +115,7 @@ TEST(SignedDistance, WeightsNormalsByAngles)
         outside += found.distance > 0 ? 1 : 0;
     }
     EXPECT_EQ(outside, 5);
-    const Vec3 normal = of.sign.parts().pseudonormals()[0];
+    const Vec3 normal(of.arrays().vertices[0].normal.data());
     EXPECT_LT((normal - Vec3(-1, -1, -1).normalized()).norm(), 1e-12);
 }
 
@@ -146,7 +145,7 @@ TEST(SignedDistance, FollowsTheWindingNumberThroughNestedAndInvertedParts)
     for (const Case& each : cases) {
         SCOPED_TRACE(each.name);
         const Signed of(each.mesh);
-        EXPECT_TRUE(of.sign.is_local());
+        EXPECT_TRUE(of.is_local());
         const std::array<Vec3, 4> points = {Vec3(0.01, 0.02, 0.03), Vec3(0.3, 0.1, 0),
                                             Vec3(0, 0.5, 0.5), Vec3(1, 1, 1)};
         for (std::size_t i = 0; i < points.size(); ++i) {
@@ -179,7 +178,7 @@ TEST(SignedDistance, UsesTheWindingNumberWhereTheSurfaceMeetsItself)
     for (const NamedMesh& named : meshes) {
         SCOPED_TRACE(named.name);
         const Signed of(named.mesh);
-        EXPECT_FALSE(of.sign.is_local());
+        EXPECT_FALSE(of.is_local());
         Methods methods = expect_exact_signs(of, 900, 23);
         EXPECT_GT(methods[SignMethod::winding_number], 50);
     }
@@ -190,7 +189,7 @@ TEST(SignedDistance, UsesTheWindingNumberWhereTheSurfaceMeetsItself)
     EXPECT_GT(of_seam[SignMethod::pseudonormal], 500);
     std::size_t doubtful = 0;
     std::size_t inside = 0;
-    for (const SurfaceSides sides : seam.sign.parts().sides()) {
+    for (const SurfaceSides sides : seam.arrays().sides) {
         doubtful += sides == SurfaceSides::doubtful ? 1 : 0;
         inside += sides == SurfaceSides::inside_both ? 1 : 0;
     }
@@ -218,7 +217,7 @@ TEST(SignedDistance, AcceptsPartsThatShareAVertex)
         for (std::uint32_t& corner : corners) corner = corner == 8 ? 7 : corner;
     }
     const Signed outward(mesh_of({two.positions().begin(), two.positions().end()}, triangles));
-    EXPECT_TRUE(outward.sign.is_local());
+    EXPECT_TRUE(outward.is_local());
     Methods methods = expect_exact_signs(outward, 900, 25);
     EXPECT_EQ(methods[SignMethod::winding_number], 0) << "no random point is in doubt";
     for (const Vec3& toward : {Vec3(1, -1, 0), Vec3(1, 0.2, -1), Vec3(-1, 1, 1), Vec3(1, 1, -1)}) {
@@ -229,9 +228,9 @@ TEST(SignedDistance, AcceptsPartsThatShareAVertex)
     // With one of them turned inside out, the vertex tells nothing, the rest of the first does.
     for (std::size_t i = 12; i < triangles.size(); ++i) std::swap(triangles[i][1], triangles[i][2]);
     const Signed mixed(mesh_of({two.positions().begin(), two.positions().end()}, triangles));
-    EXPECT_EQ(mixed.sign.parts().vertex_sides()[7], SurfaceSides::doubtful);
-    EXPECT_EQ(mixed.sign.parts().vertex_sides()[0], SurfaceSides::separates);
-    EXPECT_EQ(mixed.sign.parts().vertex_sides()[15], SurfaceSides::outside_both);
+    EXPECT_EQ(mixed.arrays().vertex_sides[7], SurfaceSides::doubtful);
+    EXPECT_EQ(mixed.arrays().vertex_sides[0], SurfaceSides::separates);
+    EXPECT_EQ(mixed.arrays().vertex_sides[15], SurfaceSides::outside_both);
     (void)expect_exact_signs(mixed, 900, 26);
 }
 
@@ -263,7 +262,7 @@ TEST(SignedDistance, AcceptsTrianglesWithoutArea)
     triangles.push_back({8, 6, 2});
     triangles.push_back({0, 6, 8});
     const Signed cut(mesh_of(positions, triangles));
-    EXPECT_FALSE(cut.sign.is_local());
+    EXPECT_FALSE(cut.is_local());
     Methods methods = expect_exact_signs(cut, 900, 28);
     EXPECT_GT(methods[SignMethod::winding_number], 100);
 }
@@ -301,7 +300,7 @@ TEST(SignedDistance, OfTheOpenBunnyFollowsTheWindingNumber)
     const std::filesystem::path file = PROXIMA_SOURCE_DIR "/../shared/meshes/bun_zipper_res2.ply";
     if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not there";
     const Signed of(read_mesh(file).value());
-    EXPECT_FALSE(of.sign.is_local());
+    EXPECT_FALSE(of.is_local());
     for (const Vec3& p : proximity_points(of.mesh, 150, 30)) {
         const SignedDistance found = of.at(p);
         if (found.distance == 0) continue;
@@ -323,7 +322,7 @@ TEST(SignedDistance, OfAScanThatFoldsOntoItselfIsExact)
     std::uniform_real_distribution<double> part(-1, 1);
     int asked = 0;
     for (std::uint32_t i = 0; i < of.mesh.triangle_count() && asked < 60; i += 7) {
-        if (of.sign.parts().sides()[i] == SurfaceSides::separates) continue;
+        if (of.sides(TriangleId{i}) == SurfaceSides::separates) continue;
         ++asked;
         const Vec3 p = of.mesh.triangle(TriangleId{i})[0] +
                        2e-4 * Vec3{part(random), part(random), part(random)};
@@ -348,17 +347,11 @@ TEST(SignedDistance, IsZeroOnTheSurfaceAndInfiniteWhereSquaresOverflow)
     EXPECT_NEAR(of.at(Vec3(0.25, 0.5, 0)).distance, -0.5, 1e-15);
 }
 
-TEST(SignedDistance, HasTheSameAnswersForAnyThreadsAndDoesNotAllocate)
+TEST(SignedDistance, HasTheSameAnswersOnAnyThreadAndDoesNotAllocate)
 {
     const TriangleMesh mesh =
         joined(sample_mesh("spaceship:1300").value(), ball(Vec3(9, 9, 9), 1.0));
     const Signed of(mesh);
-    const auto one =
-        build_surface_sign(of.mesh, of.topology, of.index, {.execution = {.threads = {1}}}).value();
-    const auto three =
-        build_surface_sign(of.mesh, of.topology, {.execution = {.threads = {3}}}).value();
-    EXPECT_TRUE(std::ranges::equal(one.parts().sides(), three.parts().sides()));
-    EXPECT_TRUE(std::ranges::equal(one.parts().pseudonormals(), three.parts().pseudonormals()));
     const std::vector<Vec3> points = proximity_points(mesh, 300, 31);
     std::vector<double> truth;
     truth.reserve(points.size());
@@ -370,8 +363,7 @@ TEST(SignedDistance, HasTheSameAnswersForAnyThreadsAndDoesNotAllocate)
     for (int k = 0; k < 3; ++k) {
         threads.emplace_back([&] {
             for (std::size_t i = 0; i < points.size(); ++i) {
-                const ClosestFeature closest = of.closest(points[i]);
-                if (sign_of(three, closest, points[i]).distance != truth[i]) ++wrong;
+                if (of.at(points[i]).distance != truth[i]) ++wrong;
             }
         });
     }
@@ -379,21 +371,25 @@ TEST(SignedDistance, HasTheSameAnswersForAnyThreadsAndDoesNotAllocate)
     EXPECT_EQ(wrong, 0);
 }
 
-TEST(SignedDistance, ReportsWhyThereIsNone)
+TEST(SignedDistance, IsTheSignOfTheClosestFeatureThatIsThere)
 {
-    const TriangleMesh mesh = cube_mesh(Vec3::Zero(), 1.0);
-    const Topology topology = build_topology(mesh).value();
-    EXPECT_EQ(build_surface_sign(TriangleMesh{}, Topology{}).error().code, ErrorCode::invalid_mesh);
-    for (std::uint64_t reports = 1;; ++reports) {
-        Progress progress;
-        progress.cancel_after(reports);
-        const auto sign = build_surface_sign(
-            mesh, topology, {.execution = {.threads = {1}, .progress = &progress}});
-        if (sign) break;
-        EXPECT_EQ(sign.error().code, ErrorCode::cancelled);
-        // Each stage looks a few times per triangle: the index of the build among them.
-        ASSERT_LT(reports, 100 * mesh.triangle_count());
+    const Signed of(ball(Vec3::Zero(), 1.0));
+    for (const Vec3& p : proximity_points(of.mesh, 100, 35)) {
+        const auto closest = closest_feature(of.index, p);
+        const SignedDistance found = sign_of(of.index, *closest, p).value();
+        EXPECT_EQ(found.distance, of.at(p).distance);
+        EXPECT_EQ(found.method, of.at(p).method);
     }
+    EXPECT_FALSE(sign_of(of.index, no_closest_feature(), Vec3::Zero()));
+}
+
+TEST(SignedDistance, IsNothingWithoutSigns)
+{
+    const MeshIndex index = build_mesh_index(cube_mesh(Vec3::Zero(), 1.0)).value();
+    EXPECT_FALSE(has_local_signs(index));
+    EXPECT_FALSE(signed_distance(index, Vec3::Zero()));
+    EXPECT_FALSE(sign_of(index, *closest_feature(index, Vec3::Zero()), Vec3::Zero()));
+    EXPECT_FALSE(signed_distance(MeshIndex(), Vec3::Zero()));
 }
 
 } // namespace

@@ -1,38 +1,42 @@
-// Meshes with all that signed distances need, for tests of them.
+// Meshes with their signs, for tests of signed distances.
 #pragma once
 
+#include "index/index_parts.h"
+#include "index/signs/sign_parts.h"
 #include "index/test_meshes.h"
 #include "proxima/mesh_index.h"
 #include "proxima/signed_distance.h"
-#include "query/closest/sign_parts.h"
 
 #include <cmath>
 #include <utility>
 
 namespace proxima::testing {
 
-/// A mesh with all that signed distances need.
+/// A mesh with its index with signs.
 struct Signed {
     explicit Signed(TriangleMesh m)
-        : mesh(std::move(m)), topology(build_topology(mesh).value()),
-          to_index(build_mesh_index(mesh).value()),
-          sign(build_surface_sign(mesh, topology, index).value())
+        : mesh(std::move(m)), index(with_signs(build_mesh_index(mesh).value()).value())
     {}
-    Signed(const Signed&) = delete;
-    Signed& operator=(const Signed&) = delete;
 
-    [[nodiscard]] SignedDistance at(const Vec3& p) const { return sign_of(sign, closest(p), p); }
-
-    /// no_closest_feature() where there is none.
-    [[nodiscard]] ClosestFeature closest(const Vec3& p) const
+    /// \pre p is finite
+    [[nodiscard]] SignedDistance at(const Vec3& p) const
     {
-        return closest_feature(index, p).value_or(no_closest_feature());
+        return signed_distance(index, p).value();
     }
 
+    [[nodiscard]] bool is_local() const { return has_local_signs(index); }
+
+    /// What the triangle tells about its sides.
+    [[nodiscard]] SurfaceSides sides(TriangleId id) const
+    {
+        const SignArrays& signs = arrays();
+        return signs.sides.empty() ? SurfaceSides::doubtful : signs.sides[signs.rows[to_index(id)]];
+    }
+
+    [[nodiscard]] const SignArrays& arrays() const { return index.parts().signs()->arrays(); }
+
     TriangleMesh mesh;
-    Topology topology;
     MeshIndex index;
-    SurfaceSign sign;
 };
 
 inline TriangleMesh ball(const Vec3& center, double radius)

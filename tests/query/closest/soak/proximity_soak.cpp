@@ -11,7 +11,6 @@
 #include "index/listed_index.h"
 #include "proxima/execution.h"
 #include "proxima/mesh_index.h"
-#include "query/closest/sign_parts.h"
 #include "query/closest/soak/closest_check.h"
 #include "query/closest/soak/sign_check.h"
 #include "query/closest/soak/soak_meshes.h"
@@ -158,25 +157,28 @@ private:
             print_row(named.name, name_of(all_point_sets[s]), tally);
             all_.add(tally);
         }
-        const auto sign = build_surface_sign(mesh, *topology, *index);
-        if (!sign) return fail_mesh(named, sign.error());
-        check_signs(named, *sign, indexes->front(), maker, meshes);
+        const auto with = with_signs(indexes->front());
+        if (!with) return fail_mesh(named, with.error());
+        check_signs(named, {mesh, *with, is_closed(mesh, *topology)}, maker, meshes);
         (void)std::fflush(stdout);
     }
 
-    void check_signs(const SoakMesh& named, const SurfaceSign& sign, const MeshIndex& listed,
-                     const PointMaker& maker, std::size_t meshes)
+    struct SignedMesh {
+        const TriangleMesh& mesh;
+        const MeshIndex& index;
+        bool closed;
+    };
+    void check_signs(const SoakMesh& named, const SignedMesh& of, const PointMaker& maker,
+                     std::size_t meshes)
     {
-        const bool closed = is_closed(sign.parts().mesh(), sign.parts().topology());
-        const SignCheck check(sign, listed, closed);
+        const SignCheck check(of.mesh, of.index, of.closed);
         std::uint64_t count = options_.signs / meshes + 1;
-        if (!closed)
-            count = std::min(count, solid_angles / sign.parts().mesh().triangle_count() + 1);
+        if (!of.closed) count = std::min(count, solid_angles / of.mesh.triangle_count() + 1);
         SignTally sum;
         for (const PointSet set : {PointSet::volume, PointSet::near_surface, PointSet::boundaries})
             sum.add(check_points<SignTally>(maker, set, count / 3 + 1, options_.seed, ++row_,
                                             options_.execution.threads, check));
-        print_signs(named.name + (closed ? " (closed)" : " (open)"), sum);
+        print_signs(named.name + (of.closed ? " (closed)" : " (open)"), sum);
         all_signs_.add(sum);
     }
 

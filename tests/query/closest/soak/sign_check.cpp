@@ -1,10 +1,8 @@
 #include "query/closest/soak/sign_check.h"
 
 #include "base/text.h"
-#include "index/index_parts.h"
 #include "octree/winding_number.h"
-#include "proxima/closest_feature.h"
-#include "query/closest/sign_parts.h"
+#include "proxima/signed_distance.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,11 +18,11 @@ void SignTally::add(const SignTally& other)
     if (first_wrong.empty()) first_wrong = other.first_wrong;
 }
 
-SignCheck::SignCheck(const SurfaceSign& sign, const MeshIndex& listed, bool closed)
-    : sign_(sign), index_(listed)
+SignCheck::SignCheck(const TriangleMesh& mesh, const MeshIndex& index, bool closed)
+    : mesh_(mesh), index_(index)
 {
-    if (closed) columns_.emplace(sign.parts().mesh());
-    const Box box = bounding_box(sign.parts().mesh());
+    if (closed) columns_.emplace(mesh);
+    const Box box = bounding_box(mesh);
     size_ = box.extent().norm() + box.lower.cwiseAbs().cwiseMax(box.upper.cwiseAbs()).maxCoeff();
 }
 
@@ -35,7 +33,7 @@ std::optional<bool> SignCheck::is_inside(const Vec3& p) const
         if (!winding) return std::nullopt;
         return *winding >= 1;
     }
-    const double winding = brute_winding_number(sign_.parts().mesh(), p);
+    const double winding = brute_winding_number(mesh_, p);
     if (std::abs(winding - 0.5) < 1e-9) return std::nullopt;
     return winding > 0.5;
 }
@@ -44,7 +42,7 @@ SignTally SignCheck::check(std::span<const Vec3> points) const
 {
     SignTally tally;
     for (const Vec3& p : points) {
-        const SignedDistance found = sign_of(sign_, closest_feature(index_, p).value(), p);
+        const SignedDistance found = signed_distance(index_, p).value();
         const auto truth = is_inside(p);
         if (!truth || std::abs(found.distance) < 1e-14 * size_) {
             ++tally.undecided;

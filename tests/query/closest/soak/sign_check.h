@@ -4,7 +4,7 @@
 
 #include "oracles/column_winding.h"
 #include "proxima/mesh_index.h"
-#include "proxima/signed_distance.h"
+#include "proxima/triangle_mesh.h"
 
 #include <cstdint>
 #include <optional>
@@ -26,15 +26,16 @@ struct SignTally {
 /// Refers to what it is given. check() may be called from any thread.
 class SignCheck {
 public:
-    /// \pre `closed` tells whether every edge has as many triangles in one way as in the other
-    SignCheck(const SurfaceSign& sign, const MeshIndex& listed, bool closed);
+    /// \pre the index is of the mesh, with signs; `closed` tells whether every edge has as many
+    /// triangles in one way as in the other
+    SignCheck(const TriangleMesh& mesh, const MeshIndex& index, bool closed);
 
     [[nodiscard]] SignTally check(std::span<const Vec3> points) const;
 
 private:
     [[nodiscard]] std::optional<bool> is_inside(const Vec3& p) const;
 
-    const SurfaceSign& sign_;
+    const TriangleMesh& mesh_;
     const MeshIndex& index_;
     std::optional<oracle::ColumnWinding> columns_;
     double size_ = 0;

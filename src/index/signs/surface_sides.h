@@ -12,6 +12,7 @@
 // inside out has no inside, and of two that overlap only the triangles along the seam are doubtful.
 #pragma once
 
+#include "index/signs/sign_parts.h"
 #include "octree/winding_number.h"
 #include "proxima/execution.h"
 #include "proxima/mesh_index.h"
@@ -23,14 +24,6 @@
 #include <vector>
 
 namespace proxima {
-
-/// What a triangle tells about its sides.
-enum class SurfaceSides : std::uint8_t {
-    doubtful,    ///< ask the winding number
-    separates,   ///< outside in front of it, where its normal points, inside behind it
-    inside_both, ///< inside on both sides
-    outside_both ///< outside on both sides
-};
 
 struct SurfaceSidesOptions {
     Execution execution = {};

@@ -1,9 +1,9 @@
 // Where a surface touches itself, of which signs by pseudonormals know.
 #include "geometry/exact_predicates.h"
 #include "geometry/triangle_contact.h"
+#include "index/signs/surface_sides.h"
 #include "index/test_meshes.h"
 #include "proxima/mesh_index.h"
-#include "query/closest/surface_sides.h"
 
 #include <algorithm>
 #include <cmath>

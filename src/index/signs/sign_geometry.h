@@ -1,9 +1,9 @@
-// What building a SurfaceSign and asking it both measure.
+// What building signs and queries of signs both measure.
 #pragma once
 
 #include "geometry/exact_predicates.h"
+#include "index/signs/sign_parts.h"
 #include "proxima/geometry.h"
-#include "query/closest/surface_sides.h"
 
 #include <algorithm>
 #include <cmath>
