@@ -237,8 +237,8 @@ void add_touch_options(CLI::App& parser, TouchCommandOptions& options)
     parser.add_flag("--free-running", options.free_running,
                     "Run the ticks without waiting between them; forces do not change");
     parser.add_flag("--lists", options.lists,
-                    "Build closest-feature lists: the same forces, most ticks shorter, a later "
-                    "first tick");
+                    "Build closest-feature lists: the same forces, shorter ticks for some motions, "
+                    "a much later first tick");
     parser
         .add_option("--scale", options.scale,
                     "Motions in the model, relative to those that fit it into the workspace")

@@ -170,10 +170,10 @@ private:
 };
 
 /// Renders a mesh at rest, whose index it shares. Forces have the same bits for an index with and
-/// without lists (with_lists); lists shorten most ticks and take long to build. Options are limited
-/// to what the device can take. Errors: invalid_argument, naming the number that is out of range;
-/// invalid_mesh (an empty index, or one larger than 1e150), broken_invariant (a crafted index file).
-/// O(triangles).
+/// without lists (with_lists); lists shorten the median tick of some motions, not the slowest ticks.
+/// Options are limited to what the device can take. Errors: invalid_argument, naming the number that
+/// is out of range; invalid_mesh (an empty index, or one larger than 1e150), broken_invariant (a
+/// crafted index file). O(triangles).
 [[nodiscard]] Result<HapticRenderer> make_haptic_renderer(const MeshIndex& index,
                                                           const WorkspaceMap& map,
                                                           const DeviceLimits& device,

@@ -72,10 +72,10 @@ private:
 [[nodiscard]] Result<TouchBody> build_touch_body(TriangleMesh mesh,
                                                  const TouchBodyOptions& options = {});
 
-/// Builds a body from an index, built or loaded, whose storage the body shares. With lists
-/// (with_lists) most ticks take less time, and forces have the same bits; building the lists takes
-/// more than a hundred times as long as building the index. Errors also: invalid_mesh or
-/// broken_invariant where the index does not hold such a mesh.
+/// Builds a body from an index, built or loaded, whose storage the body shares. Forces
+/// have the same bits with and without lists (with_lists). Lists shorten the median tick of some
+/// motions, not the slowest ticks, and take more than a hundred times as long to build as the index.
+/// Errors also: invalid_mesh or broken_invariant where the index does not hold such a mesh.
 [[nodiscard]] Result<TouchBody> build_touch_body(const MeshIndex& index,
                                                  const TouchBodyOptions& options = {});
 
