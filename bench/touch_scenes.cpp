@@ -8,6 +8,7 @@
 #include "lab/simulated_hand.h"
 #include "proxima/device.h"
 #include "proxima/haptic_renderer.h"
+#include "proxima/mesh_index.h"
 #include "proxima/mesh_io.h"
 #include "proxima/sample_meshes.h"
 #include "proxima/touch_scene.h"
@@ -100,7 +101,10 @@ Result<std::unique_ptr<ScriptedScene>> make_scene(const BenchScene& wanted)
     for (const PlacedModel& placed : wanted.models) {
         auto mesh = unit_mesh(placed.model);
         if (!mesh) return tl::unexpected(mesh.error());
-        auto body = build_touch_body(std::move(*mesh));
+        auto index = build_mesh_index(*mesh);
+        if (index) index = with_lists(*index);
+        if (!index) return tl::unexpected(index.error());
+        auto body = build_touch_body(*index);
         if (!body) return tl::unexpected(body.error());
         ScriptedObject object;
         object.pose.translation = placed.place;

@@ -36,10 +36,10 @@ Status run_replay(const TouchCommandOptions& options, Session& session)
     if (!recording) return tl::unexpected(recording.error());
     const auto plan = plan_scene(options.model, options.objects, *recording, path);
     if (!plan) return tl::unexpected(plan.error());
-    const auto model =
-        plan->objects.empty()
-            ? load_touch_model(options.model, session)
-            : load_touch_scene(*plan, recording->settings.render.shading, path, session);
+    const auto model = plan->objects.empty()
+                           ? load_touch_model(options.model, options.lists, session)
+                           : load_touch_scene(*plan, recording->settings.render.shading,
+                                              options.lists, path, session);
     if (!model) return tl::unexpected(model.error());
     const auto result = replay_touch(**model, *recording, path);
     if (!result) return tl::unexpected(result.error());
@@ -54,7 +54,7 @@ Status run_replay(const TouchCommandOptions& options, Session& session)
 Result<std::unique_ptr<TouchModel>> load_what_is_touched(const TouchCommandOptions& options,
                                                          Session& session)
 {
-    if (!options.objects.any()) return load_touch_model(options.model, session);
+    if (!options.objects.any()) return load_touch_model(options.model, options.lists, session);
     if (!options.patches.empty()) {
         return fail(ErrorCode::invalid_argument,
                     "is for one model at rest: leave it out, or --object, --pose, --motion and "
@@ -63,7 +63,7 @@ Result<std::unique_ptr<TouchModel>> load_what_is_touched(const TouchCommandOptio
     }
     const auto plan = plan_scene(options.model, options.objects, usual_material(options));
     if (!plan) return tl::unexpected(plan.error());
-    return load_touch_scene(*plan, settings_of(options).render.shading, {}, session);
+    return load_touch_scene(*plan, settings_of(options).render.shading, options.lists, {}, session);
 }
 
 constexpr std::string_view usual_thesis_patch = "3"; ///< adjacency depth

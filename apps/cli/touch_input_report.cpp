@@ -55,8 +55,8 @@ Json network_json(const UdpReport& network)
             {"unsent", network.unsent}};
 }
 
-/// Above this stiffness a wall of the session's damping swings by itself, as theory has it
-/// (simulated_hand.h), where the hand does not help.
+/// Theory (simulated_hand.h): above this stiffness a wall with the session's damping oscillates by
+/// itself, unless the hand damps it.
 double stable_stiffness(const HandModel& hand, double damping)
 {
     return (hand.device_damping + damping) / (hand.tick_seconds * (0.5 + hand.delay_ticks));
@@ -77,8 +77,8 @@ Json hand_json(const HandModel& hand, double damping)
 std::string hand_text(const HandModel& hand, double damping)
 {
     return fmt::format("hand: {:g} kg, pulled by {:g} N/m and {:g} N s/m; its device {:g} N s/m, "
-                       "friction {:g} N, encoder step {:g} mm, forces late by {} ticks: without "
-                       "the hand's help a wall swings by itself from {:.4g} N/m on\n",
+                       "friction {:g} N, encoder step {:g} mm, forces {} ticks late: without "
+                       "the hand a wall oscillates by itself from {:.4g} N/m on\n",
                        hand.mass, hand.hand_stiffness, hand.hand_damping, hand.device_damping,
                        hand.coulomb_friction, 1e3 * hand.encoder_step, hand.delay_ticks,
                        stable_stiffness(hand, damping));
@@ -98,16 +98,16 @@ std::string device_text(const DeviceAccount& account, double damping)
 {
     const InputReport& input = account.input;
     std::string text = fmt::format(
-        "device: {}; {:g} N, {:g} N/m, {:g} N s/m, {:g} mm about its middle\n"
-        "input: {} samples; no place {}, jumps {}, frozen {}, silent {}, gone {} times; {} "
-        "velocities put right; {} ticks without trust, {:.3f} s at most\n",
+        "device: {}; at most {:g} N, {:g} N/m, {:g} N s/m; workspace radius {:g} mm\n"
+        "input: {} samples; {} invalid positions, {} jumps, {} freezes, {} silences, {} losses; {} "
+        "velocities corrected; {} ticks with implausible input, {:.3f} s at most\n",
         info_text(account.info), account.limits.max_force, account.limits.max_stiffness,
         account.limits.max_damping, 1e3 * account.limits.workspace_radius, input.samples,
         input.not_finite, input.jumps, input.freezes, input.silences, input.losses,
         input.velocities, input.faulty_ticks, input.longest_fault);
     if (input.recoveries > 0) {
-        text += fmt::format("recovered {} times: the whole force was back {:.3f} s after the first "
-                            "good sample at most\n",
+        text += fmt::format("recovered {} times: full force at most {:.3f} s after the first good "
+                            "sample\n",
                             input.recoveries, input.longest_recovery);
     }
     if (account.hand) text += hand_text(*account.hand, damping);
@@ -117,13 +117,13 @@ std::string device_text(const DeviceAccount& account, double damping)
     }
     if (account.network) {
         const UdpReport& n = *account.network;
-        text += fmt::format("packets: {} came, {} taken; malformed {}, foreign {}, duplicated {}, "
-                            "reordered {}, leapt {}, late {}, lost {}\n",
-                            n.received, n.accepted, n.malformed, n.foreign, n.duplicated,
-                            n.reordered, n.leapt, n.late, n.lost);
+        text += fmt::format(
+            "packets: {} received, {} accepted; malformed {}, foreign {}, duplicated {}, "
+            "reordered {}, leapt {}, late {}, lost {}\n",
+            n.received, n.accepted, n.malformed, n.foreign, n.duplicated, n.reordered, n.leapt,
+            n.late, n.lost);
     }
-    if (account.interrupted)
-        text += "stopped on request: the report is of what was felt until then\n";
+    if (account.interrupted) text += "stopped on request: the report covers the ticks until then\n";
     if (!account.trouble.empty()) text += fmt::format("trouble: {}\n", account.trouble);
     return text;
 }

@@ -4,6 +4,7 @@
 #include "cli/model_options.h"
 #include "cli/stopwatch.h"
 #include "haptics/scene/touch_access.h"
+#include "proxima/mesh_index.h"
 
 #include <array>
 #include <fmt/core.h>
@@ -17,7 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Result<TouchBody> load_body(const std::string& name, const TouchBodyOptions& options,
+Result<TouchBody> load_body(const std::string& name, const TouchBodyOptions& options, bool lists,
                             Session& session)
 {
     if (is_index_file(name)) {
@@ -33,7 +34,13 @@ Result<TouchBody> load_body(const std::string& name, const TouchBodyOptions& opt
     auto mesh = session.load_model(name);
     if (!mesh) return tl::unexpected(mesh.error());
     const ProgressBar shown(session.progress(), session.bar());
-    auto body = build_touch_body(std::move(*mesh), options);
+    auto body = [&]() -> Result<TouchBody> {
+        if (!lists) return build_touch_body(std::move(*mesh), options);
+        auto index = build_mesh_index(*mesh, {.execution = options.execution});
+        if (index) index = with_lists(*index, {.execution = options.execution});
+        if (!index) return tl::unexpected(index.error());
+        return build_touch_body(*index, options);
+    }();
     if (!body) return at_model(body.error(), name);
     return body;
 }
@@ -80,7 +87,8 @@ Json pose_json(const RigidTransform& pose)
 } // namespace
 
 Result<std::unique_ptr<TouchModel>> load_touch_scene(const ScenePlan& plan, ForceShading shading,
-                                                     const std::string& path, Session& session)
+                                                     bool lists, const std::string& path,
+                                                     Session& session)
 {
     const Stopwatch watch;
     auto model = std::make_unique<TouchModel>();
@@ -91,7 +99,7 @@ Result<std::unique_ptr<TouchModel>> load_touch_scene(const ScenePlan& plan, Forc
         auto body = load_body(
             plan.models[i],
             {.material = objects[i].material, .shading = shading, .execution = session.execution()},
-            session);
+            lists, session);
         if (!body) return tl::unexpected(body.error());
         const std::uint64_t fingerprint = contact_body(*body).mesh_index().mesh_fingerprint();
         if (objects[i].mesh_fingerprint != 0 && objects[i].mesh_fingerprint != fingerprint) {
@@ -123,7 +131,7 @@ std::string objects_text(const TouchModel& model, const QualityReport& quality)
 {
     if (model.scene == nullptr) return {};
     std::string text =
-        fmt::format("{} objects, moving in {} ticks, leaving no room in {}\n",
+        fmt::format("{} objects, moving in {} ticks, squeezing the proxy in {}\n",
                     quality.objects.size(), quality.moving_ticks, quality.squeezed_ticks);
     for (std::size_t i = 0; i < quality.objects.size(); ++i) {
         const ObjectQuality& object = quality.objects[i];

@@ -12,10 +12,11 @@
 
 namespace proxima {
 
-/// Reads the models. Errors also invalid_argument, naming `path`, for a model that is not the one
+/// Reads the models, and with `lists` builds closest-feature lists for meshes. Errors also
+/// invalid_argument, naming `path`, for a model that is not the one
 /// recorded.
 [[nodiscard]] Result<std::unique_ptr<TouchModel>> load_touch_scene(const ScenePlan& plan,
-                                                                   ForceShading shading,
+                                                                   ForceShading shading, bool lists,
                                                                    const std::string& path,
                                                                    Session& session);
 

@@ -1,6 +1,7 @@
 #include "cli/touch_options.h"
 
 #include "base/text.h"
+#include "cli/index_file_model.h"
 #include "cli/names.h"
 
 #include <CLI/CLI.hpp>
@@ -79,8 +80,8 @@ void add_hand_options(CLI::App& parser, HandModel& hand)
     add("--hand-mass", hand.mass, "Mass of a simulated hand and its device together, kg", "M", 1e-3,
         1e3);
     add("--hand-stiffness", hand.hand_stiffness,
-        "Stiffness of the spring that pulls a simulated hand along its script, N/m; 0 lets go", "K",
-        0, 1e5);
+        "Stiffness of the spring that pulls a simulated hand along its script, N/m; 0 for none",
+        "K", 0, 1e5);
     add("--hand-damping", hand.hand_damping, "Damping of that spring, N s/m", "B", 0, 1e3);
     add("--device-damping", hand.device_damping,
         "Viscous damping of a simulated hand's device, N s/m", "B", 0, 1e3);
@@ -90,7 +91,7 @@ void add_hand_options(CLI::App& parser, HandModel& hand)
         "Encoder step of a simulated hand's device, m; 0 for none", "M", 0, 1e-4);
     parser
         .add_option("--delay", hand.delay_ticks,
-                    "Ticks by which a simulated hand feels forces late")
+                    "Ticks by which forces reach a simulated hand late")
         ->check(CLI::Range(0, max_hand_delay))
         ->capture_default_str()
         ->type_name("TICKS");
@@ -148,16 +149,20 @@ Status check_options(const TouchCommandOptions& options)
         if (found == names.end()) return {};
         return fail(ErrorCode::invalid_argument, why, *found);
     };
+    if (options.lists && is_index_file(options.model) && !options.objects.any()) {
+        return fail(ErrorCode::invalid_argument,
+                    "a saved index is built already: leave it out, or give a mesh", "--lists");
+    }
     const std::string kind = options.device.substr(0, options.device.find(':'));
     Status status;
     if (kind == "replay") {
-        const char* const why = "a replay is felt as it was recorded: leave it out";
+        const char* const why = "a replay repeats the session as it was recorded: leave it out";
         status = refuse(recorded_options, why);
         return status ? refuse(hand_options, why) : status;
     }
     if (kind != "hand") {
-        status = refuse(hand_options,
-                        "is for a simulated hand: other devices go their own ways and keep time");
+        status =
+            refuse(hand_options, "is for a simulated hand, not for other devices: leave it out");
     }
     if (kind == "hand" && options.is_given("--clutch")) {
         return fail(ErrorCode::invalid_argument, "a simulated hand has no buttons: leave it out",
@@ -221,7 +226,7 @@ void add_touch_options(CLI::App& parser, TouchCommandOptions& options)
         ->capture_default_str()
         ->type_name("MU");
     parser.add_flag("--shading", options.shading,
-                    "Let forces lean along smooth normals, over edges that are not sharp");
+                    "Let forces follow smooth normals across edges that are not sharp");
     parser
         .add_option("--force", options.force,
                     "What the spring pulls towards: a proxy that stays outside, or, as a baseline, "
@@ -230,7 +235,10 @@ void add_touch_options(CLI::App& parser, TouchCommandOptions& options)
         ->capture_default_str()
         ->type_name("LAW");
     parser.add_flag("--free-running", options.free_running,
-                    "Tick after tick without waiting: the same forces, sooner");
+                    "Run the ticks without waiting between them; forces do not change");
+    parser.add_flag("--lists", options.lists,
+                    "Build closest-feature lists: the same forces, shorter ticks for some motions, "
+                    "a much later first tick");
     parser
         .add_option("--scale", options.scale,
                     "Motions in the model, relative to those that fit it into the workspace")

@@ -32,6 +32,7 @@ struct TouchCommandOptions {
     double radius = 0; ///< m
     double friction = RenderOptions{}.static_friction;
     bool shading = false;
+    bool lists = false; ///< of indexes that are built
     std::string force = "proxy";
     bool free_running = false;
     std::string record;

@@ -31,7 +31,7 @@ double percent(std::uint64_t part, std::uint64_t whole)
 std::string less_text(const char* what, const char* unit, double asked, double used)
 {
     if (!(used < asked)) return {};
-    return fmt::format("{}: {:g} {} of the {:g} asked for, which is more than the device bears: "
+    return fmt::format("{}: {:g} {} of the {:g} asked for, more than the device allows: "
                        "--limits names a stronger one for a hand\n",
                        what, used, unit, asked);
 }
@@ -54,7 +54,7 @@ std::string touch_text(const TouchReportOf& of, const TouchModel& model, const T
     const Vec3& center = result.map.center;
     std::string text = fmt::format(
         "{}: {} triangles, ready in {:.3f} s\n"
-        "workspace: 1 m of the device is {:.6g} of the model, its middle ({:.6g}, {:.6g}, {:.6g})\n"
+        "workspace: 1 m of the device is {:.6g} of the model, its center ({:.6g}, {:.6g}, {:.6g})\n"
         "{}: {} ticks by {}, K {:g} N/m, B {:g} N s/m, friction {:g} and {:g}, radius {:g} m\n",
         of.model, model.surface.mesh.triangle_count(), model.build_seconds,
         result.map.units_per_metre, center.x(), center.y(), center.z(), of.device, quality.ticks,
@@ -65,7 +65,8 @@ std::string touch_text(const TouchReportOf& of, const TouchModel& model, const T
         "{:.2f} "
         "m/s\n"
         "passed through: {}; slides cut short {}, overloaded {}, faulty input {}\n"
-        "force step over K times the way: {:.3f}; turn {:.1f} degrees; energy taken {:.3g} J\n"
+        "force step over K times the displacement: {:.3f}; turn {:.1f} degrees; energy taken "
+        "{:.3g} J\n"
         "guards: clamped {}, slewed {}, damped {}, softened {} ticks (to {:.3g} at least); lowest "
         "energy {:.3g} J\n"
         "tick: {}\n",

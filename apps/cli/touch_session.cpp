@@ -30,7 +30,7 @@ std::int64_t nanoseconds_now() noexcept
     return std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1);
 }
 
-Status build_index_of(TouchModel& model, const std::string& name, Session& session)
+Status build_index_of(TouchModel& model, const std::string& name, bool lists, Session& session)
 {
     auto mesh = session.load_model(name);
     if (!mesh) return tl::unexpected(mesh.error());
@@ -39,9 +39,7 @@ Status build_index_of(TouchModel& model, const std::string& name, Session& sessi
     model.surface = std::move(*surface);
     const ProgressBar shown(session.progress(), session.bar());
     auto index = build_mesh_index(model.surface.mesh, {.execution = session.execution()});
-    if (index) {
-        index = with_lists(*index, {.execution = session.execution()});
-    }
+    if (index && lists) index = with_lists(*index, {.execution = session.execution()});
     if (!index) return at_model(index.error(), name);
     model.index = *index;
     return {};
@@ -217,12 +215,13 @@ double recorded_bytes(const TouchSettings& settings)
     return settings.seconds / settings.input.tick_seconds * sizeof(RecordedTick);
 }
 
-Result<std::unique_ptr<TouchModel>> load_touch_model(const std::string& name, Session& session)
+Result<std::unique_ptr<TouchModel>> load_touch_model(const std::string& name, bool lists,
+                                                     Session& session)
 {
     auto model = std::make_unique<TouchModel>();
     const Stopwatch watch;
     const Status status = is_index_file(name) ? open_index(*model, name, session)
-                                              : build_index_of(*model, name, session);
+                                              : build_index_of(*model, name, lists, session);
     if (!status) return tl::unexpected(status.error());
     model->contact = std::make_unique<IndexContactSurface>(model->index);
     model->reach = bounding_box(model->surface.mesh);

@@ -37,9 +37,10 @@ struct TouchModel {
     double build_seconds = 0;
 };
 
-/// A mesh or a saved proximity octree, ready to be touched.
+/// Loads a mesh and builds its index, with closest-feature lists if `lists`; or loads a saved index as
+/// it is.
 [[nodiscard]] Result<std::unique_ptr<TouchModel>> load_touch_model(const std::string& model,
-                                                                   Session& session);
+                                                                   bool lists, Session& session);
 
 struct TouchSettings {
     TouchDeviceSettings device;

@@ -169,9 +169,11 @@ private:
     std::unique_ptr<SurfaceRenderer> renderer_; ///< not null but after a move
 };
 
-/// Renders a mesh at rest, whose index it shares. Options are limited to what the device can take.
-/// Errors: invalid_argument, naming the number that is out of range; invalid_mesh (an empty index,
-/// or one larger than 1e150), broken_invariant (a crafted index file). O(triangles).
+/// Renders a mesh at rest, whose index it shares. Forces have the same bits for an index with and
+/// without lists (with_lists); lists shorten the median tick of some motions, not the slowest ticks.
+/// Options are limited to what the device can take. Errors: invalid_argument, naming the number that
+/// is out of range; invalid_mesh (an empty index, or one larger than 1e150), broken_invariant (a
+/// crafted index file). O(triangles).
 [[nodiscard]] Result<HapticRenderer> make_haptic_renderer(const MeshIndex& index,
                                                           const WorkspaceMap& map,
                                                           const DeviceLimits& device,

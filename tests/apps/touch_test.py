@@ -26,6 +26,18 @@ class Touching(ProgramTest):
             self.assertLessEqual(result["max_force"], 3.3)
             self.assertGreater(result["max_force"], 0.1)
 
+    def test_lists_change_no_force(self):
+        plain, listed, index = (self.folder / name for name in ("plain.pxt", "listed.pxt", "torus.pxi"))
+        scene = ("--object", "icosphere:2", "--pose", "1=0,0,2.2")
+        for script in SCRIPTS:
+            for objects in ((), scene):
+                session = ("touch", "torus:24x12", *objects, "--device", "hand:" + script, "--seconds", 1, "--free-running")
+                self.succeed(*session, "--record", plain)
+                self.succeed(*session, "--lists", "--record", listed)
+                self.assertEqual(plain.read_bytes(), listed.read_bytes(), (script, objects))
+        self.succeed("index", "torus:24x12", "--save", index)
+        self.refuse("touch", index, "--device", "hand:press", "--lists", says=("--lists", "saved index"))
+
     def test_patches_of_a_collision_loop(self):
         arguments = ("touch", "sphere:100x100", "--device", "hand:slide", "--seconds", 3)
         result = self.json_of(*arguments, "--free-running", "--patch", "metric,1,3")
@@ -123,7 +135,7 @@ class Touching(ProgramTest):
         self.assertGreater(other["max_force"], 1.2 * result["max_force"])
         self.assertLess(self.json_of(*usual, "--hand-stiffness", 75, "--hand-mass", 0.05)["max_force"], 0.8 * result["max_force"])
         self.assertEqual(self.json_of(*usual, "--hand-stiffness", 0)["max_force"], 0)
-        self.assertIn("late by 1 ticks: without the hand's help a wall swings by itself from 1000 N/m on",
+        self.assertIn("1 ticks late: without the hand a wall oscillates by itself from 1000 N/m on",
                       self.succeed(*usual, "--delay", 1))
 
     def test_a_simulated_hand_has_no_buttons(self):

@@ -170,6 +170,14 @@ TEST(TouchScene, ReportsPosesAndVelocitiesOfObjects)
     EXPECT_NEAR(scene.pose(*cube).translation.x(), 1.5, 1e-12);
 }
 
+TEST(TouchBody, HasTheListsOfItsIndexAndBuildsNone)
+{
+    const TriangleMesh mesh = *sample_mesh("cube");
+    EXPECT_FALSE(contact_body(*build_touch_body(mesh)).mesh_index().has_lists());
+    EXPECT_FALSE(contact_body(*build_touch_body(*build_mesh_index(mesh))).mesh_index().has_lists());
+    EXPECT_TRUE(contact_body(*build_touch_body(*listed_index(mesh))).mesh_index().has_lists());
+}
+
 TEST(TouchBody, CopiesShareTheirStorageAndOutliveTheScene)
 {
     const TouchBody body = body_of(*sample_mesh("cube"));

@@ -14,7 +14,7 @@ std::vector<std::unique_ptr<Panel>> make_panels(Pictures pictures)
     panels.push_back(make_ray_panel());
     panels.push_back(make_culling_panel());
     panels.push_back(make_intersection_panel());
-    panels.push_back(make_touch_panel(proximity, pictures));
+    panels.push_back(make_touch_panel(pictures));
     return panels;
 }
 

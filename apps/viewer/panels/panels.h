@@ -16,7 +16,6 @@ namespace proxima {
 [[nodiscard]] std::unique_ptr<Panel> make_ray_panel();
 [[nodiscard]] std::unique_ptr<Panel> make_culling_panel();
 [[nodiscard]] std::unique_ptr<Panel> make_intersection_panel();
-[[nodiscard]] std::unique_ptr<Panel> make_touch_panel(std::shared_ptr<SharedProximity> proximity,
-                                                      Pictures pictures);
+[[nodiscard]] std::unique_ptr<Panel> make_touch_panel(Pictures pictures);
 
 } // namespace proxima

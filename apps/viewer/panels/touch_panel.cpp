@@ -40,7 +40,6 @@ const DeviceLimits& limits_of_mouse()
 /// What there is to touch; shared with tasks, which make it.
 struct Touchable {
     std::shared_ptr<const ViewModel> model;
-    std::shared_ptr<const MeshIndex> built;
     std::unique_ptr<IndexContactSurface> surface;
 };
 
@@ -118,9 +117,7 @@ void add_moment(PanelPicture& picture, const TouchMoment& moment, double size)
 
 class TouchPanel final : public Panel {
 public:
-    TouchPanel(std::shared_ptr<SharedProximity> proximity, Pictures pictures)
-        : proximity_(std::move(proximity)), pictures_(pictures)
-    {}
+    explicit TouchPanel(Pictures pictures) : pictures_(pictures) {}
 
     [[nodiscard]] std::string_view name() const override { return "touch"; }
     [[nodiscard]] std::string_view purpose() const override
@@ -180,20 +177,18 @@ public:
 
     [[nodiscard]] bool is_moving() const override { return engine_ != nullptr; }
 
-    /// The octree, and for pictures without a window a second of touching from outside.
+    /// The contact surface, and for pictures without a window a second of touching from outside.
     [[nodiscard]] PanelTask task(const ViewModels& models) const override
     {
-        return [models, model = model(), settings = settings_, proximity = proximity_, slot = slot_,
-                pictures = pictures_](const Execution& context) -> Result<PanelPicture> {
+        return [models, model = model(), settings = settings_, slot = slot_,
+                pictures = pictures_](const Execution& /*context*/) -> Result<PanelPicture> {
             if (pictures == Pictures::still && !settings.by_mouse()) {
                 return fail(ErrorCode::invalid_argument,
                             concat(settings.device.device(),
                                    " needs the window: a picture is touched by the mouse's hand"),
                             "device");
             }
-            const auto built = proximity_of(*proximity, model, context);
-            if (!built) return tl::unexpected(built.error());
-            const auto touchable = touchable_of(*slot, model, *built);
+            const auto touchable = touchable_of(*slot, model);
             PanelPicture picture;
             picture.layers = model_layers(models, Smoothing::smooth);
             if (pictures == Pictures::still) {
@@ -247,15 +242,13 @@ public:
 
 private:
     static std::shared_ptr<const Touchable>
-    touchable_of(TouchSlot& slot, const std::shared_ptr<const ViewModel>& model,
-                 const std::shared_ptr<const MeshIndex>& built)
+    touchable_of(TouchSlot& slot, const std::shared_ptr<const ViewModel>& model)
     {
         const std::scoped_lock lock(slot.mutex);
-        if (slot.latest && slot.latest->built == built) return slot.latest;
+        if (slot.latest && slot.latest->model == model) return slot.latest;
         auto made = std::make_shared<Touchable>();
         made->model = model;
-        made->built = built;
-        made->surface = std::make_unique<IndexContactSurface>(*built);
+        made->surface = std::make_unique<IndexContactSurface>(model->rays);
         slot.latest = std::move(made);
         return slot.latest;
     }
@@ -294,7 +287,6 @@ private:
 
     TouchPanelSettings settings_;
     ViewModels models_;
-    std::shared_ptr<SharedProximity> proximity_;
     Pictures pictures_;
     std::shared_ptr<TouchSlot> slot_ = std::make_shared<TouchSlot>();
     std::shared_ptr<const Touchable> touched_;
@@ -305,10 +297,9 @@ private:
 
 } // namespace
 
-std::unique_ptr<Panel> make_touch_panel(std::shared_ptr<SharedProximity> proximity,
-                                        Pictures pictures)
+std::unique_ptr<Panel> make_touch_panel(Pictures pictures)
 {
-    return std::make_unique<TouchPanel>(std::move(proximity), pictures);
+    return std::make_unique<TouchPanel>(pictures);
 }
 
 } // namespace proxima

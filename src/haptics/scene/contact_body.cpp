@@ -54,8 +54,10 @@ public:
             if (Status status = check_edges(*index, body.topology_); !status)
                 return tl::unexpected(status.error());
             body.index_ = *index;
-        } else if (Status status = build_index(); !status) {
-            return tl::unexpected(status.error());
+        } else {
+            auto built = build_mesh_index(body.mesh_, {.execution = options_.execution});
+            if (!built) return tl::unexpected(built.error());
+            body.index_ = std::move(*built);
         }
         if (!body.index_.has_signs()) {
             const auto with = with_signs(body.index_, {.execution = options_.execution});
@@ -77,16 +79,6 @@ public:
     }
 
 private:
-    [[nodiscard]] Status build_index()
-    {
-        const auto plain = build_mesh_index(body_->mesh_, {.execution = options_.execution});
-        if (!plain) return tl::unexpected(plain.error());
-        auto built = with_lists(*plain, {.execution = options_.execution});
-        if (!built) return tl::unexpected(built.error());
-        body_->index_ = std::move(*built);
-        return {};
-    }
-
     const TouchBodyOptions& options_;
     BodySearch search_;
     std::unique_ptr<ContactBody> body_;

@@ -55,15 +55,15 @@ private:
     std::optional<SurfaceMaterial> material_;
 };
 
-/// Builds a body, with an index with lists. Errors: those of build_topology, build_mesh_index,
-/// with_lists and with_signs; invalid_argument for materials that are not finite, negative,
-/// or of more dynamic than static friction.
+/// Builds a body and its index, without lists. Errors: those of build_topology, build_mesh_index and
+/// with_signs; invalid_argument for materials that are not finite, negative, or of more dynamic
+/// than static friction.
 [[nodiscard]] Result<std::unique_ptr<const ContactBody>>
 build_contact_body(TriangleMesh mesh, const TouchBodyOptions& options = {},
                    BodySearch search = BodySearch::index);
 
-/// Builds a body of an index, with the mesh and the lists that it has. Errors: also those of mesh_of
-/// and check_edges.
+/// Builds a body from an index, with its mesh and the lists it may have. Errors: also those of
+/// mesh_of and check_edges.
 [[nodiscard]] Result<std::unique_ptr<const ContactBody>>
 build_contact_body(const MeshIndex& index, const TouchBodyOptions& options = {});
 

@@ -4,7 +4,8 @@
 //     prefetched        a block of the next level as soon as its box is met
 //
 // Nothing is sorted and there are no callbacks: the cost of a new ball of contact_cache.h is the
-// tail of a tick's times.
+// tail of a tick's times. visit_near.h visits in doubles and nearest first, with a callback that may
+// end the search.
 #pragma once
 
 #include "haptics/surface/triangle_groups.h"

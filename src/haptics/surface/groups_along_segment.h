@@ -3,6 +3,8 @@
 //     whether   by the slabs of each box, widened by the ball's radius
 //     how soon  by these slabs, and by a plane across the direction to the box's middle: a large
 //               sphere that slides along a surface has groups about it that it never reaches
+//
+// The input is the boxes that find_groups.h wrote for a ball: one ball serves many motions.
 #pragma once
 
 #include "haptics/surface/triangle_groups.h"

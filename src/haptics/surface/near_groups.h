@@ -4,6 +4,9 @@
 //     near      the blocks whose boxes are within a reach, in that order, and a tree of boxes over
 //               them; the triangles are not copied
 //
+// A surface's own groups are referred to; patch_groups.h makes groups of copied triangles. Unlike
+// GroupBoxes, which holds up to 512 boxes of one query, this holds a patch of many thousands.
+//
 // Blocks are counted by distance before any is taken, so that a reach whose blocks fit the capacity
 // is known from the counts. A patch of 100,000 triangles takes 0.1 ms.
 #pragma once

@@ -4,6 +4,10 @@
 //     boxes    of the groups near a position: a query is compared with these first
 //     units    lengths times a power of two, so that the surface's extent is 1 to 2
 //
+// The index's rows hold the same corners row by row in the mesh's unit. Groups hold them by lane, and
+// relative to a centre so that floats lose little far from the origin; their boxes are the leaves of
+// a triangle tree, not copied here.
+//
 // The lanes drop only triangles that are too far by more than the rounding of floats, and return
 // the ranks of the others, which are then tested in doubles.
 #pragma once
