@@ -1,7 +1,6 @@
 // Two meshes that meet, or do not, without a window.
 #include "proxima/mesh_io.h"
 #include "proxima/sample_meshes.h"
-#include "query/rays/brute_force.h"
 #include "viewer/shown_viewer.h"
 
 #include <filesystem>

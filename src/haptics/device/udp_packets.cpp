@@ -84,6 +84,48 @@ private:
     std::size_t at_ = 0;
 };
 
+/// Calls field(x) for each field after the header, in the order of the bytes.
+template <class Packet, class Field>
+void visit_state(Packet& packet, const Field& field)
+{
+    field(packet.session);
+    field(packet.sequence);
+    field(packet.nanoseconds);
+    field(packet.buttons);
+    field(packet.flags);
+    for (auto& x : packet.position) field(x);
+    for (auto& x : packet.velocity) field(x);
+    for (auto& x : packet.quaternion) field(x);
+}
+
+/// Like visit_state. The two numbers are those of `packet.command`, as they are sent.
+template <class Packet, class Field>
+void visit_reply(Packet& packet, std::uint32_t& condition, std::uint32_t& plane_count,
+                 const Field& field)
+{
+    auto& command = packet.command;
+    field(packet.session);
+    field(packet.sequence);
+    field(packet.nanoseconds);
+    field(condition);
+    field(plane_count);
+    field(command.force);
+    field(command.trust);
+    field(packet.max_force);
+    field(command.stiffness);
+    field(command.damping);
+    field(command.static_friction);
+    field(command.dynamic_friction);
+    field(command.anchor);
+    for (auto& plane : command.planes) {
+        field(plane.normal);
+        field(plane.offset);
+    }
+    field(packet.hold_seconds);
+    field(packet.fade_seconds);
+    field(packet.recovery_seconds);
+}
+
 } // namespace
 
 std::array<std::byte, state_packet_size> encode(const StatePacket& packet) noexcept
@@ -91,14 +133,7 @@ std::array<std::byte, state_packet_size> encode(const StatePacket& packet) noexc
     std::array<std::byte, state_packet_size> bytes{};
     Writer writer(bytes);
     writer.head(state_magic);
-    writer.put(packet.session);
-    writer.put(packet.sequence);
-    writer.put(packet.nanoseconds);
-    writer.put(packet.buttons);
-    writer.put(packet.flags);
-    for (const double x : packet.position) writer.put(x);
-    for (const double x : packet.velocity) writer.put(x);
-    for (const double x : packet.quaternion) writer.put(x);
+    visit_state(packet, [&](const auto& x) { writer.put(x); });
     return bytes;
 }
 
@@ -106,44 +141,18 @@ PacketFault decode(std::span<const std::byte> datagram, StatePacket& packet) noe
 {
     Reader reader(datagram);
     const PacketFault fault = reader.head(state_magic, state_packet_size);
-    if (fault != PacketFault::none) return fault;
-    reader.get(packet.session);
-    reader.get(packet.sequence);
-    reader.get(packet.nanoseconds);
-    reader.get(packet.buttons);
-    reader.get(packet.flags);
-    for (double& x : packet.position) reader.get(x);
-    for (double& x : packet.velocity) reader.get(x);
-    for (double& x : packet.quaternion) reader.get(x);
-    return PacketFault::none;
+    if (fault == PacketFault::none) visit_state(packet, [&](auto& x) { reader.get(x); });
+    return fault;
 }
 
 std::array<std::byte, reply_packet_size> encode(const ReplyPacket& packet) noexcept
 {
     std::array<std::byte, reply_packet_size> bytes{};
-    const DeviceCommand& command = packet.command;
+    auto condition = static_cast<std::uint32_t>(packet.command.condition);
+    auto planes = static_cast<std::uint32_t>(packet.command.plane_count);
     Writer writer(bytes);
     writer.head(reply_magic);
-    writer.put(packet.session);
-    writer.put(packet.sequence);
-    writer.put(packet.nanoseconds);
-    writer.put(static_cast<std::uint32_t>(command.condition));
-    writer.put(static_cast<std::uint32_t>(command.plane_count));
-    writer.put(command.force);
-    writer.put(command.trust);
-    writer.put(packet.max_force);
-    writer.put(command.stiffness);
-    writer.put(command.damping);
-    writer.put(command.static_friction);
-    writer.put(command.dynamic_friction);
-    writer.put(command.anchor);
-    for (const DevicePlane& plane : command.planes) {
-        writer.put(plane.normal);
-        writer.put(plane.offset);
-    }
-    writer.put(packet.hold_seconds);
-    writer.put(packet.fade_seconds);
-    writer.put(packet.recovery_seconds);
+    visit_reply(packet, condition, planes, [&](const auto& x) { writer.put(x); });
     return bytes;
 }
 
@@ -155,29 +164,10 @@ PacketFault decode(std::span<const std::byte> datagram, ReplyPacket& packet) noe
     DeviceCommand& command = packet.command;
     std::uint32_t condition = 0;
     std::uint32_t planes = 0;
-    reader.get(packet.session);
-    reader.get(packet.sequence);
-    reader.get(packet.nanoseconds);
-    reader.get(condition);
-    reader.get(planes);
+    visit_reply(packet, condition, planes, [&](auto& x) { reader.get(x); });
     command.condition = condition < input_conditions ? static_cast<InputCondition>(condition)
                                                      : InputCondition::unsure;
     command.plane_count = std::min<std::size_t>(planes, command.planes.size());
-    reader.get(command.force);
-    reader.get(command.trust);
-    reader.get(packet.max_force);
-    reader.get(command.stiffness);
-    reader.get(command.damping);
-    reader.get(command.static_friction);
-    reader.get(command.dynamic_friction);
-    reader.get(command.anchor);
-    for (DevicePlane& plane : command.planes) {
-        reader.get(plane.normal);
-        reader.get(plane.offset);
-    }
-    reader.get(packet.hold_seconds);
-    reader.get(packet.fade_seconds);
-    reader.get(packet.recovery_seconds);
     return PacketFault::none;
 }
 

@@ -5,8 +5,8 @@
 #include "mesh/random_soups.h"
 #include "octree/nasty_meshes.h"
 #include "octree/small_meshes.h"
+#include "oracles/ray_hits.h"
 #include "proxima/cast_ray.h"
-#include "query/rays/brute_force.h"
 #include "query/rays/test_rays.h"
 
 #include <gtest/gtest.h>

@@ -8,7 +8,7 @@
 #include "mesh/random_soups.h"
 #include "octree/nasty_meshes.h"
 #include "octree/small_meshes.h"
-#include "query/rays/brute_force.h"
+#include "oracles/ray_hits.h"
 #include "query/rays/test_rays.h"
 
 #include <gtest/gtest.h>

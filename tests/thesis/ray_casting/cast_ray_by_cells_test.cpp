@@ -3,9 +3,9 @@
 #include "counted_allocations.h"
 #include "index/test_meshes.h"
 #include "octree/nasty_meshes.h"
+#include "oracles/ray_hits.h"
 #include "proxima/cast_ray.h"
 #include "proxima/octree.h"
-#include "query/rays/brute_force.h"
 #include "query/rays/test_rays.h"
 
 #include <gtest/gtest.h>
