@@ -4,7 +4,6 @@
 #include <embree3/rtcore.h>
 
 #include <atomic>
-#include <chrono>
 
 namespace proxima::bench {
 namespace {
@@ -22,7 +21,6 @@ public:
     {
         PROXIMA_CHECK(device_ != nullptr);
         rtcSetDeviceMemoryMonitorFunction(device_, count_memory, &bytes_);
-        const auto start = std::chrono::steady_clock::now();
         scene_ = rtcNewScene(device_);
         if (mode == EmbreeMode::robust) rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
         rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
@@ -43,7 +41,6 @@ public:
         rtcReleaseGeometry(geometry);
         rtcCommitScene(scene_);
         PROXIMA_CHECK_EQ(static_cast<int>(rtcGetDeviceError(device_)), int{RTC_ERROR_NONE});
-        seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     }
     ~EmbreeRayPeer() override
     {
@@ -57,7 +54,6 @@ public:
     {
         return mode_ == EmbreeMode::robust ? "embree robust" : "embree fast";
     }
-    [[nodiscard]] double build_seconds() const override { return seconds_; }
     [[nodiscard]] std::size_t bytes() const override { return static_cast<std::size_t>(bytes_); }
 
     void prepare(std::span<const Ray> rays, Coherence coherence) override
@@ -120,7 +116,6 @@ private:
     std::atomic<std::ptrdiff_t> bytes_ = 0;
     RTCDevice device_;
     RTCScene scene_ = nullptr;
-    double seconds_ = 0;
     RTCIntersectContextFlags flags_ = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     std::vector<RTCRayHit> hits_;
     std::vector<RTCRay> rays_;

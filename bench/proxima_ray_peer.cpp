@@ -2,8 +2,6 @@
 #include "proxima/mesh_index.h"
 #include "ray_peers.h"
 
-#include <chrono>
-
 namespace proxima::bench {
 namespace {
 
@@ -13,12 +11,9 @@ class ProximaRayPeer final : public RayPeer {
 public:
     explicit ProximaRayPeer(const TriangleMesh& mesh)
     {
-        const auto start = std::chrono::steady_clock::now();
         index_ = build_mesh_index(mesh, {.execution = {.threads = {1}}}).value();
-        seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     }
     [[nodiscard]] std::string name() const override { return "proxima"; }
-    [[nodiscard]] double build_seconds() const override { return seconds_; }
     [[nodiscard]] std::size_t bytes() const override { return index_.bytes(); }
     void prepare(std::span<const Ray> rays, Coherence /*coherence*/) override
     {
@@ -48,7 +43,6 @@ public:
 
 private:
     MeshIndex index_;
-    double seconds_ = 0;
     std::span<const Ray> rays_;
     std::vector<std::optional<RayHit>> hits_;
     std::unique_ptr<bool[]> any_;

@@ -101,6 +101,36 @@ void race(const RaySet& set, std::span<const std::unique_ptr<RayPeer>> peers, in
     }
 }
 
+/// Builds every peer `rounds` times, interleaved, and prints medians of processor time.
+std::vector<std::unique_ptr<RayPeer>> build_peers(const TriangleMesh& mesh, int rounds)
+{
+    using MakePeer = std::unique_ptr<RayPeer> (*)(const TriangleMesh& mesh);
+    const std::vector<MakePeer> makers{
+        [](const TriangleMesh& of) { return make_proxima_ray_peer(of); },
+#ifdef PROXIMA_BENCH_EMBREE
+        [](const TriangleMesh& of) { return make_embree_ray_peer(of, EmbreeMode::robust); },
+        [](const TriangleMesh& of) { return make_embree_ray_peer(of, EmbreeMode::fast); },
+#endif
+    };
+    std::vector<std::unique_ptr<RayPeer>> peers(makers.size());
+    std::vector<std::vector<double>> seconds(makers.size());
+    for (int round = 0; round < rounds; ++round) {
+        for (std::size_t i = 0; i < makers.size(); ++i) {
+            peers[i].reset();
+            const double start = processor_seconds();
+            peers[i] = makers[i](mesh);
+            seconds[i].push_back(processor_seconds() - start);
+        }
+    }
+    for (std::size_t i = 0; i < peers.size(); ++i) {
+        std::printf(
+            "    %-14s built in %.4f s (%.2f x), %.1f bytes per triangle\n",
+            peers[i]->name().c_str(), median(seconds[i]), median(seconds[i]) / median(seconds[0]),
+            static_cast<double>(peers[i]->bytes()) / static_cast<double>(mesh.triangle_count()));
+    }
+    return peers;
+}
+
 int run_mesh(const std::string& name, const BenchOptions& options)
 {
     const auto read = is_sample_mesh_name(name) ? sample_mesh(name) : read_mesh(name);
@@ -109,20 +139,9 @@ int run_mesh(const std::string& name, const BenchOptions& options)
         return 1;
     }
     const TriangleMesh mesh = rounded_to_floats(*read);
-    std::vector<std::unique_ptr<RayPeer>> peers;
-    peers.push_back(make_proxima_ray_peer(mesh));
-#ifdef PROXIMA_BENCH_EMBREE
-    peers.push_back(make_embree_ray_peer(mesh, EmbreeMode::robust));
-    peers.push_back(make_embree_ray_peer(mesh, EmbreeMode::fast));
-#endif
     std::printf("%s: %zu triangles\n", std::filesystem::path(name).filename().string().c_str(),
                 mesh.triangle_count());
-    for (const auto& peer : peers) {
-        std::printf("    %-14s built in %.3f s, %.1f bytes per triangle\n", peer->name().c_str(),
-                    peer->build_seconds(),
-                    static_cast<double>(peer->bytes()) /
-                        static_cast<double>(mesh.triangle_count()));
-    }
+    const auto peers = build_peers(mesh, options.rounds);
     const auto side = static_cast<std::size_t>(std::sqrt(static_cast<double>(options.rays)));
     for (const RaySet& set : ray_sets(mesh, side, options.seed)) race(set, peers, options.rounds);
     std::fflush(stdout);

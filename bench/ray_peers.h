@@ -32,7 +32,6 @@ public:
     virtual ~RayPeer() = default;
 
     [[nodiscard]] virtual std::string name() const = 0;
-    [[nodiscard]] virtual double build_seconds() const = 0;
     [[nodiscard]] virtual std::size_t bytes() const = 0;
     virtual void prepare(std::span<const Ray> rays, Coherence coherence) = 0;
     /// The closest hits, ray by ray and as a batch; any hits. To be read by hit() and was_hit().
