@@ -138,18 +138,6 @@ void free_memory(void* memory, std::size_t bytes) noexcept
     }
 }
 
-} // namespace detail
-
-PageReserve::PageReserve() noexcept
-{
-    detail::kept_pages.open();
-}
-
-PageReserve::~PageReserve()
-{
-    detail::kept_pages.close();
-}
-
 #else
 
 void* resize_memory(void* memory, std::size_t, std::size_t bytes)
@@ -162,12 +150,22 @@ void free_memory(void* memory, std::size_t) noexcept
     std::free(memory);
 }
 
+#endif
+
 } // namespace detail
 
-PageReserve::PageReserve() noexcept = default;
-
-PageReserve::~PageReserve() = default;
-
+PageReserve::PageReserve() noexcept
+{
+#ifdef __linux__
+    detail::kept_pages.open();
 #endif
+}
+
+PageReserve::~PageReserve()
+{
+#ifdef __linux__
+    detail::kept_pages.close();
+#endif
+}
 
 } // namespace proxima
