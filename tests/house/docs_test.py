@@ -81,7 +81,7 @@ class Manual(unittest.TestCase):
 
     def test_options_exist(self):
         # Options of CMake, of Google Benchmark and of scripts/check are not the program's.
-        foreign = {"--benchmark", "--build", "--preset", "--target", "--workflow", "--cflags", "--libs", "--changed"}
+        foreign = {"--benchmark", "--build", "--install", "--prefix", "--preset", "--target", "--workflow", "--cflags", "--libs", "--changed"}
         code = text_below("apps", "bench") + "".join(path.read_text() for path in (ROOT / "scripts").glob("*")
                                                      if path.is_file())
         missing = sorted({f"{page.name}: {option}" for page in PAGES
