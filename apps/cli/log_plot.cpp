@@ -15,7 +15,7 @@ namespace {
 constexpr double title_line = 50; // pixels
 constexpr double first_note = 82;
 constexpr double note_height = 24;
-constexpr double legend_room = 40;
+constexpr double legend_space = 40;
 constexpr double plot_height = 560;
 constexpr double below_plot = 100;
 
@@ -62,7 +62,7 @@ class LogPlot {
 public:
     LogPlot(std::span<const PlotSeries> series, const PlotWords& words)
         : series_(series), words_(words),
-          top_(first_note + note_height * static_cast<double>(words.notes.size()) + legend_room),
+          top_(first_note + note_height * static_cast<double>(words.notes.size()) + legend_space),
           x_(scale(0, 140, figure_.width - 40.0)), y_(scale(1, top_ + plot_height, top_))
     {
         figure_.height = static_cast<int>(top_ + plot_height + below_plot);

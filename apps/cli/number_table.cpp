@@ -91,7 +91,7 @@ private:
     Progress* progress_ = nullptr;
 };
 
-Status check_room(const InputFile& file, std::uint64_t bytes, MemoryBudget budget)
+Status check_memory(const InputFile& file, std::uint64_t bytes, MemoryBudget budget)
 {
     return check_budget(budget, bytes, concat("the numbers of ", file.path()), "split the file");
 }
@@ -197,7 +197,7 @@ private:
         std::size_t columns = 0;
         std::vector<double>& values = table_.values;
         if (values.size() + table_.columns > values.capacity()) {
-            if (Status status = make_room(); !status) return status;
+            if (Status status = reserve_more(); !status) return status;
         }
         for (const char* position = line.data();; ++position) {
             const char* const end = line.data() + line.size();
@@ -221,12 +221,12 @@ private:
                              " in the line: ", names_, " takes ", table_.columns));
     }
 
-    Status make_room()
+    Status reserve_more()
     {
         std::vector<double>& values = table_.values;
         const std::size_t wanted = std::max<std::size_t>(2 * values.capacity(), piece / 8);
         const std::uint64_t bytes = (wanted + values.capacity()) * sizeof(double);
-        if (Status status = check_room(file_, bytes, budget_); !status) return status;
+        if (Status status = check_memory(file_, bytes, budget_); !status) return status;
         try {
             values.reserve(wanted);
         } catch (const std::bad_alloc&) {
@@ -331,7 +331,7 @@ Result<NumberTable> read_npy(InputFile& file, std::string_view names, MemoryBudg
     const auto header = read_header(file, names, buffer);
     if (!header) return tl::unexpected(header.error());
     const std::uint64_t count = header->rows * header->columns;
-    if (Status status = check_room(file, count * sizeof(double), budget); !status)
+    if (Status status = check_memory(file, count * sizeof(double), budget); !status)
         return tl::unexpected(status.error());
     NumberTable table;
     table.columns = header->columns;

@@ -84,9 +84,9 @@ PatchAccount touch_along(const HandScript& script, const TouchModel& model, cons
         last = state.pose.translation;
         const auto begin = std::chrono::steady_clock::now();
         const Patch patch = patches.begin_tick();
-        const RenderTick& felt = renderer.tick(state, servo_tick, patch);
+        const RenderTick& rendered = renderer.tick(state, servo_tick, patch);
         times.add((std::chrono::steady_clock::now() - begin) / std::chrono::nanoseconds(1));
-        patches.end_tick(felt);
+        patches.end_tick(rendered);
     }
     PatchAccount account = patches.finish();
     account.tick = times;

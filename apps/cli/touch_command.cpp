@@ -144,7 +144,7 @@ Status run_device(const TouchCommandOptions& options, Session& session)
         session.print(fmt::format("wrote {}\n", options.record));
     Json json = touch_json(of, **model, *result);
     if (!patches.empty()) json["patches"] = patch_json(patches);
-    // What was felt is said, whether it could be kept or not.
+    // The results are written even if the recording could not be.
     const Status written = session.write_json(json);
     return recorded ? written : recorded;
 }

@@ -63,7 +63,7 @@ std::string touch_device_problem(const std::string& device)
     constexpr std::string_view replay = "replay:";
     const bool replays = device.starts_with(replay) && device.size() > replay.size();
     const bool known = replays || is_hand_script(script_of(device)) || is_device_name(device);
-    return known ? std::string() : concat(device, " is no device: give ", touch_device_names());
+    return known ? std::string() : concat(device, " is not a device: use ", touch_device_names());
 }
 
 Result<TouchDevice> open_touch_device(const TouchDeviceSettings& settings, const Box& box,

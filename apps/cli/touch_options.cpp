@@ -203,8 +203,9 @@ void add_touch_options(CLI::App& parser, TouchCommandOptions& options)
                     "Limits of force, stiffness, damping and workspace, by device: " +
                         names_of_devices() + "; the device's own without it, an omni's of a hand")
         ->check([](const std::string& name) {
-            return find_device(name) ? std::string()
-                                     : concat(name, " is no device: they are ", names_of_devices());
+            return find_device(name)
+                       ? std::string()
+                       : concat(name, " is not a device: the devices are ", names_of_devices());
         })
         ->type_name("NAME");
     parser.add_option("--stiffness", options.stiffness, "Stiffness of the surface, N/m")

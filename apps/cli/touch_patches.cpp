@@ -21,11 +21,11 @@ constexpr int most_rings = 64;
 /// A patch is lost when it is older than so many periods of the collision loop.
 constexpr std::uint64_t periods_to_loss = 5;
 
-/// Where friction begins depends on the roundings of the way there.
+/// The position where friction begins depends on rounding along the path to it.
 constexpr double apart_metres = 1e-6;
 
 /// A hand of 1 m/s can reach any part of a small model before the next patch comes.
-std::size_t room_for(const TouchModel& model)
+std::size_t capacity_for(const TouchModel& model)
 {
     return std::max(model.surface.mesh.triangle_count(), ContactPatch::most);
 }
@@ -57,7 +57,7 @@ PatchTouch::PatchTouch(const TouchModel& model, const PatchSettings& settings,
                           .proxy_radius = render.proxy_radius * map.units_per_metre},
       rings_(model.index, model.surface.mesh, model.surface.topology), patch_(whole_.scale()),
       expected_(whole_, proxy_options(render, map, properties)), near_(ContactPatch::most),
-      exchange_(room_for(model)), due_(2, ContactPatch(room_for(model)))
+      exchange_(capacity_for(model)), due_(2, ContactPatch(capacity_for(model)))
 {
     account_.settings = settings;
     if (settings.method == QueryMethod::thesis) {
@@ -72,9 +72,9 @@ PatchTouch::PatchTouch(const TouchModel& model, const PatchSettings& settings,
             {.rate = options_.rate, .ticks = std::numeric_limits<std::uint64_t>::max()},
             [this](std::uint64_t) noexcept {
                 if (ending_.load()) return Flow::stop;
-                ServoPosition place;
-                if (exchange_.receive_position(place)) {
-                    make(exchange_.writing(), place);
+                ServoPosition position;
+                if (exchange_.receive_position(position)) {
+                    make(exchange_.writing(), position);
                     exchange_.publish_patch();
                 }
                 return Flow::proceed;
@@ -88,18 +88,18 @@ PatchTouch::~PatchTouch()
 }
 
 /// By the thread that makes patches.
-void PatchTouch::make(ContactPatch& patch, const ServoPosition& place) noexcept
+void PatchTouch::make(ContactPatch& patch, const ServoPosition& position) noexcept
 {
     if (account_.settings.rings < 0) {
-        make_patch(patch, whole_, place, options_);
+        make_patch(patch, whole_, position, options_);
     } else if (by_thesis_) {
         // Before the first feature is found there is nothing to send.
-        if (!by_thesis_->fill(patch, place.device, place.proxy, account_.settings.rings))
+        if (!by_thesis_->fill(patch, position.device, position.proxy, account_.settings.rings))
             patch.use_copies(0, 0);
-        patch.made_at = place.tick;
+        patch.made_at = position.tick;
     } else {
-        rings_.fill(patch, place.device, account_.settings.rings);
-        patch.made_at = place.tick;
+        rings_.fill(patch, position.device, account_.settings.rings);
+        patch.made_at = position.tick;
     }
     ++account_.patches;
     account_.incomplete += patch.complete ? 0U : 1U;
@@ -130,11 +130,11 @@ bool PatchTouch::has(const Contact& contact) noexcept
         [&](const ContactTriangle& each) { return each.id == contact.triangle; });
 }
 
-void PatchTouch::compare(const RenderTick& felt) noexcept
+void PatchTouch::compare(const RenderTick& rendered) noexcept
 {
-    const Vec3 device = map_.to_model(felt.position);
+    const Vec3 device = map_.to_model(rendered.position);
     if (!device.allFinite()) return;
-    if (!placed_ || felt.fault == InputFault::jumped) expected_.place(device);
+    if (!placed_ || rendered.fault == InputFault::jumped) expected_.place(device);
     placed_ = true;
     const ProxyTick& should = expected_.follow(device);
     if (used_ == nullptr) return; // before the first
@@ -145,21 +145,21 @@ void PatchTouch::compare(const RenderTick& felt) noexcept
     for (std::size_t i = 0; i < should.slide.contact_count; ++i)
         missed |= !has(should.slide.contacts[i]);
     account_.missed_ticks += missed ? 1U : 0U;
-    const double apart = (should.proxy - felt.proxy).norm();
+    const double apart = (should.proxy - rendered.proxy).norm();
     account_.apart_ticks += apart > apart_metres * map_.units_per_metre ? 1U : 0U;
 }
 
-void PatchTouch::end_tick(const RenderTick& felt) noexcept
+void PatchTouch::end_tick(const RenderTick& rendered) noexcept
 {
-    compare(felt);
-    place_ = {map_.to_model(felt.position), felt.proxy, tick_};
+    compare(rendered);
+    position_ = {map_.to_model(rendered.position), rendered.proxy, tick_};
     if (collision_thread_.joinable()) {
-        if (place_.device.allFinite()) exchange_.send_position(place_);
+        if (position_.device.allFinite()) exchange_.send_position(position_);
     } else if (tick_ % ticks_per_patch_ == 0) {
         // The patch that was begun a period ago has come; the next one is begun.
         used_ = tick_ > 0 ? &due_[making_] : nullptr;
         making_ = 1 - making_;
-        make(due_[making_], place_);
+        make(due_[making_], position_);
     }
     ++tick_;
 }
@@ -195,7 +195,7 @@ Result<std::vector<PatchSettings>> parse_patch_kinds(const std::string& text)
             rings > most_rings) {
             return fail(ErrorCode::invalid_argument,
                         concat("'", word,
-                               "' is no patch: give metric, or a number of rings from 0 "
+                               "' is not a kind of patch: use metric or a number of rings from 0 "
                                "to ",
                                most_rings));
         }

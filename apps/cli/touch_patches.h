@@ -44,7 +44,7 @@ struct PatchSettings {
 struct PatchAccount {
     PatchSettings settings;
     std::uint64_t patches = 0;
-    std::uint64_t incomplete = 0; ///< that had no room for all triangles
+    std::uint64_t incomplete = 0; ///< whose capacity was too small for all triangles
     std::uint64_t triangles = 0;  ///< of all patches
     std::uint64_t largest = 0;
     std::uint64_t model_triangles = 0;
@@ -52,7 +52,7 @@ struct PatchAccount {
     std::uint64_t missed_ticks = 0;   ///< in which it touched a triangle that the patch lacks
     std::uint64_t apart_ticks = 0;  ///< in which the two proxies were more than a micrometre apart
     std::uint64_t oldest_ticks = 0; ///< the oldest patch that was touched
-    std::uint64_t waited_ticks = 0; ///< before the first patch came: nothing was felt
+    std::uint64_t waited_ticks = 0; ///< before the first patch came: there was no force
     std::uint64_t lost_ticks = 0;   ///< without a patch young enough: the force faded
     std::uint64_t late_collisions = 0; ///< deadlines that the collision loop missed
     LatencyHistogram tick;             ///< of computing forces by these patches, ns
@@ -79,14 +79,14 @@ public:
 
     /// Says where device and proxy are, keeps account and, without a collision thread, does its
     /// work. noexcept, no allocation.
-    void end_tick(const RenderTick& felt) noexcept;
+    void end_tick(const RenderTick& rendered) noexcept;
 
     /// Ends the collision thread.
     [[nodiscard]] PatchAccount finish();
 
 private:
-    void make(ContactPatch& patch, const ServoPosition& place) noexcept;
-    void compare(const RenderTick& felt) noexcept;
+    void make(ContactPatch& patch, const ServoPosition& position) noexcept;
+    void compare(const RenderTick& rendered) noexcept;
     [[nodiscard]] bool has(const Contact& contact) noexcept;
 
     const IndexContactSurface& whole_;
@@ -106,7 +106,7 @@ private:
     std::uint64_t ticks_per_patch_ = 10;
     const ContactPatch* used_ = nullptr;
     std::uint64_t tick_ = 0;
-    ServoPosition place_;
+    ServoPosition position_;
     std::atomic<bool> ending_{false};
     ServoStatistics collision_;
     std::thread collision_thread_;

@@ -67,7 +67,7 @@ Result<RigidTransform> parse_pose(std::string_view text)
         const Vec3 axis(n[3], n[4], n[5]);
         if (!(axis.norm() > 0) || !std::isfinite(axis.norm())) {
             return fail(ErrorCode::invalid_argument,
-                        concat("'", text, "': the axis of a pose has a length"));
+                        concat("'", text, "': the axis of a pose must not be zero"));
         }
         const double angle = std::fmod(n[6], 360.0) * radians_per_degree;
         pose.rotation = Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();

@@ -113,12 +113,12 @@ public:
         if (scene_ != nullptr) scene_->send_motions(ticks_++, seconds);
         const std::int64_t begin = nanoseconds_now();
         const Patch patch = patches_ == nullptr ? Patch::available : patches_->begin_tick();
-        const RenderTick& felt = renderer_.tick(state, seconds, patch);
+        const RenderTick& rendered = renderer_.tick(state, seconds, patch);
         result_.render.add(nanoseconds_now() - begin);
-        if (patches_ != nullptr) patches_->end_tick(felt);
-        meter_.add(felt, state.velocity, renderer_.path());
+        if (patches_ != nullptr) patches_->end_tick(rendered);
+        meter_.add(rendered, state.velocity, renderer_.path());
         if (parts_of(renderer_).popped()) meter_.add_pass();
-        return felt;
+        return rendered;
     }
 
     [[nodiscard]] const HapticRenderer& renderer() const noexcept { return renderer_; }
@@ -268,12 +268,12 @@ Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings
                 if (number >= last) input->release();
                 const double seconds = static_cast<double>(number) * tick_seconds;
                 const DeviceState& state = input->accept(device.read());
-                const RenderTick& felt = run.tick(state, tick_seconds);
-                if (settings.record) recorded_ticks[number] = recorded(seconds, state, felt);
+                const RenderTick& rendered = run.tick(state, tick_seconds);
+                if (settings.record) recorded_ticks[number] = recorded(seconds, state, rendered);
                 device.write(input->command(run.renderer()));
                 count = number + 1;
                 live.writing() = {1e-9 * static_cast<double>(nanoseconds_now() - begin), count,
-                                  felt.force.norm(), felt.hold, state.condition};
+                                  rendered.force.norm(), rendered.hold, state.condition};
                 live.publish();
                 return count >= last + release_ticks ? Flow::stop : Flow::proceed;
             });

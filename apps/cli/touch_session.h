@@ -91,7 +91,7 @@ struct TouchResult {
 };
 
 /// A device touches the model in a thread of its own, while this one shows rate and force on a
-/// terminal. Being cancelled ends it early, after the force has faded, with all that was felt.
+/// terminal. Being cancelled ends it early, after the force has faded, with all results so far.
 /// Errors: those of open_touch_device. \pre a scene is as it was made, and without patches
 [[nodiscard]] Result<TouchResult> touch_by_device(const TouchModel& model,
                                                   const TouchSettings& settings, Session& session);

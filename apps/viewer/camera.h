@@ -1,4 +1,4 @@
-// A camera that orbits a place, and where it puts points on the screen.
+// A camera that orbits a point, and where it puts points on the screen.
 #pragma once
 
 #include "cli/canvas.h"

@@ -1,5 +1,6 @@
-// What panels ask of a person, whoever asks: a window draws widgets, the command line takes
-// --set NAME=VALUE, tests press what they like. A name means one thing wherever it is offered.
+// The settings that panels offer, independent of the user interface: a window draws widgets, the
+// command line takes --set NAME=VALUE, and tests set values directly. A name has the same meaning
+// in all of them.
 //
 //     void CullingPanel::offer(Controls& controls) {
 //         controls.number("field of view", degrees_, 5.0, 120.0);
@@ -23,15 +24,16 @@ public:
     Controls& operator=(const Controls&) = delete;
     virtual ~Controls() = default;
 
-    /// Each returns true where the person changed the value just now. Values stay in their range.
+    /// Each returns true if the person has changed the value since the last call. Values stay in
+    /// their range.
     virtual bool toggle(std::string_view name, bool& value) = 0;
     virtual bool number(std::string_view name, int& value, int least, int most) = 0;
     virtual bool number(std::string_view name, double& value, double least, double most) = 0;
     virtual bool choice(std::string_view name, std::size_t& value,
                         std::span<const std::string_view> words) = 0;
-    /// One line. Changed once the person is done with it, not by every key.
+    /// One line of text. It counts as changed when editing ends, not at every key.
     virtual bool text(std::string_view name, std::string& value) = 0;
-    /// True where it was pressed just now.
+    /// True if it was pressed since the last call.
     virtual bool button(std::string_view name) = 0;
 };
 

@@ -53,10 +53,10 @@ GlBuffer upload_pairs(const std::vector<float>& values, GLuint divisor)
     for (GLuint attribute = 0; attribute < 2; ++attribute) {
         glEnableVertexAttribArray(attribute);
         const std::uintptr_t offset = std::uintptr_t{3} * attribute * sizeof(float);
-        // OpenGL takes an offset in the place of a pointer.
+        // OpenGL takes an offset instead of a pointer.
         // NOLINTNEXTLINE(performance-no-int-to-ptr)
-        const auto* const place = reinterpret_cast<const void*>(offset);
-        glVertexAttribPointer(attribute, 3, GL_FLOAT, GL_FALSE, stride, place);
+        const auto* const pointer = reinterpret_cast<const void*>(offset);
+        glVertexAttribPointer(attribute, 3, GL_FLOAT, GL_FALSE, stride, pointer);
         glVertexAttribDivisor(attribute, divisor);
     }
     return buffer;
@@ -185,13 +185,13 @@ public:
         set(program, "clip", clip(layer));
         set(program, "depth_of_nearness", depth_of_nearness_);
         set_cut(program, layer);
-        const std::array places = {&lamps_.key, &lamps_.fill, &lamps_.sky};
+        const std::array lamps = {&lamps_.key, &lamps_.fill, &lamps_.sky};
         constexpr std::array towards = {"toward[0]", "toward[1]", "toward[2]"};
         constexpr std::array lights = {"light[0]", "light[1]", "light[2]"};
-        for (std::size_t i = 0; i < places.size(); ++i) {
-            const Vec3 toward = layer.pose.rotation.transpose() * places[i]->toward;
+        for (std::size_t i = 0; i < lamps.size(); ++i) {
+            const Vec3 toward = layer.pose.rotation.transpose() * lamps[i]->toward;
             set(program, towards[i], Eigen::Vector3f(toward.cast<float>()));
-            set(program, lights[i], vector_of(places[i]->light));
+            set(program, lights[i], vector_of(lamps[i]->light));
         }
         set(program, "everywhere", vector_of(lamps_.everywhere));
     }

@@ -6,19 +6,19 @@ namespace proxima {
 namespace {
 
 constexpr const char* copy_vertices = R"(#version 330 core
-out vec2 place;
+out vec2 position;
 void main() {
-    place = vec2(gl_VertexID == 1 ? 2.0 : 0.0, gl_VertexID == 2 ? 2.0 : 0.0);
-    gl_Position = vec4(2.0 * place - 1.0, 0.0, 1.0);
+    position = vec2(gl_VertexID == 1 ? 2.0 : 0.0, gl_VertexID == 2 ? 2.0 : 0.0);
+    gl_Position = vec4(2.0 * position - 1.0, 0.0, 1.0);
 })";
 
 // Sampling gives light; the window takes what sRGB makes of it.
 constexpr const char* copy_colors = R"(#version 330 core
-in vec2 place;
+in vec2 position;
 uniform sampler2D picture;
 out vec4 color;
 void main() {
-    vec3 light = texture(picture, place).rgb;
+    vec3 light = texture(picture, position).rgb;
     vec3 low = 12.92 * light;
     vec3 high = 1.055 * pow(light, vec3(1.0 / 2.4)) - 0.055;
     color = vec4(mix(high, low, lessThan(light, vec3(0.0031308))), 1.0);

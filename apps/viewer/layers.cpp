@@ -5,10 +5,10 @@
 namespace proxima {
 namespace {
 
-/// How far outside a place is, negative inside.
-double beyond(const HalfSpace& cut, const Vec3& place)
+/// How far outside a position is, negative inside.
+double beyond(const HalfSpace& cut, const Vec3& position)
 {
-    return cut.normal.dot(place) - cut.offset;
+    return cut.normal.dot(position) - cut.offset;
 }
 
 /// Triangles cut at the plane: those that cross it become one or two smaller ones.
@@ -95,10 +95,10 @@ Box bounding_box(std::span<const SceneLayer> layers)
     Box box;
     for (const SceneLayer& layer : layers) {
         for (const SceneSurface& surface : layer.scene->surfaces)
-            for (const Vec3& place : surface.positions) box.extend(layer.pose(place));
+            for (const Vec3& position : surface.positions) box.extend(layer.pose(position));
         for (const SceneLines& lines : layer.scene->lines)
             for (const auto& segment : lines.segments)
-                for (const Vec3& place : segment) box.extend(layer.pose(place));
+                for (const Vec3& position : segment) box.extend(layer.pose(position));
     }
     return box;
 }

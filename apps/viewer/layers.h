@@ -1,5 +1,5 @@
-// What is shown, in layers: scenes that stand somewhere. A scene is shared and never changes, so
-// that whoever draws it uploads it once, however often it moves, fades or is cut.
+// Layers: scenes with a pose, a colour, an opacity and a cut. Scenes are shared and never change.
+// So a renderer uploads each scene once, however often its layer is moved, faded or cut.
 //
 //     mesh A    pose I     ───┐
 //     mesh B    pose of B  ───┼──> drawn as one picture; flattened() makes one scene of them
@@ -19,9 +19,9 @@ namespace proxima {
 struct SceneLayer {
     std::shared_ptr<const Scene> scene;
     RigidTransform pose = {};
-    std::optional<Color> color = {};   ///< of all its surfaces, in the place of their own
+    std::optional<Color> color = {};   ///< of all its surfaces, instead of their own
     float opacity = 1.0F;              ///< times their own
-    std::optional<HalfSpace> cut = {}; ///< what lies outside is not shown; where it is drawn
+    std::optional<HalfSpace> cut = {}; ///< hides what lies outside; in coordinates after the pose
 };
 
 /// What lies behind everything.
@@ -33,7 +33,7 @@ struct Backdrop {
 /// One scene of all layers: moved, coloured and cut.
 [[nodiscard]] Scene flattened(std::span<const SceneLayer> layers, const Backdrop& backdrop);
 
-/// Of all layers where they stand, uncut; empty without any.
+/// The box about all layers at their poses, without cuts; empty without layers.
 [[nodiscard]] Box bounding_box(std::span<const SceneLayer> layers);
 
 } // namespace proxima

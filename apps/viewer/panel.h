@@ -5,7 +5,7 @@
 //        └─────task()────> PanelTask ──in the background──> PanelPicture: layers, facts, plots
 //
 // A task holds copies of the settings and shares what was built before (Kept), so the panel may be
-// changed while it runs. Handles are places that the mouse drags.
+// changed while it runs. Handles are points that the mouse drags.
 #pragma once
 
 #include "proxima/execution.h"
@@ -42,7 +42,7 @@ struct PanelPicture {
     std::vector<SceneLayer> layers;
     std::vector<PanelFact> facts;
     std::vector<PanelPlot> plots;
-    std::string problem = {}; ///< what could not be done, though there is a picture; empty: nothing
+    std::string problem = {}; ///< what failed although there is a picture; else empty
 };
 
 using PanelTask = std::function<Result<PanelPicture>(const Execution&)>;
@@ -51,7 +51,7 @@ using PanelTask = std::function<Result<PanelPicture>(const Execution&)>;
 template <class Key, class Value>
 class Kept {
 public:
-    /// The value for the key: the one there is, or what build() -> Result<Value> makes.
+    /// The value for the key: the stored one, or a new one by build() -> Result<Value>.
     template <class Build>
     [[nodiscard]] Result<std::shared_ptr<const Value>> get(const Key& key, const Build& build)
     {
@@ -82,30 +82,31 @@ public:
     /// What it shows, in one sentence, and what the mouse does.
     [[nodiscard]] virtual std::string_view purpose() const = 0;
 
-    /// Other models: places that depend on them are set anew, but for what a person has set.
+    /// The models have changed: points that depend on them are set anew, except those that a person
+    /// has set.
     virtual void models_changed(const ViewModels& models) = 0;
 
-    /// Settings, changed in place.
+    /// Offers the settings. Controls change them in place.
     virtual void offer(Controls& controls) = 0;
 
-    /// What shows the settings as they are now. \pre there are models
+    /// The task that makes the picture for the present settings. \pre there are models
     [[nodiscard]] virtual PanelTask task(const ViewModels& models) const = 0;
 
-    /// What a picture should hold: the models, unless the panel shows something else.
+    /// The box that a picture should show: the models', unless the panel shows something else.
     [[nodiscard]] virtual Box extent(const ViewModels& models) const
     {
         return bounding_box(models);
     }
 
-    /// What a picture holds at first: all, unless what the panel is about is small beside it.
+    /// The box that a picture shows at first: a part of the extent if the panel's subject is small.
     [[nodiscard]] virtual Box focus(const ViewModels& models) const { return extent(models); }
 
-    /// Places to drag; none by default.
+    /// Points to drag; none by default.
     [[nodiscard]] virtual std::vector<Vec3> handles() const { return {}; }
     virtual void move_handle(std::size_t /*handle*/, const Vec3& /*to*/) {}
 
     /// A click on a model. True where it changed a setting.
-    virtual bool picked(const PickedPlace& /*place*/) { return false; }
+    virtual bool picked(const PickedPoint& /*hit*/) { return false; }
 
     /// Time passes. True where that changed a setting.
     virtual bool advance(double /*seconds*/) { return false; }
@@ -113,14 +114,14 @@ public:
     /// Whether something moves by itself.
     [[nodiscard]] virtual bool is_moving() const { return false; }
 
-    /// Over the picture, from moment to moment, where something moves by itself.
+    /// Adds what moves by itself to a picture, in every frame.
     virtual void add_live(PanelPicture& /*picture*/) {}
 
-    /// Another panel is shown from now on.
+    /// Called when another panel is chosen.
     virtual void leave() {}
 };
 
-/// Whether pictures follow each other, or there is one that has to show all by itself.
+/// live: pictures follow each other; still: a single picture has to show everything.
 enum class Pictures : std::uint8_t { live, still };
 
 /// All panels, in the order in which they are offered.

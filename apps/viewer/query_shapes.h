@@ -14,7 +14,7 @@
 
 namespace proxima {
 
-/// The triangles of the mesh that are not named. \pre named is ascending
+/// The triangles of the mesh that are not in `named`. \pre named is ascending
 [[nodiscard]] std::vector<TriangleId> all_but(const TriangleMesh& mesh,
                                               std::span<const TriangleId> named);
 
@@ -29,7 +29,7 @@ boxes_of_leaves(const Octree& octree, const std::vector<LeafPair>& pairs, Cell L
 /// The corners of a camera's volume, near ones first, each four in a circle. \pre far is finite
 [[nodiscard]] std::array<Vec3, 8> frustum_corners(const PerspectiveCamera& camera);
 
-/// Its edges, and lines from the eye.
+/// Adds the edges of the camera's volume, and lines from the eye to it.
 void add_frustum(Scene& scene, const PerspectiveCamera& camera, const EdgeStyle& style);
 
 /// From black at 0 to yellow at 1.
@@ -38,7 +38,7 @@ void add_frustum(Scene& scene, const PerspectiveCamera& camera, const EdgeStyle&
 /// The chord in a cell over the cell's diagonal, 0 to 1.
 [[nodiscard]] double chord_weight(const Octree& octree, const CellOnRay& cell);
 
-/// The facets of one origin.
+/// The facets of the sum that have this origin.
 [[nodiscard]] std::vector<std::uint32_t> facets_of(const MinkowskiSum& sum, FacetOrigin origin);
 
 } // namespace proxima

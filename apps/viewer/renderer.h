@@ -1,4 +1,4 @@
-// Who draws scenes.
+// The interface of renderers, which draw scenes into pictures.
 #pragma once
 
 #include "cli/image.h"
@@ -19,8 +19,8 @@ public:
     Renderer& operator=(const Renderer&) = delete;
     virtual ~Renderer() = default;
 
-    /// Opaque surfaces with depth; translucent ones and lines over them from far to near; labels in
-    /// front of all. Errors: cancelled, and whatever the renderer's own system says.
+    /// Draws opaque surfaces by depth, then translucent ones and lines from far to near, then
+    /// labels in front of all. Errors: cancelled, and those of the graphics system.
     [[nodiscard]] virtual Result<Image> render(const Scene& scene, const OrbitCamera& camera,
                                                ViewSize size) = 0;
 };

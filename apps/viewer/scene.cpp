@@ -2,21 +2,21 @@
 
 namespace proxima {
 
-std::vector<Vec3> places_of(const Scene& scene)
+std::vector<Vec3> positions_of(const Scene& scene)
 {
-    std::vector<Vec3> places;
+    std::vector<Vec3> positions;
     for (const SceneSurface& surface : scene.surfaces)
-        places.insert(places.end(), surface.positions.begin(), surface.positions.end());
+        positions.insert(positions.end(), surface.positions.begin(), surface.positions.end());
     for (const SceneLines& lines : scene.lines)
         for (const auto& segment : lines.segments)
-            places.insert(places.end(), segment.begin(), segment.end());
-    return places;
+            positions.insert(positions.end(), segment.begin(), segment.end());
+    return positions;
 }
 
 Box bounding_box(const Scene& scene)
 {
     Box box;
-    for (const Vec3& place : places_of(scene)) box.extend(place);
+    for (const Vec3& position : positions_of(scene)) box.extend(position);
     return box;
 }
 

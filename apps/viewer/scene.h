@@ -42,7 +42,7 @@ struct SceneLines {
     float opacity = 1.0F;
 };
 
-/// A word at a place, in front of everything.
+/// A word at a point, in front of everything.
 struct SceneLabel {
     Vec3 at = Vec3::Zero();
     std::string text;
@@ -61,7 +61,7 @@ struct Scene {
 /// Of surfaces and lines; empty without any.
 [[nodiscard]] Box bounding_box(const Scene& scene);
 
-/// All places that a camera must show: corners of surfaces and ends of lines.
-[[nodiscard]] std::vector<Vec3> places_of(const Scene& scene);
+/// All points that a camera must show: corners of surfaces and ends of lines.
+[[nodiscard]] std::vector<Vec3> positions_of(const Scene& scene);
 
 } // namespace proxima

@@ -165,8 +165,8 @@ void add_arrow(Scene& scene, const Vec3& from, const Vec3& to, double radius,
     const Vec3 other = forward.cross(across);
     const double tip = std::min(4.5 * radius, 0.6 * length);
     SceneSurface& surface = new_surface(scene, style);
-    const auto put = [&](double place, double width, const Vec3& outward, const Vec3& normal) {
-        surface.positions.emplace_back(from + place * forward + width * outward);
+    const auto put = [&](double height, double width, const Vec3& outward, const Vec3& normal) {
+        surface.positions.emplace_back(from + height * forward + width * outward);
         surface.normals.push_back(normal);
         return static_cast<std::uint32_t>(surface.positions.size() - 1);
     };

@@ -128,15 +128,15 @@ Box bounding_box(const ViewModels& models)
     return box;
 }
 
-std::optional<PickedPlace> pick(const ViewModels& models, const Ray& ray)
+std::optional<PickedPoint> pick(const ViewModels& models, const Ray& ray)
 {
-    std::optional<PickedPlace> best;
+    std::optional<PickedPoint> best;
     double nearest = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < models.size(); ++i) {
         const auto hit = closest_hit(models[i]->rays, ray);
         if (!hit || hit->t >= nearest) continue;
         nearest = hit->t;
-        best = PickedPlace{i, hit->triangle, ray.at(hit->t),
+        best = PickedPoint{i, hit->triangle, ray.at(hit->t),
                            nearest_part(*models[i], hit->triangle, *hit)};
     }
     return best;

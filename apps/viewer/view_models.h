@@ -34,7 +34,7 @@ using ViewModels = std::vector<std::shared_ptr<const ViewModel>>;
 
 /// Files or built-ins, each in a colour of its own, after those there are. Errors: those of
 /// reading; budget_exceeded where showing it would take more memory than the budget; invalid_mesh
-/// (empty, NaN); cancelled. The error's place names the model.
+/// (empty, NaN); cancelled. Error::where names the model.
 [[nodiscard]] Result<ViewModels> load_view_models(std::span<const std::string> names,
                                                   const Execution& context, ViewModels before = {});
 
@@ -47,12 +47,12 @@ make_view_model(std::string name, TriangleMesh mesh, const Vec3& up, std::size_t
 [[nodiscard]] Box bounding_box(const ViewModels& models);
 
 /// The first triangle of any model that a ray meets.
-struct PickedPlace {
+struct PickedPoint {
     std::size_t model = 0;
     TriangleId triangle{};
     Vec3 point = Vec3::Zero();
     Feature nearest; ///< of the triangle, to the point: a vertex or an edge within a tenth of it
 };
-[[nodiscard]] std::optional<PickedPlace> pick(const ViewModels& models, const Ray& ray);
+[[nodiscard]] std::optional<PickedPoint> pick(const ViewModels& models, const Ray& ray);
 
 } // namespace proxima

@@ -59,16 +59,17 @@ bool same(const Box& a, const Box& b)
 }
 
 /// Vertices of all models: so many that what is left out is seen to fit as well.
-std::vector<Vec3> some_places(const ViewModels& models)
+std::vector<Vec3> some_positions(const ViewModels& models)
 {
     constexpr std::size_t enough = 5000; // of a model
-    std::vector<Vec3> places;
+    std::vector<Vec3> positions_shown;
     for (const auto& model : models) {
         const std::span<const Vec3> positions = model->mesh.positions();
         const std::size_t step = positions.size() / enough + 1;
-        for (std::size_t i = 0; i < positions.size(); i += step) places.push_back(positions[i]);
+        for (std::size_t i = 0; i < positions.size(); i += step)
+            positions_shown.push_back(positions[i]);
     }
-    return places;
+    return positions_shown;
 }
 
 /// What the work says, or that there was no memory for it: a thread has no other place to say so.
@@ -326,7 +327,7 @@ void Viewer::frame(const Box& box)
 {
     camera_.up = models_.front()->up;
     // Around a box models are smaller than the picture: they are shown as large as they are.
-    camera_ = same(box, bounding_box(models_)) ? framed(camera_, some_places(models_), size_)
+    camera_ = same(box, bounding_box(models_)) ? framed(camera_, some_positions(models_), size_)
                                                : framed(camera_, corners(box), size_);
     camera_is_set_ = false;
 }

@@ -29,15 +29,15 @@ enum class Theme : std::uint8_t { light, dark };
 
 enum class MouseButton : std::uint8_t { left, middle, right };
 
-/// Where models go that are opened.
+/// What opened models do to the models that are shown.
 enum class Placing : std::uint8_t {
-    instead, ///< of those there are
-    beside   ///< them
+    instead, ///< they replace them
+    beside   ///< they are added to them
 };
 
 struct ViewerOptions {
     Pictures pictures = Pictures::still;
-    std::function<void()> wake = {}; ///< called by the worker when there is something to take
+    std::function<void()> wake = {}; ///< called by the worker when a result is ready
     Execution execution = {};        ///< budget: of a model and of what is built of it
 };
 
@@ -48,11 +48,11 @@ public:
     Viewer(const Viewer&) = delete;
     Viewer& operator=(const Viewer&) = delete;
 
-    /// Begins to load models; what was being loaded is given up. What is shown stays until all are
-    /// there, and where one cannot be opened.
+    /// Begins to load models, and cancels loading that is still running. The present models stay
+    /// until all new ones are loaded. They also stay if one cannot be opened.
     void open(std::vector<std::string> names, Placing placing = Placing::instead);
 
-    /// Takes what is finished, starts what is wanted. `seconds` since the last time.
+    /// Takes finished results and starts new work. `seconds` is the time since the last update.
     void update(double seconds);
 
     /// Updates until there is nothing left to do: for pictures without a window. Errors: a model
@@ -79,10 +79,10 @@ public:
     {
         return loading_error_;
     }
-    /// What went wrong with loading, else with the panel's last task, else with what the panel does
-    /// from moment to moment, in words; empty if nothing.
+    /// A message about the first of these that failed: loading, the panel's last task, the panel's
+    /// live part (add_live). Empty if none did.
     [[nodiscard]] std::string problem() const;
-    /// It was read.
+    /// Removes the message, since a person has read it.
     void forget_problem();
 
     // What is shown.
@@ -95,20 +95,20 @@ public:
     [[nodiscard]] Theme theme() const noexcept { return theme_; }
     [[nodiscard]] Backdrop backdrop() const noexcept;
     [[nodiscard]] std::vector<Vec3> handles() const;
-    [[nodiscard]] const std::optional<PickedPlace>& picked() const noexcept { return picked_; }
-    /// Whether the next update has something to do without anybody's doing.
+    [[nodiscard]] const std::optional<PickedPoint>& picked() const noexcept { return picked_; }
+    /// Whether the panel moves by itself, so that the next update changes the picture.
     [[nodiscard]] bool is_moving() const { return panels_[panel_]->is_moving(); }
 
-    // The mouse, in pixels of the picture. Left turns, middle or right moves, the wheel goes
-    // nearer; a handle is dragged, with the wheel to and fro; a click picks, two clicks make the
-    // place the middle.
+    // The mouse, in pixels of the picture. The left button turns the view, the middle or right one
+    // moves it, and the wheel zooms. A handle can be dragged; meanwhile the wheel moves it along
+    // the line of sight. A click picks a point, a double click puts it into the middle.
     void resize(ViewSize size);
     void press(MouseButton button, const Vec2& at, bool with_shift = false);
     void move(const Vec2& at);
     void release(const Vec2& at);
     void double_click(const Vec2& at);
     void wheel(double steps);
-    /// All that the panel shows fills the picture.
+    /// Moves the camera so that all that the panel shows fills the picture.
     void frame_all();
 
 private:
@@ -137,8 +137,8 @@ private:
     std::string problem_;      ///< of the last task
     std::string live_problem_; ///< of this moment
 
-    std::uint64_t wanted_ = 0; ///< number of the settings as they are
-    std::uint64_t shown_ = 0;  ///< of those that the picture shows
+    std::uint64_t wanted_ = 0; ///< version of the present settings
+    std::uint64_t shown_ = 0;  ///< version of the settings that the picture shows
     std::uint64_t started_ = 0;
     std::chrono::steady_clock::time_point start_time_;
 
@@ -152,7 +152,7 @@ private:
     Vec2 pressed_at_ = Vec2::Zero();
     Vec2 mouse_ = Vec2::Zero();
     bool moved_ = false;
-    std::optional<PickedPlace> picked_;
+    std::optional<PickedPoint> picked_;
 
     // Destroyed first: their threads use what is above.
     BackgroundWork<Result<ViewModels>> loading_;

@@ -18,12 +18,12 @@ Ray Viewer::ray_at(const Vec2& at) const
 std::optional<std::size_t> Viewer::handle_at(const Vec2& at) const
 {
     const View view(camera_, size_);
-    const std::vector<Vec3> places = handles();
+    const std::vector<Vec3> positions = handles();
     std::optional<std::size_t> best;
     double nearest = handle_reach;
-    for (std::size_t i = 0; i < places.size(); ++i) {
-        if (view.depth(places[i]) <= 0.0) continue;
-        const ScreenPoint seen = view.project(places[i]);
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+        if (view.depth(positions[i]) <= 0.0) continue;
+        const ScreenPoint seen = view.project(positions[i]);
         const double distance = (Vec2(seen.x, seen.y) - at).norm();
         if (distance > nearest) continue;
         nearest = distance;
@@ -55,11 +55,11 @@ void Viewer::move(const Vec2& at)
     if (!moved_) return;
     if (drag_ == Drag::handle) {
         // In the plane through it that the picture is parallel to.
-        const std::vector<Vec3> places = handles();
-        if (handle_ >= places.size()) return;
+        const std::vector<Vec3> positions = handles();
+        if (handle_ >= positions.size()) return;
         const View view(camera_, size_);
-        panels_[panel_]->move_handle(handle_,
-                                     view.eye() + view.depth(places[handle_]) * view.direction(at));
+        panels_[panel_]->move_handle(handle_, view.eye() + view.depth(positions[handle_]) *
+                                                               view.direction(at));
         ++wanted_;
         return;
     }
@@ -81,12 +81,12 @@ void Viewer::click(const Vec2& at)
 
 void Viewer::double_click(const Vec2& at)
 {
-    const auto place = pick(models_, ray_at(at));
-    if (!place) return;
+    const auto hit = pick(models_, ray_at(at));
+    if (!hit) return;
     const View view(camera_, size_);
-    // The eye moves with the target and stays as far from it as it is from the place now.
-    camera_.distance = view.depth(place->point);
-    camera_.target = place->point;
+    // The eye moves with the target and stays as far from it as it is from that point now.
+    camera_.distance = view.depth(hit->point);
+    camera_.target = hit->point;
     camera_is_set_ = true;
 }
 
@@ -94,12 +94,12 @@ void Viewer::wheel(double steps)
 {
     if (drag_ == Drag::handle) {
         // Away from the eye, or towards it.
-        const std::vector<Vec3> places = handles();
-        if (handle_ >= places.size()) return;
+        const std::vector<Vec3> positions = handles();
+        if (handle_ >= positions.size()) return;
         constexpr double part_of_depth = 0.02;
         const View view(camera_, size_);
-        const Vec3 away = places[handle_] - view.eye();
-        panels_[panel_]->move_handle(handle_, places[handle_] + part_of_depth * steps * away);
+        const Vec3 away = positions[handle_] - view.eye();
+        panels_[panel_]->move_handle(handle_, positions[handle_] + part_of_depth * steps * away);
         moved_ = true;
         ++wanted_;
         return;

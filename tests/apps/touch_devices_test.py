@@ -59,7 +59,7 @@ class Devices(ProgramTest):
         self.assertEqual(felt["input"]["jumps"], 1)
         felt = self.feel("hd", STUB_HD, "stall=300", seconds=0.8)
         self.assertEqual(felt["ticks"], 300)
-        self.assertIn("called no more", felt["trouble"])
+        self.assertIn("stopped calling", felt["trouble"])
 
     def test_dhd(self):
         felt = self.feel("dhd", STUB_DHD, "press=100")
@@ -74,7 +74,7 @@ class Devices(ProgramTest):
                     says=("tried /nowhere/libHD.so", "install OpenHaptics"))
         self.refuse("touch", "cube", "--device", "dhd", "--device-library", STUB_HD,
                     says=("lacks dhdGetDeviceCount", "install the Force Dimension SDK"))
-        self.refuse("touch", "cube", "--device", "dhd:3", "--device-library", STUB_DHD, says="no device dhd:3: there are 1")
+        self.refuse("touch", "cube", "--device", "dhd:3", "--device-library", STUB_DHD, says="no device dhd:3: devices found: 1")
         text = self.succeed("touch", "--list-devices", "--device-library", STUB_DHD)
         self.assertIn("dhd: Force Dimension omega.3 (stub), number 1234", text)
         self.assertIn("hd: none: ", text)
@@ -135,7 +135,7 @@ class Udp(ProgramTest):
 
     def test_nobody_comes(self):
         felt = self.json_of("touch", "cube", "--device", f"udp:{free_port()}", "--seconds", 0.2)
-        self.assertIn("no packet came to 127.0.0.1:", felt["trouble"])
+        self.assertIn("no packet arrived at 127.0.0.1:", felt["trouble"])
         self.assertEqual(felt["max_force"], 0)
 
     def test_a_port_that_is_taken(self):

@@ -109,7 +109,7 @@ TEST(HdDevice, EndsTheSessionWhenTheDriverHangs)
     stub.state.stall = 100;
     const SessionFelt felt = touch_hd(stub, **device);
     EXPECT_EQ(felt.recording.ticks.size(), 100U);
-    EXPECT_NE((*device)->trouble().find("scheduler called no more"), std::string::npos);
+    EXPECT_NE((*device)->trouble().find("scheduler stopped calling"), std::string::npos);
 }
 
 TEST(HdDevice, DetectsBadSamples)
@@ -214,7 +214,7 @@ TEST(DhdDevice, ReportsWhatIsMissing)
     EXPECT_NE(none.error().message.find("install the Force Dimension SDK"), std::string::npos);
     const auto second = open_dhd_device({.index = 1, .library = STUB_DHD});
     ASSERT_FALSE(second);
-    EXPECT_NE(second.error().message.find("no device dhd:1: there are 1"), std::string::npos);
+    EXPECT_NE(second.error().message.find("no device dhd:1: devices found: 1"), std::string::npos);
     const auto other = open_dhd_device({.library = STUB_HD});
     ASSERT_FALSE(other);
     EXPECT_NE(other.error().message.find("lacks dhdGetDeviceCount, dhdOpenID"), std::string::npos)

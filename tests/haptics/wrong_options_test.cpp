@@ -156,7 +156,7 @@ TEST(OpenDevice, OpensByName)
     EXPECT_EQ((*hd)->info().name, "hd:Left");
     const auto second = open_device("dhd:1", {.library = STUB_DHD});
     ASSERT_FALSE(second);
-    EXPECT_NE(second.error().message.find("no device dhd:1: there are 1"), std::string::npos);
+    EXPECT_NE(second.error().message.find("no device dhd:1: devices found: 1"), std::string::npos);
 }
 
 } // namespace

@@ -43,14 +43,14 @@ class DraggedFiles:
         root = self._x.XDefaultRootWindow(self._display)
         self._source = self._x.XCreateSimpleWindow(self._display, Id(root), 0, 0, 1, 1, 0, Id(0), Id(0))
 
-    def drop(self, window, place, paths):
-        """At a place of the screen; returns once the window has taken the files."""
+    def drop(self, window, position, paths):
+        """At a position on the screen; returns once the window has taken the files."""
         uris = "".join(f"file://{path}\r\n" for path in paths).encode()
         kind = self._atom("text/uri-list")
         selection = self._atom("XdndSelection")
         self._x.XSetSelectionOwner(self._display, Id(selection), Id(self._source), Id(0))
         self._send(window, "XdndEnter", 5 << 24, kind)
-        self._send(window, "XdndPosition", 0, place[0] << 16 | place[1], 0, self._atom("XdndActionCopy"))
+        self._send(window, "XdndPosition", 0, position[0] << 16 | position[1], 0, self._atom("XdndActionCopy"))
         status = self._next(CLIENT_MESSAGE).message
         assert status.message_type == self._atom("XdndStatus") and status.data[1] & 1, "the window takes no files"
         self._send(window, "XdndDrop", 0, 0)

@@ -14,7 +14,7 @@ TEST(IntersectionPanel, MovesTheSecondModel)
     EXPECT_EQ(shown.fact("meet"), "yes");
     EXPECT_GT(shown.segments("contour"), 8U);
     EXPECT_GT(shown.segments("leaves of A"), 0U);
-    shown.set({"place x=3"});
+    shown.set({"position x=3"});
     EXPECT_EQ(shown.fact("meet"), "no");
     EXPECT_EQ(shown.segments("contour"), 0U);
     const Box box = bounding_box(shown.viewer.layers());
@@ -44,16 +44,16 @@ TEST(IntersectionPanel, ReportsTheDistanceOfMeshes)
     Shown shown({"icosphere:2", "cube"}, "intersection");
     EXPECT_EQ(shown.fact("meet"), "yes");
     EXPECT_EQ(shown.fact("apart"), "");
-    EXPECT_EQ(shown.segments("shortest way"), 0U);
-    shown.set({"place x=4", "place y=0", "place z=0", "turn=0", "tilt=0"});
+    EXPECT_EQ(shown.segments("shortest path"), 0U);
+    shown.set({"position x=4", "position y=0", "position z=0", "turn=0", "tilt=0"});
     EXPECT_EQ(shown.fact("meet"), "no");
     // The cube reaches from 3 on, the sphere to 1 or a bit less.
     const double apart = shown.number("apart");
     EXPECT_GT(apart, 2.0 - 1e-9);
     EXPECT_LT(apart, 2.1);
-    ASSERT_EQ(shown.segments("shortest way"), 1U);
+    ASSERT_EQ(shown.segments("shortest path"), 1U);
     for (const SceneLines& lines : shown.scene().lines) {
-        if (lines.name != "shortest way") continue;
+        if (lines.name != "shortest path") continue;
         EXPECT_NEAR((lines.segments[0][1] - lines.segments[0][0]).norm(), apart, 1e-4);
         EXPECT_NEAR(lines.segments[0][1].x(), 3.0, 1e-12);
     }
@@ -77,7 +77,7 @@ TEST(IntersectionPanel, ReportsContainment)
                    "intersection");
         // Of very different sizes they meet as well at first.
         EXPECT_EQ(both.fact("meet"), "yes") << is_small_first;
-        both.set({"place x=0", "place y=0", "place z=0"});
+        both.set({"position x=0", "position y=0", "position z=0"});
         EXPECT_EQ(both.fact("meet"), "no");
         EXPECT_EQ(both.fact("inside"), is_small_first ? "A is inside of B" : "B is inside of A");
     }

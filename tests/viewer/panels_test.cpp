@@ -306,7 +306,7 @@ TEST(Panels, TouchPanelFeelsTheSurface)
     for (const SceneSurface& surface : shown.scene().surfaces) {
         if (surface.name != "proxy") continue;
         Box box;
-        for (const Vec3& place : surface.positions) box.extend(place);
+        for (const Vec3& position : surface.positions) box.extend(position);
         EXPECT_NEAR(box.center().norm(), 1.0, 1e-8) << "a billionth of the extent from it";
     }
     shown.set({"hand z=1.5"});

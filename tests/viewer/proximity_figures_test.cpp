@@ -22,10 +22,10 @@ TEST(ProximityFigures, ListedCellsAreThoseThatMeetTheRegion)
     for (const ThesisCell& cell : shown->listing) listing.insert(cell.key.bits);
     // Points whose closest feature is the vertex lie in listed cells only.
     std::mt19937_64 random(5);
-    std::uniform_real_distribution<double> place(-1.7, 1.7);
+    std::uniform_real_distribution<double> coordinate(-1.7, 1.7);
     std::set<std::uint64_t> met;
     for (int i = 0; i < 40000; ++i) {
-        const Vec3 point{place(random), place(random), place(random)};
+        const Vec3 point{coordinate(random), coordinate(random), coordinate(random)};
         const auto cell = shown->octree.locate(point);
         if (!cell || shown->octree.type(*cell) != CellClass::outer) continue;
         const auto closest = closest_feature_by_brute_force(shown->mesh, *topology, point);

@@ -81,7 +81,7 @@ TEST(QueryFigures, LitCellsAreThoseAlongTheRayWithTheirWeights)
 
 TEST(QueryFigures, TouchedPointAgreesWithBruteForce)
 {
-    const auto touched = touched_place({});
+    const auto touched = touched_feature({});
     ASSERT_TRUE(touched);
     const auto topology = build_topology(touched->mesh);
     const auto closest = closest_feature_by_brute_force(touched->mesh, *topology, touched->cursor);

@@ -51,7 +51,7 @@ public:
         for (const SceneLayer& layer : viewer.layers())
             for (const SceneSurface& surface : layer.scene->surfaces)
                 if (surface.name == "proxy")
-                    for (const Vec3& place : surface.positions) box.extend(place);
+                    for (const Vec3& position : surface.positions) box.extend(position);
         return box.empty() ? Vec3::Zero() : Vec3(box.center());
     }
 
@@ -176,7 +176,7 @@ TEST(TouchDevices, ThatAreMissingAreReportedWithoutStoppingTheViewer)
     })) << touching.viewer.problem();
     touching.set({"device=udp", "address=nonsense"});
     ASSERT_TRUE(touching.comes([&] {
-        return touching.viewer.problem().find("udp:nonsense is no device") != std::string::npos;
+        return touching.viewer.problem().find("udp:nonsense is not a device") != std::string::npos;
     })) << touching.viewer.problem();
     const auto taken = UdpSocket::listen({});
     touching.set({"address=" + std::to_string(taken->address().port)});

@@ -112,7 +112,7 @@ class Panels(WindowTest):
         self.assertEqual(window.settled()["facts"]["meet"], "yes")
         self.assertGreater(self.share(window, is_yellow), 0.002, "their triangles are yellow")
         self.assertGreater(self.share(window, is_red), 0.001, "leaves of the first are red")
-        self.slide(window, "place x", 0.95)
+        self.slide(window, "position x", 0.95)
         self.assertEqual(window.settled()["facts"]["meet"], "no")
         self.assertLess(self.share(window, is_yellow), 0.0005)
         self.close(window)
@@ -131,7 +131,7 @@ class Panels(WindowTest):
         window.drag((round(handle["x"]), round(handle["y"])), (x + width - 30, 30))
         window.wait(lambda now: now["facts"]["contact"] == "free", "the hand's way out")
         self.screen.act("mousemove", *window.middle(), "click", 1)
-        window.wait(lambda now: now["facts"]["contact"] != "free", "contact at the place that was clicked")
+        window.wait(lambda now: now["facts"]["contact"] != "free", "contact at the point that was clicked")
         self.slide(window, "stiffness", 0.2)
         window.wait(lambda now: "servo rate" in now["facts"], "another servo loop")
         # A device that is not there: the panel says so, and the mouse has it again.

@@ -69,7 +69,7 @@ class Opening(WindowTest):
         window.click("open...")
         window.wait(lambda state: state["files"] and "../" in state["controls"], "the panel that opens models")
         window.frames(2)
-        before = window.places()
+        before = window.bounds()
         for path, says in ((str(broken), "broken.obj:2"), (str(self.folder / "none.ply"), "none.ply"),
                            ("icosphere:8", "the budget is 50 MB")):
             window.type("path", path)
@@ -77,7 +77,7 @@ class Opening(WindowTest):
             self.assertEqual((said["models"], said["files"]), (1, True))
         self.assertEqual(window.settled()["facts"]["cells"], cells)
         self.assertIn("hide this", window.state()["controls"])
-        after = window.places()
+        after = window.bounds()
         for name in ("open...", "panel", "depth", "show all", "save picture", "path", "open", "../"):
             self.assertEqual(after[name], before[name], f"the message moves {name}")
         camera = window.state()["camera"]
@@ -188,7 +188,7 @@ class Files(WindowTest):
         picture, model = self.folder / "seen.png", self.folder / "seen.glb"
         window = self.open("icosphere:3", "--panel", "octree", "--set", "depth=3")
         window.settled()
-        before = window.places()
+        before = window.bounds()
         window.type("save picture as", str(picture))
         window.click("save picture")
         window.wait(lambda state: state["news"] == f"wrote {picture}", "the picture")
@@ -198,7 +198,7 @@ class Files(WindowTest):
         window.click("export glb")
         window.wait(lambda state: state["news"] == f"wrote {model}", "the model")
         self.assertEqual(model.read_bytes()[:4], b"glTF")
-        self.assertEqual({name: place for name, place in window.places().items() if name in before}, before)
+        self.assertEqual({name: bounds for name, bounds in window.bounds().items() if name in before}, before)
         window.type("export glb as", str(self.folder / "nowhere" / "seen.glb"))
         window.click("export glb")
         state = window.wait(lambda state: state["problem"] != "", "the message")

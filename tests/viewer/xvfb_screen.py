@@ -13,7 +13,7 @@ from proxima_program import PROXIMA, environment_of_program
 
 MISSING = [name for name in ("Xvfb", "xdotool", "xprop") if shutil.which(name) is None]
 PATIENCE = 120  # seconds: for slow machines; every wait ends with what it waits for
-DOUBLE_CLICK = 0.3  # seconds: ImGui takes two clicks on one place within them for a double-click
+DOUBLE_CLICK = 0.3  # seconds: ImGui takes two clicks on one point within them for a double-click
 
 
 class Picture:
@@ -119,26 +119,26 @@ class Window:
         begin = self.state()["frames"]
         return self.wait(lambda state: state["frames"] >= begin + count, "more frames")
 
-    def place(self, control, part=0.5):
+    def point_of(self, control, part=0.5):
         found = self.wait(lambda state: control in state["controls"], f"the control {control}")["controls"][control]
         return round(found["x"] + part * found["width"]), round(found["y"] + 0.5 * found["height"])
 
-    def places(self):
-        """Of all controls but the one that hides messages."""
+    def bounds(self):
+        """x, y, width and height of all controls but the one that hides messages."""
         return {name: (found["x"], found["y"], found["width"], found["height"])
                 for name, found in self.state()["controls"].items() if name != "hide this"}
 
     def click(self, control, part=0.5):
         """The mouse goes to a control, to that part of its width, and clicks."""
-        x, y = self.place(control, part)
+        x, y = self.point_of(control, part)
         self.screen.act("mousemove", x, y)
         self.frames(2)  # a widget must see the mouse before the click
         time.sleep(max(0.0, self._clicked + 1.2 * DOUBLE_CLICK - time.monotonic()))
         self._press_and_let_go()
 
     def double_click(self, control, part=0.5):
-        """Two clicks on one place, as fast as a person's."""
-        x, y = self.place(control, part)
+        """Two clicks on one point, as fast as a person's."""
+        x, y = self.point_of(control, part)
         self.screen.act("mousemove", x, y)
         self.frames(2)
         self.screen.act("click", "--repeat", 2, "--delay", 100, 1)
@@ -155,7 +155,7 @@ class Window:
     def choose(self, control, word):
         """Opens a menu and clicks a word of it."""
         self.click(control)
-        self.frames(3)  # until the menu has its place
+        self.frames(3)  # until the menu has its position
         self.click(f"{control}={word}")
         self.wait(lambda state: state["controls"][control]["value"] == word, f"{control} {word}")
 
@@ -163,7 +163,7 @@ class Window:
         return self.state()["controls"][control]["value"]
 
     def type(self, control, text):
-        """Puts a text in the place of the one in a field, and presses Enter."""
+        """Replaces the text of a field, and presses Enter."""
         self.click(control, 0.3)
         self.screen.act("keydown", "ctrl")
         self.press("a")

@@ -21,7 +21,7 @@ namespace {
 const OrbitCamera contact_camera = {.azimuth = 0.5, .elevation = 0.32};
 
 /// A little above the middle of the triangle that faces the camera most, somewhat to the right.
-Vec3 place_above_a_triangle(const TriangleMesh& mesh)
+Vec3 point_above_a_triangle(const TriangleMesh& mesh)
 {
     constexpr double height = 0.17;
     const Vec3 wanted = Vec3(0.66, -0.58, 0.45).normalized();
@@ -39,7 +39,7 @@ Vec3 place_above_a_triangle(const TriangleMesh& mesh)
 
 } // namespace
 
-Result<TouchedPlace> touched_place(const Execution& context)
+Result<TouchedFeature> touched_feature(const Execution& context)
 {
     TriangleMesh mesh = make_sphere(20, 24);
     const auto topology = build_topology(mesh, {.execution = {.threads = context.threads}});
@@ -48,7 +48,7 @@ Result<TouchedPlace> touched_place(const Execution& context)
         mesh, *topology,
         {.max_depth = 4, .thresholds = {4, 6, 6}, .execution = {.threads = context.threads}});
     if (!octree) return tl::unexpected(octree.error());
-    const Vec3 cursor = place_above_a_triangle(mesh);
+    const Vec3 cursor = point_above_a_triangle(mesh);
     const auto cell = octree->locate(cursor);
     const auto closest = closest_feature(*octree, mesh, *topology, cursor);
     if (!cell || !closest)
@@ -59,12 +59,12 @@ Result<TouchedPlace> touched_place(const Execution& context)
     rings.resize(near.written);
     std::erase(rings, closest->triangle);
     std::ranges::sort(rings);
-    return TouchedPlace{std::move(mesh), cursor, *closest, std::move(rings), octree->box(*cell)};
+    return TouchedFeature{std::move(mesh), cursor, *closest, std::move(rings), octree->box(*cell)};
 }
 
 Result<FigureContent> figure_5_2(const Execution& context)
 {
-    const auto touched = touched_place(context);
+    const auto touched = touched_feature(context);
     if (!touched) return tl::unexpected(touched.error());
     if (touched->closest.feature.kind != FeatureKind::face)
         return fail(ErrorCode::broken_invariant, "the cursor is not closest to a triangle");

@@ -50,8 +50,8 @@ public:
     {
         constexpr Vec2::Scalar width = 345;
         constexpr Vec2::Scalar row = 34;
-        const Box place = octree_.box(cell);
-        const Vec3 center = place.center();
+        const Box bounds = octree_.box(cell);
+        const Vec3 center = bounds.center();
         const bool is_leaf = octree_.is_leaf(cell);
         const std::array<std::string, 5> rows = {
             fmt::format("type: {}", name_of(cell.type)), fmt::format("depth: {}", depth(cell.key)),
@@ -136,27 +136,27 @@ Result<FigureContent> figure_2_5(const Execution& context)
     NodeDrawing drawing(figure, *octree);
     const Vec2 half(0, 22);
     const Vec2 top(600, 70);
-    const auto child_place = [](int octant) -> Vec2 { return {110.0 + 140.0 * octant, 190.0}; };
-    const auto leaf_place = [](const Cell& parent, int octant) -> Vec2 {
+    const auto child_position = [](int octant) -> Vec2 { return {110.0 + 140.0 * octant, 190.0}; };
+    const auto leaf_position = [](const Cell& parent, int octant) -> Vec2 {
         return {(octant_of(parent) == 0 ? 50.0 : 660.0) + 70.0 * octant, 320.0};
     };
     figure.texts.push_back({top - Vec2(0, 34), "root", {14, ink, TextAnchor::middle}});
     for (int i = 0; i < 8; ++i) {
-        drawing.link(top + half, child_place(i) - half);
-        drawing.named(octree->child(root, i), child_place(i));
+        drawing.link(top + half, child_position(i) - half);
+        drawing.named(octree->child(root, i), child_position(i));
     }
     drawing.named(root, top);
     for (const Cell& parent : opened) {
         for (int i = 0; i < 8; ++i) {
-            drawing.link(child_place(octant_of(parent)) + half, leaf_place(parent, i) - half);
-            drawing.lettered(octree->child(parent, i), leaf_place(parent, i));
+            drawing.link(child_position(octant_of(parent)) + half, leaf_position(parent, i) - half);
+            drawing.lettered(octree->child(parent, i), leaf_position(parent, i));
         }
     }
     for (const auto& [parent, type, left] : samples) {
         const auto octant = leaf_of_type(*octree, parent, type);
         if (!octant)
             return fail(ErrorCode::broken_invariant, "no leaf of this type", name_of(type));
-        drawing.link(leaf_place(parent, *octant) + half, {left + 172, 440});
+        drawing.link(leaf_position(parent, *octant) + half, {left + 172, 440});
         drawing.fields(octree->child(parent, *octant), {left, 440});
     }
     FigureContent content;

@@ -52,7 +52,7 @@ Result<Box> box_of_leaves(const Octree& octree, const Execution& context)
     return box;
 }
 
-/// A panel for each depth, all seen from one place, and what the leaves are in words.
+/// A panel for each depth, all seen from one point, and what the leaves are in words.
 Result<std::string> add_depths(FigureContent& content, const TriangleMesh& mesh,
                                std::span<const int> depths, ViewSize size, const Execution& context)
 {
@@ -182,7 +182,7 @@ Result<FigureContent> figure_3_16(const Execution& context)
     const auto counts = add_depths(content, *mesh, depths, flat_panel, context);
     if (!counts) return tl::unexpected(counts.error());
     content.caption = fmt::format(
-        "A procedural spaceship of {} triangles, in the place of the thesis's model of as many, "
+        "A procedural spaceship of {} triangles, instead of the thesis's model of as many, "
         "and its octrees, threshold 1, leaves coloured by depth. {}.",
         mesh->triangle_count(), *counts);
     return content;

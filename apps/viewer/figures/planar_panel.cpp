@@ -97,16 +97,16 @@ void PlanarPanel::dashes(const Vec2& from, const Vec2& to, unsigned color, doubl
 
 bool PlanarPanel::has_words_at(const Vec2& pixel) const
 {
-    constexpr double room = 2.0; // pixels
+    constexpr double margin = 2.0; // pixels
     return std::ranges::any_of(figure_.texts, [&](const FigureText& text) {
         PlanarBox box = box_of(text);
-        box.extend(box.min() - Vec2::Constant(room)).extend(box.max() + Vec2::Constant(room));
+        box.extend(box.min() - Vec2::Constant(margin)).extend(box.max() + Vec2::Constant(margin));
         return box.contains(pixel);
     });
 }
 
-bool PlanarPanel::has_room(const Vec2& at, const std::string& text, const Vec2& offset, double size,
-                           double clear) const
+bool PlanarPanel::has_space(const Vec2& at, const std::string& text, const Vec2& offset,
+                            double size, double clear) const
 {
     PlanarBox box = box_of({baseline(at, offset, size), text, {size, 0, TextAnchor::middle}});
     box.extend(box.min() - Vec2::Constant(clear)).extend(box.max() + Vec2::Constant(clear));

@@ -29,7 +29,7 @@ public:
     void square(const Vec2& center, double half, unsigned color, double width);
     void outline(std::span<const Vec2> corners, unsigned color, double width);
     void line(const Vec2& from, const Vec2& to, unsigned color, double width);
-    /// A broken line, which leaves room for the words that are there.
+    /// A dashed line, interrupted where there is text already.
     void dashes(const Vec2& from, const Vec2& to, unsigned color, double width);
     /// A line with a head at its end.
     void arrow(const Vec2& from, const Vec2& to, unsigned color, double width);
@@ -38,8 +38,8 @@ public:
     void words(const Vec2& at, const std::string& text, const Vec2& offset, double size,
                unsigned color);
     /// Whether they would stand so many pixels clear of all lines and words that were drawn.
-    [[nodiscard]] bool has_room(const Vec2& at, const std::string& text, const Vec2& offset,
-                                double size, double clear) const;
+    [[nodiscard]] bool has_space(const Vec2& at, const std::string& text, const Vec2& offset,
+                                 double size, double clear) const;
     /// Above the panel's pixels.
     void title(const std::string& text, double size = 17.0);
 

@@ -30,7 +30,7 @@ std::string names_of(const std::vector<int>& sets, int corners)
     return names;
 }
 
-/// How far a ray from a place within the root goes until it leaves it.
+/// How far a ray from a point within the root goes until it leaves it.
 double length_in_root(const Vec2& from, const Vec2& along, double half)
 {
     double length = 1e300;
@@ -42,7 +42,7 @@ double length_in_root(const Vec2& from, const Vec2& along, double half)
     return length;
 }
 
-/// What a leaf lists, where there is room for it in the leaf: as near to its middle as can be, and
+/// What a leaf lists, where there is space for it in the leaf: as near to its middle as can be, and
 /// outside of the polygon if that can be.
 void name_leaf(PlanarPanel& panel, const ProximityQuadtree& tree, const QuadtreeLeaf& leaf)
 {
@@ -69,7 +69,7 @@ void name_leaf(PlanarPanel& panel, const ProximityQuadtree& tree, const Quadtree
                     step.norm() +
                     (is_inside(tree.polygon, leaf.center + step) ? 4.0 * leaf.half : 0.0);
                 if (best && price >= least) continue;
-                if (!panel.has_room(leaf.center, names, panel.scale() * step, size, now.clear))
+                if (!panel.has_space(leaf.center, names, panel.scale() * step, size, now.clear))
                     continue;
                 best = panel.scale() * step;
                 least = price;

@@ -16,14 +16,14 @@
 namespace proxima {
 
 /// Figure 5.2: what a haptic cursor touches.
-struct TouchedPlace {
+struct TouchedFeature {
     TriangleMesh mesh;
     Vec3 cursor;
     ClosestFeature closest;
     std::vector<TriangleId> around; ///< that share a vertex with the closest feature, without it
     Box leaf;                       ///< of the proximity octree, that holds the cursor
 };
-[[nodiscard]] Result<TouchedPlace> touched_place(const Execution& context);
+[[nodiscard]] Result<TouchedFeature> touched_feature(const Execution& context);
 
 /// Figure 5.4: two spheres that reach into each other.
 struct MeetingSpheres {

@@ -22,7 +22,7 @@ LeafEdge edge_of(const LeafBox& box, std::uint32_t leaf, unsigned axis, unsigned
     for (unsigned k = 0; k < 3; ++k) // 20 bits an axis: lattices are at most 2^19 wide
         key = key << 20U | (box.lower[k] + ((from >> k & 1U) != 0 ? box.size : 0U));
     key = key << 2U | axis;
-    // Edges of two sizes that begin at one place differ in their leaves' size.
+    // Edges of two sizes that begin at one point differ in their leaves' size.
     return {key, leaf, static_cast<std::uint8_t>(from),
             static_cast<std::uint8_t>(from | 1U << axis)};
 }

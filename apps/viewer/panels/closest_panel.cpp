@@ -58,7 +58,7 @@ public:
     {
         return "The feature closest to the cursor in red, the triangles round it in blue, the leaf "
                "of the proximity octree in green. Drag the ring; a click puts the cursor above a "
-               "place.";
+               "point.";
     }
 
     void models_changed(const ViewModels& models) override
@@ -66,7 +66,7 @@ public:
         models_ = models;
         settings_.model = std::clamp(settings_.model, 1, static_cast<int>(models.size()));
         settings_.cursor.place(
-            seen_place(*model()).above(cursor_height * model()->box.extent().norm()));
+            visible_point(*model()).above(cursor_height * model()->box.extent().norm()));
     }
 
     void offer(Controls& controls) override
@@ -82,12 +82,12 @@ public:
     [[nodiscard]] std::vector<Vec3> handles() const override { return {settings_.cursor.at}; }
     void move_handle(std::size_t /*handle*/, const Vec3& to) override { settings_.cursor.set(to); }
 
-    bool picked(const PickedPlace& place) override
+    bool picked(const PickedPoint& hit) override
     {
-        settings_.model = static_cast<int>(place.model) + 1;
-        const ViewModel& picked = *models_[place.model];
-        const Vec3 normal = scaled_normal(picked.mesh.triangle(place.triangle)).stableNormalized();
-        settings_.cursor.set(place.point + cursor_height * picked.box.extent().norm() * normal);
+        settings_.model = static_cast<int>(hit.model) + 1;
+        const ViewModel& picked = *models_[hit.model];
+        const Vec3 normal = scaled_normal(picked.mesh.triangle(hit.triangle)).stableNormalized();
+        settings_.cursor.set(hit.point + cursor_height * picked.box.extent().norm() * normal);
         return true;
     }
 

@@ -54,8 +54,8 @@ public:
         kept_ = std::make_shared<KeptOctree>();
         settings_.octree.model =
             std::clamp(settings_.octree.model, 1, static_cast<int>(models.size()));
-        settings_.eye.place(place_by(*model(), -0.45, 0.6, 0.28));
-        settings_.target.place(place_by(*model(), 0.05, -0.06, -0.03));
+        settings_.eye.place(point_at_offset(*model(), -0.45, 0.6, 0.28));
+        settings_.target.place(point_at_offset(*model(), 0.05, -0.06, -0.03));
     }
 
     void offer(Controls& controls) override

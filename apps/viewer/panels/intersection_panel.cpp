@@ -21,7 +21,7 @@ struct IntersectionSettings {
     double tilt = 30.0; ///< degrees about an axis across
     bool leaves = true;
     bool contour = true;
-    PlacedPoint place; ///< of B's centre
+    PlacedPoint position; ///< of B's centre
 };
 
 Mat3 rotation_of(const IntersectionSettings& settings, const ViewModel& b)
@@ -36,7 +36,7 @@ RigidTransform pose_of(const IntersectionSettings& settings, const ViewModel& b)
 {
     RigidTransform pose;
     pose.rotation = rotation_of(settings, b);
-    pose.translation = settings.place.at - pose.rotation * b.box.center();
+    pose.translation = settings.position.at - pose.rotation * b.box.center();
     return pose;
 }
 
@@ -48,17 +48,17 @@ const std::shared_ptr<const ViewModel>& second_of(const ViewModels& models)
 
 /// Where B's centre is at first: askew beside A's, so that they meet; of two of very different
 /// sizes the small one's is on the surface of the large one.
-Vec3 first_place(const IntersectionSettings& settings, const ViewModel& a, const ViewModel& b)
+Vec3 first_position(const IntersectionSettings& settings, const ViewModel& a, const ViewModel& b)
 {
     constexpr double much = 2.0;
     const double size_of_a = a.box.extent().norm();
     const double size_of_b = b.box.extent().norm();
-    if (size_of_a > much * size_of_b) return seen_place(a).point;
+    if (size_of_a > much * size_of_b) return visible_point(a).point;
     if (size_of_b > much * size_of_a) {
-        const Vec3 from_center = seen_place(b).point - b.box.center();
+        const Vec3 from_center = visible_point(b).point - b.box.center();
         return a.box.center() - rotation_of(settings, b) * from_center;
     }
-    return place_by(a, 0.243, -0.144, 0.087);
+    return point_at_offset(a, 0.243, -0.144, 0.087);
 }
 
 /// How far apart two meshes are that do not meet, and whether one is inside of the other.
@@ -96,7 +96,7 @@ public:
         if (!apart) return {};
         auto scene = std::make_shared<Scene>();
         scene->lines.push_back(
-            {"shortest way", {{apart->point_a, apart->point_b}}, srgb(0xD32F2F), 3.0});
+            {"shortest path", {{apart->point_a, apart->point_b}}, srgb(0xD32F2F), 3.0});
         picture.layers.push_back({std::move(scene)});
         return {};
     }
@@ -130,7 +130,7 @@ public:
         return "The first model and the second, or the first again, moved: leaves of their octrees "
                "that meet, red and green, the triangles in them yellow, and the contour; where "
                "they "
-               "do not meet, the shortest way between them in red. Drag the ring to move the "
+               "do not meet, the shortest path between them in red. Drag the ring to move the "
                "second.";
     }
 
@@ -140,14 +140,14 @@ public:
         kept_a_ = std::make_shared<KeptOctree>();
         kept_b_ = std::make_shared<KeptOctree>();
         separation_ = std::make_shared<Separation>();
-        settings_.place.place(first_place(settings_, *models.front(), *second_of(models)));
+        settings_.position.place(first_position(settings_, *models.front(), *second_of(models)));
     }
 
     void offer(Controls& controls) override
     {
         controls.number("depth", settings_.depth, 0, 10);
         controls.number("threshold", settings_.threshold, 1, 1000);
-        settings_.place.offer(controls, "place", models_);
+        settings_.position.offer(controls, "position", models_);
         controls.number("turn", settings_.turn, -180.0, 180.0);
         controls.number("tilt", settings_.tilt, -180.0, 180.0);
         controls.toggle("leaves", settings_.leaves);
@@ -165,8 +165,11 @@ public:
         return all;
     }
 
-    [[nodiscard]] std::vector<Vec3> handles() const override { return {settings_.place.at}; }
-    void move_handle(std::size_t /*handle*/, const Vec3& to) override { settings_.place.set(to); }
+    [[nodiscard]] std::vector<Vec3> handles() const override { return {settings_.position.at}; }
+    void move_handle(std::size_t /*handle*/, const Vec3& to) override
+    {
+        settings_.position.set(to);
+    }
 
     [[nodiscard]] PanelTask task(const ViewModels& models) const override
     {

@@ -19,7 +19,8 @@
 
 namespace proxima {
 
-/// A place of the feature and a direction; those between two neighbours belong to the cone as well.
+/// A point of the feature and a direction; directions between two neighbours belong to the cone
+/// too.
 struct ConeCorner {
     Vec3 base = Vec3::Zero();
     Vec3 direction = Vec3::UnitZ(); ///< of length 1

@@ -53,7 +53,7 @@ Result<ConvexPolyhedron> make_body(Body body, const ViewModel& model)
     // Exactly convex in other coordinates may be a little concave after rounding: its hull.
     if (const auto convex = polyhedron_of_mesh(model.mesh); !convex) {
         return fail(convex.error().code,
-                    convex.error().message + ": choose a convex body in the place of the model",
+                    convex.error().message + ": choose a convex body instead of the model",
                     model.name);
     }
     const Vec3 center = model.box.center();

@@ -28,7 +28,8 @@ const std::array flaw_colors = {
     FlawColor{FindingKind::non_manifold_edges, "violet", srgb(0x8E24AA)},
     FlawColor{FindingKind::inconsistent_edges, "orange", srgb(0xEF7D00)}};
 
-/// Whether two triangles run along their common edge the same way: one of them faces inward.
+/// Whether two triangles run along their common edge in the same direction: one of them faces
+/// inward.
 bool are_turned(const ViewModel& model, EdgeId edge)
 {
     const auto low = model.topology.vertices(edge)[0];
@@ -126,7 +127,7 @@ public:
     {
         return "The models and what is wrong with them, edges in colour. Drag to turn, right drag "
                "to move, wheel to "
-               "go nearer, click to pick, double click to make a place the middle.";
+               "go nearer, click to pick, double click to put a point into the middle.";
     }
     void models_changed(const ViewModels& /*models*/) override
     {

@@ -78,7 +78,7 @@ bool is_shown(const OctreePanelSettings& settings, const LeafBox& leaf)
                                             : settings.outer;
 }
 
-/// The group of one colour that a leaf belongs to, and that colour's place from 0 to 1.
+/// The group of one colour that a leaf belongs to, and that colour's position from 0 to 1.
 int group_of(const OctreePanelSettings& settings, const LeafBox& leaf)
 {
     switch (settings.color) {

@@ -9,16 +9,16 @@
 
 namespace proxima {
 
-Vec3 place_by(const ViewModel& model, double right, double front, double up)
+Vec3 point_at_offset(const ViewModel& model, double right, double front, double up)
 {
     const View view({.azimuth = 0.0, .elevation = 0.0, .up = model.up}, {});
     return model.box.center() + model.box.extent().norm() *
                                     (right * view.right() + front * view.back() + up * view.up());
 }
 
-SurfacePlace seen_place(const ViewModel& model)
+PointWithNormal visible_point(const ViewModel& model)
 {
-    const Vec3 outside = place_by(model, 0.75, 0.35, 0.55);
+    const Vec3 outside = point_at_offset(model, 0.75, 0.35, 0.55);
     const Vec3 inward = model.box.center() - outside;
     if (const auto hit = closest_hit(model.rays, {.origin = outside, .direction = inward})) {
         const Vec3 normal = scaled_normal(model.mesh.triangle(hit->triangle)).stableNormalized();
@@ -31,15 +31,15 @@ SurfacePlace seen_place(const ViewModel& model)
     return {*farthest, -inward.stableNormalized()};
 }
 
-Box close_up(const ViewModel& model, const Vec3& place, double least)
+Box close_up(const ViewModel& model, const Vec3& point, double least)
 {
     constexpr double edges = 8.0;
     constexpr double most = 0.4; // of the box: more is all of it
     const double half = std::max(least * model.box.extent().norm(), edges * model.edge);
     Box all = model.box;
-    all.extend(place);
+    all.extend(point);
     if (half > most * model.box.extent().maxCoeff()) return all;
-    return {place - Vec3::Constant(half), place + Vec3::Constant(half)};
+    return {point - Vec3::Constant(half), point + Vec3::Constant(half)};
 }
 
 void PlacedPoint::offer(Controls& controls, std::string_view name, const ViewModels& models)

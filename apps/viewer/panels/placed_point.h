@@ -7,24 +7,25 @@
 
 namespace proxima {
 
-/// From the middle of a model so far to the right, to the front and up, as it is seen at first, per
-/// diagonal of its box.
-[[nodiscard]] Vec3 place_by(const ViewModel& model, double right, double front, double up);
+/// The point at an offset from the middle of a model: to the right, to the front and up in its
+/// first view, each as a part of the diagonal of its box.
+[[nodiscard]] Vec3 point_at_offset(const ViewModel& model, double right, double front, double up);
 
-/// A place on the model that is seen at first, on its right, and the direction out of the surface
-/// there.
-struct SurfacePlace {
+/// A point of a surface and the direction out of the surface there.
+struct PointWithNormal {
     Vec3 point = Vec3::Zero();
     Vec3 normal = Vec3::UnitZ();
 
     /// So far above it, in the model's units; below where negative.
     [[nodiscard]] Vec3 above(double height) const { return point + height * normal; }
 };
-[[nodiscard]] SurfacePlace seen_place(const ViewModel& model);
+/// A point on the right side of the model that its first view shows.
+[[nodiscard]] PointWithNormal visible_point(const ViewModel& model);
 
-/// A part of the model about a place: of at least so much of its diagonal to each side, and large
-/// enough to tell its triangles apart. All of the model where that is not much more.
-[[nodiscard]] Box close_up(const ViewModel& model, const Vec3& place, double least);
+/// The part of the model around a point: it reaches at least the part `least` of the model's
+/// diagonal to each side, and is large enough to tell triangles apart. The whole model where that
+/// is not much larger.
+[[nodiscard]] Box close_up(const ViewModel& model, const Vec3& point, double least);
 
 struct PlacedPoint {
     Vec3 at = Vec3::Zero();

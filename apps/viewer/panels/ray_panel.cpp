@@ -62,7 +62,7 @@ public:
     {
         return "Cells along a ray, black for no weight and yellow for all: how deep the ray goes "
                "into a cell (thesis) or how long it is in it. Drag the rings: where it begins, and "
-               "where it goes; a click sends it to a place.";
+               "where it goes; a click sends it to a point.";
     }
 
     void models_changed(const ViewModels& models) override
@@ -71,8 +71,8 @@ public:
         kept_ = std::make_shared<KeptOctree>();
         settings_.octree.model =
             std::clamp(settings_.octree.model, 1, static_cast<int>(models.size()));
-        settings_.from.place(place_by(*model(), -0.62, 0.3, 0.14));
-        settings_.towards.place(place_by(*model(), 0.02, -0.01, 0.03));
+        settings_.from.place(point_at_offset(*model(), -0.62, 0.3, 0.14));
+        settings_.towards.place(point_at_offset(*model(), 0.02, -0.01, 0.03));
     }
 
     void offer(Controls& controls) override
@@ -96,10 +96,10 @@ public:
     {
         (handle == 0 ? settings_.from : settings_.towards).set(to);
     }
-    bool picked(const PickedPlace& place) override
+    bool picked(const PickedPoint& hit) override
     {
-        settings_.octree.model = static_cast<int>(place.model) + 1;
-        settings_.towards.set(place.point);
+        settings_.octree.model = static_cast<int>(hit.model) + 1;
+        settings_.towards.set(hit.point);
         return true;
     }
 

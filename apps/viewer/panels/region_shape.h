@@ -1,17 +1,17 @@
-// The Voronoi region of a feature of any mesh, as far as it is asked for: where another feature of
-// the mesh comes as near it ends, and where it goes on it fades.
+// The shape of a feature's Voronoi region in any mesh, up to a given length. The region ends where
+// another feature is equally near. Where it continues beyond that length, its shape fades.
 //
-//     cone of the feature's own faces          a corner: a place of the feature and a direction;
+//     cone of the feature's own faces          a corner: a point of the feature and a direction;
 //     (local_cone.h)                           a face's three have one direction, a vertex's one
-//          d0 ^     ^ d1                       place
+//          d0 ^     ^ d1                       point
 //             |_____|
 //            b0     b1                         a sample between the corners goes as far as the
 //                                              feature is the closest of all: an answer of the
 //                                              octree at every step of a search
 //
-// That is all of the region: with a point of it all between that point and the feature's is in it.
-// Where the surface bends inward the region lies behind it, and none outside; where it bends both
-// ways there is none.
+// The samples describe the whole region: with each of its points it contains the segment from there
+// to the nearest point of the feature. Where the surface bends inward, the region lies behind it
+// and has no part outside. At a saddle there is no region.
 #pragma once
 
 #include "proxima/mesh_index.h"

@@ -33,10 +33,10 @@ struct ProximityLeaf {
 /// The leaf as green glass.
 void add_leaf(Scene& scene, const ProximityLeaf& leaf);
 
-/// Of balls that mark places of a model: they hide no triangles.
+/// Of balls that mark points of a model: they hide no triangles.
 [[nodiscard]] double mark_radius(const ViewModel& model);
 
-/// The place that is asked about, as a ball.
+/// The point that is asked about, as a ball.
 void add_cursor(Scene& scene, const ViewModel& model, const Vec3& at);
 
 /// "face 17".

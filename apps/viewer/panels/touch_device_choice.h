@@ -22,19 +22,19 @@ struct TouchDeviceChoice {
     std::string address = "4711"; ///< of udp: where packets come to
     std::string name;             ///< of hd: in the driver's setup; "" for the default device
     int number = 0;               ///< of dhd
-    std::string library;          ///< of hd and dhd; "" to search
-    std::string axes;             ///< what x, y and z are of the device's; "" for the usual ones
+    std::string library; ///< of hd and dhd: path of the driver's library; "" to search for it
+    std::string axes;    ///< how the model's axes follow from the device's; "" for the default
 
-    /// The choice and what the device has to know. True where that was changed, or the device is to
-    /// be opened once more.
+    /// Offers the choice and the settings of the chosen device. True if one was changed, or if the
+    /// device is to be opened again.
     bool offer(Controls& controls);
 
     /// As `proxima touch --device` has it; "mouse".
     [[nodiscard]] std::string device() const;
 
-    /// From the device's axes to those of a model that stands upright along `up`: without words of
-    /// its own, what lies to the right of who holds the device lies to the right of who looks at
-    /// the model's front, and above is above. Error invalid_argument where the words are no axes.
+    /// The rotation from the device's axes to those of a model that stands upright along `up`. If
+    /// `axes` is empty, right and up of the person who holds the device are right and up of a
+    /// person who looks at the front of the model. Error invalid_argument if `axes` is invalid.
     [[nodiscard]] Result<Mat3> rotation(const Vec3& up) const;
 
     /// Opens the device for a model. Errors as open_touch_device. \pre hand is not the mouse

@@ -76,18 +76,18 @@ void TouchSession::tick() noexcept
 {
     constexpr std::uint64_t ticks_per_value = 5;
     const DeviceState& said = input_.accept(device_.device->read());
-    const RenderTick& felt = renderer_.tick(said, tick_seconds);
+    const RenderTick& rendered = renderer_.tick(said, tick_seconds);
     device_.device->write(input_.command(renderer_));
     moment_.condition = said.condition;
     moment_.buttons = said.buttons;
     moment_.placed = moment_.placed || said.pose.translation.allFinite();
-    moment_.device = device_.map.to_model(felt.position);
-    moment_.proxy = felt.hold == Hold::free ? moment_.device : felt.proxy;
-    moment_.force = felt.force;
-    moment_.hold = felt.hold;
+    moment_.device = device_.map.to_model(rendered.position);
+    moment_.proxy = rendered.hold == Hold::free ? moment_.device : rendered.proxy;
+    moment_.force = rendered.force;
+    moment_.hold = rendered.hold;
     if (moment_.ticks % ticks_per_value == 0) {
         std::shift_left(moment_.forces.begin(), moment_.forces.end(), 1);
-        moment_.forces.back() = static_cast<float>(felt.force.norm());
+        moment_.forces.back() = static_cast<float>(rendered.force.norm());
     }
     ++moment_.ticks;
 }

@@ -22,7 +22,7 @@
 
 namespace proxima {
 
-/// What a picture shows of a touch. Places in the model's units, forces in newtons.
+/// What a picture shows of a touch. Positions in the model's units, forces in newtons.
 struct TouchMoment {
     static constexpr std::size_t history = 400;
 
@@ -31,7 +31,7 @@ struct TouchMoment {
     Vec3 force = Vec3::Zero();
     Hold hold = Hold::free;
     InputCondition condition = InputCondition::silent;
-    bool placed = false; ///< the device said where it is at least once
+    bool placed = false; ///< the device has reported a position
     std::uint32_t buttons = 0;
     double rate = 0;           ///< ticks per second, of the last half second
     double worst_interval = 0; ///< s between two ticks, of the last half second

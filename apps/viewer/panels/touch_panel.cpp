@@ -76,7 +76,7 @@ TouchDevice pulled_hand(const std::shared_ptr<MouseTarget>& target,
 }
 
 /// Where the mouse wants the device, in the device's metres.
-Vec3 wanted_place(const TouchPanelSettings& settings, const ViewModel& model)
+Vec3 target_position(const TouchPanelSettings& settings, const ViewModel& model)
 {
     return fit_workspace(model.box, limits_of_mouse().workspace_radius)
         .to_device(settings.target.at);
@@ -124,7 +124,7 @@ public:
     {
         return "Touch the model: drag the ring, which pulls a device (blue) through a simulated "
                "hand, or choose a haptic device. The proxy (yellow) stays on the surface, the "
-               "force (red) pulls the device back to it. A click presses a place; the wheel moves "
+               "force (red) pulls the device back to it. A click presses a point; the wheel moves "
                "the ring to and fro while it is held.";
     }
 
@@ -135,7 +135,7 @@ public:
         slot_ = std::make_shared<TouchSlot>();
         settings_.model = std::clamp(settings_.model, 1, static_cast<int>(models.size()));
         const double size = model()->box.extent().norm();
-        settings_.target.place(seen_place(*model()).above(-pressed_depth * size));
+        settings_.target.place(visible_point(*model()).above(-pressed_depth * size));
     }
 
     void offer(Controls& controls) override
@@ -158,17 +158,17 @@ public:
         return {settings_.target.at};
     }
     void move_handle(std::size_t /*handle*/, const Vec3& to) override { settings_.target.set(to); }
-    bool picked(const PickedPlace& place) override
+    bool picked(const PickedPoint& hit) override
     {
-        settings_.model = static_cast<int>(place.model) + 1;
-        // A little below the surface, so that it is felt.
-        const ViewModel& touched = *models_[place.model];
-        const Vec3 normal = scaled_normal(touched.mesh.triangle(place.triangle)).stableNormalized();
-        settings_.target.set(place.point - pressed_depth * touched.box.extent().norm() * normal);
+        settings_.model = static_cast<int>(hit.model) + 1;
+        // A little below the surface, so that there is a force.
+        const ViewModel& touched = *models_[hit.model];
+        const Vec3 normal = scaled_normal(touched.mesh.triangle(hit.triangle)).stableNormalized();
+        settings_.target.set(hit.point - pressed_depth * touched.box.extent().norm() * normal);
         return true;
     }
 
-    /// The place that the mouse presses; a device may go anywhere.
+    /// The point that the mouse presses; a device may go anywhere.
     [[nodiscard]] Box focus(const ViewModels& models) const override
     {
         if (models.empty() || !settings_.by_mouse()) return extent(models);
@@ -193,7 +193,8 @@ public:
             picture.layers = model_layers(models, Smoothing::smooth);
             if (pictures == Pictures::still) {
                 constexpr int ticks = 1000;
-                const auto target = std::make_shared<MouseTarget>(wanted_place(settings, *model));
+                const auto target =
+                    std::make_shared<MouseTarget>(target_position(settings, *model));
                 TouchSession session(*touchable->surface, pulled_hand(target, settings, *model),
                                      settings.touch);
                 for (int i = 0; i < ticks; ++i) session.tick();
@@ -221,7 +222,7 @@ public:
             return;
         }
         if (settings_.by_mouse()) {
-            target_->writing() = wanted_place(settings_, touched);
+            target_->writing() = target_position(settings_, touched);
             target_->publish();
         } else {
             const TouchDeviceState device = engine_->device();
@@ -264,7 +265,7 @@ private:
         problem_.clear();
         TouchOptions options = settings_.touch;
         if (settings_.by_mouse()) {
-            target_ = std::make_shared<MouseTarget>(wanted_place(settings_, touched));
+            target_ = std::make_shared<MouseTarget>(target_position(settings_, touched));
             engine_ = std::make_unique<TouchEngine>(
                 *touched_->surface,
                 [target = target_, settings = settings_, model = touched_->model] {

@@ -41,7 +41,7 @@ Color color_of_kind(FeatureKind kind)
                                        : srgb(0xEBC23B);
 }
 
-/// How many leaves list how many triangles; the few longest lists, which would leave no room for
+/// How many leaves list how many triangles; the few longest lists, which would leave no space for
 /// the others, are left out.
 PanelPlot list_plot(const ProximityLists& built)
 {
@@ -115,15 +115,15 @@ Vec3 middle_of(const ViewModel& model, const Feature& feature)
     return (triangle[0] + triangle[1] + triangle[2]) / 3.0;
 }
 
-/// The feature of a kind nearest to a place among those that have a region outside, of so many that
+/// The feature of a kind nearest to a point among those that have a region outside, of so many that
 /// are near; the nearest of all where none has one.
-int feature_with_region(const ViewModel& model, FeatureKind kind, const Vec3& place)
+int feature_with_region(const ViewModel& model, FeatureKind kind, const Vec3& point)
 {
     constexpr std::size_t tried = 200;
     std::vector<std::pair<double, std::uint32_t>> near;
     near.reserve(count_of(model, kind));
     for (std::uint32_t id = 0; id < count_of(model, kind); ++id)
-        near.emplace_back((middle_of(model, {kind, id}) - place).squaredNorm(), id);
+        near.emplace_back((middle_of(model, {kind, id}) - point).squaredNorm(), id);
     const auto some = static_cast<std::ptrdiff_t>(std::min(near.size(), tried));
     std::ranges::partial_sort(near, near.begin() + some);
     for (std::ptrdiff_t i = 0; i < some; ++i) {
@@ -155,7 +155,7 @@ public:
     {
         models_ = models;
         settings_.model = std::clamp(settings_.model, 1, static_cast<int>(models.size()));
-        settings_.cursor.place(seen_place(*model()).above(0.04 * model()->box.extent().norm()));
+        settings_.cursor.place(visible_point(*model()).above(0.04 * model()->box.extent().norm()));
         settings_.number = settings_.is_set ? std::min(settings_.number, most_number()) : likely();
         // At first all of the region is in the picture.
         if (!settings_.has_length)
@@ -181,11 +181,11 @@ public:
     [[nodiscard]] std::vector<Vec3> handles() const override { return {settings_.cursor.at}; }
     void move_handle(std::size_t /*handle*/, const Vec3& to) override { settings_.cursor.set(to); }
 
-    bool picked(const PickedPlace& place) override
+    bool picked(const PickedPoint& hit) override
     {
-        settings_.model = static_cast<int>(place.model) + 1;
-        settings_.kind = place.nearest.kind;
-        settings_.number = static_cast<int>(place.nearest.id);
+        settings_.model = static_cast<int>(hit.model) + 1;
+        settings_.kind = hit.nearest.kind;
+        settings_.number = static_cast<int>(hit.nearest.id);
         settings_.is_set = true;
         return true;
     }

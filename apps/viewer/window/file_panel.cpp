@@ -75,7 +75,7 @@ std::optional<std::string> FilePanel::chosen(const std::string& typed)
 }
 
 std::optional<std::string> FilePanel::draw(float x, float y, float width, float height,
-                                           std::vector<WidgetPlace>& places)
+                                           std::vector<WidgetBounds>& widgets)
 {
     if (!is_open_) {
         is_typing_ = false;
@@ -97,28 +97,28 @@ std::optional<std::string> FilePanel::draw(float x, float y, float width, float 
         "##path", path_, ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll);
     entered = std::exchange(is_entered_, false) || entered;
     is_typing_ = ImGui::IsItemActive();
-    add_place("path", path_, places);
+    add_widget("path", path_, widgets);
     ImGui::SameLine();
     const bool pressed = ImGui::Button("open", ImVec2(-1.0F, 0.0F));
-    add_place("open", {}, places);
+    add_widget("open", {}, widgets);
     if (entered || pressed) result = chosen(path_);
     ImGui::Checkbox("beside those there are", &beside_);
-    add_place("beside those there are", beside_ ? "on" : "off", places);
+    add_widget("beside those there are", beside_ ? "on" : "off", widgets);
     wrapped(concat("A file (", known_mesh_extensions(),
                    "), a folder, or a built-in: ", sample_mesh_names()));
     ImGui::Separator();
     wrapped(list_.folder.string());
-    if (auto clicked = draw_list(-1.0F, places)) result = std::move(clicked);
+    if (auto clicked = draw_list(-1.0F, widgets)) result = std::move(clicked);
     ImGui::End();
     return result;
 }
 
-std::optional<std::string> FilePanel::draw_list(float height, std::vector<WidgetPlace>& places)
+std::optional<std::string> FilePanel::draw_list(float height, std::vector<WidgetBounds>& widgets)
 {
     std::optional<std::string> result;
     ImGui::BeginChild("folder", ImVec2(0.0F, height), true);
     // A folder is entered by the first click: the second one of a double-click then meets whatever
-    // has come to its place, which nobody has chosen.
+    // has come to its position, which nobody has chosen.
     const auto is_clicked = [](const std::string& shown, bool is_chosen) {
         return ImGui::Selectable(shown.c_str(), is_chosen, ImGuiSelectableFlags_AllowDoubleClick) &&
                (is_chosen || !ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left));
@@ -128,7 +128,7 @@ std::optional<std::string> FilePanel::draw_list(float height, std::vector<Widget
         path_.clear();
     };
     if (is_clicked("../", false)) enter(list_.folder.parent_path());
-    add_place("../", {}, places);
+    add_widget("../", {}, widgets);
     ImGuiListClipper clipper;
     clipper.Begin(static_cast<int>(list_.entries.size()));
     while (clipper.Step()) {
@@ -145,7 +145,7 @@ std::optional<std::string> FilePanel::draw_list(float height, std::vector<Widget
                         result = chosen(entry.name);
                 }
             }
-            add_place(shown, {}, places);
+            add_widget(shown, {}, widgets);
             if (!entry.is_folder) {
                 const std::string size = size_of(entry.bytes);
                 ImGui::SameLine(ImGui::GetWindowContentRegionMax().x -

@@ -27,10 +27,10 @@ public:
     [[nodiscard]] bool is_open() const noexcept { return is_open_; }
     void open();
     void close() noexcept { is_open_ = false; }
-    /// Where a model that was opened lies, or a folder that was dropped: the list's from now on.
+    /// Lists this folder from now on: of a model that was opened, or one that was dropped.
     void go_to(const std::filesystem::path& folder);
 
-    /// The key was pressed: ImGui misses it where it is let go of within a frame.
+    /// Reports the Enter key, which ImGui misses if it is released within a frame.
     void enter() noexcept { is_entered_ = is_typing_; }
 
     [[nodiscard]] Placing placing() const noexcept
@@ -38,16 +38,16 @@ public:
         return beside_ ? Placing::beside : Placing::instead;
     }
 
-    /// Why the folder wanted last is not listed, in words; empty if it is, and in a closed panel.
+    /// Why the wanted folder could not be listed; empty if it was, or if the panel is closed.
     [[nodiscard]] std::string problem() const { return is_open_ ? problem_ : std::string(); }
     void forget_problem() { problem_.clear(); }
 
-    /// Within a frame of ImGui, from (x, y) on, closed or not; places of widgets are added. What is
-    /// to be opened, if anything.
+    /// Draws within a frame of ImGui, from (x, y) on, and adds the bounds of its widgets to `widgets`.
+    /// May be called while it is closed. Returns the path of what is to be opened, if anything.
     [[nodiscard]] std::optional<std::string> draw(float x, float y, float width, float height,
-                                                  std::vector<WidgetPlace>& places);
+                                                  std::vector<WidgetBounds>& widgets);
 
-    /// Whether it lies over a place of the window.
+    /// Whether it lies over a point of the window.
     [[nodiscard]] bool covers(const Vec2& at) const noexcept
     {
         return is_open_ && (at.array() >= lower_.array()).all() &&
@@ -58,7 +58,7 @@ private:
     void follow_list();
     [[nodiscard]] std::optional<std::string> chosen(const std::string& typed);
     [[nodiscard]] std::optional<std::string> draw_list(float height,
-                                                       std::vector<WidgetPlace>& places);
+                                                       std::vector<WidgetBounds>& widgets);
 
     std::function<void()> wake_;
     bool is_open_ = false;

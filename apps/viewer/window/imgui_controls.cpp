@@ -21,11 +21,11 @@ std::string label(std::string_view name)
 
 } // namespace
 
-void add_place(const std::string& name, std::string value, std::vector<WidgetPlace>& places)
+void add_widget(const std::string& name, std::string value, std::vector<WidgetBounds>& widgets)
 {
     const ImVec2 lower = ImGui::GetItemRectMin();
     const ImVec2 upper = ImGui::GetItemRectMax();
-    places.push_back(
+    widgets.push_back(
         {name, std::move(value), lower.x, lower.y, upper.x - lower.x, upper.y - lower.y});
 }
 
@@ -45,7 +45,7 @@ void wrapped_problem(std::string_view text)
 
 bool ImguiControls::note(std::string_view name, std::string value, bool changed)
 {
-    add_place(std::string(name), std::move(value), places_);
+    add_widget(std::string(name), std::move(value), widgets_);
     changed_ = changed_ || changed;
     return changed;
 }

@@ -9,7 +9,7 @@
 namespace proxima {
 
 /// A widget of this frame, in the window's coordinates.
-struct WidgetPlace {
+struct WidgetBounds {
     std::string name;
     std::string value;
     float x = 0;
@@ -19,7 +19,7 @@ struct WidgetPlace {
 };
 
 /// Notes where the last widget is.
-void add_place(const std::string& name, std::string value, std::vector<WidgetPlace>& places);
+void add_widget(const std::string& name, std::string value, std::vector<WidgetBounds>& widgets);
 
 /// Text that begins a new line at the window's end.
 void wrapped(std::string_view text);
@@ -37,13 +37,13 @@ public:
     bool text(std::string_view name, std::string& value) override;
     bool button(std::string_view name) override;
 
-    [[nodiscard]] const std::vector<WidgetPlace>& places() const noexcept { return places_; }
+    [[nodiscard]] const std::vector<WidgetBounds>& widgets() const noexcept { return widgets_; }
     [[nodiscard]] bool changed() const noexcept { return changed_; }
 
 private:
     bool note(std::string_view name, std::string value, bool changed);
 
-    std::vector<WidgetPlace> places_;
+    std::vector<WidgetBounds> widgets_;
     bool changed_ = false;
 };
 

@@ -10,7 +10,7 @@ namespace proxima {
 
 class MousePresses {
 public:
-    /// GLFW's button and modifiers; a place in the picture's pixels.
+    /// GLFW's button and modifiers; a position in the picture's pixels.
     void press(Viewer& viewer, int button, int modifiers, const Vec2& at);
 
 private:

@@ -6,7 +6,7 @@
 namespace proxima {
 
 bool Notice::draw(float x, float y, float width, float height, const std::string& problem,
-                  const std::string& news, std::vector<WidgetPlace>& places)
+                  const std::string& news, std::vector<WidgetBounds>& widgets)
 {
     if (problem != hidden_) hidden_.clear();
     const bool has_problem = !problem.empty() && problem != hidden_;
@@ -42,7 +42,7 @@ bool Notice::draw(float x, float y, float width, float height, const std::string
     ImGui::SameLine();
     const bool is_hidden = ImGui::Button(button);
     if (is_hidden) hidden_ = problem;
-    add_place(button, {}, places);
+    add_widget(button, {}, widgets);
     ImGui::End();
     return is_hidden;
 }

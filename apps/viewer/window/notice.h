@@ -1,5 +1,5 @@
-// What went wrong and what was written, in words over the picture's lower edge: coming and going it
-// moves no control.
+// Messages over the lower edge of the picture: problems, and files that were written. They move no
+// control when they appear or disappear.
 //
 //     ┌───────┬────────────────────────────┐
 //     │ side- │ picture                    │
@@ -18,21 +18,21 @@ namespace proxima {
 
 class Notice {
 public:
-    /// Within a frame of ImGui. Its lower left corner is at (x, y); no wider and higher than that:
-    /// longer text scrolls. Nothing is shown for no words, and for a problem that was hidden until
-    /// it is another one. True where it was hidden just now.
+    /// Draws within a frame of ImGui. The lower left corner is at (x, y), and longer text scrolls
+    /// within `width` and `height`. Without text nothing is drawn. A problem that the person hid
+    /// stays hidden until there is another one. Returns true in the frame in which it is hidden.
     [[nodiscard]] bool draw(float x, float y, float width, float height, const std::string& problem,
-                            const std::string& news, std::vector<WidgetPlace>& places);
+                            const std::string& news, std::vector<WidgetBounds>& widgets);
 
-    /// Whether it lies over a place of the window.
+    /// Whether it lies over a point of the window.
     [[nodiscard]] bool covers(const Vec2& at) const noexcept
     {
         return (at.array() >= lower_.array()).all() && (at.array() < upper_.array()).all();
     }
 
 private:
-    std::string hidden_;        ///< the problem that was
-    Vec2 lower_ = Vec2::Zero(); ///< of where it was drawn last; empty if it was not
+    std::string hidden_;        ///< the problem that the person hid
+    Vec2 lower_ = Vec2::Zero(); ///< corners of the last drawing; empty without one
     Vec2 upper_ = Vec2::Zero();
 };
 

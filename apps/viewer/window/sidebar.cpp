@@ -66,26 +66,26 @@ void draw_plots(const Viewer& viewer)
 }
 
 /// A file's name and the button that writes it.
-bool draw_file(const char* button, std::string& name, std::vector<WidgetPlace>& places)
+bool draw_file(const char* button, std::string& name, std::vector<WidgetBounds>& widgets)
 {
     const bool pressed = ImGui::Button(button);
-    add_place(button, {}, places);
+    add_widget(button, {}, widgets);
     ImGui::SameLine(0.42F * ImGui::GetWindowContentRegionMax().x);
     ImGui::SetNextItemWidth(-1.0F);
     (void)input_text(concat("##", button, " as"), name);
-    add_place(concat(button, " as"), name, places);
+    add_widget(concat(button, " as"), name, widgets);
     return pressed && !name.empty();
 }
 
 /// What goes on.
-void draw_work(const Viewer& viewer, SidebarWishes& wishes, std::vector<WidgetPlace>& places)
+void draw_work(const Viewer& viewer, SidebarWishes& wishes, std::vector<WidgetBounds>& widgets)
 {
     if (ImGui::Button("open...")) wishes.open = true;
-    add_place("open...", {}, places);
+    add_widget("open...", {}, widgets);
     ImGui::SameLine();
     if (const Progress* const progress = viewer.progress(); progress != nullptr) {
         if (ImGui::Button("cancel")) wishes.cancel = true;
-        add_place("cancel", {}, places);
+        add_widget("cancel", {}, widgets);
         ImGui::SameLine();
         ImGui::ProgressBar(static_cast<float>(progress->fraction()), ImVec2(-1.0F, 0.0F),
                            progress->stage());
@@ -98,7 +98,7 @@ void draw_work(const Viewer& viewer, SidebarWishes& wishes, std::vector<WidgetPl
 } // namespace
 
 SidebarWishes Sidebar::draw(Viewer& viewer, float width, float height,
-                            std::vector<WidgetPlace>& places)
+                            std::vector<WidgetBounds>& widgets)
 {
     SidebarWishes wishes;
     ImGui::SetNextWindowPos(ImVec2(0.0F, 0.0F));
@@ -108,14 +108,14 @@ SidebarWishes Sidebar::draw(Viewer& viewer, float width, float height,
                  ImGuiWindowFlags_AlwaysVerticalScrollbar | ImGuiWindowFlags_NoTitleBar |
                      ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                      ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus);
-    draw_work(viewer, wishes, places);
+    draw_work(viewer, wishes, widgets);
     ImGui::Separator();
     ImguiControls controls;
     viewer.offer(controls);
-    places.insert(places.end(), controls.places().begin(), controls.places().end());
+    widgets.insert(widgets.end(), controls.widgets().begin(), controls.widgets().end());
     ImGui::Separator();
-    if (draw_file("save picture", picture_, places)) wishes.picture = picture_;
-    if (draw_file("export glb", glb_, places)) wishes.glb = glb_;
+    if (draw_file("save picture", picture_, widgets)) wishes.picture = picture_;
+    if (draw_file("export glb", glb_, widgets)) wishes.glb = glb_;
     // Below all controls stands what grows and shrinks by itself.
     ImGui::Separator();
     ImVec4 quiet = ImGui::GetStyleColorVec4(ImGuiCol_Text);

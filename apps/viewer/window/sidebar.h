@@ -20,9 +20,9 @@ struct SidebarWishes {
 
 class Sidebar {
 public:
-    /// Within a frame of ImGui; places of widgets are added.
+    /// Within a frame of ImGui; bounds of its widgets are added to `widgets`.
     [[nodiscard]] SidebarWishes draw(Viewer& viewer, float width, float height,
-                                     std::vector<WidgetPlace>& places);
+                                     std::vector<WidgetBounds>& widgets);
 
 private:
     std::string picture_ = "view.png";

@@ -24,11 +24,12 @@ public:
     bool follow();
     /// Waits for the file that is being written. Error: it could not be.
     [[nodiscard]] Status finish();
-    /// What is written or was, in words; empty before the first.
+    /// A message about the file being written, or the last one; empty before the first.
     [[nodiscard]] const std::string& news() const noexcept { return news_; }
-    /// Why the last one could not be written, in words; empty if it was.
+    /// Why the last file could not be written; empty if it was.
     [[nodiscard]] const std::string& problem() const noexcept { return problem_; }
-    /// They were read; how it ends with what is still being written will be said.
+    /// Removes the messages, since a person has read them. A file that is still being written makes
+    /// a new one.
     void forget_news();
 
 private:

@@ -143,7 +143,7 @@ private:
         return *static_cast<ViewWindow*>(glfwGetWindowUserPointer(window));
     }
 
-    /// Menus need some frames to find their place.
+    /// Menus need some frames to find their position.
     void redraw() noexcept { frames_wanted_ = 6; }
 
     [[nodiscard]] Vec2 in_view(const Vec2& at) const { return {at.x() - sidebar_width(), at.y()}; }
@@ -246,7 +246,7 @@ private:
         ImGui_ImplGlfw_NewFrame();
         ImGui::NewFrame();
         apply_theme();
-        std::vector<WidgetPlace> widgets;
+        std::vector<WidgetBounds> widgets;
         follow(sidebar_.draw(viewer_, static_cast<float>(state_.view_x),
                              static_cast<float>(state_.height), widgets));
         draw_over_picture(widgets);
@@ -265,8 +265,8 @@ private:
         return write_state(widgets);
     }
 
-    /// The panel that opens models, and below it, in a place of its own, what is to be read.
-    void draw_over_picture(std::vector<WidgetPlace>& widgets)
+    /// The panel that opens models, and below it the messages.
+    void draw_over_picture(std::vector<WidgetBounds>& widgets)
     {
         const double margin = 12.0 * window_.scale();
         const double width = std::max(1.0, state_.view_width - 2.0 * margin);
@@ -316,7 +316,7 @@ private:
         }
     }
 
-    /// Rings round places that can be dragged.
+    /// Rings round points that can be dragged.
     void draw_handles() const
     {
         const View view(viewer_.camera(), {state_.view_width, state_.view_height});
@@ -345,7 +345,7 @@ private:
         if (written_.follow()) redraw();
     }
 
-    [[nodiscard]] Status write_state(const std::vector<WidgetPlace>& widgets)
+    [[nodiscard]] Status write_state(const std::vector<WidgetBounds>& widgets)
     {
         if (options_.state.empty()) return {};
         state_.files_open = files_.is_open();

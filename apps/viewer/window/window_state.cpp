@@ -30,10 +30,10 @@ Json of(const Viewer& viewer, const WindowState& state)
 } // namespace
 
 Status write_window_state(const std::string& path, const WindowState& state, const Viewer& viewer,
-                          const std::vector<WidgetPlace>& widgets)
+                          const std::vector<WidgetBounds>& widgets)
 {
     Json controls = Json::object();
-    for (const WidgetPlace& widget : widgets) {
+    for (const WidgetBounds& widget : widgets) {
         controls[widget.name] = {{"value", widget.value},
                                  {"x", widget.x},
                                  {"y", widget.y},

@@ -13,7 +13,7 @@ namespace proxima {
 
 struct WindowState {
     std::uint64_t frames = 0;
-    double frame_seconds = 0.0; ///< the last one that drew the models, until all was drawn
+    double frame_seconds = 0.0; ///< duration of the last frame that drew the models
     int width = 0;              ///< of the window
     int height = 0;
     int view_x = 0; ///< where the picture begins, in the window's coordinates
@@ -21,7 +21,7 @@ struct WindowState {
     int view_height = 0;
     double scale = 1.0;      ///< of the screen
     bool files_open = false; ///< the panel that opens models
-    std::string problem;     ///< words to be read, hidden or not
+    std::string problem;     ///< the message about a problem, also while it is hidden
     std::string news;        ///< of files that are written
     std::size_t uploads = 0;
     std::size_t uploaded_bytes = 0;
@@ -29,9 +29,9 @@ struct WindowState {
     std::string renderer; ///< OpenGL's
 };
 
-/// The file, whole at every moment. Error file_not_writable.
+/// Writes the file. Readers never see a part of it. Error file_not_writable.
 [[nodiscard]] Status write_window_state(const std::string& path, const WindowState& state,
                                         const Viewer& viewer,
-                                        const std::vector<WidgetPlace>& widgets);
+                                        const std::vector<WidgetBounds>& widgets);
 
 } // namespace proxima

@@ -70,7 +70,7 @@ private:
     [[nodiscard]] Vec3 velocity_of(const DeviceState& reported) noexcept;
     void count_buttons(std::uint32_t buttons) noexcept;
     void count(InputCondition condition) noexcept;
-    void watch_recovery(double trust) noexcept;
+    void watch_recovery(double ramp) noexcept;
 
     ButtonQueue events_;
     InputOptions options_;
@@ -219,11 +219,11 @@ const DeviceState& InputGuard::accept(const DeviceReading& reading) noexcept
     return state_;
 }
 
-void InputGuard::watch_recovery(double trust) noexcept
+void InputGuard::watch_recovery(double ramp) noexcept
 {
     if (recovering_ < 0 || state_.condition != InputCondition::well) return;
     recovering_ += options_.tick_seconds;
-    if (trust < 1) return;
+    if (ramp < 1) return;
     ++report_.recoveries;
     report_.longest_recovery = std::max(report_.longest_recovery, recovering_);
     recovering_ = -1;
@@ -240,7 +240,7 @@ DeviceCommand InputGuard::command(const HapticRenderer& renderer) noexcept
     DeviceCommand command;
     command.force = back * tick.force;
     command.condition = state_.condition;
-    command.trust = parts_of(renderer).guard().trust();
+    command.trust = parts_of(renderer).guard().ramp();
     // As the passivity guard has softened them, so that the device's own loop does not oscillate.
     const double softness = parts_of(renderer).passivity().softness();
     command.stiffness = softness * options.force.stiffness;

@@ -172,11 +172,11 @@ Result<std::unique_ptr<Device>> open_dhd_device(const DhdOptions& options)
     if (!api) return tl::unexpected(api.error());
     const int count = api->get_device_count();
     if (options.index < 0 || options.index >= count) {
-        return fail(
-            ErrorCode::invalid_argument,
-            concat("no device dhd:", options.index, ": there are ", std::max(count, 0),
-                   "; see that it is plugged in, switched on and yours to use (udev rules)"),
-            library->path());
+        return fail(ErrorCode::invalid_argument,
+                    concat("no device dhd:", options.index, ": devices found: ", std::max(count, 0),
+                           "; check that it is plugged in and switched on, and that you may use it "
+                           "(udev rules)"),
+                    library->path());
     }
     const int id = api->open_id(static_cast<char>(options.index));
     if (id < 0 || api->enable_force(1, static_cast<char>(id)) < 0) {

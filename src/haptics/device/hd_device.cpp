@@ -55,7 +55,7 @@ constexpr unsigned int last_force_error = 0x0204;
 
 constexpr double millimetre = 1e-3;
 constexpr const char* hd_advice =
-    "install OpenHaptics 3.4 and the device's driver of 3D Systems, or name the library by "
+    "install OpenHaptics 3.4 and 3D Systems' driver of the device, or name the library by "
     "--device-library";
 
 /// The functions of libHD.
@@ -272,7 +272,7 @@ void HdDevice::write(const DeviceCommand& command) noexcept
 std::string HdDevice::trouble() const
 {
     if (stalled_)
-        return "the driver's scheduler called no more: see whether the device is plugged in";
+        return "the driver's scheduler stopped calling: check that the device is plugged in";
     if (first_error_.code == 0) return {};
     const std::string reported = hd_text(api_.get_error_string(first_error_.code));
     if (force_errors_ > 0)
@@ -346,12 +346,12 @@ Result<std::unique_ptr<Device>> open_hd_device(const HdOptions& options)
     const HdError error = api->get_error();
     if (handle == invalid_handle || error.code != 0) {
         const std::string reported = hd_text(api->get_error_string(error.code));
-        return fail(ErrorCode::invalid_argument,
-                    concat("cannot open ",
-                           options.device.empty() ? "the default device" : options.device, ": ",
-                           reported, " (error ", error.code, ", internal ", error.internal_code,
-                           "); see that it is plugged in and set up in the driver's configuration"),
-                    library->path());
+        return fail(
+            ErrorCode::invalid_argument,
+            concat("cannot open ", options.device.empty() ? "the default device" : options.device,
+                   ": ", reported, " (error ", error.code, ", internal ", error.internal_code,
+                   "); check that it is plugged in and set up in the driver's configuration"),
+            library->path());
     }
     auto device = std::make_unique<HdDevice>(std::move(*library), *api, handle, options);
     api->make_current_device(handle);

@@ -56,8 +56,9 @@ Result<std::unique_ptr<Device>> open_device(std::string_view name, const OpenDev
     const DeviceName parts(name);
     if (!is_device_name(name)) {
         return fail(ErrorCode::invalid_argument,
-                    concat(name, " is no device: give udp:PORT, udp:ADDRESS:PORT, hd, hd:NAME, dhd "
-                                 "or dhd:INDEX"));
+                    concat(name,
+                           " is not a device: use udp:PORT, udp:ADDRESS:PORT, hd, hd:NAME, dhd "
+                           "or dhd:INDEX"));
     }
     if (parts.kind == "udp") return open_udp(parts.rest, options.limits);
     if (parts.kind == "hd")

@@ -146,11 +146,11 @@ std::string UdpDevice::trouble() const
 {
     if (report_.accepted > 0) return {};
     if (report_.received > 0) {
-        return concat("none of ", report_.received, " packets was a state of version ", udp_version,
-                      ": docs/devices.md has the format");
+        return concat("none of ", report_.received, " packets is a state of version ", udp_version,
+                      ": see docs/devices.md for the format");
     }
-    return concat("no packet came to ", to_text(socket_.address()),
-                  ": start the program that has the device, and let it send there");
+    return concat("no packet arrived at ", to_text(socket_.address()),
+                  ": start the program that controls the device and make it send to this address");
 }
 
 } // namespace proxima

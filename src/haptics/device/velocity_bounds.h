@@ -6,12 +6,12 @@
 //               + 3 step / (t_i - t_i-1)            encoders have steps
 //               + 5 mm/s
 //
-// So correct velocities are plausible: exact ones, filtered ones, which come late, and those of a
-// coarse encoder, whose differences are zero or whole steps. For u_i is the mean of a tick up to one
-// step. The velocity at the end of the tick differs from that mean by half a tick of acceleration.
-// Where the acceleration began with the tick, u_i differs by as much from u_i-1, up to two steps.
-// The step is learned: the least displacement along an axis that any sample had. Before the first
-// sample the device is taken to be at rest.
+// So correct velocities are plausible: exact ones, filtered ones, which are delayed, and those of a
+// coarse encoder, whose differences are zero or whole steps. The reason: u_i is the mean velocity
+// of a tick, up to one step. The velocity at the end of the tick differs from that mean by half a
+// tick of acceleration. Where the acceleration began with the tick, u_i differs by as much from
+// u_i-1, up to two steps. The step is learned: the least displacement along an axis that any sample
+// had. Before the first sample the device is taken to be at rest.
 #pragma once
 
 #include "proxima/geometry.h"

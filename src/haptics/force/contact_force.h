@@ -57,7 +57,7 @@ public:
     [[nodiscard]] const Vec3& last() const noexcept { return last_; }
 
     /// The factor of the ramps in the last force: 1 except after a start or a loss.
-    [[nodiscard]] double trust() const noexcept { return start_ * patch_; }
+    [[nodiscard]] double ramp() const noexcept { return start_ * patch_; }
 
     /// Ticks in which a guard changed the force.
     [[nodiscard]] std::uint64_t clamped() const noexcept { return clamped_; }

@@ -6,9 +6,9 @@
 //     L     += log(v_out / v_in), not below 0      the growth, over successive turns
 //
 // A device in a hand loses speed at every turn. A hand that presses slowly and leaves fast gains
-// some once, so several turns in succession count, each only so much, and slow turns, which a hand
-// could make by itself, count less. A single turn counts if it came in faster than hands tremble and
-// goes out twice as fast within a twentieth of a second.
+// speed once. So several turns in succession are needed, and each counts up to a limit. Slow turns,
+// which a hand could make by itself, count less. A single turn counts if it came in faster than
+// hands tremble and goes out twice as fast within a twentieth of a second.
 //
 // Speeds are means of four ticks, for encoders have steps. Oscillations of 12 ticks and less vanish
 // in these means and are detected by their turns (fast_oscillations.h).

@@ -223,9 +223,9 @@ const RenderTick& SurfaceRenderer::tick(const DeviceState& state, double seconds
             }
         }
     }
-    const bool trusted = patch == Patch::available && tick_.fault != InputFault::not_finite &&
-                         state.condition == InputCondition::well;
-    tick_.force = guard_.pass(force, seconds, trusted ? Patch::available : Patch::lost);
+    const bool available = patch == Patch::available && tick_.fault != InputFault::not_finite &&
+                           state.condition == InputCondition::well;
+    tick_.force = guard_.pass(force, seconds, available ? Patch::available : Patch::lost);
     passivity_.applied(tick_.force);
     return tick_;
 }

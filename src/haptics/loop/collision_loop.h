@@ -4,8 +4,8 @@
 //     servo loop   1,000 Hz   sends positions of device and proxy   ──snapshot──▶  collision loop
 //                             touches the latest patch              ◀──snapshot──  100 Hz
 //
-// Both hand over by Snapshot, so neither waits for the other. A patch that does not come in time is
-// lost: the force fades (contact_force.h) until there is one again.
+// Both pass values through a Snapshot, so neither waits for the other. If no patch comes in time,
+// the patch is lost: the force fades (contact_force.h) until there is a new one.
 #pragma once
 
 #include "haptics/loop/snapshot.h"

@@ -166,7 +166,7 @@ Result<ScriptedObject> object_of(const ObjectNumbers& numbers, std::uint64_t fin
         if (numbers.kind == static_cast<double>(kind)) object.script.kind = kind;
     }
     if (numbers.kind != static_cast<double>(object.script.kind))
-        return fail(ErrorCode::malformed_file, "no such motion");
+        return fail(ErrorCode::malformed_file, "unknown kind of motion");
     object.script.along = Vec3(numbers.along[0], numbers.along[1], numbers.along[2]);
     object.script.angle = numbers.angle;
     object.script.seconds = numbers.seconds;
@@ -190,8 +190,10 @@ Result<std::vector<ScriptedObject>> objects_of(const BinaryFile& file, const std
     const auto fingerprints = file.section<std::uint64_t>(fingerprints_of_objects_section);
     if (!fingerprints) return tl::unexpected(fingerprints.error());
     if (rows->size() > max_scene_objects || fingerprints->size() != rows->size()) {
-        return fail(ErrorCode::malformed_file,
-                    "objects of the recording do not fit: record it again", path);
+        return fail(
+            ErrorCode::malformed_file,
+            "the recording has too many objects, or not one fingerprint for each: record it again",
+            path);
     }
     for (std::size_t i = 0; i < rows->size(); ++i) {
         auto object = object_of((*rows)[i], (*fingerprints)[i]);
@@ -213,7 +215,7 @@ Result<ForceLaw> force_law_of(const BinaryFile& file, const std::string& path)
     for (const ForceLaw known : {ForceLaw::proxy, ForceLaw::penalty}) {
         if (law->size() == 1 && law->front() == static_cast<std::uint32_t>(known)) return known;
     }
-    return fail(ErrorCode::malformed_file, "no such forces: record it again", path);
+    return fail(ErrorCode::malformed_file, "unknown kind of forces: record it again", path);
 }
 
 bool same_bits(const std::array<double, 3>& a, const std::array<double, 3>& b) noexcept
@@ -306,8 +308,7 @@ Result<Recording> load_recording(const std::filesystem::path& path, Progress* pr
     if (!objects) return tl::unexpected(objects.error());
     if (*law == ForceLaw::penalty && !objects->empty()) {
         return fail(ErrorCode::malformed_file,
-                    "penalty forces of a scene, which there are not: record it again",
-                    path.string());
+                    "penalty forces are not available for a scene: record it again", path.string());
     }
     recording.settings.objects = std::move(*objects);
     recording.ticks.assign(ticks->begin(), ticks->end());
@@ -319,8 +320,8 @@ std::uint64_t count_differences(const Recording& recording, HapticRenderer& rend
     std::uint64_t differences = 0;
     for (const RecordedTick& tick : recording.ticks) {
         const DeviceState state = device_state(tick);
-        const RenderTick& felt = renderer.tick(state, recording.settings.tick_seconds);
-        if (!same_response(recorded(tick.seconds, state, felt), tick)) ++differences;
+        const RenderTick& rendered = renderer.tick(state, recording.settings.tick_seconds);
+        if (!same_response(recorded(tick.seconds, state, rendered), tick)) ++differences;
     }
     return differences;
 }

@@ -56,10 +56,11 @@ public:
     void begin_sweep(const ContactSurface& surface, const Vec3& p, const Vec3& motion,
                      double distance) noexcept;
 
-    /// Writes the triangles of that segment which were not written yet and may be near before `part`
-    /// of it, 0 to 1, and perhaps some more; and for each the part of it before which it is not, 0
-    /// where that is not known. Returns how many, or any number that is more than the buffer's size,
-    /// where some are missing. \pre the same surface; as many times as triangles
+    /// Writes the triangles that may be near before `part` (0 to 1) of that segment and were not
+    /// written yet, and perhaps some more. For each it writes to `times` a part of the segment
+    /// before which the triangle is not near, 0 if none is known. Returns the number of triangles,
+    /// or any number larger than the buffer if some are missing. \pre the same surface; as many
+    /// times as triangles
     [[nodiscard]] std::size_t next_before(const ContactSurface& surface, double part,
                                           std::span<ContactTriangle> buffer,
                                           std::span<double> times) noexcept;

@@ -7,8 +7,8 @@
 //     repeat    until the goal is reached: all constraints of a tick in that tick
 //
 // The centre never comes nearer to any triangle than the radius, but for the skin, and never passes
-// one: every move is swept. So the result does not depend on which way triangles face, whether the
-// surface is closed, or how thin a wall is. Every move comes nearer to the wanted position; the
+// one: every move is swept. So the result does not depend on how triangles are oriented, whether
+// the surface is closed, or how thin a wall is. Every move comes nearer to the wanted position; the
 // slide ends at a local minimum, where none does.
 //
 // The result does not depend on further triangles that a query returns, nor on their order.
@@ -98,7 +98,7 @@ private:
 /// What is known of the start of a slide.
 enum class SlideStart : std::uint8_t {
     anywhere, ///< queries the surface's distance first: long free paths take one move
-    touching  ///< something is near: that query would be in vain
+    touching  ///< something is near: that query would not help
 };
 
 /// Slides a sphere of max(radius, safety gap) from `from` towards `to`. noexcept, no allocation, no

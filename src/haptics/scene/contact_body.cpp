@@ -42,8 +42,8 @@ public:
     {
         if (options_.material && !in_range(*options_.material)) {
             return fail(ErrorCode::invalid_argument,
-                        "a surface's stiffness, damping and frictions are finite and not negative, "
-                        "and dynamic friction is no more than static");
+                        "stiffness, damping and friction of a surface must be finite and not "
+                        "negative, and dynamic friction at most static friction");
         }
         ContactBody& body = *body_;
         body.mesh_ = std::move(mesh);

@@ -79,11 +79,11 @@ Result<ObjectId> MovingSurface::add(std::shared_ptr<const ContactBody> body,
 {
     PROXIMA_CHECK(body != nullptr);
     if (objects_.size() == max_scene_objects)
-        return fail(ErrorCode::invalid_argument, "a scene has at most 64 objects");
+        return fail(ErrorCode::invalid_argument, "a scene cannot have more than 64 objects");
     if (!is_rigid(pose))
-        return fail(ErrorCode::invalid_argument, "the object's pose is no rigid one");
+        return fail(ErrorCode::invalid_argument, "the object's pose must be a rigid transform");
     if (!contains(body->bounds(), pose))
-        return fail(ErrorCode::invalid_argument, "the object reaches out of the scene's bounds");
+        return fail(ErrorCode::invalid_argument, "the object must be within the scene's bounds");
     auto slot = std::make_unique<Slot>();
     slot->newest_bounds = body->bounds();
     slot->newest_pose = pose;
@@ -102,15 +102,16 @@ Status MovingSurface::move(ObjectId object, const ObjectMotion& motion)
     PROXIMA_CHECK_LT(to_index(object), objects_.size());
     Slot& slot = *objects_[to_index(object)];
     if (!is_rigid(motion.pose))
-        return fail(ErrorCode::invalid_argument, "the object's pose is no rigid one");
+        return fail(ErrorCode::invalid_argument, "the object's pose must be a rigid transform");
     if (!in_range(motion)) {
         return fail(ErrorCode::invalid_argument,
-                    "the object's times are finite and not negative, and its velocities finite");
+                    "times of a motion must be finite and not negative, and its velocities finite");
     }
     const RigidTransform end = {motion.pose.rotation,
                                 motion.pose.translation + motion.coast_seconds * motion.velocity};
     if (!contains(slot.newest_bounds, motion.pose) || !contains(slot.newest_bounds, end))
-        return fail(ErrorCode::invalid_argument, "the object would go out of the scene's bounds");
+        return fail(ErrorCode::invalid_argument,
+                    "the motion would take the object out of the scene's bounds");
     slot.newest_pose = motion.pose;
     slot.motions.writing() = motion;
     slot.motions.publish();
@@ -124,7 +125,7 @@ Status MovingSurface::exchange(ObjectId object, std::shared_ptr<const ContactBod
     Slot& slot = *objects_[to_index(object)];
     if (!contains(body->bounds(), slot.newest_pose))
         return fail(ErrorCode::invalid_argument,
-                    "the object would reach out of the scene's bounds");
+                    "the new body would not be within the scene's bounds");
     slot.newest_bounds = body->bounds();
     slot.bodies.writing() = std::move(body); // frees what the servo loop has left
     slot.bodies.publish();

@@ -45,17 +45,19 @@ Status check_script(const ObjectScript& script)
     if (script.kind == ObjectMotionKind::rest) return {};
     const bool finite =
         script.along.allFinite() && std::isfinite(script.angle) && std::isfinite(script.seconds);
-    if (!finite) return fail(ErrorCode::invalid_argument, "a motion's numbers are finite");
+    if (!finite) return fail(ErrorCode::invalid_argument, "the numbers of a motion must be finite");
     const bool turns = script.kind != ObjectMotionKind::swing;
     if (!(script.along.norm() > 0) || !std::isfinite(script.along.norm())) {
-        return fail(ErrorCode::invalid_argument, turns ? "a motion's axis has a length"
-                                                       : "a motion's displacement has a length");
+        return fail(ErrorCode::invalid_argument,
+                    turns ? "the axis of a motion must not be zero"
+                          : "the displacement of a motion must not be zero");
     }
     if (script.kind != ObjectMotionKind::spin && !(script.seconds > 0))
-        return fail(ErrorCode::invalid_argument, "a motion there and back takes time");
+        return fail(ErrorCode::invalid_argument,
+                    "the period of a motion must be more than 0 seconds");
     if (!(fastest_of(script) <= fastest_turn)) {
         return fail(ErrorCode::invalid_argument,
-                    "an object turns by at most 25 radians (1,432 degrees) a second");
+                    "an object must not rotate faster than 25 radians (1,432 degrees) per second");
     }
     return {};
 }

@@ -3,9 +3,9 @@
 //     level by level    the boxes of all blocks that the ball meets, eight at a time, in floats
 //     prefetched        a block of the next level as soon as its box is met
 //
-// Nothing is sorted and there are no callbacks: the cost of a new ball of contact_cache.h is the
-// tail of a tick's times. visit_near.h visits in doubles and nearest first, with a callback that may
-// end the search.
+// Nothing is sorted and there are no callbacks, because the slowest ticks are those in which
+// contact_cache.h makes a new ball. visit_near.h visits in doubles and nearest first, with a
+// callback that may end the search.
 #pragma once
 
 #include "haptics/surface/triangle_groups.h"

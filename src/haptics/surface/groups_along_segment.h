@@ -2,7 +2,7 @@
 //
 //     whether   by the slabs of each box, widened by the ball's radius
 //     how soon  by these slabs, and by a plane across the direction to the box's middle: a large
-//               sphere that slides along a surface has groups about it that it never reaches
+//               sphere that slides along a surface never reaches many of the groups around it
 //
 // The input is the boxes that find_groups.h wrote for a ball: one ball serves many motions.
 #pragma once

@@ -38,10 +38,10 @@ private:
     bool is_well_shaped_;
 };
 
-/// A t of the path p + t motion before which no point of the triangle is within the distance, by a
-/// plane across the direction from p to the triangle's middle, rounding included; 0 where that plane
-/// decides nothing, infinity for never. Filters for large spheres, where planes of triangles filter
-/// for points. 5 ns.
+/// A time t of the path p + t motion before which no point of the triangle is within the distance.
+/// It follows from the plane across the direction from p to the triangle's middle and includes
+/// rounding. 0 if that plane decides nothing, infinity if the triangle is never within the
+/// distance. This is a filter for large spheres; for points the planes of triangles are one. 5 ns.
 [[nodiscard]] double least_touch_time(const Triangle& triangle, double distance, const Vec3& p,
                                       const Vec3& motion) noexcept;
 

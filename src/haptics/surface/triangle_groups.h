@@ -52,10 +52,11 @@ struct GroupQuery {
 /// \pre 1 to 8 triangles
 [[nodiscard]] TriangleGroup make_group(std::span<const Triangle> triangles, double scale) noexcept;
 
-/// Writes the ranks (eight times the group's id, and on) of all triangles of these groups within the
-/// distance of the position, or of the motion if there is one, and of some a little farther. With a
-/// motion, also the part of it, 0 to 1, before which it comes so near to no point of each triangle.
-/// Returns how many. 25 ns per group. \pre ranks and times take eight of each group
+/// Writes the ranks of all triangles of these groups within the distance of the position, or of the
+/// motion if there is one, and of some a little farther. The ranks of a group begin at eight times
+/// its id. With a motion it also writes, for each triangle, a part of the motion (0 to 1) before
+/// which no point of the triangle is within the distance. Returns the number of ranks. 25 ns per
+/// group. \pre ranks and times take eight of each group
 [[nodiscard]] std::size_t scan_groups(std::span<const TriangleGroup> groups,
                                       std::span<const std::uint32_t> ids, const GroupQuery& query,
                                       std::span<std::uint32_t> ranks,
