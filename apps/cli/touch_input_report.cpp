@@ -77,8 +77,8 @@ Json hand_json(const HandModel& hand, double damping)
 std::string hand_text(const HandModel& hand, double damping)
 {
     return fmt::format("hand: {:g} kg, pulled by {:g} N/m and {:g} N s/m; its device {:g} N s/m, "
-                       "friction {:g} N, encoder step {:g} mm, forces {} ticks late: without "
-                       "the hand a wall oscillates by itself from {:.4g} N/m on\n",
+                       "friction {:g} N, encoder step {:g} mm, forces {} ticks late; if "
+                       "nobody held the device, walls stiffer than {:.4g} N/m would oscillate\n",
                        hand.mass, hand.hand_stiffness, hand.hand_damping, hand.device_damping,
                        hand.coulomb_friction, 1e3 * hand.encoder_step, hand.delay_ticks,
                        stable_stiffness(hand, damping));

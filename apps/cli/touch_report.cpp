@@ -47,6 +47,13 @@ Json latency_json(const LatencyHistogram& histogram)
             {"max_ns", histogram.max()}};
 }
 
+/// From the first tick to the last; 0 where there is one at most.
+double ticks_per_second(const ServoStatistics& servo)
+{
+    if (servo.ticks < 2) return 0;
+    return static_cast<double>(servo.ticks - 1) / std::max(servo.seconds, 1e-9);
+}
+
 std::string touch_text(const TouchReportOf& of, const TouchModel& model, const TouchResult& result)
 {
     const QualityReport& quality = result.quality;
@@ -64,12 +71,13 @@ std::string touch_text(const TouchReportOf& of, const TouchModel& model, const T
         "touching {:.1f} %, sticking {:.1f} %; force at most {:.3f} N, depth {:.2f} mm, speed "
         "{:.2f} "
         "m/s\n"
-        "passed through: {}; slides cut short {}, overloaded {}, faulty input {}\n"
-        "force step over K times the displacement: {:.3f}; turn {:.1f} degrees; energy taken "
-        "{:.3g} J\n"
-        "guards: clamped {}, slewed {}, damped {}, softened {} ticks (to {:.3g} at least); lowest "
-        "energy {:.3g} J\n"
-        "tick: {}\n",
+        "passed through the surface {} times; ticks that ran out of moves {}, of memory {}, had "
+        "faulty input {}\n"
+        "largest change of force in a tick: {:.3f} of what the motion explains (above 1: a jump), "
+        "{:.1f} degrees of turn; energy lost to friction and damping {:.3g} J\n"
+        "guards: force limited in {} ticks, its change in {}; damping added in {}; stiffness "
+        "lowered in {} (smallest factor {:.3g}); lowest energy in the passivity guard {:.3g} J\n"
+        "computing a force: {}\n",
         percent(quality.touching_ticks, quality.ticks),
         percent(quality.sticking_ticks, quality.ticks), quality.max_force, 1e3 * quality.max_depth,
         quality.max_speed, quality.passes, quality.limited_ticks, quality.overloaded_ticks,
@@ -84,12 +92,11 @@ std::string touch_text(const TouchReportOf& of, const TouchModel& model, const T
         text += fmt::format("replayed: {} ticks differ from the recording\n", *of.differences);
     } else if (of.paced) {
         text += fmt::format(
-            "servo: {:.1f} Hz, {} deadlines missed ({} woken up after them, {} by work), {} ticks "
-            "left out, {} page faults\n"
-            "late: {}\nwork: {}\n"
+            "servo: {:.1f} Hz, {} deadlines missed ({} because the thread woke late, {} because of "
+            "work), {} ticks left out, {} page faults\n"
+            "woken late by: {}\nwhole tick: {}\n"
             "real-time priority: {}, locked memory: {}\n",
-            static_cast<double>(result.servo.ticks) / std::max(result.servo.seconds, 1e-9),
-            result.servo.missed, result.servo.overslept,
+            ticks_per_second(result.servo), result.servo.missed, result.servo.overslept,
             result.servo.missed - result.servo.overslept, result.servo.skipped,
             result.servo.page_faults, microseconds(result.servo.late),
             microseconds(result.servo.work), result.servo.real_time_priority ? "yes" : "no",

@@ -109,10 +109,12 @@ class Touching(ProgramTest):
         self.assertGreater(servo["work"]["p50_ns"], result["tick"]["p50_ns"])
         self.assertEqual(servo["real_time_priority"] and servo["locked_memory"], servo["note"] == "")
         text = self.succeed("touch", "cube", "--device", "hand:press", "--seconds", 0.2)
-        for part in ("cube: 12 triangles", "workspace: 1 m of the device is", "passed through: 0", "deadlines missed",
+        for part in ("cube: 12 triangles", "workspace: 1 m of the device is", "passed through the surface 0 times", "deadlines missed",
                      "real-time priority:"):
             self.assertIn(part, text)
         self.assertEqual(self.succeed("touch", "cube", "--device", "hand:press", "--seconds", 0.05, "--quiet"), "")
+        # Between the ticks there is one interval less than ticks.
+        self.assertIn("servo: 0.0 Hz", self.succeed("touch", "cube", "--device", "hand:press", "--seconds", 0.001))
 
     def test_the_same_seed_feels_the_same(self):
         def feel(seed):
@@ -135,7 +137,7 @@ class Touching(ProgramTest):
         self.assertGreater(other["max_force"], 1.2 * result["max_force"])
         self.assertLess(self.json_of(*usual, "--hand-stiffness", 75, "--hand-mass", 0.05)["max_force"], 0.8 * result["max_force"])
         self.assertEqual(self.json_of(*usual, "--hand-stiffness", 0)["max_force"], 0)
-        self.assertIn("1 ticks late: without the hand a wall oscillates by itself from 1000 N/m on",
+        self.assertIn("1 ticks late; if nobody held the device, walls stiffer than 1000 N/m would oscillate",
                       self.succeed(*usual, "--delay", 1))
 
     def test_a_simulated_hand_has_no_buttons(self):
