@@ -71,7 +71,7 @@ struct Cover {
 /// The vertices of two runs, each once. Without branches that depend on the mesh.
 void unite_vertices(const Cover& left, const Cover& right, Cover& both) noexcept
 {
-    std::array<std::uint32_t, 2 * index_width + 1> united;
+    std::array<std::uint32_t, std::size_t{2} * index_width + 1> united;
     united.fill(Cover::no_vertex);
     std::ranges::copy(left.vertices, united.begin());
     std::uint32_t count = left.vertex_count;
@@ -263,7 +263,8 @@ private:
         apart.fill(float_infinity);
         std::array<std::uint32_t, index_width> shares;
         shares.fill(1);
-        std::array<float, 2 * index_width> shifted; // no box covers nothing: infinite before it
+        std::array<float, std::size_t{2} * index_width>
+            shifted; // no box covers nothing: infinite before it
         shifted.fill(float_infinity);
         std::ranges::copy(right_cover.costs, shifted.begin() + index_width);
         // More boxes than triangles cover no better.

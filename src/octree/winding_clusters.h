@@ -129,10 +129,12 @@ template <class TriangleAt>
 [[nodiscard]] bool exceeds(const WindingClusters& of, const TriangleAt& triangle_at,
                            const Vec3& point, double sign, double offset) noexcept
 {
-    for (double tolerance = 0.006; tolerance > rounding_error; tolerance /= 16.0) {
+    double tolerance = 0.006;
+    while (tolerance > rounding_error) {
         const WindingEstimate found = estimate(of, triangle_at, point, tolerance);
         const double value = sign * found.value + offset;
         if (std::abs(value - inside_limit) > found.error) return value >= inside_limit;
+        tolerance /= 16.0;
     }
     return sign * estimate(of, triangle_at, point, 0.0).value + offset >= inside_limit;
 }

@@ -271,11 +271,12 @@ Result<WindingNumber> build_winding_number(const TriangleMesh& mesh, const Windi
 WindingEstimate winding_number(const WindingNumber& of, const Vec3& point, double accuracy) noexcept
 {
     const auto triangle_at = triangles_of(of.mesh());
-    for (double tolerance = accuracy / 16.0; tolerance > winding::rounding_error;
-         tolerance /= 16.0) {
+    double tolerance = accuracy / 16.0;
+    while (tolerance > winding::rounding_error) {
         const WindingEstimate found =
             winding::estimate(of.clusters(), triangle_at, point, tolerance);
         if (found.error <= accuracy) return found;
+        tolerance /= 16.0;
     }
     return winding::estimate(of.clusters(), triangle_at, point, 0.0);
 }

@@ -55,9 +55,9 @@ public:
                 return tl::unexpected(status.error());
             body.index_ = *index;
         } else {
-            auto built = build_mesh_index(body.mesh_, {.execution = options_.execution});
+            const auto built = build_mesh_index(body.mesh_, {.execution = options_.execution});
             if (!built) return tl::unexpected(built.error());
-            body.index_ = std::move(*built);
+            body.index_ = *built;
         }
         if (!body.index_.has_signs()) {
             const auto with = with_signs(body.index_, {.execution = options_.execution});

@@ -27,7 +27,7 @@ public:
         : index_(index), signs_(index.signs()->arrays()), work_(work)
     {}
 
-    Status run() const
+    [[nodiscard]] Status run() const
     {
         if (Status status = check_sizes(); !status) return status;
         if (Status status = check_rows(); !status) return status;
