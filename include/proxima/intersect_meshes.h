@@ -156,7 +156,8 @@ struct IntersectionContour {
 [[nodiscard]] IntersectionContour intersection_contour(const MeshIndex& a, const MeshIndex& b,
                                                        const RigidTransform& pose_b = {});
 
-/// The same contour of pairs that are known already, in any order, those that do not meet among them.
+/// The contour of pairs of triangles that the caller has found, in any order. Pairs that do not meet
+/// are left out.
 /// About 3 us each. \pre the meshes are those of the indexes, or at least these triangles of them
 [[nodiscard]] IntersectionContour intersection_contour(const TriangleMesh& a, const TriangleMesh& b,
                                                        const RigidTransform& pose_b,

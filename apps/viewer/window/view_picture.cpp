@@ -41,7 +41,7 @@ Result<ViewPicture> ViewPicture::create(std::string_view renderer)
     return ViewPicture(std::move(*painter), std::move(*target), draws_slowly);
 }
 
-/// The same layers from the same point; samples may differ.
+/// Whether both show the same layers from the same camera. They may differ in samples per pixel.
 bool ViewPicture::same_view(const Drawn& a, const Drawn& b)
 {
     return a.size.width == b.size.width && a.size.height == b.size.height && a.theme == b.theme &&

@@ -53,7 +53,7 @@ bool UdpDevice::is_served(const StatePacket& packet, const UdpAddress& from,
     const bool follows = first_ || (packet.sequence > last_.sequence &&
                                     packet.sequence - last_.sequence <= longest_leap);
     if (same && (follows || silent < options_.forget_seconds)) return true;
-    // The same program, started anew, need not wait for long: its port is its own.
+    // A sender with the address of the last one is that program again: it need not wait for long.
     const double wait = from == peer_ ? options_.patience : options_.forget_seconds;
     if (served_ && silent < wait) return false;
     served_ = true;

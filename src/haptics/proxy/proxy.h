@@ -32,8 +32,8 @@ struct ProxyOptions {
     double static_friction = 0;  ///< mu_s
     double dynamic_friction = 0; ///< mu_d, at most mu_s
     double restick = 0.6;        ///< sliding ends below this part of mu_s
-    /// Of a tick's first slide; further slides have at least a quarter of it. A slide that uses them
-    /// up goes on in the next tick.
+    /// Moves of the first slide of a tick at most. Further slides of the tick may make at least a
+    /// quarter as many. A slide that runs out of moves continues in the next tick.
     std::size_t max_moves = max_slide_moves;
     ForceShading shading = ForceShading::off;
     /// Frictions and normals by triangle; must outlive the proxy.

@@ -14,7 +14,7 @@ namespace proxima {
 
 namespace {
 
-/// The same as that of slides.
+/// Thickness of the skin relative to the size of coordinates, equal to that of slides.
 constexpr double skin_part = 0x1p-42;
 
 /// Triangles are collected within so many more mean edges of a path, for the next path is similar.

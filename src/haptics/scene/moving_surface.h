@@ -92,7 +92,7 @@ private:
         Vec3 center = Vec3::Zero();
         double reach = -1;
     };
-    /// The same for a motion of the last tick.
+    /// A path of the last tick that is known to be free of an object.
     struct FreePath {
         Vec3 from = Vec3::Zero();
         Vec3 to = Vec3::Zero();

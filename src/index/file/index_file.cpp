@@ -24,8 +24,8 @@ enum SectionId : std::uint32_t {
     float_rows_section,
     double_rows_section,
     ids_section,
-    vertex_places_section,
-    edge_places_section,
+    vertex_incidences_section,
+    edge_incidences_section,
     lists_section,
     table_section,
     nodes_section,
@@ -201,8 +201,8 @@ Result<MeshIndex> index_of(const BinaryFile& file, const std::string& name,
     reader.read(float_rows_section, arrays.float_rows);
     reader.read(double_rows_section, arrays.double_rows);
     reader.read(ids_section, arrays.ids);
-    reader.read(vertex_places_section, arrays.vertex_incidences);
-    reader.read(edge_places_section, arrays.edge_incidences);
+    reader.read(vertex_incidences_section, arrays.vertex_incidences);
+    reader.read(edge_incidences_section, arrays.edge_incidences);
     reader.read(lists_section, list_headers);
     reader.read(table_section, lists.table);
     reader.read(nodes_section, lists.nodes);
@@ -283,8 +283,8 @@ Status save_index(const MeshIndex& index, const std::filesystem::path& path,
         section_of(float_rows_section, index.parts().float_rows()),
         section_of(double_rows_section, index.parts().double_rows()),
         binary_section(ids_section, index.ids()),
-        binary_section(vertex_places_section, index.parts().vertex_incidences()),
-        binary_section(edge_places_section, index.parts().edge_incidences()),
+        binary_section(vertex_incidences_section, index.parts().vertex_incidences()),
+        binary_section(edge_incidences_section, index.parts().edge_incidences()),
         binary_section(lists_section, std::span(&lists_header, lists != nullptr ? 1 : 0)),
         binary_section(table_section, arrays.table),
         binary_section(nodes_section, arrays.nodes),
