@@ -4,6 +4,8 @@
 #define HWY_TARGET_INCLUDE "octree/distribute_children.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+// After them: it is read once for every instruction set.
+#include "base/compress-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace proxima::HWY_NAMESPACE {
@@ -71,7 +73,7 @@ HWY_INLINE void copy_triangles(const SplitCell& cell, const std::uint32_t* masks
     const Tag tag;
     for (std::size_t block = 0; block < cell.count; block += hn::Lanes(tag)) {
         const auto touching = touches(load_masks(masks + block, cell.count - block), child);
-        hn::StoreU(hn::Compress(hn::LoadU(tag, triangles + block), touching), tag, out);
+        hn::StoreU(compress(hn::LoadU(tag, triangles + block), touching), tag, out);
         out += hn::CountTrue(tag, touching);
     }
 }
@@ -154,7 +156,7 @@ HWY_INLINE std::uint32_t distribute_block(const SplitCell& cell, const std::uint
         const auto count = static_cast<std::uint32_t>(hn::CountTrue(tag, touching));
         if (count == 0) continue;
         recorded |= 1U << child;
-        hn::StoreU(hn::Compress(block, touching), tag, writer.open(cell, child, count));
+        hn::StoreU(compress(block, touching), tag, writer.open(cell, child, count));
     }
     return recorded;
 }

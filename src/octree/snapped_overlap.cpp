@@ -5,6 +5,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 // After them: it is read once for every instruction set.
+#include "base/compress-inl.h"
 #include "octree/snapped_lanes-inl.h"
 
 // Error bounds of stage 2, in units of the half size. u = 2^-24, P = max |p|, E = max |edge
@@ -94,13 +95,13 @@ std::size_t test_boxes(const SnappedTriangle* triangles, const SnappedLevel& lev
         const auto is_open = hn::And(is_pair, hn::Ne(open, hn::Zero(dm)));
         const auto pair = hn::Iota(dm, static_cast<std::uint32_t>(first));
         const auto keep = [&](Words values, std::uint32_t* out) {
-            hn::StoreU(hn::Compress(values, is_open), dm, out + open_count);
+            hn::StoreU(compress(values, is_open), dm, out + open_count);
         };
         keep(pair, scratch.open_pairs.data());
         keep(open, scratch.open_children.data());
         keep(hn::LoadU(dm, pairs.triangle + first), scratch.open_triangles.data());
         for (int axis = 0; axis < 3; ++axis) {
-            hn::StoreU(hn::Compress(centers[axis], hn::RebindMask(di, is_open)), di,
+            hn::StoreU(compress(centers[axis], hn::RebindMask(di, is_open)), di,
                        scratch.open_centers[axis].data() + open_count);
         }
         open_count += hn::CountTrue(dm, is_open);

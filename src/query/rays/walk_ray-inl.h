@@ -14,6 +14,7 @@
 #define PROXIMA_QUERY_WALK_RAY_INL_H
 #endif
 
+#include "base/compress-inl.h"
 #include "base/inline_steps-inl.h"
 #include "index/index_parts.h"
 #include "query/rays/intersect_exact-inl.h"
@@ -186,9 +187,9 @@ PROXIMA_STEP void enter_nearest(const IndexNode& node, const MetChildren& met, R
                                                    hn::IndicesFromVec(words, indices));
         const std::uint8_t mask_byte[8] = {reversed_bits.bits[rest]};
         // Compressing to memory is far slower than to a register on some processors.
-        hn::StoreU(hn::Compress(children, hn::LoadMaskBits(words, mask_byte)), words,
+        hn::StoreU(compress(children, hn::LoadMaskBits(words, mask_byte)), words,
                    ray.references.data() + at.pending);
-        hn::StoreU(hn::Compress(hn::Reverse(d, met.entered[0]), hn::LoadMaskBits(d, mask_byte)), d,
+        hn::StoreU(compress(hn::Reverse(d, met.entered[0]), hn::LoadMaskBits(d, mask_byte)), d,
                    ray.nearness.data() + at.pending);
         at.pending += static_cast<std::uint32_t>(std::popcount(rest));
         return;
