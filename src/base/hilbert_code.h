@@ -15,27 +15,22 @@ namespace proxima {
 [[nodiscard]] constexpr std::uint64_t hilbert_code(std::array<std::uint32_t, 3> at,
                                                    int bits) noexcept
 {
-    const std::uint32_t top = std::uint32_t{1} << (bits - 1);
-    // Undo the turns of the curve, from the whole cube to the smallest.
-    for (std::uint32_t bit = top; bit > 1; bit >>= 1U) {
-        const std::uint32_t below = bit - 1;
+    // Undo the turns of the curve, from the whole cube to the smallest. No branches: half of them
+    // would be mispredicted.
+    for (int k = bits - 1; k > 0; --k) {
+        const std::uint32_t below = (std::uint32_t{1} << k) - 1;
         for (std::uint32_t& coordinate : at) {
-            if ((coordinate & bit) != 0) {
-                at[0] ^= below;
-            } else {
-                const std::uint32_t swapped = (at[0] ^ coordinate) & below;
-                at[0] ^= swapped;
-                coordinate ^= swapped;
-            }
+            const std::uint32_t flipped = (0U - (coordinate >> k & 1U)) & below;
+            const std::uint32_t swapped = (at[0] ^ coordinate) & (flipped ^ below);
+            at[0] ^= flipped | swapped;
+            coordinate ^= swapped;
         }
     }
     // What is left is a Gray code.
     at[1] ^= at[0];
     at[2] ^= at[1];
-    std::uint32_t flips = 0;
-    for (std::uint32_t bit = top; bit > 1; bit >>= 1U) {
-        if ((at[2] & bit) != 0) flips ^= bit - 1;
-    }
+    std::uint32_t flips = at[2] >> 1U;
+    for (const unsigned shift : {1U, 2U, 4U, 8U, 16U}) flips ^= flips >> shift;
     for (std::uint32_t& coordinate : at) coordinate ^= flips;
     return morton_code({at[2], at[1], at[0]});
 }
