@@ -58,6 +58,20 @@ namespace proxima::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
+#if HWY_TARGET == HWY_AVX2
+/// The eight lanes that bits of `named` name, in their order, then the others. \pre named < 256
+template <class V>
+HWY_INLINE V compress_eight(V lanes, std::size_t named)
+{
+    using Tag = hn::DFromV<V>;
+    const hn::RebindToUnsigned<Tag> words;
+    alignas(32) static constexpr std::uint32_t shifts[8] = {0, 4, 8, 12, 16, 20, 24, 28};
+    // Looking up reads three bits of each index.
+    const auto indices = hn::Shr(hn::Set(words, compressed_lanes[named]), hn::Load(words, shifts));
+    return hn::TableLookupLanes(lanes, hn::Indices256<hn::TFromD<Tag>>{indices.raw});
+}
+#endif
+
 /// The lanes of the mask, of 32 bits each, in their order; then any of the others.
 template <class V, class M>
 HWY_INLINE V compress(V lanes, M mask)
@@ -76,15 +90,8 @@ HWY_INLINE V compress(V lanes, M mask)
                                                 hn::LoadU(bytes, compressed_bytes[named].data())));
     }
 #if HWY_TARGET == HWY_AVX2
-    if constexpr (hn::MaxLanes(tag) == 8) {
-        const hn::RebindToUnsigned<Tag> words;
-        alignas(32) static constexpr std::uint32_t shifts[8] = {0, 4, 8, 12, 16, 20, 24, 28};
-        const auto named = static_cast<std::size_t>(_mm256_movemask_ps(all));
-        // Looking up reads three bits of each index.
-        const auto indices =
-            hn::Shr(hn::Set(words, compressed_lanes[named]), hn::Load(words, shifts));
-        return V{hn::TableLookupLanes(lanes, hn::Indices256<hn::TFromD<Tag>>{indices.raw})};
-    }
+    if constexpr (hn::MaxLanes(tag) == 8)
+        return compress_eight(lanes, static_cast<std::size_t>(_mm256_movemask_ps(all)));
 #endif
 #endif
     return hn::Compress(lanes, mask);

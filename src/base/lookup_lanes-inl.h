@@ -8,6 +8,8 @@
 #define PROXIMA_BASE_LOOKUP_LANES_INL_H
 #endif
 
+#include "base/compress-inl.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <hwy/highway.h>
@@ -35,6 +37,8 @@ public:
 #if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
         low_ = load(0);
         high_ = load(16);
+#elif HWY_TARGET == HWY_AVX2
+        for (std::size_t i = 0; i < 4; ++i) quarters_[i] = load(8 * i);
 #else
         for (std::size_t i = 0; i < 32; i += hn::Lanes(tag)) hn::Store(load(i), tag, values_ + i);
 #endif
@@ -45,6 +49,16 @@ public:
     {
 #if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
         return hn::Vec<LookupTag>{_mm512_permutex2var_ps(low_.raw, index.raw, high_.raw)};
+#elif HWY_TARGET == HWY_AVX2
+        // Looking up reads three bits of each index; bits 3 and 4 choose among the quarters.
+        const LookupTag tag;
+        const auto quarter = [&](std::size_t i) {
+            return hn::TableLookupLanes(quarters_[i], hn::Indices256<float>{index.raw});
+        };
+        const auto is_odd = hn::MaskFromVec(hn::BitCast(tag, hn::ShiftLeft<28>(index)));
+        const auto is_upper = hn::MaskFromVec(hn::BitCast(tag, hn::ShiftLeft<27>(index)));
+        return hn::IfThenElse(is_upper, hn::IfThenElse(is_odd, quarter(3), quarter(2)),
+                              hn::IfThenElse(is_odd, quarter(1), quarter(0)));
 #else
         const LookupTag tag;
         const LookupIndexTag index_tag;
@@ -56,6 +70,8 @@ private:
 #if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
     hn::Vec<LookupTag> low_;
     hn::Vec<LookupTag> high_;
+#elif HWY_TARGET == HWY_AVX2
+    hn::Vec<LookupTag> quarters_[4];
 #else
     alignas(64) float values_[32];
 #endif
@@ -82,6 +98,17 @@ public:
         const auto first = static_cast<__mmask16>((1U << count) - 1);
         lanes_ = hn::Vec<LookupIndexTag>{
             _mm512_mask_mov_epi32(behind, first, _mm512_maskz_compress_epi32(low_mask, low.raw))};
+#elif HWY_TARGET == HWY_AVX2
+        const LookupIndexTag wide;
+        const hn::Rebind<std::uint16_t, LookupTag> narrow;
+        for (std::size_t i = 0; i < 16; i += 8) hn::Store(hn::Zero(wide), wide, values_ + i);
+        std::size_t count = 0;
+        for (std::size_t i = 0; i < 32; i += 8) {
+            const std::uint32_t named = mask >> i & 0xFFU;
+            const auto group = hn::PromoteTo(wide, hn::LoadU(narrow, numbers + i));
+            hn::StoreU(compress_eight(group, named), wide, values_ + count);
+            count += static_cast<std::size_t>(__builtin_popcount(named));
+        }
 #else
         std::size_t count = 0;
         for (std::uint32_t left = mask; left != 0 && count < 16; left &= left - 1)
@@ -96,6 +123,8 @@ public:
 #if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
         (void)first;
         return lanes_;
+#elif HWY_TARGET == HWY_AVX2
+        return hn::Load(LookupIndexTag(), values_ + first);
 #else
         const LookupIndexTag wide;
         const hn::Rebind<std::uint16_t, LookupTag> narrow;
@@ -106,6 +135,8 @@ public:
 private:
 #if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
     hn::Vec<LookupIndexTag> lanes_;
+#elif HWY_TARGET == HWY_AVX2
+    alignas(64) std::int32_t values_[24]; // sixteen, and what the last store writes behind them
 #else
     alignas(64) std::uint16_t values_[16];
 #endif
