@@ -2,7 +2,7 @@
 // and the way from the command line to the exit status.
 #pragma once
 
-#include "base/simd.h"
+#include "instruction_set.h"
 
 #include <CLI/CLI.hpp>
 
@@ -64,25 +64,7 @@ inline std::vector<std::string> meshes_of(const CommonOptions& options)
     return names;
 }
 
-/// Has kernels use the named instruction set, if this machine has it, and says which one they use.
-/// False where it has not.
-inline bool choose_simd_target(const std::string& name)
-{
-    std::string known;
-    for (const SimdTarget& target : simd_targets()) {
-        if (target.name == name) force_simd_target(target);
-        known += ' ' + target.name;
-    }
-    if (!name.empty() && current_simd_target() != name) {
-        (void)std::fprintf(stderr, "no instruction set %s: this machine has%s\n", name.c_str(),
-                           known.c_str());
-        return false;
-    }
-    std::printf("instruction set %s\n", current_simd_target().c_str());
-    return true;
-}
-
-/// All of main: --simd and the options that `add_options` gives the parser are read, then `run` makes the exit
+/// All of main: --simd, which PROXIMA_SIMD gives as well, and the options that `add_options` gives the parser are read, then `run` makes the exit
 /// status.
 template <class AddOptions, class Run>
 int run_program(int argc, char** argv, const char* title, const AddOptions& add_options,
@@ -90,14 +72,15 @@ int run_program(int argc, char** argv, const char* title, const AddOptions& add_
 try {
     CLI::App app(title);
     std::string simd;
-    app.add_option("--simd", simd, "Instruction set of kernels, such as AVX2, instead of the best");
+    app.add_option("--simd", simd, "Instruction set of kernels, such as AVX2, instead of the best")
+        ->envname("PROXIMA_SIMD");
     add_options(app);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? 0 : 2;
     }
-    return choose_simd_target(simd) ? run() : 2;
+    return use_instruction_set(simd) ? run() : 2;
 } catch (const std::exception& error) {
     (void)std::fprintf(stderr, "%s\n", error.what());
     return 1;

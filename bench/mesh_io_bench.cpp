@@ -7,6 +7,7 @@
 // format first, so each row reads one mesh: vertices, triangles and a hash of the positions in file
 // order are printed, and a faster wrong answer shows. Assimp's are floats, so its hash is its own.
 #include "base/text.h"
+#include "instruction_set.h"
 #include "proxima/mesh_io.h"
 
 #include <assimp/Importer.hpp>
@@ -155,6 +156,7 @@ void add_rows(const std::string& name, const fs::path& path)
 int main(int argc, char** argv)
 {
     benchmark::Initialize(&argc, argv);
+    if (!use_instruction_set_asked_for()) return 2;
     const char* given = std::getenv("PROXIMA_BENCH_MESH");
     TriangleMesh mesh;
     if (given == nullptr) {

@@ -2,6 +2,7 @@
 // incremental hull, and two polytopes by arcs against the convex hull of all pair sums by CGAL.
 // Run by scripts/bench minkowski, which prints the ratios of one interleaved run.
 
+#include "instruction_set.h"
 #include "proxima/convex_polyhedron.h"
 #include "proxima/minkowski_sum.h"
 #include "thesis/minkowski_sums/geometric_method.h"
@@ -161,6 +162,7 @@ int main(int argc, char** argv)
 {
     using namespace proxima::bench;
     benchmark::Initialize(&argc, argv);
+    if (!use_instruction_set_asked_for()) return 2;
     if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
     const auto over_triangles = [](auto sum) {
         return [sum](benchmark::State& state) { sum_triangles(state, sum); };

@@ -5,6 +5,7 @@
 // cells, references and a hash of the lists: a faster wrong answer would show.
 
 #include "akenine_moller.h"
+#include "instruction_set.h"
 #include "proxima/mesh_io.h"
 #include "proxima/octree.h"
 #include "proxima/sample_meshes.h"
@@ -220,6 +221,7 @@ void add_all()
 int main(int argc, char** argv)
 {
     benchmark::Initialize(&argc, argv);
+    if (!proxima::bench::use_instruction_set_asked_for()) return 2;
     if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
     proxima::bench::add_all();
     benchmark::RunSpecifiedBenchmarks();

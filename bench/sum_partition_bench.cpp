@@ -12,6 +12,7 @@
 // normal; then the number of points found inside, by which the rows must agree. PROXIMA_BENCH_MESH
 // names a further mesh, built to depth 9 with threshold 8.
 
+#include "instruction_set.h"
 #include "minkowski/operation_counts.h"
 #include "partition_workload.h"
 #include "proxima/convex_polyhedron.h"
@@ -371,6 +372,7 @@ void register_all()
 int main(int argc, char** argv)
 {
     benchmark::Initialize(&argc, argv);
+    if (!proxima::bench::use_instruction_set_asked_for()) return 2;
     proxima::bench::register_all();
     benchmark::RunSpecifiedBenchmarks();
     return 0;

@@ -1,5 +1,6 @@
 #include "cli/command_line.h"
 
+#include "base/simd.h"
 #include "cli/interrupt.h"
 #include "cli/names.h"
 #include "cli/session.h"
@@ -48,6 +49,11 @@ void add_common_options(CLI::App& parser, CommonOptions& options)
     parser.add_option("--threads", options.threads, "Threads to use; 0 for all")
         ->check(CLI::Range(0, 1024))
         ->type_name("N");
+    parser
+        .add_option("--simd", options.simd,
+                    "Instruction set of kernels, such as AVX2, instead of the best")
+        ->envname("PROXIMA_SIMD")
+        ->type_name("NAME");
     parser.add_flag("--quiet", options.quiet, "Print nothing for people");
 }
 
@@ -70,7 +76,8 @@ int run(const Command& command, const CommonOptions& options)
 {
     Session session(options);
     const InterruptGuard guard(session.progress());
-    Status status = session.check_outputs({});
+    Status status = options.simd.empty() ? Status() : choose_simd_target(options.simd);
+    if (status) status = session.check_outputs({});
     if (status) status = command.run(session);
     if (status) status = session.finish();
     if (status) return 0;
@@ -85,7 +92,11 @@ int parse_and_run(int argc, char** argv, const char* version, std::span<const Ad
     CLI::App app(
         "Spatial queries on triangle meshes: closest features, rays, contact, culling, touch.",
         "proxima");
-    app.set_version_flag("--version", version);
+    app.set_version_flag("--version", [version] {
+        std::string text = fmt::format("{}\ninstruction sets here, the best first:", version);
+        for (const SimdTarget& target : simd_targets()) text += ' ' + target.name;
+        return text;
+    });
     app.require_subcommand(1);
     app.get_formatter()->column_width(32);
     CommonOptions options;

@@ -22,6 +22,7 @@ struct CommonOptions {
     std::string json;           ///< file for the JSON result, "-" for stdout, empty for none
     std::optional<int> threads; ///< 0 = all that the machine offers; none where not asked for
     bool quiet = false;         ///< nothing for people, neither text nor a progress bar
+    std::string simd;           ///< the instruction set of kernels, empty for the best
     std::vector<std::string> arguments; ///< values of all options, as given: input files among them
 };
 

@@ -78,7 +78,7 @@ HWY_INLINE V compress(V lanes, M mask)
 {
     using Tag = hn::DFromV<V>;
     static_assert(sizeof(hn::TFromD<Tag>) == 4);
-#if HWY_ARCH_X86 && HWY_TARGET >= HWY_AVX2 && HWY_TARGET != HWY_SCALAR
+#if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_SSE4 || HWY_TARGET == HWY_SSSE3
     const Tag tag;
     const hn::Rebind<float, Tag> floats;
     const auto all = hn::BitCast(floats, hn::VecFromMask(tag, mask)).raw;

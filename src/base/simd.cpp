@@ -1,5 +1,7 @@
 #include "base/simd.h"
 
+#include "base/text.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "base/simd.cpp"
 #include <hwy/foreach_target.h>
@@ -39,6 +41,20 @@ std::string current_simd_target()
     const std::int64_t supported = hwy::SupportedTargets() & HWY_TARGETS;
     // Better targets have lower bits.
     return hwy::TargetName(supported & -supported);
+}
+
+Status choose_simd_target(const std::string& name)
+{
+    std::string known;
+    for (const SimdTarget& target : simd_targets()) {
+        if (target.name == name) {
+            force_simd_target(target);
+            return {};
+        }
+        known += (known.empty() ? "" : ", ") + target.name;
+    }
+    return fail(ErrorCode::invalid_argument,
+                concat("no instruction set ", name, ": this machine has ", known), "simd");
 }
 
 void force_simd_target(const SimdTarget& target)

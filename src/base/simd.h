@@ -2,6 +2,8 @@
 // chosen at run time; every choice gives the same bits, and tests run them all.
 #pragma once
 
+#include "proxima/result.h"
+
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -19,6 +21,11 @@ struct SimdTarget {
 
 /// The target that kernels use now.
 [[nodiscard]] std::string current_simd_target();
+
+/// Kernels use the instruction set of that name from now on, in the whole process. Error:
+/// invalid_argument, naming those there are, where this build or this machine has none of that name.
+/// Not thread safe.
+[[nodiscard]] Status choose_simd_target(const std::string& name);
 
 /// For tests: uses only `target` from now on, in the whole process, until restore_simd_targets().
 /// Not thread safe.

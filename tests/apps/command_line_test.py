@@ -294,7 +294,17 @@ class Parser(ProgramTest):
     def test_help_and_version(self):
         self.assertIn("octree", self.succeed("--help"))
         self.assertIn("--threshold", self.succeed("octree", "--help"))
-        self.assertRegex(self.succeed("--version"), r"^\d+\.\d+\.\d+\n$")
+        self.assertRegex(self.succeed("--version"), r"^\d+\.\d+\.\d+\ninstruction sets here, the best first:( \w+)+\n$")
+
+    def test_every_instruction_set_gives_the_same_results(self):
+        names = self.succeed("--version").split(":")[1].split()
+        points = self.file("points.csv", "".join(f"{x},0.3,0.7\n" for x in range(-3, 4)))
+        def answers(*options):
+            return self.succeed("closest", "sphere:20x20", "--points", points, "--out", "-", *options)
+        for name in names:
+            self.assertEqual(answers("--simd", name), answers())
+        self.refuse("closest", "sphere:20x20", "--points", points, "--simd", "AVX9",
+                    says="no instruction set AVX9: this machine has " + ", ".join(names))
 
     def test_wrong_usage_has_status_2(self):
         self.refuse(status=2, says="subcommand")
