@@ -6,6 +6,14 @@ add_library(proxima_developer_options INTERFACE)
 target_compile_options(proxima_developer_options INTERFACE
   -ffp-contract=off -Wall -Wextra -Wconversion -Wshadow -Wno-sign-conversion
   $<$<BOOL:${PROXIMA_WARNINGS_AS_ERRORS}>:-Werror>)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
+  # Otherwise g++ 12 copies and clears structs of a hundred bytes by `rep movs` and `rep stos` in code for AVX2 and SSE4.
+  # These take dozens of cycles to begin.
+  foreach(job memcpy memset)
+    target_compile_options(proxima_developer_options INTERFACE
+      -m${job}-strategy=unrolled_loop:1024:noalign,libcall:-1:noalign)
+  endforeach()
+endif()
 if(PROXIMA_SANITIZE)
   target_compile_options(proxima_developer_options INTERFACE
     -fsanitize=${PROXIMA_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
