@@ -85,8 +85,10 @@ public:
         for (std::size_t first = 0; first < table_.rows(); first += round_points) {
             const std::size_t count = std::min(round_points, table_.rows() - first);
             const Stopwatch watch;
-            parallel_for((count + task_points - 1) / task_points, session_.threads(),
-                         [&](std::size_t task) { answer_task(first, count, task); });
+            parallel_chunks(count, task_points, session_.threads(),
+                            [&](std::size_t begin, std::size_t end) {
+                                answer_chunk(first, begin, end - begin);
+                            });
             seconds_ += watch.seconds();
             if (Status status = session_.check_running(); !status) return status;
             const auto answers = std::span<const ClosestFeature>(answers_).first(count);
@@ -108,20 +110,17 @@ private:
     Status write(RowWriter& writer, std::uint64_t first, std::span<const ClosestFeature> answers,
                  std::span<const SignedDistance> signs)
     {
-        const std::size_t tasks = (answers.size() + task_points - 1) / task_points;
-        return writer.write_tasks(tasks, session_.threads(), [&](std::size_t task) {
-            const std::size_t begin = task * task_points;
-            const std::size_t count = std::min(task_points, answers.size() - begin);
-            return answer_rows(writer.format(), first + begin, answers.subspan(begin, count),
-                               signs.empty() ? signs : signs.subspan(begin, count));
-        });
+        const auto rows = [&](std::size_t begin, std::size_t end) {
+            return answer_rows(writer.format(), first + begin, answers.subspan(begin, end - begin),
+                               signs.empty() ? signs : signs.subspan(begin, end - begin));
+        };
+        return writer.write_chunks(answers.size(), task_points, session_.threads(), rows);
     }
 
-    void answer_task(std::size_t first, std::size_t round_count, std::size_t task)
+    /// Answers `count` points of the round that starts at row `first`, from its `begin`th on.
+    void answer_chunk(std::size_t first, std::size_t begin, std::size_t count)
     {
         if (session_.progress().cancelled()) return;
-        const std::size_t begin = task * task_points;
-        const std::size_t count = std::min(task_points, round_count - begin);
         std::array<Vec3, task_points> points;
         for (std::size_t i = 0; i < count; ++i) {
             const double* const row = table_.values.data() + 3 * (first + begin + i);

@@ -7,6 +7,7 @@
 #include "proxima/execution.h"
 #include "proxima/result.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -41,6 +42,21 @@ public:
             if (!status) return status;
         }
         return {};
+    }
+
+    /// Calls check(first, end), which returns a Status, for chunks of items of `item_bytes` bytes
+    /// each, a task of its own for each; the error of the lowest that has one.
+    template <class Check>
+    [[nodiscard]] Status run_chunks(std::size_t count, std::size_t item_bytes, Check&& check) const
+    {
+        const std::size_t chunk = task_bytes / item_bytes;
+        return run(chunk_count(count, chunk), [&](std::size_t task) -> Status {
+            const std::size_t first = task * chunk;
+            const std::size_t end = std::min(count, first + chunk);
+            Status status = check(first, end);
+            advance_stage(execution_.progress, (end - first) * item_bytes);
+            return status;
+        });
     }
 
 private:

@@ -116,13 +116,12 @@ private:
     void for_each(const char* stage, std::size_t count, const Body& body) const
     {
         begin_stage(stage, count);
-        parallel_for((count + chunk - 1) / chunk, options_.execution.threads,
-                     [&](std::size_t part) {
-                         if (cancelled()) return;
-                         const std::size_t end = std::min(count, (part + 1) * chunk);
-                         for (std::size_t i = part * chunk; i < end; ++i) body(i);
-                         advance_stage(options_.execution.progress, end - part * chunk);
-                     });
+        parallel_chunks(count, chunk, options_.execution.threads,
+                        [&](std::size_t first, std::size_t end) {
+                            if (cancelled()) return;
+                            for (std::size_t i = first; i < end; ++i) body(i);
+                            advance_stage(options_.execution.progress, end - first);
+                        });
     }
 
     /// Descends with each cap to the empty cells that it may touch.

@@ -239,17 +239,16 @@ Result<WindingNumber> build_winding_number(const TriangleMesh& mesh, const Windi
     const WindingClusters view = winding.clusters();
     std::vector<Extent> extents(clusters.size());
     constexpr std::size_t chunk = 256;
-    parallel_for((clusters.size() + chunk - 1) / chunk, options.execution.threads,
-                 [&, &made = clusters](std::size_t part) {
-                     if (is_cancelled(options.execution.progress)) return;
-                     const std::size_t end = std::min(made.size(), (part + 1) * chunk);
-                     for (std::size_t i = part * chunk; i < end; ++i) {
-                         if (!view.is_leaf(i)) continue;
-                         fill_leaf(made[i], extents[i], mesh,
-                                   view.order.subspan(made[i].first, made[i].count), view.unit);
-                         advance_stage(options.execution.progress, made[i].count);
-                     }
-                 });
+    parallel_chunks(clusters.size(), chunk, options.execution.threads,
+                    [&, &made = clusters](std::size_t first, std::size_t end) {
+                        if (is_cancelled(options.execution.progress)) return;
+                        for (std::size_t i = first; i < end; ++i) {
+                            if (!view.is_leaf(i)) continue;
+                            fill_leaf(made[i], extents[i], mesh,
+                                      view.order.subspan(made[i].first, made[i].count), view.unit);
+                            advance_stage(options.execution.progress, made[i].count);
+                        }
+                    });
     if (is_cancelled(options.execution.progress)) return cancelled();
     for (std::size_t i = clusters.size(); i-- > 0;) {
         if (!view.is_leaf(i)) {
