@@ -32,7 +32,8 @@ struct ClosestOptions {
     std::string points;
     std::string out; ///< "-" for stdout, empty for none
     bool is_signed = false;
-    std::uint64_t budget_mb = 0;
+    bool lists = false;
+    std::uint64_t budget_mb = 0; ///< of lists; 0: the library's own
     QueryMethod method = QueryMethod::index;
     ThesisClosestOptions thesis; ///< of --method thesis
 };
@@ -188,7 +189,7 @@ void check_method_options(const CLI::App& parser, QueryMethod method)
         throw CLI::ValidationError(name, concat("it goes with --method ", other));
     };
     if (method == QueryMethod::thesis) {
-        for (const char* const name : {"--signed", "--budget-mb"}) refuse(name, "index");
+        for (const char* const name : {"--signed", "--lists", "--budget-mb"}) refuse(name, "index");
     } else {
         for (const char* const name : {"--depth", "--save", "--octree"}) refuse(name, "thesis");
     }
@@ -206,9 +207,11 @@ Status run_closest(const ClosestOptions& options, Session& session)
                                  {.execution = {.progress = &session.progress()}});
     }();
     if (!table) return tl::unexpected(table.error());
-    const auto searcher = make_closest_searcher(
-        options.model,
-        {.is_signed = options.is_signed, .list_bytes = options.budget_mb * 1'000'000}, session);
+    const auto searcher = make_closest_searcher(options.model,
+                                                {.is_signed = options.is_signed,
+                                                 .lists = options.lists || options.budget_mb != 0,
+                                                 .list_bytes = options.budget_mb * 1'000'000},
+                                                session);
     if (!searcher) return tl::unexpected(searcher.error());
     auto writer = RowWriter::open(options.out);
     if (!writer) return tl::unexpected(writer.error());
@@ -248,8 +251,12 @@ Command add_closest_command(CLI::App& app)
         ->type_name("FILE");
     parser->add_flag("--signed", options->is_signed,
                      "Also the distance with its sign, negative inside, and how it was found");
+    parser->add_flag("--lists", options->lists,
+                     "Build closest-feature lists: the same answers, a bound on the slowest query, "
+                     "a much longer build");
     add_budget_option(*parser, options->budget_mb,
-                      "Build closest-feature lists, of so many 10^6 bytes at most");
+                      "Build lists of so many 10^6 bytes at most (default: 520 bytes per triangle, "
+                      "more for small meshes)");
     add_query_method_option(*parser, options->method,
                             "its proximity octree, of convex meshes, for points outside");
     parser
@@ -263,7 +270,7 @@ Command add_closest_command(CLI::App& app)
     parser->add_option("--octree", options->thesis.octree, "Ask this saved octree of the thesis")
         ->type_name("FILE.pxv");
     parser->callback([parser, options] { check_method_options(*parser, options->method); });
-    refuse_beside_index_file(*parser, options->model, {"--budget-mb"});
+    refuse_beside_index_file(*parser, options->model, {"--lists", "--budget-mb"});
     return {parser, [options](Session& session) { return run_closest(*options, session); }};
 }
 
