@@ -309,7 +309,7 @@ Result<BinaryTree> build_binary_tree(const TriangleMesh& mesh, const Box& box,
 {
     BinaryTreeBuilder builder(mesh, box, root, threads, progress);
     if (!builder.sort_triangles() || !builder.make_nodes())
-        return fail(ErrorCode::cancelled, "mesh index: stopped on request");
+        return cancelled("building the mesh index");
     return builder.result();
 }
 

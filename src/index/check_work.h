@@ -24,11 +24,6 @@ public:
     /// For one task's steps, in bytes.
     [[nodiscard]] StageSteps steps() const noexcept { return {execution_.progress, task_bytes}; }
 
-    [[nodiscard]] static tl::unexpected<Error> stopped()
-    {
-        return fail(ErrorCode::cancelled, "checking was stopped on request");
-    }
-
     /// Calls check(task), which returns a Status, for all tasks; the error of the lowest that has
     /// one.
     template <class Check>
@@ -36,7 +31,9 @@ public:
     {
         std::vector<Status> found(tasks);
         parallel_for(tasks, execution_.threads, [&](std::size_t task) {
-            found[task] = is_cancelled(execution_.progress) ? Status(stopped()) : check(task);
+            found[task] = is_cancelled(execution_.progress)
+                              ? Status(cancelled("checking the index"))
+                              : check(task);
         });
         for (const Status& status : found) {
             if (!status) return status;

@@ -83,7 +83,7 @@ public:
             (this->*step)();
             advance_stage(options_.execution.progress, 1);
             if (is_cancelled(options_.execution.progress)) {
-                return fail(ErrorCode::cancelled, "mesh report: stopped on request");
+                return cancelled("the mesh report");
             }
         }
         if (const Status welded = examine_welded(); !welded) return tl::unexpected(welded.error());

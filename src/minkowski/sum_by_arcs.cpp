@@ -45,7 +45,7 @@ public:
                         "the sum's facets have more than 2^28 corners together: sum coarser "
                         "polyhedra");
         }
-        if (!done) return fail(ErrorCode::cancelled, "stopped on request");
+        if (!done) return cancelled("the Minkowski sum");
         return holds_line ? std::move(sum_).finish_with_line() : std::move(sum_).finish();
     }
 

@@ -207,11 +207,6 @@ auto triangles_of(const TriangleMesh& mesh) noexcept
     return [&mesh](std::uint32_t id) { return mesh.triangle(TriangleId{id}); };
 }
 
-tl::unexpected<Error> cancelled()
-{
-    return fail(ErrorCode::cancelled, "stopped while summing moments");
-}
-
 } // namespace
 
 Result<WindingNumber> build_winding_number(const TriangleMesh& mesh, const WindingOptions& options)
@@ -230,7 +225,7 @@ Result<WindingNumber> build_winding_number(const TriangleMesh& mesh, const Windi
     {
         const auto items =
             triangle_order(mesh, bounds, SpaceCurve::morton, options.execution.progress);
-        if (!items) return cancelled();
+        if (!items) return cancelled("building the winding number");
         order.reserve(items->size());
         for (const KeyedIndex& item : *items) order.push_back(item.index);
         append_clusters(clusters, *items, 0, static_cast<std::uint32_t>(items->size()));
@@ -249,7 +244,7 @@ Result<WindingNumber> build_winding_number(const TriangleMesh& mesh, const Windi
                             advance_stage(options.execution.progress, made[i].count);
                         }
                     });
-    if (is_cancelled(options.execution.progress)) return cancelled();
+    if (is_cancelled(options.execution.progress)) return cancelled("building the winding number");
     for (std::size_t i = clusters.size(); i-- > 0;) {
         if (!view.is_leaf(i)) {
             const std::size_t left = i + 1;

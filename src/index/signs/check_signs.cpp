@@ -109,7 +109,7 @@ private:
         std::size_t used = 0;
         StageSteps steps = work_.steps();
         for (std::size_t edge = 0; edge < signs_.edges.size(); ++edge) {
-            if (!steps.done(sizeof(std::uint32_t))) return CheckWork::stopped();
+            if (!steps.done(sizeof(std::uint32_t))) return cancelled("checking the index");
             const auto bad = [&](const char* fault) {
                 return bad_signs(fault, concat("signs of edge ", edge));
             };

@@ -277,11 +277,6 @@ SurfaceSides sides_of(const Patch& patch, const WindingNumber& winding)
     return *front > 0 ? SurfaceSides::inside_both : SurfaceSides::outside_both;
 }
 
-tl::unexpected<Error> sides_stopped()
-{
-    return fail(ErrorCode::cancelled, "surface sides: stopped on request");
-}
-
 Result<std::vector<std::uint8_t>> find_contacts(const IndexParts& tree, const TriangleMesh& mesh,
                                                 const Clearance& clearance,
                                                 const SurfaceSidesOptions& options)
@@ -307,7 +302,8 @@ Result<std::vector<std::uint8_t>> find_contacts(const IndexParts& tree, const Tr
         if (areas[to_index(id)] == 0) return;
         contacts[to_index(id)] = meets_another(tree, mesh, areas, id, clearance) ? 1 : 0;
     });
-    if (is_cancelled(options.execution.progress)) return sides_stopped();
+    if (is_cancelled(options.execution.progress))
+        return cancelled("finding the sides of the surface");
     return contacts;
 }
 
@@ -350,7 +346,8 @@ Result<std::vector<SurfaceSides>> find_surface_sides(const MeshIndex& tree,
                         }
                         advance_stage(options.execution.progress, end - first);
                     });
-    if (is_cancelled(options.execution.progress)) return sides_stopped();
+    if (is_cancelled(options.execution.progress))
+        return cancelled("finding the sides of the surface");
     for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
         const std::uint32_t patch = patches.of_triangle[i];
         if (patch != Patches::none) sides[i] = patches.items[patch].sides;

@@ -166,7 +166,7 @@ Result<MeshIndex> with_slabs(const MeshIndex& index, const SlabOptions& options)
         return tl::unexpected(status.error());
     SlabWriter writer(index.parts());
     if (!writer.write(options.execution.threads, options.execution.progress))
-        return fail(ErrorCode::cancelled, "slabs: stopped on request");
+        return cancelled("fitting slabs");
     return writer.result();
 }
 

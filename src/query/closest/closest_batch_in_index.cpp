@@ -326,7 +326,7 @@ Status closest_features(const MeshIndex& index, std::span<const Vec3> points,
                         advance_stage(options.execution.progress, count);
                     });
     if (is_cancelled(options.execution.progress))
-        return fail(ErrorCode::cancelled, "searching closest features was cancelled");
+        return cancelled("the search for closest features");
     if (bad < points.size()) {
         return fail(ErrorCode::invalid_argument,
                     concat("point ", bad.load(), " is not finite: leave it out"), "points");

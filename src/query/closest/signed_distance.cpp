@@ -301,8 +301,7 @@ Status signed_distances(const MeshIndex& index, std::span<const Vec3> points,
             }
             advance_stage(progress, own.size());
         });
-    if (is_cancelled(progress))
-        return fail(ErrorCode::cancelled, "signed distances: stopped on request");
+    if (is_cancelled(progress)) return cancelled("computing signed distances");
     return {};
 }
 

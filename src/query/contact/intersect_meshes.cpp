@@ -171,8 +171,7 @@ Status for_poses(std::size_t count, const PairOptions& options, const Task& task
                             advance_stage(options.execution.progress, 1);
                         }
                     });
-    if (is_cancelled(options.execution.progress))
-        return fail(ErrorCode::cancelled, "intersecting meshes: stopped on request");
+    if (is_cancelled(options.execution.progress)) return cancelled("intersecting meshes");
     return {};
 }
 

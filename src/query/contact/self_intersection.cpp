@@ -84,7 +84,7 @@ Result<SelfIntersections> find_self_intersections(const MeshIndex& index,
         };
         parallel_chunks(count, chunk_rows, options.execution.threads, search);
         if (is_cancelled(options.execution.progress))
-            return fail(ErrorCode::cancelled, "finding self-intersections: stopped on request");
+            return cancelled("finding self-intersections");
         for (const auto& pairs : found)
             result.pairs.insert(result.pairs.end(), pairs.begin(), pairs.end());
         if (result.pairs.size() > options.max_pairs) {

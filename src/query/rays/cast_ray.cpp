@@ -209,8 +209,7 @@ Status for_chunks(std::span<const Ray> rays, std::size_t answers, const RayBatch
                         task(first, rays.subspan(first, end - first));
                         advance_stage(options.execution.progress, end - first);
                     });
-    if (is_cancelled(options.execution.progress))
-        return fail(ErrorCode::cancelled, "casting rays: stopped on request");
+    if (is_cancelled(options.execution.progress)) return cancelled("casting rays");
     return {};
 }
 

@@ -225,7 +225,7 @@ Result<GrownRegions> grow_regions(const TriangleMesh& mesh, const Topology& topo
             advance_stage(options.execution.progress, end - first);
         });
     if (is_cancelled(options.execution.progress)) {
-        return fail(ErrorCode::cancelled, "the proximity octree was stopped on request");
+        return cancelled("building the proximity octree");
     }
     if (Status status = check_budget(options.execution.budget, used, "the Voronoi regions",
                                      "raise the budget or take a mesh of fewer triangles");

@@ -164,8 +164,7 @@ Result<LabelledCells> CellLabeller::children(const LabelledCells& level,
                         }
                         advance_stage(options.execution.progress, end - first);
                     });
-    if (is_cancelled(options.execution.progress))
-        return fail(ErrorCode::cancelled, "the proximity octree was stopped on request");
+    if (is_cancelled(options.execution.progress)) return cancelled("building the proximity octree");
     if (Status status = check_budget(options.execution.budget, used, "the proximity octree",
                                      "lower the depth, raise the thresholds or the budget");
         !status)
