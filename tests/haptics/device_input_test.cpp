@@ -346,6 +346,22 @@ TEST(DeviceInput, ReleaseFadesTheForceForGood)
     EXPECT_EQ(felt.input.faulty_ticks, 0U);
 }
 
+TEST(DeviceInput, ADeviceThatEndsTheSessionIsNoFault)
+{
+    const CubeScene scene;
+    PressingDevice device(scene, [](std::uint64_t tick, DeviceReading& reading) {
+        if (tick < fault_begin) return;
+        reading.state.condition = InputCondition::released; // and nothing new after that
+        reading.sample = fault_begin;
+    });
+    const SessionFelt felt = run_session(scene, device, ticks);
+    EXPECT_GT(felt.forces[fault_begin - 1], 1.0);
+    for (std::uint64_t tick = faded; tick < ticks; ++tick) EXPECT_EQ(felt.forces[tick], 0);
+    EXPECT_EQ(felt.input.faulty_ticks, 0U);
+    EXPECT_EQ(felt.input.losses + felt.input.silences, 0U);
+    EXPECT_EQ(felt.quality.faulty_ticks, 0U);
+}
+
 TEST(ButtonQueue, HandsOverEventsInOrder)
 {
     const CubeScene scene;

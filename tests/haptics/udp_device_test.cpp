@@ -62,7 +62,7 @@ TEST(UdpDevice, CountsLostDuplicatedAndReorderedPackets)
     StatePacket leaving = state_packet(2);
     leaving.flags = StatePacket::leaving;
     take(leaving, 1049 + 2101, somebody);
-    EXPECT_EQ(device->read().state.condition, InputCondition::gone);
+    EXPECT_EQ(device->read().state.condition, InputCondition::released);
 }
 
 TEST(UdpDevice, ANumberTooHighToFollowLocksNobodyOut)

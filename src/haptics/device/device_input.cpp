@@ -140,10 +140,11 @@ InputCondition InputGuard::condition_of(const DeviceReading& reading) noexcept
     sample_ = reading.sample;
     report_.samples += is_new ? 1U : 0U;
     waited_ = is_new ? 0 : waited_ + options_.tick_seconds;
-    if (reading.state.condition == InputCondition::gone) return InputCondition::gone;
+    const InputCondition reported = reading.state.condition;
+    if (reported == InputCondition::gone || reported == InputCondition::released) return reported;
     if (is_new) {
         const InputCondition judged = judge(reading.state);
-        return reading.state.condition == InputCondition::well ? judged : reading.state.condition;
+        return reported == InputCondition::well ? judged : reported;
     }
     if (!placed_ || waited_ > patience_) return InputCondition::silent;
     return is_fault(state_.condition) ? state_.condition : InputCondition::well;
