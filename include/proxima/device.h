@@ -90,7 +90,7 @@ struct DevicePlane {
 struct DeviceCommand {
     Vec3 force = Vec3::Zero(); ///< N: finite, within the limits, ramps included
     InputCondition condition = InputCondition::well; ///< of the reading that it answers
-    double trust = 1;           ///< 0 to 1: the ramps, by which forces of `planes` are scaled
+    double force_scale = 1;     ///< 0 to 1: the ramps; multiplies forces made from `planes`
     double stiffness = 0;       ///< N/m
     double damping = 0;         ///< N s/m
     double static_friction = 0; ///< smaller while the tip slides

@@ -15,7 +15,7 @@ using testing::device_side;
 using testing::listening_device;
 using testing::millisecond;
 using testing::run_session;
-using testing::SessionFelt;
+using testing::SessionResult;
 using testing::state_packet;
 
 constexpr UdpAddress somebody{0x7f000001, 4001};
@@ -142,7 +142,7 @@ TEST(UdpDevice, SurvivesAnyBytes)
     std::mt19937_64 random(11);
     const auto device = listening_device();
     std::uint64_t sequence = 0;
-    const SessionFelt felt =
+    const SessionResult session =
         run_session(scene, *device, 20000, {}, [&](std::uint64_t tick, DeviceInput&) {
             const auto now = static_cast<std::int64_t>((tick + 5000) * millisecond);
             std::array<std::byte, state_packet_size + 8> junk{};
@@ -159,7 +159,7 @@ TEST(UdpDevice, SurvivesAnyBytes)
         });
     EXPECT_GT(device->report().malformed, 10000U);
     EXPECT_GT(device->report().accepted, 1000U);
-    EXPECT_GT(felt.input.faulty_ticks, 0U);
+    EXPECT_GT(session.input.faulty_ticks, 0U);
 }
 
 TEST(UdpSocket, ParsesAddressesAndReportsPortsInUse)

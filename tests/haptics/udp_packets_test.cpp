@@ -63,7 +63,7 @@ TEST(UdpPackets, RepliesSurviveEncodingAndDecoding)
     command.anchor = Vec3{number(random), number(random), number(random)};
     for (DevicePlane& plane : command.planes)
         plane = {Vec3{number(random), number(random), number(random)}, number(random)};
-    for (double* const x : {&command.trust, &command.stiffness, &command.damping,
+    for (double* const x : {&command.force_scale, &command.stiffness, &command.damping,
                             &command.static_friction, &command.dynamic_friction, &packet.max_force,
                             &packet.hold_seconds, &packet.fade_seconds, &packet.recovery_seconds})
         *x = number(random);

@@ -16,7 +16,7 @@ namespace {
 using testing::CubeScene;
 using testing::listening_device;
 using testing::run_session;
-using testing::SessionFelt;
+using testing::SessionResult;
 using testing::state_packet;
 
 /// The device's side of a loopback session: a hand in a loop of its own, and a line that loses,
@@ -55,7 +55,7 @@ double left_of_motion(int ticks)
 }
 
 /// How much the force may change in a tick, N: by the hand's motion at its fastest, that of a damped
-/// spring let go from rest, and by trust that comes back where the hand is as deep as it wants to be.
+/// spring let go from rest, and by a force scale that rises where the hand is deepest.
 double largest_change()
 {
     const HandModel hand;
@@ -65,13 +65,13 @@ double largest_change()
     const double phase = std::acos(damping);
     const double speed =
         (begins_above + wants_below) * rate * std::exp(-phase / std::tan(phase)); // 0.44 m/s
-    const double trust = hand.tick_seconds / wall.loss_seconds;
-    return wall.stiffness * (speed * hand.tick_seconds + wants_below * trust); // 0.37 N
+    const double rise = hand.tick_seconds / wall.loss_seconds;
+    return wall.stiffness * (speed * hand.tick_seconds + wants_below * rise); // 0.37 N
 }
 
 struct HandOverLine {
     std::vector<double> forces;
-    std::vector<int> trusted; ///< at each tick: since when the force is given in full, in ticks
+    std::vector<int> in_full; ///< by tick: for how many ticks the force has been given in full
     double largest_step = 0;  ///< of the force, N per tick since the reply before
     std::uint64_t replies = 0;
 };
@@ -87,9 +87,9 @@ HandOverLine hand_over_line(const UdpAddress& to, const CubeScene& scene, const 
     RemoteServo servo(3.3);
     HandOverLine result;
     result.forces.reserve(static_cast<std::size_t>(ms));
-    result.trusted.reserve(static_cast<std::size_t>(ms));
+    result.in_full.reserve(static_cast<std::size_t>(ms));
     Vec3 force = Vec3::Zero();
-    double trust = 0; // of the last reply
+    double force_scale = 0; // of the last reply
     int heard_at = 0;
     std::optional<std::array<std::byte, state_packet_size>> held_back;
     const auto begin = std::chrono::steady_clock::now();
@@ -114,7 +114,7 @@ HandOverLine hand_over_line(const UdpAddress& to, const CubeScene& scene, const 
             }
         }
         const double now = 1e-3 * tick;
-        const int silence = servo.trust() > 0 ? std::clamp(tick - heard_at, 1, 20) : 1;
+        const int silence = servo.fade_factor() > 0 ? std::clamp(tick - heard_at, 1, 20) : 1;
         std::array<std::byte, reply_packet_size> buffer{};
         while (const auto received = socket.receive(buffer)) {
             ReplyPacket reply;
@@ -122,54 +122,54 @@ HandOverLine hand_over_line(const UdpAddress& to, const CubeScene& scene, const 
                 continue;
             ++result.replies;
             servo.take(reply, now);
-            trust = reply.command.trust;
+            force_scale = reply.command.force_scale;
             heard_at = tick;
             if (!own_servo) force = reply.command.force;
         }
         const Vec3 before = force;
         const Vec3 mine = servo.force(state.pose.translation, state.velocity, now);
         if (own_servo) force = mine;
-        // What changes while no reply comes is felt at once when one does.
+        // What changes while no reply comes changes the force at once when one does.
         const int ticks = heard_at == tick ? silence : 1;
         result.largest_step = std::max(result.largest_step, (force - before).norm() / ticks);
         result.forces.push_back(force.norm());
-        const bool in_full = trust == 1 && servo.trust() == 1;
-        result.trusted.push_back(in_full && tick > 0 ? result.trusted.back() + 1 : 0);
+        const bool is_full = force_scale == 1 && servo.fade_factor() == 1;
+        result.in_full.push_back(is_full && tick > 0 ? result.in_full.back() + 1 : 0);
         hand.step(force, target);
     }
     return result;
 }
 
-struct LoopbackFelt {
+struct LoopbackResult {
     bool began_outside = false; ///< the session heard of the hand before it was in the cube
     HandOverLine hand;
-    SessionFelt session;
+    SessionResult session;
     UdpReport report;
 };
 
-LoopbackFelt loopback(const Line& line, int ms, bool own_servo)
+LoopbackResult loopback(const Line& line, int ms, bool own_servo)
 {
     const CubeScene scene;
     const auto device = listening_device();
-    LoopbackFelt felt;
+    LoopbackResult result;
     std::thread hand(
-        [&] { felt.hand = hand_over_line(device->address(), scene, line, ms, own_servo); });
-    felt.session =
+        [&] { result.hand = hand_over_line(device->address(), scene, line, ms, own_servo); });
+    result.session =
         run_session(scene, *device, static_cast<std::uint64_t>(ms), {}, {}, Pace::best_effort);
     hand.join();
-    for (const RecordedTick& tick : felt.session.recording.ticks) {
+    for (const RecordedTick& tick : result.session.recording.ticks) {
         if (!std::isfinite(tick.position[2])) continue;
-        felt.began_outside = tick.position[2] > scene.half;
+        result.began_outside = tick.position[2] > scene.half;
         break;
     }
-    felt.report = device->report();
-    return felt;
+    result.report = device->report();
+    return result;
 }
 
 /// Expects the force of a hand at rest.
 void expect_rest(const HandOverLine& hand, std::size_t tick)
 {
-    EXPECT_NEAR(hand.forces[tick], force_at_rest(), left_of_motion(hand.trusted[tick])) << tick;
+    EXPECT_NEAR(hand.forces[tick], force_at_rest(), left_of_motion(hand.in_full[tick])) << tick;
 }
 void expect_rest_at_end(const HandOverLine& hand)
 {
@@ -178,79 +178,81 @@ void expect_rest_at_end(const HandOverLine& hand)
 
 /// Whether the hand came from outside, the force was given in full for so long that little is left
 /// of the hand's motion, at the end and before the line is cut, and nothing interrupted its return.
-bool is_steady(const LoopbackFelt& felt, const Line& line)
+bool is_steady(const LoopbackResult& result, const Line& line)
 {
     constexpr int at_end = 300;     // 0.14 N are left
     constexpr int before_cut = 200; // 0.6 N
-    const std::vector<int>& trusted = felt.hand.trusted;
-    if (line.cut_from > 0 && trusted[static_cast<std::size_t>(line.cut_from) - 1] < before_cut)
+    const std::vector<int>& in_full = result.hand.in_full;
+    if (line.cut_from > 0 && in_full[static_cast<std::size_t>(line.cut_from) - 1] < before_cut)
         return false;
-    return felt.began_outside && trusted.back() >= at_end &&
-           felt.session.input.longest_recovery < 2 * ForceOptions{}.loss_seconds;
+    return result.began_outside && in_full.back() >= at_end &&
+           result.session.input.longest_recovery < 2 * ForceOptions{}.loss_seconds;
 }
 
 /// Tries again where a busy machine has begun late, or kept the line silent for longer than its
 /// patience.
-LoopbackFelt steady_loopback(const Line& line, int ms, bool own_servo)
+LoopbackResult steady_loopback(const Line& line, int ms, bool own_servo)
 {
-    LoopbackFelt felt;
+    LoopbackResult result;
     for (int attempt = 0; attempt < 5; ++attempt) {
-        felt = loopback(line, ms, own_servo);
-        if (is_steady(felt, line)) break;
+        result = loopback(line, ms, own_servo);
+        if (is_steady(result, line)) break;
     }
-    EXPECT_TRUE(is_steady(felt, line));
-    return felt;
+    EXPECT_TRUE(is_steady(result, line));
+    return result;
 }
 
 TEST(UdpSession, AHandFeelsTheSurfaceOverLoopback)
 {
     for (const bool own_servo : {false, true}) {
-        const LoopbackFelt felt = steady_loopback({}, 800, own_servo);
-        EXPECT_GT(felt.report.accepted, 100U); // of 800, on a machine that does other things
-        EXPECT_GT(felt.hand.replies, 100U);
-        EXPECT_EQ(felt.report.malformed + felt.report.foreign + felt.report.unsent, 0U);
+        const LoopbackResult result = steady_loopback({}, 800, own_servo);
+        EXPECT_GT(result.report.accepted, 100U); // of 800, on a machine that does other things
+        EXPECT_GT(result.hand.replies, 100U);
+        EXPECT_EQ(result.report.malformed + result.report.foreign + result.report.unsent, 0U);
         SCOPED_TRACE(own_servo ? "a servo of its own" : "the forces of the replies");
-        expect_rest_at_end(felt.hand);
-        EXPECT_EQ(felt.session.quality.passes, 0U);
+        expect_rest_at_end(result.hand);
+        EXPECT_EQ(result.session.quality.passes, 0U);
     }
 }
 
 TEST(UdpSession, TwoHandsFeelAtOnce)
 {
-    LoopbackFelt left;
-    LoopbackFelt right;
+    LoopbackResult left;
+    LoopbackResult right;
     std::thread other([&] { left = steady_loopback({}, 800, true); });
     right = steady_loopback({}, 800, false);
     other.join();
-    for (const LoopbackFelt* const felt : {&left, &right}) {
-        EXPECT_EQ(felt->report.foreign, 0U);
-        expect_rest_at_end(felt->hand);
+    for (const LoopbackResult* const result : {&left, &right}) {
+        EXPECT_EQ(result->report.foreign, 0U);
+        expect_rest_at_end(result->hand);
     }
 }
 
 TEST(UdpSession, ABadLineCausesNoForceSpikes)
 {
-    const LoopbackFelt felt = steady_loopback({.lose = 0.2, .twice = 0.2, .swap = 0.2}, 1200, true);
-    EXPECT_GT(felt.report.duplicated, 20U);
-    EXPECT_GT(felt.report.reordered, 20U);
-    EXPECT_GT(felt.report.lost, 20U);
-    expect_rest_at_end(felt.hand);
-    EXPECT_LT(felt.hand.largest_step, largest_change());
+    const LoopbackResult result =
+        steady_loopback({.lose = 0.2, .twice = 0.2, .swap = 0.2}, 1200, true);
+    EXPECT_GT(result.report.duplicated, 20U);
+    EXPECT_GT(result.report.reordered, 20U);
+    EXPECT_GT(result.report.lost, 20U);
+    expect_rest_at_end(result.hand);
+    EXPECT_LT(result.hand.largest_step, largest_change());
 }
 
 TEST(UdpSession, ACutLineFadesTheForceOnBothSidesAndRecovers)
 {
-    const LoopbackFelt felt = steady_loopback({.cut_from = 700, .cut_to = 1000}, 1600, true);
-    expect_rest(felt.hand, 699);
+    const LoopbackResult result = steady_loopback({.cut_from = 700, .cut_to = 1000}, 1600, true);
+    expect_rest(result.hand, 699);
     // The device's side: 20 ms of holding and 50 of fading, by its own clock.
-    for (std::size_t tick = 780; tick < 1000; ++tick) EXPECT_EQ(felt.hand.forces[tick], 0) << tick;
-    expect_rest_at_end(felt.hand);
-    EXPECT_LT(felt.hand.largest_step, largest_change());
-    EXPECT_GE(felt.session.input.silences, 1U);
-    EXPECT_GE(felt.session.input.recoveries, 1U);
+    for (std::size_t tick = 780; tick < 1000; ++tick)
+        EXPECT_EQ(result.hand.forces[tick], 0) << tick;
+    expect_rest_at_end(result.hand);
+    EXPECT_LT(result.hand.largest_step, largest_change());
+    EXPECT_GE(result.session.input.silences, 1U);
+    EXPECT_GE(result.session.input.recoveries, 1U);
     // 300 ms less the patience, and less what a busy machine leaves out.
-    EXPECT_GE(felt.session.input.longest_fault, 0.2);
-    EXPECT_LT(felt.session.input.longest_recovery, 2 * ForceOptions{}.loss_seconds);
+    EXPECT_GE(result.session.input.longest_fault, 0.2);
+    EXPECT_LT(result.session.input.longest_recovery, 2 * ForceOptions{}.loss_seconds);
 }
 
 } // namespace

@@ -241,7 +241,7 @@ DeviceCommand InputGuard::command(const HapticRenderer& renderer) noexcept
     DeviceCommand command;
     command.force = back * tick.force;
     command.condition = state_.condition;
-    command.trust = parts_of(renderer).guard().ramp();
+    command.force_scale = parts_of(renderer).guard().ramp();
     // As the passivity guard has softened them, so that the device's own loop does not oscillate.
     const double softness = parts_of(renderer).passivity().softness();
     command.stiffness = softness * options.force.stiffness;
@@ -263,7 +263,7 @@ DeviceCommand InputGuard::command(const HapticRenderer& renderer) noexcept
         command.plane_count = slide.contact_count;
     }
     force_ = tick.force.norm();
-    watch_recovery(command.trust);
+    watch_recovery(command.force_scale);
     return command;
 }
 

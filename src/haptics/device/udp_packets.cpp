@@ -110,7 +110,7 @@ void visit_reply(Packet& packet, std::uint32_t& condition, std::uint32_t& plane_
     field(condition);
     field(plane_count);
     field(command.force);
-    field(command.trust);
+    field(command.force_scale);
     field(packet.max_force);
     field(command.stiffness);
     field(command.damping);
