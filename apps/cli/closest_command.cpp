@@ -250,7 +250,7 @@ Command add_closest_command(CLI::App& app)
         ->add_option("--out", options->out, "Write the answers: .csv, .npy, or - for CSV to stdout")
         ->type_name("FILE");
     parser->add_flag("--signed", options->is_signed,
-                     "Also the distance with its sign, negative inside, and how it was found");
+                     "Add the signed distance, negative inside, and how the sign was found");
     parser->add_flag("--lists", options->lists,
                      "Build closest-feature lists: the same answers, a bound on the slowest query, "
                      "a much longer build");
@@ -267,7 +267,7 @@ Command add_closest_command(CLI::App& app)
         ->type_name("N");
     parser->add_option("--save", options->thesis.save, "Write the thesis's octree")
         ->type_name("FILE.pxv");
-    parser->add_option("--octree", options->thesis.octree, "Ask this saved octree of the thesis")
+    parser->add_option("--octree", options->thesis.octree, "Search this saved octree of the thesis")
         ->type_name("FILE.pxv");
     parser->callback([parser, options] { check_method_options(*parser, options->method); });
     refuse_beside_index_file(*parser, options->model, {"--lists", "--budget-mb"});

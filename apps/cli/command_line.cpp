@@ -48,7 +48,7 @@ void add_common_options(CLI::App& parser, CommonOptions& options)
     parser.add_option("--threads", options.threads, "Threads to use; 0 for all")
         ->check(CLI::Range(0, 1024))
         ->type_name("N");
-    parser.add_flag("--quiet", options.quiet, "Print nothing for people");
+    parser.add_flag("--quiet", options.quiet, "Print no report and no progress");
 }
 
 /// What an error says, with what somebody can do here: not every command has a budget.

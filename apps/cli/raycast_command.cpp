@@ -300,8 +300,9 @@ Command add_raycast_command(CLI::App& app)
                      "Write the answers: .csv, .npy, - for CSV to stdout, or a camera's picture: "
                      ".png")
         ->type_name("FILE");
-    CLI::Option* const cells =
-        parser->add_flag("--cells", options->cells, "All cells along each ray, with their weights");
+    CLI::Option* const cells = parser->add_flag(
+        "--cells", options->cells,
+        "List the leaves along each ray, with both weights: penetration and chord");
     parser
         ->add_flag("--shade", options->shade,
                    "Draw the first hits shaded; without it the weights of the cells")
@@ -311,7 +312,7 @@ Command add_raycast_command(CLI::App& app)
     parser->add_option("--depth", options->depth, "Depth of the octree for cells")
         ->check(CLI::Range(0, max_octree_depth))
         ->type_name("N");
-    parser->add_option("--threshold", options->threshold, "Triangles that a cell may keep")
+    parser->add_option("--threshold", options->threshold, "Split cells of more triangles than this")
         ->type_name("N");
     return {parser, [options](Session& session) { return run_raycast(*options, session); }};
 }
