@@ -12,7 +12,7 @@ namespace proxima::bench {
 namespace {
 
 using testing::swing;
-using testing::SwingFelt;
+using testing::SwingResult;
 using testing::SwingSetting;
 using testing::SwingWall;
 using testing::WallSides;
@@ -71,9 +71,9 @@ bool print_devices()
             setting.device = device;
             setting.stiffness = device.max_stiffness;
             setting.hand = free_device(0.1, delay);
-            const SwingFelt guarded = swing(wall, setting, 20, 2);
+            const SwingResult guarded = swing(wall, setting, 20, 2);
             setting.passivity = Passivity::unguarded;
-            const SwingFelt unguarded = swing(wall, setting, 20, 2);
+            const SwingResult unguarded = swing(wall, setting, 20, 2);
             std::printf("%-8s %6.0f %6d", std::string(device.name).c_str(), setting.stiffness,
                         delay);
             print_length(unguarded.amplitude);

@@ -255,8 +255,8 @@ Status check_mesh(const std::string& model, Session& session)
 
 Command add_check_command(CLI::App& app)
 {
-    CLI::App* const parser =
-        app.add_subcommand("check", "Report what is wrong with a mesh or a saved octree");
+    CLI::App* const parser = app.add_subcommand(
+        "check", "Report what is wrong with a mesh, a saved octree or a saved index");
     const auto options = std::make_shared<CheckOptions>();
     constexpr ModelKinds kinds = ModelKinds::meshes_octrees_and_indexes;
     add_model_option(*parser, options->model, kinds);

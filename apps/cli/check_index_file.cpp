@@ -2,7 +2,6 @@
 
 #include "cli/index_file_model.h"
 #include "cli/model_options.h"
-#include "cli/text_table.h"
 #include "index/index_parts.h"
 #include "index/lists/proximity_lists.h"
 #include "lab/query_sets.h"
@@ -41,6 +40,24 @@ Status check_mesh_of(const MeshIndex& index, const std::string& mesh, Session& s
     return {};
 }
 
+/// A line for each addition: lists, slabs and signs.
+std::string additions_text(const MeshIndex& index, const ProximityStatistics& counts)
+{
+    const MeshIndexBytes bytes = bytes_of(index);
+    const auto size_text = [](std::uint64_t size) {
+        return size == 0 ? std::string("none") : fmt::format("{} bytes", size);
+    };
+    std::string lists = "lists: " + size_text(bytes.lists);
+    if (index.has_lists()) {
+        lists += fmt::format(" for {} leaves down to depth {}, {} of them without a list; {} "
+                             "entries in all, {} in the longest list",
+                             counts.leaves, counts.max_depth, counts.searched_leaves,
+                             counts.references, counts.max_list);
+    }
+    return fmt::format("{}\nslabs: {}\nsigns: {}\n", lists, size_text(bytes.slabs),
+                       size_text(bytes.signs));
+}
+
 } // namespace
 
 Status check_index_file(const std::string& path, const std::string& mesh, Session& session)
@@ -60,22 +77,15 @@ Status check_index_file(const std::string& path, const std::string& mesh, Sessio
                                             {.execution = session.execution()});
         if (!status) return at_model(status.error(), path);
     }
-    const bool has_lists = index->has_lists();
     const ProximityStatistics counts =
-        has_lists ? index->parts().lists()->statistics() : ProximityStatistics{};
-    TextTable table({"Nodes", "Leaves", "Without a list", "Triangles listed", "Deepest",
-                     "Longest list", "Bytes"});
-    table.add_row({std::to_string(counts.nodes), std::to_string(counts.leaves),
-                   std::to_string(counts.searched_leaves), std::to_string(counts.references),
-                   std::to_string(counts.max_depth), std::to_string(counts.max_list),
-                   std::to_string(index->bytes())});
-    session.print(fmt::format(
-        "{}: index of {} triangles\n\nchecksums and structure are sound\n"
-        "answers at {} points are those of all triangles, up to rounding\n{}\n\n{}",
-        path, surface->mesh.triangle_count(), points.size(),
-        has_mesh ? fmt::format("it is of {}", mesh)
-                 : "whether it is of the mesh you mean was not asked: name it with --mesh",
-        table.text()));
+        index->has_lists() ? index->parts().lists()->statistics() : ProximityStatistics{};
+    session.print(
+        fmt::format("{}: index of {} triangles, {} bytes\n{}\nchecksums and structure are sound\n"
+                    "answers at {} points are those of all triangles, up to rounding\n{}\n",
+                    path, surface->mesh.triangle_count(), index->bytes(),
+                    additions_text(*index, counts), points.size(),
+                    has_mesh ? fmt::format("it was built from {}", mesh)
+                             : "not compared with its mesh: name it with --mesh"));
     return session.write_json({{"model", path},
                                {"mesh", has_mesh ? nlohmann::ordered_json(mesh) : nullptr},
                                {"triangles", surface->mesh.triangle_count()},

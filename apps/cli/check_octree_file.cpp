@@ -30,7 +30,7 @@ Status check_octree_file(const std::string& path, const std::string& mesh, Sessi
         "{}: octree of {} triangles, method {}\n\nchecksums and structure are sound\n{}\n\n{}",
         path, octree->triangle_count(), method_name(parameters.method),
         has_mesh ? fmt::format("every invariant holds against {}", mesh)
-                 : "whether its lists are right was not asked: name the mesh with --mesh",
+                 : "not compared with its mesh: name it with --mesh",
         statistics_text(parameters, statistics)));
     const ClassificationSummary& summary = parameters.classification;
     return session.write_json({{"model", path},

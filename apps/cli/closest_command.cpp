@@ -32,7 +32,8 @@ struct ClosestOptions {
     std::string points;
     std::string out; ///< "-" for stdout, empty for none
     bool is_signed = false;
-    std::uint64_t budget_mb = 0;
+    bool lists = false;
+    std::uint64_t budget_mb = 0; ///< of lists; 0: the library's own
     QueryMethod method = QueryMethod::index;
     ThesisClosestOptions thesis; ///< of --method thesis
 };
@@ -85,8 +86,10 @@ public:
         for (std::size_t first = 0; first < table_.rows(); first += round_points) {
             const std::size_t count = std::min(round_points, table_.rows() - first);
             const Stopwatch watch;
-            parallel_for((count + task_points - 1) / task_points, session_.threads(),
-                         [&](std::size_t task) { answer_task(first, count, task); });
+            parallel_chunks(count, task_points, session_.threads(),
+                            [&](std::size_t begin, std::size_t end) {
+                                answer_chunk(first, begin, end - begin);
+                            });
             seconds_ += watch.seconds();
             if (Status status = session_.check_running(); !status) return status;
             const auto answers = std::span<const ClosestFeature>(answers_).first(count);
@@ -108,20 +111,17 @@ private:
     Status write(RowWriter& writer, std::uint64_t first, std::span<const ClosestFeature> answers,
                  std::span<const SignedDistance> signs)
     {
-        const std::size_t tasks = (answers.size() + task_points - 1) / task_points;
-        return writer.write_tasks(tasks, session_.threads(), [&](std::size_t task) {
-            const std::size_t begin = task * task_points;
-            const std::size_t count = std::min(task_points, answers.size() - begin);
-            return answer_rows(writer.format(), first + begin, answers.subspan(begin, count),
-                               signs.empty() ? signs : signs.subspan(begin, count));
-        });
+        const auto rows = [&](std::size_t begin, std::size_t end) {
+            return answer_rows(writer.format(), first + begin, answers.subspan(begin, end - begin),
+                               signs.empty() ? signs : signs.subspan(begin, end - begin));
+        };
+        return writer.write_chunks(answers.size(), task_points, session_.threads(), rows);
     }
 
-    void answer_task(std::size_t first, std::size_t round_count, std::size_t task)
+    /// Answers `count` points of the round that starts at row `first`, from its `begin`th on.
+    void answer_chunk(std::size_t first, std::size_t begin, std::size_t count)
     {
         if (session_.progress().cancelled()) return;
-        const std::size_t begin = task * task_points;
-        const std::size_t count = std::min(task_points, round_count - begin);
         std::array<Vec3, task_points> points;
         for (std::size_t i = 0; i < count; ++i) {
             const double* const row = table_.values.data() + 3 * (first + begin + i);
@@ -189,7 +189,7 @@ void check_method_options(const CLI::App& parser, QueryMethod method)
         throw CLI::ValidationError(name, concat("it goes with --method ", other));
     };
     if (method == QueryMethod::thesis) {
-        for (const char* const name : {"--signed", "--budget-mb"}) refuse(name, "index");
+        for (const char* const name : {"--signed", "--lists", "--budget-mb"}) refuse(name, "index");
     } else {
         for (const char* const name : {"--depth", "--save", "--octree"}) refuse(name, "thesis");
     }
@@ -207,9 +207,11 @@ Status run_closest(const ClosestOptions& options, Session& session)
                                  {.execution = {.progress = &session.progress()}});
     }();
     if (!table) return tl::unexpected(table.error());
-    const auto searcher = make_closest_searcher(
-        options.model,
-        {.is_signed = options.is_signed, .list_bytes = options.budget_mb * 1'000'000}, session);
+    const auto searcher = make_closest_searcher(options.model,
+                                                {.is_signed = options.is_signed,
+                                                 .lists = options.lists || options.budget_mb != 0,
+                                                 .list_bytes = options.budget_mb * 1'000'000},
+                                                session);
     if (!searcher) return tl::unexpected(searcher.error());
     auto writer = RowWriter::open(options.out);
     if (!writer) return tl::unexpected(writer.error());
@@ -248,9 +250,13 @@ Command add_closest_command(CLI::App& app)
         ->add_option("--out", options->out, "Write the answers: .csv, .npy, or - for CSV to stdout")
         ->type_name("FILE");
     parser->add_flag("--signed", options->is_signed,
-                     "Also the distance with its sign, negative inside, and how it was found");
+                     "Add the signed distance, negative inside, and how the sign was found");
+    parser->add_flag("--lists", options->lists,
+                     "Build closest-feature lists: the same answers, a bound on the slowest query, "
+                     "a much longer build");
     add_budget_option(*parser, options->budget_mb,
-                      "Build closest-feature lists, of so many 10^6 bytes at most");
+                      "Build lists of so many 10^6 bytes at most (default: 520 bytes per triangle, "
+                      "more for small meshes)");
     add_query_method_option(*parser, options->method,
                             "its proximity octree, of convex meshes, for points outside");
     parser
@@ -261,10 +267,10 @@ Command add_closest_command(CLI::App& app)
         ->type_name("N");
     parser->add_option("--save", options->thesis.save, "Write the thesis's octree")
         ->type_name("FILE.pxv");
-    parser->add_option("--octree", options->thesis.octree, "Ask this saved octree of the thesis")
+    parser->add_option("--octree", options->thesis.octree, "Search this saved octree of the thesis")
         ->type_name("FILE.pxv");
     parser->callback([parser, options] { check_method_options(*parser, options->method); });
-    refuse_beside_index_file(*parser, options->model, {"--budget-mb"});
+    refuse_beside_index_file(*parser, options->model, {"--lists", "--budget-mb"});
     return {parser, [options](Session& session) { return run_closest(*options, session); }};
 }
 

@@ -21,7 +21,7 @@ Status load(const std::string& model, Session& session, ClosestSearcher& searche
     return {};
 }
 
-Status build(const std::string& model, std::uint64_t list_bytes, Session& session,
+Status build(const std::string& model, const ClosestSearcherOptions& options, Session& session,
              ClosestSearcher& searcher)
 {
     const auto mesh = session.load_model(model);
@@ -29,8 +29,9 @@ Status build(const std::string& model, std::uint64_t list_bytes, Session& sessio
     const Stopwatch watch;
     const ProgressBar shown(session.progress(), session.bar());
     auto index = build_mesh_index(*mesh, {.execution = session.execution()});
-    if (index && list_bytes != 0) {
-        index = with_lists(*index, {.list_bytes = list_bytes, .execution = session.execution()});
+    if (index && options.lists) {
+        index = with_lists(*index,
+                           {.list_bytes = options.list_bytes, .execution = session.execution()});
     }
     if (!index) return at_model(index.error(), model);
     searcher.index = std::move(*index);
@@ -45,9 +46,8 @@ Result<ClosestSearcher> make_closest_searcher(const std::string& model,
                                               Session& session)
 {
     ClosestSearcher searcher;
-    const Status status = is_index_file(model)
-                              ? load(model, session, searcher)
-                              : build(model, options.list_bytes, session, searcher);
+    const Status status = is_index_file(model) ? load(model, session, searcher)
+                                               : build(model, options, session, searcher);
     if (!status) return tl::unexpected(status.error());
     if (!options.is_signed || searcher.index.has_signs()) return searcher;
     const Stopwatch watch;

@@ -19,11 +19,11 @@ struct ClosestSearcher {
 
 struct ClosestSearcherOptions {
     bool is_signed = false;
-    std::uint64_t list_bytes = 0; ///< at most; 0: no lists
+    bool lists = false;           ///< of a mesh; a saved index keeps what it has
+    std::uint64_t list_bytes = 0; ///< of the lists at most; 0: the usual budget
 };
 
-/// Builds the searcher of a mesh, with lists where list_bytes is not 0, or of a saved index (.pxi). Errors
-/// name the model.
+/// Builds the index of a mesh, or loads a saved one (.pxi). Errors name the model.
 [[nodiscard]] Result<ClosestSearcher> make_closest_searcher(const std::string& model,
                                                             const ClosestSearcherOptions& options,
                                                             Session& session);

@@ -54,7 +54,7 @@ void add_common_options(CLI::App& parser, CommonOptions& options)
                     "Instruction set of kernels, such as AVX2, instead of the best")
         ->envname("PROXIMA_SIMD")
         ->type_name("NAME");
-    parser.add_flag("--quiet", options.quiet, "Print nothing for people");
+    parser.add_flag("--quiet", options.quiet, "Print no report and no progress");
 }
 
 /// What an error says, with what somebody can do here: not every command has a budget.

@@ -97,8 +97,8 @@ Status run_compare(const CompareOptions& options, Session& session)
 
 Command add_compare_command(CLI::App& app)
 {
-    CLI::App* const parser =
-        app.add_subcommand("compare", "Time the overlap methods against each other (Table 3.3)");
+    CLI::App* const parser = app.add_subcommand(
+        "compare", "Compare the times of overlap tests between triangles and cells (Table 3.3)");
     const auto options = std::make_shared<CompareOptions>();
     add_model_option(*parser, options->model);
     add_depths_option(*parser, options->race.depths);
@@ -111,7 +111,7 @@ Command add_compare_command(CLI::App& app)
         ->type_name("N");
     parser->add_flag_callback(
         "--exact", [options] { options->race.exactness = Exactness::exact; },
-        "Let the thesis's methods decide exactly too: all methods then give one octree");
+        "Decide overlaps exactly with the thesis's methods too: all then give one octree");
     parser->add_option("--repeats", options->race.repeats, "Runs of each method; the median counts")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str()

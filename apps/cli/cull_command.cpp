@@ -239,14 +239,14 @@ Command add_cull_command(CLI::App& app)
         ->add_option("--picture", options->picture,
                      "Draw the mesh with visible triangles and cells highlighted: .png")
         ->type_name("FILE");
-    parser->add_flag(
-        "--exact", options->exact,
-        "Only what has a point in common with the volume, not all that no plane drops");
+    parser->add_flag("--exact", options->exact,
+                     "Only what has a point in common with the view volume; without it, all that "
+                     "no single plane excludes");
     add_query_method_option(*parser, options->method, "all triangles of the visible cells");
     parser->add_option("--depth", options->depth, "Depth of the octree for cells")
         ->check(CLI::Range(0, max_octree_depth))
         ->type_name("N");
-    parser->add_option("--threshold", options->threshold, "Triangles that a cell may keep")
+    parser->add_option("--threshold", options->threshold, "Split cells of more triangles than this")
         ->type_name("N");
     return {parser, [options](Session& session) { return run_cull(*options, session); }};
 }

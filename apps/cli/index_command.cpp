@@ -119,10 +119,12 @@ Status run_index(const IndexOptions& options, Session& session)
 Command add_index_command(CLI::App& app)
 {
     CLI::App* const parser =
-        app.add_subcommand("index", "Build the index that all queries of a mesh ask, and save it");
+        app.add_subcommand("index", "Build the index that all queries of a mesh use, and save it");
     const auto options = std::make_shared<IndexOptions>();
     add_model_option(*parser, options->model, ModelKinds::meshes_and_indexes);
-    parser->add_option("--save", options->save, "Write the index: .pxi, in place of MODEL later on")
+    parser
+        ->add_option("--save", options->save,
+                     "Write the index: a .pxi file, which other commands take as MODEL")
         ->type_name("FILE");
     parser->add_flag("--lists", options->lists,
                      "With closest-feature lists, which bound the slowest query");

@@ -414,7 +414,7 @@ Command add_intersect_command(CLI::App& app)
     parser->add_option("--depth", options->depth, "Depth of the octrees, for cells")
         ->check(CLI::Range(0, max_octree_depth))
         ->type_name("N");
-    parser->add_option("--threshold", options->threshold, "Triangles that a cell may keep")
+    parser->add_option("--threshold", options->threshold, "Split cells of more triangles than this")
         ->type_name("N");
     return {parser, [options](Session& session) { return run_intersect(*options, session); }};
 }

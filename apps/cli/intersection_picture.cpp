@@ -147,8 +147,7 @@ Result<Image> draw_intersection(const IntersectionScene& scene, const PictureOpt
     for (const Corners& box : boxes_a) draw_box(canvas, camera, box, srgb(0xC62828));
     for (const Corners& box : boxes_b) draw_box(canvas, camera, box, srgb(0x2E7D32));
     Image image = canvas.image();
-    if (is_cancelled(options.execution.progress))
-        return fail(ErrorCode::cancelled, "drawing was stopped on request");
+    if (is_cancelled(options.execution.progress)) return cancelled("drawing");
     return image;
 }
 

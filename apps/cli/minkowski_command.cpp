@@ -219,8 +219,8 @@ Command add_minkowski_command(CLI::App& app)
     for (std::size_t i = 0; i < 2; ++i) {
         parser
             ->add_option(i == 0 ? "A" : "B", options->models[i],
-                         concat("A convex model: a file (", known_mesh_extensions(), ") or one of ",
-                                sample_mesh_names()))
+                         concat("A convex model: a file (", known_mesh_extensions(),
+                                ") or a built-in mesh: ", sample_mesh_names()))
             ->required()
             ->type_name("");
     }
@@ -246,11 +246,11 @@ Command add_minkowski_command(CLI::App& app)
         ->type_name("NAME");
     parser->add_option("--scale", options->scale, "Sum A and this many times B")->type_name("L");
     parser
-        ->add_option("--tolerance", options->tolerance,
-                     "How far a model may be from convex, per diagonal of its bounding box")
+        ->add_option(
+            "--tolerance", options->tolerance,
+            "How far a model may be from convex, as a fraction of its bounding box's diagonal")
         ->type_name("T");
-    parser->add_flag("--hull", options->take_hull,
-                     "Take the convex hulls of the models, whatever they are");
+    parser->add_flag("--hull", options->take_hull, "Sum the convex hulls of the models");
     parser->add_flag("--count-operations", options->count_operations,
                      "Print what each method costs in products and flops, as Table 3.2");
     return {parser, [options](Session& session) { return run_minkowski(*options, session); }};

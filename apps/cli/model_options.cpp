@@ -13,14 +13,13 @@ namespace proxima {
 
 void add_model_option(CLI::App& parser, std::string& model, ModelKinds kinds)
 {
-    constexpr std::array saved_kinds = {"", "; .pxo for an octree that is saved",
-                                        "; .pxi for an index that is saved",
-                                        "; .pxo and .pxi for octrees and indexes that are saved"};
+    constexpr std::array saved_kinds = {"", "; .pxo for a saved octree", "; .pxi for a saved index",
+                                        "; .pxo and .pxi for saved octrees and indexes"};
     const char* const saved = saved_kinds[static_cast<std::size_t>(kinds)];
     parser
-        .add_option(
-            "MODEL", model,
-            concat("A file (", known_mesh_extensions(), saved, ") or one of ", sample_mesh_names()))
+        .add_option("MODEL", model,
+                    concat("A file (", known_mesh_extensions(), saved,
+                           ") or a built-in mesh: ", sample_mesh_names()))
         ->required()
         ->type_name("");
 }

@@ -73,8 +73,7 @@ public:
     /// system says.
     [[nodiscard]] Result<std::size_t> read(char* bytes, std::size_t count)
     {
-        if (is_cancelled(progress_))
-            return fail(ErrorCode::cancelled, "reading was stopped on request", path_);
+        if (is_cancelled(progress_)) return cancelled("reading", path_);
         stream_.read(bytes, static_cast<std::streamsize>(count));
         if (stream_.bad()) {
             return fail(ErrorCode::file_not_found, "the system stopped reading this file", path_);

@@ -191,7 +191,7 @@ Status run_octree(const OctreeCommandOptions& options, Session& session)
 Command add_octree_command(CLI::App& app)
 {
     CLI::App* const parser = app.add_subcommand(
-        "octree", "Build the octree of a mesh or open a saved one, count it, save and export it");
+        "octree", "Build or load the octree of a mesh, report its size, save and export it");
     const auto options = std::make_shared<OctreeCommandOptions>();
     add_model_option(*parser, options->model, ModelKinds::meshes_and_octrees);
     parser->add_option("--depth", options->depth, "Deepest level, the root is 0")
@@ -204,13 +204,14 @@ Command add_octree_command(CLI::App& app)
         ->type_name("N");
     add_method_option(*parser, options->method);
     parser->add_flag("--exact", options->exact,
-                     "Let the thesis's methods decide exactly too, as fast always does");
+                     "Decide overlaps exactly with the thesis's methods too, as fast always does");
     parser->add_flag("--as-printed", options->as_printed,
                      "With --method minkowski: the pseudocode of the thesis as printed, errata "
                      "and all");
     parser->add_flag("--uniform", options->uniform, "Split every cell to the deepest level");
     parser->add_flag("--two-pass", options->two_pass,
-                     "Build again with the longest list as threshold (thesis 2.1.1)");
+                     "Build twice, with the longest list of the first octree as threshold of the "
+                     "second (thesis 2.1.1)");
     parser
         ->add_option_function<std::string>(
             "--root",
@@ -229,7 +230,8 @@ Command add_octree_command(CLI::App& app)
         ->type_name("FILE.pxo");
     parser
         ->add_option("--export", options->exports,
-                     "Write a picture (.png), for ParaView (.vtu, .htg), or boxes (.glb, .ply)")
+                     "Write the octree as a picture (.png), for ParaView (.vtu, .htg), or as boxes "
+                     "(.glb, .ply)")
         ->type_name("FILE");
     add_mesh_option(*parser, options->model, ModelKinds::meshes_and_octrees, options->mesh,
                     {"--depth", "--threshold", "--method", "--exact", "--as-printed", "--uniform",

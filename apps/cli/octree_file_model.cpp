@@ -17,11 +17,12 @@ bool is_octree_file(const std::string& model)
 void add_mesh_option(CLI::App& parser, const std::string& model, ModelKinds kinds,
                      std::string& mesh, std::vector<std::string> not_for_files)
 {
+    const bool all = kinds == ModelKinds::meshes_octrees_and_indexes;
     parser
         .add_option("--mesh", mesh,
-                    "The mesh of an octree file: a file or a built-in, as MODEL may be")
+                    all ? "The mesh that a saved octree or index was built from"
+                        : "The mesh that a saved octree was built from")
         ->type_name("MODEL");
-    const bool all = kinds == ModelKinds::meshes_octrees_and_indexes;
     parser.parse_complete_callback([&parser, &model, all, names = std::move(not_for_files)] {
         if (!is_octree_file(model) && !(all && is_index_file(model))) {
             if (parser.count("--mesh") == 0) return;

@@ -189,7 +189,7 @@ Result<Image> draw_octree(const Octree& octree, const TriangleMesh& mesh,
     draw_leaves(canvas, camera, leaves, options);
     Image image = canvas.image();
     if (is_cancelled(options.execution.progress)) {
-        return fail(ErrorCode::cancelled, "drawing was stopped on request");
+        return cancelled("drawing");
     }
     return image;
 }

@@ -248,9 +248,9 @@ void add_extent_options(CLI::App& parser, PatchOptions& options)
 {
     CLI::Option* const rings =
         parser
-            .add_option("--rings", options.rings,
-                        "Triangles at the closest feature, and so many rings of triangles that "
-                        "share a vertex with the last")
+            .add_option(
+                "--rings", options.rings,
+                "Triangles at the closest feature, and so many rings of neighbours around them")
             ->check(CLI::Range(0, std::numeric_limits<int>::max()))
             ->capture_default_str()
             ->type_name("K");

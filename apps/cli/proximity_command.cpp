@@ -161,17 +161,17 @@ void settle(const CLI::App& parser, ProximityCommandOptions& options)
 Command add_proximity_command(CLI::App& app)
 {
     CLI::App* const parser = app.add_subcommand(
-        "proximity", "Build the proximity octree of a mesh and count what its cells list");
+        "proximity", "Build the proximity octree of a mesh and report the lengths of its lists");
     const auto options = std::make_shared<ProximityCommandOptions>();
     add_model_option(*parser, options->model);
     add_proximity_method_option(*parser, options->method);
     add_depth_option(*parser, options->depths);
     add_threshold_options(*parser, options->thresholds);
     parser
-        ->add_option(
-            "--margin", options->margin,
-            concat("By how much the root's edge exceeds the tight cube's, relative to it: 0 to ",
-                   max_list_margin, ", thesis to ", max_root_margin))
+        ->add_option("--margin", options->margin,
+                     concat("How much longer the root's edge is than that of the tight cube around "
+                            "the mesh, as a fraction: 0 to ",
+                            max_list_margin, ", thesis to ", max_root_margin))
         ->capture_default_str()
         ->type_name("M");
     parser

@@ -126,12 +126,11 @@ void cast(const RaycastOptions& options, const Casting& casting, const std::vect
                            {.execution = {.threads = session.threads()}});
         return;
     }
-    parallel_for((rays.size() + task_rays - 1) / task_rays, session.threads(),
-                 [&](std::size_t task) {
-                     const std::size_t end = std::min(rays.size(), (task + 1) * task_rays);
-                     for (std::size_t i = task * task_rays; i < end; ++i)
-                         hits[i] = closest_hit_by_cells(casting.octree, casting.mesh, rays[i]);
-                 });
+    parallel_chunks(rays.size(), task_rays, session.threads(),
+                    [&](std::size_t first, std::size_t end) {
+                        for (std::size_t i = first; i < end; ++i)
+                            hits[i] = closest_hit_by_cells(casting.octree, casting.mesh, rays[i]);
+                    });
 }
 
 Status cast_at_triangles(const RaycastOptions& options, Casting& casting, Session& session)
@@ -159,14 +158,13 @@ Status cast_at_triangles(const RaycastOptions& options, Casting& casting, Sessio
             casting.hits += static_cast<std::uint64_t>(
                 std::ranges::count_if(hits, [](const auto& hit) { return hit.has_value(); }));
             if (draws) draw_hits(casting.mesh, rays, hits, first, image);
-            const std::size_t tasks = (hits.size() + task_rays - 1) / task_rays;
-            const auto rows = [&](std::size_t task) {
-                const std::size_t begin = task * task_rays;
-                const std::size_t count = std::min(task_rays, hits.size() - begin);
+            const auto rows = [&](std::size_t begin, std::size_t end) {
                 return hit_rows(writer->format(), first + begin,
-                                std::span(hits).subspan(begin, count));
+                                std::span(hits).subspan(begin, end - begin));
             };
-            if (Status status = writer->write_tasks(tasks, session.threads(), rows); !status)
+            if (Status status =
+                    writer->write_chunks(hits.size(), task_rays, session.threads(), rows);
+                !status)
                 return status;
             session.progress().advance(rays.size());
             if (Status status = session.check_running(); !status) return status;
@@ -181,19 +179,17 @@ Status count_cells(Casting& casting, Session& session)
     const ProgressBar shown(session.progress(), session.bar());
     const std::size_t all = casting.rays.count();
     session.progress().begin_stage("walking cells", all);
-    std::vector<std::uint64_t> counts((all + task_rays - 1) / task_rays);
+    std::vector<std::uint64_t> counts(chunk_count(all, task_rays));
     const Stopwatch watch;
-    parallel_for(counts.size(), session.threads(), [&](std::size_t task) {
+    parallel_chunks(all, task_rays, session.threads(), [&](std::size_t first, std::size_t end) {
         if (session.progress().cancelled()) return;
-        const std::size_t begin = task * task_rays;
-        const std::size_t end = std::min(all, begin + task_rays);
-        for (std::size_t i = begin; i < end; ++i) {
+        for (std::size_t i = first; i < end; ++i) {
             cells_along_ray(casting.octree, casting.rays[i], [&](const CellOnRay&) {
-                ++counts[task];
+                ++counts[first / task_rays];
                 return Flow::proceed;
             });
         }
-        session.progress().advance(end - begin);
+        session.progress().advance(end - first);
     });
     casting.seconds = watch.seconds();
     for (const std::uint64_t count : counts) casting.cells += count;
@@ -212,11 +208,10 @@ Status write_cells(const RaycastOptions& options, const Casting& casting, Sessio
     session.progress().begin_stage("writing cells", all);
     for (std::size_t first = 0; first < all; first += round_cell_rays) {
         const std::size_t count = std::min(round_cell_rays, all - first);
-        const auto rows = [&](std::size_t task) {
+        const auto rows = [&](std::size_t begin, std::size_t end) {
             std::string text;
             std::vector<CellOnRay> cells;
-            const std::size_t end = first + std::min(count, (task + 1) * task_cell_rays);
-            for (std::size_t i = first + task * task_cell_rays; i < end; ++i) {
+            for (std::size_t i = first + begin; i < first + end; ++i) {
                 cells.clear();
                 cells_along_ray(casting.octree, casting.rays[i], [&](const CellOnRay& at) {
                     cells.push_back(at);
@@ -226,8 +221,8 @@ Status write_cells(const RaycastOptions& options, const Casting& casting, Sessio
             }
             return text;
         };
-        const std::size_t tasks = (count + task_cell_rays - 1) / task_cell_rays;
-        if (Status status = writer->write_tasks(tasks, session.threads(), rows); !status)
+        if (Status status = writer->write_chunks(count, task_cell_rays, session.threads(), rows);
+            !status)
             return status;
         session.progress().advance(count);
         if (Status status = session.check_running(); !status) return status;
@@ -305,8 +300,9 @@ Command add_raycast_command(CLI::App& app)
                      "Write the answers: .csv, .npy, - for CSV to stdout, or a camera's picture: "
                      ".png")
         ->type_name("FILE");
-    CLI::Option* const cells =
-        parser->add_flag("--cells", options->cells, "All cells along each ray, with their weights");
+    CLI::Option* const cells = parser->add_flag(
+        "--cells", options->cells,
+        "List the leaves along each ray, with both weights: penetration and chord");
     parser
         ->add_flag("--shade", options->shade,
                    "Draw the first hits shaded; without it the weights of the cells")
@@ -316,7 +312,7 @@ Command add_raycast_command(CLI::App& app)
     parser->add_option("--depth", options->depth, "Depth of the octree for cells")
         ->check(CLI::Range(0, max_octree_depth))
         ->type_name("N");
-    parser->add_option("--threshold", options->threshold, "Triangles that a cell may keep")
+    parser->add_option("--threshold", options->threshold, "Split cells of more triangles than this")
         ->type_name("N");
     return {parser, [options](Session& session) { return run_raycast(*options, session); }};
 }

@@ -30,13 +30,17 @@ public:
     /// Nothing where no rows are wanted. What stdout did not take, Session::finish says.
     [[nodiscard]] Status write(std::string_view text);
 
-    /// Writes texts one after the other, after threads have made them: make(task) gives a task's.
+    /// Writes the texts of `count` items in order, after threads have made them: make(first, end)
+    /// returns that of a chunk.
     template <class Make>
-    [[nodiscard]] Status write_tasks(std::size_t tasks, Threads threads, const Make& make)
+    [[nodiscard]] Status write_chunks(std::size_t count, std::size_t chunk, Threads threads,
+                                      const Make& make)
     {
         if (!wanted_) return {};
-        std::vector<std::string> texts(tasks);
-        parallel_for(tasks, threads, [&](std::size_t task) { texts[task] = make(task); });
+        std::vector<std::string> texts(chunk_count(count, chunk));
+        parallel_chunks(count, chunk, threads, [&](std::size_t first, std::size_t end) {
+            texts[first / chunk] = make(first, end);
+        });
         for (const std::string& text : texts)
             if (Status status = write(text); !status) return status;
         return {};

@@ -74,8 +74,8 @@ Status run_tables(const TablesOptions& options, Session& session)
 
 Command add_tables_command(CLI::App& app)
 {
-    CLI::App* const parser =
-        app.add_subcommand("tables", "Print tables of the thesis with our values beside its own");
+    CLI::App* const parser = app.add_subcommand(
+        "tables", "Print tables of the thesis, its values beside those of Proxima");
     const auto options = std::make_shared<TablesOptions>();
     options->only.add_to(*parser);
     parser

@@ -84,18 +84,16 @@ Answers answer(const Searcher& searcher, const NumberTable& table, Session& sess
     Answers answers(table.rows());
     const ProgressBar shown(session.progress(), session.bar());
     session.progress().begin_stage("closest features", table.rows());
-    parallel_for((table.rows() + points_per_task - 1) / points_per_task, session.threads(),
-                 [&](std::size_t task) {
-                     if (session.progress().cancelled()) return;
-                     const std::size_t begin = task * points_per_task;
-                     const std::size_t end = std::min(table.rows(), begin + points_per_task);
-                     for (std::size_t i = begin; i < end; ++i) {
-                         const double* const row = table.values.data() + 3 * i;
-                         answers[i] = closest_feature(searcher.octree, searcher.mesh,
-                                                      searcher.topology, {row[0], row[1], row[2]});
-                     }
-                     session.progress().advance(end - begin);
-                 });
+    parallel_chunks(
+        table.rows(), points_per_task, session.threads(), [&](std::size_t first, std::size_t end) {
+            if (session.progress().cancelled()) return;
+            for (std::size_t i = first; i < end; ++i) {
+                const double* const row = table.values.data() + 3 * i;
+                answers[i] = closest_feature(searcher.octree, searcher.mesh, searcher.topology,
+                                             {row[0], row[1], row[2]});
+            }
+            session.progress().advance(end - first);
+        });
     return answers;
 }
 
@@ -108,18 +106,16 @@ Status write_answers(const Answers& answers, std::size_t answered, const std::st
             writer->write(answer_header(writer->format(), AnswerSigns::absent, answered));
         !status)
         return status;
-    const auto rows = [&](std::size_t task) {
+    const auto rows = [&](std::size_t first, std::size_t end) {
         std::string text;
-        const std::size_t end = std::min(answers.size(), (task + 1) * points_per_task);
-        for (std::size_t i = task * points_per_task; i < end; ++i) {
+        for (std::size_t i = first; i < end; ++i) {
             if (answers[i])
                 text += answer_rows(writer->format(), i, std::span(&*answers[i], 1), {});
         }
         return text;
     };
-    const std::size_t tasks = (answers.size() + points_per_task - 1) / points_per_task;
-    if (Status status = writer->write_tasks(tasks, session.threads(), rows); !status) return status;
-    return writer->commit();
+    Status status = writer->write_chunks(answers.size(), points_per_task, session.threads(), rows);
+    return status ? writer->commit() : status;
 }
 
 } // namespace

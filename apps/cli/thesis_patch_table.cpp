@@ -61,8 +61,7 @@ Status add_speed(std::string_view name, const TouchModel& model, double speed,
     const WorkspaceMap map =
         fit_workspace(bounding_box(model.surface.mesh), find_device("omni")->workspace_radius);
     for (const int depth : depths) {
-        if (is_cancelled(options.execution.progress))
-            return fail(ErrorCode::cancelled, "the table was stopped on request");
+        if (is_cancelled(options.execution.progress)) return cancelled("the table");
         const PatchAccount account = touch_at_speed(
             model, map, {.rings = depth, .method = QueryMethod::thesis}, {.speed = speed});
         const bool suffices = account.missed_ticks == 0 && account.incomplete == 0;

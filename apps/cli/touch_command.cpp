@@ -188,7 +188,7 @@ Command add_touch_command(CLI::App& app)
             for (const char* const name : {"MODEL", "--device"})
                 parser->get_option(name)->required(false);
         },
-        "Print the devices that are there, and what is wrong with the others");
+        "List the devices that were found, and why the others cannot be opened");
     return {parser, [parser, options](Session& session) {
                 for (const CLI::Option* const option : parser->get_options())
                     if (option->count() > 0) options->given.push_back(option->get_name());

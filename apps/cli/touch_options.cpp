@@ -186,7 +186,7 @@ Status check_options(const TouchCommandOptions& options)
 
 void add_touch_options(CLI::App& parser, TouchCommandOptions& options)
 {
-    parser.add_option("--seconds", options.seconds, "How long the device touches")
+    parser.add_option("--seconds", options.seconds, "Length of the session, s")
         ->check(number_from(0.001, 86400.0))
         ->capture_default_str()
         ->type_name("S");
@@ -199,9 +199,10 @@ void add_touch_options(CLI::App& parser, TouchCommandOptions& options)
         ->type_name("N");
     add_hand_options(parser, options.hand);
     parser
-        .add_option("--limits", options.limits,
-                    "Limits of force, stiffness, damping and workspace, by device: " +
-                        names_of_devices() + "; the device's own without it, an omni's of a hand")
+        .add_option(
+            "--limits", options.limits,
+            "Limits of force, stiffness, damping and workspace, by device: " + names_of_devices() +
+                "; default: the device's own, and an omni's for a simulated hand")
         ->check([](const std::string& name) {
             return find_device(name)
                        ? std::string()
@@ -242,12 +243,13 @@ void add_touch_options(CLI::App& parser, TouchCommandOptions& options)
                     "a much later first tick");
     parser
         .add_option("--scale", options.scale,
-                    "Motions in the model, relative to those that fit it into the workspace")
+                    "Scale of motions in the model; 1 fits the model into the workspace")
         ->check(number_from(1e-3, 1e3))
         ->capture_default_str()
         ->type_name("F");
     parser
-        .add_option("--axes", options.axes, "Our x, y and z in the device's axes, such as x,-z,y")
+        .add_option("--axes", options.axes,
+                    "The model's x, y and z in the device's axes, such as x,-z,y")
         ->check([](const std::string& text) {
             const auto axes = parse_axes(text);
             return axes ? std::string() : axes.error().message;
@@ -255,7 +257,8 @@ void add_touch_options(CLI::App& parser, TouchCommandOptions& options)
         ->type_name("AXES");
     parser
         .add_option("--clutch", options.clutch,
-                    "The button (from 1) that lets the device move without what it holds")
+                    "While this button (counted from 1) is pressed, the device moves without its "
+                    "position in the model")
         ->check(CLI::Range(1, 32))
         ->type_name("BUTTON");
     parser
@@ -280,7 +283,7 @@ void add_touch_options(CLI::App& parser, TouchCommandOptions& options)
         ->type_name("HZ");
     parser
         .add_option("--graphics-rate", options.graphics_rate,
-                    "Rate at which a terminal shows force and rate, Hz")
+                    "How often a terminal shows force and rate, Hz")
         ->check(number_from(1.0, 1000.0))
         ->capture_default_str()
         ->type_name("HZ");

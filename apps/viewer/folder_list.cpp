@@ -31,7 +31,7 @@ Result<FolderList> list_folder(const fs::path& folder, const Progress* progress)
     if (error) return no_folder(folder, error);
     fs::directory_iterator entry(list.folder, error);
     for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
-        if (is_cancelled(progress)) return fail(ErrorCode::cancelled, "stopped on request");
+        if (is_cancelled(progress)) return cancelled("listing the folder");
         if (list.entries.size() == FolderList::most_entries) {
             list.is_whole = false;
             break;

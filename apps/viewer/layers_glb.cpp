@@ -33,7 +33,7 @@ Status export_scene(const Scene& scene, const std::filesystem::path& path, Progr
         for (const TriangleCorners& corners : surface.triangles)
             part.indices.insert(part.indices.end(), corners.begin(), corners.end());
         parts.push_back(std::move(part));
-        if (!steps.done(1)) return fail(ErrorCode::cancelled, "the export was stopped on request");
+        if (!steps.done(1)) return cancelled("the export");
     }
     for (const SceneLines& lines : scene.lines) {
         GlbPart part;
@@ -47,7 +47,7 @@ Status export_scene(const Scene& scene, const std::filesystem::path& path, Progr
             }
         }
         parts.push_back(std::move(part));
-        if (!steps.done(1)) return fail(ErrorCode::cancelled, "the export was stopped on request");
+        if (!steps.done(1)) return cancelled("the export");
     }
     return write_glb(parts, origin, path, progress);
 }

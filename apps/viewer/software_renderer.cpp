@@ -82,8 +82,7 @@ public:
             draw_text(canvas, label.text, at.x, at.y, label.style);
         }
         Image image = canvas.image();
-        if (is_cancelled(progress_))
-            return fail(ErrorCode::cancelled, "drawing was stopped on request");
+        if (is_cancelled(progress_)) return cancelled("drawing");
         return image;
     }
 

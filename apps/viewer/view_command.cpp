@@ -150,12 +150,12 @@ Status run_view(const ViewOptions& options, Session& session)
 Command add_view_command(CLI::App& app)
 {
     CLI::App* const parser = app.add_subcommand(
-        "view", "Show models and what is computed of them, in a window or as a picture");
+        "view", "Show models and what is computed from them, in a window or as a picture");
     const auto options = std::make_shared<ViewOptions>();
     parser
         ->add_option(
             "model", options->models,
-            "Models: files or built-ins, see proxima octree; the window asks for one without it")
+            "Models: files or built-ins, see proxima octree; without any the window asks for one")
         ->type_name("MODEL");
     parser->add_option("--panel", options->panel, "Panel to begin with: model, octree, ...")
         ->capture_default_str()
@@ -196,7 +196,7 @@ Command add_view_command(CLI::App& app)
                      "as JSON: for programs that drive it")
         ->type_name("FILE");
     parser->add_flag("--gl-debug", options->debug,
-                     "Let OpenGL check every call, and fail in the end if it complained");
+                     "Let OpenGL check every call, and fail at the end if one was wrong");
     parser->final_callback([options] { check_usage(*options); });
     return {parser, [options](Session& session) { return run_view(*options, session); }};
 }

@@ -60,7 +60,7 @@ enum class InputCondition : std::uint8_t {
     frozen,   ///< the same bits again and again, though a force pushes the device
     silent,   ///< no new sample came
     gone,     ///< the driver reported that the device is no longer there
-    released  ///< the session ends
+    released  ///< the program or the device ends the session
 };
 /// How many conditions there are.
 inline constexpr std::uint32_t input_conditions = 7;
@@ -75,7 +75,7 @@ struct DeviceState {
 
 /// What a device reports in a tick, and how new it is.
 struct DeviceReading {
-    DeviceState state = {};   ///< condition well, unsure or gone; numbers may be anything
+    DeviceState state = {};   ///< condition well, unsure, gone or released; numbers may be anything
     std::uint64_t sample = 0; ///< counts samples from 1; unchanged where no new one came
 };
 
@@ -90,7 +90,7 @@ struct DevicePlane {
 struct DeviceCommand {
     Vec3 force = Vec3::Zero(); ///< N: finite, within the limits, ramps included
     InputCondition condition = InputCondition::well; ///< of the reading that it answers
-    double trust = 1;           ///< 0 to 1: the ramps, by which forces of `planes` are scaled
+    double force_scale = 1;     ///< 0 to 1: the ramps; multiplies forces made from `planes`
     double stiffness = 0;       ///< N/m
     double damping = 0;         ///< N s/m
     double static_friction = 0; ///< smaller while the tip slides
@@ -272,6 +272,7 @@ struct ButtonEvent {
 ///     the same bits while pushed            frozen    until they change
 ///     nothing new                           silent    after DeviceInfo::patience
 ///     the driver reports it                 gone
+///     the device ends the session           released
 ///     a clutch button                       clutched  while it is pressed
 /// A velocity that contradicts the positions is replaced by one of their differences, and nothing
 /// fades.

@@ -223,7 +223,7 @@ Result<BinaryFile> BinaryFile::read(std::span<const std::byte> bytes,
         const bool is_damaged =
             verification == Verification::full && checksum(content, progress) != entry.checksum;
         if (is_cancelled(progress)) {
-            return refuse(ErrorCode::cancelled, "reading was stopped on request");
+            return cancelled("reading", name);
         }
         if (is_damaged) {
             return refuse(ErrorCode::malformed_file,

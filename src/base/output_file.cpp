@@ -173,8 +173,7 @@ struct OutputFile::State {
     [[nodiscard]] Status status() const
     {
         if (stopped) {
-            return fail(ErrorCode::cancelled, "writing was stopped on request; nothing was kept",
-                        name.string());
+            return cancelled("writing", name.string());
         }
         if (error_number == 0) return {};
         return not_writable(name, reason(error_number) + ": nothing was kept");

@@ -18,4 +18,15 @@ namespace proxima {
 /// throw.
 void parallel_for(std::size_t count, Threads threads, FunctionRef<void(std::size_t)> body);
 
+/// How many chunks of `chunk` items, the last one perhaps shorter, `count` items make.
+[[nodiscard]] constexpr std::size_t chunk_count(std::size_t count, std::size_t chunk) noexcept
+{
+    return (count + chunk - 1) / chunk;
+}
+
+/// Like parallel_for, with a task for each chunk: calls body(first, end) for the ranges
+/// [0, chunk), [chunk, 2 * chunk) and so on up to `count`. The number of a chunk is first / chunk.
+void parallel_chunks(std::size_t count, std::size_t chunk, Threads threads,
+                     FunctionRef<void(std::size_t first, std::size_t end)> body);
+
 } // namespace proxima

@@ -26,9 +26,8 @@ bool sort_keys(GrowBuffer<KeyedIndex>& items, unsigned key_bits, Threads threads
 {
     begin_stage(progress, "sorting", items.size());
     const unsigned rest_bits = key_bits - radix_digit_bits;
-    const std::size_t per_chunk =
-        std::max(least_chunk, (items.size() + most_chunks - 1) / most_chunks);
-    const std::size_t chunks = (items.size() + per_chunk - 1) / per_chunk;
+    const std::size_t per_chunk = std::max(least_chunk, chunk_count(items.size(), most_chunks));
+    const std::size_t chunks = chunk_count(items.size(), per_chunk);
     const auto chunk_of = [&](std::size_t chunk) {
         const std::size_t first = chunk * per_chunk;
         return items.span().subspan(first, std::min(per_chunk, items.size() - first));

@@ -1,9 +1,13 @@
-// What workers do with a Progress: small steps handed on in blocks, and a look at cancellation.
+// What workers do with a Progress: small steps handed on in blocks, and stopping on request.
 #pragma once
 
 #include "proxima/execution.h"
+#include "proxima/result.h"
 
 #include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
 
 namespace proxima {
 
@@ -25,10 +29,17 @@ inline void advance_stage(Progress* progress, std::uint64_t steps) noexcept
     return progress != nullptr && progress->cancelled();
 }
 
+/// The error that work stopped on request returns. `what` names the work: "building the octree".
+[[nodiscard]] inline tl::unexpected<Error> cancelled(std::string_view what, std::string where = {})
+{
+    return fail(ErrorCode::cancelled, std::string(what) + " was stopped on request",
+                std::move(where));
+}
+
 /// One thread's small steps of a stage, handed on in blocks: one comparison per step.
 ///
 ///     StageSteps steps(progress, "collecting leaves", leaves.size());
-///     for (...) if (!steps.done(1)) return cancelled;
+///     for (...) if (!steps.done(1)) return cancelled("collecting leaves");
 class StageSteps {
 public:
     /// Enters the stage. Progress may be null. A block should take well below 100 ms.

@@ -209,13 +209,10 @@ private:
     template <class Body>
     void for_triangles(const Body& body)
     {
-        const std::size_t count = mesh_.triangle_count();
-        parallel_for((count + triangles_per_task - 1) / triangles_per_task, threads_,
-                     [&](std::size_t task) {
-                         const std::size_t end = std::min(count, (task + 1) * triangles_per_task);
-                         for (std::size_t i = task * triangles_per_task; i < end; ++i)
-                             body(static_cast<std::uint32_t>(i));
-                     });
+        parallel_chunks(mesh_.triangle_count(), triangles_per_task, threads_,
+                        [&](std::size_t first, std::size_t end) {
+                            for (auto i = static_cast<std::uint32_t>(first); i < end; ++i) body(i);
+                        });
     }
 
     /// How many of a run lie before its highest differing bit changes.
@@ -312,7 +309,7 @@ Result<BinaryTree> build_binary_tree(const TriangleMesh& mesh, const Box& box,
 {
     BinaryTreeBuilder builder(mesh, box, root, threads, progress);
     if (!builder.sort_triangles() || !builder.make_nodes())
-        return fail(ErrorCode::cancelled, "mesh index: stopped on request");
+        return cancelled("building the mesh index");
     return builder.result();
 }
 

@@ -325,9 +325,6 @@ Result<MeshIndex> build_mesh_index(const TriangleMesh& mesh, const MeshIndexOpti
             check_budget(options.execution.budget, needed, "the mesh index", "raise the budget");
         !status)
         return tl::unexpected(status.error());
-    const auto cancelled = [] {
-        return fail(ErrorCode::cancelled, "mesh index: stopped on request");
-    };
     const PageReserve reserve;
     auto tree = build_binary_tree(mesh, *box, tight_root(*box, RootShape::cube),
                                   options.execution.threads, options.execution.progress);
@@ -338,7 +335,7 @@ Result<MeshIndex> build_mesh_index(const TriangleMesh& mesh, const MeshIndexOpti
     const auto number = [&] { edges = number_edges(mesh, options.execution.progress); };
     if (!writer.write_blocks(options.execution.threads, options.execution.progress, number) ||
         !edges->has_value())
-        return cancelled();
+        return cancelled("building the mesh index");
     writer.write_rows(**edges, options.execution.threads);
     return writer.result();
 }

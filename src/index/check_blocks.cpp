@@ -64,7 +64,7 @@ public:
                                           ? check_leaf(blocks_[block].leaf, content_[block])
                                           : check_node(blocks_[block].node, content_[block]);
             if (fault != no_fault) return bad(fault, block);
-            if (!steps.done(sizeof(IndexBlock))) return CheckWork::stopped();
+            if (!steps.done(sizeof(IndexBlock))) return cancelled("checking the index");
         }
         const BlockContent& all = content_[block_of(index_.root())];
         if (all.first_row != 0 || all.end_row != index_.triangle_count())

@@ -115,14 +115,11 @@ template <class Scalar>
 Status check_rows(std::span<const TriangleRow<Scalar>> rows, const IndexParts& index,
                   const CheckWork& work)
 {
-    constexpr std::size_t task_rows = CheckWork::task_bytes / sizeof(TriangleRow<Scalar>);
     AtomicBits seen(rows.size());
     IncidenceChecker incidences(index);
-    const auto check_task = [&](std::size_t task) -> Status {
-        const std::size_t begin = task * task_rows;
-        const std::size_t end = std::min(begin + task_rows, rows.size());
+    const auto check_chunk = [&](std::size_t first, std::size_t end) -> Status {
         IncidenceChecker::Met met;
-        for (std::size_t rank = begin; rank < end; ++rank) {
+        for (std::size_t rank = first; rank < end; ++rank) {
             const TriangleRow<Scalar>& row = rows[rank];
             if (const char* const fault = fault_of(row, index); *fault != '\0')
                 return bad_structure(fault, concat("row ", rank));
@@ -134,11 +131,10 @@ Status check_rows(std::span<const TriangleRow<Scalar>> rows, const IndexParts& i
                 return bad_structure(fault, concat("row ", rank));
         }
         incidences.add(met);
-        StageSteps steps = work.steps();
-        if (!steps.done((end - begin) * sizeof(TriangleRow<Scalar>))) return CheckWork::stopped();
         return {};
     };
-    if (Status status = work.run((rows.size() + task_rows - 1) / task_rows, check_task); !status)
+    if (Status status = work.run_chunks(rows.size(), sizeof(TriangleRow<Scalar>), check_chunk);
+        !status)
         return status;
     if (!rows.empty() && !incidences.all_met())
         return bad_structure("incidences of no row", "vertices and edges");

@@ -7,6 +7,7 @@
 #include "proxima/execution.h"
 #include "proxima/result.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -23,11 +24,6 @@ public:
     /// For one task's steps, in bytes.
     [[nodiscard]] StageSteps steps() const noexcept { return {execution_.progress, task_bytes}; }
 
-    [[nodiscard]] static tl::unexpected<Error> stopped()
-    {
-        return fail(ErrorCode::cancelled, "checking was stopped on request");
-    }
-
     /// Calls check(task), which returns a Status, for all tasks; the error of the lowest that has
     /// one.
     template <class Check>
@@ -35,12 +31,29 @@ public:
     {
         std::vector<Status> found(tasks);
         parallel_for(tasks, execution_.threads, [&](std::size_t task) {
-            found[task] = is_cancelled(execution_.progress) ? Status(stopped()) : check(task);
+            found[task] = is_cancelled(execution_.progress)
+                              ? Status(cancelled("checking the index"))
+                              : check(task);
         });
         for (const Status& status : found) {
             if (!status) return status;
         }
         return {};
+    }
+
+    /// Calls check(first, end), which returns a Status, for chunks of items of `item_bytes` bytes
+    /// each, a task of its own for each; the error of the lowest that has one.
+    template <class Check>
+    [[nodiscard]] Status run_chunks(std::size_t count, std::size_t item_bytes, Check&& check) const
+    {
+        const std::size_t chunk = task_bytes / item_bytes;
+        return run(chunk_count(count, chunk), [&](std::size_t task) -> Status {
+            const std::size_t first = task * chunk;
+            const std::size_t end = std::min(count, first + chunk);
+            Status status = check(first, end);
+            advance_stage(execution_.progress, (end - first) * item_bytes);
+            return status;
+        });
     }
 
 private:

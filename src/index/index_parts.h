@@ -92,6 +92,9 @@ public:
     /// Levels of blocks at most: the 63 bits of a cell's position, then 31 of a triangle's rank.
     static constexpr std::size_t max_levels = 63 + 31;
 
+    /// What the functions below read, for a file of it.
+    [[nodiscard]] const IndexArrays& arrays() const noexcept { return arrays_; }
+
     [[nodiscard]] std::uint32_t triangle_count() const noexcept
     {
         return static_cast<std::uint32_t>(arrays_.ids.size());

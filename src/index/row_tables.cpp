@@ -19,39 +19,30 @@ constexpr double thin_condition = 32;
 
 constexpr std::size_t items_per_task = 4096;
 
-/// body(i) for every i in [0, count).
-template <class Body>
-void for_each_item(std::size_t count, Threads threads, const Body& body)
-{
-    parallel_for((count + items_per_task - 1) / items_per_task, threads, [&](std::size_t task) {
-        const std::size_t end = std::min(count, (task + 1) * items_per_task);
-        for (std::size_t i = task * items_per_task; i < end; ++i)
-            body(static_cast<std::uint32_t>(i));
-    });
-}
-
 template <class Scalar>
 void fill_rows(const TriangleMesh& mesh, const EdgeNumbers& edges,
                std::span<const TriangleId> order, Threads threads,
                GrowBuffer<TriangleRow<Scalar>>& rows)
 {
     rows.resize(order.size());
-    for_each_item(order.size(), threads, [&](std::uint32_t rank) {
-        const TriangleId id = order[rank];
-        const Triangle triangle = mesh.triangle(id);
-        const TriangleCorners& corners = mesh.triangles()[to_index(id)];
-        TriangleRow<Scalar> row;
-        row.triangle = to_index(id) | (is_thin(triangle) ? TriangleRow<Scalar>::thin_bit : 0U);
-        for (int i = 0; i < 3; ++i) {
-            const auto k = static_cast<std::size_t>(i);
-            for (int axis = 0; axis < 3; ++axis)
-                row.coordinates[axis][i] = static_cast<Scalar>(triangle[i][axis]);
-            row.vertices[i] = corners[k];
-            if (corners[k] > corners[(k + 1) % 3])
-                row.triangle |= TriangleRow<Scalar>::side_bit << k;
-            row.edges[i] = to_index(edges.triangle_edges[to_index(id)][k]);
+    parallel_chunks(order.size(), items_per_task, threads, [&](std::size_t first, std::size_t end) {
+        for (std::size_t rank = first; rank < end; ++rank) {
+            const TriangleId id = order[rank];
+            const Triangle triangle = mesh.triangle(id);
+            const TriangleCorners& corners = mesh.triangles()[to_index(id)];
+            TriangleRow<Scalar> row;
+            row.triangle = to_index(id) | (is_thin(triangle) ? TriangleRow<Scalar>::thin_bit : 0U);
+            for (int i = 0; i < 3; ++i) {
+                const auto k = static_cast<std::size_t>(i);
+                for (int axis = 0; axis < 3; ++axis)
+                    row.coordinates[axis][i] = static_cast<Scalar>(triangle[i][axis]);
+                row.vertices[i] = corners[k];
+                if (corners[k] > corners[(k + 1) % 3])
+                    row.triangle |= TriangleRow<Scalar>::side_bit << k;
+                row.edges[i] = to_index(edges.triangle_edges[to_index(id)][k]);
+            }
+            rows[rank] = row;
         }
-        rows[rank] = row;
     });
 }
 
@@ -143,9 +134,11 @@ RowTables make_row_tables(const TriangleMesh& mesh, const EdgeNumbers& edges,
     }
     fill_vertex_incidences(mesh, tables.vertex_incidences);
     tables.edge_incidences.resize(edges.first_sides.size());
-    for_each_item(edges.first_sides.size(), threads, [&](std::uint32_t edge) {
-        tables.edge_incidences[edge] = incidence_of_edge(mesh, edges, edge);
-    });
+    parallel_chunks(edges.first_sides.size(), items_per_task, threads,
+                    [&](std::size_t first, std::size_t end) {
+                        for (auto edge = static_cast<std::uint32_t>(first); edge < end; ++edge)
+                            tables.edge_incidences[edge] = incidence_of_edge(mesh, edges, edge);
+                    });
     return tables;
 }
 

@@ -77,7 +77,7 @@ Result<EdgeNumbers> number_edges(const TriangleMesh& mesh, Progress* progress)
     numbers.first_sides.resize(3 * triangles.size() + 1);
     std::uint32_t count = 0;
     for (std::size_t begin = 0; begin < triangles.size(); begin += triangles_per_report) {
-        if (is_cancelled(progress)) return fail(ErrorCode::cancelled, "edges: stopped on request");
+        if (is_cancelled(progress)) return cancelled("numbering the edges");
         const std::size_t end = std::min(triangles.size(), begin + triangles_per_report);
         for (std::size_t id = begin; id < end; ++id) {
             std::array<EdgeId, 3> edges{};

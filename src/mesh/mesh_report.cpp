@@ -83,7 +83,7 @@ public:
             (this->*step)();
             advance_stage(options_.execution.progress, 1);
             if (is_cancelled(options_.execution.progress)) {
-                return fail(ErrorCode::cancelled, "mesh report: stopped on request");
+                return cancelled("the mesh report");
             }
         }
         if (const Status welded = examine_welded(); !welded) return tl::unexpected(welded.error());
@@ -176,18 +176,15 @@ private:
     void examine_triangles()
     {
         std::vector<std::uint8_t> without_area(mesh_.triangle_count(), 0);
-        parallel_for((mesh_.triangle_count() + triangles_per_task - 1) / triangles_per_task,
-                     options_.execution.threads, [&](std::size_t task) {
-                         const std::size_t begin = task * triangles_per_task;
-                         const std::size_t end =
-                             std::min(begin + triangles_per_task, mesh_.triangle_count());
-                         for (std::size_t id = begin; id < end; ++id) {
-                             const Triangle triangle =
-                                 mesh_.triangle(TriangleId{static_cast<std::uint32_t>(id)});
-                             without_area[id] =
-                                 is_finite(triangle) && is_degenerate(triangle) ? 1 : 0;
-                         }
-                     });
+        parallel_chunks(mesh_.triangle_count(), triangles_per_task, options_.execution.threads,
+                        [&](std::size_t first, std::size_t end) {
+                            for (std::size_t id = first; id < end; ++id) {
+                                const Triangle triangle =
+                                    mesh_.triangle(TriangleId{static_cast<std::uint32_t>(id)});
+                                without_area[id] =
+                                    is_finite(triangle) && is_degenerate(triangle) ? 1 : 0;
+                            }
+                        });
         Tally degenerate(options_.max_ids);
         Tally zero_area(options_.max_ids);
         for (std::uint32_t id = 0; id < mesh_.triangle_count(); ++id) {

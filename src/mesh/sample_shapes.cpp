@@ -29,11 +29,6 @@ StageSteps making_mesh(Progress* progress, std::uint64_t triangles) noexcept
     return {progress, "making mesh", triangles};
 }
 
-tl::unexpected<Error> making_cancelled()
-{
-    return fail(ErrorCode::cancelled, "making the mesh was stopped on request");
-}
-
 // The order of operations is explicit, so that the bits do not depend on a vector library.
 Vec3 on_unit_sphere(const Vec3& point) noexcept
 {
@@ -46,7 +41,7 @@ Result<TriangleMesh> subdivided_sphere(const TriangleMesh& mesh, Progress* progr
 {
     const Result<Topology> topology =
         build_topology(mesh, {.execution = {.threads = {1}, .progress = progress}});
-    if (is_cancelled(progress)) return making_cancelled();
+    if (is_cancelled(progress)) return cancelled("making the mesh");
     PROXIMA_CHECK(topology.has_value());
     StageSteps steps = making_mesh(progress, 4 * mesh.triangle_count());
     std::vector<Vec3> positions(mesh.positions().begin(), mesh.positions().end());
@@ -54,7 +49,7 @@ Result<TriangleMesh> subdivided_sphere(const TriangleMesh& mesh, Progress* progr
     for (std::uint32_t edge = 0; edge < topology->edge_count(); ++edge) {
         const auto [low, high] = topology->vertices(EdgeId{edge});
         positions.push_back(on_unit_sphere(mesh.position(low) + mesh.position(high)));
-        if (!steps.done(1)) return making_cancelled();
+        if (!steps.done(1)) return cancelled("making the mesh");
     }
     std::vector<TriangleCorners> triangles;
     triangles.reserve(4 * mesh.triangle_count());
@@ -69,7 +64,7 @@ Result<TriangleMesh> subdivided_sphere(const TriangleMesh& mesh, Progress* progr
         triangles.push_back({corner[1], middle[1], middle[0]});
         triangles.push_back({corner[2], middle[2], middle[1]});
         triangles.push_back(middle);
-        if (!steps.done(3)) return making_cancelled(); // an edge and a half were the rest
+        if (!steps.done(3)) return cancelled("making the mesh"); // an edge and a half were the rest
     }
     return make_triangle_mesh(std::move(positions), std::move(triangles));
 }
@@ -88,7 +83,7 @@ Result<TriangleMesh> sphere(int stacks, int slices, Progress* progress)
     std::vector<CirclePoint> meridian(count);
     for (std::uint32_t j = 0; j < count; ++j) {
         meridian[j] = unit_circle(j, count);
-        if (!steps.done(1)) return making_cancelled();
+        if (!steps.done(1)) return cancelled("making the mesh");
     }
 
     std::vector<Vec3> positions;
@@ -99,7 +94,7 @@ Result<TriangleMesh> sphere(int stacks, int slices, Progress* progress)
         for (const CirclePoint& along : meridian) {
             positions.emplace_back(on_circle_grid(latitude.sine * along.cosine),
                                    on_circle_grid(latitude.sine * along.sine), latitude.cosine);
-            if (!steps.done(1)) return making_cancelled();
+            if (!steps.done(1)) return cancelled("making the mesh");
         }
     }
     positions.emplace_back(0.0, 0.0, -1.0);
@@ -119,7 +114,7 @@ Result<TriangleMesh> sphere(int stacks, int slices, Progress* progress)
             const std::uint32_t end = vertex(i + 1, j + 1);
             triangles.push_back({start, vertex(i + 1, j), end});
             triangles.push_back({start, end, vertex(i, j + 1)});
-            if (!steps.done(2)) return making_cancelled();
+            if (!steps.done(2)) return cancelled("making the mesh");
         }
     }
     for (std::uint32_t j = 0; j < count; ++j) {
@@ -183,7 +178,7 @@ Result<TriangleMesh> torus(int around, int across, Progress* progress)
     std::vector<CirclePoint> tube(rows);
     for (std::uint32_t j = 0; j < rows; ++j) {
         tube[j] = unit_circle(j, rows);
-        if (!steps.done(1)) return making_cancelled();
+        if (!steps.done(1)) return cancelled("making the mesh");
     }
 
     std::vector<Vec3> positions;
@@ -200,7 +195,7 @@ Result<TriangleMesh> torus(int around, int across, Progress* progress)
             const std::uint32_t up = (j + 1) % rows;
             triangles.push_back({here + j, next + j, next + up});
             triangles.push_back({here + j, next + up, here + up});
-            if (!steps.done(2)) return making_cancelled();
+            if (!steps.done(2)) return cancelled("making the mesh");
         }
     }
     return make_triangle_mesh(std::move(positions), std::move(triangles));

@@ -186,8 +186,7 @@ private:
 
 tl::unexpected<Error> making_cancelled(std::size_t triangles)
 {
-    return fail(ErrorCode::cancelled, "making the mesh was stopped on request",
-                concat("spaceship:", triangles));
+    return cancelled("making the mesh", concat("spaceship:", triangles));
 }
 
 Result<TriangleMesh> triangulated(QuadSurface surface, std::size_t triangles, StageSteps& steps)

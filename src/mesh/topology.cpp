@@ -170,17 +170,14 @@ std::uint64_t Topology::bytes() const noexcept
 
 Result<Topology> build_topology(const TriangleMesh& mesh, const TopologyOptions& options)
 {
-    const auto cancelled = [] {
-        return fail(ErrorCode::cancelled, "topology: stopped on request");
-    };
     TopologyBuilder builder(mesh, options);
     if (const Status fits = builder.check_limits(); !fits) return tl::unexpected(fits.error());
     if (const Status listed = builder.list_edges(); !listed) return tl::unexpected(listed.error());
     begin_stage(options.execution.progress, "topology", topology_stages);
     builder.list_stars();
-    if (is_cancelled(options.execution.progress)) return cancelled();
+    if (is_cancelled(options.execution.progress)) return cancelled("building the topology");
     builder.list_edge_triangles();
-    if (is_cancelled(options.execution.progress)) return cancelled();
+    if (is_cancelled(options.execution.progress)) return cancelled("building the topology");
     builder.list_vertex_edges();
     return builder.result();
 }

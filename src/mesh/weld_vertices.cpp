@@ -53,7 +53,7 @@ Result<TriangleMesh> weld_vertices(const TriangleMesh& mesh, const Execution& ex
     std::vector<Vec3> positions(mesh.positions().begin(), mesh.positions().end());
     std::vector<TriangleCorners> triangles(mesh.triangles().begin(), mesh.triangles().end());
     if (!weld_vertices(positions, triangles, execution.progress))
-        return fail(ErrorCode::cancelled, "cancelled while welding vertices");
+        return cancelled("welding vertices");
     return make_triangle_mesh(std::move(positions), std::move(triangles));
 }
 

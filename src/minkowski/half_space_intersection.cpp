@@ -285,7 +285,7 @@ Result<Corners> corners_of(const std::vector<Plane>& planes, const Ball& ball,
     Real extent = 0;
     StageSteps steps(progress, "corners of half-spaces", triangles.size(), 64);
     for (const detail::HullTriangle& triangle : triangles) {
-        if (!steps.done(1)) return fail(ErrorCode::cancelled, "stopped on request");
+        if (!steps.done(1)) return cancelled("intersecting half-spaces");
         std::array<const Plane*, 3> meeting{};
         std::size_t count = 0;
         for (const std::uint32_t dual : triangle.vertices)
@@ -334,7 +334,7 @@ Result<bool> facets_lie_in_planes(const ConvexPolyhedron& polyhedron,
     };
     StageSteps steps(progress, "facets of half-spaces", polyhedron.facet_count(), 64);
     for (std::uint32_t facet = 0; facet < polyhedron.facet_count(); ++facet) {
-        if (!steps.done(1)) return fail(ErrorCode::cancelled, "stopped on request");
+        if (!steps.done(1)) return cancelled("intersecting half-spaces");
         std::size_t plane = 0;
         while (plane < planes.size() && !lies_in(facet, plane)) ++plane;
         if (plane == planes.size()) return false;
@@ -357,7 +357,7 @@ Result<ConvexPolyhedron> polyhedron_of_half_spaces(std::span<const HalfSpace> gi
     };
     if (planes.empty()) return holds_line();
     const std::optional<Ball> ball = ball_inside(planes, progress);
-    if (is_cancelled(progress)) return fail(ErrorCode::cancelled, "stopped on request");
+    if (is_cancelled(progress)) return cancelled("intersecting half-spaces");
     if (!ball) {
         return fail(ErrorCode::invalid_argument,
                     "the half-spaces have no volume in common: none at all, or a set that is flat "

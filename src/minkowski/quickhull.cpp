@@ -70,7 +70,7 @@ public:
             to_do_.pop_back();
             if (faces_[face].gone || faces_[face].first_waiting == none) continue;
             if (++rounds % 64 == 0 && is_cancelled(progress_)) {
-                return fail(ErrorCode::cancelled, "stopped on request");
+                return cancelled("the convex hull");
             }
             add(faces_[face].farthest, face);
         }

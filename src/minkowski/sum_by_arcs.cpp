@@ -45,7 +45,7 @@ public:
                         "the sum's facets have more than 2^28 corners together: sum coarser "
                         "polyhedra");
         }
-        if (!done) return fail(ErrorCode::cancelled, "stopped on request");
+        if (!done) return cancelled("the Minkowski sum");
         return holds_line ? std::move(sum_).finish_with_line() : std::move(sum_).finish();
     }
 
@@ -53,11 +53,11 @@ private:
     [[nodiscard]] bool go_on()
     {
         advance_stage(progress_, 1);
-        return has_room();
+        return may_continue();
     }
 
-    /// Whether neither the sum has grown too large nor somebody asked to stop.
-    [[nodiscard]] bool has_room()
+    /// False where the sum has grown too large, or the work is to stop.
+    [[nodiscard]] bool may_continue()
     {
         return sum_.corners().size() <= max_sum_corners && !is_cancelled(progress_);
     }
@@ -106,9 +106,9 @@ private:
                 const std::uint32_t end =
                     walk.walk(arc, visit.theirs, position, [&](std::uint32_t their_edge, int out) {
                         crossing(e, their_edge, -out * from_left);
-                        return has_room();
+                        return may_continue();
                     });
-                if (!has_room()) return false;
+                if (!may_continue()) return false;
                 if (is_met[arc.to]) continue;
                 is_met[arc.to] = true;
                 to_do.push_back({arc.to, support_face<Scalar>(theirs, ours, arc.to, end)});
@@ -201,7 +201,7 @@ private:
         const ConvexPolyhedron& a = sum_.a();
         const ConvexPolyhedron& b = sum_.b();
         for (std::uint32_t e = 0; e < a.edges().size(); ++e) {
-            if (!has_room()) return false;
+            if (!may_continue()) return false;
             for (std::uint32_t g = 0; g < b.edges().size(); ++g) {
                 const ArcCrossing crossing = arcs_cross<Scalar>(a, a.edges()[e], b, b.edges()[g]);
                 if (crossing != ArcCrossing::none)

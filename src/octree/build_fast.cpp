@@ -126,7 +126,7 @@ Status join(std::vector<OctreeOutput>& chunks, const std::vector<std::size_t>& b
         }
         chunk = OctreeOutput{};
     });
-    if (is_cancelled(progress)) return cancelled_build();
+    if (is_cancelled(progress)) return cancelled("building the octree");
     return {};
 }
 
@@ -144,11 +144,11 @@ Result<OctreeOutput> build_fast(const TriangleMesh& mesh, const OctreeFrame& fra
     begin_stage(options.execution.progress, "snapping",
                 mesh.vertex_count() + 2 * mesh.triangle_count());
     const SnappedMesh snapped(mesh, frame, options.execution.threads, options.execution.progress);
-    if (is_cancelled(options.execution.progress)) return cancelled_build();
+    if (is_cancelled(options.execution.progress)) return cancelled("building the octree");
     const int bin_depth = choose_bin_depth(snapped, options.max_depth);
     const CoarseBins bins =
         bin_triangles(snapped, bin_depth, options.execution.threads, options.execution.progress);
-    if (is_cancelled(options.execution.progress)) return cancelled_build();
+    if (is_cancelled(options.execution.progress)) return cancelled("building the octree");
 
     OctreeOutput output;
     const std::vector<SubtreeSlot> slots = build_top_tree(bins, options.threshold, output);

@@ -72,7 +72,7 @@ Status fill_uniformly(int max_depth, const GrowLimits& limits, OctreeOutput& out
         std::vector<std::uint32_t> children;
         children.reserve(8 * sources.size());
         for (std::size_t i = 0; i < sources.size(); ++i) {
-            if (!steps.done(8)) return cancelled_build();
+            if (!steps.done(8)) return cancelled("building the octree");
             const bool is_empty = sources[i] == none;
             const OctreeNode source = is_empty ? OctreeNode{} : output.nodes[sources[i]];
             OctreeNode node = OctreeNode::split(static_cast<std::uint32_t>(nodes.size()), 0xFF);

@@ -55,7 +55,7 @@ private:
                                                const std::vector<TriangleId>& touching)
     {
         if (is_cancelled(progress_)) {
-            return fail(ErrorCode::cancelled, "checking was stopped on request");
+            return cancelled("checking the octree");
         }
         std::vector<TriangleId> listed;
         const bool leaf = octree_.is_leaf(cell);

@@ -38,7 +38,7 @@ public:
         while (!pending.empty()) {
             const Pending top = pending.pop();
             const OctreeNode node = nodes_[top.record];
-            if (!steps_.done(1)) return stopped();
+            if (!steps_.done(1)) return cancelled("checking the octree");
             if (node.is_leaf()) {
                 if (const Status status = check_leaf(top, node); !status) return status;
                 continue;
@@ -64,11 +64,6 @@ private:
     {
         return fail(ErrorCode::broken_invariant, std::move(message),
                     concat("octree record ", record));
-    }
-
-    static tl::unexpected<Error> stopped()
-    {
-        return fail(ErrorCode::cancelled, "checking was stopped on request");
     }
 
     [[nodiscard]] bool uniform() const noexcept
@@ -122,7 +117,7 @@ private:
         const std::span<const TriangleId> list =
             octree_.references().subspan(node.first, node.count());
         for (std::size_t i = 0; i < list.size(); ++i) {
-            if (!steps_.done(1)) return stopped();
+            if (!steps_.done(1)) return cancelled("checking the octree");
             if (to_index(list[i]) >= octree_.triangle_count()) {
                 return bad(concat("triangle ", to_index(list[i]), " of ", octree_.triangle_count()),
                            at.record);

@@ -75,12 +75,12 @@ public:
         begin_stage("empty cells", 1);
         if (capped()) mark_cells_at_caps();
         unite_cells();
-        if (cancelled()) return stopped();
+        if (is_cancelled(options_.execution.progress)) return cancelled("classifying cells");
         number_regions();
         find_region_windings();
-        if (cancelled()) return stopped();
+        if (is_cancelled(options_.execution.progress)) return cancelled("classifying cells");
         label_cells();
-        if (cancelled()) return stopped();
+        if (is_cancelled(options_.execution.progress)) return cancelled("classifying cells");
         summarise();
         return make_octree();
     }
@@ -88,15 +88,6 @@ public:
 private:
     using CellNumber = std::uint32_t;
 
-    static tl::unexpected<Error> stopped()
-    {
-        return fail(ErrorCode::cancelled, "stopped while classifying cells");
-    }
-
-    [[nodiscard]] bool cancelled() const noexcept
-    {
-        return is_cancelled(options_.execution.progress);
-    }
     [[nodiscard]] bool capped() const noexcept { return caps_.triangle_count() > 0; }
     [[nodiscard]] DisjointSets& regions() noexcept { return capped() ? regions_ : components_; }
     [[nodiscard]] bool at_cap(CellNumber cell) const noexcept { return capped() && at_cap_[cell]; }
@@ -116,20 +107,20 @@ private:
     void for_each(const char* stage, std::size_t count, const Body& body) const
     {
         begin_stage(stage, count);
-        parallel_for((count + chunk - 1) / chunk, options_.execution.threads,
-                     [&](std::size_t part) {
-                         if (cancelled()) return;
-                         const std::size_t end = std::min(count, (part + 1) * chunk);
-                         for (std::size_t i = part * chunk; i < end; ++i) body(i);
-                         advance_stage(options_.execution.progress, end - part * chunk);
-                     });
+        parallel_chunks(count, chunk, options_.execution.threads,
+                        [&](std::size_t first, std::size_t end) {
+                            if (is_cancelled(options_.execution.progress)) return;
+                            for (std::size_t i = first; i < end; ++i) body(i);
+                            advance_stage(options_.execution.progress, end - first);
+                        });
     }
 
     /// Descends with each cap to the empty cells that it may touch.
     void mark_cells_at_caps()
     {
         if (octree_.nodes()[0].is_leaf()) return;
-        for (std::uint32_t i = 0; i < caps_.triangle_count() && !cancelled(); ++i) {
+        for (std::uint32_t i = 0;
+             i < caps_.triangle_count() && !is_cancelled(options_.execution.progress); ++i) {
             const Triangle cap = caps_.triangle(TriangleId{i});
             FixedStack<Cell, 7 * max_octree_depth + 1> pending;
             pending.push(octree_.root());
@@ -197,7 +188,7 @@ private:
             tie_regions(rays, windings, options_.execution.threads, options_.execution.progress);
         }
         ask_winding_numbers(outside, windings);
-        if (cancelled()) return;
+        if (is_cancelled(options_.execution.progress)) return;
         const std::int64_t winding_outside = windings.find(outside).difference;
         for (std::uint32_t region = 0; region < outside; ++region) {
             const auto found = windings.find(region);

@@ -34,7 +34,7 @@ Result<GlbPart> mesh_geometry(const TriangleMesh& mesh, const Vec3& origin, Prog
             }
             geometry.indices.push_back(number[corner]);
         }
-        if (!steps.done(1)) return export_cancelled();
+        if (!steps.done(1)) return cancelled("the export");
     }
     return geometry;
 }
@@ -53,13 +53,13 @@ Result<GlbPart> box_geometry(const Octree& octree, const Vec3& origin, Progress*
     for (std::size_t i = 0; i < corners->size(); ++i) {
         geometry.add_point(corners->position(octree.frame(), octree.parameters().max_depth, i),
                            origin);
-        if (!steps.done(1)) return export_cancelled();
+        if (!steps.done(1)) return cancelled("the export");
     }
     for (const LeafBox& leaf : *leaves) {
         for (const std::uint8_t corner : edges) {
             geometry.indices.push_back(static_cast<std::uint32_t>(corners->number(leaf, corner)));
         }
-        if (!steps.done(24)) return export_cancelled();
+        if (!steps.done(24)) return cancelled("the export");
     }
     return geometry;
 }

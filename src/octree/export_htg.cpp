@@ -20,7 +20,7 @@ Status export_htg(const Octree& octree, const std::filesystem::path& path,
         std::vector<Cell> below;
         std::vector<bool> split;
         for (const Cell& cell : level) {
-            if (!steps.done(1)) return export_cancelled();
+            if (!steps.done(1)) return cancelled("the export");
             split.push_back(!octree.is_leaf(cell));
             classes.push_back(static_cast<std::uint8_t>(cell.type));
             depths.push_back(static_cast<std::uint8_t>(cells.cells_at_depth().size()));

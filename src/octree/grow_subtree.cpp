@@ -21,11 +21,6 @@ std::uint64_t bytes(const SplitLevel& level) noexcept
 
 } // namespace
 
-tl::unexpected<Error> cancelled_build()
-{
-    return fail(ErrorCode::cancelled, "building the octree was cancelled");
-}
-
 Status SubtreeGrower::reserve(std::uint64_t children, const OctreeOutput& output)
 {
     if (output.references.size() + children > std::numeric_limits<std::uint32_t>::max() / 2) {
@@ -71,7 +66,7 @@ Result<OctreeNode> SubtreeGrower::grow(const Subtree& subtree, ChildTest& test,
 
     for (int depth = subtree.depth; level_.pair_count != 0; ++depth, half /= 2) {
         if (is_cancelled(limits_.progress)) {
-            return cancelled_build();
+            return cancelled("building the octree");
         }
         masks_.resize(level_.pair_count + lane_padding);
         test.find_touched(level_, depth, masks_.data());

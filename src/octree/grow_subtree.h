@@ -47,9 +47,6 @@ struct GrowLimits {
     std::atomic<std::uint64_t> used_bytes{0}; ///< of all outputs and scratch together
 };
 
-/// What a builder returns when its progress object asks it to stop.
-[[nodiscard]] tl::unexpected<Error> cancelled_build();
-
 /// Reusable scratch of one thread.
 class SubtreeGrower {
 public:

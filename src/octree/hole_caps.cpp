@@ -151,7 +151,7 @@ Result<TriangleMesh> hole_caps(const TriangleMesh& mesh, Progress* progress)
 {
     const auto found = unbalanced_edges(mesh, progress);
     if (!found) {
-        return fail(ErrorCode::cancelled, "looking for holes was stopped on request");
+        return cancelled("looking for holes");
     }
     const std::vector<UnbalancedEdge>& edges = *found;
     std::map<std::uint32_t, std::uint32_t> renumbered; // vertices of the mesh to those of the caps

@@ -57,18 +57,13 @@ struct Collector {
 
 } // namespace
 
-tl::unexpected<Error> export_cancelled()
-{
-    return fail(ErrorCode::cancelled, "exporting was stopped on request; nothing was kept");
-}
-
 Result<std::vector<LeafBox>> leaf_boxes(const Octree& octree, LeafChoice choice, Progress* progress)
 {
     std::vector<LeafBox> leaves;
     StageSteps steps(progress, "collecting leaves", octree.nodes().size());
     Collector collector{octree, choice, leaves, steps};
     traverse(octree, collector);
-    if (collector.stopped) return export_cancelled();
+    if (collector.stopped) return cancelled("the export");
     return leaves;
 }
 
@@ -81,10 +76,10 @@ Result<LeafCorners> LeafCorners::find(const std::vector<LeafBox>& leaves, Progre
     codes.reserve(8 * leaves.size());
     for (const LeafBox& leaf : leaves) {
         for (int corner = 0; corner < 8; ++corner) codes.push_back(code(leaf, corner));
-        if (!steps.done(1)) return export_cancelled();
+        if (!steps.done(1)) return cancelled("the export");
     }
     const auto key_of = [](std::uint64_t code) { return code; };
-    if (!radix_sort(codes, 3 * axis_bits, key_of, steps)) return export_cancelled();
+    if (!radix_sort(codes, 3 * axis_bits, key_of, steps)) return cancelled("the export");
     codes.erase(std::unique(codes.begin(), codes.end()), codes.end());
     return corners;
 }

@@ -26,9 +26,6 @@ enum class LeafChoice : std::uint8_t { all, boundary };
 [[nodiscard]] Result<std::vector<LeafBox>> leaf_boxes(const Octree& octree, LeafChoice choice,
                                                       Progress* progress);
 
-/// The error of a cancelled export.
-[[nodiscard]] tl::unexpected<Error> export_cancelled();
-
 /// The distinct corners of boxes, each once.
 class LeafCorners {
 public:

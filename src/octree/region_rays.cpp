@@ -181,12 +181,11 @@ void tie_regions(const RegionRays& rays, DisjointOffsets& windings, Threads thre
         if (untied.empty() || is_cancelled(progress)) return;
         begin_stage(progress, "regions", untied.size());
         ends.assign(untied.size(), std::nullopt);
-        parallel_for((untied.size() + chunk - 1) / chunk, threads, [&](std::size_t part) {
-            const std::size_t end = std::min(untied.size(), (part + 1) * chunk);
-            for (std::size_t i = part * chunk; i < end && !is_cancelled(progress); ++i) {
+        parallel_chunks(untied.size(), chunk, threads, [&](std::size_t first, std::size_t end) {
+            for (std::size_t i = first; i < end && !is_cancelled(progress); ++i) {
                 ends[i] = rays.cast(untied[i], direction);
             }
-            advance_stage(progress, end - part * chunk);
+            advance_stage(progress, end - first);
         });
         for (std::size_t i = 0; i < untied.size(); ++i) {
             if (!ends[i]) continue;

@@ -41,15 +41,14 @@ SnappedMesh::SnappedMesh(const TriangleMesh& mesh, const OctreeFrame& frame, Thr
     const Vec3 scale = Vec3::Constant(grid_steps).cwiseQuotient(frame.edge);
     vertices_.resize(mesh.vertex_count());
     constexpr std::size_t chunk = 1 << 14;
-    parallel_for((mesh.vertex_count() + chunk - 1) / chunk, threads, [&](std::size_t index) {
+    parallel_chunks(mesh.vertex_count(), chunk, threads, [&](std::size_t first, std::size_t end) {
         if (is_cancelled(progress)) return;
-        const std::size_t end = std::min(mesh.vertex_count(), (index + 1) * chunk);
-        for (std::size_t vertex = index * chunk; vertex < end; ++vertex) {
+        for (std::size_t vertex = first; vertex < end; ++vertex) {
             const Vec3 offset = mesh.positions()[vertex] - frame.lower;
             vertices_[vertex] = {snap(offset[0], scale[0]), snap(offset[1], scale[1]),
                                  snap(offset[2], scale[2]), 0};
         }
-        advance_stage(progress, end - index * chunk);
+        advance_stage(progress, end - first);
     });
 }
 

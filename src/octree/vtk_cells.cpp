@@ -35,7 +35,7 @@ Status write_leaf_voxels(const OctreeFrame& frame, int lattice_depth,
     for (std::size_t i = 0; i < corners->size(); ++i) {
         const Vec3 point = corners->position(frame, lattice_depth, i);
         points.insert(points.end(), point.begin(), point.end());
-        if (!steps.done(1)) return export_cancelled();
+        if (!steps.done(1)) return cancelled("the export");
     }
     std::vector<std::int64_t> connectivity;
     std::vector<std::int64_t> offsets;
@@ -46,7 +46,7 @@ Status write_leaf_voxels(const OctreeFrame& frame, int lattice_depth,
             connectivity.push_back(static_cast<std::int64_t>(corners->number(leaf, corner)));
         }
         offsets.push_back(static_cast<std::int64_t>(connectivity.size()));
-        if (!steps.done(8)) return export_cancelled();
+        if (!steps.done(8)) return cancelled("the export");
     }
     const std::vector<std::uint8_t> types(leaves.size(), vtk_voxel);
 

@@ -207,11 +207,6 @@ auto triangles_of(const TriangleMesh& mesh) noexcept
     return [&mesh](std::uint32_t id) { return mesh.triangle(TriangleId{id}); };
 }
 
-tl::unexpected<Error> cancelled()
-{
-    return fail(ErrorCode::cancelled, "stopped while summing moments");
-}
-
 } // namespace
 
 Result<WindingNumber> build_winding_number(const TriangleMesh& mesh, const WindingOptions& options)
@@ -230,7 +225,7 @@ Result<WindingNumber> build_winding_number(const TriangleMesh& mesh, const Windi
     {
         const auto items =
             triangle_order(mesh, bounds, SpaceCurve::morton, options.execution.progress);
-        if (!items) return cancelled();
+        if (!items) return cancelled("building the winding number");
         order.reserve(items->size());
         for (const KeyedIndex& item : *items) order.push_back(item.index);
         append_clusters(clusters, *items, 0, static_cast<std::uint32_t>(items->size()));
@@ -239,18 +234,17 @@ Result<WindingNumber> build_winding_number(const TriangleMesh& mesh, const Windi
     const WindingClusters view = winding.clusters();
     std::vector<Extent> extents(clusters.size());
     constexpr std::size_t chunk = 256;
-    parallel_for((clusters.size() + chunk - 1) / chunk, options.execution.threads,
-                 [&, &made = clusters](std::size_t part) {
-                     if (is_cancelled(options.execution.progress)) return;
-                     const std::size_t end = std::min(made.size(), (part + 1) * chunk);
-                     for (std::size_t i = part * chunk; i < end; ++i) {
-                         if (!view.is_leaf(i)) continue;
-                         fill_leaf(made[i], extents[i], mesh,
-                                   view.order.subspan(made[i].first, made[i].count), view.unit);
-                         advance_stage(options.execution.progress, made[i].count);
-                     }
-                 });
-    if (is_cancelled(options.execution.progress)) return cancelled();
+    parallel_chunks(clusters.size(), chunk, options.execution.threads,
+                    [&, &made = clusters](std::size_t first, std::size_t end) {
+                        if (is_cancelled(options.execution.progress)) return;
+                        for (std::size_t i = first; i < end; ++i) {
+                            if (!view.is_leaf(i)) continue;
+                            fill_leaf(made[i], extents[i], mesh,
+                                      view.order.subspan(made[i].first, made[i].count), view.unit);
+                            advance_stage(options.execution.progress, made[i].count);
+                        }
+                    });
+    if (is_cancelled(options.execution.progress)) return cancelled("building the winding number");
     for (std::size_t i = clusters.size(); i-- > 0;) {
         if (!view.is_leaf(i)) {
             const std::size_t left = i + 1;

@@ -254,6 +254,19 @@ class Files(ProgramTest):
         self.assertTrue([row[0] for row in whole] == list(range(len(points))))
         self.assertEqual([row[1:] for row in whole[-50:]], [row[1:] for row in part])
 
+    def test_lists_change_no_answer(self):
+        model = "torus:24x36"
+        file = self.file("points.csv", csv_text(self.POINTS))
+        without = self.json_of("closest", model, "--points", file)["bytes"]
+        usual = self.json_of("index", model, "--lists")["bytes"]
+        self.assertEqual(self.json_of("closest", model, "--points", file, "--lists")["bytes"], usual)
+        tight = self.json_of("closest", model, "--points", file, "--lists", "--budget-mb", 1)["bytes"]
+        self.assertLess(without, tight)
+        self.assertLessEqual(tight, without + 1_000_000)
+        texts = [self.succeed("closest", model, "--points", file, "--out", "-", *options)
+                 for options in ((), ("--lists",))]
+        self.assertEqual(texts[0], texts[1])
+
     def test_json_and_text(self):
         file = self.file("points.csv", csv_text(self.POINTS))
         result = self.json_of("closest", "cube", "--points", file)
@@ -323,7 +336,14 @@ class SavedOctrees(ProgramTest):
         alone = self.json_of("check", octree)
         self.assertEqual((alone["mesh"], alone["triangles"], alone["points"]), (None, 128, 3000))
         self.assertEqual(self.json_of("check", octree, "--mesh", model), {**alone, "mesh": str(model)})
-        self.assertIn("answers at 3000 points are those of all triangles", self.succeed("check", octree))
+        text = self.succeed("check", octree)
+        self.assertIn("answers at 3000 points are those of all triangles", text)
+        self.assertIn(f"128 triangles, {alone['bytes']} bytes\nlists: ", text)
+        self.assertIn(f" bytes for {alone['leaves']} leaves", text)
+        self.assertIn("slabs: none\nsigns: none\n", text)
+        plain = self.folder / "plain.pxi"
+        self.succeed("index", model, "--save", plain)
+        self.assertIn("lists: none\n", self.succeed("check", plain))
         other = self.file("other.off", bumpy_ball(random.Random(12)).text())
         self.refuse("check", octree, "--mesh", other, says=("other.off", "another mesh"))
         data = octree.read_bytes()
@@ -333,7 +353,9 @@ class SavedOctrees(ProgramTest):
     def test_what_cannot_be(self):
         octree = self.saved(bumpy_ball(random.Random(10)))[1]
         points = self.file("points.csv", "1,2,3\n")
-        self.refuse("closest", octree, "--points", points, "--budget-mb", 1, status=2, says="--budget-mb")
+        for lists in (("--budget-mb", 1), ("--lists",)):
+            self.refuse("closest", octree, "--points", points, *lists, status=2, says=lists[0])
+            self.refuse("closest", "cube", "--points", points, "--method", "thesis", *lists, status=2, says=lists[0])
         data = octree.read_bytes()
         for name, content in (("cut.pxi", data[:-8]), ("text.pxi", b"v 1 2 3\n"), ("empty.pxi", b""),
                               ("flipped.pxi", data[:5000] + bytes([data[5000] ^ 4]) + data[5001:])):

@@ -19,55 +19,55 @@ class Devices(ProgramTest):
         environment = {**os.environ, "PROXIMA_STUB": fault}
         text = self.succeed("touch", model, "--device", name, "--device-library", library, "--seconds", seconds,
                             "--record", session, "--json", "-", env=environment, **options)
-        felt = json.loads(text)
-        self.assertEqual(list(felt), KEYS)
-        self.assertEqual(felt["passes"], 0)
+        report = json.loads(text)
+        self.assertEqual(list(report), KEYS)
+        self.assertEqual(report["passes"], 0)
         again = self.json_of("touch", model, "--device", f"replay:{session}")
-        self.assertEqual((again["replay_differences"], again["ticks"]), (0, felt["ticks"]))
+        self.assertEqual((again["replay_differences"], again["ticks"]), (0, report["ticks"]))
         self.assertIsNone(again["device_info"])
         for key in KEYS:
             if key not in (*MEASURED, *OF_A_DEVICE, "device", "replay_differences", "trouble"):
-                self.assertEqual(felt[key], again[key], key)
-        return felt
+                self.assertEqual(report[key], again[key], key)
+        return report
 
     def test_hd(self):
-        felt = self.feel("hd", STUB_HD)
-        info = felt["device_info"]
+        report = self.feel("hd", STUB_HD)
+        info = report["device_info"]
         self.assertEqual((info["model"], info["serial"], info["max_force"]), ("Proxima's tests Stub Omni", "S-0042", 3.3))
         self.assertAlmostEqual(info["max_stiffness"], 700)
-        self.assertGreater(felt["max_force"], 1)
-        self.assertEqual((felt["faulty_ticks"], felt["trouble"]), (0, ""))
-        self.assertGreaterEqual(felt["ticks"], 1000)  # and those in which the force fades at the end
-        self.assertLess(felt["ticks"], 1100)
+        self.assertGreater(report["max_force"], 1)
+        self.assertEqual((report["faulty_ticks"], report["trouble"]), (0, ""))
+        self.assertGreaterEqual(report["ticks"], 1000)  # and those in which the force fades at the end
+        self.assertLess(report["ticks"], 1100)
 
     def test_no_limits_are_beyond_the_driver_s(self):
         for name, stiffest in (("falcon", 700), ("delta", 700), ("touch", 400)):
-            felt = json.loads(self.succeed("touch", "cube", "--device", "hd", "--device-library", STUB_HD, "--seconds", 0.5,
-                                           "--stiffness", 5000, "--limits", name, "--json", "-",
-                                           env={**os.environ, "PROXIMA_STUB": "press=100"}))
-            self.assertLessEqual(felt["max_force"], 3.3)
-            self.assertEqual(felt["device_info"]["max_force"], 3.3)
-            self.assertAlmostEqual(felt["device_info"]["max_stiffness"], stiffest)
+            report = json.loads(self.succeed("touch", "cube", "--device", "hd", "--device-library", STUB_HD, "--seconds", 0.5,
+                                             "--stiffness", 5000, "--limits", name, "--json", "-",
+                                             env={**os.environ, "PROXIMA_STUB": "press=100"}))
+            self.assertLessEqual(report["max_force"], 3.3)
+            self.assertEqual(report["device_info"]["max_force"], 3.3)
+            self.assertAlmostEqual(report["device_info"]["max_stiffness"], stiffest)
 
     def test_hd_faults(self):
-        felt = self.feel("hd", STUB_HD, "unplug=480 replug=630")
-        self.assertEqual((felt["input"]["losses"], felt["input"]["recoveries"]), (1, 1))
-        self.assertIn("Communication error", felt["trouble"])
-        felt = self.feel("hd", STUB_HD, "nan=480")
-        self.assertEqual(felt["input"]["not_finite"], 10)
-        felt = self.feel("hd", STUB_HD, "jump=480")
-        self.assertEqual(felt["input"]["jumps"], 1)
-        felt = self.feel("hd", STUB_HD, "stall=300", seconds=0.8)
-        self.assertEqual(felt["ticks"], 300)
-        self.assertIn("stopped calling", felt["trouble"])
+        report = self.feel("hd", STUB_HD, "unplug=480 replug=630")
+        self.assertEqual((report["input"]["losses"], report["input"]["recoveries"]), (1, 1))
+        self.assertIn("Communication error", report["trouble"])
+        report = self.feel("hd", STUB_HD, "nan=480")
+        self.assertEqual(report["input"]["not_finite"], 10)
+        report = self.feel("hd", STUB_HD, "jump=480")
+        self.assertEqual(report["input"]["jumps"], 1)
+        report = self.feel("hd", STUB_HD, "stall=300", seconds=0.8)
+        self.assertEqual(report["ticks"], 300)
+        self.assertIn("stopped calling", report["trouble"])
 
     def test_dhd(self):
-        felt = self.feel("dhd", STUB_DHD, "press=100")
-        self.assertEqual((felt["device_info"]["max_force"], felt["button_events"]), (12, 2))
-        self.assertGreater(felt["max_force"], 1)
-        felt = self.feel("dhd:0", STUB_DHD, "unplug=480")
-        self.assertEqual(felt["input"]["losses"], 1)
-        self.assertIn("communication error (stub)", felt["trouble"])
+        report = self.feel("dhd", STUB_DHD, "press=100")
+        self.assertEqual((report["device_info"]["max_force"], report["button_events"]), (12, 2))
+        self.assertGreater(report["max_force"], 1)
+        report = self.feel("dhd:0", STUB_DHD, "unplug=480")
+        self.assertEqual(report["input"]["losses"], 1)
+        self.assertIn("communication error (stub)", report["trouble"])
 
     def test_what_is_not_there_is_named(self):
         self.refuse("touch", "cube", "--device", "hd", "--device-library", "/nowhere/libHD.so",
@@ -91,10 +91,10 @@ class Devices(ProgramTest):
         usual = self.json_of("touch", "cube", "--device", "hand:press", "--free-running", "--seconds", 0.2)
         self.assertAlmostEqual(scaled["units_per_metre"], 2 * usual["units_per_metre"])
         session = self.folder / "turned.pxt"
-        felt = json.loads(self.succeed("touch", "cube", "--device", "dhd", "--device-library", STUB_DHD, "--axes", "x,-z,y",
-                                       "--clutch", 1, "--seconds", 0.6, "--record", session, "--json", "-",
-                                       env={**os.environ, "PROXIMA_STUB": "press=300"}))
-        self.assertEqual(felt["input"]["clutched_ticks"], 100)
+        report = json.loads(self.succeed("touch", "cube", "--device", "dhd", "--device-library", STUB_DHD, "--axes", "x,-z,y",
+                                         "--clutch", 1, "--seconds", 0.6, "--record", session, "--json", "-",
+                                         env={**os.environ, "PROXIMA_STUB": "press=300"}))
+        self.assertEqual(report["input"]["clutched_ticks"], 100)
         self.assertEqual(self.json_of("touch", "cube", "--device", f"replay:{session}")["replay_differences"], 0)
 
 
@@ -104,19 +104,19 @@ class Udp(ProgramTest):
         other_side = UdpHand(port, seconds + 1, **hand)
         other_side.start()
         session = self.folder / "udp.pxt"
-        felt = self.json_of("touch", "cube", "--device", f"udp:{port}", "--seconds", seconds, "--record", session)
+        report = self.json_of("touch", "cube", "--device", f"udp:{port}", "--seconds", seconds, "--record", session)
         other_side.join()
         again = self.json_of("touch", "cube", "--device", f"replay:{session}")
-        self.assertEqual((again["replay_differences"], again["ticks"]), (0, felt["ticks"]))
-        self.assertLessEqual(felt["max_force"], 3.3)
-        return felt, other_side.replies
+        self.assertEqual((again["replay_differences"], again["ticks"]), (0, report["ticks"]))
+        self.assertLessEqual(report["max_force"], 3.3)
+        return report, other_side.replies
 
     def test_a_hand_in_another_program(self):
-        felt, replies = self.feel()
-        self.assertGreater(felt["network"]["accepted"], 500)
-        self.assertEqual(felt["network"]["sessions"], 1)
-        self.assertEqual(felt["button_events"], 1)
-        self.assertGreater(felt["touching_ticks"], 300)
+        report, replies = self.feel()
+        self.assertGreater(report["network"]["accepted"], 500)
+        self.assertEqual(report["network"]["sessions"], 1)
+        self.assertEqual(report["button_events"], 1)
+        self.assertGreater(report["touching_ticks"], 300)
         self.assertGreater(len(replies), 500)
         for magic, version, size, session, *_ in replies:
             self.assertEqual((magic, version, size, session), (b"PXDN", 1, 256, 4242))
@@ -127,16 +127,16 @@ class Udp(ProgramTest):
         self.assertAlmostEqual(pressed[22], 1)  # whose normal is z
 
     def test_junk_and_silence(self):
-        felt, _ = self.feel(seconds=3, junk=True, silent=(1.2, 1.6))
-        self.assertGreater(felt["network"]["malformed"], 500)
-        self.assertGreaterEqual(felt["input"]["silences"], 1)
-        self.assertGreaterEqual(felt["input"]["recoveries"], 1)
-        self.assertGreater(felt["input"]["longest_recovery"], 0)
+        report, _ = self.feel(seconds=3, junk=True, silent=(1.2, 1.6))
+        self.assertGreater(report["network"]["malformed"], 500)
+        self.assertGreaterEqual(report["input"]["silences"], 1)
+        self.assertGreaterEqual(report["input"]["recoveries"], 1)
+        self.assertGreater(report["input"]["longest_recovery"], 0)
 
     def test_nobody_comes(self):
-        felt = self.json_of("touch", "cube", "--device", f"udp:{free_port()}", "--seconds", 0.2)
-        self.assertIn("no packet arrived at 127.0.0.1:", felt["trouble"])
-        self.assertEqual(felt["max_force"], 0)
+        report = self.json_of("touch", "cube", "--device", f"udp:{free_port()}", "--seconds", 0.2)
+        self.assertIn("no packet arrived at 127.0.0.1:", report["trouble"])
+        self.assertEqual(report["max_force"], 0)
 
     def test_a_port_that_is_taken(self):
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line:

@@ -80,13 +80,13 @@ class Touching(ProgramTest):
                                                              "3 7 8", "1 5 7", "1 7 3", "2 4 8", "2 8 6")))
         arguments = ("touch", plate, "--device", "hand:poke", "--seconds", 4, "--free-running")
         proxy = self.json_of(*arguments, "--friction", 0)
-        felt = self.json_of(*arguments, "--force", "penalty", "--record", recording)
+        report = self.json_of(*arguments, "--force", "penalty", "--record", recording)
         self.assertEqual((proxy["force"], proxy["passes"]), ("proxy", 0))
-        self.assertEqual((felt["force"], felt["static_friction"], felt["sticking_ticks"]), ("penalty", 0, 0))
-        self.assertGreater(felt["passes"], 3)
-        self.assertLess(felt["touching_ticks"], proxy["touching_ticks"])
+        self.assertEqual((report["force"], report["static_friction"], report["sticking_ticks"]), ("penalty", 0, 0))
+        self.assertGreater(report["passes"], 3)
+        self.assertLess(report["touching_ticks"], proxy["touching_ticks"])
         again = self.json_of("touch", plate, "--device", f"replay:{recording}")
-        self.assertEqual((again["force"], again["replay_differences"], again["passes"]), ("penalty", 0, felt["passes"]))
+        self.assertEqual((again["force"], again["replay_differences"], again["passes"]), ("penalty", 0, report["passes"]))
         self.assertIn("by penalty forces", self.succeed(*arguments, "--force", "penalty"))
         for option in (("--radius", 0.001), ("--friction", 0.5), ("--shading",), ("--patch", "metric"), ("--object", "cube")):
             self.refuse(*arguments, "--force", "penalty", *option, says=("--force", option[0]))
@@ -182,13 +182,13 @@ class Touching(ProgramTest):
 class Recording(ProgramTest):
     def test_replays_bit_for_bit(self):
         session = self.folder / "session.pxt"
-        felt = self.json_of("touch", "torus:24x12", "--device", "hand:stroke", "--seconds", 2, "--free-running",
-                            "--radius", 0.001, "--record", session)
+        report = self.json_of("touch", "torus:24x12", "--device", "hand:stroke", "--seconds", 2, "--free-running",
+                              "--radius", 0.001, "--record", session)
         again = self.json_of("touch", "torus:24x12", "--device", f"replay:{session}")
         self.assertEqual(again["replay_differences"], 0)
         for key in KEYS:
             if key not in (*MEASURED, *OF_A_DEVICE, "device", "replay_differences"):
-                self.assertEqual(felt[key], again[key], key)
+                self.assertEqual(report[key], again[key], key)
         self.assertIn("0 ticks differ", self.succeed("touch", "torus:24x12", "--device", f"replay:{session}"))
 
     def test_what_is_no_recording_is_refused(self):
@@ -217,26 +217,26 @@ class Scenes(ProgramTest):
         touched = [0, 0, 0]
         for script in SCRIPTS:
             session = self.folder / "session.pxt"
-            felt = self.json_of("touch", *SCENE, *PLACES, *MOTIONS, "--material", "1=200,0.5,0.2", "--device",
-                                "hand:" + script, "--seconds", 3, "--free-running", "--record", session)
-            self.assertEqual(list(felt), KEYS)
-            self.assertEqual((felt["triangles"], felt["ticks"], felt["moving_ticks"]), (12 + 320 + 576, 3000, 3000))
-            self.assertEqual((felt["passes"], felt["overloaded_ticks"], felt["faulty_ticks"]), (0, 0, 0), script)
-            self.assertGreater(felt["touching_ticks"], 50, script)
-            self.assertLessEqual(felt["max_force"], 3.3)
-            touched = [sum + row["touching_ticks"] for sum, row in zip(touched, felt["objects"])]
+            report = self.json_of("touch", *SCENE, *PLACES, *MOTIONS, "--material", "1=200,0.5,0.2", "--device",
+                                  "hand:" + script, "--seconds", 3, "--free-running", "--record", session)
+            self.assertEqual(list(report), KEYS)
+            self.assertEqual((report["triangles"], report["ticks"], report["moving_ticks"]), (12 + 320 + 576, 3000, 3000))
+            self.assertEqual((report["passes"], report["overloaded_ticks"], report["faulty_ticks"]), (0, 0, 0), script)
+            self.assertGreater(report["touching_ticks"], 50, script)
+            self.assertLessEqual(report["max_force"], 3.3)
+            touched = [sum + row["touching_ticks"] for sum, row in zip(touched, report["objects"])]
             again = self.json_of("touch", *SCENE, "--device", f"replay:{session}")
             self.assertEqual(again["replay_differences"], 0)
             for key in KEYS:
                 if key not in (*MEASURED, *OF_A_DEVICE, "device", "replay_differences"):
-                    self.assertEqual(felt[key], again[key], key)
+                    self.assertEqual(report[key], again[key], key)
         self.assertGreater(min(touched), 100)
 
     def test_objects_are_as_they_were_asked_for(self):
-        felt = self.json_of("touch", *SCENE, *PLACES, *MOTIONS, "--material", "1=200,0.5,0.2", "--material", "0=150",
-                            "--damping", 2, "--device", "hand:press", "--seconds", 0.1, "--free-running")
-        cube, ball, ring = felt["objects"]
-        self.assertEqual([row["model"] for row in felt["objects"]], [SCENE[0], SCENE[2], SCENE[4]])
+        report = self.json_of("touch", *SCENE, *PLACES, *MOTIONS, "--material", "1=200,0.5,0.2", "--material", "0=150",
+                              "--damping", 2, "--device", "hand:press", "--seconds", 0.1, "--free-running")
+        cube, ball, ring = report["objects"]
+        self.assertEqual([row["model"] for row in report["objects"]], [SCENE[0], SCENE[2], SCENE[4]])
         self.assertEqual(ball["material"], {"stiffness": 200, "damping": 0.5, "static_friction": 0.2,
                                             "dynamic_friction": 0.75 * 0.2})
         self.assertEqual((cube["material"]["stiffness"], cube["material"]["damping"]), (150, 2))
@@ -248,7 +248,7 @@ class Scenes(ProgramTest):
         self.assertEqual((cube["motion"]["kind"], ring["motion"]["kind"]), ("rock", "spin"))
         self.assertAlmostEqual(ring["motion"]["degrees"], 90)
         # The workspace holds the ball at the end of its way, and nothing that is not reached.
-        self.assertAlmostEqual(felt["center"][2], (3.2 + -1.75) / 2, delta=0.4)
+        self.assertAlmostEqual(report["center"][2], (3.2 + -1.75) / 2, delta=0.4)
 
     def test_a_pose_turns_and_shifts(self):
         """A cube on its own feels the same wherever it stands, but for where it stands."""
@@ -275,11 +275,11 @@ class Scenes(ProgramTest):
 
     def test_a_press_is_counted(self):
         """Two plates that close on the hand leave it no room."""
-        felt = self.json_of("touch", "cube", "--object", "cube", "--pose", "1=0,0,2.5", "--motion", "0=swing:0,0,0.4,1",
-                            "--motion", "1=swing:0,0,-0.4,1", "--device", "hand:slide", "--seconds", 10, "--radius", 0.004,
-                            "--free-running")
-        self.assertEqual(felt["passes"], 0)
-        self.assertLessEqual(felt["max_force"], 3.3)
+        report = self.json_of("touch", "cube", "--object", "cube", "--pose", "1=0,0,2.5", "--motion", "0=swing:0,0,0.4,1",
+                              "--motion", "1=swing:0,0,-0.4,1", "--device", "hand:slide", "--seconds", 10, "--radius", 0.004,
+                              "--free-running")
+        self.assertEqual(report["passes"], 0)
+        self.assertLessEqual(report["max_force"], 3.3)
         text = self.succeed("touch", *SCENE, *PLACES, "--device", "hand:press", "--seconds", 0.2, "--free-running")
         for part in ("3 objects", "1 icosphere:2: 320 triangles, rests", "2 torus:24x12"):
             self.assertIn(part, text)
@@ -297,9 +297,9 @@ class Scenes(ProgramTest):
 
     def test_other_devices_touch_scenes(self):
         session = self.folder / "hd.pxt"
-        felt = json.loads(self.succeed("touch", *SCENE, *PLACES, *MOTIONS, "--device", "dhd", "--device-library", STUB_DHD,
-                                       "--seconds", 1, "--record", session, "--json", "-"))
-        self.assertEqual((felt["passes"], len(felt["objects"])), (0, 3))
+        report = json.loads(self.succeed("touch", *SCENE, *PLACES, *MOTIONS, "--device", "dhd", "--device-library", STUB_DHD,
+                                         "--seconds", 1, "--record", session, "--json", "-"))
+        self.assertEqual((report["passes"], len(report["objects"])), (0, 3))
         self.assertEqual(self.json_of("touch", *SCENE, "--device", f"replay:{session}")["replay_differences"], 0)
 
     def test_replays_want_what_was_touched(self):
@@ -346,12 +346,12 @@ class Stopping(ProgramTest):
                 process.send_signal(signal.SIGINT)
                 text, error = process.communicate(timeout=60)
             self.assertEqual((process.returncode, error), (0, ""), name)
-            felt = json.loads(text)
-            self.assertTrue(felt["interrupted"])
-            self.assertGreater(felt["ticks"], 100)
-            self.assertLess(felt["ticks"], 50000)
+            report = json.loads(text)
+            self.assertTrue(report["interrupted"])
+            self.assertGreater(report["ticks"], 100)
+            self.assertLess(report["ticks"], 50000)
             again = self.json_of("touch", "cube", "--device", f"replay:{session}")
-            self.assertEqual((again["replay_differences"], again["ticks"]), (0, felt["ticks"]))
+            self.assertEqual((again["replay_differences"], again["ticks"]), (0, report["ticks"]))
             session.unlink()
 
     def test_a_terminal_shows_rate_and_force(self):

@@ -28,6 +28,20 @@ TEST(ParallelFor, OneThreadKeepsTheOrder)
     EXPECT_EQ(order, expected);
 }
 
+TEST(ParallelChunks, SplitAllItemsAtMultiplesOfTheChunk)
+{
+    for (const std::size_t count : {0U, 1U, 6U, 7U, 8U, 20U, 21U}) {
+        std::vector<std::size_t> sizes(chunk_count(count, 7), 0);
+        parallel_chunks(count, 7, {2}, [&](std::size_t first, std::size_t end) {
+            EXPECT_EQ(first % 7, 0U);
+            sizes[first / 7] += end - first;
+        });
+        std::vector<std::size_t> expected(count / 7, 7);
+        if (count % 7 != 0) expected.push_back(count % 7);
+        EXPECT_EQ(sizes, expected) << count << " items";
+    }
+}
+
 TEST(Progress, CountsAndCancels)
 {
     Progress progress;

@@ -87,11 +87,11 @@ TEST(CursorDevice, HandsOverBetweenThreadsWithoutAllocating)
         while (!ended.load()) {
             const int move = moves.fetch_add(1);
             cursor.move_to(Vec3(0.05 * std::sin(0.001 * move), 0, 0));
-            const CursorFeedback& felt = cursor.feedback();
-            EXPECT_GE(felt.ticks, ticks);
+            const CursorFeedback& feedback = cursor.feedback();
+            EXPECT_GE(feedback.ticks, ticks);
             // What was written in one tick is seen together.
-            EXPECT_EQ(felt.force, -100 * felt.position);
-            ticks = felt.ticks;
+            EXPECT_EQ(feedback.force, -100 * feedback.position);
+            ticks = feedback.ticks;
         }
     });
     while (moves.load() == 0) std::this_thread::yield();

@@ -17,7 +17,7 @@ namespace {
 using testing::CubeScene;
 using testing::PressingDevice;
 using testing::run_session;
-using testing::SessionFelt;
+using testing::SessionResult;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::uint64_t ticks = 2500;
@@ -27,47 +27,47 @@ constexpr std::uint64_t fault_end = 1500;
 constexpr std::uint64_t faded = fault_begin + 75;
 
 /// Touches with a fault from fault_begin up to fault_end, and looks at the force around it.
-SessionFelt with_fault(const PressingDevice::Change& fault, std::uint64_t fades_by = faded,
-                       const InputOptions& options = {})
+SessionResult with_fault(const PressingDevice::Change& fault, std::uint64_t fades_by = faded,
+                         const InputOptions& options = {})
 {
     const CubeScene scene;
     PressingDevice device(scene, [&](std::uint64_t tick, DeviceReading& reading) {
         if (tick >= fault_begin && tick < fault_end) fault(tick, reading);
     });
-    SessionFelt felt = run_session(scene, device, ticks, options);
-    EXPECT_GT(felt.forces[fault_begin - 1], 1.0);
+    SessionResult session = run_session(scene, device, ticks, options);
+    EXPECT_GT(session.forces[fault_begin - 1], 1.0);
     for (std::uint64_t tick = fades_by; tick < fault_end; ++tick) {
-        EXPECT_EQ(felt.forces[tick], 0) << tick;
-        if (felt.forces[tick] != 0) break;
+        EXPECT_EQ(session.forces[tick], 0) << tick;
+        if (session.forces[tick] != 0) break;
     }
-    EXPECT_GT(felt.forces[ticks - 1], 1.0);
-    EXPECT_EQ(felt.input.recoveries, 1U);
-    EXPECT_LT(felt.input.longest_recovery, 1.2 * ForceOptions{}.loss_seconds);
-    return felt;
+    EXPECT_GT(session.forces[ticks - 1], 1.0);
+    EXPECT_EQ(session.input.recoveries, 1U);
+    EXPECT_LT(session.input.longest_recovery, 1.2 * ForceOptions{}.loss_seconds);
+    return session;
 }
 
 TEST(DeviceInput, PassesAGoodHandUnchanged)
 {
     const CubeScene scene;
     PressingDevice device(scene);
-    const SessionFelt felt = run_session(scene, device, ticks);
-    EXPECT_EQ(felt.input.samples, ticks);
-    EXPECT_EQ(felt.input.faulty_ticks, 0U);
-    EXPECT_EQ(felt.quality.faulty_ticks, 0U);
-    EXPECT_EQ(felt.quality.passes, 0U);
-    EXPECT_NEAR(felt.forces.back(), 150 * (0.015 - felt.forces.back() / 500), 0.01);
+    const SessionResult session = run_session(scene, device, ticks);
+    EXPECT_EQ(session.input.samples, ticks);
+    EXPECT_EQ(session.input.faulty_ticks, 0U);
+    EXPECT_EQ(session.quality.faulty_ticks, 0U);
+    EXPECT_EQ(session.quality.passes, 0U);
+    EXPECT_NEAR(session.forces.back(), 150 * (0.015 - session.forces.back() / 500), 0.01);
 }
 
 TEST(DeviceInput, FadesTheForceOnPositionsThatAreNotFinite)
 {
     for (const double wrong : {nan, std::numeric_limits<double>::infinity(), 1e300, -11.0}) {
-        const SessionFelt felt = with_fault([&](std::uint64_t tick, DeviceReading& reading) {
+        const SessionResult session = with_fault([&](std::uint64_t tick, DeviceReading& reading) {
             reading.state.pose.translation[static_cast<int>(tick % 3)] = wrong;
         });
-        EXPECT_EQ(felt.input.not_finite, fault_end - fault_begin);
-        EXPECT_EQ(felt.input.faulty_ticks, fault_end - fault_begin);
-        EXPECT_EQ(felt.quality.faulty_ticks, felt.input.faulty_ticks);
-        EXPECT_NEAR(felt.input.longest_fault, 0.5, 1e-9);
+        EXPECT_EQ(session.input.not_finite, fault_end - fault_begin);
+        EXPECT_EQ(session.input.faulty_ticks, fault_end - fault_begin);
+        EXPECT_EQ(session.quality.faulty_ticks, session.input.faulty_ticks);
+        EXPECT_NEAR(session.input.longest_fault, 0.5, 1e-9);
     }
 }
 
@@ -77,18 +77,18 @@ TEST(DeviceInput, TreatsVelocitiesThatAreNotFiniteAsRest)
     PressingDevice device(scene, [](std::uint64_t, DeviceReading& reading) {
         reading.state.velocity = Vec3(nan, 0, nan);
     });
-    const SessionFelt felt = run_session(scene, device, ticks);
-    EXPECT_EQ(felt.input.faulty_ticks, 0U);
-    EXPECT_GT(felt.forces.back(), 1.0);
+    const SessionResult session = run_session(scene, device, ticks);
+    EXPECT_EQ(session.input.faulty_ticks, 0U);
+    EXPECT_GT(session.forces.back(), 1.0);
 }
 
 /// The largest change of the force between two ticks, N, from a tick on.
-double largest_step(const SessionFelt& felt, std::size_t from)
+double largest_step(const SessionResult& session, std::size_t from)
 {
     double largest = 0;
-    for (std::size_t i = from; i < felt.recording.ticks.size(); ++i) {
-        const auto& a = felt.recording.ticks[i - 1].force;
-        const auto& b = felt.recording.ticks[i].force;
+    for (std::size_t i = from; i < session.recording.ticks.size(); ++i) {
+        const auto& a = session.recording.ticks[i - 1].force;
+        const auto& b = session.recording.ticks[i].force;
         largest = std::max(largest, std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]));
     }
     return largest;
@@ -98,7 +98,7 @@ TEST(DeviceInput, IgnoresVelocitiesThatContradictPositions)
 {
     const CubeScene scene;
     PressingDevice plausible(scene);
-    const SessionFelt good = run_session(scene, plausible, ticks);
+    const SessionResult good = run_session(scene, plausible, ticks);
     EXPECT_EQ(good.input.velocities, 0U);
     const double most = largest_step(good, fault_begin) + 0.05;
     EXPECT_LT(most, 0.1);
@@ -118,10 +118,10 @@ TEST(DeviceInput, IgnoresVelocitiesThatContradictPositions)
         PressingDevice device(scene, [&](std::uint64_t tick, DeviceReading& reading) {
             if (tick >= fault_begin) wrongs[i](tick, reading.state.velocity);
         });
-        const SessionFelt felt = run_session(scene, device, ticks);
-        EXPECT_GT(felt.input.velocities, 10U) << i;
-        EXPECT_EQ(felt.input.faulty_ticks, 0U) << i;
-        EXPECT_LE(largest_step(felt, fault_begin), most) << i;
+        const SessionResult session = run_session(scene, device, ticks);
+        EXPECT_GT(session.input.velocities, 10U) << i;
+        EXPECT_EQ(session.input.faulty_ticks, 0U) << i;
+        EXPECT_LE(largest_step(session, fault_begin), most) << i;
     }
 }
 
@@ -157,21 +157,21 @@ TEST(DeviceInput, UsesPlausibleVelocities)
 
 TEST(DeviceInput, FadesTheForceWhenTheDeviceIsGone)
 {
-    const SessionFelt felt = with_fault([](std::uint64_t, DeviceReading& reading) {
+    const SessionResult session = with_fault([](std::uint64_t, DeviceReading& reading) {
         reading.state.condition = InputCondition::gone;
         reading.state.pose.translation.setConstant(nan);
     });
-    EXPECT_EQ(felt.input.losses, 1U);
-    EXPECT_EQ(felt.input.faulty_ticks, fault_end - fault_begin);
+    EXPECT_EQ(session.input.losses, 1U);
+    EXPECT_EQ(session.input.faulty_ticks, fault_end - fault_begin);
 }
 
 TEST(DeviceInput, ToleratesSilenceForItsPatience)
 {
-    const SessionFelt felt =
+    const SessionResult session =
         with_fault([](std::uint64_t, DeviceReading& reading) { --reading.sample; });
-    EXPECT_EQ(felt.input.silences, 1U);
+    EXPECT_EQ(session.input.silences, 1U);
     // All but the patience of 20 ms, which ends between two ticks.
-    EXPECT_NEAR(static_cast<double>(felt.input.faulty_ticks), fault_end - fault_begin - 20, 1);
+    EXPECT_NEAR(static_cast<double>(session.input.faulty_ticks), fault_end - fault_begin - 20, 1);
     // Less than the patience is no fault.
     const CubeScene scene;
     PressingDevice device(scene, [](std::uint64_t tick, DeviceReading& reading) {
@@ -187,10 +187,10 @@ TEST(DeviceInput, FadesTheForceWhenAPushedDeviceFreezes)
         if (tick == fault_begin) frozen = reading.state;
         reading.state = frozen;
     };
-    const SessionFelt felt = with_fault(freeze, faded + 100, {.frozen_seconds = 0.1});
-    EXPECT_EQ(felt.input.freezes, 1U);
+    const SessionResult session = with_fault(freeze, faded + 100, {.frozen_seconds = 0.1});
+    EXPECT_EQ(session.input.freezes, 1U);
     // All but the 100 ms before it counts as frozen.
-    EXPECT_NEAR(static_cast<double>(felt.input.faulty_ticks), fault_end - fault_begin - 100, 1);
+    EXPECT_NEAR(static_cast<double>(session.input.faulty_ticks), fault_end - fault_begin - 100, 1);
     // A device that may rest is let rest, and so is one that is not pushed.
     const CubeScene scene;
     for (const bool may_rest : {true, false}) {
@@ -209,11 +209,11 @@ TEST(DeviceInput, DoesNotTrustAJumpOfAMetreAtOnce)
     PressingDevice device(scene, [](std::uint64_t tick, DeviceReading& reading) {
         if (tick >= fault_begin && tick < fault_begin + 30) reading.state.pose.translation.x() += 1;
     });
-    const SessionFelt felt = run_session(scene, device, ticks);
-    EXPECT_EQ(felt.input.jumps, 1U);
-    EXPECT_EQ(felt.input.faulty_ticks, 30U);
-    EXPECT_EQ(felt.input.recoveries, 1U);
-    for (const RecordedTick& tick : felt.recording.ticks) EXPECT_LT(tick.position[0], 0.5);
+    const SessionResult session = run_session(scene, device, ticks);
+    EXPECT_EQ(session.input.jumps, 1U);
+    EXPECT_EQ(session.input.faulty_ticks, 30U);
+    EXPECT_EQ(session.input.recoveries, 1U);
+    for (const RecordedTick& tick : session.recording.ticks) EXPECT_LT(tick.position[0], 0.5);
 }
 
 TEST(DeviceInput, TrustsALastingJumpOnceTheForceIsZero)
@@ -222,20 +222,20 @@ TEST(DeviceInput, TrustsALastingJumpOnceTheForceIsZero)
     PressingDevice device(scene, [](std::uint64_t tick, DeviceReading& reading) {
         if (tick >= fault_begin) reading.state.pose.translation.x() += 1;
     });
-    const SessionFelt felt = run_session(scene, device, ticks);
-    EXPECT_EQ(felt.input.jumps, 1U);
-    EXPECT_EQ(felt.input.faulty_ticks, 100U); // settle_seconds
-    EXPECT_GT(felt.recording.ticks[fault_begin + 101].position[0], 0.9);
-    EXPECT_EQ(felt.forces[fault_begin + 60], 0); // before it is accepted
-    EXPECT_EQ(felt.forces[fault_begin + 100], 0);
+    const SessionResult session = run_session(scene, device, ticks);
+    EXPECT_EQ(session.input.jumps, 1U);
+    EXPECT_EQ(session.input.faulty_ticks, 100U); // settle_seconds
+    EXPECT_GT(session.recording.ticks[fault_begin + 101].position[0], 0.9);
+    EXPECT_EQ(session.forces[fault_begin + 60], 0); // before it is accepted
+    EXPECT_EQ(session.forces[fault_begin + 100], 0);
 }
 
 TEST(DeviceInput, NeverTrustsADeviceThatKeepsJumping)
 {
-    const SessionFelt felt = with_fault([](std::uint64_t tick, DeviceReading& reading) {
+    const SessionResult session = with_fault([](std::uint64_t tick, DeviceReading& reading) {
         reading.state.pose.translation.x() += tick % 2 == 0 ? 1.0 : -1.0;
     });
-    EXPECT_EQ(felt.input.jumps, fault_end - fault_begin);
+    EXPECT_EQ(session.input.jumps, fault_end - fault_begin);
 }
 
 TEST(DeviceInput, TouchesNothingBeforeTheFirstGoodSample)
@@ -245,10 +245,10 @@ TEST(DeviceInput, TouchesNothingBeforeTheFirstGoodSample)
         if (tick < 300) reading.sample = 0;
         if (tick >= 300 && tick < 600) reading.state.pose.translation.setConstant(nan);
     });
-    const SessionFelt felt = run_session(scene, device, ticks);
-    for (std::uint64_t tick = 0; tick < 600; ++tick) EXPECT_EQ(felt.forces[tick], 0) << tick;
-    EXPECT_EQ(felt.input.silences, 0U);
-    EXPECT_EQ(felt.input.faulty_ticks, 600U);
+    const SessionResult session = run_session(scene, device, ticks);
+    for (std::uint64_t tick = 0; tick < 600; ++tick) EXPECT_EQ(session.forces[tick], 0) << tick;
+    EXPECT_EQ(session.input.silences, 0U);
+    EXPECT_EQ(session.input.faulty_ticks, 600U);
 }
 
 /// A device that is moved along a path and feels nothing.
@@ -289,13 +289,13 @@ TEST(DeviceInput, ClutchMovesTheHandWithoutTheTool)
         return state;
     });
     std::vector<double> heights;
-    const SessionFelt felt = run_session(scene, device, 1200, {.clutch_buttons = 2},
-                                         [&](std::uint64_t, DeviceInput& input) {
-                                             heights.push_back(input.state().pose.translation.z());
-                                         });
-    EXPECT_EQ(felt.input.clutched_ticks, 600U);
-    EXPECT_EQ(felt.input.faulty_ticks, 0U);
-    EXPECT_EQ(felt.quality.faulty_ticks, 0U);
+    const SessionResult session = run_session(
+        scene, device, 1200, {.clutch_buttons = 2}, [&](std::uint64_t, DeviceInput& input) {
+            heights.push_back(input.state().pose.translation.z());
+        });
+    EXPECT_EQ(session.input.clutched_ticks, 600U);
+    EXPECT_EQ(session.input.faulty_ticks, 0U);
+    EXPECT_EQ(session.quality.faulty_ticks, 0U);
     for (std::size_t tick = 1; tick < heights.size(); ++tick)
         EXPECT_LT(std::abs(heights[tick] - heights[tick - 1]), 0.0005) << tick;
     for (std::size_t tick = 300; tick < 600; ++tick) EXPECT_EQ(heights[tick], heights[300]);
@@ -316,8 +316,8 @@ TEST(DeviceInput, TurnsAxesInBothDirections)
         state.velocity = Vec3(0, height > -0.003 ? -0.01 : 0, 0);
         return state;
     });
-    const SessionFelt felt = run_session(scene, device, 3000, {.rotation = rotation});
-    const RecordedTick& last = felt.recording.ticks.back();
+    const SessionResult session = run_session(scene, device, 3000, {.rotation = rotation});
+    const RecordedTick& last = session.recording.ticks.back();
     EXPECT_NEAR(last.position[0], 0.004, 1e-12);
     EXPECT_NEAR(last.position[1], 0.002, 1e-12);
     EXPECT_NEAR(last.position[2], scene.half - 0.003, 1e-12);
@@ -329,21 +329,37 @@ TEST(DeviceInput, TurnsAxesInBothDirections)
     EXPECT_NEAR(command.planes[0].normal.y(), 1, 1e-9);
     EXPECT_NEAR(command.planes[0].offset, scene.half, 1e-6);
     EXPECT_EQ(command.stiffness, 500);
-    EXPECT_EQ(command.trust, 1);
+    EXPECT_EQ(command.force_scale, 1);
 }
 
 TEST(DeviceInput, ReleaseFadesTheForceForGood)
 {
     const CubeScene scene;
     PressingDevice device(scene);
-    const SessionFelt felt =
+    const SessionResult session =
         run_session(scene, device, ticks, {}, [](std::uint64_t tick, DeviceInput& input) {
             if (tick == fault_begin) input.release();
         });
-    EXPECT_GT(felt.forces[fault_begin], 1.0);
+    EXPECT_GT(session.forces[fault_begin], 1.0);
     for (std::uint64_t tick = fault_begin + 55; tick < ticks; ++tick)
-        EXPECT_EQ(felt.forces[tick], 0);
-    EXPECT_EQ(felt.input.faulty_ticks, 0U);
+        EXPECT_EQ(session.forces[tick], 0);
+    EXPECT_EQ(session.input.faulty_ticks, 0U);
+}
+
+TEST(DeviceInput, ADeviceThatEndsTheSessionIsNoFault)
+{
+    const CubeScene scene;
+    PressingDevice device(scene, [](std::uint64_t tick, DeviceReading& reading) {
+        if (tick < fault_begin) return;
+        reading.state.condition = InputCondition::released; // and nothing new after that
+        reading.sample = fault_begin;
+    });
+    const SessionResult session = run_session(scene, device, ticks);
+    EXPECT_GT(session.forces[fault_begin - 1], 1.0);
+    for (std::uint64_t tick = faded; tick < ticks; ++tick) EXPECT_EQ(session.forces[tick], 0);
+    EXPECT_EQ(session.input.faulty_ticks, 0U);
+    EXPECT_EQ(session.input.losses + session.input.silences, 0U);
+    EXPECT_EQ(session.quality.faulty_ticks, 0U);
 }
 
 TEST(ButtonQueue, HandsOverEventsInOrder)

@@ -34,8 +34,8 @@ struct CubeScene {
     double half; ///< of an edge, m of the device
 };
 
-/// What was felt in a session.
-struct SessionFelt {
+/// What a session measured.
+struct SessionResult {
     Recording recording;
     InputReport input;
     QualityReport quality;
@@ -45,24 +45,24 @@ struct SessionFelt {
 
 /// Touches the cube. In every tick the force is finite, within the device's limit and no faster
 /// than the slew limit; nothing is allocated; and replaying the recording has the same bits.
-inline SessionFelt run_session(const CubeScene& scene, Device& device, std::uint64_t ticks,
-                               InputOptions options = {},
-                               const std::function<void(std::uint64_t, DeviceInput&)>& watch = {},
-                               Pace pace = Pace::unpaced)
+inline SessionResult run_session(const CubeScene& scene, Device& device, std::uint64_t ticks,
+                                 InputOptions options = {},
+                                 const std::function<void(std::uint64_t, DeviceInput&)>& watch = {},
+                                 Pace pace = Pace::unpaced)
 {
     const DeviceLimits limits = device.info().limits;
     HapticRenderer renderer = make_surface_renderer(scene.surface, scene.map, limits);
     QualityMeter meter(scene.surface, scene.map);
     DeviceInput input = make_device_input(device.info(), options).value();
-    SessionFelt felt;
-    felt.recording.ticks.resize(ticks);
-    felt.forces.resize(ticks);
+    SessionResult session;
+    session.recording.ticks.resize(ticks);
+    session.forces.resize(ticks);
     std::uint64_t bad = 0;
     std::size_t allocated = 0;
     Vec3 before = Vec3::Zero();
     const double step = renderer.options().force.max_slew * session_tick * (1 + 1e-9);
     std::uint64_t count = 0;
-    felt.servo = device.run({.ticks = ticks, .pace = pace}, [&](std::uint64_t tick) noexcept {
+    session.servo = device.run({.ticks = ticks, .pace = pace}, [&](std::uint64_t tick) noexcept {
         const std::size_t before_tick = allocation_count();
         const DeviceState& state = input.accept(device.read());
         const RenderTick& result = renderer.tick(state, session_tick);
@@ -74,25 +74,25 @@ inline SessionFelt run_session(const CubeScene& scene, Device& device, std::uint
         const bool right = force.allFinite() && force.norm() <= limits.max_force && steady;
         bad += right ? 0U : 1U;
         before = force;
-        felt.recording.ticks[tick] =
+        session.recording.ticks[tick] =
             recorded(static_cast<double>(tick) * session_tick, state, result);
-        felt.forces[tick] = force.norm();
+        session.forces[tick] = force.norm();
         meter.add(result, state.velocity, renderer.path());
         if (watch) watch(tick, input);
         ++count;
         return Flow::proceed;
     });
-    felt.recording.ticks.resize(count);
-    felt.forces.resize(count);
+    session.recording.ticks.resize(count);
+    session.forces.resize(count);
     EXPECT_EQ(bad, 0U);
     EXPECT_EQ(allocated, 0U);
-    felt.input = input.report();
-    felt.quality = meter.report();
-    felt.recording.settings.render = renderer.options();
-    felt.recording.settings.map = scene.map;
+    session.input = input.report();
+    session.quality = meter.report();
+    session.recording.settings.render = renderer.options();
+    session.recording.settings.map = scene.map;
     HapticRenderer again = make_surface_renderer(scene.surface, scene.map, limits);
-    EXPECT_EQ(count_differences(felt.recording, again), 0U);
-    return felt;
+    EXPECT_EQ(count_differences(session.recording, again), 0U);
+    return session;
 }
 
 /// A hand that presses onto the cube's upper face and stays, trembling as hands do, and what a test

@@ -74,10 +74,10 @@ Session run(const Scene& scene, std::string_view script, std::uint64_t seed, int
     const std::size_t allocations = testing::allocation_count();
     for (int tick = 0; tick < ticks; ++tick) {
         const DeviceState state = hand.state();
-        const RenderTick& felt = renderer.tick(state, tick_seconds);
-        session.recording.ticks.push_back(recorded(tick * tick_seconds, state, felt));
-        meter.add(felt, state.velocity, renderer.path());
-        hand.step(felt.force, path->target(tick * tick_seconds));
+        const RenderTick& rendered = renderer.tick(state, tick_seconds);
+        session.recording.ticks.push_back(recorded(tick * tick_seconds, state, rendered));
+        meter.add(rendered, state.velocity, renderer.path());
+        hand.step(rendered.force, path->target(tick * tick_seconds));
     }
     EXPECT_EQ(testing::allocation_count(), allocations);
     EXPECT_EQ(parts_of(renderer).passivity().softened_ticks(), 0U)
@@ -171,15 +171,15 @@ TEST(HapticRenderer, SticksWithinTheFrictionConeAndSlidesBeyond)
     const double depth = 0.001;
     // Sideways: sticking until 0.4 of the depth, the force leaning with the device.
     for (double x = 0; x < 0.4 * depth; x += 1e-5) {
-        const RenderTick& felt = renderer.tick(at(Vec3(x, 0, top - depth)), tick_seconds);
-        EXPECT_EQ(felt.hold, Hold::sticking);
-        EXPECT_NEAR(felt.force.x(), -500 * x, 1e-6);
-        EXPECT_NEAR(felt.force.z(), 500 * depth, 1e-6);
+        const RenderTick& rendered = renderer.tick(at(Vec3(x, 0, top - depth)), tick_seconds);
+        EXPECT_EQ(rendered.hold, Hold::sticking);
+        EXPECT_NEAR(rendered.force.x(), -500 * x, 1e-6);
+        EXPECT_NEAR(rendered.force.z(), 500 * depth, 1e-6);
     }
     for (double x = 0.45 * depth; x < 3 * depth; x += 1e-5) {
-        const RenderTick& felt = renderer.tick(at(Vec3(x, 0, top - depth)), tick_seconds);
-        EXPECT_EQ(felt.hold, Hold::sliding);
-        EXPECT_NEAR(felt.force.x(), -0.3 * 500 * depth, 1e-6);
+        const RenderTick& rendered = renderer.tick(at(Vec3(x, 0, top - depth)), tick_seconds);
+        EXPECT_EQ(rendered.hold, Hold::sliding);
+        EXPECT_NEAR(rendered.force.x(), -0.3 * 500 * depth, 1e-6);
     }
     // Turning back, it holds still until it sticks the other way.
     const RenderTick& turned = renderer.tick(at(Vec3(2.8 * depth, 0, top - depth)), tick_seconds);
@@ -198,23 +198,23 @@ TEST(HapticRenderer, OnAnIndexFeelsLikeItsSurface)
     const std::size_t allocations = testing::allocation_count();
     for (int tick = 0; tick < 4000; ++tick) {
         const DeviceState state = hand.state();
-        const RenderTick& felt = of_index.tick(state, tick_seconds);
+        const RenderTick& rendered = of_index.tick(state, tick_seconds);
         const RenderTick& same = of_surface.tick(state, tick_seconds);
-        ASSERT_EQ(felt.force, same.force) << tick;
-        ASSERT_EQ(felt.proxy, same.proxy) << tick;
-        ASSERT_EQ(felt.anchor, same.anchor) << tick;
-        ASSERT_EQ(&felt, &of_index.last());
+        ASSERT_EQ(rendered.force, same.force) << tick;
+        ASSERT_EQ(rendered.proxy, same.proxy) << tick;
+        ASSERT_EQ(rendered.anchor, same.anchor) << tick;
+        ASSERT_EQ(&rendered, &of_index.last());
         // The tick has what the proxy answered.
         const SlideResult& slide = parts_of(of_index).proxy_tick().slide;
-        ASSERT_EQ(felt.contact_count, slide.contact_count);
-        for (std::size_t i = 0; i < felt.contact_count; ++i) {
-            ASSERT_EQ(felt.contacts[i].position, slide.contacts[i].point);
-            ASSERT_EQ(felt.contacts[i].normal, slide.contacts[i].normal);
-            ASSERT_EQ(felt.contacts[i].triangle, slide.contacts[i].triangle);
-            ASSERT_EQ(felt.contacts[i].pressure, slide.contacts[i].pressure);
+        ASSERT_EQ(rendered.contact_count, slide.contact_count);
+        for (std::size_t i = 0; i < rendered.contact_count; ++i) {
+            ASSERT_EQ(rendered.contacts[i].position, slide.contacts[i].point);
+            ASSERT_EQ(rendered.contacts[i].normal, slide.contacts[i].normal);
+            ASSERT_EQ(rendered.contacts[i].triangle, slide.contacts[i].triangle);
+            ASSERT_EQ(rendered.contacts[i].pressure, slide.contacts[i].pressure);
         }
-        corners += felt.contact_count > 1 ? 1 : 0;
-        hand.step(felt.force, path->target(tick * tick_seconds));
+        corners += rendered.contact_count > 1 ? 1 : 0;
+        hand.step(rendered.force, path->target(tick * tick_seconds));
     }
     EXPECT_EQ(testing::allocation_count(), allocations);
     EXPECT_GT(corners, 10);
@@ -255,16 +255,16 @@ TEST(HapticRenderer, KeepsBadInputOutOfTheForce)
         default:
             break;
         }
-        const RenderTick& felt = renderer.tick(state, tick_seconds);
-        ASSERT_TRUE(felt.force.allFinite()) << tick;
-        ASSERT_LE(felt.force.norm(), omni().max_force) << tick;
+        const RenderTick& rendered = renderer.tick(state, tick_seconds);
+        ASSERT_TRUE(rendered.force.allFinite()) << tick;
+        ASSERT_LE(rendered.force.norm(), omni().max_force) << tick;
         // A jump begins anew from no force; all other changes are slow.
-        if (felt.fault != InputFault::jumped) {
-            ASSERT_LE((felt.force - last).norm(), 2000 * tick_seconds + 1e-12) << tick;
+        if (rendered.fault != InputFault::jumped) {
+            ASSERT_LE((rendered.force - last).norm(), 2000 * tick_seconds + 1e-12) << tick;
         }
-        faults += felt.fault != InputFault::none ? 1 : 0;
-        last = felt.force;
-        hand.step(felt.force, path->target(tick * tick_seconds));
+        faults += rendered.fault != InputFault::none ? 1 : 0;
+        last = rendered.force;
+        hand.step(rendered.force, path->target(tick * tick_seconds));
     }
     EXPECT_GT(faults, 400);
 }

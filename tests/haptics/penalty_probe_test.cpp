@@ -62,17 +62,17 @@ DeviceState at(const Vec3& p)
 }
 
 /// A straight way, in metres of the device, a step a tick.
-struct Felt {
+struct Outcome {
     QualityReport quality;
     Vec3 last = Vec3::Zero(); ///< force, N
     std::vector<RecordedTick> ticks;
 };
 
-Felt go(const Inside& model, ForceLaw law, std::span<const Vec3> corners, double step)
+Outcome go(const Inside& model, ForceLaw law, std::span<const Vec3> corners, double step)
 {
     HapticRenderer renderer = renderer_of(model, law);
     QualityMeter meter(model.surface, model.map);
-    Felt felt;
+    Outcome outcome;
     Vec3 place = corners.front();
     for (const Vec3& corner : corners) {
         const int steps = static_cast<int>(std::ceil((corner - place).norm() / step));
@@ -82,22 +82,23 @@ Felt go(const Inside& model, ForceLaw law, std::span<const Vec3> corners, double
             const RenderTick& tick = renderer.tick(at(place), tick_seconds);
             meter.add(tick, Vec3::Zero(), renderer.path());
             if (parts_of(renderer).popped()) meter.add_pass();
-            felt.last = tick.force;
-            felt.ticks.push_back(recorded(0, at(place), tick));
+            outcome.last = tick.force;
+            outcome.ticks.push_back(recorded(0, at(place), tick));
         }
     }
-    felt.quality = meter.report();
-    return felt;
+    outcome.quality = meter.report();
+    return outcome;
 }
 
-void print(const char* what, ForceLaw law, const Felt& felt)
+void print(const char* what, ForceLaw law, const Outcome& outcome)
 {
     std::printf("%-34s %-8s touching %5llu  passed through %llu  largest step %7.2f of K times the "
                 "way, turn %5.1f degrees, at last %5.2f N\n",
                 what, law == ForceLaw::proxy ? "proxy" : "penalty",
-                static_cast<unsigned long long>(felt.quality.touching_ticks),
-                static_cast<unsigned long long>(felt.quality.passes), felt.quality.max_step_ratio,
-                felt.quality.max_turn_degrees, felt.last.norm());
+                static_cast<unsigned long long>(outcome.quality.touching_ticks),
+                static_cast<unsigned long long>(outcome.quality.passes),
+                outcome.quality.max_step_ratio, outcome.quality.max_turn_degrees,
+                outcome.last.norm());
 }
 
 TEST(PenaltyProbe, PushesToTheNearestSurfacePointInsideAndNotAtAllOutside)
@@ -141,8 +142,8 @@ TEST(PenaltyProbe, PopsThroughAThinPlateWhereAProxyDoesNot)
     const std::array<Vec3, 2> way = {Vec3(0.003, 0.001, 0.011), Vec3(0.003, 0.001, -0.011)};
     for (const double step : {5e-5, 2e-3}) {
         const char* const what = step < 1e-3 ? "plate of 1 mm, 0.05 m/s" : "plate of 1 mm, 2 m/s";
-        const Felt penalty = go(model, ForceLaw::penalty, way, step);
-        const Felt proxy = go(model, ForceLaw::proxy, way, step);
+        const Outcome penalty = go(model, ForceLaw::penalty, way, step);
+        const Outcome proxy = go(model, ForceLaw::proxy, way, step);
         print(what, ForceLaw::penalty, penalty);
         print(what, ForceLaw::proxy, proxy);
         EXPECT_EQ(penalty.quality.passes, 1U);
@@ -160,8 +161,8 @@ TEST(PenaltyProbe, JumpsInsideACubeWhereAProxyDoesNot)
     const double edge = half / model.map.units_per_metre;
     const std::array<Vec3, 3> way = {Vec3(0, 0.001, 1.2 * edge), Vec3(0, 0.001, 0.7 * edge),
                                      Vec3(0.9 * edge, 0.001, 0.7 * edge)};
-    const Felt penalty = go(model, ForceLaw::penalty, way, 2e-5);
-    const Felt proxy = go(model, ForceLaw::proxy, way, 2e-5);
+    const Outcome penalty = go(model, ForceLaw::penalty, way, 2e-5);
+    const Outcome proxy = go(model, ForceLaw::proxy, way, 2e-5);
     print("cube, below its upper edge", ForceLaw::penalty, penalty);
     print("cube, below its upper edge", ForceLaw::proxy, proxy);
     EXPECT_GT(penalty.quality.max_turn_degrees, 89);
@@ -201,8 +202,8 @@ TEST_F(PenaltyRecordingTest, IsReplayedBitForBit)
         recording.settings.max_force = 1e3;
         recording.settings.max_stiffness = 1e4;
         recording.ticks = go(model, law, way, 1e-3).ticks;
-        ASSERT_TRUE(save_recording(recording, path("felt.pxt")));
-        const auto loaded = load_recording(path("felt.pxt"));
+        ASSERT_TRUE(save_recording(recording, path("outcome.pxt")));
+        const auto loaded = load_recording(path("outcome.pxt"));
         ASSERT_TRUE(loaded) << describe(loaded.error());
         EXPECT_EQ(loaded->settings.law, law);
         HapticRenderer again = renderer_of(model, loaded->settings.law);

@@ -35,7 +35,7 @@ TEST(RemoteServo, GivesTheForceOfTheRenderer)
             Vec3& place = reading.state.pose.translation;
             place = Vec3(0.01 * std::sin(3 * t), 0.01 * std::cos(2 * t),
                          scene.half + std::max(0.01 - 0.05 * t, -0.004));
-            const RenderTick& felt = renderer.tick(input.accept(reading), 1e-3);
+            const RenderTick& rendered = renderer.tick(input.accept(reading), 1e-3);
             ReplyPacket reply;
             reply.sequence = reading.sample;
             reply.command = input.command(renderer);
@@ -45,10 +45,10 @@ TEST(RemoteServo, GivesTheForceOfTheRenderer)
             reply.recovery_seconds = 0.01;
             if (tick % every == 0) servo.take(reply, t);
             const Vec3 force = servo.force(place, reading.state.velocity, t);
-            if (tick > 500) largest = std::max(largest, (force - felt.force).norm());
+            if (tick > 500) largest = std::max(largest, (force - rendered.force).norm());
         }
         EXPECT_LT(largest, every == 1 ? 0.05 : 0.15);
-        EXPECT_EQ(servo.trust(), 1);
+        EXPECT_EQ(servo.fade_factor(), 1);
         EXPECT_EQ(servo.refused(), 0U);
     }
 }
@@ -98,7 +98,7 @@ TEST(RemoteServo, RefusesHostileReplies)
             plane.offset = any();
         }
         for (double* const x :
-             {&reply.command.trust, &reply.command.stiffness, &reply.command.damping,
+             {&reply.command.force_scale, &reply.command.stiffness, &reply.command.damping,
               &reply.command.static_friction, &reply.command.dynamic_friction, &reply.max_force,
               &reply.hold_seconds, &reply.fade_seconds, &reply.recovery_seconds})
             *x = random() % 2 == 0 ? any() : 1.0;

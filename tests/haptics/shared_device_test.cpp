@@ -14,7 +14,7 @@ namespace {
 
 using testing::CubeScene;
 using testing::run_session;
-using testing::SessionFelt;
+using testing::SessionResult;
 
 /// The stub's own account: the library is the one that the device has open.
 struct Stub {
@@ -29,13 +29,13 @@ struct Stub {
 constexpr std::uint64_t ticks = 900;
 constexpr std::uint64_t contact = 480; ///< the hand presses through the whole middle third
 
-SessionFelt touch_hd(const Stub& stub, Device& device, std::uint64_t count = ticks)
+SessionResult touch_hd(const Stub& stub, Device& device, std::uint64_t count = ticks)
 {
     const CubeScene scene(device.info().limits.workspace_radius);
-    SessionFelt felt = run_session(scene, device, count);
+    SessionResult session = run_session(scene, device, count);
     EXPECT_EQ(stub.state.bad_forces, 0);
     EXPECT_EQ(stub.state.forces_outside, 0);
-    return felt;
+    return session;
 }
 
 TEST(HdDevice, TouchesInTheCallbackOfTheDriver)
@@ -53,12 +53,12 @@ TEST(HdDevice, TouchesInTheCallbackOfTheDriver)
     EXPECT_NEAR(info.limits.max_stiffness, 700, 1e-9);
     EXPECT_NEAR(info.limits.max_damping, 5, 1e-9);
     EXPECT_NEAR(info.limits.workspace_radius, 0.1, 1e-12);
-    const SessionFelt felt = touch_hd(stub, **device);
-    EXPECT_EQ(felt.servo.ticks, ticks);
-    EXPECT_GE(felt.servo.seconds, 0.85); // its scheduler's 1,000 Hz
+    const SessionResult session = touch_hd(stub, **device);
+    EXPECT_EQ(session.servo.ticks, ticks);
+    EXPECT_GE(session.servo.seconds, 0.85); // its scheduler's 1,000 Hz
     EXPECT_EQ(stub.state.forces, static_cast<long>(ticks));
     EXPECT_GT(stub.state.largest_force, 1.0);
-    EXPECT_EQ(felt.input.faulty_ticks, 0U);
+    EXPECT_EQ(session.input.faulty_ticks, 0U);
     EXPECT_EQ((*device)->trouble(), "");
     EXPECT_EQ(stub.state.forces_enabled, 1);
     device->reset();
@@ -74,11 +74,11 @@ TEST(HdDevice, SurvivesBeingUnpluggedAndPluggedInAgain)
     ASSERT_TRUE(device);
     stub.state.unplug = static_cast<long>(contact);
     stub.state.replug = static_cast<long>(contact) + 150;
-    const SessionFelt felt = touch_hd(stub, **device);
-    EXPECT_EQ(felt.input.losses, 1U);
-    EXPECT_EQ(felt.input.recoveries, 1U);
-    EXPECT_GT(felt.forces[contact - 10], 1.0);
-    EXPECT_EQ(felt.forces[contact + 100], 0);
+    const SessionResult session = touch_hd(stub, **device);
+    EXPECT_EQ(session.input.losses, 1U);
+    EXPECT_EQ(session.input.recoveries, 1U);
+    EXPECT_GT(session.forces[contact - 10], 1.0);
+    EXPECT_EQ(session.forces[contact + 100], 0);
     const std::string trouble = (*device)->trouble();
     EXPECT_NE(trouble.find("Communication error (error 770, internal -42)"), std::string::npos)
         << trouble;
@@ -90,12 +90,12 @@ TEST(HdDevice, RestsForHalfASecondAfterAForceError)
     auto device = open_hd_device({.library = STUB_HD});
     ASSERT_TRUE(device);
     stub.state.force_error = static_cast<long>(contact);
-    const SessionFelt felt = touch_hd(stub, **device, 1600);
+    const SessionResult session = touch_hd(stub, **device, 1600);
     // Half a second, and the time that it takes to accept that the hand is elsewhere.
-    EXPECT_GE(felt.input.faulty_ticks, 500U);
-    EXPECT_LE(felt.input.faulty_ticks, 610U);
-    EXPECT_EQ(felt.forces[contact + 100], 0);
-    EXPECT_GT(*std::max_element(felt.forces.begin() + 1300, felt.forces.end()), 1.0);
+    EXPECT_GE(session.input.faulty_ticks, 500U);
+    EXPECT_LE(session.input.faulty_ticks, 610U);
+    EXPECT_EQ(session.forces[contact + 100], 0);
+    EXPECT_GT(*std::max_element(session.forces.begin() + 1300, session.forces.end()), 1.0);
     EXPECT_NE((*device)->trouble().find("stopped the force 1 times: Exceeded max force"),
               std::string::npos);
     EXPECT_EQ(stub.state.forces_enabled, 2); // once more, after the rest
@@ -107,8 +107,8 @@ TEST(HdDevice, EndsTheSessionWhenTheDriverHangs)
     auto device = open_hd_device({.library = STUB_HD});
     ASSERT_TRUE(device);
     stub.state.stall = 100;
-    const SessionFelt felt = touch_hd(stub, **device);
-    EXPECT_EQ(felt.recording.ticks.size(), 100U);
+    const SessionResult session = touch_hd(stub, **device);
+    EXPECT_EQ(session.recording.ticks.size(), 100U);
     EXPECT_NE((*device)->trouble().find("scheduler stopped calling"), std::string::npos);
 }
 
@@ -119,10 +119,10 @@ TEST(HdDevice, DetectsBadSamples)
         auto device = open_hd_device({.library = STUB_HD});
         ASSERT_TRUE(device);
         stub.state.*fault = static_cast<long>(contact);
-        const SessionFelt felt = touch_hd(stub, **device);
-        EXPECT_GE(felt.input.faulty_ticks, 10U);
-        EXPECT_EQ(felt.input.not_finite > 0, fault == &stub::State::nan);
-        EXPECT_EQ(felt.input.jumps > 0, fault == &stub::State::jump);
+        const SessionResult session = touch_hd(stub, **device);
+        EXPECT_GE(session.input.faulty_ticks, 10U);
+        EXPECT_EQ(session.input.not_finite > 0, fault == &stub::State::nan);
+        EXPECT_EQ(session.input.jumps > 0, fault == &stub::State::jump);
     }
 }
 
@@ -164,10 +164,10 @@ TEST(DhdDevice, TouchesByPolling)
     EXPECT_EQ(info.limits.max_force, 12);
     EXPECT_FALSE(info.rotates);
     const CubeScene scene(info.limits.workspace_radius);
-    const SessionFelt felt = run_session(scene, **device, ticks);
+    const SessionResult session = run_session(scene, **device, ticks);
     EXPECT_GT(stub.state.largest_force, 1.0);
     EXPECT_EQ(stub.state.bad_forces, 0);
-    EXPECT_EQ(felt.input.faulty_ticks, 0U);
+    EXPECT_EQ(session.input.faulty_ticks, 0U);
     EXPECT_EQ(stub.state.forces_enabled, 1);
     device->reset();
     EXPECT_EQ(stub.state.last_force, 0);
@@ -183,9 +183,9 @@ TEST(DhdDevice, SurvivesBeingUnplugged)
     ASSERT_TRUE(device);
     stub.state.unplug = static_cast<long>(contact);
     const CubeScene scene(0.075);
-    const SessionFelt felt = run_session(scene, **device, ticks);
-    EXPECT_EQ(felt.input.losses, 1U);
-    EXPECT_EQ(felt.forces.back(), 0);
+    const SessionResult session = run_session(scene, **device, ticks);
+    EXPECT_EQ(session.input.losses, 1U);
+    EXPECT_EQ(session.forces.back(), 0);
     EXPECT_NE((*device)->trouble().find("communication error (stub)"), std::string::npos);
 }
 
@@ -198,12 +198,12 @@ TEST(DhdDevice, ReportsFreezesAndButtons)
     stub.state.press = 100;
     const CubeScene scene(0.075);
     int events = 0;
-    const SessionFelt felt =
+    const SessionResult session =
         run_session(scene, **device, 1500, {}, [&](std::uint64_t, DeviceInput& input) {
             while (input.next_button_event()) ++events;
         });
-    EXPECT_EQ(felt.input.freezes, 1U);
-    EXPECT_EQ(felt.forces.back(), 0);
+    EXPECT_EQ(session.input.freezes, 1U);
+    EXPECT_EQ(session.forces.back(), 0);
     EXPECT_EQ(events, 2);
 }
 

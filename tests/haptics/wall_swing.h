@@ -58,7 +58,7 @@ struct SwingSetting {
     Passivity passivity = Passivity::guarded;
 };
 
-struct SwingFelt {
+struct SwingResult {
     double amplitude = 0; ///< m: half the way between the highest and the lowest place in half a
                           ///< second of the end, the most of all
     double greatest = 0;  ///< m: the same of all
@@ -69,8 +69,8 @@ struct SwingFelt {
 };
 
 /// Lets the device go 1 mm below z = 0, for some seconds; the end is the last of `last` seconds.
-inline SwingFelt swing(const SwingWall& wall, const SwingSetting& setting, double seconds,
-                       double last)
+inline SwingResult swing(const SwingWall& wall, const SwingSetting& setting, double seconds,
+                         double last)
 {
     RenderOptions options;
     options.force.stiffness = setting.stiffness;
@@ -88,7 +88,7 @@ inline SwingFelt swing(const SwingWall& wall, const SwingSetting& setting, doubl
     const Vec3 target(0, 0, setting.target);
     const int ticks = static_cast<int>(std::lround(seconds / tick_seconds));
     const int end = ticks - static_cast<int>(std::lround(last / tick_seconds));
-    SwingFelt felt;
+    SwingResult outcome;
     double low = 0;
     double high = 0;
     double end_low = 0;
@@ -98,24 +98,24 @@ inline SwingFelt swing(const SwingWall& wall, const SwingSetting& setting, doubl
         const RenderTick& result = renderer.tick(hand.state(), tick_seconds);
         hand.step(result.force, target);
         const double z = hand.position().z();
-        felt.checksum += result.force.z() * (tick % 1000 + 1);
+        outcome.checksum += result.force.z() * (tick % 1000 + 1);
         low = std::min(low, z);
         high = std::max(high, z);
         if (!(std::abs(z) < far_away)) { // out of any hand
-            felt.amplitude = (high - low) / 2;
+            outcome.amplitude = (high - low) / 2;
             break;
         }
         if (tick < end) continue;
         if ((tick - end) % part == 0) end_low = end_high = z;
         end_low = std::min(end_low, z);
         end_high = std::max(end_high, z);
-        felt.amplitude = std::max(felt.amplitude, (end_high - end_low) / 2);
+        outcome.amplitude = std::max(outcome.amplitude, (end_high - end_low) / 2);
     }
-    felt.greatest = (high - low) / 2;
-    felt.lowest_softness = parts_of(renderer).passivity().lowest_softness();
-    felt.softened = parts_of(renderer).passivity().softened_ticks();
-    felt.damped = parts_of(renderer).passivity().damped_ticks();
-    return felt;
+    outcome.greatest = (high - low) / 2;
+    outcome.lowest_softness = parts_of(renderer).passivity().lowest_softness();
+    outcome.softened = parts_of(renderer).passivity().softened_ticks();
+    outcome.damped = parts_of(renderer).passivity().damped_ticks();
+    return outcome;
 }
 
 } // namespace proxima::testing

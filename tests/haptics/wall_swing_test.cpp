@@ -16,7 +16,7 @@ namespace proxima {
 namespace {
 
 using testing::swing;
-using testing::SwingFelt;
+using testing::SwingResult;
 using testing::SwingSetting;
 using testing::SwingWall;
 using testing::WallSides;
@@ -82,7 +82,7 @@ TEST(WallSwing, HardestSettingsOfEveryDeviceEndBelowAMillimetre)
         const bool hardest = setting.stiffness == setting.device.max_stiffness &&
                              setting.hand.device_damping < 0.5 && setting.hand.delay_ticks != 2;
         if (!hardest) return;
-        const SwingFelt guarded = swing(wall_of(stand), setting, 12, 2);
+        const SwingResult guarded = swing(wall_of(stand), setting, 12, 2);
         EXPECT_LT(guarded.amplitude, 1e-3) << describe(setting, stand);
         setting.passivity = Passivity::unguarded;
         diverging += swing(wall_of(stand), setting, 4, 1).amplitude > 5e-3 ? 1 : 0;
@@ -102,9 +102,9 @@ TEST(WallSwing, ForcesBeyondTheLimitOfTheDeviceSustainNoSwing)
     for (setting.hand.delay_ticks = 0; setting.hand.delay_ticks <= 3; ++setting.hand.delay_ticks) {
         for (const double share : {0.6, 0.8, 0.9, 1.0}) {
             setting.stiffness = share * setting.device.max_stiffness;
-            const SwingFelt felt = swing(wall_of(stands[0]), setting, 4, 2);
-            EXPECT_LT(felt.greatest, 0.01) << describe(setting, stands[0]);
-            EXPECT_LT(felt.amplitude, 1e-4) << describe(setting, stands[0]);
+            const SwingResult outcome = swing(wall_of(stands[0]), setting, 4, 2);
+            EXPECT_LT(outcome.greatest, 0.01) << describe(setting, stands[0]);
+            EXPECT_LT(outcome.amplitude, 1e-4) << describe(setting, stands[0]);
         }
     }
 }
@@ -122,7 +122,7 @@ TEST(WallSwing, GuardChangesNoBitOfStableSettings)
             setting.damping * (late + 0.5 * hand.tick_seconds) > 0.5 * hand.mass)
             return;
         ++stable;
-        const SwingFelt guarded = swing(wall_of(stand), setting, 4, 1);
+        const SwingResult guarded = swing(wall_of(stand), setting, 4, 1);
         EXPECT_EQ(guarded.softened, 0U) << describe(setting, stand);
         if (guarded.damped != 0) return; // the observer's damping, as ever
         setting.passivity = Passivity::unguarded;

@@ -140,10 +140,11 @@ InputCondition InputGuard::condition_of(const DeviceReading& reading) noexcept
     sample_ = reading.sample;
     report_.samples += is_new ? 1U : 0U;
     waited_ = is_new ? 0 : waited_ + options_.tick_seconds;
-    if (reading.state.condition == InputCondition::gone) return InputCondition::gone;
+    const InputCondition reported = reading.state.condition;
+    if (reported == InputCondition::gone || reported == InputCondition::released) return reported;
     if (is_new) {
         const InputCondition judged = judge(reading.state);
-        return reading.state.condition == InputCondition::well ? judged : reading.state.condition;
+        return reported == InputCondition::well ? judged : reported;
     }
     if (!placed_ || waited_ > patience_) return InputCondition::silent;
     return is_fault(state_.condition) ? state_.condition : InputCondition::well;
@@ -240,7 +241,7 @@ DeviceCommand InputGuard::command(const HapticRenderer& renderer) noexcept
     DeviceCommand command;
     command.force = back * tick.force;
     command.condition = state_.condition;
-    command.trust = parts_of(renderer).guard().ramp();
+    command.force_scale = parts_of(renderer).guard().ramp();
     // As the passivity guard has softened them, so that the device's own loop does not oscillate.
     const double softness = parts_of(renderer).passivity().softness();
     command.stiffness = softness * options.force.stiffness;
@@ -262,7 +263,7 @@ DeviceCommand InputGuard::command(const HapticRenderer& renderer) noexcept
         command.plane_count = slide.contact_count;
     }
     force_ = tick.force.norm();
-    watch_recovery(command.trust);
+    watch_recovery(command.force_scale);
     return command;
 }
 

@@ -23,10 +23,10 @@ bool is_sound(const Vec3& v) noexcept
 bool is_sound(const ReplyPacket& reply) noexcept
 {
     const DeviceCommand& c = reply.command;
-    bool sound = is_sound(c.force) && is_sound(c.anchor) && c.trust <= 1;
+    bool sound = is_sound(c.force) && is_sound(c.anchor) && c.force_scale <= 1;
     for (const double x :
-         {c.trust, c.stiffness, c.damping, c.static_friction, c.dynamic_friction, reply.max_force,
-          reply.hold_seconds, reply.fade_seconds, reply.recovery_seconds})
+         {c.force_scale, c.stiffness, c.damping, c.static_friction, c.dynamic_friction,
+          reply.max_force, reply.hold_seconds, reply.fade_seconds, reply.recovery_seconds})
         sound = sound && x >= 0 && x <= largest;
     for (const DevicePlane& plane : std::span(c.planes).first(c.plane_count)) {
         sound = sound && std::abs(plane.offset) <= largest && is_sound(plane.normal) &&
@@ -92,10 +92,10 @@ Vec3 RemoteServo::force(const Vec3& position, const Vec3& velocity, double now) 
     const bool sound = is_sound(position) && is_sound(velocity);
     const bool good = received_ && sound && now - received_at_ <= reply_.hold_seconds;
     const double step = reply_.fade_seconds > 0 ? tick / reply_.fade_seconds : 1;
-    trust_ = std::clamp(trust_ + (good ? step : -step), 0.0, 1.0);
+    fade_factor_ = std::clamp(fade_factor_ + (good ? step : -step), 0.0, 1.0);
     const double most = received_ ? std::min(max_force_, reply_.max_force) : 0;
     if (!sound) {
-        trust_ = 0;
+        fade_factor_ = 0;
         return Vec3::Zero();
     }
     const Vec3 wanted = contact_force(reply_.command, position, velocity);
@@ -110,7 +110,8 @@ Vec3 RemoteServo::force(const Vec3& position, const Vec3& velocity, double now) 
         used_ = reply_.command;
         switched_ = false;
     }
-    return limited(reply_.command.trust * trust_ * (wanted + left() * difference_), most);
+    return limited(reply_.command.force_scale * fade_factor_ * (wanted + left() * difference_),
+                   most);
 }
 
 } // namespace proxima

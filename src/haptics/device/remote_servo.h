@@ -27,7 +27,7 @@ public:
     [[nodiscard]] Vec3 force(const Vec3& position, const Vec3& velocity, double now) noexcept;
 
     /// The part of the force that is given: 1 while replies come.
-    [[nodiscard]] double trust() const noexcept { return trust_; }
+    [[nodiscard]] double fade_factor() const noexcept { return fade_factor_; }
     [[nodiscard]] std::uint64_t refused() const noexcept { return refused_; } ///< replies
 
 private:
@@ -38,7 +38,7 @@ private:
     double received_at_ = 0;
     double switched_at_ = 0;
     double last_now_ = 0;
-    double trust_ = 0;
+    double fade_factor_ = 0;
     DeviceCommand used_;             ///< by the last force
     Vec3 difference_ = Vec3::Zero(); ///< force of the planes before less that of the new ones
     std::uint64_t refused_ = 0;

@@ -110,7 +110,7 @@ void visit_reply(Packet& packet, std::uint32_t& condition, std::uint32_t& plane_
     field(condition);
     field(plane_count);
     field(command.force);
-    field(command.trust);
+    field(command.force_scale);
     field(packet.max_force);
     field(command.stiffness);
     field(command.damping);
@@ -177,7 +177,7 @@ DeviceState device_state(const StatePacket& packet) noexcept
     state.pose.translation = Vec3(packet.position[0], packet.position[1], packet.position[2]);
     state.velocity = Vec3(packet.velocity[0], packet.velocity[1], packet.velocity[2]);
     state.buttons = packet.buttons;
-    if ((packet.flags & StatePacket::leaving) != 0) state.condition = InputCondition::gone;
+    if ((packet.flags & StatePacket::leaving) != 0) state.condition = InputCondition::released;
     if ((packet.flags & StatePacket::rotates) != 0) {
         const auto& q = packet.quaternion;
         const Eigen::Quaterniond turn(q[0], q[1], q[2], q[3]);

@@ -11,6 +11,7 @@
 #include <array>
 #include <bit>
 #include <utility>
+#include <vector>
 
 namespace proxima {
 
@@ -154,85 +155,70 @@ ProximityStatistics statistics_of(const ListsHeader& header)
     return counts;
 }
 
-/// For arrays of structs that hold floats; none of them has bytes without a value.
-template <class T>
-BinarySection section_of(std::uint32_t id, std::span<const T> array)
-{
-    return {id, static_cast<std::uint32_t>(sizeof(T)), std::as_bytes(array)};
-}
-
-/// Reads sections until one is missing.
-class SectionReader {
-public:
-    explicit SectionReader(const BinaryFile& file) : file_(file) {}
-
-    template <class T>
-    void read(std::uint32_t id, std::span<const T>& array)
-    {
-        if (!status_) return;
-        const auto section = file_.section<T>(id);
-        if (section) {
-            array = *section;
-        } else {
-            status_ = tl::unexpected(section.error());
-        }
-    }
-
-    [[nodiscard]] const Status& status() const noexcept { return status_; }
-
-private:
-    const BinaryFile& file_;
-    Status status_;
+/// The arrays of a file, those of parts that an index does not have empty.
+struct FileArrays {
+    std::span<const IndexHeader> headers;
+    IndexArrays index;
+    std::span<const ListsHeader> lists_headers;
+    ProximityArrays lists;
+    std::span<const BlockSlab> slabs;
+    std::span<const SignsHeader> signs_headers;
+    SignArrays signs;
 };
+
+/// Calls visit(id, array) for all sections of a file in order, until it returns false.
+template <class Arrays, class Visit>
+bool visit_sections(Arrays& file, const Visit& visit)
+{
+    return visit(header_section, file.headers) && visit(blocks_section, file.index.blocks) &&
+           visit(float_rows_section, file.index.float_rows) &&
+           visit(double_rows_section, file.index.double_rows) &&
+           visit(ids_section, file.index.ids) &&
+           visit(vertex_incidences_section, file.index.vertex_incidences) &&
+           visit(edge_incidences_section, file.index.edge_incidences) &&
+           visit(lists_section, file.lists_headers) && visit(table_section, file.lists.table) &&
+           visit(nodes_section, file.lists.nodes) && visit(runs_section, file.lists.runs) &&
+           visit(arena_section, file.lists.arena) && visit(slabs_section, file.slabs) &&
+           visit(signs_section, file.signs_headers) && visit(sign_rows_section, file.signs.rows) &&
+           visit(sides_section, file.signs.sides) &&
+           visit(vertex_sides_section, file.signs.vertex_sides) &&
+           visit(vertex_signs_section, file.signs.vertices) &&
+           visit(edge_signs_section, file.signs.edges) &&
+           visit(edge_lists_section, file.signs.edge_lists) &&
+           visit(clusters_section, file.signs.winding.clusters) &&
+           visit(cluster_order_section, file.signs.winding.order);
+}
 
 Result<MeshIndex> index_of(const BinaryFile& file, const std::string& name,
                            const IndexLoadOptions& options)
 {
-    std::span<const IndexHeader> headers;
-    std::span<const ListsHeader> list_headers;
-    std::span<const BlockSlab> slabs;
-    std::span<const SignsHeader> sign_headers;
-    IndexArrays arrays;
-    ProximityArrays lists;
-    SignArrays signs;
-    SectionReader reader(file);
-    reader.read(header_section, headers);
-    reader.read(blocks_section, arrays.blocks);
-    reader.read(float_rows_section, arrays.float_rows);
-    reader.read(double_rows_section, arrays.double_rows);
-    reader.read(ids_section, arrays.ids);
-    reader.read(vertex_incidences_section, arrays.vertex_incidences);
-    reader.read(edge_incidences_section, arrays.edge_incidences);
-    reader.read(lists_section, list_headers);
-    reader.read(table_section, lists.table);
-    reader.read(nodes_section, lists.nodes);
-    reader.read(runs_section, lists.runs);
-    reader.read(arena_section, lists.arena);
-    reader.read(slabs_section, slabs);
-    reader.read(signs_section, sign_headers);
-    reader.read(sign_rows_section, signs.rows);
-    reader.read(sides_section, signs.sides);
-    reader.read(vertex_sides_section, signs.vertex_sides);
-    reader.read(vertex_signs_section, signs.vertices);
-    reader.read(edge_signs_section, signs.edges);
-    reader.read(edge_lists_section, signs.edge_lists);
-    reader.read(clusters_section, signs.winding.clusters);
-    reader.read(cluster_order_section, signs.winding.order);
-    if (!reader.status()) return tl::unexpected(reader.status().error());
+    FileArrays arrays;
+    Status status;
+    const auto read = [&]<class T>(std::uint32_t id, std::span<const T>& array) {
+        const auto section = file.section<T>(id);
+        if (section) {
+            array = *section;
+        } else {
+            status = tl::unexpected(section.error());
+        }
+        return section.has_value();
+    };
+    if (!visit_sections(arrays, read)) return tl::unexpected(status.error());
+    auto& [headers, index, lists_headers, lists, slabs, signs_headers, signs] = arrays;
 
     // What would not fit the numbers of memory must be refused before it gets there.
-    if (headers.size() != 1 || list_headers.size() > 1 || sign_headers.size() > 1 ||
-        headers[0].has_exact_leaves > 1 || arrays.ids.size() > max_index_triangles) {
+    if (headers.size() != 1 || lists_headers.size() > 1 || signs_headers.size() > 1 ||
+        headers[0].has_exact_leaves > 1 || index.ids.size() > max_index_triangles) {
         return fail(ErrorCode::malformed_file, "the index's parameters are damaged", name);
     }
-    arrays.center = vector(headers[0].center);
-    arrays.scale = number(headers[0].scale);
-    arrays.fingerprint = headers[0].fingerprint;
-    arrays.root = headers[0].root;
-    arrays.has_exact_leaves = headers[0].has_exact_leaves != 0;
-    IndexParts parts = IndexParts::adopt(arrays, file.storage());
-    if (!list_headers.empty()) {
-        const ListsHeader& header = list_headers[0];
+    index.center = vector(headers[0].center);
+    index.scale = number(headers[0].scale);
+    index.fingerprint = headers[0].fingerprint;
+    index.root = headers[0].root;
+    index.has_exact_leaves = headers[0].has_exact_leaves != 0;
+    IndexParts parts = IndexParts::adopt(index, file.storage());
+    if (!lists_headers.empty()) {
+        const ListsHeader& header = lists_headers[0];
         if (header.table_depth > static_cast<std::uint32_t>(max_table_depth))
             return fail(ErrorCode::malformed_file, "the lists' parameters are damaged", name);
         const RootFrame frame{vector(header.center), number(header.half), number(header.scale)};
@@ -241,22 +227,23 @@ Result<MeshIndex> index_of(const BinaryFile& file, const std::string& name,
                                   statistics_of(header), file.storage())));
     }
     if (!slabs.empty()) parts = parts.adopt_slabs(slabs, file.storage());
-    if (!sign_headers.empty()) {
-        const SignsHeader& header = sign_headers[0];
+    if (!signs_headers.empty()) {
+        const SignsHeader& header = signs_headers[0];
         signs.bounds = Box{vector(header.lower), vector(header.upper)};
         signs.winding.unit = number(header.unit);
         signs.least_height = number(header.least_height);
         parts = parts.adopt_signs(
             std::make_shared<const SignParts>(SignParts::adopt(signs, file.storage())));
     }
-    MeshIndex index = make_mesh_index(std::move(parts));
-    if (const Status status = check_structure(index, {.execution = options.execution}); !status) {
+    MeshIndex result = make_mesh_index(std::move(parts));
+    status = check_structure(result, {.execution = options.execution});
+    if (!status) {
         // What would be a fault of the program in an index of its own is damage in a file.
         const bool stopped = status.error().code == ErrorCode::cancelled;
         return fail(stopped ? ErrorCode::cancelled : ErrorCode::malformed_file,
                     describe(status.error()), name);
     }
-    return index;
+    return result;
 }
 
 } // namespace
@@ -264,42 +251,37 @@ Result<MeshIndex> index_of(const BinaryFile& file, const std::string& name,
 Status save_index(const MeshIndex& index, const std::filesystem::path& path,
                   const SaveOptions& options)
 {
-    const ProximityLists* const lists = index.parts().lists();
+    const IndexParts& parts = index.parts();
+    const ProximityLists* const lists = parts.lists();
     if (lists != nullptr && lists->statistics().stale_leaves != 0) {
         return fail(ErrorCode::invalid_argument,
                     "the lists were refitted and hold what no leaf uses: build them again to save "
                     "the index",
                     path.string());
     }
-    const IndexHeader header = header_of(index.parts());
-    const ListsHeader lists_header = lists != nullptr ? header_of(*lists) : ListsHeader{};
-    const ProximityArrays arrays = lists != nullptr ? lists->arrays() : ProximityArrays{};
-    const SignParts* const parts = index.parts().signs();
-    const SignArrays signs = parts != nullptr ? parts->arrays() : SignArrays{};
-    const SignsHeader signs_header = header_of(signs);
-    const std::array<BinarySection, 22> sections = {
-        binary_section(header_section, std::span(&header, 1)),
-        section_of(blocks_section, index.parts().blocks()),
-        section_of(float_rows_section, index.parts().float_rows()),
-        section_of(double_rows_section, index.parts().double_rows()),
-        binary_section(ids_section, index.ids()),
-        binary_section(vertex_incidences_section, index.parts().vertex_incidences()),
-        binary_section(edge_incidences_section, index.parts().edge_incidences()),
-        binary_section(lists_section, std::span(&lists_header, lists != nullptr ? 1 : 0)),
-        binary_section(table_section, arrays.table),
-        binary_section(nodes_section, arrays.nodes),
-        section_of(runs_section, arrays.runs),
-        section_of(arena_section, arrays.arena),
-        binary_section(slabs_section, index.parts().slabs()),
-        binary_section(signs_section, std::span(&signs_header, parts != nullptr ? 1 : 0)),
-        binary_section(sign_rows_section, signs.rows),
-        binary_section(sides_section, signs.sides),
-        binary_section(vertex_sides_section, signs.vertex_sides),
-        section_of(vertex_signs_section, signs.vertices),
-        binary_section(edge_signs_section, signs.edges),
-        binary_section(edge_lists_section, signs.edge_lists),
-        section_of(clusters_section, signs.winding.clusters),
-        binary_section(cluster_order_section, signs.winding.order)};
+    const IndexHeader header = header_of(parts);
+    ListsHeader lists_header;
+    SignsHeader signs_header;
+    FileArrays arrays;
+    arrays.headers = {&header, 1};
+    arrays.index = parts.arrays();
+    arrays.slabs = parts.slabs();
+    if (lists != nullptr) {
+        lists_header = header_of(*lists);
+        arrays.lists_headers = {&lists_header, 1};
+        arrays.lists = lists->arrays();
+    }
+    if (const SignParts* const signs = parts.signs(); signs != nullptr) {
+        signs_header = header_of(signs->arrays());
+        arrays.signs_headers = {&signs_header, 1};
+        arrays.signs = signs->arrays();
+    }
+    std::vector<BinarySection> sections;
+    // None of the structs has bytes without a value.
+    (void)visit_sections(arrays, [&]<class T>(std::uint32_t id, std::span<const T> array) {
+        sections.push_back({id, static_cast<std::uint32_t>(sizeof(T)), std::as_bytes(array)});
+        return true;
+    });
     return write_binary_file(path, index_format, sections, options.execution.progress);
 }
 

@@ -1,6 +1,7 @@
 #include "proxima/mesh_index.h"
 
 #include "base/memory_budget.h"
+#include "base/progress.h"
 #include "base/text.h"
 #include "index/index_parts.h"
 #include "index/lists/cut_cells.h"
@@ -18,11 +19,6 @@
 namespace proxima {
 
 namespace {
-
-Error cancelled()
-{
-    return {ErrorCode::cancelled, "building closest-feature lists was cancelled", {}};
-}
 
 /// Builds the lists of one index; members are what the stages hand on.
 class ListBuilder {
@@ -48,9 +44,9 @@ public:
         make_source();
         const auto bytes = static_cast<double>(budget);
         auto forest = grow(bytes);
-        if (!forest) return tl::unexpected(cancelled());
+        if (!forest) return cancelled("building closest-feature lists");
         auto cells = emit(*forest, bytes);
-        if (!cells) return tl::unexpected(cancelled());
+        if (!cells) return cancelled("building closest-feature lists");
         auto storage = std::make_shared<EmittedLists>(std::move(*cells));
         const ProximityArrays arrays{storage->table.span(), storage->nodes.span(),
                                      storage->runs.span(), storage->arena.span()};

@@ -99,7 +99,7 @@ Status ArenaChecker::walk_headers(const CheckWork& work)
         states_[at / block_alignment].store(header.triangles, std::memory_order_relaxed);
         ++blocks_;
         if (tasks_.empty() || at - tasks_.back() >= CheckWork::task_bytes) tasks_.push_back(at);
-        if (!steps.done(bytes)) return CheckWork::stopped();
+        if (!steps.done(bytes)) return cancelled("checking the index");
         at += bytes;
         if (at == limit) break;
         if (aligned(at) >= limit) return bad("the last block is damaged", at);

@@ -96,7 +96,7 @@ Status CellChecker::walk(const ProximityCell& top, int end_depth, std::vector<Pr
     if (const char* const fault = meet(top); fault != sound) return bad_cell(fault, top);
     while (!pending.empty()) {
         const ProximityCell cell = pending.pop();
-        if (!steps.done(8 * sizeof cell.word)) return CheckWork::stopped();
+        if (!steps.done(8 * sizeof cell.word)) return cancelled("checking the index");
         for (std::uint32_t octant = 0; octant < 8; ++octant) {
             const ProximityCell one = child(arrays_, cell, octant);
             if (const char* const fault = meet(one); fault != sound) return bad_cell(fault, one);

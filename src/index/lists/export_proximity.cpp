@@ -60,7 +60,7 @@ Status export_leaves(const ProximityLists& lists, std::uint64_t root,
     pending.push({root, 0, {}});
     while (!pending.empty()) {
         const ProximityCell cell = pending.pop();
-        if (!steps.done(1)) return export_cancelled();
+        if (!steps.done(1)) return cancelled("the export");
         if (!proximity_word::is_leaf(cell.word)) {
             for (std::uint32_t i = 8; i-- > 0;) pending.push(child(lists.arrays(), cell, i));
             continue;
@@ -86,7 +86,7 @@ Status export_tree(const ProximityLists& lists, std::uint64_t root,
         std::vector<ProximityCell> below;
         std::vector<bool> split;
         for (const ProximityCell& cell : level) {
-            if (!steps.done(1)) return export_cancelled();
+            if (!steps.done(1)) return cancelled("the export");
             numbers.add(lists.arrays(), cell);
             split.push_back(!proximity_word::is_leaf(cell.word));
             for (std::uint32_t i = 0; i < 8 && split.back(); ++i)

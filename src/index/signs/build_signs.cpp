@@ -108,13 +108,11 @@ private:
         const std::size_t count = topology_.vertex_count();
         stored_->vertex_sides.assign(count, SurfaceSides::doubtful);
         stored_->vertices.resize(count);
-        parallel_for((count + vertices_per_task - 1) / vertices_per_task, threads,
-                     [&](std::size_t task) {
-                         const std::size_t end = std::min(count, (task + 1) * vertices_per_task);
-                         for (std::size_t i = task * vertices_per_task; i < end; ++i) {
-                             fill_vertex(VertexId{static_cast<std::uint32_t>(i)});
-                         }
-                     });
+        parallel_chunks(count, vertices_per_task, threads, [&](std::size_t first, std::size_t end) {
+            for (std::size_t i = first; i < end; ++i) {
+                fill_vertex(VertexId{static_cast<std::uint32_t>(i)});
+            }
+        });
     }
 
     void fill_vertex(VertexId vertex) noexcept

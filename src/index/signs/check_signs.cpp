@@ -62,17 +62,14 @@ private:
     [[nodiscard]] Status check_items(std::size_t count, std::size_t item_bytes, const char* item,
                                      const FaultAt& fault_at) const
     {
-        const std::size_t task_items = CheckWork::task_bytes / item_bytes;
-        return work_.run((count + task_items - 1) / task_items, [&](std::size_t task) -> Status {
-            const std::size_t end = std::min(count, (task + 1) * task_items);
-            for (std::size_t i = task * task_items; i < end; ++i) {
-                if (const char* const fault = fault_at(i); *fault != '\0')
-                    return bad_signs(fault, concat("signs of ", item, " ", i));
-            }
-            StageSteps steps = work_.steps();
-            if (!steps.done((end - task * task_items) * item_bytes)) return CheckWork::stopped();
-            return {};
-        });
+        return work_.run_chunks(
+            count, item_bytes, [&](std::size_t first, std::size_t end) -> Status {
+                for (std::size_t i = first; i < end; ++i) {
+                    if (const char* const fault = fault_at(i); *fault != '\0')
+                        return bad_signs(fault, concat("signs of ", item, " ", i));
+                }
+                return {};
+            });
     }
 
     [[nodiscard]] Status check_rows() const
@@ -112,7 +109,7 @@ private:
         std::size_t used = 0;
         StageSteps steps = work_.steps();
         for (std::size_t edge = 0; edge < signs_.edges.size(); ++edge) {
-            if (!steps.done(sizeof(std::uint32_t))) return CheckWork::stopped();
+            if (!steps.done(sizeof(std::uint32_t))) return cancelled("checking the index");
             const auto bad = [&](const char* fault) {
                 return bad_signs(fault, concat("signs of edge ", edge));
             };

@@ -34,11 +34,6 @@ struct Clearance {
 };
 constexpr Clearance exact_contact;
 
-std::size_t task_count(std::size_t items, std::size_t per_task) noexcept
-{
-    return (items + per_task - 1) / per_task;
-}
-
 bool boxes_meet(const Box& a, const Box& b) noexcept
 {
     return (a.lower.array() <= b.upper.array()).all() && (b.lower.array() <= a.upper.array()).all();
@@ -282,26 +277,20 @@ SurfaceSides sides_of(const Patch& patch, const WindingNumber& winding)
     return *front > 0 ? SurfaceSides::inside_both : SurfaceSides::outside_both;
 }
 
-tl::unexpected<Error> sides_stopped()
-{
-    return fail(ErrorCode::cancelled, "surface sides: stopped on request");
-}
-
 Result<std::vector<std::uint8_t>> find_contacts(const IndexParts& tree, const TriangleMesh& mesh,
                                                 const Clearance& clearance,
                                                 const SurfaceSidesOptions& options)
 {
     const std::size_t count = mesh.triangle_count();
-    const std::size_t tasks = task_count(count, triangles_per_task);
     std::vector<std::uint8_t> areas(count, 0);
     std::vector<std::uint8_t> contacts(count, 0);
     const auto for_all = [&](const auto& visit) {
-        parallel_for(tasks, options.execution.threads, [&](std::size_t task) {
-            if (is_cancelled(options.execution.progress)) return;
-            const std::size_t end = std::min(count, (task + 1) * triangles_per_task);
-            for (std::size_t i = task * triangles_per_task; i < end; ++i) visit(i);
-            advance_stage(options.execution.progress, end - task * triangles_per_task);
-        });
+        parallel_chunks(count, triangles_per_task, options.execution.threads,
+                        [&](std::size_t first, std::size_t end) {
+                            if (is_cancelled(options.execution.progress)) return;
+                            for (std::size_t i = first; i < end; ++i) visit(i);
+                            advance_stage(options.execution.progress, end - first);
+                        });
     };
     begin_stage(options.execution.progress, "self-contacts", 2 * count);
     for_all([&](std::size_t i) {
@@ -313,7 +302,8 @@ Result<std::vector<std::uint8_t>> find_contacts(const IndexParts& tree, const Tr
         if (areas[to_index(id)] == 0) return;
         contacts[to_index(id)] = meets_another(tree, mesh, areas, id, clearance) ? 1 : 0;
     });
-    if (is_cancelled(options.execution.progress)) return sides_stopped();
+    if (is_cancelled(options.execution.progress))
+        return cancelled("finding the sides of the surface");
     return contacts;
 }
 
@@ -348,17 +338,16 @@ Result<std::vector<SurfaceSides>> find_surface_sides(const MeshIndex& tree,
     Patches patches = find_patches(mesh, topology, uses, *contacts);
     const std::size_t count = patches.items.size();
     begin_stage(options.execution.progress, "surface sides", count);
-    parallel_for(task_count(count, patches_per_task), options.execution.threads,
-                 [&](std::size_t task) {
-                     if (is_cancelled(options.execution.progress)) return;
-                     const std::size_t first = task * patches_per_task;
-                     const std::size_t end = std::min(count, first + patches_per_task);
-                     for (std::size_t i = first; i < end; ++i) {
-                         patches.items[i].sides = sides_of(patches.items[i], winding);
-                     }
-                     advance_stage(options.execution.progress, end - first);
-                 });
-    if (is_cancelled(options.execution.progress)) return sides_stopped();
+    parallel_chunks(count, patches_per_task, options.execution.threads,
+                    [&](std::size_t first, std::size_t end) {
+                        if (is_cancelled(options.execution.progress)) return;
+                        for (std::size_t i = first; i < end; ++i) {
+                            patches.items[i].sides = sides_of(patches.items[i], winding);
+                        }
+                        advance_stage(options.execution.progress, end - first);
+                    });
+    if (is_cancelled(options.execution.progress))
+        return cancelled("finding the sides of the surface");
     for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
         const std::uint32_t patch = patches.of_triangle[i];
         if (patch != Patches::none) sides[i] = patches.items[patch].sides;

@@ -55,15 +55,13 @@ public:
             found.push_back({index_.root(), Vec3::Zero(), Vec3::Constant(root_half)});
         for (std::size_t i = 0; i < found.size(); ++i) add_children(found[i].reference, found);
         begin_stage(progress, "fitting slabs", found.size());
-        const std::size_t tasks = (found.size() + blocks_per_task - 1) / blocks_per_task;
-        parallel_for(tasks, threads, [&](std::size_t task) {
-            if (is_cancelled(progress)) return;
-            const std::size_t first = task * blocks_per_task;
-            const std::size_t end = std::min(found.size(), first + blocks_per_task);
-            for (std::size_t i = first; i < end; ++i)
-                (*slabs_)[found[i].reference & ~index_leaf_bit] = slab_of(found[i]);
-            advance_stage(progress, end - first);
-        });
+        parallel_chunks(found.size(), blocks_per_task, threads,
+                        [&](std::size_t first, std::size_t end) {
+                            if (is_cancelled(progress)) return;
+                            for (std::size_t i = first; i < end; ++i)
+                                (*slabs_)[found[i].reference & ~index_leaf_bit] = slab_of(found[i]);
+                            advance_stage(progress, end - first);
+                        });
         return !is_cancelled(progress);
     }
 
@@ -168,7 +166,7 @@ Result<MeshIndex> with_slabs(const MeshIndex& index, const SlabOptions& options)
         return tl::unexpected(status.error());
     SlabWriter writer(index.parts());
     if (!writer.write(options.execution.threads, options.execution.progress))
-        return fail(ErrorCode::cancelled, "slabs: stopped on request");
+        return cancelled("fitting slabs");
     return writer.result();
 }
 

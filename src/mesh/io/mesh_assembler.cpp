@@ -126,7 +126,7 @@ Status MeshAssembler::cut_polygons()
         }
         constexpr std::size_t large = 64;
         if ((count > large || polygon % large == 0) && is_cancelled(options_.execution.progress)) {
-            return tl::unexpected(reading_cancelled(source_.name));
+            return cancelled("reading", source_.name);
         }
     }
     polygons_ = {};
@@ -139,7 +139,7 @@ Result<TriangleMesh> MeshAssembler::finish(Vertices vertices)
     if (vertices == Vertices::welded && welded_.size() == 0) {
         if (!fits_budget(weld_scratch_bytes(positions_.size()))) return tl::unexpected(error_);
         if (!weld_vertices(positions_, triangles_, options_.execution.progress)) {
-            return tl::unexpected(reading_cancelled(source_.name));
+            return cancelled("reading", source_.name);
         }
         positions_.shrink_to_fit();
     }

@@ -102,15 +102,10 @@ Result<FileBytes> read_file(const std::filesystem::path& path, MemoryBudget budg
         }
         done += static_cast<std::size_t>(count);
         if (!steps.done(static_cast<std::size_t>(count))) {
-            return tl::unexpected(reading_cancelled(path.string()));
+            return cancelled("reading", path.string());
         }
     }
     return file_bytes;
-}
-
-Error reading_cancelled(const std::string& name)
-{
-    return {ErrorCode::cancelled, "reading was stopped on request", name};
 }
 
 } // namespace proxima::detail

@@ -70,7 +70,4 @@ private:
     const char* next_;
 };
 
-/// The error of a cancelled reader of the file or data of this name.
-[[nodiscard]] Error reading_cancelled(const std::string& name);
-
 } // namespace proxima::detail

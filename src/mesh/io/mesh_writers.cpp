@@ -98,7 +98,7 @@ private:
 
     void flush()
     {
-        if (is_cancelled(progress_)) refuse(ErrorCode::cancelled, "writing was stopped on request");
+        if (status_ && is_cancelled(progress_)) status_ = cancelled("writing", name_);
         if (status_) status_ = file_->write(std::string_view(block_));
         block_.clear();
     }

@@ -145,7 +145,7 @@ private:
     {
         for (element_index_ = 0; element_index_ < element_->count; ++element_index_) {
             if (!progress_.may_continue(values_.position())) {
-                error_ = reading_cancelled(source_.name);
+                error_ = cancelled("reading", source_.name).value();
                 return false;
             }
             if (!values_.begin_element()) return refuse_value();

@@ -76,7 +76,7 @@ Result<TriangleMesh> read_binary(const MeshSource& source, const ReadOptions& op
     std::array<std::uint32_t, 3 * block> ids{};
     const char* position = text.data() + first_triangle;
     for (std::uint32_t first = 0; first < count; first += block) {
-        if (!progress.may_continue(position)) return tl::unexpected(reading_cancelled(source.name));
+        if (!progress.may_continue(position)) return cancelled("reading", source.name);
         const std::uint32_t triangles = std::min(block, count - first);
         for (std::uint32_t triangle = 0; triangle < triangles; ++triangle) {
             for (std::size_t corner = 0; corner < 3; ++corner) {

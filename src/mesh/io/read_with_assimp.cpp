@@ -125,7 +125,7 @@ public:
         }
         for (const Instance& instance : instances_) {
             if (is_cancelled(options_.execution.progress))
-                return tl::unexpected(reading_cancelled(source_.name));
+                return cancelled("reading", source_.name);
             if (!add(instance)) return tl::unexpected(error_);
         }
         return mesh_.finish(vertices);
@@ -247,7 +247,7 @@ Result<TriangleMesh> read_with_assimp(const MeshSource& source, const std::files
                         source.name);
         }
         if (!progress.may_continue(source.text.data() + source.text.size())) {
-            return tl::unexpected(reading_cancelled(source.name));
+            return cancelled("reading", source.name);
         }
         return SceneReader(source, options, *scene).read(vertices);
     } catch (const std::exception& exception) {

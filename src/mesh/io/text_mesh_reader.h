@@ -23,7 +23,7 @@ protected:
     [[nodiscard]] bool may_continue()
     {
         if (progress_.may_continue(cursor_.position())) return true;
-        error_ = reading_cancelled(source_.name);
+        error_ = cancelled("reading", source_.name).value();
         return false;
     }
 

@@ -311,24 +311,22 @@ Status closest_features(const MeshIndex& index, std::span<const Vec3> points,
         points.size() / static_cast<std::size_t>(thread_count(options.execution.threads)) + 1;
     const std::size_t chunk =
         sorted ? std::clamp(share, chunk_points, sorted_chunk_points) : chunk_points;
-    const std::size_t chunks = (points.size() + chunk - 1) / chunk;
     std::atomic<std::size_t> bad{points.size()};
-    if (options.execution.progress != nullptr)
-        options.execution.progress->begin_stage("closest features", points.size());
-    parallel_for(chunks, options.execution.threads, [&](std::size_t i) {
-        if (is_cancelled(options.execution.progress)) return;
-        const std::size_t first = i * chunk;
-        const std::size_t count = std::min(chunk, points.size() - first);
-        const ClosestOutputs own{part_of(outputs.answers, first, count),
-                                 part_of(outputs.squared_distances, first, count),
-                                 part_of(outputs.triangles, first, count)};
-        const std::size_t finite =
-            answer_chunk(index.parts(), points.subspan(first, count), own, sorted);
-        if (finite < count) keep_least(bad, first + finite);
-        if (options.execution.progress != nullptr) options.execution.progress->advance(count);
-    });
+    begin_stage(options.execution.progress, "closest features", points.size());
+    parallel_chunks(points.size(), chunk, options.execution.threads,
+                    [&](std::size_t first, std::size_t end) {
+                        if (is_cancelled(options.execution.progress)) return;
+                        const std::size_t count = end - first;
+                        const ClosestOutputs own{part_of(outputs.answers, first, count),
+                                                 part_of(outputs.squared_distances, first, count),
+                                                 part_of(outputs.triangles, first, count)};
+                        const std::size_t finite =
+                            answer_chunk(index.parts(), points.subspan(first, count), own, sorted);
+                        if (finite < count) keep_least(bad, first + finite);
+                        advance_stage(options.execution.progress, count);
+                    });
     if (is_cancelled(options.execution.progress))
-        return fail(ErrorCode::cancelled, "searching closest features was cancelled");
+        return cancelled("the search for closest features");
     if (bad < points.size()) {
         return fail(ErrorCode::invalid_argument,
                     concat("point ", bad.load(), " is not finite: leave it out"), "points");

@@ -34,11 +34,6 @@ struct RefitStorage {
     GrowBuffer<std::uint64_t> nodes;
 };
 
-tl::unexpected<Error> refit_stopped()
-{
-    return fail(ErrorCode::cancelled, "refitting the mesh index was cancelled");
-}
-
 /// Which rows moved.
 struct MovedTriangles {
     std::vector<bool> moved;
@@ -272,7 +267,7 @@ refit_lists(const MeshIndex& index, const TriangleMesh& mesh, const Topology& to
         drop_moved_lists(old, of_blocks, {&*root, 1});
         const auto features = collect_local_features(mesh, topology, index.ids(), lists.frame(),
                                                      options.execution.progress);
-        if (!features) return refit_stopped();
+        if (!features) return cancelled("refitting the mesh index");
         const LeafStaler staler(index, mesh, *features, nodes, options.execution.progress);
         ReachedCell cell;
         cell.cube = {{0, 0, 0}, static_cast<float>(lists.frame().frame_half())};
@@ -280,7 +275,8 @@ refit_lists(const MeshIndex& index, const TriangleMesh& mesh, const Topology& to
         cell.node = no_node;
         cell.features = moved_features(*features, moved.moved);
         // A root that is a leaf has all triangles in its list.
-        if (!drop_reached_lists(staler, std::move(cell), options)) return refit_stopped();
+        if (!drop_reached_lists(staler, std::move(cell), options))
+            return cancelled("refitting the mesh index");
     }
     storage->table.resize(old.table.size());
     fill_table(*root, nodes, lists.table_depth(), {storage->table.data(), storage->table.size()});

@@ -286,11 +286,10 @@ Status signed_distances(const MeshIndex& index, std::span<const Vec3> points,
     const std::size_t chunk = std::clamp(share, least_signs_per_task, most_signs_per_task);
     Progress* const progress = options.execution.progress;
     begin_stage(progress, "signed distances", points.size());
-    parallel_for(
-        (points.size() + chunk - 1) / chunk, options.execution.threads, [&](std::size_t i) {
+    parallel_chunks(
+        points.size(), chunk, options.execution.threads, [&](std::size_t first, std::size_t end) {
             if (is_cancelled(progress)) return;
-            const std::size_t first = i * chunk;
-            const auto own = points.subspan(first, std::min(chunk, points.size() - first));
+            const auto own = points.subspan(first, end - first);
             std::vector<ClosestFeature> closest(own.size());
             // No errors: sizes agree and the points are finite.
             (void)closest_features(index, own, {.answers = closest},
@@ -302,8 +301,7 @@ Status signed_distances(const MeshIndex& index, std::span<const Vec3> points,
             }
             advance_stage(progress, own.size());
         });
-    if (is_cancelled(progress))
-        return fail(ErrorCode::cancelled, "signed distances: stopped on request");
+    if (is_cancelled(progress)) return cancelled("computing signed distances");
     return {};
 }
 

@@ -163,17 +163,15 @@ template <class Task>
 Status for_poses(std::size_t count, const PairOptions& options, const Task& task)
 {
     begin_stage(options.execution.progress, "intersecting meshes", count);
-    parallel_for((count + poses_per_task - 1) / poses_per_task, options.execution.threads,
-                 [&](std::size_t chunk) {
-                     const std::size_t end = std::min(count, (chunk + 1) * poses_per_task);
-                     for (std::size_t i = chunk * poses_per_task; i < end; ++i) {
-                         if (is_cancelled(options.execution.progress)) return;
-                         task(i);
-                         advance_stage(options.execution.progress, 1);
-                     }
-                 });
-    if (is_cancelled(options.execution.progress))
-        return fail(ErrorCode::cancelled, "intersecting meshes: stopped on request");
+    parallel_chunks(count, poses_per_task, options.execution.threads,
+                    [&](std::size_t first, std::size_t end) {
+                        for (std::size_t i = first; i < end; ++i) {
+                            if (is_cancelled(options.execution.progress)) return;
+                            task(i);
+                            advance_stage(options.execution.progress, 1);
+                        }
+                    });
+    if (is_cancelled(options.execution.progress)) return cancelled("intersecting meshes");
     return {};
 }
 

@@ -65,27 +65,26 @@ Result<SelfIntersections> find_self_intersections(const MeshIndex& index,
     // Rows of the index, so that neighbours are looked for where the last ones were. Rounds have a
     // fixed size: where the work ends does not depend on threads.
     for (std::uint32_t start = 0; start < rows; start += round_chunks * chunk_rows) {
-        const std::uint32_t chunks =
-            std::min(round_chunks, (rows - start + chunk_rows - 1) / chunk_rows);
-        std::vector<std::vector<TrianglePair>> found(chunks);
-        parallel_for(chunks, options.execution.threads, [&](std::size_t chunk) {
-            const std::uint32_t first = start + static_cast<std::uint32_t>(chunk) * chunk_rows;
-            const std::uint32_t end = std::min(rows, first + chunk_rows);
+        const std::uint32_t count = std::min(rows - start, round_chunks * chunk_rows);
+        std::vector<std::vector<TrianglePair>> found(chunk_count(count, chunk_rows));
+        const auto search = [&](std::size_t first, std::size_t end) {
+            std::vector<TrianglePair>& pairs = found[first / chunk_rows];
             StageSteps steps(options.execution.progress, 64);
-            for (std::uint32_t row = first; row < end; ++row) {
-                if (!steps.done(1) || found[chunk].size() > options.max_pairs) return;
+            for (auto row = start + static_cast<std::uint32_t>(first); row < start + end; ++row) {
+                if (!steps.done(1) || pairs.size() > options.max_pairs) return;
                 const Triangle triangle = parts.triangle(row);
                 const TriangleId id = parts.id(row);
                 visit_triangles_in_box(parts, bounding_box(triangle),
                                        [&](TriangleId other, const Triangle& there) {
                                            if (id < other && meet_beyond_corners(triangle, there))
-                                               found[chunk].push_back({id, other});
-                                           return found[chunk].size() <= options.max_pairs;
+                                               pairs.push_back({id, other});
+                                           return pairs.size() <= options.max_pairs;
                                        });
             }
-        });
+        };
+        parallel_chunks(count, chunk_rows, options.execution.threads, search);
         if (is_cancelled(options.execution.progress))
-            return fail(ErrorCode::cancelled, "finding self-intersections: stopped on request");
+            return cancelled("finding self-intersections");
         for (const auto& pairs : found)
             result.pairs.insert(result.pairs.end(), pairs.begin(), pairs.end());
         if (result.pairs.size() > options.max_pairs) {

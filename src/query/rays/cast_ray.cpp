@@ -203,16 +203,13 @@ Status for_chunks(std::span<const Ray> rays, std::size_t answers, const RayBatch
                     "rays");
     }
     begin_stage(options.execution.progress, "casting rays", rays.size());
-    const std::size_t tasks = (rays.size() + rays_per_task - 1) / rays_per_task;
-    parallel_for(tasks, options.execution.threads, [&](std::size_t i) {
-        if (is_cancelled(options.execution.progress)) return;
-        const std::size_t first = i * rays_per_task;
-        const std::size_t count = std::min(rays_per_task, rays.size() - first);
-        task(first, rays.subspan(first, count));
-        advance_stage(options.execution.progress, count);
-    });
-    if (is_cancelled(options.execution.progress))
-        return fail(ErrorCode::cancelled, "casting rays: stopped on request");
+    parallel_chunks(rays.size(), rays_per_task, options.execution.threads,
+                    [&](std::size_t first, std::size_t end) {
+                        if (is_cancelled(options.execution.progress)) return;
+                        task(first, rays.subspan(first, end - first));
+                        advance_stage(options.execution.progress, end - first);
+                    });
+    if (is_cancelled(options.execution.progress)) return cancelled("casting rays");
     return {};
 }
 
@@ -326,7 +323,7 @@ Result<RayHitLists> all_hits(const MeshIndex& index, std::span<const Ray> rays,
         RayHit hit;
     };
     using Found = std::vector<NumberedHit>;
-    std::vector<Found> found((rays.size() + rays_per_task - 1) / rays_per_task);
+    std::vector<Found> found(chunk_count(rays.size(), rays_per_task));
     const Status status =
         for_chunks(rays, rays.size(), options, [&](std::size_t first, std::span<const Ray> chunk) {
             Found& hits = found[first / rays_per_task];

@@ -249,7 +249,7 @@ Result<MinkowskiSum> sum_by_geometric_method(const ConvexPolyhedron& a, const Co
     std::vector<SupportPlane<Scalar>> planes(2 * batch);
     begin_stage(progress, "pushing planes", normals.size());
     for (std::size_t first = 0; first < normals.size(); first += batch) {
-        if (is_cancelled(progress)) return fail(ErrorCode::cancelled, "stopped on request");
+        if (is_cancelled(progress)) return cancelled("the Minkowski sum");
         const auto some =
             std::span(normals).subspan(first, std::min(batch, normals.size() - first));
         const int count = push_planes<max_baseline_pairs, Scalar>(
@@ -266,7 +266,7 @@ Result<MinkowskiSum> sum_by_hull(const ConvexPolyhedron& a, const ConvexPolyhedr
                                  Progress* progress)
 {
     if (Status status = check_operands(a, b); !status) return tl::unexpected(status.error());
-    if (is_cancelled(progress)) return fail(ErrorCode::cancelled, "stopped on request");
+    if (is_cancelled(progress)) return cancelled("the Minkowski sum");
     const Vertices<Scalar> vertices(a, b);
     std::vector<Vec3> outward;
     if (const auto faces = incremental_hull<Scalar>(vertices.sums)) {

@@ -38,17 +38,15 @@ public:
         prepare(level, depth + 1);
         begin_stage(options_.execution.progress, "octree level", level.cells.size());
         constexpr std::size_t chunk = 64;
-        const std::size_t count = level.cells.size();
         // Few cells of many pairs at the top, many of few below: chunks of both.
-        parallel_for((count + chunk - 1) / chunk, options_.execution.threads,
-                     [&](std::size_t index) {
-                         const std::size_t end = std::min(count, (index + 1) * chunk);
-                         for (std::size_t cell = index * chunk; cell < end; ++cell) {
-                             if (is_cancelled(options_.execution.progress)) return;
-                             test_cell(level, level.cells[cell], depth, masks);
-                             advance_stage(options_.execution.progress, 1);
-                         }
-                     });
+        parallel_chunks(level.cells.size(), chunk, options_.execution.threads,
+                        [&](std::size_t first, std::size_t end) {
+                            for (std::size_t cell = first; cell < end; ++cell) {
+                                if (is_cancelled(options_.execution.progress)) return;
+                                test_cell(level, level.cells[cell], depth, masks);
+                                advance_stage(options_.execution.progress, 1);
+                            }
+                        });
     }
 
 private:
@@ -61,14 +59,13 @@ private:
         }
         const Vec3 half = frame_.edge / static_cast<double>(std::uint64_t{2} << child_depth);
         constexpr std::size_t chunk = 256;
-        parallel_for((tests_.size() + chunk - 1) / chunk, options_.execution.threads,
-                     [&](std::size_t index) {
-                         if (is_cancelled(options_.execution.progress)) return;
-                         const std::size_t end = std::min(tests_.size(), (index + 1) * chunk);
-                         for (std::size_t id = index * chunk; id < end; ++id) {
-                             if (is_used[id] != 0) tests_[id].set_half_size(half);
-                         }
-                     });
+        parallel_chunks(tests_.size(), chunk, options_.execution.threads,
+                        [&](std::size_t first, std::size_t end) {
+                            if (is_cancelled(options_.execution.progress)) return;
+                            for (std::size_t id = first; id < end; ++id) {
+                                if (is_used[id] != 0) tests_[id].set_half_size(half);
+                            }
+                        });
     }
 
     void test_cell(const SplitLevel& level, const SplitCell& cell, int depth,

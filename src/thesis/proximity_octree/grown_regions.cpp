@@ -203,28 +203,29 @@ Result<GrownRegions> grow_regions(const TriangleMesh& mesh, const Topology& topo
 {
     const RegionGrower grower(mesh, topology, surface, root);
     const std::size_t features = FeatureNumbers(topology).count();
-    std::vector<RegionBlock> blocks((features + block - 1) / block);
+    std::vector<RegionBlock> blocks(chunk_count(features, block));
     const std::uint64_t limit = budget_bytes(options.execution.budget);
     std::atomic<std::uint64_t> used{0};
     begin_stage(options.execution.progress, "Voronoi regions", features);
-    parallel_for(blocks.size(), options.execution.threads, [&](std::size_t i) {
-        RegionBlock& output = blocks[i];
-        const std::size_t end = std::min(features, (i + 1) * block);
-        for (std::size_t number = i * block; number < end && !output.error; ++number) {
-            if (is_cancelled(options.execution.progress) ||
-                used.load(std::memory_order_relaxed) > limit)
-                return;
-            const std::size_t before = output.planes.size();
-            const Status status = grower.append(static_cast<std::uint32_t>(number), output.planes);
-            if (!status) output.error = status.error();
-            output.counts.push_back(static_cast<std::uint32_t>(output.planes.size() - before));
-            // In the block, and again in the result.
-            used += 2 * (output.planes.size() - before) * sizeof(GrowingPlane);
-        }
-        advance_stage(options.execution.progress, end - i * block);
-    });
+    parallel_chunks(
+        features, block, options.execution.threads, [&](std::size_t first, std::size_t end) {
+            RegionBlock& output = blocks[first / block];
+            for (std::size_t number = first; number < end && !output.error; ++number) {
+                if (is_cancelled(options.execution.progress) ||
+                    used.load(std::memory_order_relaxed) > limit)
+                    return;
+                const std::size_t before = output.planes.size();
+                const Status status =
+                    grower.append(static_cast<std::uint32_t>(number), output.planes);
+                if (!status) output.error = status.error();
+                output.counts.push_back(static_cast<std::uint32_t>(output.planes.size() - before));
+                // In the block, and again in the result.
+                used += 2 * (output.planes.size() - before) * sizeof(GrowingPlane);
+            }
+            advance_stage(options.execution.progress, end - first);
+        });
     if (is_cancelled(options.execution.progress)) {
-        return fail(ErrorCode::cancelled, "the proximity octree was stopped on request");
+        return cancelled("building the proximity octree");
     }
     if (Status status = check_budget(options.execution.budget, used, "the Voronoi regions",
                                      "raise the budget or take a mesh of fewer triangles");

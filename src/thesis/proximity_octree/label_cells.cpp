@@ -146,25 +146,25 @@ Result<LabelledCells> CellLabeller::children(const LabelledCells& level,
 {
     const std::size_t count = 8 * cells.size();
     const std::size_t block = block_size(count, level.closest.numbers.size());
-    std::vector<LabelledCells> blocks((count + block - 1) / block);
+    std::vector<LabelledCells> blocks(chunk_count(count, block));
     const std::uint64_t limit = budget_bytes(options.execution.budget);
     std::atomic<std::uint64_t> used{options.held_bytes};
     begin_stage(options.execution.progress, "labelling cells", count);
-    parallel_for(blocks.size(), options.execution.threads, [&](std::size_t i) {
-        const std::size_t end = std::min(count, (i + 1) * block);
-        for (std::size_t at = i * block; at < end; ++at) {
-            if (is_cancelled(options.execution.progress) ||
-                used.load(std::memory_order_relaxed) > limit)
-                return;
-            const std::uint64_t before = blocks[i].bytes();
-            append_child(level, cells[at / 8], static_cast<int>(at % 8), blocks[i]);
-            // In the block, again in the level, and once more as leaves.
-            used += 3 * (blocks[i].bytes() - before);
-        }
-        advance_stage(options.execution.progress, end - i * block);
-    });
-    if (is_cancelled(options.execution.progress))
-        return fail(ErrorCode::cancelled, "the proximity octree was stopped on request");
+    parallel_chunks(count, block, options.execution.threads,
+                    [&](std::size_t first, std::size_t end) {
+                        LabelledCells& output = blocks[first / block];
+                        for (std::size_t at = first; at < end; ++at) {
+                            if (is_cancelled(options.execution.progress) ||
+                                used.load(std::memory_order_relaxed) > limit)
+                                return;
+                            const std::uint64_t before = output.bytes();
+                            append_child(level, cells[at / 8], static_cast<int>(at % 8), output);
+                            // In the block, again in the level, and once more as leaves.
+                            used += 3 * (output.bytes() - before);
+                        }
+                        advance_stage(options.execution.progress, end - first);
+                    });
+    if (is_cancelled(options.execution.progress)) return cancelled("building the proximity octree");
     if (Status status = check_budget(options.execution.budget, used, "the proximity octree",
                                      "lower the depth, raise the thresholds or the budget");
         !status)

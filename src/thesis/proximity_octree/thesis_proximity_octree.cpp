@@ -17,11 +17,6 @@ namespace {
 constexpr double max_coordinate = 1e100;
 constexpr std::size_t max_nodes = std::size_t{1} << 31U;
 
-tl::unexpected<Error> labels_stopped()
-{
-    return fail(ErrorCode::cancelled, "the proximity octree was stopped on request");
-}
-
 Status check_options(const ThesisProximityOptions& options)
 {
     if (options.max_depth < 0 || options.max_depth > max_octree_depth) {
@@ -183,7 +178,7 @@ Result<ThesisProximityOctree> build(const TriangleMesh& mesh, const Topology& to
         const auto split = writer.write(level);
         if (!split) return tl::unexpected(split.error());
         if (split->empty()) break;
-        if (is_cancelled(progress)) return labels_stopped();
+        if (is_cancelled(progress)) return cancelled("building the proximity octree");
         const std::uint64_t held = regions->bytes() + bytes_of(parts) + level.bytes();
         auto children = labeller.children(level, *split, {held, options.execution});
         if (!children) return tl::unexpected(children.error());

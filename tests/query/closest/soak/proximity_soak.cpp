@@ -59,7 +59,7 @@ template <class Tally, class Check>
 Tally check_points(const PointMaker& maker, PointSet set, std::uint64_t count, std::uint64_t seed,
                    std::uint64_t row, Threads threads, const Check& check)
 {
-    std::vector<Tally> tallies((count + chunk - 1) / chunk);
+    std::vector<Tally> tallies(chunk_count(count, chunk));
     parallel_for(tallies.size(), threads, [&](std::size_t i) {
         const std::size_t points = std::min<std::uint64_t>(chunk, count - i * chunk);
         tallies[i] = check.check(maker.make(set, points, chunk_seed(seed, row, i)));

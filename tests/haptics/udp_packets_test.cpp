@@ -1,0 +1,96 @@
+#include "haptics/device/udp_packets.h"
+
+#include "haptics/listening_device.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <random>
+
+namespace proxima {
+namespace {
+
+using testing::state_packet;
+
+TEST(UdpPackets, AreLaidOutAsDocumented)
+{
+    StatePacket packet;
+    packet.session = 0x0102030405060708;
+    packet.sequence = 9;
+    packet.nanoseconds = 0x1122334455667788;
+    packet.buttons = 3;
+    packet.flags = StatePacket::rotates;
+    packet.position = {1, 2, 3};
+    packet.velocity = {4, 5, 6};
+    packet.quaternion = {0.5, -0.5, 0.5, -0.5};
+    const auto bytes = encode(packet);
+    static_assert(sizeof bytes == 120);
+    EXPECT_EQ(std::memcmp(bytes.data(), "PXUP", 4), 0);
+    const auto byte = [&](std::size_t i) { return std::to_integer<int>(bytes[i]); };
+    EXPECT_EQ(byte(4), 1);
+    EXPECT_EQ(byte(5), 0);
+    EXPECT_EQ(byte(6), 120);
+    EXPECT_EQ(byte(8), 8);
+    EXPECT_EQ(byte(15), 1);
+    EXPECT_EQ(byte(16), 9);
+    EXPECT_EQ(byte(24), 0x88);
+    EXPECT_EQ(byte(32), 3);
+    EXPECT_EQ(byte(36), 1);
+    double y = 0;
+    std::memcpy(&y, bytes.data() + 48, sizeof y); // this machine is little-endian, as the packet
+    EXPECT_EQ(y, 2);
+    std::memcpy(&y, bytes.data() + 112, sizeof y);
+    EXPECT_EQ(y, -0.5);
+    StatePacket back;
+    EXPECT_EQ(decode(bytes, back), PacketFault::none);
+    EXPECT_EQ(back, packet);
+    EXPECT_NEAR((device_state(back).pose.rotation - Mat3::Identity()).norm(), std::sqrt(6), 1e-12);
+}
+
+TEST(UdpPackets, RepliesSurviveEncodingAndDecoding)
+{
+    std::mt19937_64 random(5);
+    std::uniform_real_distribution<double> number(-10, 10);
+    ReplyPacket packet;
+    packet.session = random();
+    packet.sequence = random();
+    packet.nanoseconds = random();
+    DeviceCommand& command = packet.command;
+    command.condition = InputCondition::clutched;
+    command.plane_count = 3;
+    command.force = Vec3{number(random), number(random), number(random)};
+    command.anchor = Vec3{number(random), number(random), number(random)};
+    for (DevicePlane& plane : command.planes)
+        plane = {Vec3{number(random), number(random), number(random)}, number(random)};
+    for (double* const x : {&command.force_scale, &command.stiffness, &command.damping,
+                            &command.static_friction, &command.dynamic_friction, &packet.max_force,
+                            &packet.hold_seconds, &packet.fade_seconds, &packet.recovery_seconds})
+        *x = number(random);
+    const auto bytes = encode(packet);
+    ReplyPacket back;
+    ASSERT_EQ(decode(bytes, back), PacketFault::none);
+    EXPECT_EQ(encode(back), bytes);
+    EXPECT_EQ(back.command.planes[2].offset, command.planes[2].offset);
+    EXPECT_EQ(back.recovery_seconds, packet.recovery_seconds);
+}
+
+TEST(UdpPackets, RefuseOtherSizesMagicsAndVersions)
+{
+    const auto bytes = encode(state_packet(1));
+    StatePacket packet;
+    for (std::size_t size = 0; size < bytes.size(); ++size)
+        EXPECT_EQ(decode(std::span(bytes).first(size), packet), PacketFault::wrong_size);
+    auto wrong = bytes;
+    wrong[0] = std::byte{'Q'};
+    EXPECT_EQ(decode(wrong, packet), PacketFault::wrong_magic);
+    wrong = bytes;
+    wrong[4] = std::byte{2};
+    EXPECT_EQ(decode(wrong, packet), PacketFault::wrong_version);
+    wrong = bytes;
+    wrong[7] = std::byte{1};
+    EXPECT_EQ(decode(wrong, packet), PacketFault::wrong_size);
+}
+
+} // namespace
+} // namespace proxima

@@ -1,0 +1,147 @@
+// Every kind of damage to an index's lists is found and named.
+#include "index/damaged_index.h"
+#include "index/lists/block.h"
+
+#include <cstring>
+
+namespace proxima {
+namespace {
+
+using testing::EditableIndex;
+using CheckLists = testing::DamagedIndex;
+
+TEST_F(CheckLists, NamesAWrongTableOfCells)
+{
+    expect_named({{"table", [](EditableIndex& e) { e.table.pop_back(); }},
+                  {"table", [](EditableIndex& e) { e.table_depth += 1; }},
+                  {"table", [](EditableIndex& e) { e.table.back() ^= 1; }},
+                  {"table", [](EditableIndex& e) { e.table[0] = e.table.back(); }}});
+}
+
+TEST_F(CheckLists, NamesNodesOfListsThatFormNoTree)
+{
+    expect_named(
+        {{"nodes come by eight", [](EditableIndex& e) { e.nodes.pop_back(); }},
+         {"beyond the nodes", [](EditableIndex& e) { last_split(e) = e.nodes.size(); }},
+         {"beyond the nodes",
+          [](EditableIndex& e) { last_split(e) = (std::uint64_t{1} << 63U) - 8; }},
+         {"beyond the nodes", [](EditableIndex& e) { last_split(e) += 1; }},
+         {"children of two cells", [&](EditableIndex& e) { first_leaf(e) = last_split(e); }},
+         {"without a parent", [&](EditableIndex& e) { last_split(e) = first_leaf(e); }},
+         {"out of reach",
+          [](EditableIndex& e) {
+              // Eight more nodes, one of which has them as its children.
+              const std::uint64_t base = e.nodes.size();
+              e.nodes.insert(e.nodes.end(), 8, proximity_word::leaf(0, 1));
+              e.nodes[base] = base;
+          }},
+         {"split at the deepest level", [&](EditableIndex& e) {
+              // A chain of splits below a leaf, in front of the root's last child.
+              const std::uint64_t leaf = first_leaf(e);
+              std::size_t at = first_leaf_node;
+              for (int level = 0; level < 15; ++level) {
+                  const std::uint64_t base = e.nodes.size();
+                  e.nodes[at] = base;
+                  e.nodes.insert(e.nodes.end(), 8, leaf);
+                  at = base;
+              }
+              // Their cells are those of the table as well.
+              for (std::uint64_t& word : e.table)
+                  if (word == leaf) word = first_leaf(e);
+          }}});
+}
+
+TEST_F(CheckLists, NamesLeavesOfListsWithoutTrianglesOrRuns)
+{
+    expect_named(
+        {{"no such triangles",
+          [&](EditableIndex& e) { first_leaf(e) &= ~std::uint64_t{0xFFFFFFFF}; }},
+         {"no such triangles",
+          [&](EditableIndex& e) { first_leaf(e) |= std::uint64_t{0xFFFFFFFF}; }},
+         {"no such triangles", [&](EditableIndex& e) { first_leaf(e) ^= std::uint64_t{1} << 32U; }},
+         {"no such triangles",
+          [&](EditableIndex& e) {
+              first_leaf(e) |= std::uint64_t{proximity_word::max_position} << 32U;
+          }},
+         {"no such run",
+          [&](EditableIndex& e) {
+              first_leaf(e) = proximity_word::run(static_cast<std::uint32_t>(e.runs.size()));
+          }},
+         {"no such run",
+          [&](EditableIndex& e) { first_leaf(e) = proximity_word::run(0) | 1 << 1; }}});
+}
+
+TEST_F(CheckLists, NamesADamagedRun)
+{
+    expect_named(
+        {{"its run is damaged", [&](EditableIndex& e) { first_leaf(e) = proximity_word::run(0); }},
+         {"its run is damaged", [](EditableIndex& e) { e.runs[0].position = 0; }},
+         {"its run is damaged",
+          [](EditableIndex& e) { e.runs[0].position = static_cast<std::uint32_t>(e.runs.size()); }},
+         {"its run is damaged", [](EditableIndex& e) { e.runs[0].position = 0xFFFFFFFF; }},
+         {"its run is damaged", [](EditableIndex& e) { e.runs[0].direction[1] += 0.5F; }},
+         {"its run is damaged", [](EditableIndex& e) { e.runs[1].mask = 0; }},
+         {"its run is damaged", [](EditableIndex& e) { e.runs[1].least = float_nan; }},
+         {"its run is damaged", [](EditableIndex& e) { e.runs[1].least = 3; }},
+         {"its run is damaged", [](EditableIndex& e) { e.runs[1].direction[2] = float_nan; }},
+         {"its run is damaged", [](EditableIndex& e) { e.runs[1].position += 1; }},
+         {"runs of no leaf", [](EditableIndex& e) { e.runs.emplace_back(); }}});
+}
+
+TEST_F(CheckLists, NamesADamagedHeaderOfABlockOfLists)
+{
+    const auto origin = [](float value) {
+        return [=](EditableIndex& e) { std::memcpy(e.arena.data(), &value, 4); };
+    };
+    const auto header_byte = [](std::size_t at, int value) {
+        return [=](EditableIndex& e) { e.arena[at] = static_cast<std::byte>(value); };
+    };
+    expect_named({{"a block is damaged", origin(float_nan)},
+                  {"a block is damaged", header_byte(15, 0x7F)}, // the unit is no longer a number
+                  {"a block is damaged", header_byte(15, 0x80)},
+                  {"a block is damaged", header_byte(17, 0x80)},
+                  {"a block is damaged", header_byte(19, 0xFF)},
+                  {"a block is damaged", header_byte(22, 0x40)}, // ranks beyond the rows
+                  {"a block is damaged", header_byte(24, 0)},
+                  {"a block is damaged", header_byte(24, 33)},
+                  {"a block is damaged", header_byte(25, 0)},
+                  {"a block is damaged", header_byte(25, 33)},
+                  {"a block is damaged", header_byte(26, 2)},
+                  {"a block is damaged", header_byte(27, 1)}});
+}
+
+TEST_F(CheckLists, NamesBytesOfListsThatBelongToNoBlock)
+{
+    expect_named(
+        {{"a block is damaged", [](EditableIndex& e) { e.arena.resize(block_padding + 20); }},
+         {"blocks of no leaf",
+          [](EditableIndex& e) {
+              // The first block again behind the last.
+              BlockHeader header;
+              std::memcpy(&header, e.arena.data(), sizeof header);
+              const std::size_t bytes =
+                  block_layout(header.vertices, header.triangles, header.wide != 0).end;
+              const std::vector<std::byte> block(e.arena.data(), e.arena.data() + bytes);
+              e.arena.resize(e.arena.size() - block_padding);
+              e.arena.resize((e.arena.size() + block_alignment - 1) / block_alignment *
+                             block_alignment);
+              e.arena.insert(e.arena.end(), block.begin(), block.end());
+              e.arena.resize(e.arena.size() + block_padding);
+          }},
+         {"no padding", [](EditableIndex& e) { e.arena.clear(); }},
+         {"padding", [](EditableIndex& e) { e.arena.back() = std::byte{1}; }},
+         {"block is damaged", [](EditableIndex& e) { e.arena.resize(e.arena.size() + 1); }}});
+}
+
+TEST_F(CheckLists, NamesWrongStatisticsOfLists)
+{
+    expect_named({{"statistics", [&](EditableIndex& e) { first_leaf(e) = proximity_word::search; }},
+                  {"statistics", [](EditableIndex& e) { e.statistics.searched_leaves += 1; }},
+                  {"statistics", [](EditableIndex& e) { e.statistics.worst_case_steps -= 1; }},
+                  {"statistics", [](EditableIndex& e) { e.statistics.worst_case_blocks -= 1; }},
+                  {"statistics", [](EditableIndex& e) { e.statistics.references += 1; }},
+                  {"statistics", [](EditableIndex& e) { e.statistics.expected_list = nan; }}});
+}
+
+} // namespace
+} // namespace proxima
