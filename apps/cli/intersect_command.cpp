@@ -107,12 +107,10 @@ Status prepare(Body& body, const std::string& model, const IntersectOptions& opt
                                            .execution = session.execution()});
     if (!octree) return at_model(octree.error(), model);
     body.octree = std::move(*octree);
-    if (options.method == QueryMethod::index) {
-        auto index = index_of_model(model, body.mesh, session);
-        if (!index) return tl::unexpected(index.error());
-        body.index = std::move(*index);
-    }
-    auto enclosure = build_enclosure(body.mesh, {.execution = session.execution()});
+    auto index = index_of_model(model, body.mesh, session);
+    if (!index) return tl::unexpected(index.error());
+    body.index = std::move(*index);
+    auto enclosure = build_enclosure(body.index, {.execution = session.execution()});
     if (!enclosure) return at_model(enclosure.error(), model);
     body.enclosure = std::move(*enclosure);
     if (!options.distance || !body.index.parts().slabs().empty()) return {};
@@ -316,7 +314,6 @@ Status run_intersect(const IntersectOptions& options, Session& session)
         if (!read) return tl::unexpected(read.error());
         poses = std::move(*read);
     }
-    // Enclosures refer to their meshes.
     const auto a = std::make_unique<Body>();
     const auto b = std::make_unique<Body>();
     const Stopwatch watch;

@@ -174,8 +174,8 @@ enum class Containment : std::uint8_t { none, a_in_b, b_in_a };
 
 struct EnclosureParts;
 
-/// What containment is asked of: a mesh with its inside. Immutable and cheap to copy: copies share a
-/// mesh of their own. Thread safe. Made by build_enclosure.
+/// What containment is asked of: a mesh with its inside. Immutable and cheap to copy. It shares the
+/// arrays of the index that it was made from. Thread safe. Made by build_enclosure.
 class Enclosure {
 public:
     [[nodiscard]] InsideMethod method() const noexcept;
@@ -198,19 +198,17 @@ struct EnclosureOptions {
     Execution execution = {};
 };
 
-/// Prepares the index's mesh, which is copied. Errors: invalid_mesh (an empty index),
-/// broken_invariant (mesh_of), cancelled. O(triangles log triangles), up to 1 us each.
+/// Finds out how the inside of the index's mesh is told. For open meshes it takes the winding numbers
+/// of the index's signs or, where there are none, builds its own (50 bytes per triangle). Errors:
+/// invalid_mesh (an empty index), broken_invariant (mesh_of), cancelled. O(triangles log triangles),
+/// up to 1 us each.
 [[nodiscard]] Result<Enclosure> build_enclosure(const MeshIndex& index,
-                                                const EnclosureOptions& options = {});
-
-/// Prepares a mesh and keeps it: hand it over by std::move, or it is copied. Errors: invalid_mesh
-/// (empty, NaN), cancelled.
-[[nodiscard]] Result<Enclosure> build_enclosure(TriangleMesh mesh,
                                                 const EnclosureOptions& options = {});
 
 /// Whether the point lies inside of the mesh moved by the pose: of its corners as the pose rounds
 /// them (by winding numbers: of the mesh as it is, and the point moved back). Either may be said of
-/// a point on the surface. No allocation; O(triangles), 25 ns each, unless outside of the bounds.
+/// a point on the surface. No allocation. O(log triangles), and the triangles near a ray along
+/// x: 6 us on a scan of 70,000 triangles.
 /// \pre point is finite
 [[nodiscard]] bool encloses(const Enclosure& enclosure, const RigidTransform& pose,
                             const Vec3& point) noexcept;
@@ -224,8 +222,8 @@ struct ContainmentAnswer {
 /// Whether A lies inside of B moved by the pose, or the other way round. Every part that is connected
 /// by vertices must: one vertex of each is asked, for a part that crosses no surface is on one side
 /// of it. Where the surfaces meet, the answer means nothing. Real-time safe: no allocation, no lock;
-/// any number of threads. O(triangles of one mesh times parts of the other); most often the bounds
-/// say it.
+/// any number of threads. As many calls of encloses() as there are parts; most often the bounds say
+/// it.
 [[nodiscard]] ContainmentAnswer find_containment(const Enclosure& a, const Enclosure& b,
                                                  const RigidTransform& pose_b = {}) noexcept;
 

@@ -57,7 +57,7 @@ KERNELS = {f"src/octree/{name}" for name in (
     "distribute_children.cpp", "snapped_boxes.cpp", "snapped_lanes-inl.h", "snapped_overlap.cpp")} | {
     f"src/index/{name}" for name in (
         "lists/block_scan-inl.h", "lists/domination.cpp", "lists/eight_corners-inl.h", "lists/local_region.cpp",
-        "triangle_lanes.cpp", "triangle_tree_search.cpp")} | {
+        "triangle_lanes.cpp")} | {
     f"src/query/{name}" for name in (
         "closest/batch_lists-inl.h", "closest/closest_batch_in_index.cpp", "closest/closest_in_index.cpp",
         "closest/row_distance-inl.h", "closest/search_index-inl.h",
@@ -66,7 +66,8 @@ KERNELS = {f"src/octree/{name}" for name in (
         "culling/cull_volume.cpp", "distance/mesh_distance.cpp", "distance/pair_bounds-inl.h", "rays/cast_ray.cpp",
         "rays/intersect_exact-inl.h", "rays/prepare_ray-inl.h", "rays/walk_ray-inl.h")} | {
     f"src/haptics/surface/{name}" for name in (
-        "ball_gaps-inl.h", "find_groups.cpp", "groups_along_segment.cpp", "near_groups.cpp", "triangle_groups.cpp")}
+        "ball_gaps-inl.h", "find_groups.cpp", "groups_along_segment.cpp", "near_groups.cpp", "triangle_groups.cpp",
+        "triangle_tree_search.cpp")}
 
 # Headers of one processor: immintrin.h, x86intrin.h, arm_neon.h, riscv_vector.h and their like.
 INTRINSICS = re.compile(r"^(\w*intrin|cpuid|(arm|riscv)_\w+|altivec|wasm_simd128|msa)\.h$")

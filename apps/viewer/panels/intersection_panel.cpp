@@ -72,9 +72,9 @@ public:
             if (!near_a) return tl::unexpected(near_a.error());
             auto near_b = with_slabs(b.rays, {.execution = context});
             if (!near_b) return tl::unexpected(near_b.error());
-            auto round_a = build_enclosure(a.mesh, {.execution = context});
+            auto round_a = build_enclosure(a.rays, {.execution = context});
             if (!round_a) return tl::unexpected(round_a.error());
-            auto round_b = build_enclosure(b.mesh, {.execution = context});
+            auto round_b = build_enclosure(b.rays, {.execution = context});
             if (!round_b) return tl::unexpected(round_b.error());
             return Sides{std::move(*near_a), std::move(*near_b), std::move(*round_a),
                          std::move(*round_b)};

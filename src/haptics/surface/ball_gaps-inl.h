@@ -9,7 +9,7 @@
 #endif
 
 #include "haptics/surface/ball_query.h"
-#include "index/triangle_tree.h"
+#include "haptics/surface/triangle_tree.h"
 
 #include <cstddef>
 #include <hwy/highway.h>

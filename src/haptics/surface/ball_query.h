@@ -2,7 +2,7 @@
 // than their rounding.
 #pragma once
 
-#include "index/triangle_tree.h"
+#include "haptics/surface/triangle_tree.h"
 
 #include <algorithm>
 #include <cmath>

@@ -95,7 +95,7 @@ std::size_t PatchContactSurface::collect(const Vec3& p, double distance,
     if (is_empty()) return 0;
     std::size_t count = 0;
     const double squared = distance * distance;
-    visit_within(patch_->tree(), {p, p}, squared, [&](RankRange found) noexcept {
+    visit_within(patch_->tree(), {p, p}, squared, [&](RowRange found) noexcept {
         constexpr std::uint32_t width = TriangleTree::width;
         std::array<std::uint32_t, width> ranks{};
         std::array<ContactTriangle, width> triangles;

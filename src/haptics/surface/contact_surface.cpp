@@ -3,10 +3,10 @@
 #include "base/check.h"
 #include "geometry/closest_point.h"
 #include "haptics/surface/find_groups.h"
+#include "haptics/surface/triangle_tree.h"
 #include "index/index_parts.h"
 #include "index/lists/proximity_lists.h"
 #include "index/triangle_lanes.h"
-#include "index/triangle_tree.h"
 #include "proxima/closest_feature.h"
 #include "proxima/mesh_index.h"
 
@@ -75,7 +75,7 @@ std::size_t collect_rows(const TriangleTree& tree, std::span<const TriangleRow<S
     const double unit = tree.scale() * tree.scale();
     const double limit = triangle_distance_limit(distance * distance * unit, tree.reach());
     std::size_t count = 0;
-    visit_within(tree, {p, p}, distance * distance, [&](RankRange ranks) noexcept {
+    visit_within(tree, {p, p}, distance * distance, [&](RowRange ranks) noexcept {
         const auto group = rows.subspan(ranks.first, ranks.count);
         std::array<double, TriangleTree::width> squared;
         triangle_distances(group, p, tree.scale(), squared);
@@ -237,7 +237,7 @@ double IndexContactSurface::least_clearance(const Vec3& p) const noexcept
         tree.blocks().subspan(tree.levels().front().first_block);
     const Vec3 at = (p - tree.origin()) * tree.scale();
     double least = std::numeric_limits<double>::infinity();
-    visit_nearest(tree, p, least, [&](RankRange ranks) noexcept {
+    visit_nearest(tree, p, least, [&](RowRange ranks) noexcept {
         const std::uint32_t id = ranks.first / TriangleTree::width;
         const TriangleTreeBlock& block = blocks[id / TriangleTree::width];
         double squared = 0;

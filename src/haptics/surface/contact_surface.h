@@ -10,7 +10,7 @@
 
 #include "haptics/surface/contact_triangle.h"
 #include "haptics/surface/triangle_groups.h"
-#include "index/triangle_tree.h"
+#include "haptics/surface/triangle_tree.h"
 #include "proxima/geometry.h"
 #include "proxima/mesh_index.h"
 #include "proxima/result.h"

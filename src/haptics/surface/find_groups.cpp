@@ -6,6 +6,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 // After foreach_target, for it is included once per target.
+#include "base/compress-inl.h"
 #include "haptics/surface/ball_gaps-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -19,7 +20,7 @@ template <class Lanes, class Mask, class Scalar>
 HWY_INLINE std::size_t store_met(Lanes lanes, Mask mask, Scalar* to)
 {
     const hn::DFromV<Lanes> d;
-    hn::StoreU(hn::Compress(lanes, mask), d, to);
+    hn::StoreU(compress(lanes, mask), d, to);
     return hn::CountTrue(d, mask);
 }
 

@@ -9,7 +9,7 @@
 #pragma once
 
 #include "haptics/surface/triangle_groups.h"
-#include "index/triangle_tree.h"
+#include "haptics/surface/triangle_tree.h"
 
 namespace proxima {
 

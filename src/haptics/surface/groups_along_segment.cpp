@@ -24,6 +24,8 @@ struct BoxQuery {
 #define HWY_TARGET_INCLUDE "haptics/surface/groups_along_segment.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+// After them: it is read once for every instruction set.
+#include "base/compress-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace proxima::HWY_NAMESPACE {
@@ -97,8 +99,8 @@ std::size_t groups_along_segment(const GroupBoxes& boxes, const BoxQuery& query,
         near = hn::And(near, hn::Le(enter, hn::Set(d, 1.0F)));
         // Compressing stores are slow on some processors.
         const auto all_ids = hn::LoadU(di, boxes.ids.data() + first);
-        hn::StoreU(hn::Compress(all_ids, hn::RebindMask(di, near)), di, ids + count);
-        hn::StoreU(hn::Compress(enter, near), d, times + count);
+        hn::StoreU(compress(all_ids, hn::RebindMask(di, near)), di, ids + count);
+        hn::StoreU(compress(enter, near), d, times + count);
         count += hn::CountTrue(d, near);
     }
     return count;

@@ -11,7 +11,7 @@
 // is known from the counts. A patch of 100,000 triangles takes 0.1 ms.
 #pragma once
 
-#include "index/triangle_tree.h"
+#include "haptics/surface/triangle_tree.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -12,7 +12,7 @@
 
 #include "haptics/surface/contact_triangle.h"
 #include "haptics/surface/triangle_groups.h"
-#include "index/triangle_tree.h"
+#include "haptics/surface/triangle_tree.h"
 
 #include <cstddef>
 #include <cstdint>

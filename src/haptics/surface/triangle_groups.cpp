@@ -25,6 +25,8 @@ struct LaneQuery {
 #include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+// After them: it is read once for every instruction set.
+#include "base/compress-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace proxima::HWY_NAMESPACE {
@@ -214,7 +216,7 @@ HWY_INLINE std::size_t near_triangles(const TriangleGroup& group, std::uint32_t 
         const auto found = hn::And(near(load_triangles(group, lane, p)),
                                    hn::FirstN(d, HWY_MIN(hn::Lanes(d), left)));
         const auto rank = static_cast<std::uint32_t>(width * id + lane);
-        hn::StoreU(hn::Compress(hn::Iota(di, rank), hn::RebindMask(di, found)), di, ranks + count);
+        hn::StoreU(compress(hn::Iota(di, rank), hn::RebindMask(di, found)), di, ranks + count);
         count += hn::CountTrue(d, found);
     }
     return count;
@@ -240,8 +242,8 @@ HWY_INLINE std::size_t triangles_along(const TriangleGroup& group, std::uint32_t
         found =
             hn::And(hn::And(found, near_motion(t, motion, limit)), hn::Le(time, hn::Set(d, 1.0F)));
         const auto rank = static_cast<std::uint32_t>(width * id + lane);
-        hn::StoreU(hn::Compress(hn::Iota(di, rank), hn::RebindMask(di, found)), di, ranks + count);
-        hn::StoreU(hn::Compress(time, found), d, times + count);
+        hn::StoreU(compress(hn::Iota(di, rank), hn::RebindMask(di, found)), di, ranks + count);
+        hn::StoreU(compress(time, found), d, times + count);
         count += hn::CountTrue(d, found);
     }
     return count;

@@ -6,7 +6,6 @@
 #include "index/index_parts.h"
 #include "index/lists/cut_cells.h"
 #include "index/lists/emit_lists.h"
-#include "index/triangle_tree.h"
 #include "proxima/topology.h"
 
 #include <algorithm>
@@ -234,6 +233,25 @@ Status check_options(const IndexParts& index, const ListOptions& options)
                         "building closest-feature lists", "raise the budget");
 }
 
+/// The mesh's box, where squared distances, and those of parts of 1e-10 of it, are numbers.
+Result<Box> checked_bounds(const TriangleMesh& mesh)
+{
+    constexpr double most_extent = 1e150;
+    constexpr double least_extent = 1e-140;
+    Result<Box> bounds = checked_bounding_box(mesh);
+    const double extent = bounds ? bounds->extent().maxCoeff() : 0;
+    if (bounds && !(extent < most_extent)) {
+        return fail(ErrorCode::invalid_mesh,
+                    "the mesh is too large for squared distances to be numbers: scale it down");
+    }
+    if (extent > 0 && extent < least_extent) {
+        return fail(ErrorCode::invalid_mesh,
+                    concat("the mesh is ", extent,
+                           " large: squared distances would be 0; scale it towards size 1"));
+    }
+    return bounds;
+}
+
 } // namespace
 
 Result<MeshIndex> with_lists(const MeshIndex& index, const ListOptions& options)
@@ -242,7 +260,7 @@ Result<MeshIndex> with_lists(const MeshIndex& index, const ListOptions& options)
         return tl::unexpected(status.error());
     const auto mesh = mesh_of(index);
     if (!mesh) return tl::unexpected(mesh.error());
-    const auto bounds = detail::checked_search_bounds(*mesh);
+    const auto bounds = checked_bounds(*mesh);
     if (!bounds) return tl::unexpected(bounds.error());
     const auto topology = build_topology(*mesh, {.execution = options.execution});
     if (!topology) return tl::unexpected(topology.error());

@@ -1,13 +1,17 @@
 #include "proxima/intersect_meshes.h"
 
 #include "base/disjoint_sets.h"
+#include "base/fixed_stack.h"
 #include "base/progress.h"
 #include "geometry/exact_predicates.h"
+#include "index/index_parts.h"
+#include "index/signs/sign_parts.h"
 #include "mesh/coincidence.h"
 #include "query/contact/enclosure_parts.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -17,10 +21,12 @@ namespace proxima {
 // The steps of build_enclosure.
 class EnclosureBuilder {
 public:
-    EnclosureBuilder(TriangleMesh mesh, const EnclosureOptions& options)
-        : result_(std::make_shared<EnclosureParts>(std::move(mesh))), mesh_(result_->mesh),
-          options_(options)
-    {}
+    EnclosureBuilder(const MeshIndex& index, const TriangleMesh& mesh,
+                     const EnclosureOptions& options)
+        : result_(std::make_shared<EnclosureParts>()), mesh_(mesh), options_(options)
+    {
+        result_->index = index;
+    }
 
     Result<Enclosure> build()
     {
@@ -32,20 +38,16 @@ public:
         if (is_cancelled(options_.execution.progress)) return stopped();
         result_->method = find_method();
         if (is_cancelled(options_.execution.progress)) return stopped();
-        if (result_->method != InsideMethod::winding_number) return Enclosure(result_);
-        auto winding = build_winding_number(mesh_, {.execution = options_.execution});
-        if (!winding) return tl::unexpected(winding.error());
-        result_->winding = std::move(*winding);
-        return Enclosure(result_);
+        if (result_->method == InsideMethod::winding_number) {
+            if (Status status = find_winding(); !status) return tl::unexpected(status.error());
+        }
+        return Enclosure(std::move(result_));
     }
 
 private:
-    static tl::unexpected<Error> stopped()
-    {
-        return fail(ErrorCode::cancelled, "preparing for containment: stopped on request");
-    }
+    static tl::unexpected<Error> stopped() { return cancelled("preparing for containment"); }
 
-    [[nodiscard]] std::vector<VertexId> find_vertices() const
+    [[nodiscard]] std::vector<Vec3> find_vertices() const
     {
         DisjointSets sets(mesh_.vertex_count());
         std::vector<bool> used(mesh_.vertex_count());
@@ -55,9 +57,9 @@ private:
                 used[same_position_[corner]] = true;
             }
         }
-        std::vector<VertexId> lowest;
+        std::vector<Vec3> lowest;
         for (std::uint32_t id = 0; id < mesh_.vertex_count(); ++id) {
-            if (used[id] && sets.find(id) == id) lowest.push_back(VertexId{id});
+            if (used[id] && sets.find(id) == id) lowest.push_back(mesh_.position(VertexId{id}));
         }
         return lowest;
     }
@@ -92,6 +94,24 @@ private:
             oriented = oriented && sum == 0;
         }
         return oriented ? InsideMethod::crossings : InsideMethod::parity;
+    }
+
+    /// The signs' winding number, or one of its own.
+    Status find_winding()
+    {
+        const IndexParts& parts = result_->index.parts();
+        if (parts.signs() != nullptr) {
+            result_->winding = parts.signs()->arrays().winding;
+            return {};
+        }
+        auto winding = build_winding_number(mesh_, {.execution = options_.execution});
+        if (!winding) return tl::unexpected(winding.error());
+        std::vector<std::uint32_t> rows(parts.triangle_count());
+        for (std::uint32_t row = 0; row < rows.size(); ++row) rows[to_index(parts.id(row))] = row;
+        result_->own_winding = std::move(*winding).release();
+        for (std::uint32_t& number : result_->own_winding.order) number = rows[number];
+        result_->winding = result_->own_winding.view();
+        return {};
     }
 
     std::shared_ptr<EnclosureParts> result_;
@@ -139,12 +159,76 @@ bool surely_outside(const Box& box, const RigidTransform& pose, const Vec3& poin
            (there.array() > box.upper.array() + slack).any();
 }
 
+/// The boxes of an index, moved by a pose and seen from a point: which of them the ray from there
+/// along x may meet.
+class RayAlongX {
+public:
+    RayAlongX(const IndexParts& index, const Box& bounds, const RigidTransform& pose,
+              const Vec3& point) noexcept
+        : turn_(pose.rotation * index.unscale()), from_point_(pose(index.center()) - point)
+    {
+        // The center, corners as the pose rounds them, and what is computed here: each is a sum of
+        // a few products no larger than this, and off by less than eight roundings of it. Boxes
+        // hold the mesh's own corners.
+        const double size =
+            3 * std::max(bounds.lower.cwiseAbs().maxCoeff(), bounds.upper.cwiseAbs().maxCoeff()) *
+                pose.rotation.cwiseAbs().maxCoeff() +
+            pose.translation.cwiseAbs().maxCoeff() + point.cwiseAbs().maxCoeff();
+        slack_ = 0x1p-44 * size + 8 * std::numeric_limits<double>::min();
+    }
+
+    /// In the index's frame. True where a number is not finite.
+    [[nodiscard]] bool may_meet(const Vec3& lower, const Vec3& upper) const noexcept
+    {
+        const Vec3 middle = turn_ * (0.5 * (lower + upper)) + from_point_;
+        const Vec3 reach = turn_.cwiseAbs() * (0.5 * (upper - lower));
+        const auto beyond = [&](int axis) { return std::abs(middle[axis]) > reach[axis] + slack_; };
+        return !(beyond(1) || beyond(2) || middle.x() + reach.x() < -slack_);
+    }
+
+private:
+    Mat3 turn_;
+    Vec3 from_point_;
+    double slack_;
+};
+
+/// Calls visit(triangle) for the triangles in all leaves whose boxes the ray may meet.
+template <class Visit>
+void visit_along(const IndexParts& index, const RayAlongX& ray, const Visit& visit) noexcept
+{
+    FixedStack<std::uint32_t, 7 * IndexParts::max_levels + 1> pending;
+    pending.push(index.root());
+    while (!pending.empty()) {
+        const std::uint32_t reference = pending.pop();
+        const IndexBlock& block = index.blocks()[reference & ~index_leaf_bit];
+        if ((reference & index_leaf_bit) != 0) {
+            for (std::uint32_t i = 0; i < block.leaf.count; ++i)
+                visit(index.triangle(block.leaf.first_row + i));
+            continue;
+        }
+        const IndexNode& node = block.node;
+        for (std::size_t slot = 0; slot < 8; ++slot) {
+            if (node.planes[0][slot] > node.planes[0][8 + slot]) continue; // no child
+            Vec3 lower;
+            Vec3 upper;
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const auto k = static_cast<Eigen::Index>(axis);
+                const auto step = static_cast<double>(node.step[axis]);
+                const double base = static_cast<double>(node.origin[axis]) + 32768.0 * step;
+                lower[k] = base + node.planes[axis][slot] * step;
+                upper[k] = base + node.planes[axis][8 + slot] * step;
+            }
+            if (ray.may_meet(lower, upper)) pending.push(node.children[slot]);
+        }
+    }
+}
+
 bool contains_all(const Enclosure& outer, const RigidTransform& outer_pose, const Enclosure& inner,
                   const RigidTransform& inner_pose) noexcept
 {
     const EnclosureParts& parts = inner.parts();
-    return std::ranges::all_of(parts.vertices, [&](VertexId vertex) {
-        return encloses(outer, outer_pose, inner_pose(parts.mesh.position(vertex)));
+    return std::ranges::all_of(parts.vertices, [&](const Vec3& vertex) {
+        return encloses(outer, outer_pose, inner_pose(vertex));
     });
 }
 
@@ -159,35 +243,31 @@ InsideMethod Enclosure::method() const noexcept
     return parts_->method;
 }
 
-Result<Enclosure> build_enclosure(TriangleMesh mesh, const EnclosureOptions& options)
-{
-    return EnclosureBuilder(std::move(mesh), options).build();
-}
-
 Result<Enclosure> build_enclosure(const MeshIndex& index, const EnclosureOptions& options)
 {
-    auto mesh = mesh_of(index);
+    const auto mesh = mesh_of(index);
     if (!mesh) return tl::unexpected(mesh.error());
-    return build_enclosure(std::move(*mesh), options);
+    return EnclosureBuilder(index, *mesh, options).build();
 }
 
 bool encloses(const Enclosure& enclosure, const RigidTransform& pose, const Vec3& point) noexcept
 {
     const EnclosureParts& parts = enclosure.parts();
+    const IndexParts& index = parts.index.parts();
     if (surely_outside(parts.bounds, pose, point)) return false;
     if (parts.method == InsideMethod::winding_number) {
-        constexpr double accuracy = 1e-9;
         const Vec3 there = pose.inverse()(point);
-        return std::abs(winding_number(*parts.winding, there, accuracy).value) >= 0.5;
+        const auto triangle_at = [&](std::uint32_t row) { return index.triangle(row); };
+        return winding::exceeds(parts.winding, triangle_at, there, 1, 0) ||
+               winding::exceeds(parts.winding, triangle_at, there, -1, 0);
     }
-    const TriangleMesh& mesh = parts.mesh;
     int windings = 0;
     bool odd = false;
-    for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
-        const int crossing = crossing_ahead(pose(mesh.triangle(TriangleId{id})), point);
+    visit_along(index, RayAlongX(index, parts.bounds, pose, point), [&](const Triangle& triangle) {
+        const int crossing = crossing_ahead(pose(triangle), point);
         windings += crossing;
         odd = odd != (crossing != 0);
-    }
+    });
     return parts.method == InsideMethod::crossings ? windings != 0 : odd;
 }
 

@@ -4,24 +4,19 @@
 #include "octree/winding_number.h"
 #include "proxima/geometry.h"
 #include "proxima/intersect_meshes.h"
-#include "proxima/triangle_mesh.h"
+#include "proxima/mesh_index.h"
 
-#include <optional>
 #include <vector>
 
 namespace proxima {
 
-/// Stays where it was made: the winding number refers to the mesh.
 struct EnclosureParts {
-    explicit EnclosureParts(TriangleMesh own) : mesh(std::move(own)) {}
-    EnclosureParts(const EnclosureParts&) = delete;
-    EnclosureParts& operator=(const EnclosureParts&) = delete;
-
-    const TriangleMesh mesh;
-    Box bounds;
+    MeshIndex index;
+    Box bounds; ///< of the mesh
     InsideMethod method = InsideMethod::crossings;
-    std::vector<VertexId> vertices;       ///< the lowest of every connected part, ascending
-    std::optional<WindingNumber> winding; ///< for open meshes only
+    std::vector<Vec3> vertices; ///< of every connected part the lowest one
+    WindingStorage own_winding; ///< of rows; for open meshes whose index has no signs
+    WindingClusters winding;    ///< of open meshes: that one, or the signs'
 };
 
 } // namespace proxima

@@ -3,6 +3,7 @@
 #include "cancellation.h"
 #include "counted_allocations.h"
 #include "octree/small_meshes.h"
+#include "octree/winding_number.h"
 #include "oracles/column_winding.h"
 #include "proxima/sample_meshes.h"
 #include "query/contact/enclosure_parts.h"
@@ -24,13 +25,18 @@ RigidTransform shifted(const Vec3& by)
     return {.translation = by};
 }
 
+Enclosure enclosure_of(const TriangleMesh& mesh)
+{
+    return build_enclosure(build_mesh_index(mesh).value()).value();
+}
+
+/// The same with and without signs.
 ContainmentAnswer ask(const TriangleMesh& a, const TriangleMesh& b, const RigidTransform& pose = {})
 {
-    const Enclosure inner = build_enclosure(a).value();
-    const Enclosure outer = build_enclosure(b).value();
-    const ContainmentAnswer answer = find_containment(inner, outer, pose);
-    const Enclosure of_index = build_enclosure(build_mesh_index(a).value()).value();
-    const ContainmentAnswer same = find_containment(of_index, outer, pose);
+    const ContainmentAnswer answer = find_containment(enclosure_of(a), enclosure_of(b), pose);
+    const MeshIndex with = with_signs(build_mesh_index(b).value()).value();
+    const ContainmentAnswer same =
+        find_containment(enclosure_of(a), build_enclosure(with).value(), pose);
     EXPECT_EQ(same.containment, answer.containment);
     EXPECT_EQ(same.method, answer.method);
     return answer;
@@ -58,7 +64,7 @@ TEST(Containment, FindsWhichOfTwoBallsIsInside)
 TEST(Containment, ChecksEveryPartOfTheInnerMesh)
 {
     const TriangleMesh two = joined(ball(0.3), ball(0.3, Vec3(3, 0, 0)));
-    EXPECT_EQ(build_enclosure(two)->parts().vertices.size(), 2U);
+    EXPECT_EQ(enclosure_of(two).parts().vertices.size(), 2U);
     EXPECT_EQ(ask(two, ball(2)).containment, none);
     EXPECT_EQ(ask(two, ball(4)).containment, a_in_b);
     // Parts of the outer mesh: a cavity is outside, where parts overlap is inside.
@@ -101,7 +107,6 @@ TEST(Containment, UsesAMethodThatFitsTheMesh)
         triangles.push_back({next, next + 1, next + 2});
     }
     EXPECT_EQ(ask(ball(1), mesh_of(positions, triangles)).method, InsideMethod::crossings);
-    EXPECT_FALSE(build_enclosure(TriangleMesh{}));
     EXPECT_FALSE(build_enclosure(MeshIndex()));
 }
 
@@ -123,7 +128,7 @@ TEST(Containment, CountsCrossingsExactly)
     int outside = 0;
     for (const TriangleMesh& mesh : meshes) {
         const RigidTransform pose = {quarter, Vec3(0.25, -0.5, 1)};
-        const Enclosure enclosure = build_enclosure(mesh).value();
+        const Enclosure enclosure = enclosure_of(mesh);
         EXPECT_EQ(enclosure.method(), InsideMethod::crossings);
         const oracle::ColumnWinding truth(mesh);
         for (int i = 0; i < 3000; ++i) {
@@ -144,22 +149,73 @@ TEST(Containment, CountsCrossingsExactly)
     EXPECT_GT(outside, 500);
 }
 
+/// Points from which the ray along x goes exactly through moved corners and middles of sides.
+TEST(Containment, AgreesWithWindingNumbersInAnyPose)
+{
+    constexpr std::uint32_t seed = 11;
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    const TriangleMesh torus = torus_mesh(1, 0.5, 21, 12);
+    const auto placed = [&](double scale, const Vec3& offset) {
+        return moved(torus, [&](const Vec3& p) { return Vec3(scale * p + offset); });
+    };
+    const std::vector<TriangleMesh> meshes = {
+        torus,
+        joined(ball(2), inverted(ball(1))),
+        joined(ball(2), ball(2, Vec3(2, 0, 0))),
+        moved(torus, [](const Vec3& p) { return Vec3(p.x(), 1e-3 * p.y(), 40 * p.z()); }),
+        placed(1, Vec3(1e6, -2e6, 3e5)),
+        placed(1e-30, Vec3::Zero()),
+        placed(1e30, Vec3(0, 1e31, 0))};
+    int inside = 0;
+    int outside = 0;
+    for (const TriangleMesh& mesh : meshes) {
+        const Enclosure enclosure = enclosure_of(mesh);
+        const double extent = bounding_box(mesh).extent().maxCoeff();
+        for (int turn = 0; turn < 6; ++turn) {
+            const Vec3 axis = Vec3(uniform(random), uniform(random), uniform(random)).normalized();
+            const RigidTransform pose = {
+                Eigen::AngleAxisd(4 * uniform(random), axis).matrix(),
+                extent * Vec3(uniform(random), uniform(random), uniform(random))};
+            const TriangleMesh there = moved(mesh, [&](const Vec3& p) { return pose(p); });
+            for (int i = 0; i < 100; ++i) {
+                const Triangle triangle = there.triangle(
+                    TriangleId{static_cast<std::uint32_t>(random() % there.triangle_count())});
+                const Vec3 on_ray =
+                    i % 2 == 0 ? triangle[0] : Vec3(0.5 * (triangle[1] + triangle[2]));
+                const Vec3 point = on_ray - Vec3(extent * uniform(random), 0, 0);
+                const double winding = brute_winding_number(there, point);
+                if (std::abs(winding - std::round(winding)) > 1e-3) continue; // on the surface
+                const bool is_inside = std::abs(std::round(winding)) > 0;
+                ASSERT_EQ(encloses(enclosure, pose, point), is_inside) << point.transpose();
+                ++(is_inside ? inside : outside);
+            }
+        }
+    }
+    EXPECT_GT(inside, 500);
+    EXPECT_GT(outside, 500);
+}
+
 TEST(Containment, AllocatesNothingAndCanBeCancelled)
 {
     const TriangleMesh inner = ball(1);
     const TriangleMesh outer = ball(2);
     const TriangleMesh open = without(outer, [](std::size_t i) { return i == 3; });
-    const Enclosure a = build_enclosure(inner).value();
-    const Enclosure b = build_enclosure(outer).value();
-    const Enclosure c = build_enclosure(open).value();
+    const Enclosure a = enclosure_of(inner);
+    const Enclosure b = enclosure_of(outer);
+    const Enclosure c = enclosure_of(open);
     const std::size_t before = allocation_count();
     EXPECT_EQ(find_containment(a, b).containment, a_in_b);
     EXPECT_EQ(find_containment(a, c).containment, a_in_b);
     EXPECT_EQ(allocation_count(), before);
     Progress progress;
     progress.cancel();
-    EXPECT_EQ(build_enclosure(open, {.execution = {.progress = &progress}}).error().code,
-              ErrorCode::cancelled);
+    EXPECT_EQ(
+        build_enclosure(build_mesh_index(open).value(), {.execution = {.progress = &progress}})
+            .error()
+            .code,
+        ErrorCode::cancelled);
 }
 
 } // namespace

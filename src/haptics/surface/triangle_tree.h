@@ -1,7 +1,7 @@
-// A compact tree of boxes over triangles in a given order, for whatever no octree cell answers:
-// points outside of the root, neighbourhoods of a radius, cells that a memory budget left coarse.
+// A tree of boxes over groups of eight triangles: of a whole surface, in the order of the index's
+// rows, and of patches, which collision loops make anew many times a second.
 //
-//     ranks    0..7   8..15  16..23 ...         triangles, 8 neighbours of the order to a group
+//     rows     0..7   8..15  16..23 ...         triangles, 8 neighbours of the order to a group
 //     level 0  [box    box    box  ... x 8]     one block of 8 boxes, by coordinate
 //     level 1  [box of 8 groups        ... x 8]
 //     ...      until one block holds all
@@ -13,6 +13,7 @@
 // the bound. Distances to boxes are doubles: right for any finite point, however far.
 #pragma once
 
+#include "index/visit_near.h"
 #include "proxima/execution.h"
 #include "proxima/geometry.h"
 #include "proxima/octree.h"
@@ -27,16 +28,6 @@
 #include <type_traits>
 
 namespace proxima {
-
-/// Consecutive triangles of the tree's order.
-struct RankRange {
-    std::uint32_t first = 0;
-    std::uint32_t count = 0;
-};
-
-struct TriangleTreeOptions {
-    Execution execution = {};
-};
 
 /// Boxes of eight entries. Slots without an entry are empty boxes.
 struct alignas(64) TriangleTreeBlock {
@@ -107,7 +98,7 @@ private:
 /// the same for any number of threads. \pre order has every triangle once
 [[nodiscard]] Result<TriangleTree> build_triangle_tree(const TriangleMesh& mesh,
                                                        std::span<const TriangleId> order,
-                                                       const TriangleTreeOptions& options = {});
+                                                       const Execution& execution = {});
 
 namespace detail {
 /// No entry anywhere.
@@ -118,20 +109,13 @@ namespace detail {
 void fill_parents(std::span<const TriangleTree::Level> levels, std::size_t first,
                   std::span<TriangleTreeBlock> blocks) noexcept;
 
-/// The mesh's box, where a tree can be built; its errors.
-[[nodiscard]] Result<Box> checked_tree_bounds(const TriangleMesh& mesh);
-
-/// The same, for searches by squared distances: an error as well where the mesh is so small that
-/// these would be 0.
-[[nodiscard]] Result<Box> checked_search_bounds(const TriangleMesh& mesh);
-
-using VisitRanks = double (*)(void* context, RankRange ranks) noexcept;
+using VisitRanks = double (*)(void* context, RowRange ranks) noexcept;
 void visit_nearest(const TriangleTree& tree, const Box& query, double bound_squared,
                    VisitRanks visit, void* context) noexcept;
 } // namespace detail
 
 /// Visits groups of up to 8 triangles whose boxes are within a bound of p, near ones first as far
-/// as depth first allows. `visitor(RankRange)` returns the squared bound from then on: what it has
+/// as depth first allows. `visitor(RowRange)` returns the squared bound from then on: what it has
 /// found so far, negative to end the search. Ends when no group within the bound is left. No
 /// allocation; noexcept, as the visitor must be. \pre p is finite
 template <class Visitor>
@@ -141,21 +125,21 @@ void visit_nearest(const TriangleTree& tree, const Vec3& p, double bound_squared
     using Callable = std::remove_reference_t<Visitor>;
     detail::visit_nearest(
         tree, {p, p}, bound_squared,
-        [](void* context, RankRange ranks) noexcept -> double {
+        [](void* context, RowRange ranks) noexcept -> double {
             return (*static_cast<Callable*>(context))(ranks);
         },
         const_cast<void*>(static_cast<const void*>(&visitor)));
 }
 
 /// Visits all groups whose boxes are within a distance of a box, a point for one, in the same
-/// order: `visitor(RankRange)`, which may return Flow to end the search. Every feature that is, as
+/// order: `visitor(RowRange)`, which may return Flow to end the search. Every feature that is, as
 /// computed, no farther is in one of them. \pre the box is finite and not empty
 template <class Visitor>
 void visit_within(const TriangleTree& tree, const Box& box, double distance_squared,
                   Visitor&& visitor) noexcept
 {
-    auto all = [&](RankRange ranks) noexcept -> double {
-        if constexpr (std::is_same_v<std::invoke_result_t<Visitor&, RankRange>, Flow>) {
+    auto all = [&](RowRange ranks) noexcept -> double {
+        if constexpr (std::is_same_v<std::invoke_result_t<Visitor&, RowRange>, Flow>) {
             return visitor(ranks) == Flow::stop ? -1.0 : distance_squared;
         } else {
             visitor(ranks);
@@ -164,7 +148,7 @@ void visit_within(const TriangleTree& tree, const Box& box, double distance_squa
     };
     detail::visit_nearest(
         tree, box, distance_squared,
-        [](void* context, RankRange ranks) noexcept -> double {
+        [](void* context, RowRange ranks) noexcept -> double {
             return (*static_cast<decltype(all)*>(context))(ranks);
         },
         &all);

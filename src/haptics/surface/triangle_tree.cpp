@@ -1,9 +1,8 @@
-#include "index/triangle_tree.h"
+#include "haptics/surface/triangle_tree.h"
 
 #include "base/check.h"
 #include "base/parallel.h"
 #include "base/progress.h"
-#include "base/text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -161,52 +160,27 @@ private:
     TriangleTree tree_;
 };
 
-Result<Box> detail::checked_tree_bounds(const TriangleMesh& mesh)
+Result<TriangleTree> build_triangle_tree(const TriangleMesh& mesh,
+                                         std::span<const TriangleId> order,
+                                         const Execution& execution)
 {
-    Result<Box> bounds = checked_bounding_box(mesh);
-    if (bounds && !(bounds->extent().maxCoeff() < max_extent)) {
+    PROXIMA_CHECK_EQ(order.size(), mesh.triangle_count());
+    const Result<Box> bounds = checked_bounding_box(mesh);
+    if (!bounds) return tl::unexpected(bounds.error());
+    if (!(bounds->extent().maxCoeff() < max_extent)) {
         return fail(ErrorCode::invalid_mesh,
                     "the mesh is too large for squared distances to be numbers: scale it down");
     }
-    return bounds;
-}
-
-Result<Box> detail::checked_search_bounds(const TriangleMesh& mesh)
-{
-    // Squares of parts of 1e-10 of it are still numbers.
-    constexpr double least_extent = 1e-140;
-    Result<Box> bounds = checked_tree_bounds(mesh);
-    const double extent = bounds ? bounds->extent().maxCoeff() : 0;
-    if (extent > 0 && extent < least_extent) {
-        return fail(ErrorCode::invalid_mesh,
-                    concat("the mesh is ", extent,
-                           " large: squared distances would be 0; scale it towards size 1"));
-    }
-    return bounds;
-}
-
-Result<TriangleTree> build_triangle_tree(const TriangleMesh& mesh,
-                                         std::span<const TriangleId> order,
-                                         const TriangleTreeOptions& options)
-{
-    PROXIMA_CHECK_EQ(order.size(), mesh.triangle_count());
-    const Result<Box> bounds = detail::checked_tree_bounds(mesh);
-    if (!bounds) return tl::unexpected(bounds.error());
     TriangleTreeBuilder builder(mesh, order, *bounds);
-    const std::size_t tasks = (builder.group_blocks() + blocks_per_task - 1) / blocks_per_task;
-    begin_stage(options.execution.progress, "triangle tree", tasks);
-    parallel_for(tasks, options.execution.threads, [&](std::size_t task) {
-        if (is_cancelled(options.execution.progress)) return;
-        const std::size_t end =
-            std::min<std::size_t>((task + 1) * blocks_per_task, builder.group_blocks());
-        for (std::size_t block = task * blocks_per_task; block < end; ++block) {
-            builder.fill_groups(static_cast<std::uint32_t>(block));
-        }
-        advance_stage(options.execution.progress, 1);
-    });
-    if (is_cancelled(options.execution.progress)) {
-        return fail(ErrorCode::cancelled, "triangle tree: stopped on request");
-    }
+    begin_stage(execution.progress, "triangle tree", builder.group_blocks());
+    parallel_chunks(builder.group_blocks(), blocks_per_task, execution.threads,
+                    [&](std::size_t first, std::size_t end) {
+                        if (is_cancelled(execution.progress)) return;
+                        for (std::size_t block = first; block < end; ++block)
+                            builder.fill_groups(static_cast<std::uint32_t>(block));
+                        advance_stage(execution.progress, end - first);
+                    });
+    if (is_cancelled(execution.progress)) return cancelled("building the tree of a surface");
     builder.fill_parents();
     return builder.result();
 }

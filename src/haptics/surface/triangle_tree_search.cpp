@@ -1,11 +1,11 @@
 // Descends a triangle tree depth first, nearest child first, eight boxes at a time.
 #include "base/fixed_stack.h"
-#include "index/triangle_tree.h"
+#include "haptics/surface/triangle_tree.h"
 
 #include <limits>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "index/triangle_tree_search.cpp"
+#define HWY_TARGET_INCLUDE "haptics/surface/triangle_tree_search.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 

@@ -1,4 +1,4 @@
-// The place that a spring pulls the device to: as steady as proxy and device are.
+// The anchor, to which a spring pulls the device: as steady as proxy and device are.
 #include "haptics/proxy/proxy.h"
 #include "haptics/surface/contact_surface.h"
 #include "haptics/touch_meshes.h"
@@ -19,7 +19,7 @@ namespace {
 using testing::HandPath;
 using testing::TouchMesh;
 
-/// How far the place that the spring pulls to may lie from the proxy, in safety gaps.
+/// How far the anchor may lie from the proxy, in safety gaps.
 double most_apart(const ProxyTick& tick, bool is_point)
 {
     // A slide settles within a quarter of the skin in which triangles count as touched, and a
@@ -41,7 +41,7 @@ struct HeldSteps {
     std::uint64_t touching = 0;
     std::uint64_t limited = 0; ///< ticks whose slide was out of moves
     double beyond = 0;         ///< of a step: more than proxy, device and two gaps explain
-    double apart = 0;          ///< of proxy and held place: more than its gap explains
+    double apart = 0;          ///< of proxy and anchor: more than its gap explains
 };
 
 /// How far the spring's stretch changes beyond the ways of its two ends: |dF| <= K (|dp| + |dq|).
@@ -83,7 +83,7 @@ HeldSteps follow(const TriangleMesh& mesh, const ProxyOptions& options, std::uin
     return steps;
 }
 
-TEST(HeldPlace, MovesNoFartherThanProxyAndDevice)
+TEST(Anchor, MovesNoFartherThanProxyAndDevice)
 {
     std::vector<TouchMesh> meshes = testing::touch_meshes();
     meshes.push_back({"fine sheet", testing::bumpy_sheet(40)});
@@ -116,7 +116,7 @@ TEST(HeldPlace, MovesNoFartherThanProxyAndDevice)
 }
 
 // Nothing to hold it but its moves: it comes, however far the device has gone, and is free there.
-TEST(HeldPlace, IsReleasedOnAFreePath)
+TEST(Anchor, IsReleasedOnAFreePath)
 {
     const TriangleMesh mesh = testing::bumpy_sheet(40);
     const MeshContactSurface surface(mesh);

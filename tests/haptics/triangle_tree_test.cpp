@@ -1,4 +1,4 @@
-#include "index/triangle_tree.h"
+#include "haptics/surface/triangle_tree.h"
 
 #include "base/simd.h"
 #include "counted_allocations.h"
@@ -50,7 +50,7 @@ void expect_all_within(const TriangleMesh& mesh, const std::vector<TriangleId>& 
 {
     std::vector<int> visits((order.size() + 7) / 8, 0);
     std::uint32_t triangles = 0;
-    visit_within(tree, query, distance * distance, [&](RankRange ranks) noexcept {
+    visit_within(tree, query, distance * distance, [&](RowRange ranks) noexcept {
         EXPECT_EQ(ranks.first % 8, 0U);
         EXPECT_LE(ranks.first + ranks.count, order.size());
         triangles += ranks.count;
@@ -137,7 +137,7 @@ TEST(TriangleTree, VisitsNearGroupsFirstAndObeysTheBound)
         double bound = std::numeric_limits<double>::infinity();
         double nearest = bound;
         int visits = 0;
-        visit_nearest(tree, p, bound, [&](RankRange ranks) noexcept {
+        visit_nearest(tree, p, bound, [&](RowRange ranks) noexcept {
             const Box box = group_box(mesh, std::span(order).subspan(ranks.first, ranks.count));
             const auto squared = static_cast<double>(squared_gap(box, {p, p}));
             EXPECT_LE(squared, bound * (1 + 1e-5) + 1e-6);
@@ -157,7 +157,7 @@ TEST(TriangleTree, VisitsNearGroupsFirstAndObeysTheBound)
         EXPECT_LE(visits, 2 * 8);
     }
     int visits = 0;
-    visit_nearest(tree, Vec3(0, 0, 5), 1.0, [&](RankRange) noexcept {
+    visit_nearest(tree, Vec3(0, 0, 5), 1.0, [&](RowRange) noexcept {
         ++visits;
         return 1.0;
     });
@@ -175,7 +175,7 @@ TEST(TriangleTree, AnswersForAnyFinitePoint)
         bool seen = false;
         const Vec3 p(0.1 * far, 0.05 * far, far);
         double bound = std::numeric_limits<double>::infinity();
-        visit_nearest(tree, p, bound, [&](RankRange ranks) noexcept {
+        visit_nearest(tree, p, bound, [&](RowRange ranks) noexcept {
             for (const TriangleId id : std::span(order).subspan(ranks.first, ranks.count)) {
                 for (const Vec3& vertex : mesh.triangle(id).vertices) {
                     bound = std::min(bound, (p - vertex).squaredNorm());
@@ -197,10 +197,8 @@ TEST(TriangleTree, HasTheSameBitsForAnyThreadsAndInstructions)
 {
     const TriangleMesh mesh = sample_mesh("spaceship:20000").value();
     const std::vector<TriangleId> order = order_of(mesh);
-    const TriangleTree one =
-        build_triangle_tree(mesh, order, {.execution = {.threads = {1}}}).value();
-    const TriangleTree three =
-        build_triangle_tree(mesh, order, {.execution = {.threads = {3}}}).value();
+    const TriangleTree one = build_triangle_tree(mesh, order, {.threads = {1}}).value();
+    const TriangleTree three = build_triangle_tree(mesh, order, {.threads = {3}}).value();
     ASSERT_EQ(one.blocks().size(), three.blocks().size());
     for (std::size_t i = 0; i < one.blocks().size(); ++i) {
         EXPECT_EQ(one.blocks()[i].lower, three.blocks()[i].lower);
@@ -214,7 +212,7 @@ TEST(TriangleTree, HasTheSameBitsForAnyThreadsAndInstructions)
         walks.emplace_back();
         for (const Vec3& p : proximity_points(mesh, 50, 7)) {
             visit_within(one, {p, p}, 0.01,
-                         [&](RankRange ranks) noexcept { walks.back().push_back(ranks.first); });
+                         [&](RowRange ranks) noexcept { walks.back().push_back(ranks.first); });
         }
     }
     restore_simd_targets();
@@ -227,7 +225,7 @@ TEST(TriangleTree, DoesNotAllocateInQueries)
     const TriangleTree tree = build_triangle_tree(mesh, order_of(mesh)).value();
     std::uint32_t groups = 0;
     const std::size_t before = allocation_count();
-    visit_within(tree, {Vec3(0, 0, 0), Vec3(1, 1, 1)}, 0.5, [&](RankRange) noexcept { ++groups; });
+    visit_within(tree, {Vec3(0, 0, 0), Vec3(1, 1, 1)}, 0.5, [&](RowRange) noexcept { ++groups; });
     EXPECT_EQ(allocation_count(), before);
     EXPECT_GT(groups, 10U);
     EXPECT_GT(before, 10U); // that they are counted at all
@@ -248,9 +246,7 @@ TEST(TriangleTree, RefusesInvalidMeshesAndStopsOnRequest)
     EXPECT_TRUE(build_triangle_tree(scaled(1e-300), order));
     Progress progress;
     progress.cancel();
-    EXPECT_EQ(build_triangle_tree(scaled(1.0), order, {.execution = {.progress = &progress}})
-                  .error()
-                  .code,
+    EXPECT_EQ(build_triangle_tree(scaled(1.0), order, {.progress = &progress}).error().code,
               ErrorCode::cancelled);
 }
 
