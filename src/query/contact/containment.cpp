@@ -169,12 +169,13 @@ public:
     {
         // The center, corners as the pose rounds them, and what is computed here: each is a sum of
         // a few products no larger than this, and off by less than eight roundings of it. Boxes
-        // hold the mesh's own corners.
+        // hold the mesh's own corners, except in meshes beyond the largest scale of a frame.
         const double size =
             3 * std::max(bounds.lower.cwiseAbs().maxCoeff(), bounds.upper.cwiseAbs().maxCoeff()) *
                 pose.rotation.cwiseAbs().maxCoeff() +
             pose.translation.cwiseAbs().maxCoeff() + point.cwiseAbs().maxCoeff();
-        slack_ = 0x1p-44 * size + 8 * std::numeric_limits<double>::min();
+        slack_ = size < 0x1p999 ? 0x1p-44 * size + 8 * std::numeric_limits<double>::min()
+                                : std::numeric_limits<double>::infinity();
     }
 
     /// In the index's frame. True where a number is not finite.

@@ -167,7 +167,8 @@ TEST(Containment, AgreesWithWindingNumbersInAnyPose)
         moved(torus, [](const Vec3& p) { return Vec3(p.x(), 1e-3 * p.y(), 40 * p.z()); }),
         placed(1, Vec3(1e6, -2e6, 3e5)),
         placed(1e-30, Vec3::Zero()),
-        placed(1e30, Vec3(0, 1e31, 0))};
+        placed(1e30, Vec3(0, 1e31, 0)),
+        placed(1e304, Vec3::Zero())};
     int inside = 0;
     int outside = 0;
     for (const TriangleMesh& mesh : meshes) {
