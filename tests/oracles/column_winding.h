@@ -23,9 +23,10 @@ public:
             const Vec3 lower = t[0].cwiseMin(t[1]).cwiseMin(t[2]);
             const Vec3 upper = t[0].cwiseMax(t[1]).cwiseMax(t[2]);
             // place() is monotonous, so no triangle over a point is missed.
-            for (int y = place(lower, 1); y <= place(upper, 1); ++y)
+            for (int y = place(lower, 1); y <= place(upper, 1); ++y) {
                 for (int x = place(lower, 0); x <= place(upper, 0); ++x)
                     columns_[column(x, y)].push_back(TriangleId{i});
+            }
         }
     }
 

@@ -109,8 +109,8 @@ private:
             const auto list = static_cast<double>(top.open[i].features.size());
             all += list;
             // Scattered, or a regular mesh would have what is alike in the sample.
-            if (static_cast<std::uint32_t>(i) * 2654435761U % (stride << 16U) >= 1U << 16U)
-                continue;
+            const std::uint32_t scattered = static_cast<std::uint32_t>(i) * 2654435761U;
+            if (scattered % (stride << 16U) >= 1U << 16U) continue;
             cells.push_back(&top.open[i]);
             sampled += list;
         }
