@@ -1,13 +1,13 @@
 #include "proxima/intersect_meshes.h"
 
 #include "base/disjoint_sets.h"
-#include "base/fixed_stack.h"
 #include "base/progress.h"
 #include "geometry/exact_predicates.h"
 #include "index/index_parts.h"
 #include "index/signs/sign_parts.h"
 #include "mesh/coincidence.h"
 #include "query/contact/enclosure_parts.h"
+#include "query/contact/visit_rows.h"
 
 #include <algorithm>
 #include <cmath>
@@ -193,37 +193,6 @@ private:
     double slack_;
 };
 
-/// Calls visit(triangle) for the triangles in all leaves whose boxes the ray may meet.
-template <class Visit>
-void visit_along(const IndexParts& index, const RayAlongX& ray, const Visit& visit) noexcept
-{
-    FixedStack<std::uint32_t, 7 * IndexParts::max_levels + 1> pending;
-    pending.push(index.root());
-    while (!pending.empty()) {
-        const std::uint32_t reference = pending.pop();
-        const IndexBlock& block = index.blocks()[reference & ~index_leaf_bit];
-        if ((reference & index_leaf_bit) != 0) {
-            for (std::uint32_t i = 0; i < block.leaf.count; ++i)
-                visit(index.triangle(block.leaf.first_row + i));
-            continue;
-        }
-        const IndexNode& node = block.node;
-        for (std::size_t slot = 0; slot < 8; ++slot) {
-            if (node.planes[0][slot] > node.planes[0][8 + slot]) continue; // no child
-            Vec3 lower;
-            Vec3 upper;
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                const auto k = static_cast<Eigen::Index>(axis);
-                const auto step = static_cast<double>(node.step[axis]);
-                const double base = static_cast<double>(node.origin[axis]) + 32768.0 * step;
-                lower[k] = base + node.planes[axis][slot] * step;
-                upper[k] = base + node.planes[axis][8 + slot] * step;
-            }
-            if (ray.may_meet(lower, upper)) pending.push(node.children[slot]);
-        }
-    }
-}
-
 bool contains_all(const Enclosure& outer, const RigidTransform& outer_pose, const Enclosure& inner,
                   const RigidTransform& inner_pose) noexcept
 {
@@ -264,11 +233,15 @@ bool encloses(const Enclosure& enclosure, const RigidTransform& pose, const Vec3
     }
     int windings = 0;
     bool odd = false;
-    visit_along(index, RayAlongX(index, parts.bounds, pose, point), [&](const Triangle& triangle) {
-        const int crossing = crossing_ahead(pose(triangle), point);
-        windings += crossing;
-        odd = odd != (crossing != 0);
-    });
+    const RayAlongX ray(index, parts.bounds, pose, point);
+    visit_rows(
+        index, [&](const Vec3& lower, const Vec3& upper) { return ray.may_meet(lower, upper); },
+        [&](std::uint32_t row) {
+            const int crossing = crossing_ahead(pose(index.triangle(row)), point);
+            windings += crossing;
+            odd = odd != (crossing != 0);
+            return Flow::proceed;
+        });
     return parts.method == InsideMethod::crossings ? windings != 0 : odd;
 }
 
