@@ -20,7 +20,7 @@ inline bool use_instruction_set(const std::string& name)
     return status.has_value();
 }
 
-/// The same by the environment's PROXIMA_SIMD.
+/// Calls use_instruction_set with the name that the environment variable PROXIMA_SIMD holds.
 inline bool use_instruction_set_asked_for()
 {
     const char* const name = std::getenv("PROXIMA_SIMD");

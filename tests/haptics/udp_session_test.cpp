@@ -33,7 +33,7 @@ struct Line {
 constexpr double begins_above = 0.01;
 constexpr double wants_below = 0.015;
 
-/// Of a hand at rest on the face, N: its spring and the wall's in a row.
+/// The force on a hand that rests on the face, in N. The hand's spring and the wall's act in series.
 double force_at_rest()
 {
     const double hand = HandModel{}.hand_stiffness;

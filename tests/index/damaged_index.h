@@ -109,7 +109,7 @@ struct EditableIndex {
     }
 };
 
-/// What is done to a sound index, and what the check is to say of it.
+/// A change that damages a sound index, and the fault that the check must report.
 struct Damage {
     const char* fault;
     std::function<void(EditableIndex&)> damage;

@@ -5,10 +5,11 @@
 //     units    lengths times a power of two, so that the surface's extent is 1 to 2
 //
 // The index's rows hold the same corners row by row in the mesh's unit. Groups hold them by lane, and
-// relative to a centre so that floats lose little far from the origin: 40 bytes per triangle. Made
-// from the rows in each scan instead, they took a median tick on a dragon of 871,414 triangles 1.2 to
-// 2.5 times as long, and the slowest of 10,000 ticks 2 to 4 times. Their boxes are the leaves of a
-// triangle tree, not copied here.
+// relative to a centre so that floats lose little far from the origin: 40 bytes per triangle. When
+// each scan made them from the rows instead, the median tick on a dragon of 871,414 triangles took
+// 1.3 to 2.5 times as long in three of four scripts and as long in the fourth, which is mostly in
+// free space; the slowest of 5,000 ticks took 1.7 to 3.6 times as long. The boxes of groups are the
+// leaves of a triangle tree, not copied here.
 //
 // The lanes drop only triangles that are too far by more than the rounding of floats, and return
 // the ranks of the others, which are then tested in doubles.

@@ -30,7 +30,7 @@ Enclosure enclosure_of(const TriangleMesh& mesh)
     return build_enclosure(build_mesh_index(mesh).value()).value();
 }
 
-/// The same with and without signs.
+/// How A and B lie. Also checks that signs of B do not change the answer.
 ContainmentAnswer ask(const TriangleMesh& a, const TriangleMesh& b, const RigidTransform& pose = {})
 {
     const ContainmentAnswer answer = find_containment(enclosure_of(a), enclosure_of(b), pose);
