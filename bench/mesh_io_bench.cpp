@@ -156,7 +156,7 @@ void add_rows(const std::string& name, const fs::path& path)
 int main(int argc, char** argv)
 {
     benchmark::Initialize(&argc, argv);
-    if (!use_instruction_set_asked_for()) return 2;
+    if (!proxima::bench::use_instruction_set_asked_for()) return 2;
     const char* given = std::getenv("PROXIMA_BENCH_MESH");
     TriangleMesh mesh;
     if (given == nullptr) {
