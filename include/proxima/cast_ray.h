@@ -45,8 +45,8 @@ struct RayHit {
 };
 
 /// The first hit. Real-time safe: noexcept, no allocation, no lock; any number of threads.
-/// 0.05 to 0.5 us on scanned models; rays from beyond 2^40 times the mesh's size cost 10 ns per
-/// triangle.
+/// 0.05 to 0.5 us on scanned models; rays from beyond 2^80 times the mesh's size are asked of every
+/// triangle, for up to 5 us each.
 [[nodiscard]] std::optional<RayHit> closest_hit(const MeshIndex& index, const Ray& ray,
                                                 Faces faces = Faces::both) noexcept;
 
@@ -75,9 +75,9 @@ struct RayBatchOptions {
 
 /// The same for many rays, several at a time, so that their memory accesses overlap. Of sixteen in
 /// a row that begin and point much alike, as a camera's do, the closest or any hits are
-/// searched together, which pays where triangles are larger than the rays' spacing: keep such rays
-/// together. Answers are those of single rays. Allocates. Errors: invalid_argument (sizes differ,
-/// or a ray is invalid: which and why), cancelled.
+/// searched together, where they come to few triangles: keep such rays together. Answers are those
+/// of single rays. Allocates. Errors: invalid_argument (sizes differ, or a ray is invalid: which is
+/// the first, and why), cancelled; answers of other rays may have been written by then.
 [[nodiscard]] Status closest_hits(const MeshIndex& index, std::span<const Ray> rays,
                                   std::span<std::optional<RayHit>> hits,
                                   const RayBatchOptions& options = {});

@@ -221,12 +221,8 @@ private:
     static bool holds(const IndexNode& node, std::size_t axis, std::size_t slot,
                       const BlockContent& child)
     {
-        const auto plane = [&](std::size_t byte) {
-            return double{node.origin[axis]} +
-                   (32768.0 + node.planes[axis][byte]) * double{node.step[axis]};
-        };
-        return plane(slot) <= double{child.lower[axis]} &&
-               plane(8 + slot) >= double{child.upper[axis]};
+        return node.plane(axis, slot) <= double{child.lower[axis]} &&
+               node.plane(axis, 8 + slot) >= double{child.upper[axis]};
     }
 
     const IndexParts& index_;

@@ -2,9 +2,37 @@
 
 #include "index/slabs/block_slab.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace proxima {
+
+namespace {
+
+/// Of a file that is yet to be checked, anything.
+RootBox root_box_of(const IndexArrays& arrays) noexcept
+{
+    RootBox box;
+    box.lower.fill(-1 - RootBox::margin);
+    box.upper.fill(1 + RootBox::margin);
+    const std::uint32_t block = arrays.root & ~index_leaf_bit;
+    if ((arrays.root & index_leaf_bit) != 0 || block >= arrays.blocks.size()) return box;
+    const IndexNode& root = arrays.blocks[block].node;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        double lower = 1;
+        double upper = -1;
+        for (std::size_t slot = 0; slot < 8; ++slot) {
+            if (!root.has_child(slot)) continue;
+            lower = std::min(lower, root.plane(axis, slot));
+            upper = std::max(upper, root.plane(axis, 8 + slot));
+        }
+        box.lower[axis] = std::max(lower, -1.0) - RootBox::margin;
+        box.upper[axis] = std::min(upper, 1.0) + RootBox::margin;
+    }
+    return box;
+}
+
+} // namespace
 
 IndexParts IndexParts::adopt(const IndexArrays& arrays,
                              std::shared_ptr<const void> storage) noexcept
@@ -12,6 +40,7 @@ IndexParts IndexParts::adopt(const IndexArrays& arrays,
     IndexParts parts;
     parts.arrays_ = arrays;
     parts.unscale_ = 1 / arrays.scale;
+    parts.root_box_ = root_box_of(arrays);
     parts.storage_ = std::move(storage);
     return parts;
 }

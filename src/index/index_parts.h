@@ -43,6 +43,18 @@ struct IndexNode {
     std::array<std::uint16_t, 8> starts; ///< by slot: where a child's run begins, from first_row
                                          ///< on; far_start: as its own block says
 
+    /// Where a plane lies: `at` is a slot for its lower one, 8 more for its upper one.
+    [[nodiscard]] double plane(std::size_t axis, std::size_t at) const noexcept
+    {
+        return static_cast<double>(origin[axis]) +
+               (32768.0 + planes[axis][at]) * static_cast<double>(step[axis]);
+    }
+    /// Slots without a child have their planes in the wrong order.
+    [[nodiscard]] bool has_child(std::size_t slot) const noexcept
+    {
+        return planes[0][slot] <= planes[0][8 + slot];
+    }
+
     static constexpr std::uint32_t no_child = 15;
     static constexpr std::uint16_t far_start = 0xFFFF;
 };
@@ -65,6 +77,16 @@ static_assert(sizeof(IndexBlock) == 128);
 
 /// References are positions of blocks, with this bit for leaves.
 inline constexpr std::uint32_t index_leaf_bit = 1U << 31U;
+
+/// A box about all that blocks hold, by more than their boxes are drawn out. A fourth axis fills
+/// vectors: nothing there is outside.
+struct RootBox {
+    alignas(32) std::array<double, 4> lower;
+    alignas(32) std::array<double, 4> upper;
+
+    /// How far it lies beyond the root's planes.
+    static constexpr double margin = 0.01;
+};
 
 struct BlockSlab;
 class ProximityLists;
@@ -146,6 +168,9 @@ public:
     [[nodiscard]] double scale() const noexcept { return arrays_.scale; }
     [[nodiscard]] double unscale() const noexcept { return unscale_; }
 
+    /// In units of the blocks.
+    [[nodiscard]] const RootBox& root_box() const noexcept { return root_box_; }
+
     /// Identifies the mesh: positions and triangles, see mesh_fingerprint().
     [[nodiscard]] std::uint64_t mesh_fingerprint() const noexcept { return arrays_.fingerprint; }
 
@@ -172,6 +197,7 @@ public:
 private:
     IndexArrays arrays_;
     double unscale_ = 1;
+    RootBox root_box_ = {};
     std::shared_ptr<const void> storage_;
     std::shared_ptr<const ProximityLists> lists_;
     std::span<const BlockSlab> slabs_;

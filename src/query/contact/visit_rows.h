@@ -31,16 +31,12 @@ void visit_rows(const IndexParts& index, const MayMeet& may_meet, const Visit& v
         }
         const IndexNode& node = block.node;
         for (std::size_t slot = 0; slot < 8; ++slot) {
-            if (node.planes[0][slot] > node.planes[0][8 + slot]) continue; // no child
+            if (!node.has_child(slot)) continue;
             Vec3 lower;
             Vec3 upper;
             for (std::size_t axis = 0; axis < 3; ++axis) {
-                const auto plane = [&](std::size_t at) {
-                    return static_cast<double>(node.origin[axis]) +
-                           (32768.0 + node.planes[axis][at]) * static_cast<double>(node.step[axis]);
-                };
-                lower[static_cast<Eigen::Index>(axis)] = plane(slot);
-                upper[static_cast<Eigen::Index>(axis)] = plane(8 + slot);
+                lower[static_cast<Eigen::Index>(axis)] = node.plane(axis, slot);
+                upper[static_cast<Eigen::Index>(axis)] = node.plane(axis, 8 + slot);
             }
             if (may_meet(lower, upper)) pending.push(node.children[slot]);
         }

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cstddef>
 #include <limits>
 
 #ifndef PROXIMA_QUERY_CAST_RAY_ONCE
@@ -61,9 +62,8 @@ HWY_INLINE void walk(const IndexParts& index, const Search& search, RayTraversal
 {
     // On its own, so that it can stay in registers.
     WalkState at = ray.at;
-    const NodeLanes lanes(ray);
     const IndexBlock* const blocks = index.blocks().data();
-    while (step(blocks, search, lanes, ray, at)) {
+    while (step(blocks, search, ray, at)) {
         // The one to come after it.
         prefetch_block(blocks[ray.references[at.pending - 1] & ~index_leaf_bit]);
     }
@@ -73,7 +73,7 @@ HWY_INLINE void walk(const IndexParts& index, const Search& search, RayTraversal
 RayStart walk_to_closest(const IndexParts& index, const Ray& ray, Faces faces, RayTraversal& open)
 {
     const RayStart start = open_any_ray(index, ray, faces, open);
-    if (start == RayStart::ready) walk(index, ClosestSearch{index}, open);
+    if (start == RayStart::ready) walk(index, ClosestSearch<SureHits::computed>{index}, open);
     return start;
 }
 RayStart walk_to_any(const IndexParts& index, const Ray& ray, Faces faces, RayTraversal& open)
@@ -92,7 +92,7 @@ RayStart walk_to_all(const IndexParts& index, const Ray& ray, Faces faces, Visit
 }
 void walk_all_to_closest(const IndexParts& index, const RaySource& source)
 {
-    walk_together(index, ClosestSearch{index}, source);
+    walk_together(index, ClosestSearch<SureHits::noted>{index}, source);
 }
 void walk_all_to_any(const IndexParts& index, const RaySource& source)
 {
@@ -151,14 +151,15 @@ bool ask_for_any(const IndexParts& index, const Ray& ray, Faces faces)
     return found;
 }
 
-/// The rays of a chunk. `answer(number, hit)` takes those whose walk has ended, `miss(number)` those
-/// that need none, `ask(number)` those that are too far for one.
-template <class Answer, class Miss, class Ask>
+constexpr std::size_t no_ray = std::numeric_limits<std::size_t>::max();
+
+/// The rays of a chunk. `answer(number, hit)` takes those whose walk has ended, with a hit or null,
+/// `ask(number)` those that are too far for one.
+template <class Answer, class Ask>
 class ChunkTakers {
 public:
-    ChunkTakers(std::span<const Ray> rays, Faces faces, const Answer& answer, const Miss& miss,
-                const Ask& ask)
-        : rays_(rays), faces_(faces), answer_(answer), miss_(miss), ask_(ask)
+    ChunkTakers(std::span<const Ray> rays, Faces faces, const Answer& answer, const Ask& ask)
+        : rays_(rays), faces_(faces), answer_(answer), ask_(ask)
     {}
 
     [[nodiscard]] RaySource source() noexcept
@@ -169,46 +170,59 @@ public:
                 },
                 [](void* context, std::uint32_t number, RayStart start) {
                     auto& takers = *static_cast<ChunkTakers*>(context);
-                    if (start == RayStart::misses) {
-                        takers.miss_(number);
-                    } else {
-                        takers.ask_(number);
-                    }
+                    if (start == RayStart::too_far) return takers.ask_(number);
+                    takers.answer_(number, nullptr);
+                    if (start == RayStart::invalid)
+                        takers.first_invalid_ =
+                            std::min<std::size_t>(takers.first_invalid_, number);
                 },
                 this};
     }
+
+    /// The lowest number of an invalid ray among those walked; no_ray where there is none.
+    [[nodiscard]] std::size_t first_invalid() const noexcept { return first_invalid_; }
 
 private:
     std::span<const Ray> rays_;
     Faces faces_;
     const Answer& answer_;
-    const Miss& miss_;
     const Ask& ask_;
+    std::size_t first_invalid_ = no_ray;
 };
 
 constexpr std::size_t rays_per_task = RaySource::most_rays;
 
-/// Calls task(first, rays of a chunk) for all chunks; the errors of batches.
-template <class Task>
+void keep_least(std::atomic<std::size_t>& least, std::size_t number) noexcept
+{
+    std::size_t now = least;
+    while (number < now && !least.compare_exchange_weak(now, number)) {
+    }
+}
+
+/// Walks all chunks: walk_chunk(first, rays) returns the number of an invalid ray in its chunk, or
+/// none. The errors of batches.
+template <class WalkChunk>
 Status for_chunks(std::span<const Ray> rays, std::size_t answers, const RayBatchOptions& options,
-                  const Task& task)
+                  const WalkChunk& walk_chunk)
 {
     if (Status status = check_batch_size(answers, rays.size(), "rays"); !status) return status;
-    const auto bad = std::ranges::find_if(rays, [](const Ray& ray) { return !is_valid(ray); });
-    if (bad != rays.end()) {
+    begin_stage(options.execution.progress, "casting rays", rays.size());
+    std::atomic<std::size_t> invalid = no_ray;
+    parallel_chunks(rays.size(), rays_per_task, options.execution.threads,
+                    [&](std::size_t first, std::size_t end) {
+                        if (is_cancelled(options.execution.progress)) return;
+                        const std::size_t number =
+                            walk_chunk(first, rays.subspan(first, end - first));
+                        if (number != no_ray) keep_least(invalid, first + number);
+                        advance_stage(options.execution.progress, end - first);
+                    });
+    if (invalid != no_ray) {
         return fail(ErrorCode::invalid_argument,
-                    concat("ray ", bad - rays.begin(),
+                    concat("ray ", invalid.load(),
                            " is none: origin and direction must be finite, the direction not zero, "
                            "t_min at most t_max"),
                     "rays");
     }
-    begin_stage(options.execution.progress, "casting rays", rays.size());
-    parallel_chunks(rays.size(), rays_per_task, options.execution.threads,
-                    [&](std::size_t first, std::size_t end) {
-                        if (is_cancelled(options.execution.progress)) return;
-                        task(first, rays.subspan(first, end - first));
-                        advance_stage(options.execution.progress, end - first);
-                    });
     if (is_cancelled(options.execution.progress)) return cancelled("casting rays");
     return {};
 }
@@ -224,18 +238,17 @@ std::optional<RayHit> closest_hit(const MeshIndex& index, const Ray& ray, Faces 
 {
     RayTraversal open;
     const RayStart start = HWY_DYNAMIC_DISPATCH(walk_to_closest)(index.parts(), ray, faces, open);
-    if (start == RayStart::misses) return std::nullopt;
     if (start == RayStart::too_far) return ask_for_closest(index.parts(), ray, faces);
-    return open.found ? std::optional(open.best) : std::nullopt;
+    if (start != RayStart::ready || !open.found) return std::nullopt;
+    return open.best;
 }
 
 bool any_hit(const MeshIndex& index, const Ray& ray, Faces faces) noexcept
 {
     RayTraversal open;
     const RayStart start = HWY_DYNAMIC_DISPATCH(walk_to_any)(index.parts(), ray, faces, open);
-    if (start == RayStart::misses) return false;
     if (start == RayStart::too_far) return ask_for_any(index.parts(), ray, faces);
-    return open.found;
+    return start == RayStart::ready && open.found;
 }
 
 void visit_hits(const MeshIndex& index, const Ray& ray, Faces faces,
@@ -289,12 +302,12 @@ Status closest_hits(const MeshIndex& index, std::span<const Ray> rays,
             const auto answer = [&](std::uint32_t number, const RayHit* hit) {
                 hits[first + number] = hit != nullptr ? std::optional(*hit) : std::nullopt;
             };
-            const auto miss = [&](std::uint32_t number) { hits[first + number].reset(); };
             const auto ask = [&](std::uint32_t number) {
                 hits[first + number] = ask_for_closest(index.parts(), chunk[number], options.faces);
             };
-            ChunkTakers takers(chunk, options.faces, answer, miss, ask);
+            ChunkTakers takers(chunk, options.faces, answer, ask);
             HWY_DYNAMIC_DISPATCH(walk_all_to_closest)(index.parts(), takers.source());
+            return takers.first_invalid();
         });
 }
 
@@ -306,12 +319,12 @@ Status any_hits(const MeshIndex& index, std::span<const Ray> rays, std::span<boo
             const auto answer = [&](std::uint32_t number, const RayHit* hit) {
                 hits[first + number] = hit != nullptr;
             };
-            const auto miss = [&](std::uint32_t number) { hits[first + number] = false; };
             const auto ask = [&](std::uint32_t number) {
                 hits[first + number] = ask_for_any(index.parts(), chunk[number], options.faces);
             };
-            ChunkTakers takers(chunk, options.faces, answer, miss, ask);
+            ChunkTakers takers(chunk, options.faces, answer, ask);
             HWY_DYNAMIC_DISPATCH(walk_all_to_any)(index.parts(), takers.source());
+            return takers.first_invalid();
         });
 }
 
@@ -328,7 +341,6 @@ Result<RayHitLists> all_hits(const MeshIndex& index, std::span<const Ray> rays,
         for_chunks(rays, rays.size(), options, [&](std::size_t first, std::span<const Ray> chunk) {
             Found& hits = found[first / rays_per_task];
             const auto answer = [](std::uint32_t /*number*/, const RayHit* /*hit*/) {};
-            const auto miss = [](std::uint32_t /*number*/) {};
             const auto ask = [&](std::uint32_t number) {
                 ask_all(index.parts(), chunk[number], options.faces, [&](const RayHit& hit) {
                     hits.push_back({number, hit});
@@ -339,11 +351,12 @@ Result<RayHitLists> all_hits(const MeshIndex& index, std::span<const Ray> rays,
                 static_cast<Found*>(to)->push_back({number, hit});
                 return Flow::proceed;
             };
-            ChunkTakers takers(chunk, options.faces, answer, miss, ask);
+            ChunkTakers takers(chunk, options.faces, answer, ask);
             HWY_DYNAMIC_DISPATCH(walk_all_to_all)(index.parts(), takers.source(), keep, &hits);
             std::ranges::sort(hits, [](const NumberedHit& a, const NumberedHit& b) {
                 return a.number < b.number || (a.number == b.number && a.hit.before(b.hit));
             });
+            return takers.first_invalid();
         });
     if (!status) return tl::unexpected(status.error());
     RayHitLists lists;

@@ -48,26 +48,15 @@ HWY_INLINE CornerDoubles of_last(CornerDoubles numbers)
 /// What the quick test of intersect() says.
 enum class QuickAnswer : std::uint8_t { missed, hit, unsure };
 
-HWY_INLINE QuickAnswer ask_leaf(const IndexParts& index, const IndexLeaf& leaf, std::uint32_t lane,
-                                const SearchedRay& searched, RayHit& hit)
+/// intersect() of the corners that corners_on(axis) gives in lanes 0, 1, 2 and 0.
+template <class CornersOn>
+HWY_INLINE QuickAnswer intersect_quickly(const CornersOn& corners_on, const SearchedRay& searched,
+                                         RayHit& hit)
 {
     const CornerTag d;
-    const hn::CappedTag<float, 8> f;
-    const hn::RebindToUnsigned<decltype(f)> words;
-    const hn::Rebind<std::uint8_t, decltype(f)> bytes;
-    const std::uint64_t packed =
-        leaf.corners[0][lane] | std::uint32_t{leaf.corners[1][lane]} << 8U |
-        std::uint32_t{leaf.corners[2][lane]} << 16U | std::uint32_t{leaf.corners[0][lane]} << 24U;
-    const auto corners = hn::IndicesFromVec(
-        f, hn::PromoteTo(words,
-                         hn::BitCast(bytes, hn::Set(hn::CappedTag<std::uint64_t, 1>(), packed))));
     const RayShear& shear = searched.shear;
-    const auto unscale = hn::Set(d, index.unscale());
     const auto about = [&](std::uint32_t axis) {
-        const auto own = hn::TableLookupLanes(hn::Load(f, leaf.coordinates[axis].data()), corners);
-        const auto position = hn::Add(hn::Mul(hn::PromoteTo(d, hn::LowerHalf(own)), unscale),
-                                      hn::Set(d, index.center().data()[axis]));
-        return hn::Sub(position, hn::Set(d, searched.ray->origin.data()[axis]));
+        return hn::Sub(corners_on(axis), hn::Set(d, searched.ray->origin.data()[axis]));
     };
     const auto about_x = about(shear.x);
     const auto about_y = about(shear.y);
@@ -106,10 +95,43 @@ HWY_INLINE QuickAnswer ask_leaf(const IndexParts& index, const IndexLeaf& leaf, 
     if (!(std::abs(own) <= farthest_hit)) return QuickAnswer::unsure;
     if (!(searched.ray->t_min <= own && own <= searched.ray->t_max)) return QuickAnswer::missed;
     hit.t = own;
-    hit.triangle = index.ids()[leaf.first_row + lane];
     hit.u = hn::GetLane(of_next(shares));
     hit.v = hn::GetLane(of_last(shares));
     return QuickAnswer::hit;
+}
+
+HWY_INLINE QuickAnswer ask_leaf(const IndexParts& index, const IndexLeaf& leaf, std::uint32_t lane,
+                                const SearchedRay& searched, RayHit& hit)
+{
+    const CornerTag d;
+    const hn::CappedTag<float, 8> f;
+    const hn::RebindToUnsigned<decltype(f)> words;
+    const hn::Rebind<std::uint8_t, decltype(f)> bytes;
+    const std::uint64_t packed =
+        leaf.corners[0][lane] | std::uint32_t{leaf.corners[1][lane]} << 8U |
+        std::uint32_t{leaf.corners[2][lane]} << 16U | std::uint32_t{leaf.corners[0][lane]} << 24U;
+    const auto corners = hn::IndicesFromVec(
+        f, hn::PromoteTo(words,
+                         hn::BitCast(bytes, hn::Set(hn::CappedTag<std::uint64_t, 1>(), packed))));
+    const auto unscale = hn::Set(d, index.unscale());
+    const auto corners_on = [&](std::uint32_t axis) {
+        const auto own = hn::TableLookupLanes(hn::Load(f, leaf.coordinates[axis].data()), corners);
+        return hn::Add(hn::Mul(hn::PromoteTo(d, hn::LowerHalf(own)), unscale),
+                       hn::Set(d, index.center().data()[axis]));
+    };
+    return intersect_quickly(corners_on, searched, hit);
+}
+
+HWY_INLINE QuickAnswer ask_double_row(const TriangleRow<double>& row, const SearchedRay& searched,
+                                      RayHit& hit)
+{
+    const CornerTag d;
+    alignas(32) static constexpr std::int64_t lanes[4] = {0, 1, 2, 0};
+    const auto corners_on = [&](std::uint32_t axis) {
+        return hn::TableLookupLanes(hn::LoadU(d, row.coordinates[axis]), // and what comes next
+                                    hn::SetTableIndices(d, lanes));
+    };
+    return intersect_quickly(corners_on, searched, hit);
 }
 
 #endif
@@ -118,11 +140,16 @@ HWY_INLINE bool ask_any_triangle(const IndexParts& index, RayTriangle triangle,
                                  const SearchedRay& searched, RayHit& hit)
 {
 #if HWY_MAX_BYTES >= 32
+    const IndexLeaf& leaf = index.blocks()[triangle.leaf].leaf;
+    const std::uint32_t row = leaf.first_row + triangle.lane;
+    QuickAnswer answer = QuickAnswer::unsure;
     if (index.has_exact_leaves()) {
-        const IndexLeaf& leaf = index.blocks()[triangle.leaf].leaf;
-        const QuickAnswer answer = ask_leaf(index, leaf, triangle.lane, searched, hit);
-        if (answer != QuickAnswer::unsure) return answer == QuickAnswer::hit;
+        answer = ask_leaf(index, leaf, triangle.lane, searched, hit);
+    } else if (!index.double_rows().empty()) {
+        answer = ask_double_row(index.double_rows()[row], searched, hit);
     }
+    hit.triangle = answer == QuickAnswer::hit ? index.ids()[row] : hit.triangle;
+    if (answer != QuickAnswer::unsure) return answer == QuickAnswer::hit;
 #endif
     return intersect_exact(index, triangle, searched, hit);
 }

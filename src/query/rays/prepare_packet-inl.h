@@ -85,7 +85,7 @@ public:
     PacketFloats sure_least;
     PacketFloats sure_most;
 
-    /// False where they are no packet. \pre packet_size valid rays
+    /// False where they are no packet: some invalid, for one. \pre packet_size rays
     HWY_INLINE bool open(const IndexParts& index, std::span<const Ray> rays)
     {
         if (!may_look_alike(rays)) return false;
@@ -180,6 +180,11 @@ private:
         Doubles directions[3];
         Doubles inverses[3];
         auto distance = hn::Zero(d);
+        auto sum = hn::Zero(d); // finite where all numbers of the ray are, but for huge ones
+        const RootBox& box = index.root_box();
+        // Rays are moved to a cube about the root, most of them to the same face: so origins of a
+        // packet stay together better than on the root's box.
+        auto nears = hn::Set(d, -std::numeric_limits<double>::infinity());
         auto enters = hn::Set(d, -std::numeric_limits<double>::infinity());
         auto leaves = hn::Set(d, std::numeric_limits<double>::infinity());
         for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -188,27 +193,34 @@ private:
                 hn::Set(d, index.scale()));
             directions[axis] = hn::Mul(given_direction_[axis].from(first), scale);
             distance = hn::Max(distance, hn::Abs(origins[axis]));
+            sum = hn::Add(
+                sum, hn::Add(given_origin_[axis].from(first), given_direction_[axis].from(first)));
             const auto tiny = hn::Set(d, 0x1p-500); // so that nothing is infinite
             inverses[axis] =
                 hn::Div(hn::Set(d, 1.0),
                         hn::CopySign(hn::Max(hn::Abs(directions[axis]), tiny), directions[axis]));
-            const auto one = hn::Mul(hn::Sub(hn::Set(d, -RayTraversal::root_reach), origins[axis]),
-                                     inverses[axis]);
-            const auto other = hn::Mul(hn::Sub(hn::Set(d, RayTraversal::root_reach), origins[axis]),
-                                       inverses[axis]);
+            const auto t_at = [&](double plane) {
+                return hn::Mul(hn::Sub(hn::Set(d, plane), origins[axis]), inverses[axis]);
+            };
+            const auto one = t_at(box.lower[axis]);
+            const auto other = t_at(box.upper[axis]);
+            nears = hn::Max(
+                nears, hn::Min(t_at(-RayTraversal::cube_reach), t_at(RayTraversal::cube_reach)));
             enters = hn::Max(enters, hn::Min(one, other));
             leaves = hn::Min(leaves, hn::Max(one, other));
         }
-        usual = hn::And(usual, hn::Le(distance, hn::Set(d, RayTraversal::far)));
+        usual = hn::And(usual, hn::Eq(hn::Sub(sum, sum), hn::Zero(d)));
+        usual = hn::And(usual, hn::And(hn::Le(distance, hn::Set(d, RayTraversal::far)),
+                                       hn::Le(t_min_.from(first), t_max_.from(first))));
         if (!hn::AllTrue(d, usual)) return false;
 
-        const auto outside = hn::Gt(distance, hn::Set(d, RayTraversal::root_reach));
+        const auto outside = hn::Gt(distance, hn::Set(d, RayTraversal::cube_reach));
         const auto own_least = hn::Mul(t_min_.from(first), rates);
         const auto own_most = hn::Mul(t_max_.from(first), rates);
-        const auto start = hn::IfThenElse(outside, hn::Max(own_least, enters), own_least);
-        const auto end = hn::IfThenElse(outside, hn::Min(own_most, leaves), own_most);
+        const auto start = hn::Max(own_least, enters);
+        const auto end = hn::Min(own_most, leaves);
         const auto comes = hn::Le(start, end);
-        const auto shifts = hn::IfThenElseZero(outside, start);
+        const auto shifts = hn::IfThenElseZero(outside, hn::Max(own_least, nears));
         const auto moved = hn::IfThenElseZero(outside, hn::Mul(hn::Set(d, 0x1p-50), distance));
         ready |= double_mask_bits(comes) << first;
         rate.set(first, rates);
@@ -232,10 +244,11 @@ private:
         hn::StoreU(hn::DemoteTo(f, hn::Mul(backward, unscale)), f, inverse_z.values + first);
 
         // As RayTraversal::set_range.
-        const auto off = hn::DemoteTo(f, moved);
+        const auto float_moved = hn::DemoteTo(f, moved);
         const auto growth =
-            hn::Add(hn::Set(f, 1.0F), hn::Mul(off, hn::Set(f, 1 / (8 * float_roundoff))));
-        const auto t_off = hn::Add(hn::Set(f, 40 * float_roundoff), hn::Mul(hn::Set(f, 2.0F), off));
+            hn::Add(hn::Set(f, 1.0F), hn::Mul(float_moved, hn::Set(f, 1 / (8 * float_roundoff))));
+        const auto t_off =
+            hn::Add(hn::Set(f, 40 * float_roundoff), hn::Mul(hn::Set(f, 2.0F), float_moved));
         const auto range_off = hn::Mul(hn::Set(f, 4.0F), t_off);
         const auto surely = [&](const PacketDoubles& t) {
             return hn::Sub(hn::Mul(t.from(first), rates), shifts);

@@ -1,8 +1,9 @@
 // A ray on its way through a mesh index: what the vector code needs of it, in floats.
 //
-//     p = (o - c) s + t0 d k        the origin in the index's units, moved along the ray to the
-//                                   root where it lies outside; k a power of two: 1 <= |d k| < 2
-//     t = (t_mesh r - t0)           r = s / k, so that p + t d k is the same point
+//     p = (o - c) s + t0 d k        the origin in the index's units, moved along the ray to where its
+//                                   range begins within the root's box; k a power of two: 1 <= |d k| < 2
+//     t = (t_mesh r - t0)           r = s / k, so that p + t d k is the same point; what is looked for
+//                                   has 0 <= t <= `most`
 #pragma once
 
 #include "geometry/ray_triangle.h"
@@ -49,8 +50,12 @@ struct RayTriangle {
     std::uint32_t lane = 0;
 };
 
-/// One number for each of the lanes that vectors are loaded by.
-using RayQuad = std::array<float, 4>;
+/// One number in all lanes of a vector.
+struct alignas(32) RayLanes {
+    float lanes[8];
+
+    void fill(float value) noexcept { std::fill_n(lanes, 8, value); }
+};
 
 /// What a search for hits knows of a ray.
 struct SearchedRay {
@@ -76,18 +81,17 @@ struct RayTraversal : SearchedRay {
     /// A node makes way for at most eight children; vectors are written whole.
     static constexpr std::size_t stack_size = bottom + 7 * IndexParts::max_levels + 1 + 8;
 
-    /// The mesh is within 1, its boxes within 1 + 2^-19.
-    static constexpr double root_reach = 1.01;
+    /// All is within that.
+    static constexpr double cube_reach = 1.01;
     /// A component below 2^-40 moves the ray by less than 2^-37 within the root.
     static constexpr double most_inverse = 0x1p40;
     /// Moving an origin from nearer costs at most a float's half ulp.
     static constexpr double far = 0x1p26;
 
     // For boxes.
-    std::array<RayQuad, 3> inverse; ///< of the direction, its components put away from zero
-    std::array<RayQuad, 3> start;   ///< - origin * inverse
-    float least;                    ///< begin of the range, outward
-    std::uint32_t octant;           ///< bit k: the direction is negative on axis k
+    std::array<RayLanes, 3> inverse; ///< of the direction, its components put away from zero
+    std::array<RayLanes, 3> start;   ///< - origin * inverse
+    std::uint32_t octant;            ///< bit k: the direction is negative on axis k
 
     // For triangles: x, y, z are the axes in cyclic order, z the direction's largest component.
     std::array<std::uint32_t, 3> axes;
@@ -108,11 +112,26 @@ struct RayTraversal : SearchedRay {
     /// What was worked out in doubles.
     struct Range {
         double rate = 1;
-        double least = 0; ///< of t in the root
-        double most = 0;
-        double shift = 0;
+        double most = 0;  ///< of t in the root
+        double shift = 0; ///< t0
         double moved = 0; ///< how far off the origin is for having been moved
         double t_off = 0; ///< and t
+
+        /// Sets `shift` and `most` by the part of a range between where the ray enters the root's box
+        /// and leaves it, with what rounding may do to a hit's t. False where nothing is left.
+        bool clip(double own_least, double own_most, double enters, double leaves) noexcept
+        {
+            const double slack = 160.0 * float_roundoff + 8 * t_off;
+            shift = std::max(own_least - slack, enters);
+            most = std::min(own_most + slack, leaves);
+            return shift <= most;
+        }
+        /// Where t was counted from `by`.
+        void move_by(double by) noexcept
+        {
+            shift += by;
+            most += by;
+        }
     };
     /// Sets all but what is for boxes and for triangles, these including `t_error`.
     void set_range(const IndexParts& index, const Ray& own, Faces wanted,
@@ -121,7 +140,6 @@ struct RayTraversal : SearchedRay {
         const float growth = 1 + static_cast<float>(range.moved) / (8 * float_roundoff);
         error = growth * growth;
         t_error = 40 * float_roundoff + 2 * static_cast<float>(range.t_off);
-        least = rounded_down(range.least - range.shift) - 4 * t_error;
         most = rounded_up(range.most - range.shift) + 4 * t_error;
         sure_least = rounded_up(own.t_min * range.rate - range.shift) + t_error;
         sure_most = rounded_down(own.t_max * range.rate - range.shift) - t_error;
@@ -171,10 +189,18 @@ struct RayUnit {
     }
     static constexpr double least = 0x1p-1000;
     static constexpr double most = 0x1p1000;
+
+    /// And quotients by the direction's components, those put away from zero by least_component.
+    [[nodiscard]] bool is_near_one() const noexcept
+    {
+        return unscale > 0x1p-400 && unscale < 0x1p400 && rate > least && rate < most;
+    }
+    static constexpr double least_component = 0x1p-1000;
 };
 
 /// What prepare_ray says.
 enum class RayStart : std::uint8_t {
+    invalid, ///< the ray, see is_valid
     misses,  ///< the root: no hit
     ready,   ///< to be walked
     too_far, ///< beyond what floats can sort out: every triangle must be asked
@@ -188,7 +214,8 @@ struct RaySource {
     Faces faces = Faces::both;
     /// The ray's walk has ended: with this hit, or without one.
     void (*answer)(void* context, std::uint32_t number, const RayHit* hit) = nullptr;
-    void (*refuse)(void* context, std::uint32_t number, RayStart start) = nullptr; ///< no walk
+    /// There is no walk: the ray is not `ready`.
+    void (*refuse)(void* context, std::uint32_t number, RayStart start) = nullptr;
     void* context = nullptr;
 };
 

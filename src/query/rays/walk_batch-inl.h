@@ -132,7 +132,7 @@ private:
             RayTraversal& ray = nodes_[i];
             WalkState at = ray.at;
             const IndexNode& node = blocks_[at.next].node;
-            const MetChildren met = meet_children(node, NodeLanes(ray), ray);
+            const MetChildren met = meet_children(node, ray);
             enter_nearest(node, met, ray, at);
             ray.at = at;
             prefetch_block(blocks_[at.next & ~index_leaf_bit]);

@@ -14,7 +14,6 @@
 #define PROXIMA_QUERY_WALK_RAY_INL_H
 #endif
 
-#include "base/compress-inl.h"
 #include "base/inline_steps-inl.h"
 #include "index/index_parts.h"
 #include "query/rays/intersect_exact-inl.h"
@@ -38,6 +37,7 @@ using RayByteTag = hn::Repartition<std::uint8_t, RayTag>;
 #endif
 using RayFloats = hn::Vec<RayTag>;
 inline constexpr std::size_t ray_lanes = HWY_MIN(8, HWY_LANES(float));
+inline constexpr std::uint32_t all_ray_lanes = (1U << ray_lanes) - 1;
 
 /// For every octant and axis, where lanes find the byte of the plane among a node's 16 by which the
 /// ray enters, then of that by which it leaves. It becomes the second byte of 32 bits, the others
@@ -63,19 +63,20 @@ struct PlaneShuffles {
 };
 inline constexpr PlaneShuffles plane_shuffles;
 
-/// Eight bits in reverse order.
-struct ReversedBits {
-    std::uint8_t bits[256]{};
+/// By mask: the lanes it names from the highest down, as four bits per lane.
+struct DescendingLanes {
+    std::uint32_t lanes[256]{};
 
-    constexpr ReversedBits()
+    constexpr DescendingLanes()
     {
-        for (std::uint32_t i = 0; i < 256; ++i) {
-            for (std::uint32_t k = 0; k < 8; ++k)
-                bits[i] = static_cast<std::uint8_t>(bits[i] | (i >> k & 1U) << (7 - k));
+        for (std::uint32_t mask = 0; mask < 256; ++mask) {
+            std::uint32_t count = 0;
+            for (std::uint32_t lane = 8; lane-- > 0;)
+                if ((mask >> lane & 1U) != 0) lanes[mask] |= lane << (4 * count++);
         }
     }
 };
-inline constexpr ReversedBits reversed_bits;
+inline constexpr DescendingLanes descending_lanes;
 
 HWY_INLINE std::uint32_t mask_bits(hn::Mask<RayTag> mask)
 {
@@ -107,27 +108,10 @@ HWY_INLINE RayFloats plane_numbers(const std::array<std::uint8_t, 16>& planes,
 }
 
 /// A number in all lanes.
-HWY_INLINE RayFloats load_all(const RayQuad& quad)
+HWY_INLINE RayFloats load_all(const RayLanes& lanes)
 {
-#if HWY_TARGET == HWY_SCALAR
-    return hn::Set(RayTag(), quad[0]);
-#else
-    return hn::LoadDup128(RayTag(), quad.data());
-#endif
+    return hn::Load(RayTag(), lanes.lanes);
 }
-
-/// What of a ray every node needs, for registers.
-struct NodeLanes {
-    RayFloats inverse[3];
-    RayFloats start[3];
-    RayFloats least;
-
-    HWY_INLINE explicit NodeLanes(const RayTraversal& ray)
-        : inverse{load_all(ray.inverse[0]), load_all(ray.inverse[1]), load_all(ray.inverse[2])},
-          start{load_all(ray.start[0]), load_all(ray.start[1]), load_all(ray.start[2])},
-          least(hn::Set(RayTag(), ray.least))
-    {}
-};
 
 /// Takes the last of the blocks put aside that are near enough.
 HWY_INLINE void leave(const RayTraversal& ray, WalkState& at)
@@ -144,27 +128,36 @@ struct MetChildren {
     RayFloats entered[8 / ray_lanes];
 };
 
-PROXIMA_STEP MetChildren meet_children(const IndexNode& node, const NodeLanes& lanes,
-                                       const RayTraversal& ray)
+PROXIMA_STEP MetChildren meet_children(const IndexNode& node, const RayTraversal& ray)
 {
     const RayTag d;
     const std::uint8_t(&shuffles)[3][2][32] = plane_shuffles.bytes[ray.octant];
     MetChildren met;
     for (std::size_t part = 0; part < 8 / ray_lanes; ++part) {
-        auto near = lanes.least;
-        auto far = hn::Set(d, ray.most);
+        RayFloats enters[3];
+        RayFloats leaves[3];
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            const auto step = hn::Mul(hn::Set(d, node.step[axis]), lanes.inverse[axis]);
+            const auto inverse = load_all(ray.inverse[axis]);
+            const auto step = hn::Mul(hn::Set(d, node.step[axis]), inverse);
             const auto start =
-                hn::MulAdd(hn::Set(d, node.origin[axis]), lanes.inverse[axis], lanes.start[axis]);
+                hn::MulAdd(hn::Set(d, node.origin[axis]), inverse, load_all(ray.start[axis]));
             const std::size_t own = 4 * ray_lanes * part;
             const auto front = plane_numbers(node.planes[axis], shuffles[axis][0] + own);
             const auto back = plane_numbers(node.planes[axis], shuffles[axis][1] + own);
-            near = hn::Max(near, hn::MulAdd(front, step, start));
-            far = hn::Min(far, hn::MulAdd(back, step, start));
+            enters[axis] = hn::MulAdd(front, step, start);
+            leaves[axis] = hn::MulAdd(back, step, start);
         }
-        met.entered[part] = near;
-        met.bits |= mask_bits(hn::Le(near, far)) << (ray_lanes * part);
+        // As integers, four times as soon: a negative number is less than 0 and `most` whichever of
+        // them it is.
+        const hn::RebindToSigned<RayTag> bits;
+        const auto number = [&](RayFloats t) { return hn::BitCast(bits, t); };
+        const auto near = hn::Max(hn::Max(number(enters[0]), number(enters[1])),
+                                  hn::Max(number(enters[2]), hn::Zero(bits)));
+        const auto far = hn::Min(hn::Min(number(leaves[0]), number(leaves[1])),
+                                 hn::Min(number(leaves[2]), number(hn::Set(d, ray.most))));
+        met.entered[part] = hn::BitCast(d, near);
+        met.bits |= (mask_bits(hn::RebindMask(d, hn::Gt(near, far))) ^ all_ray_lanes)
+                    << (ray_lanes * part);
     }
     return met;
 }
@@ -178,28 +171,29 @@ PROXIMA_STEP void enter_nearest(const IndexNode& node, const MetChildren& met, R
     const auto nearest = static_cast<std::uint32_t>(std::countr_zero(met.bits));
     at.next = node.children[(nearest ^ ray.octant) & 7U];
     const std::uint32_t rest = met.bits & (met.bits - 1);
-#if HWY_TARGET != HWY_SCALAR
+    const std::uint32_t descending = descending_lanes.lanes[rest];
+    const auto count = static_cast<std::uint32_t>(std::popcount(rest));
+#if HWY_MAX_BYTES >= 32
     if constexpr (ray_lanes == 8) {
-        // Backwards, the nearest last.
+        // The nearest last. Looking up reads three bits of each index.
         const RayIndexTag words;
-        const auto indices = hn::Xor(hn::Iota(words, 0), hn::Set(words, 7U ^ ray.octant));
+        alignas(32) static constexpr std::uint32_t shifts[8] = {0, 4, 8, 12, 16, 20, 24, 28};
+        const auto lanes = hn::Shr(hn::Set(words, descending), hn::Load(words, shifts));
+        const auto slots = hn::Xor(lanes, hn::Set(words, ray.octant));
         const auto children = hn::TableLookupLanes(hn::LoadU(words, node.children.data()),
-                                                   hn::IndicesFromVec(words, indices));
-        const std::uint8_t mask_byte[8] = {reversed_bits.bits[rest]};
-        // Compressing to memory is far slower than to a register on some processors.
-        hn::StoreU(compress(children, hn::LoadMaskBits(words, mask_byte)), words,
-                   ray.references.data() + at.pending);
-        hn::StoreU(compress(hn::Reverse(d, met.entered[0]), hn::LoadMaskBits(d, mask_byte)), d,
-                   ray.nearness.data() + at.pending);
-        at.pending += static_cast<std::uint32_t>(std::popcount(rest));
+                                                   hn::Indices256<std::uint32_t>{slots.raw});
+        const auto near = hn::TableLookupLanes(met.entered[0], hn::Indices256<float>{lanes.raw});
+        hn::StoreU(children, words, ray.references.data() + at.pending);
+        hn::StoreU(near, d, ray.nearness.data() + at.pending);
+        at.pending += count;
         return;
     }
 #endif
     float near[8];
     for (std::size_t part = 0; part < 8 / ray_lanes; ++part)
         hn::StoreU(met.entered[part], d, near + ray_lanes * part);
-    for (std::uint32_t left = reversed_bits.bits[rest]; left != 0; left &= left - 1) {
-        const auto lane = static_cast<std::uint32_t>(7 - std::countr_zero(left));
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const std::uint32_t lane = descending >> 4 * i & 7U;
         ray.references[at.pending] = node.children[lane ^ ray.octant];
         ray.nearness[at.pending++] = near[lane];
     }
@@ -314,8 +308,7 @@ PROXIMA_STEP void look_at_leaf(const IndexLeaf& leaf, const RayTraversal& ray,
         std::uint32_t lanes = mask_bits(hn::Not(hn::And(some_positive, some_negative)));
         if (ray.refuses_positive) lanes &= ~mask_bits(positive);
         if (ray.refuses_negative) lanes &= ~mask_bits(negative);
-        const std::uint32_t all_lanes = (1U << ray_lanes) - 1;
-        lanes &= all_lanes;
+        lanes &= all_ray_lanes;
         if (leaf.count < first + ray_lanes)
             lanes &= leaf.count > first ? (1U << (leaf.count - first)) - 1 : 0U;
         if constexpr (Work == LeafWork::until_missed) {
@@ -334,8 +327,8 @@ PROXIMA_STEP void look_at_leaf(const IndexLeaf& leaf, const RayTraversal& ray,
         const auto most = hn::Add(t, off);
         const auto sure =
             hn::And(hn::Or(positive, negative), hn::Gt(size, hn::Set(d, 8 * error_size)));
-        const auto out = hn::And(
-            sure, hn::Or(hn::Gt(least, hn::Set(d, ray.most)), hn::Lt(most, hn::Set(d, ray.least))));
+        const auto out =
+            hn::And(sure, hn::Or(hn::Gt(least, hn::Set(d, ray.most)), hn::Lt(most, hn::Zero(d))));
         const auto in = hn::And(sure, hn::And(hn::Ge(least, hn::Set(d, ray.sure_least)),
                                               hn::Le(most, hn::Set(d, ray.sure_most))));
         lanes &= ~mask_bits(out);
@@ -346,10 +339,15 @@ PROXIMA_STEP void look_at_leaf(const IndexLeaf& leaf, const RayTraversal& ray,
     }
 }
 
-/// The closest hit so far: computed where it must be, noted where that can wait.
+/// Whether a closest hit that floats are sure of is computed in doubles at once, while the walk goes
+/// on, or noted: then many rays' hits can be computed side by side.
+enum class SureHits : std::uint8_t { computed, noted };
+
+/// The closest hit so far.
+template <SureHits Sure>
 struct ClosestSearch {
     static constexpr bool has_packets = true;
-    static constexpr bool notes_hits = true; ///< does not compute them at once
+    static constexpr bool notes_hits = Sure == SureHits::noted;
     const IndexParts& index;
 
     HWY_INLINE void keep(SearchedRay& ray) const
@@ -362,7 +360,7 @@ struct ClosestSearch {
     }
     HWY_INLINE void settle(SearchedRay& ray) const
     {
-        if (ray.best_noted.leaf == RayTriangle::no_leaf) return;
+        if (!notes_hits || ray.best_noted.leaf == RayTriangle::no_leaf) return;
         if (ask_any_triangle(index, ray.best_noted, ray, ray.best)) keep(ray);
     }
     /// False to end the search.
@@ -374,11 +372,16 @@ struct ClosestSearch {
             if ((candidates.sure >> lane & 1U) != 0) {
                 if (candidates.least[lane] > ray.most) continue;
                 if (candidates.most[lane] < ray.best_least) {
-                    ray.best_noted = {leaf, lane};
-                    const std::uint32_t first = index.blocks()[leaf].leaf.first_row;
-                    hwy::Prefetch(row_address(index, first + lane));
                     ray.best_least = candidates.least[lane];
                     ray.most = candidates.most[lane];
+                    if constexpr (notes_hits) {
+                        ray.best_noted = {leaf, lane};
+                        const std::uint32_t first = index.blocks()[leaf].leaf.first_row;
+                        hwy::Prefetch(row_address(index, first + lane));
+                    } else {
+                        const bool is_hit = ask_any_triangle(index, {leaf, lane}, ray, ray.best);
+                        ray.found = is_hit || ray.found;
+                    }
                     continue;
                 }
             }
@@ -414,13 +417,13 @@ struct AnySearch {
 
 /// One block. False where the walk has ended.
 template <class Search>
-HWY_INLINE bool step(const IndexBlock* blocks, const Search& search, const NodeLanes& lanes,
-                     RayTraversal& ray, WalkState& at)
+HWY_INLINE bool step(const IndexBlock* blocks, const Search& search, RayTraversal& ray,
+                     WalkState& at)
 {
     const std::uint32_t block = at.next & ~index_leaf_bit;
     if ((at.next & index_leaf_bit) == 0) {
         const IndexNode& node = blocks[block].node;
-        const MetChildren met = meet_children(node, lanes, ray);
+        const MetChildren met = meet_children(node, ray);
         if (met.bits != 0) {
             enter_nearest(node, met, ray, at);
         } else {

@@ -162,5 +162,38 @@ TEST(CastPacket, LosesNoHitNextToEmptyChildren)
     EXPECT_GT(hits, 10'000U);
 }
 
+TEST(CastPacket, AnswersWherePacketsAreGivenUp)
+{
+    // Each sixteen in a row spans many leaves or few, in turns and for long.
+    const TriangleMesh sphere = sphere_mesh(Vec3::Zero(), 1.0, 120, 160);
+    const MeshIndex index = ray_index_of(sphere);
+    std::vector<Ray> rays;
+    for (int sixteen = 0; sixteen < 600; ++sixteen) {
+        const bool is_broad = sixteen < 200 || (sixteen < 400 && sixteen % 3 == 0);
+        const double width = is_broad ? 0.04 : 0.001;
+        for (int i = 0; i < 16; ++i) {
+            const Vec3 eye(2, 2, 3);
+            const Vec3 aim(0.5 * std::sin(sixteen), 0.5 * std::cos(sixteen * 1.7) - width * i, 0);
+            rays.push_back({eye, aim - eye});
+        }
+    }
+    for (const SimdTarget& target : simd_targets()) {
+        SCOPED_TRACE(target.name);
+        force_simd_target(target);
+        std::vector<std::optional<RayHit>> closest(rays.size());
+        const auto any = std::make_unique<bool[]>(rays.size());
+        EXPECT_TRUE(closest_hits(index, rays, closest));
+        EXPECT_TRUE(any_hits(index, rays, {any.get(), rays.size()}));
+        restore_simd_targets();
+        std::size_t hits = 0;
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            ASSERT_EQ(closest[i], closest_hit(index, rays[i])) << "ray " << i;
+            ASSERT_EQ(any[i], closest[i].has_value()) << "ray " << i;
+            hits += closest[i] ? 1 : 0;
+        }
+        EXPECT_GT(hits, rays.size() / 2);
+    }
+}
+
 } // namespace
 } // namespace proxima

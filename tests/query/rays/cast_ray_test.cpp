@@ -1,6 +1,7 @@
 #include "proxima/cast_ray.h"
 
 #include "base/simd.h"
+#include "base/text.h"
 #include "cancellation.h"
 #include "counted_allocations.h"
 #include "index/index_parts.h"
@@ -9,6 +10,7 @@
 #include "octree/nasty_meshes.h"
 #include "octree/small_meshes.h"
 #include "oracles/ray_hits.h"
+#include "query/rays/prepare_ray.h"
 #include "query/rays/test_rays.h"
 
 #include <gtest/gtest.h>
@@ -233,6 +235,38 @@ TEST(CastRay, AnswersTheSameOnEveryInstructionSetWithoutAllocating)
     }
 }
 
+TEST(CastRay, WalksFromFarAway)
+{
+    // At t = 1 the ray is exactly at x = 0 and the target's y and z, however far it begins.
+    const TriangleMesh sphere = moved(sphere_mesh(Vec3::Zero(), 1.0, 20, 30), [](const Vec3& p) {
+        return Vec3((4096 * p).array().round() / 4096);
+    });
+    const MeshIndex index = ray_index_of(sphere);
+    std::mt19937_64 random(5);
+    std::uniform_real_distribution<double> unit(-1.1, 1.1);
+    std::size_t hits = 0;
+    for (int exponent = 0; exponent < 110; ++exponent) {
+        SCOPED_TRACE(::testing::Message() << "from 2^" << exponent << ", seed 5");
+        const double far = std::ldexp(1.0, exponent);
+        std::vector<Ray> rays;
+        for (int i = 0; i < 30; ++i) {
+            const Vec3 target(0, std::round(1024 * unit(random)) / 1024,
+                              std::round(1024 * unit(random)) / 1024);
+            const Vec3 along(far, std::round(8 * unit(random)), std::round(8 * unit(random)));
+            Ray ray{target - along, along};
+            if (i % 3 == 1) ray.t_max = 1;
+            if (i % 3 == 2) ray.t_min = 1;
+            rays.push_back(ray);
+            RayTraversal open;
+            const RayStart start = prepare_ray(index.parts(), ray, Faces::both, open);
+            // In the index's units, half of the mesh's.
+            EXPECT_EQ(start == RayStart::too_far, exponent > 80);
+        }
+        hits += expect_truth(sphere, index, rays);
+    }
+    EXPECT_GT(hits, 1000U);
+}
+
 TEST(CastRay, KeepsTheFirstOfManyHits)
 {
     // A stack of squares, so that a ray has many hits.
@@ -267,8 +301,9 @@ TEST(CastRay, ReportsWhichRayOfABatchIsInvalid)
 {
     const TriangleMesh cube = cube_mesh(Vec3::Zero(), 1.0);
     const MeshIndex index = ray_index_of(cube);
-    std::vector<Ray> rays(10, Ray{Vec3(-5, 0, 0), Vec3::UnitX()});
-    std::vector<std::optional<RayHit>> hits(10);
+    // More than a chunk of them, that look alike.
+    std::vector<Ray> rays(5000, Ray{Vec3(-5, 0, 0), Vec3::UnitX()});
+    std::vector<std::optional<RayHit>> hits(rays.size());
     ASSERT_TRUE(closest_hits(index, rays, hits));
     const double nan = std::numeric_limits<double>::quiet_NaN();
     for (const Ray& bad :
@@ -279,11 +314,19 @@ TEST(CastRay, ReportsWhichRayOfABatchIsInvalid)
         EXPECT_FALSE(any_hit(index, bad));
         EXPECT_TRUE(all_hits(index, bad).empty());
         EXPECT_FALSE(closest_hit_by_brute_force(cube, bad));
-        rays[7] = bad;
-        const Status status = closest_hits(index, rays, hits);
-        ASSERT_FALSE(status);
-        EXPECT_EQ(status.error().code, ErrorCode::invalid_argument);
-        EXPECT_NE(status.error().message.find("ray 7"), std::string::npos);
+        for (const std::size_t number : {4700U, 2500U, 7U}) {
+            rays[number] = bad;
+            for (const int threads : {1, 2}) {
+                const Status status =
+                    closest_hits(index, rays, hits, {.execution = {.threads = {threads}}});
+                ASSERT_FALSE(status);
+                EXPECT_EQ(status.error().code, ErrorCode::invalid_argument);
+                EXPECT_NE(status.error().message.find(concat("ray ", number, " is none")),
+                          std::string::npos)
+                    << status.error().message;
+            }
+        }
+        for (const std::size_t number : {4700U, 2500U, 7U}) rays[number] = rays[0];
     }
     hits.pop_back();
     EXPECT_FALSE(closest_hits(index, std::span(rays).first(3), hits));

@@ -38,7 +38,7 @@ public:
             ray.origin = place();
             break;
         case 1:
-            ray.origin = box_.center() + std::ldexp(size_, int(below(50)) - 2) * direction();
+            ray.origin = box_.center() + std::ldexp(size_, int(below(90)) - 2) * direction();
             break;
         default:
             ray.origin = box_.center() + size_ * Vec3{signed_unit(), signed_unit(), signed_unit()};
