@@ -42,14 +42,14 @@ private:
 Result<std::unique_ptr<Contender>> make_proxima_peer(const TriangleMesh& mesh,
                                                      std::uint64_t list_bytes_per_triangle)
 {
-    const double start = nanoseconds_now();
+    const double start = processor_seconds();
     auto index = build_mesh_index(mesh, {.execution = {.threads = {1}}});
     if (index && list_bytes_per_triangle != 0) {
         index = with_lists(*index, {.list_bytes = list_bytes_per_triangle * mesh.triangle_count(),
                                     .execution = {.threads = {1}}});
     }
     if (!index) return tl::unexpected(index.error());
-    const double seconds = 1e-9 * (nanoseconds_now() - start);
+    const double seconds = processor_seconds() - start;
     auto contender = make_contender<ProximaPeer>(list_bytes_per_triangle == 0 ? "tree" : "lists",
                                                  std::move(*index));
     contender->build_seconds = seconds;

@@ -2,10 +2,12 @@
 // Run by scripts/bench proximity, which prints the tables of one run.
 //
 //     proximity_bench [--queries N] [--rounds N] [--seed N] [--mesh NAME]... [--curve] [--out FILE]
+//     proximity_bench --totals [--most N] ...
 //
 // Without --mesh: sphere:100x100, the bunny of Debian's glmark2-data, the dragon of 47,794
 // triangles where a folder shared/meshes lies beside this one, and PROXIMA_BENCH_MESH. With
-// --curve only ours, by its budget.
+// --curve only ours, by its budget. With --totals the seconds in all from a mesh in memory to the
+// last answer, for one point, a hundred, ten thousand and so on up to --most.
 
 #include "base/text.h"
 #include "bench_program.h"
@@ -41,6 +43,8 @@ struct BenchOptions {
     std::uint64_t seed = 1;
     std::vector<std::string> meshes;
     bool curve = false;
+    bool totals = false;
+    std::size_t most = 1000000; ///< points of --totals
     std::string out = "proximity-bench.json";
 };
 
@@ -175,6 +179,78 @@ Status draw_curve(const TriangleMesh& mesh, const std::array<QuerySet, 3>& sets,
     return {};
 }
 
+/// The seconds that this peer takes for so many points of a set, those of a large number in chunks
+/// of what there are. As a batch where it takes those and there is more than one.
+double seconds_to_answer(Contender& contender, std::span<const Vec3> points, std::size_t count)
+{
+    std::vector<PeerAnswer> answers(std::min(points.size(), count));
+    const double start = processor_seconds();
+    for (std::size_t left = count; left > 0;) {
+        const std::size_t now = std::min(left, points.size());
+        if (count == 1) {
+            contender.answer_singly(points.first(now), std::span(answers).first(now));
+        } else {
+            contender.answer_batch(points.first(now), std::span(answers).first(now));
+        }
+        left -= now;
+    }
+    return processor_seconds() - start;
+}
+
+/// Builds all peers anew in every round; medians of build and answers together.
+void print_totals(const TriangleMesh& mesh, const std::string& label,
+                  const std::array<QuerySet, 3>& sets, const BenchOptions& options)
+{
+    std::vector<std::size_t> counts;
+    for (std::size_t count = 1; count <= options.most; count *= 100) counts.push_back(count);
+    struct Row {
+        std::vector<double> builds;
+        /// By set and count, of the rounds.
+        std::array<std::vector<std::vector<double>>, 3> totals;
+    };
+    std::vector<std::pair<std::string, Row>> rows;
+    for (int round = 0; round < options.rounds; ++round) {
+        const auto contenders = all_contenders(mesh, options.queries);
+        rows.resize(contenders.size());
+        for (std::size_t i = 0; i < contenders.size(); ++i) {
+            Contender& contender =
+                *contenders[(i + static_cast<std::size_t>(round)) % contenders.size()];
+            auto& [name, row] = rows[(i + static_cast<std::size_t>(round)) % contenders.size()];
+            name = contender.name;
+            row.builds.push_back(contender.build_seconds);
+            for (std::size_t s = 0; s < sets.size(); ++s) {
+                row.totals[s].resize(counts.size());
+                for (std::size_t k = 0; k < counts.size(); ++k) {
+                    // What takes no batches of points is asked no more than it can answer in time.
+                    if (contender.at_most != 0 && counts[k] > contender.at_most) continue;
+                    row.totals[s][k].push_back(
+                        contender.build_seconds +
+                        seconds_to_answer(contender, sets[s].points, counts[k]));
+                }
+            }
+        }
+    }
+    (void)std::printf("%s: %zu triangles. Seconds from the mesh to the last answer, one thread, "
+                      "medians of %d rounds\n",
+                      label.c_str(), mesh.triangle_count(), options.rounds);
+    (void)std::printf("  %-14s%3s%10s", "", "set", "build");
+    for (const std::size_t count : counts) (void)std::printf("%11zu", count);
+    (void)std::printf("\n");
+    for (std::size_t s = 0; s < sets.size(); ++s) {
+        for (const auto& [name, row] : rows) {
+            (void)std::printf("  %-14s%3s%10.4f", name.c_str(), sets[s].name, median(row.builds));
+            for (const std::vector<double>& totals : row.totals[s]) {
+                if (totals.empty()) {
+                    (void)std::printf("%11s", "-");
+                } else {
+                    (void)std::printf("%11.4f", median(totals));
+                }
+            }
+            (void)std::printf("\n");
+        }
+    }
+}
+
 Status run_mesh(const std::string& name, const BenchOptions& options, Json& report)
 {
     const auto mesh = is_sample_mesh_name(name) ? sample_mesh(name) : read_mesh(name);
@@ -185,6 +261,10 @@ Status run_mesh(const std::string& name, const BenchOptions& options, Json& repo
         is_sample_mesh_name(name) ? name : std::filesystem::path(name).filename().string();
     say(concat(label, ": ", mesh->triangle_count(), " triangles"));
     const auto sets = query_sets(*mesh, options.queries, options.seed);
+    if (options.totals) {
+        print_totals(*mesh, label, sets, options);
+        return {};
+    }
     Json json = {{"name", label},
                  {"triangles", mesh->triangle_count()},
                  {"diagonal", box->extent().norm()},
@@ -211,6 +291,7 @@ int run(const BenchOptions& options)
             return 1;
         }
     }
+    if (options.totals) return 0;
     std::ofstream file(options.out);
     file << report.dump(2) << '\n';
     if (file.flush()) return 0;
@@ -236,6 +317,10 @@ int main(int argc, char** argv)
                            "A file or a built-in instead of the usual meshes")
                 ->allow_extra_args(false);
             app.add_flag("--curve", options.curve, "Speed against budget, ours alone");
+            app.add_flag("--totals", options.totals,
+                         "Seconds in all, build included, for 1 point, 100, 10000 and so on");
+            app.add_option("--most", options.most, "The most points of --totals")
+                ->check(CLI::Range(1, 100000000));
             app.add_option("--out", options.out, "The report, as JSON");
         },
         [&] { return proxima::bench::run(options); });

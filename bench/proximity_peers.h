@@ -7,6 +7,7 @@
 // A further peer is a class with these functions and one line in proximity_bench.cpp.
 #pragma once
 
+#include "bench_program.h"
 #include "proxima/result.h"
 #include "proxima/triangle_mesh.h"
 
@@ -134,13 +135,13 @@ private:
     P peer_;
 };
 
-/// Builds a peer from what its constructor takes, and times that.
+/// Builds a peer from what its constructor takes, and times that on the processor.
 template <ClosestPointPeer P, class... Arguments>
 std::unique_ptr<Contender> make_contender(const char* name, Arguments&&... arguments)
 {
-    const double start = nanoseconds_now();
+    const double start = processor_seconds();
     auto contender = std::make_unique<ContenderOf<P>>(std::forward<Arguments>(arguments)...);
-    contender->build_seconds = 1e-9 * (nanoseconds_now() - start);
+    contender->build_seconds = processor_seconds() - start;
     contender->name = name;
     return contender;
 }
