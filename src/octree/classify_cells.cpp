@@ -305,7 +305,6 @@ private:
     void write_classes(std::span<OctreeNode> nodes) const
     {
         for (GroupNumber group = 0; group < groups_.count(); ++group) {
-            if (inner_[group] == 0) continue;
             OctreeNode& node = nodes[groups_[group].record];
             const std::uint32_t inner = inner_[group];
             node.packed |= inner << 8U;

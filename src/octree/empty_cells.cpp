@@ -40,27 +40,33 @@ EmptyGroups::EmptyGroups(const Octree& octree, std::span<const std::uint8_t> alo
     octants_.resize(nodes.size());
     for (std::uint32_t record = 0; record < nodes.size(); ++record) {
         const OctreeNode node = nodes[record];
-        Octants of{.first = count(), .groups = 0, .empty = 0, .split = 0, .alone = 0};
-        if (!node.is_leaf() && !node.is_empty()) {
-            of.empty = static_cast<std::uint8_t>(empty_octants(octree, record));
-            of.alone = alone.empty() ? std::uint8_t{0} : alone[record];
-            std::uint32_t split = 0;
-            std::uint32_t child = node.first;
-            for (std::uint32_t bits = node.recorded_mask(); bits != 0; bits &= bits - 1) {
-                if (!nodes[child++].is_leaf()) split |= bits & (~bits + 1U);
-            }
-            of.split = static_cast<std::uint8_t>(split & ~std::uint32_t{of.empty});
-            const detail::OctantGroups& together = detail::octant_groups[of.empty ^ of.alone];
-            for (std::uint32_t i = 0; i < together.count; ++i) {
-                groups_.push_back({CellKey{}, record, together.octants[i]});
-            }
-            for (std::uint32_t bits = of.alone; bits != 0; bits &= bits - 1) {
-                const auto octant = static_cast<std::uint8_t>(bits & (~bits + 1U));
-                groups_.push_back({CellKey{}, record, octant, true});
-            }
-            of.groups = static_cast<std::uint8_t>(count() - of.first);
+        if (node.is_leaf() || node.is_empty()) continue;
+        const std::uint32_t empty = empty_octants(octree, record);
+        const std::uint32_t apart = alone.empty() ? 0U : alone[record];
+        std::uint32_t split = 0;
+        std::uint32_t child = node.first;
+        for (std::uint32_t bits = node.recorded_mask(); bits != 0; bits &= bits - 1) {
+            const std::uint32_t octant = bits & (~bits + 1U);
+            split |= nodes[child++].is_leaf() ? 0U : octant;
         }
-        octants_[record] = of;
+        // All that a cell may have, without a branch for each; as many count as it has.
+        const std::uint32_t first = count();
+        const detail::OctantGroups& together = detail::octant_groups[empty & ~apart];
+        groups_.reserve(first + together.octants.size() + 8);
+        EmptyGroup* end = groups_.data() + first;
+        for (std::size_t i = 0; i < together.octants.size(); ++i) {
+            end[i] = {CellKey{}, record, together.octants[i]};
+        }
+        end += together.count;
+        for (std::uint32_t bits = apart; bits != 0; bits &= bits - 1) {
+            *end++ = {CellKey{}, record, static_cast<std::uint8_t>(bits & (~bits + 1U)), true};
+        }
+        groups_.resize(static_cast<std::size_t>(end - groups_.data()));
+        octants_[record] = {.first = first,
+                            .groups = static_cast<std::uint8_t>(count() - first),
+                            .empty = static_cast<std::uint8_t>(empty),
+                            .split = static_cast<std::uint8_t>(split & ~empty),
+                            .alone = static_cast<std::uint8_t>(apart)};
     }
 }
 

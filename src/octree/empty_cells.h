@@ -101,7 +101,7 @@ struct EmptyGroup {
 /// Groups by number, in the order of the records of their parents.
 class EmptyGroups {
 public:
-    /// What the octants of a record are; nothing for leaves and empty cells.
+    /// What the octants of a split record with triangles are.
     struct Octants {
         std::uint32_t first = 0; ///< its first group; those of octants alone come last
         std::uint8_t groups = 0; ///< how many it has
@@ -124,6 +124,7 @@ public:
     }
     [[nodiscard]] EmptyGroup& operator[](std::uint32_t group) noexcept { return groups_[group]; }
 
+    /// \pre the record is split, not empty
     [[nodiscard]] Octants octants(std::uint32_t record) const noexcept { return octants_[record]; }
 
     /// Group of an empty octant.

@@ -161,17 +161,22 @@ first_at_same_position(const TriangleMesh& mesh, std::span<const DirectedEdge> e
                        StageSteps& steps)
 {
     const auto positions = mesh.positions();
-    // Most vertices are not where one of the edges ends: a bit tells, of each of many hashes.
+    // Few vertices may be where one of the edges ends: a bit for each of many cheap hashes tells.
     const int filter_bits = std::clamp(static_cast<int>(std::bit_width(edges.size())) + 4, 10, 30);
+    const auto filter_hash = [&](const Vec3& position) {
+        const auto [x, y, z] = bits_of(position);
+        return (x + 3 * y + 5 * z) * 0x9E3779B97F4A7C15U >> (64 - filter_bits);
+    };
     std::vector<bool> is_end(std::size_t{1} << filter_bits);
     for (const DirectedEdge& edge : edges) {
-        is_end[hash(positions[edge.from]) >> (64 - filter_bits)] = true;
-        is_end[hash(positions[edge.to]) >> (64 - filter_bits)] = true;
+        is_end[filter_hash(positions[edge.from])] = true;
+        is_end[filter_hash(positions[edge.to])] = true;
     }
     std::vector<KeyedIndex> items;
     for (std::uint32_t i = 0; i < positions.size(); ++i) {
-        const std::uint64_t code = hash(positions[i]);
-        if (is_end[code >> (64 - filter_bits)]) items.push_back({code >> (64 - hash_bits), i});
+        if (is_end[filter_hash(positions[i])]) {
+            items.push_back({hash(positions[i]) >> (64 - hash_bits), i});
+        }
         if (!steps.done(1)) return std::nullopt;
     }
     if (!radix_sort(items, hash_bits, steps)) return std::nullopt;
