@@ -54,18 +54,29 @@ std::uint64_t count_children(const std::uint32_t* masks, std::size_t count)
     return total;
 }
 
+/// Calls visit(block, mask of its lanes) for the blocks of a cell; lanes beyond the cell are 0.
+template <class Visit>
+HWY_INLINE void for_each_block(const SplitCell& cell, const std::uint32_t* masks,
+                               const Visit& visit)
+{
+    const Tag tag;
+    std::size_t block = 0;
+    for (; block + hn::Lanes(tag) <= cell.count; block += hn::Lanes(tag)) {
+        visit(block, hn::LoadU(tag, masks + block));
+    }
+    if (block < cell.count) visit(block, load_masks(masks + block, cell.count - block));
+}
+
 /// How many of the cell's triangles each child gets.
 HWY_INLINE void count_triangles(const SplitCell& cell, const std::uint32_t* masks,
                                 std::array<std::uint32_t, 8>& counts)
 {
-    const Tag tag;
     counts = {};
-    for (std::size_t block = 0; block < cell.count; block += hn::Lanes(tag)) {
-        const auto mask = load_masks(masks + block, cell.count - block);
+    for_each_block(cell, masks, [&](std::size_t, hn::Vec<Tag> mask) {
         for (int child = 0; child < 8; ++child) {
-            counts[child] += static_cast<std::uint32_t>(hn::CountTrue(tag, touches(mask, child)));
+            counts[child] += static_cast<std::uint32_t>(hn::CountTrue(Tag(), touches(mask, child)));
         }
-    }
+    });
 }
 
 /// Writes the child's triangles to `out`, in order; up to a block of lanes behind them is spoilt.
@@ -73,11 +84,11 @@ HWY_INLINE void copy_triangles(const SplitCell& cell, const std::uint32_t* masks
                                const std::uint32_t* triangles, int child, std::uint32_t* out)
 {
     const Tag tag;
-    for (std::size_t block = 0; block < cell.count; block += hn::Lanes(tag)) {
-        const auto touching = touches(load_masks(masks + block, cell.count - block), child);
+    for_each_block(cell, masks, [&](std::size_t block, hn::Vec<Tag> mask) {
+        const auto touching = touches(mask, child);
         hn::StoreU(compress(hn::LoadU(tag, triangles + block), touching), tag, out);
         out += hn::CountTrue(tag, touching);
-    }
+    });
 }
 
 /// Replaces indices within the subtree by triangle ids.
