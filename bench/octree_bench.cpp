@@ -1,5 +1,5 @@
-// Builds octrees: ours on one and two threads, the usual recursive builder, and the thesis's
-// methods. Run by scripts/bench octree, which prints the ratios of one interleaved run.
+// Builds octrees: ours on one and two threads and with classes of empty leaves, the usual recursive
+// builder, and the thesis's methods. Run by scripts/bench octree, which prints the ratios of one interleaved run.
 //
 // PROXIMA_BENCH_MESH names a further mesh, built to depth 9 with threshold 8. Every row's label is
 // cells, references and a hash of the lists: a faster wrong answer would show.
@@ -69,11 +69,12 @@ double kilobytes(const std::string& key)
     return 0;
 }
 
-void build_ours(benchmark::State& state, const Workload& load, OverlapMethod method, int threads)
+void build_ours(benchmark::State& state, const Workload& load, OverlapMethod method, int threads,
+                Classification classification)
 {
     const OctreeOptions options{.max_depth = load.depth,
                                 .threshold = load.threshold,
-                                .classification = Classification::none,
+                                .classification = classification,
                                 .execution = {.threads = {threads}}};
     std::string text;
     double bytes = 0;
@@ -154,15 +155,17 @@ void build_akenine_moller(benchmark::State& state, const Workload& load)
 void add(const Workload& load, bool with_thesis_methods)
 {
     const auto name = [&](const char* method) { return load.name + "/" + method; };
-    const auto register_ours = [&](const char* label_of, OverlapMethod method, int threads) {
+    const auto register_ours = [&](const char* label_of, OverlapMethod method, int threads,
+                                   Classification classification = Classification::none) {
         benchmark::RegisterBenchmark(name(label_of).c_str(),
-                                     [load, method, threads](benchmark::State& state) {
-                                         build_ours(state, load, method, threads);
+                                     [=](benchmark::State& state) {
+                                         build_ours(state, load, method, threads, classification);
                                      })
             ->UseRealTime()
             ->Unit(benchmark::kMillisecond);
     };
     register_ours("fast", OverlapMethod::fast, 1);
+    register_ours("fast-classes", OverlapMethod::fast, 1, Classification::inner_outer);
     register_ours("fast-2-threads", OverlapMethod::fast, 2);
     benchmark::RegisterBenchmark(
         name("two-builds-2-threads").c_str(),
@@ -208,7 +211,8 @@ void add_all()
                               load(std::string("spaceship:") + count), 9, 8};
         benchmark::RegisterBenchmark((growth.name + "/fast").c_str(),
                                      [growth](benchmark::State& state) {
-                                         build_ours(state, growth, OverlapMethod::fast, 1);
+                                         build_ours(state, growth, OverlapMethod::fast, 1,
+                                                    Classification::none);
                                      })
             ->UseRealTime()
             ->Unit(benchmark::kMillisecond);

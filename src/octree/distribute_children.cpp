@@ -157,25 +157,25 @@ private:
 };
 
 /// Cells whose triangles fit so many blocks of lanes, as most do: everything stays in registers.
-template <std::size_t blocks>
+template <std::size_t Blocks>
 HWY_INLINE std::uint32_t distribute_few(const SplitCell& cell, const std::uint32_t* masks,
                                         const std::uint32_t* triangles, ChildWriter& writer)
 {
     const Tag tag;
-    hn::Vec<Tag> mask[blocks];
-    hn::Vec<Tag> block[blocks];
-    for (std::size_t i = 0; i < blocks; ++i) {
+    hn::Vec<Tag> mask[Blocks];
+    hn::Vec<Tag> block[Blocks];
+    for (std::size_t i = 0; i < Blocks; ++i) {
         const std::size_t first = i * hn::Lanes(tag);
         mask[i] = load_masks(masks + first, cell.count - first);
         block[i] = hn::LoadU(tag, triangles + first);
     }
     // Which children have triangles is known before the loop over them, which then has no branch
     // that depends on it.
-    std::uint32_t counts[8][blocks];
+    std::uint32_t counts[8][Blocks];
     std::uint32_t recorded = 0;
     for (int child = 0; child < 8; ++child) {
         std::uint32_t count = 0;
-        for (std::size_t i = 0; i < blocks; ++i) {
+        for (std::size_t i = 0; i < Blocks; ++i) {
             counts[child][i] =
                 static_cast<std::uint32_t>(hn::CountTrue(tag, touches(mask[i], child)));
             count += counts[child][i];
@@ -185,9 +185,9 @@ HWY_INLINE std::uint32_t distribute_few(const SplitCell& cell, const std::uint32
     for (std::uint32_t left = recorded; left != 0; left &= left - 1) {
         const int child = std::countr_zero(left);
         std::uint32_t count = 0;
-        for (std::size_t i = 0; i < blocks; ++i) count += counts[child][i];
+        for (std::size_t i = 0; i < Blocks; ++i) count += counts[child][i];
         std::uint32_t* out = writer.open(cell, child, count);
-        for (std::size_t i = 0; i < blocks; ++i) {
+        for (std::size_t i = 0; i < Blocks; ++i) {
             hn::StoreU(compress(block[i], touches(mask[i], child)), tag, out);
             out += counts[child][i];
         }

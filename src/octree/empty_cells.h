@@ -51,6 +51,7 @@ inline constexpr auto octant_groups = [] {
         }
         for (std::uint32_t left = mask; left != 0;) {
             std::uint32_t group = left & (~left + 1U);
+            // A step reaches neighbours: no octant of eight is more than seven away.
             for (int step = 0; step < 7; ++step) {
                 group |= ((group & 0x55U) << 1U) | ((group & 0xAAU) >> 1U) |
                          ((group & 0x33U) << 2U) | ((group & 0xCCU) >> 2U) |
