@@ -36,10 +36,10 @@ struct IndexLoadOptions {
 [[nodiscard]] Status save_index(const MeshIndex& index, const std::filesystem::path& path,
                                 const SaveOptions& options = {});
 
-/// The index on the memory-mapped file, which must not change while the index lives, or on a copy of
-/// it (`options.in_memory`). Whatever
-/// `options.verify`, the structure is checked, so that no content of a file can lead a query out of
-/// its arrays; check_same_mesh tells whether it is the index of a given mesh. Errors:
+/// The index on the memory-mapped file, which must not change while the index lives, or on a copy
+/// of it (`options.in_memory`). Whatever `options.verify`, the structure is checked, so that no
+/// content of a file can lead a query out of its arrays; check_same_mesh tells whether it is the
+/// index of a given mesh. Errors:
 /// file_not_found, unsupported_format (foreign file, newer version, other byte order),
 /// malformed_file (truncated, damaged, contradicting itself), cancelled. O(bytes), about 1 ms per
 /// MB on one thread.
