@@ -31,6 +31,7 @@ public:
 
     void unite(std::uint32_t a, std::uint32_t b) noexcept
     {
+        if (parent_[a] == parent_[b]) return; // most pairs, where many say the same
         a = find(a);
         b = find(b);
         parent_[std::max(a, b)] = std::min(a, b);

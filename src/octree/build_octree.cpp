@@ -130,16 +130,21 @@ Result<Octree> build_unguarded(const TriangleMesh& mesh, const OctreeOptions& op
     const OctreeFrame frame = options.root ? *options.root : tight_root(*box, options.root_shape);
     auto arrays = build_arrays(mesh, frame, options, finder);
     if (!arrays) return tl::unexpected(arrays.error());
-    const auto storage = std::make_shared<const OctreeOutput>(std::move(*arrays));
+    const auto storage = std::make_shared<OctreeOutput>(std::move(*arrays));
+    const auto adopt = [&](const OctreeParameters& parameters) {
+        return Octree::adopt(frame, parameters, mesh.triangle_count(), storage->nodes.span(),
+                             storage->references.span(), storage);
+    };
     const OctreeParameters parameters{.max_depth = options.max_depth,
                                       .threshold = options.threshold,
                                       .method = finder.method,
                                       .subdivision = options.subdivision,
                                       .exact = finder.is_exact};
-    Octree octree = Octree::adopt(frame, parameters, mesh.triangle_count(), storage->nodes.span(),
-                                  storage->references.span(), storage);
+    const Octree octree = adopt(parameters);
     if (options.classification == Classification::none) return octree;
-    return classify_cells(octree, mesh, {.execution = options.execution});
+    const auto summary = classify_nodes(octree, storage->nodes.span(), mesh, options.execution);
+    if (!summary) return tl::unexpected(summary.error());
+    return adopt(classified(parameters, *summary));
 }
 
 } // namespace

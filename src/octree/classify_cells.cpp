@@ -16,6 +16,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -28,9 +29,6 @@ constexpr std::size_t few_queries = 8;
 constexpr std::size_t chunk = 64;
 /// Each ray looks at every cap; of more caps, a region's winding number is asked for.
 constexpr std::size_t most_caps_for_rays = 20'000;
-
-/// What is known of one empty cell.
-enum class Label : std::uint8_t { outer, inner };
 
 /// Whether the closed box may touch the triangle: false only if its box or plane is clear of it.
 bool may_touch(const Triangle& triangle, const Box& box) noexcept
@@ -50,56 +48,41 @@ bool may_touch(const Triangle& triangle, const Box& box) noexcept
     return distance <= reach + slack * normal.norm();
 }
 
-bool touches_root_face(CellKey key) noexcept
-{
-    const std::uint32_t last = (1U << depth(key)) - 1;
-    for (const std::uint32_t at : cell_coordinates(key)) {
-        if (at == 0 || at == last) return true;
-    }
-    return false;
-}
-
 class Classifier {
 public:
     Classifier(const Octree& octree, const TriangleMesh& mesh, TriangleMesh caps,
-               const ClassifyOptions& options)
-        : octree_(octree), mesh_(mesh), options_(options), caps_(std::move(caps)),
-          cells_(collect_empty_cells(octree)), components_(cells_.keys.size()),
-          regions_(caps_.triangle_count() > 0 ? cells_.keys.size() : 0),
-          at_cap_(caps_.triangle_count() > 0 ? cells_.keys.size() : 0),
-          labels_(cells_.keys.size(), Label::outer)
+               const Execution& execution)
+        : octree_(octree), mesh_(mesh), execution_(execution), caps_(std::move(caps)),
+          groups_(octree, capped() ? octants_at_caps() : std::vector<std::uint8_t>()),
+          inner_(groups_.count())
     {}
 
-    Result<Octree> run()
+    Result<ClassificationSummary> run(std::span<OctreeNode> nodes)
     {
         begin_stage("empty cells", 1);
-        if (capped()) mark_cells_at_caps();
-        unite_cells();
-        if (is_cancelled(options_.execution.progress)) return cancelled("classifying cells");
-        number_regions();
+        find_regions();
+        if (is_cancelled(execution_.progress)) return cancelled("classifying cells");
         find_region_windings();
-        if (is_cancelled(options_.execution.progress)) return cancelled("classifying cells");
+        if (is_cancelled(execution_.progress)) return cancelled("classifying cells");
         label_cells();
-        if (is_cancelled(options_.execution.progress)) return cancelled("classifying cells");
-        summarise();
-        return make_octree();
+        if (is_cancelled(execution_.progress)) return cancelled("classifying cells");
+        write_classes(nodes);
+        return summary();
     }
 
 private:
-    using CellNumber = std::uint32_t;
+    using GroupNumber = std::uint32_t;
 
     [[nodiscard]] bool capped() const noexcept { return caps_.triangle_count() > 0; }
-    [[nodiscard]] DisjointSets& regions() noexcept { return capped() ? regions_ : components_; }
-    [[nodiscard]] bool at_cap(CellNumber cell) const noexcept { return capped() && at_cap_[cell]; }
 
-    [[nodiscard]] Vec3 center(CellNumber cell) const noexcept
+    [[nodiscard]] Vec3 center(CellKey cell) const noexcept
     {
-        return cell_box(octree_.frame(), cells_.keys[cell]).center();
+        return cell_box(octree_.frame(), cell).center();
     }
 
     void begin_stage(const char* name, std::uint64_t steps) const noexcept
     {
-        proxima::begin_stage(options_.execution.progress, name, steps);
+        proxima::begin_stage(execution_.progress, name, steps);
     }
 
     /// Calls body(i) for i in [0, count) on all threads.
@@ -107,20 +90,20 @@ private:
     void for_each(const char* stage, std::size_t count, const Body& body) const
     {
         begin_stage(stage, count);
-        parallel_chunks(count, chunk, options_.execution.threads,
-                        [&](std::size_t first, std::size_t end) {
-                            if (is_cancelled(options_.execution.progress)) return;
-                            for (std::size_t i = first; i < end; ++i) body(i);
-                            advance_stage(options_.execution.progress, end - first);
-                        });
+        parallel_chunks(count, chunk, execution_.threads, [&](std::size_t first, std::size_t end) {
+            if (is_cancelled(execution_.progress)) return;
+            for (std::size_t i = first; i < end; ++i) body(i);
+            advance_stage(execution_.progress, end - first);
+        });
     }
 
-    /// Descends with each cap to the empty cells that it may touch.
-    void mark_cells_at_caps()
+    /// Descends with each cap to the empty cells that it may touch: a mask for each record.
+    [[nodiscard]] std::vector<std::uint8_t> octants_at_caps() const
     {
-        if (octree_.nodes()[0].is_leaf()) return;
-        for (std::uint32_t i = 0;
-             i < caps_.triangle_count() && !is_cancelled(options_.execution.progress); ++i) {
+        std::vector<std::uint8_t> at_caps(octree_.nodes().size());
+        if (octree_.nodes()[0].is_leaf()) return at_caps;
+        for (std::uint32_t i = 0; i < caps_.triangle_count() && !is_cancelled(execution_.progress);
+             ++i) {
             const Triangle cap = caps_.triangle(TriangleId{i});
             FixedStack<Cell, 7 * max_octree_depth + 1> pending;
             pending.push(octree_.root());
@@ -129,46 +112,69 @@ private:
                 const std::uint32_t empty = empty_octants(octree_, parent.node);
                 for (int octant = 0; octant < 8; ++octant) {
                     const Cell child = octree_.child(parent, octant);
-                    const bool is_empty = (empty >> static_cast<unsigned>(octant) & 1U) != 0;
+                    const std::uint32_t bit = 1U << static_cast<unsigned>(octant);
+                    const bool is_empty = (empty & bit) != 0;
                     if (!is_empty && octree_.is_leaf(child)) continue;
                     if (!may_touch(cap, octree_.box(child))) continue;
                     if (is_empty) {
-                        at_cap_[cells_.number(parent.node, empty, octant)] = true;
+                        at_caps[parent.node] |= static_cast<std::uint8_t>(bit);
                     } else {
                         pending.push(child);
                     }
                 }
             }
         }
+        return at_caps;
     }
 
-    void unite_cells()
+    /// Numbers the sets, those of `left_out` aside, by their smallest members.
+    template <class LeftOut>
+    [[nodiscard]] std::vector<std::uint32_t> number_sets(DisjointSets& sets,
+                                                         const LeftOut& left_out) const
     {
-        const auto meet = [this](CellNumber a, CellNumber b) {
-            components_.unite(a, b);
-            if (capped() && !at_cap_[a] && !at_cap_[b]) regions_.unite(a, b);
-        };
-        EmptyFaces(octree_, cells_, meet, options_.execution.progress).visit_all();
-    }
-
-    /// Regions without caps, by their smallest cells; each starts at its largest.
-    void number_regions()
-    {
-        const std::size_t count = cells_.keys.size();
-        areas_.of_cell.assign(count, EmptyRegions::none);
-        for (CellNumber cell = 0; cell < count; ++cell) {
-            if (at_cap(cell)) continue;
-            const CellNumber smallest = regions().find(cell);
-            std::uint32_t& region = areas_.of_cell[cell];
-            if (smallest == cell) {
-                region = static_cast<std::uint32_t>(areas_.start.size());
-                areas_.start.push_back(cell);
-            } else {
-                region = areas_.of_cell[smallest];
-            }
-            CellNumber& start = areas_.start[region];
-            if (cells_.keys[cell] < cells_.keys[start]) start = cell;
+        std::vector<std::uint32_t> set_of(groups_.count(), EmptyRegions::none);
+        std::uint32_t count = 0;
+        for (GroupNumber group = 0; group < groups_.count(); ++group) {
+            if (left_out(groups_[group])) continue;
+            const GroupNumber smallest = sets.find(group);
+            set_of[group] = smallest == group ? count++ : set_of[smallest];
         }
+        return set_of;
+    }
+
+    /// Components, and regions: what is left of them without cells at caps. A region starts at its
+    /// largest cell.
+    void find_regions()
+    {
+        struct Meeting {
+            GroupNumber a = 0;
+            GroupNumber b = 0;
+        };
+        std::vector<Meeting> at_caps;
+        DisjointSets sets(groups_.count());
+        const auto meet = [&](GroupNumber a, GroupNumber b) {
+            if (capped() && (groups_[a].is_alone || groups_[b].is_alone)) {
+                at_caps.push_back({a, b});
+            } else {
+                sets.unite(a, b);
+            }
+        };
+        EmptyFaces(octree_, groups_, meet, execution_.progress).visit_all();
+        if (is_cancelled(execution_.progress)) return;
+        areas_.of_group = number_sets(sets, [](const EmptyGroup& group) { return group.is_alone; });
+        for (GroupNumber group = 0; group < groups_.count(); ++group) {
+            const std::uint32_t region = areas_.of_group[group];
+            if (region == EmptyRegions::none) continue;
+            const CellKey first = groups_[group].first_cell();
+            if (region == areas_.start.size()) {
+                areas_.start.push_back(first);
+            } else {
+                areas_.start[region] = std::min(areas_.start[region], first);
+            }
+        }
+        if (!capped()) return;
+        for (const Meeting& meeting : at_caps) sets.unite(meeting.a, meeting.b);
+        component_of_ = number_sets(sets, [](const EmptyGroup&) { return false; });
     }
 
     /// The whole winding number of mesh and caps in each region: 0 where it reaches the root's
@@ -177,18 +183,18 @@ private:
     {
         const auto outside = static_cast<std::uint32_t>(areas_.start.size());
         DisjointOffsets windings(areas_.start.size() + 1);
-        for (CellNumber cell = 0; cell < cells_.keys.size(); ++cell) {
-            if (!at_cap(cell) && touches_root_face(cells_.keys[cell])) {
-                windings.unite(outside, areas_.of_cell[cell], 0);
+        for (GroupNumber group = 0; group < groups_.count(); ++group) {
+            if (groups_[group].at_root_face && !groups_[group].is_alone) {
+                windings.unite(outside, areas_.of_group[group], 0);
             }
         }
         // Rounded lists may lack a triangle that a ray crosses.
         if (octree_.parameters().exact && caps_.triangle_count() <= most_caps_for_rays) {
-            const RegionRays rays(octree_, mesh_, caps_, cells_, areas_);
-            tie_regions(rays, windings, options_.execution.threads, options_.execution.progress);
+            const RegionRays rays(octree_, mesh_, caps_, groups_, areas_);
+            tie_regions(rays, windings, execution_.threads, execution_.progress);
         }
         ask_winding_numbers(outside, windings);
-        if (is_cancelled(options_.execution.progress)) return;
+        if (is_cancelled(execution_.progress)) return;
         const std::int64_t winding_outside = windings.find(outside).difference;
         for (std::uint32_t region = 0; region < outside; ++region) {
             const auto found = windings.find(region);
@@ -205,14 +211,17 @@ private:
             const bool first = windings.find(region).smallest == region;
             if (first && !are_tied(windings, region, outside)) asked.push_back(region);
         }
-        const auto direct = static_cast<std::size_t>(std::ranges::count(at_cap_, true));
+        std::size_t direct = 0;
+        for (GroupNumber group = 0; group < groups_.count(); ++group) {
+            direct += groups_[group].is_alone ? 1 : 0;
+        }
         if (asked.size() + direct > few_queries) {
-            auto built = build_winding_number(mesh_, {options_.execution});
+            auto built = build_winding_number(mesh_, {execution_});
             if (!built) return; // cancelled
             winding_ = std::move(*built);
         }
         if (capped()) {
-            auto built = build_winding_number(caps_, {options_.execution});
+            auto built = build_winding_number(caps_, {execution_});
             if (!built) return; // cancelled
             cap_winding_ = std::move(*built);
         }
@@ -227,128 +236,134 @@ private:
         for (std::size_t i = 0; i < asked.size(); ++i) windings.unite(outside, asked[i], found[i]);
     }
 
+    [[nodiscard]] bool is_inner(GroupNumber group, const Vec3& point) const
+    {
+        if (groups_[group].is_alone) {
+            return winding_ ? is_inside(*winding_, point) : brute_is_inside(mesh_, point);
+        }
+        return is_inside_but_for(*cap_winding_, point, region_winding_[areas_.of_group[group]]);
+    }
+
     void label_cells()
     {
-        const std::size_t count = cells_.keys.size();
         if (!capped()) {
-            for (CellNumber cell = 0; cell < count; ++cell) {
-                labels_[cell] =
-                    region_winding_[areas_.of_cell[cell]] >= 1 ? Label::inner : Label::outer;
+            for (GroupNumber group = 0; group < groups_.count(); ++group) {
+                const bool inner = region_winding_[areas_.of_group[group]] >= 1;
+                inner_[group] = inner ? groups_[group].octants : std::uint8_t{0};
             }
             return;
         }
-        for_each("cells near holes", count, [&](std::size_t i) {
-            const auto cell = static_cast<CellNumber>(i);
-            const Vec3 point = center(cell);
-            bool inside = false;
-            if (at_cap_[cell]) {
-                inside = winding_ ? is_inside(*winding_, point) : brute_is_inside(mesh_, point);
-            } else {
-                inside =
-                    is_inside_but_for(*cap_winding_, point, region_winding_[areas_.of_cell[cell]]);
+        for_each("cells near holes", groups_.count(), [&](std::size_t i) {
+            const auto group = static_cast<GroupNumber>(i);
+            std::uint32_t inner = 0;
+            for (std::uint32_t bits = groups_[group].octants; bits != 0; bits &= bits - 1) {
+                const CellKey cell = child(groups_[group].parent, std::countr_zero(bits));
+                if (is_inner(group, center(cell))) inner |= bits & (~bits + 1U);
             }
-            labels_[cell] = inside ? Label::inner : Label::outer;
+            inner_[group] = static_cast<std::uint8_t>(inner);
         });
     }
 
     /// Counts components and those that leaked.
-    void summarise()
+    [[nodiscard]] ClassificationSummary summary() const
     {
         struct Component {
             std::uint64_t leaves = 0;
             bool has_inner = false;
             bool has_outer = false; // or reaches the root's faces, beyond which all is outside
         };
-        std::vector<Component> found(cells_.keys.size());
-        for (CellNumber cell = 0; cell < cells_.keys.size(); ++cell) {
-            const CellKey key = cells_.keys[cell];
-            Component& component = found[components_.find(cell)];
-            component.leaves += leaves_of(key);
-            const bool inner = labels_[cell] == Label::inner;
-            component.has_inner = component.has_inner || inner;
-            component.has_outer = component.has_outer || !inner || touches_root_face(key);
+        std::vector<Component> components;
+        for (GroupNumber number = 0; number < groups_.count(); ++number) {
+            const EmptyGroup& group = groups_[number];
+            const std::uint32_t at = capped() ? component_of_[number] : areas_.of_group[number];
+            if (at == components.size()) components.emplace_back();
+            Component& component = components[at];
+            component.leaves += leaves_of(group);
+            component.has_inner = component.has_inner || inner_[number] != 0;
+            component.has_outer =
+                component.has_outer || inner_[number] != group.octants || group.at_root_face;
         }
-        for (const Component& component : found) {
-            if (component.leaves == 0) continue;
-            ++summary_.components;
+        ClassificationSummary summary;
+        summary.components = static_cast<std::uint32_t>(components.size());
+        for (const Component& component : components) {
             if (component.has_inner && component.has_outer) {
-                ++summary_.leaked_components;
-                summary_.leaked_leaves += component.leaves;
+                ++summary.leaked_components;
+                summary.leaked_leaves += component.leaves;
             }
         }
+        return summary;
     }
 
-    [[nodiscard]] std::uint64_t leaves_of(CellKey key) const noexcept
+    [[nodiscard]] std::uint64_t leaves_of(const EmptyGroup& group) const noexcept
     {
-        if (octree_.parameters().subdivision == Subdivision::adaptive) return 1;
-        return std::uint64_t{1} << (3 * (octree_.parameters().max_depth - depth(key)));
+        const std::uint64_t cells = count_octants(group.octants);
+        if (octree_.parameters().subdivision == Subdivision::adaptive) return cells;
+        return cells << (3 * (octree_.parameters().max_depth - depth(group.parent) - 1));
     }
 
-    Result<Octree> make_octree()
+    /// Sets the octants of inner cells. \pre no inner octants are set in the nodes
+    void write_classes(std::span<OctreeNode> nodes) const
     {
-        struct Storage {
-            std::vector<OctreeNode> nodes;
-            Octree source; // keeps the references
-        };
-        auto storage = std::make_shared<Storage>();
-        storage->source = octree_;
-        storage->nodes.assign(octree_.nodes().begin(), octree_.nodes().end());
-        for (std::uint32_t record = 0; record < storage->nodes.size(); ++record) {
-            const OctreeNode node = octree_.nodes()[record];
-            if (node.is_leaf() || node.is_empty()) continue;
-            const std::uint32_t empty = empty_octants(octree_, record);
-            std::uint32_t inner = 0;
-            CellNumber cell = cells_.first_of[record];
-            for (std::uint32_t bits = empty; bits != 0; bits &= bits - 1) {
-                if (labels_[cell++] == Label::inner) inner |= bits & (~bits + 1U);
-            }
-            set_inner(storage->nodes, record, inner);
-            for (std::uint32_t bits = empty & node.recorded_mask(); bits != 0; bits &= bits - 1) {
+        for (GroupNumber group = 0; group < groups_.count(); ++group) {
+            OctreeNode& node = nodes[groups_[group].record];
+            const std::uint32_t inner = inner_[group];
+            node.packed |= inner << 8U;
+            for (std::uint32_t bits = inner & node.recorded_mask(); bits != 0; bits &= bits - 1) {
                 const std::uint32_t below = (bits & (~bits + 1U)) - 1;
-                set_all_below(storage->nodes,
-                              node.first + static_cast<std::uint32_t>(
-                                               std::popcount(node.recorded_mask() & below)),
-                              (inner & (below + 1)) != 0 ? 0xFFU : 0U);
+                set_all_below(nodes, node.first + count_octants(node.recorded_mask() & below));
             }
         }
-        OctreeParameters parameters = octree_.parameters();
-        parameters.classified = true;
-        parameters.classification = summary_;
-        return Octree::adopt(octree_.frame(), parameters, octree_.triangle_count(), storage->nodes,
-                             octree_.references(), storage);
     }
 
-    static void set_inner(std::vector<OctreeNode>& nodes, std::uint32_t record, std::uint32_t inner)
+    /// Makes all cells below an empty record of a uniform octree inner.
+    static void set_all_below(std::span<OctreeNode> nodes, std::uint32_t record)
     {
-        nodes[record].packed = (nodes[record].packed & ~0xFF00U) | inner << 8U;
-    }
-
-    /// Gives all cells below an empty record of a uniform octree its class.
-    static void set_all_below(std::vector<OctreeNode>& nodes, std::uint32_t record,
-                              std::uint32_t inner)
-    {
-        if (nodes[record].is_leaf()) return;
-        set_inner(nodes, record, inner);
-        for (std::uint32_t i = 0; i < 8; ++i) set_all_below(nodes, nodes[record].first + i, inner);
+        OctreeNode& node = nodes[record];
+        if (node.is_leaf()) return;
+        node.packed |= 0xFF00U;
+        for (std::uint32_t i = 0; i < 8; ++i) set_all_below(nodes, node.first + i);
     }
 
     const Octree& octree_;
     const TriangleMesh& mesh_;
-    const ClassifyOptions& options_;
+    const Execution& execution_;
     TriangleMesh caps_;
-    EmptyCells cells_;
-    DisjointSets components_;  ///< cells that share faces
-    DisjointSets regions_;     ///< the same, parted by caps; unused without caps
-    std::vector<bool> at_cap_; ///< cells that a cap may touch
-    std::vector<Label> labels_;
-    EmptyRegions areas_;                       ///< the sets of regions(), numbered
+    EmptyGroups groups_;                       ///< cells that a cap may touch are alone
+    std::vector<std::uint8_t> inner_;          ///< the octants of each group that are inner
+    EmptyRegions areas_;                       ///< groups that share faces, parted by caps
+    std::vector<std::uint32_t> component_of_;  ///< the same, not parted; empty without caps
     std::vector<std::int32_t> region_winding_; ///< of mesh and caps
     std::optional<WindingNumber> winding_;     ///< absent where few queries are needed
     std::optional<WindingNumber> cap_winding_;
-    ClassificationSummary summary_;
 };
 
+OctreeNode without_classes(OctreeNode node) noexcept
+{
+    return node.is_leaf() ? node : OctreeNode{node.first, node.packed & ~0xFF00U};
+}
+
 } // namespace
+
+Result<ClassificationSummary> classify_nodes(const Octree& octree, std::span<OctreeNode> nodes,
+                                             const TriangleMesh& mesh, const Execution& execution)
+{
+    const std::uint64_t cells = count_empty_cells(octree);
+    if (cells >= std::numeric_limits<std::uint32_t>::max()) {
+        return fail(ErrorCode::limit_exceeded, concat(cells, " empty cells, at most 2^32 - 2: "
+                                                             "lower the depth"));
+    }
+    // At most: nodes, copied, numbered and masked; groups, their sets and regions; edges of the mesh.
+    const std::uint64_t needed =
+        octree.nodes().size() * 13 + cells * 48 + mesh.triangle_count() * 100;
+    if (const Status status = check_budget(execution.budget, needed, "classifying the cells",
+                                           "lower the depth or raise the budget");
+        !status) {
+        return tl::unexpected<Error>(status.error());
+    }
+    auto caps = hole_caps(mesh, execution.progress);
+    if (!caps) return tl::unexpected<Error>(caps.error());
+    return Classifier(octree, mesh, std::move(*caps), execution).run(nodes);
+}
 
 Result<Octree> classify_cells(const Octree& octree, const TriangleMesh& mesh,
                               const ClassifyOptions& options)
@@ -364,23 +379,18 @@ Result<Octree> classify_cells(const Octree& octree, const TriangleMesh& mesh,
     if (!bounding_box(mesh).extent().allFinite()) {
         return fail(ErrorCode::invalid_mesh, "the mesh is too large for its extent to be a number");
     }
-    const std::uint64_t cells = count_empty_cells(octree);
-    if (cells >= std::numeric_limits<std::uint32_t>::max()) {
-        return fail(ErrorCode::limit_exceeded, concat(cells, " empty cells, at most 2^32 - 2: "
-                                                             "lower the depth"));
-    }
-    // Nodes and their first cells; keys, sets, regions and counts of cells; edges of the mesh.
-    const std::uint64_t needed =
-        octree.nodes().size() * 12 + cells * 48 + mesh.triangle_count() * 100;
-    if (const Status status =
-            check_budget(options.execution.budget, needed, "classifying the cells",
-                         "lower the depth or raise the budget");
-        !status) {
-        return tl::unexpected<Error>(status.error());
-    }
-    auto caps = hole_caps(mesh, options.execution.progress);
-    if (!caps) return tl::unexpected<Error>(caps.error());
-    return Classifier(octree, mesh, std::move(*caps), options).run();
+    struct Storage {
+        std::vector<OctreeNode> nodes;
+        Octree source; // keeps the references
+    };
+    const auto storage = std::make_shared<Storage>();
+    storage->source = octree;
+    storage->nodes.assign(octree.nodes().begin(), octree.nodes().end());
+    for (OctreeNode& node : storage->nodes) node = without_classes(node);
+    const auto summary = classify_nodes(octree, storage->nodes, mesh, options.execution);
+    if (!summary) return tl::unexpected<Error>(summary.error());
+    return Octree::adopt(octree.frame(), classified(octree.parameters(), *summary),
+                         octree.triangle_count(), storage->nodes, octree.references(), storage);
 }
 
 } // namespace proxima

@@ -15,6 +15,8 @@
 #include "proxima/result.h"
 #include "proxima/triangle_mesh.h"
 
+#include <span>
+
 namespace proxima {
 
 struct ClassifyOptions {
@@ -32,5 +34,23 @@ struct ClassifyOptions {
 /// holes.
 [[nodiscard]] Result<Octree> classify_cells(const Octree& octree, const TriangleMesh& mesh,
                                             const ClassifyOptions& options = {});
+
+/// Like classify_cells, into `nodes`, which may be those of the octree: for its builder, which need
+/// not copy them. An error leaves them as they were.
+/// \pre checked_bounding_box(mesh), whose extent is finite; `octree` was built from `mesh`, and
+/// `nodes` equal its nodes but for inner octants, of which they have none
+[[nodiscard]] Result<ClassificationSummary> classify_nodes(const Octree& octree,
+                                                           std::span<OctreeNode> nodes,
+                                                           const TriangleMesh& mesh,
+                                                           const Execution& execution);
+
+/// The parameters of an octree with these classes.
+[[nodiscard]] inline OctreeParameters classified(OctreeParameters parameters,
+                                                 const ClassificationSummary& summary)
+{
+    parameters.classified = true;
+    parameters.classification = summary;
+    return parameters;
+}
 
 } // namespace proxima

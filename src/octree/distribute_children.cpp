@@ -7,6 +7,8 @@
 // After them: it is read once for every instruction set.
 #include "base/compress-inl.h"
 
+#include <bit>
+
 HWY_BEFORE_NAMESPACE();
 namespace proxima::HWY_NAMESPACE {
 
@@ -143,20 +145,41 @@ private:
     std::uint32_t reference_count_;
 };
 
-/// Cells whose triangles fit one block of lanes, which most do: everything stays in registers.
-HWY_INLINE std::uint32_t distribute_block(const SplitCell& cell, const std::uint32_t* masks,
-                                          const std::uint32_t* triangles, ChildWriter& writer)
+/// Cells whose triangles fit so many blocks of lanes, as most do: everything stays in registers.
+template <std::size_t blocks>
+HWY_INLINE std::uint32_t distribute_few(const SplitCell& cell, const std::uint32_t* masks,
+                                        const std::uint32_t* triangles, ChildWriter& writer)
 {
     const Tag tag;
-    const auto mask = load_masks(masks, cell.count);
-    const auto block = hn::LoadU(tag, triangles);
+    hn::Vec<Tag> mask[blocks];
+    hn::Vec<Tag> block[blocks];
+    for (std::size_t i = 0; i < blocks; ++i) {
+        const std::size_t first = i * hn::Lanes(tag);
+        mask[i] = load_masks(masks + first, cell.count - first);
+        block[i] = hn::LoadU(tag, triangles + first);
+    }
+    // Which children have triangles is known before the loop over them, which then has no branch
+    // that depends on it.
+    std::uint32_t counts[8][blocks];
     std::uint32_t recorded = 0;
     for (int child = 0; child < 8; ++child) {
-        const auto touching = touches(mask, child);
-        const auto count = static_cast<std::uint32_t>(hn::CountTrue(tag, touching));
-        if (count == 0) continue;
-        recorded |= 1U << child;
-        hn::StoreU(compress(block, touching), tag, writer.open(cell, child, count));
+        std::uint32_t count = 0;
+        for (std::size_t i = 0; i < blocks; ++i) {
+            counts[child][i] =
+                static_cast<std::uint32_t>(hn::CountTrue(tag, touches(mask[i], child)));
+            count += counts[child][i];
+        }
+        recorded |= static_cast<std::uint32_t>(count != 0) << child;
+    }
+    for (std::uint32_t left = recorded; left != 0; left &= left - 1) {
+        const int child = std::countr_zero(left);
+        std::uint32_t count = 0;
+        for (std::size_t i = 0; i < blocks; ++i) count += counts[child][i];
+        std::uint32_t* out = writer.open(cell, child, count);
+        for (std::size_t i = 0; i < blocks; ++i) {
+            hn::StoreU(compress(block[i], touches(mask[i], child)), tag, out);
+            out += counts[child][i];
+        }
     }
     return recorded;
 }
@@ -188,9 +211,11 @@ void distribute_children(const SplitLevel& level, const std::uint32_t* masks,
         const std::uint32_t first_child = writer.node_count();
         const std::uint32_t* const cell_masks = masks + cell.first;
         const std::uint32_t* const triangles = level.triangle.data() + cell.first;
-        const std::uint32_t recorded = cell.count <= hn::Lanes(Tag())
-                                           ? distribute_block(cell, cell_masks, triangles, writer)
-                                           : distribute_blocks(cell, cell_masks, triangles, writer);
+        const std::size_t lanes = hn::Lanes(Tag());
+        const std::uint32_t recorded =
+            cell.count <= lanes       ? distribute_few<1>(cell, cell_masks, triangles, writer)
+            : cell.count <= 2 * lanes ? distribute_few<2>(cell, cell_masks, triangles, writer)
+                                      : distribute_blocks(cell, cell_masks, triangles, writer);
         (cell.record == SplitCell::no_record ? root : writer.node(cell.record)) =
             OctreeNode::split(first_child, recorded);
     }

@@ -1,14 +1,16 @@
 #include "octree/hole_caps.h"
 
 #include "base/disjoint_sets.h"
+#include "base/grow_buffer.h"
 #include "base/progress.h"
 #include "base/radix_sort.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
-#include <cstdlib>
 #include <map>
 #include <optional>
+#include <span>
 #include <utility>
 
 namespace proxima {
@@ -23,126 +25,196 @@ std::uint64_t mixed(std::uint64_t bits) noexcept
     return bits ^ bits >> 31U;
 }
 
+/// The bits of a position, with one zero: equal positions have equal bits.
+std::array<std::uint64_t, 3> bits_of(const Vec3& position) noexcept
+{
+    return {std::bit_cast<std::uint64_t>(position[0] + 0.0),
+            std::bit_cast<std::uint64_t>(position[1] + 0.0),
+            std::bit_cast<std::uint64_t>(position[2] + 0.0)};
+}
+
 std::uint64_t hash(const Vec3& position) noexcept
 {
-    std::uint64_t bits = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-        const double coordinate = position[axis] + 0.0; // one zero
-        bits = mixed(bits + 0x9E3779B97F4A7C15U + std::bit_cast<std::uint64_t>(coordinate));
+    std::uint64_t hash = 0;
+    for (const std::uint64_t bits : bits_of(position)) {
+        hash = mixed(hash + 0x9E3779B97F4A7C15U + bits);
     }
-    return bits;
+    return hash;
+}
+
+/// An edge and how many more triangles run from `from` to `to` than back. A triangle adds at most
+/// one, so that the sums of all triangles fit.
+struct DirectedEdge {
+    std::uint32_t from = 0;
+    std::uint32_t to = 0;
+    std::int32_t excess = 0;
+};
+
+std::uint64_t packed(std::uint32_t from, std::uint32_t to) noexcept
+{
+    return std::uint64_t{from} << 32U | to;
+}
+
+/// A list of edges, from << 32 | to, without pairs of opposite ones of which the second comes soon
+/// after the first. A table has the edges that wait for their opposite; a newer one replaces an
+/// older one. Where neighbours are near each other in the list, most pairs go while the table stays
+/// in the cache, without a branch that depends on them. `visit_edges(keep)` calls keep(from, to)
+/// for at most `count` edges and returns false where it was stopped; `seed` tells which edges
+/// replace which.
+template <class VisitEdges>
+std::optional<GrowBuffer<std::uint64_t>>
+without_near_opposites(std::size_t count, std::uint64_t seed, const VisitEdges& visit_edges)
+{
+    constexpr std::uint64_t nothing = 0; // no edge: it has two vertices
+    const int slot_bits = std::clamp(static_cast<int>(std::bit_width(count)), 4, 15);
+    const int shift = 64 - slot_bits;
+    const std::uint64_t factor = mixed(seed) | 1U;
+    std::vector<std::uint64_t> waiting(std::size_t{1} << slot_bits, nothing);
+    GrowBuffer<std::uint64_t> left;
+    left.resize(count + waiting.size() + 1);
+    std::uint64_t* end = left.data();
+    const bool all = visit_edges([&](std::uint32_t from, std::uint32_t to) {
+        const std::uint64_t edge = packed(from, to);
+        const std::uint64_t opposite = packed(to, from);
+        std::uint64_t& slot = waiting[std::min(edge, opposite) * factor >> shift];
+        const std::uint64_t before = slot;
+        slot = before == opposite ? nothing : edge;
+        *end = before;
+        end += static_cast<std::ptrdiff_t>(before != nothing) &
+               static_cast<std::ptrdiff_t>(before != opposite);
+    });
+    if (!all) return std::nullopt;
+    end = std::copy_if(waiting.begin(), waiting.end(), end,
+                       [](std::uint64_t edge) { return edge != nothing; });
+    left.resize(static_cast<std::size_t>(end - left.data()));
+    return left;
+}
+
+/// The edges that are not balanced, by their lower vertices, then by their higher ones: sums up the
+/// edges, which may repeat and be opposite to each other. False where stopped.
+bool sum_up(std::vector<DirectedEdge>& edges, std::size_t vertex_count, StageSteps& steps)
+{
+    const auto vertex_bits = static_cast<unsigned>(std::bit_width(vertex_count));
+    const auto key_of = [vertex_bits](const DirectedEdge& edge) {
+        return std::uint64_t{std::min(edge.from, edge.to)} << vertex_bits |
+               std::max(edge.from, edge.to);
+    };
+    if (!radix_sort(edges, 2 * vertex_bits, key_of, steps)) return false;
+    std::size_t count = 0;
+    for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
+        const std::uint32_t lower = std::min(edges[begin].from, edges[begin].to);
+        const std::uint32_t upper = std::max(edges[begin].from, edges[begin].to);
+        std::int32_t excess = 0;
+        for (; end < edges.size() && key_of(edges[end]) == key_of(edges[begin]); ++end) {
+            excess += edges[end].from == lower ? edges[end].excess : -edges[end].excess;
+        }
+        if (excess > 0) edges[count++] = {lower, upper, excess};
+        if (excess < 0) edges[count++] = {upper, lower, -excess};
+    }
+    edges.resize(count);
+    return true;
+}
+
+/// The unbalanced edges between vertices told by their ids; nothing where stopped.
+std::optional<std::vector<DirectedEdge>> edges_unbalanced_by_id(const TriangleMesh& mesh,
+                                                                StageSteps& steps)
+{
+    auto left = without_near_opposites(3 * mesh.triangle_count(), 1, [&](const auto& keep) {
+        for (const TriangleCorners& corners : mesh.triangles()) {
+            if (!steps.done(1)) return false;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::uint32_t from = corners[k];
+                const std::uint32_t to = corners[(k + 1) % 3];
+                if (from != to) keep(from, to);
+            }
+        }
+        return true;
+    });
+    // Edges that were replaced before their opposites came meet them as long as there are fewer.
+    std::size_t before = 3 * mesh.triangle_count();
+    for (std::uint64_t seed = 2; left && left->size() < before / 2; ++seed) {
+        before = left->size();
+        left = without_near_opposites(before, seed, [&](const auto& keep) {
+            for (const std::uint64_t edge : *left) {
+                keep(static_cast<std::uint32_t>(edge >> 32U), static_cast<std::uint32_t>(edge));
+            }
+            return steps.done(before);
+        });
+    }
+    if (!left) return std::nullopt;
+    std::vector<DirectedEdge> edges(left->size());
+    std::ranges::transform(*left, edges.begin(), [](std::uint64_t edge) {
+        return DirectedEdge{static_cast<std::uint32_t>(edge >> 32U),
+                            static_cast<std::uint32_t>(edge), 1};
+    });
+    left.reset();
+    if (!sum_up(edges, mesh.vertex_count(), steps)) return std::nullopt;
+    return edges;
 }
 
 constexpr unsigned hash_bits = 44;
 
-/// For each vertex the first one at the same position; nothing where `steps` asks to stop.
-std::optional<std::vector<std::uint32_t>> first_at_same_position(const TriangleMesh& mesh,
-                                                                 StageSteps& steps)
+/// For each vertex of the edges the first one of the mesh at the same position, for others any
+/// number; nothing where `steps` asks to stop.
+std::optional<std::vector<std::uint32_t>>
+first_at_same_position(const TriangleMesh& mesh, std::span<const DirectedEdge> edges,
+                       StageSteps& steps)
 {
     const auto positions = mesh.positions();
-    std::vector<KeyedIndex> items(positions.size());
-    for (std::size_t i = 0; i < items.size(); ++i) {
-        items[i] = {hash(positions[i]) >> (64 - hash_bits), static_cast<std::uint32_t>(i)};
+    // Few vertices may be where one of the edges ends: a bit for each of many cheap hashes tells.
+    const int filter_bits = std::clamp(static_cast<int>(std::bit_width(edges.size())) + 4, 10, 30);
+    const auto filter_hash = [&](const Vec3& position) {
+        const auto [x, y, z] = bits_of(position);
+        return (x + 3 * y + 5 * z) * 0x9E3779B97F4A7C15U >> (64 - filter_bits);
+    };
+    std::vector<bool> is_end(std::size_t{1} << filter_bits);
+    for (const DirectedEdge& edge : edges) {
+        is_end[filter_hash(positions[edge.from])] = true;
+        is_end[filter_hash(positions[edge.to])] = true;
+    }
+    std::vector<KeyedIndex> items;
+    for (std::uint32_t i = 0; i < positions.size(); ++i) {
+        if (is_end[filter_hash(positions[i])]) {
+            items.push_back({hash(positions[i]) >> (64 - hash_bits), i});
+        }
+        if (!steps.done(1)) return std::nullopt;
     }
     if (!radix_sort(items, hash_bits, steps)) return std::nullopt;
-    std::vector<std::uint32_t> first(items.size());
-    for (std::size_t begin = 0; begin < items.size();) {
-        std::size_t end = begin;
+    std::vector<std::uint32_t> first(positions.size());
+    for (std::size_t begin = 0, end = 0; begin < items.size(); begin = end) {
         while (end < items.size() && items[end].key == items[begin].key) ++end;
-        const auto before = [&](const KeyedIndex& a, const KeyedIndex& b) {
-            const Vec3& p = positions[a.index];
-            const Vec3& q = positions[b.index];
-            return std::lexicographical_compare(p.begin(), p.end(), q.begin(), q.end());
+        const auto run = std::span(items).subspan(begin, end - begin);
+        const auto place = [&](const KeyedIndex& item) {
+            return std::pair(bits_of(positions[item.index]), item.index);
         };
-        const auto run = items.begin();
-        std::stable_sort(run + static_cast<std::ptrdiff_t>(begin),
-                         run + static_cast<std::ptrdiff_t>(end), before);
-        for (std::size_t i = begin; i < end; ++i) {
-            const bool repeats =
-                i > begin && positions[items[i].index] == positions[items[i - 1].index];
-            first[items[i].index] = repeats ? first[items[i - 1].index] : items[i].index;
+        std::sort(run.begin(), run.end(),
+                  [&](const KeyedIndex& a, const KeyedIndex& b) { return place(a) < place(b); });
+        for (std::size_t i = 0; i < run.size(); ++i) {
+            const bool repeats = i > 0 && positions[run[i].index] == positions[run[i - 1].index];
+            first[run[i].index] = repeats ? first[run[i - 1].index] : run[i].index;
         }
-        if (!steps.done(end - begin)) return std::nullopt;
-        begin = end;
+        if (!steps.done(run.size())) return std::nullopt;
     }
     return first;
 }
 
-/// An edge and how many more triangles run from `from` to `to` than back; positive.
-struct UnbalancedEdge {
-    std::uint32_t from = 0;
-    std::uint32_t to = 0;
-    std::int64_t excess = 0;
-};
-
-/// Edges grouped by their lower vertex, then matched within the group; nothing where stopped.
-/// Corners are numbered by vertex_of(corner).
-template <class VertexOf>
-std::optional<std::vector<UnbalancedEdge>>
-unbalanced_edges(const TriangleMesh& mesh, const VertexOf& vertex_of, StageSteps& steps)
+/// The unbalanced edges, with vertices at equal positions as one; nothing where stopped.
+std::optional<std::vector<DirectedEdge>> unbalanced_edges(const TriangleMesh& mesh,
+                                                          Progress* progress)
 {
-    const auto for_each_edge = [&](const auto& visit) {
-        for (const TriangleCorners& corners : mesh.triangles()) {
-            if (!steps.done(1)) return false;
-            for (std::size_t k = 0; k < 3; ++k) {
-                const std::uint32_t a = vertex_of(corners[k]);
-                const std::uint32_t b = vertex_of(corners[(k + 1) % 3]);
-                if (a != b) visit(a, b);
-            }
-        }
-        return true;
-    };
-    struct Direction {
-        std::uint32_t upper = 0;
-        std::int32_t sign = 0;
-    };
-    std::vector<std::uint64_t> group(mesh.vertex_count() + 1);
-    const bool counted =
-        for_each_edge([&](std::uint32_t a, std::uint32_t b) { ++group[std::min(a, b)]; });
-    if (!counted) return std::nullopt;
-    std::uint64_t sum = 0;
-    for (std::uint64_t& start : group) sum += std::exchange(start, sum);
-    std::vector<Direction> directions(sum);
-    const bool grouped = for_each_edge([&](std::uint32_t a, std::uint32_t b) {
-        directions[group[std::min(a, b)]++] = {std::max(a, b), a < b ? 1 : -1};
-    });
-    if (!grouped) return std::nullopt;
-    std::vector<UnbalancedEdge> edges;
-    std::uint64_t begin = 0; // group[v] is now the end of v's group
-    for (std::uint32_t lower = 0; lower < mesh.vertex_count(); ++lower) {
-        const auto at = directions.begin() + static_cast<std::ptrdiff_t>(begin);
-        const auto end = directions.begin() + static_cast<std::ptrdiff_t>(group[lower]);
-        std::sort(at, end,
-                  [](const Direction& a, const Direction& b) { return a.upper < b.upper; });
-        for (auto i = at; i != end;) {
-            const std::uint32_t upper = i->upper;
-            std::int64_t excess = 0;
-            for (; i != end && i->upper == upper; ++i) excess += i->sign;
-            if (excess > 0) edges.push_back({lower, upper, excess});
-            if (excess < 0) edges.push_back({upper, lower, -excess});
-        }
-        begin = group[lower];
-        if (!steps.done(1)) return std::nullopt;
-    }
-    return edges;
-}
-
-/// The edges with vertices at equal positions as one; nothing where stopped.
-std::optional<std::vector<UnbalancedEdge>> unbalanced_edges(const TriangleMesh& mesh,
-                                                            Progress* progress)
-{
-    const std::uint64_t match_steps = mesh.vertex_count() + 2 * mesh.triangle_count();
-    StageSteps steps(progress, "looking for holes",
-                     (radix_passes(hash_bits) + 1) * mesh.vertex_count() + 2 * match_steps);
-    // Edges that are balanced by vertex ids are balanced by positions too, and need no search for
-    // equal positions.
-    auto by_vertex = unbalanced_edges(
-        mesh, [](std::uint32_t corner) { return corner; }, steps);
-    if (!by_vertex || by_vertex->empty()) return by_vertex;
-    const auto first = first_at_same_position(mesh, steps);
+    StageSteps steps(progress, "looking for holes", mesh.triangle_count() + mesh.vertex_count());
+    // What is balanced by ids is balanced by positions too, and needs no search for equal ones.
+    auto edges = edges_unbalanced_by_id(mesh, steps);
+    if (!edges || edges->empty()) return edges;
+    const auto first = first_at_same_position(mesh, *edges, steps);
     if (!first) return std::nullopt;
-    return unbalanced_edges(
-        mesh, [&](std::uint32_t corner) { return (*first)[corner]; }, steps);
+    for (DirectedEdge& edge : *edges) {
+        edge.from = (*first)[edge.from];
+        edge.to = (*first)[edge.to];
+    }
+    std::erase_if(*edges, [](const DirectedEdge& edge) { return edge.from == edge.to; });
+    if (!sum_up(*edges, mesh.vertex_count(), steps)) return std::nullopt;
+    return edges;
 }
 
 } // namespace
@@ -153,10 +225,10 @@ Result<TriangleMesh> hole_caps(const TriangleMesh& mesh, Progress* progress)
     if (!found) {
         return cancelled("looking for holes");
     }
-    const std::vector<UnbalancedEdge>& edges = *found;
+    const std::vector<DirectedEdge>& edges = *found;
     std::map<std::uint32_t, std::uint32_t> renumbered; // vertices of the mesh to those of the caps
     std::vector<Vec3> positions;
-    for (const UnbalancedEdge& edge : edges) {
+    for (const DirectedEdge& edge : edges) {
         for (const std::uint32_t vertex : {edge.from, edge.to}) {
             if (renumbered.try_emplace(vertex, static_cast<std::uint32_t>(positions.size()))
                     .second) {
@@ -165,7 +237,7 @@ Result<TriangleMesh> hole_caps(const TriangleMesh& mesh, Progress* progress)
         }
     }
     DisjointSets rims(positions.size());
-    for (const UnbalancedEdge& edge : edges) {
+    for (const DirectedEdge& edge : edges) {
         rims.unite(renumbered.at(edge.from), renumbered.at(edge.to));
     }
     // The middle of each rim, kept within its box against rounding.
@@ -187,7 +259,7 @@ Result<TriangleMesh> hole_caps(const TriangleMesh& mesh, Progress* progress)
         positions.emplace_back(mean.cwiseMax(box[i].lower).cwiseMin(box[i].upper));
     }
     std::vector<TriangleCorners> triangles;
-    for (const UnbalancedEdge& edge : edges) {
+    for (const DirectedEdge& edge : edges) {
         const std::uint32_t from = renumbered.at(edge.from);
         const std::uint32_t to = renumbered.at(edge.to);
         triangles.insert(triangles.end(), static_cast<std::size_t>(edge.excess),

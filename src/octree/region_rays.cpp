@@ -65,8 +65,8 @@ struct RegionRays::Ray {
 };
 
 RegionRays::RegionRays(const Octree& octree, const TriangleMesh& mesh, const TriangleMesh& caps,
-                       const EmptyCells& cells, const EmptyRegions& regions)
-    : octree_(octree), mesh_(mesh), caps_(caps), cells_(cells), regions_(regions)
+                       const EmptyGroups& groups, const EmptyRegions& regions)
+    : octree_(octree), mesh_(mesh), caps_(caps), groups_(groups), regions_(regions)
 {}
 
 RegionRays::Location RegionRays::locate(const std::array<std::uint32_t, 3>& at) const noexcept
@@ -76,9 +76,9 @@ RegionRays::Location RegionRays::locate(const std::array<std::uint32_t, 3>& at) 
         const auto down = static_cast<unsigned>(octree_.parameters().max_depth - depth);
         const std::uint32_t octant =
             (at[0] >> down & 1U) | (at[1] >> down & 1U) << 1U | (at[2] >> down & 1U) << 2U;
-        const std::uint32_t empty = empty_octants(octree_, record);
-        if ((empty >> octant & 1U) != 0) {
-            return {true, cells_.number(record, empty, static_cast<int>(octant)), depth};
+        const EmptyGroups::Octants of = groups_.octants(record);
+        if ((of.empty >> octant & 1U) != 0) {
+            return {true, EmptyGroups::number(of, octant), depth};
         }
         const OctreeNode node = octree_.nodes()[record];
         const std::uint32_t before = node.recorded_mask() & ((1U << octant) - 1);
@@ -121,7 +121,7 @@ std::optional<RegionRays::End> RegionRays::cast(std::uint32_t region, int direct
     // diagonals included. It lies between two planes of the deepest cells, so that integers tell
     // which cells it passes.
     constexpr std::array<double, 3> parts = {0.381966, 0.276393, 0.447214};
-    const CellKey key = cells_.keys[regions_.start[region]];
+    const CellKey key = regions_.start[region];
     const auto shift = static_cast<unsigned>(deepest - depth(key));
     std::array<std::uint32_t, 3> at = cell_coordinates(key);
     Ray ray;
@@ -140,7 +140,7 @@ std::optional<RegionRays::End> RegionRays::cast(std::uint32_t region, int direct
         const std::uint32_t exit = up ? (at[axis] & ~(size - 1)) + size : at[axis] & ~(size - 1);
         const double exit_plane = frame.plane(ray.axis, exit, deepest);
         const std::uint32_t here =
-            location.is_empty ? regions_.of_cell[location.id] : EmptyRegions::none;
+            location.is_empty ? regions_.of_group[location.id] : EmptyRegions::none;
         if (here == region) {
             // A closed empty cell is free of triangles, and so is its face.
             ray.from[ray.axis] = exit_plane;

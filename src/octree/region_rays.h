@@ -26,8 +26,8 @@ namespace proxima {
 struct EmptyRegions {
     static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
-    std::vector<std::uint32_t> of_cell; ///< none for cells that `caps` may touch
-    std::vector<std::uint32_t> start;   ///< a cell of each region
+    std::vector<std::uint32_t> of_group; ///< none for cells that `caps` may touch
+    std::vector<CellKey> start;          ///< a cell of each region
 };
 
 /// Casts rays. What it refers to must outlive it. Thread safe.
@@ -45,7 +45,7 @@ public:
     /// `caps` closes the mesh's holes (hole_caps.h): crossings of both count.
     /// \pre octree was built from mesh and octree.parameters().exact
     RegionRays(const Octree& octree, const TriangleMesh& mesh, const TriangleMesh& caps,
-               const EmptyCells& cells, const EmptyRegions& regions);
+               const EmptyGroups& groups, const EmptyRegions& regions);
 
     /// The ray of a region in one direction; nothing where it meets an edge or a vertex, or no end
     /// soon. O(leaves passed times depth, and caps).
@@ -62,7 +62,7 @@ private:
     /// The cell of the lattice of deepest cells at this location.
     struct Location {
         bool is_empty = false;
-        std::uint32_t id = 0; ///< number of an empty cell, record of a leaf
+        std::uint32_t id = 0; ///< group of an empty cell, record of a leaf
         int depth = 0;
     };
 
@@ -72,7 +72,7 @@ private:
     const Octree& octree_;
     const TriangleMesh& mesh_;
     const TriangleMesh& caps_;
-    const EmptyCells& cells_;
+    const EmptyGroups& groups_;
     const EmptyRegions& regions_;
 };
 

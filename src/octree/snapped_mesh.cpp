@@ -27,7 +27,10 @@ double snapping_error(const OctreeFrame& frame) noexcept
 /// Vertices outside the root or NaN are not used by a triangle, so any grid point will do.
 std::int32_t snap(double offset, double scale) noexcept
 {
-    const double step = std::nearbyint(offset * scale);
+    // A sum with this number has no digits behind the point. std::nearbyint is a call unless the
+    // compiler may assume SSE4.1.
+    constexpr double rounder = 0x1.8p52;
+    const double step = (offset * scale + rounder) - rounder;
     return step > 0 ? static_cast<std::int32_t>(std::min(step, grid_steps)) : 0;
 }
 
@@ -59,14 +62,14 @@ void SnappedMesh::load(std::span<const std::uint32_t> ids, const GridPoint& orig
     local.ids = ids;
     // Lanes without a triangle use the first one.
     local.triangles.resize(std::max<std::size_t>(ids.size(), 1));
+    const SnappedPoint from = {origin[0], origin[1], origin[2], 0};
     for (std::size_t slot = 0; slot < ids.size(); ++slot) {
         const TriangleCorners& corners = mesh_.triangles()[ids[slot]];
         for (std::size_t j = 0; j < 3; ++j) {
             const SnappedPoint& vertex = vertices_[corners[j]];
-            for (std::size_t k = 0; k < 3; ++k) {
-                local.triangles[slot][j][k] = vertex[k] - origin[k];
+            for (std::size_t k = 0; k < 4; ++k) {
+                local.triangles[slot][j][k] = vertex[k] - from[k];
             }
-            local.triangles[slot][j][3] = 0;
         }
     }
 }

@@ -14,47 +14,49 @@ namespace {
 
 using namespace testing;
 
-/// Every empty cell a region of its own: the rays then go from cell to cell.
-struct Cells {
-    explicit Cells(const TriangleMesh& mesh, int max_depth, std::uint32_t threshold = 4)
+/// Every group of empty cells a region of its own: the rays then go from group to group.
+struct Groups {
+    explicit Groups(const TriangleMesh& mesh, int max_depth, std::uint32_t threshold = 4)
         : caps(hole_caps(mesh, nullptr).value()),
           octree(build_octree(mesh, {.max_depth = max_depth,
                                      .threshold = threshold,
                                      .classification = Classification::none})
                      .value()),
-          cells(collect_empty_cells(octree))
+          groups(octree)
     {
-        for (std::uint32_t i = 0; i < cells.keys.size(); ++i) {
-            regions.of_cell.push_back(i);
-            regions.start.push_back(i);
+        const auto ignore = [](std::uint32_t, std::uint32_t) {};
+        EmptyFaces(octree, groups, ignore, nullptr).visit_all();
+        for (std::uint32_t i = 0; i < groups.count(); ++i) {
+            regions.of_group.push_back(i);
+            regions.start.push_back(groups[i].first_cell());
         }
     }
 
     TriangleMesh caps;
     Octree octree;
-    EmptyCells cells;
+    EmptyGroups groups;
     EmptyRegions regions;
 };
 
-/// Casts every ray of a sample of the cells and compares with sums of solid angles.
+/// Casts every ray of a sample of the groups and compares with sums of solid angles.
 /// Returns how many rays came to an end.
-int expect_differences(const TriangleMesh& mesh, const Cells& of, std::uint32_t step)
+int expect_differences(const TriangleMesh& mesh, const Groups& of, std::uint32_t step)
 {
-    const RegionRays rays(of.octree, mesh, of.caps, of.cells, of.regions);
-    const auto winding = [&](std::uint32_t cell) {
-        const Vec3 point = cell_box(of.octree.frame(), of.cells.keys[cell]).center();
+    const RegionRays rays(of.octree, mesh, of.caps, of.groups, of.regions);
+    const auto winding = [&](std::uint32_t group) {
+        const Vec3 point = cell_box(of.octree.frame(), of.regions.start[group]).center();
         return std::lround(brute_winding_number(mesh, point) +
                            brute_winding_number(of.caps, point));
     };
     int ended = 0;
-    for (std::uint32_t cell = 0; cell < of.cells.keys.size(); cell += step) {
-        const long here = winding(cell);
+    for (std::uint32_t group = 0; group < of.groups.count(); group += step) {
+        const long here = winding(group);
         for (int direction = 0; direction < RegionRays::directions; ++direction) {
-            const auto end = rays.cast(cell, direction);
+            const auto end = rays.cast(group, direction);
             if (!end) continue;
             ++ended;
             const long there = end->region == EmptyRegions::none ? 0 : winding(end->region);
-            EXPECT_EQ(there - here, end->change) << "cell " << cell << " direction " << direction;
+            EXPECT_EQ(there - here, end->change) << "group " << group << " direction " << direction;
         }
     }
     return ended;
@@ -66,7 +68,7 @@ TEST(RegionRays, AgreeWithSolidAnglesOnClosedMeshes)
          {"sphere:20x24", "spaceship:3000", "torus:24x12", "icosphere:2"}) {
         SCOPED_TRACE(name);
         const TriangleMesh mesh = sample_mesh(name).value();
-        EXPECT_GT(expect_differences(mesh, Cells(mesh, 5), 7), 100);
+        EXPECT_GT(expect_differences(mesh, Groups(mesh, 5), 7), 100);
     }
 }
 
@@ -78,31 +80,37 @@ TEST(RegionRays, CountCrossingsOfOverlapsAndHoles)
     // Cells that caps touch have no whole winding number: the solid angles tell which.
     for (const TriangleMesh& mesh :
          {joined(ball, ball), joined(ball, cube_mesh(Vec3(1, 0, 0), 0.6))}) {
-        EXPECT_GT(expect_differences(mesh, Cells(mesh, 4), 3), 100);
+        EXPECT_GT(expect_differences(mesh, Groups(mesh, 4), 3), 100);
     }
-    Cells of(holed, 4);
+    Groups of(holed, 4);
     EXPECT_GT(of.caps.triangle_count(), 0U);
-    for (std::uint32_t cell = 0; cell < of.cells.keys.size(); ++cell) {
-        const Box box = cell_box(of.octree.frame(), of.cells.keys[cell]);
+    for (std::uint32_t group = 0; group < of.groups.count(); ++group) {
+        Box box;
+        for (int octant = 0; octant < 8; ++octant) {
+            if ((of.groups[group].octants >> octant & 1) == 0) continue;
+            const Box cell = cell_box(of.octree.frame(), child(of.groups[group].parent, octant));
+            box.extend(cell.lower);
+            box.extend(cell.upper);
+        }
         const Box caps = bounding_box(of.caps);
         const bool apart = (box.lower.array() > caps.upper.array()).any() ||
                            (box.upper.array() < caps.lower.array()).any();
-        if (!apart) of.regions.of_cell[cell] = EmptyRegions::none;
+        if (!apart) of.regions.of_group[group] = EmptyRegions::none;
     }
-    const RegionRays rays(of.octree, holed, of.caps, of.cells, of.regions);
+    const RegionRays rays(of.octree, holed, of.caps, of.groups, of.regions);
     int through = 0;
-    for (std::uint32_t cell = 0; cell < of.cells.keys.size(); ++cell) {
-        if (of.regions.of_cell[cell] == EmptyRegions::none) continue;
+    for (std::uint32_t group = 0; group < of.groups.count(); ++group) {
+        if (of.regions.of_group[group] == EmptyRegions::none) continue;
         const auto winding = [&](std::uint32_t at) {
-            const Vec3 point = cell_box(of.octree.frame(), of.cells.keys[at]).center();
+            const Vec3 point = cell_box(of.octree.frame(), of.regions.start[at]).center();
             return std::lround(brute_winding_number(holed, point) +
                                brute_winding_number(of.caps, point));
         };
         for (int direction = 0; direction < RegionRays::directions; ++direction) {
-            const auto end = rays.cast(cell, direction);
+            const auto end = rays.cast(group, direction);
             if (!end) continue;
             const long there = end->region == EmptyRegions::none ? 0 : winding(end->region);
-            EXPECT_EQ(there - winding(cell), end->change);
+            EXPECT_EQ(there - winding(group), end->change);
             through += end->change != 0 ? 1 : 0;
         }
     }
@@ -116,15 +124,15 @@ TEST(RegionRays, GiveUpAtEdges)
     for (const double half : {1.0, 0.5, 0.375}) {
         const TriangleMesh mesh =
             joined(cube_mesh(Vec3(0, 0, 0), 1.0), cube_mesh(Vec3(0, 0, 0), half));
-        (void)expect_differences(mesh, Cells(mesh, 4, 1), 1);
+        (void)expect_differences(mesh, Groups(mesh, 4, 1), 1);
     }
 }
 
 TEST(RegionRays, TieEveryRegionOfASpaceshipToTheOutside)
 {
     const TriangleMesh mesh = sample_mesh("spaceship:20000").value();
-    const Cells of(mesh, 7);
-    const RegionRays rays(of.octree, mesh, of.caps, of.cells, of.regions);
+    const Groups of(mesh, 7);
+    const RegionRays rays(of.octree, mesh, of.caps, of.groups, of.regions);
     std::vector<std::vector<std::uint32_t>> roots;
     for (const int threads : {1, 3}) {
         DisjointOffsets windings(of.regions.start.size() + 1);
