@@ -69,16 +69,23 @@ double kilobytes(const std::string& key)
     return 0;
 }
 
-void build_ours(benchmark::State& state, const Workload& load, OverlapMethod method, int threads)
+/// How one of ours builds.
+struct Way {
+    OverlapMethod method = OverlapMethod::fast;
+    int threads = 1;
+    Classification classification = Classification::none;
+};
+
+void build_ours(benchmark::State& state, const Workload& load, const Way& way)
 {
     const OctreeOptions options{.max_depth = load.depth,
                                 .threshold = load.threshold,
-                                .classification = Classification::none,
-                                .execution = {.threads = {threads}}};
+                                .classification = way.classification,
+                                .execution = {.threads = {way.threads}}};
     std::string text;
     double bytes = 0;
     while (state.KeepRunning()) {
-        auto octree = build_octree_by(*load.mesh, {.method = method}, options);
+        auto octree = build_octree_by(*load.mesh, {.method = way.method}, options);
         state.PauseTiming();
         if (!octree) {
             state.SkipWithError(describe(octree.error()).c_str());
@@ -96,7 +103,7 @@ void build_ours(benchmark::State& state, const Workload& load, OverlapMethod met
     malloc_trim(0);
     std::ofstream("/proc/self/clear_refs") << 5;
     const double before = kilobytes("VmRSS:");
-    const auto octree = build_octree_by(*load.mesh, {.method = method}, options);
+    const auto octree = build_octree_by(*load.mesh, {.method = way.method}, options);
     const double peak = (kilobytes("VmHWM:") - before) * 1024;
     state.SetLabel(text);
     state.counters["bytes"] = bytes;
@@ -154,16 +161,16 @@ void build_akenine_moller(benchmark::State& state, const Workload& load)
 void add(const Workload& load, bool with_thesis_methods)
 {
     const auto name = [&](const char* method) { return load.name + "/" + method; };
-    const auto register_ours = [&](const char* label_of, OverlapMethod method, int threads) {
-        benchmark::RegisterBenchmark(name(label_of).c_str(),
-                                     [load, method, threads](benchmark::State& state) {
-                                         build_ours(state, load, method, threads);
-                                     })
+    const auto register_ours = [&](const char* label_of, const Way& way) {
+        benchmark::RegisterBenchmark(
+            name(label_of).c_str(),
+            [load, way](benchmark::State& state) { build_ours(state, load, way); })
             ->UseRealTime()
             ->Unit(benchmark::kMillisecond);
     };
-    register_ours("fast", OverlapMethod::fast, 1);
-    register_ours("fast-2-threads", OverlapMethod::fast, 2);
+    register_ours("fast", {});
+    register_ours("fast-2-threads", {.threads = 2});
+    register_ours("inner-outer", {.classification = Classification::inner_outer});
     benchmark::RegisterBenchmark(
         name("two-builds-2-threads").c_str(),
         [load](benchmark::State& state) { build_two_at_once(state, load); })
@@ -175,10 +182,10 @@ void add(const Workload& load, bool with_thesis_methods)
         ->UseRealTime()
         ->Unit(benchmark::kMillisecond);
     if (!with_thesis_methods) return;
-    register_ours("separating-axis", OverlapMethod::separating_axis, 1);
-    register_ours("index-tracking", OverlapMethod::index_tracking, 1);
-    register_ours("minkowski", OverlapMethod::minkowski, 1);
-    register_ours("pairwise", OverlapMethod::pairwise, 1);
+    register_ours("separating-axis", {.method = OverlapMethod::separating_axis});
+    register_ours("index-tracking", {.method = OverlapMethod::index_tracking});
+    register_ours("minkowski", {.method = OverlapMethod::minkowski});
+    register_ours("pairwise", {.method = OverlapMethod::pairwise});
 }
 
 std::shared_ptr<const TriangleMesh> load(const std::string& name)
@@ -206,10 +213,9 @@ void add_all()
     for (const char* const count : {"10000", "100000", "1000000"}) {
         const Workload growth{std::string("growth-") + count,
                               load(std::string("spaceship:") + count), 9, 8};
-        benchmark::RegisterBenchmark((growth.name + "/fast").c_str(),
-                                     [growth](benchmark::State& state) {
-                                         build_ours(state, growth, OverlapMethod::fast, 1);
-                                     })
+        benchmark::RegisterBenchmark(
+            (growth.name + "/fast").c_str(),
+            [growth](benchmark::State& state) { build_ours(state, growth, {}); })
             ->UseRealTime()
             ->Unit(benchmark::kMillisecond);
     }
