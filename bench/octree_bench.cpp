@@ -1,5 +1,5 @@
-// Builds octrees: ours on one and two threads and with classes of empty leaves, the usual recursive
-// builder, and the thesis's methods. Run by scripts/bench octree, which prints the ratios of one interleaved run.
+// Builds octrees: ours on one and two threads, the usual recursive builder, and the thesis's
+// methods. Run by scripts/bench octree, which prints the ratios of one interleaved run.
 //
 // PROXIMA_BENCH_MESH names a further mesh, built to depth 9 with threshold 8. Every row's label is
 // cells, references and a hash of the lists: a faster wrong answer would show.
@@ -69,17 +69,23 @@ double kilobytes(const std::string& key)
     return 0;
 }
 
-void build_ours(benchmark::State& state, const Workload& load, OverlapMethod method, int threads,
-                Classification classification)
+/// How one of ours builds.
+struct Way {
+    OverlapMethod method = OverlapMethod::fast;
+    int threads = 1;
+    Classification classification = Classification::none;
+};
+
+void build_ours(benchmark::State& state, const Workload& load, const Way& way)
 {
     const OctreeOptions options{.max_depth = load.depth,
                                 .threshold = load.threshold,
-                                .classification = classification,
-                                .execution = {.threads = {threads}}};
+                                .classification = way.classification,
+                                .execution = {.threads = {way.threads}}};
     std::string text;
     double bytes = 0;
     while (state.KeepRunning()) {
-        auto octree = build_octree_by(*load.mesh, {.method = method}, options);
+        auto octree = build_octree_by(*load.mesh, {.method = way.method}, options);
         state.PauseTiming();
         if (!octree) {
             state.SkipWithError(describe(octree.error()).c_str());
@@ -97,7 +103,7 @@ void build_ours(benchmark::State& state, const Workload& load, OverlapMethod met
     malloc_trim(0);
     std::ofstream("/proc/self/clear_refs") << 5;
     const double before = kilobytes("VmRSS:");
-    const auto octree = build_octree_by(*load.mesh, {.method = method}, options);
+    const auto octree = build_octree_by(*load.mesh, {.method = way.method}, options);
     const double peak = (kilobytes("VmHWM:") - before) * 1024;
     state.SetLabel(text);
     state.counters["bytes"] = bytes;
@@ -155,18 +161,16 @@ void build_akenine_moller(benchmark::State& state, const Workload& load)
 void add(const Workload& load, bool with_thesis_methods)
 {
     const auto name = [&](const char* method) { return load.name + "/" + method; };
-    const auto register_ours = [&](const char* label_of, OverlapMethod method, int threads,
-                                   Classification classification = Classification::none) {
-        benchmark::RegisterBenchmark(name(label_of).c_str(),
-                                     [=](benchmark::State& state) {
-                                         build_ours(state, load, method, threads, classification);
-                                     })
+    const auto register_ours = [&](const char* label_of, const Way& way) {
+        benchmark::RegisterBenchmark(
+            name(label_of).c_str(),
+            [load, way](benchmark::State& state) { build_ours(state, load, way); })
             ->UseRealTime()
             ->Unit(benchmark::kMillisecond);
     };
-    register_ours("fast", OverlapMethod::fast, 1);
-    register_ours("fast-classes", OverlapMethod::fast, 1, Classification::inner_outer);
-    register_ours("fast-2-threads", OverlapMethod::fast, 2);
+    register_ours("fast", {});
+    register_ours("fast-2-threads", {.threads = 2});
+    register_ours("inner-outer", {.classification = Classification::inner_outer});
     benchmark::RegisterBenchmark(
         name("two-builds-2-threads").c_str(),
         [load](benchmark::State& state) { build_two_at_once(state, load); })
@@ -178,10 +182,10 @@ void add(const Workload& load, bool with_thesis_methods)
         ->UseRealTime()
         ->Unit(benchmark::kMillisecond);
     if (!with_thesis_methods) return;
-    register_ours("separating-axis", OverlapMethod::separating_axis, 1);
-    register_ours("index-tracking", OverlapMethod::index_tracking, 1);
-    register_ours("minkowski", OverlapMethod::minkowski, 1);
-    register_ours("pairwise", OverlapMethod::pairwise, 1);
+    register_ours("separating-axis", {.method = OverlapMethod::separating_axis});
+    register_ours("index-tracking", {.method = OverlapMethod::index_tracking});
+    register_ours("minkowski", {.method = OverlapMethod::minkowski});
+    register_ours("pairwise", {.method = OverlapMethod::pairwise});
 }
 
 std::shared_ptr<const TriangleMesh> load(const std::string& name)
@@ -209,11 +213,9 @@ void add_all()
     for (const char* const count : {"10000", "100000", "1000000"}) {
         const Workload growth{std::string("growth-") + count,
                               load(std::string("spaceship:") + count), 9, 8};
-        benchmark::RegisterBenchmark((growth.name + "/fast").c_str(),
-                                     [growth](benchmark::State& state) {
-                                         build_ours(state, growth, OverlapMethod::fast, 1,
-                                                    Classification::none);
-                                     })
+        benchmark::RegisterBenchmark(
+            (growth.name + "/fast").c_str(),
+            [growth](benchmark::State& state) { build_ours(state, growth, {}); })
             ->UseRealTime()
             ->Unit(benchmark::kMillisecond);
     }

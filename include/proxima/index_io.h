@@ -23,6 +23,10 @@ namespace proxima {
 struct IndexLoadOptions {
     /// As LoadOptions has it.
     Verification verify = Verification::full;
+    /// The file is read into memory of the index's own, in huge pages where the system has them:
+    /// single closest features of a mesh of 871,000 triangles take 0.8 to 0.9 of the time by lists.
+    /// The file may change afterwards; processes no longer share its pages.
+    bool in_memory = false;
     /// Stages "checksums" and "checking the index", in bytes; threads: that check.
     Execution execution = {};
 };
@@ -32,9 +36,10 @@ struct IndexLoadOptions {
 [[nodiscard]] Status save_index(const MeshIndex& index, const std::filesystem::path& path,
                                 const SaveOptions& options = {});
 
-/// The index on the memory-mapped file, which must not change while the index lives. Whatever
-/// `options.verify`, the structure is checked, so that no content of a file can lead a query out of
-/// its arrays; check_same_mesh tells whether it is the index of a given mesh. Errors:
+/// The index on the memory-mapped file, which must not change while the index lives, or on a copy
+/// of it (`options.in_memory`). Whatever `options.verify`, the structure is checked, so that no
+/// content of a file can lead a query out of its arrays; check_same_mesh tells whether it is the
+/// index of a given mesh. Errors:
 /// file_not_found, unsupported_format (foreign file, newer version, other byte order),
 /// malformed_file (truncated, damaged, contradicting itself), cancelled. O(bytes), about 1 ms per
 /// MB on one thread.

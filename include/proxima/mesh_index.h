@@ -114,7 +114,7 @@ struct ListOptions {
 /// those whose queries are expected to be cheapest. The same bits for any number of threads. Errors:
 /// invalid_mesh (an empty index, a mesh smaller than 1e-140), invalid_argument (options out of
 /// range), limit_exceeded (more than max_listed_triangles), budget_exceeded (list_bytes below 1 KB,
-/// an execution.budget that cannot do), cancelled. About 100 to 200 us per triangle on one
+/// an execution.budget that cannot do), cancelled. About 70 to 130 us per triangle on one
 /// thread.
 [[nodiscard]] Result<MeshIndex> with_lists(const MeshIndex& index, const ListOptions& options = {});
 

@@ -1,6 +1,8 @@
 #include "proxima/index_io.h"
 
 #include "base/binary_file.h"
+#include "base/grow_buffer.h"
+#include "base/mapped_file.h"
 #include "base/text.h"
 #include "index/check_structure.h"
 #include "index/index_parts.h"
@@ -8,8 +10,10 @@
 #include "index/signs/sign_parts.h"
 #include "index/slabs/block_slab.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -248,6 +252,20 @@ Result<MeshIndex> index_of(const BinaryFile& file, const std::string& name,
 
 } // namespace
 
+namespace {
+
+/// Makes room for so many bytes, aligned as sections are.
+std::span<std::byte> aligned_bytes(GrowBuffer<std::byte>& memory, std::size_t count)
+{
+    memory.resize(count + section_alignment);
+    void* first = memory.data();
+    std::size_t space = memory.size();
+    first = std::align(section_alignment, count, first, space);
+    return {static_cast<std::byte*>(first), count};
+}
+
+} // namespace
+
 Status save_index(const MeshIndex& index, const std::filesystem::path& path,
                   const SaveOptions& options)
 {
@@ -287,6 +305,14 @@ Status save_index(const MeshIndex& index, const std::filesystem::path& path,
 
 Result<MeshIndex> load_index(const std::filesystem::path& path, const IndexLoadOptions& options)
 {
+    if (options.in_memory) {
+        const auto mapped = MappedFile::open(path);
+        if (!mapped) return tl::unexpected(mapped.error());
+        auto memory = std::make_shared<GrowBuffer<std::byte>>();
+        const std::span<std::byte> copy = aligned_bytes(*memory, mapped->bytes().size());
+        std::ranges::copy(mapped->bytes(), copy.begin());
+        return load_index(copy, std::move(memory), path.string(), options);
+    }
     const auto file =
         BinaryFile::open(path, index_format, options.verify, options.execution.progress);
     if (!file) return tl::unexpected(file.error());

@@ -58,6 +58,8 @@ public:
 private:
     /// One leaf without a list, and what comes with every arena.
     static constexpr std::uint64_t least_cell_bytes = 1024;
+    /// What trees take of the bytes. The table and the blocks by rank take the rest.
+    static constexpr double sampled_part = 0.93;
 
     /// What blocks are made from.
     void make_source()
@@ -114,11 +116,11 @@ private:
             cells.push_back(&top.open[i]);
             sampled += list;
         }
-        price_ = 1.0 / static_cast<double>(mesh_.triangle_count());
+        // Four times of what the usual budget comes to on scanned meshes.
+        price_ = 0x1p-8 / static_cast<double>(mesh_.triangle_count());
         sample_price_ = price_;
         if (cells.empty()) return true;
-        // The table and the blocks by rank take the rest.
-        sample_share_ = 0.95 * bytes * sampled / all;
+        sample_share_ = sampled_part * bytes * sampled / all;
         double last = 0;
         for (int tries = 0; tries < 16; ++tries, price_ /= 4) {
             growing.cost.price = price_;
@@ -136,34 +138,42 @@ private:
         return true;
     }
 
-    /// Raises price_, at which the sample takes so much, until it takes its share. False where
-    /// cancelled.
+    /// Changes price_, at which the sample takes so much, until it takes its share: between two
+    /// prices where bytes are a power of the price. False where cancelled.
     bool find_price(double taken)
     {
-        double low = price_;
-        double high = price_;
-        while (taken > sample_share_) {
-            low = high;
-            high *= 4;
-            const auto there = sample_bytes(high);
+        struct Sample {
+            double price = 0;
+            double over = 0; ///< logarithm of bytes over the share; 0: not known
+        };
+        Sample low;  // takes too much
+        Sample high; // does not
+        for (int tries = 0; tries < 10; ++tries) {
+            const double over = std::log(taken / sample_share_);
+            (over > 0 ? low : high) = {price_, over};
+            if (over <= 0 && (over > -0.01 || price_ <= sample_price_)) return true;
+            if (low.price == 0) {
+                price_ = std::max(price_ / 2, sample_price_);
+            } else if (high.price == 0) {
+                price_ *= 2;
+            } else {
+                // Not too near an end, which may be where the curve is steep.
+                const double part = std::clamp(low.over / (low.over - high.over), 0.2, 0.8);
+                price_ = low.price * std::pow(high.price / low.price, part);
+                if (high.price < 1.01 * low.price) break;
+            }
+            const auto there = sample_bytes(price_);
             if (!there) return false;
             taken = *there;
         }
-        for (int halvings = 0; halvings < 5 && high > low; ++halvings) {
-            const double middle = std::sqrt(low * high);
-            const auto there = sample_bytes(middle);
-            if (!there) return false;
-            (*there > sample_share_ ? low : high) = middle;
-            if (std::abs(*there - sample_share_) < 0.01 * sample_share_) break;
-        }
-        price_ = high;
+        if (high.price > 0) price_ = high.price;
         return true;
     }
 
     /// What the sample takes at a price. Null where cancelled.
     std::optional<double> sample_bytes(double price)
     {
-        cut_trees(sample_, price);
+        (void)cut_trees(sample_, price, options_.execution.threads);
         return emitted_bytes(sample_, {positions_, corners_}, emit_options());
     }
 
@@ -171,27 +181,32 @@ private:
     /// tells by how much to raise the price where it is not enough.
     std::optional<EmittedLists> emit(GrownForest& forest, double bytes)
     {
+        const Threads threads = options_.execution.threads;
+        std::optional<EmittedLists> best;
         double low = 0; // too large there
-        double high = std::numeric_limits<double>::infinity();
         for (int tries = 0;; ++tries) {
-            cut_cells(forest, price_);
+            const double modelled = cut_cells(forest, price_, threads);
+            if (tries == 0 && !sample_.empty()) {
+                // Now it is known what part of all the sample is.
+                sample_share_ =
+                    sampled_part * bytes * cut_trees(sample_, price_, threads) / modelled;
+                const auto taken = sample_bytes(price_);
+                if (!taken || !find_price(*taken)) return std::nullopt;
+                (void)cut_cells(forest, price_, threads);
+            }
             auto octree = emit_lists(forest, {positions_, corners_}, emit_options());
             if (!octree || forest.top.cells[0].ended != 0) return octree;
             const double used = static_cast<double>(octree->bytes()) / bytes;
-            const bool is_enough = used > 0.9 || price_ <= sample_price_ || tries >= 3;
-            if (used <= 1 && is_enough) return octree;
-            (used > 1 ? low : high) = price_;
+            if (used <= 1 && (!best || octree->bytes() > best->bytes())) best = std::move(octree);
+            if (best && (used > 0.9 || price_ <= sample_price_ || tries >= 2)) return best;
+            if (used > 1) low = price_;
             sample_share_ *= 0.97 / used;
-            price_ = sample_price_;
             if (!sample_.empty()) {
                 const auto taken = sample_bytes(price_);
                 if (!taken || !find_price(*taken)) return std::nullopt;
             }
-            if (low > 0 && high < std::numeric_limits<double>::infinity()) {
-                price_ = tries < 2 ? std::sqrt(low * high) : high;
-            } else { // where the sample misleads
-                price_ = std::max(price_, low * (1.1 + tries * tries));
-            }
+            // Where the sample misleads, or there is none.
+            if (used > 1) price_ = std::max(price_, low * (1.1 + tries * tries));
         }
     }
 

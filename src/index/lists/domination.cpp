@@ -1,5 +1,6 @@
 #include "index/lists/domination.h"
 
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -186,6 +187,55 @@ struct Closest {
     }
 };
 
+/// Moves those to the front whose lower bounds, a direction and a height each, are not above an upper
+/// bound of another feature at all corners. Eight of them at a time.
+HWY_INLINE std::size_t keep_undominated(std::uint32_t* list, std::size_t count,
+                                        const FrameCell& cell, float* bounds,
+                                        std::size_t upper_count, const Eight* uppers,
+                                        float best_at_center)
+{
+    HWY_ALIGN float nearest[9][8]; // by feature, then corner
+    for (std::size_t i = 0; i < upper_count; ++i) store_eight(uppers[i], nearest[i]);
+    const float diameter = 2 * std::sqrt(3.0F) * cell.half;
+    const float farthest = std::sqrt(best_at_center) + diameter + domination_margin;
+    const Eight half = eight(cell.half);
+    std::size_t kept = 0;
+    for (std::size_t first = 0; first < count; first += 8) {
+        const std::size_t lanes = HWY_MIN(count - first, 8);
+        HWY_ALIGN float numbers[4][8];
+        for (std::size_t lane = 0; lane < 8; ++lane) {
+            const float* const bound = bounds + 4 * (first + HWY_MIN(lane, lanes - 1));
+            for (std::size_t k = 0; k < 4; ++k) numbers[k][lane] = bound[k];
+        }
+        const Eight x = load_eight(numbers[0]);
+        const Eight y = load_eight(numbers[1]);
+        const Eight z = load_eight(numbers[2]);
+        const Eight least = load_eight(numbers[3]);
+        Eight heights[8]; // lower bounds at the corners
+        const Eight same = x + y;
+        const Eight other = x - y;
+        const Eight sums[4] = {same + z, other + z, other - z, same - z};
+        const std::size_t corner_of[4] = {7, 5, 1, 3};
+        for (std::size_t k = 0; k < 4; ++k) {
+            const Eight t = half * sums[k];
+            heights[corner_of[k]] = least - t;
+            heights[7 - corner_of[k]] = least + t;
+        }
+        Eight above = eight(-infinite); // the most, over features, of the least over corners
+        for (std::size_t i = 0; i < upper_count; ++i) {
+            Eight over = heights[0] - eight(nearest[i][0]);
+            for (std::size_t c = 1; c < 8; ++c)
+                over = minimum(over, heights[c] - eight(nearest[i][c]));
+            above = maximum(above, over);
+        }
+        const std::uint32_t undominated =
+            at_most(above, eight(0)) & at_most(least, eight(farthest)) & ((1U << lanes) - 1);
+        for (std::uint32_t left = undominated; left != 0; left &= left - 1)
+            list[kept++] = list[first + static_cast<std::size_t>(std::countr_zero(left))];
+    }
+    return kept;
+}
+
 std::size_t drop_dominated(const LocalFeatures& features, std::uint32_t* list, std::size_t count,
                            const FrameCell& cell, float* bounds)
 {
@@ -237,20 +287,7 @@ std::size_t drop_dominated(const LocalFeatures& features, std::uint32_t* list, s
                      eight(domination_margin);
     }
 
-    const float diameter = 2 * std::sqrt(3.0F) * cell.half;
-    const float farthest = std::sqrt(best_at_center) + diameter + domination_margin;
-    const Eight half = eight(cell.half);
-    std::size_t kept = 0;
-    for (std::size_t k = 0; k < count; ++k) {
-        const float* const bound = bounds + 4 * k;
-        if (bound[3] > farthest) continue;
-        const Eight least = eight(bound[3]) - half * dot_corners(bound);
-        bool dominated = false;
-        for (std::size_t i = 0; i < closest.count && !dominated; ++i)
-            dominated = at_most(least, nearest[i]) == 0;
-        if (!dominated) list[kept++] = list[k];
-    }
-    return kept;
+    return keep_undominated(list, count, cell, bounds, closest.count, nearest, best_at_center);
 }
 
 } // namespace proxima::HWY_NAMESPACE

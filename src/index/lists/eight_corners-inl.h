@@ -25,6 +25,10 @@ PROXIMA_LANE_OP Eight square_root(const Eight& a)
 {
     return make_eight([&](std::size_t i) { return hn::Sqrt(a.part[i]); });
 }
+PROXIMA_LANE_OP Eight absolute(const Eight& a)
+{
+    return make_eight([&](std::size_t i) { return hn::Abs(a.part[i]); });
+}
 /// Bit i: a[i] <= b[i].
 PROXIMA_LANE_OP std::uint32_t at_most(const Eight& a, const Eight& b)
 {

@@ -34,8 +34,8 @@ struct FrameCell {
     return result;
 }
 
-/// Bit i of masks[k] is set unless the region of feature list[k] is apart from child i. About 20 to
-/// 60 ns each. \pre masks is as long as the list
+/// Bit i of masks[k] is set unless the region of feature list[k] is apart from child i. About 30 ns
+/// each. \pre masks is as long as the list
 void find_children_in_reach(const LocalFeatures& features, std::span<const std::uint32_t> list,
                             const FrameCell& cell, std::uint8_t* masks);
 

@@ -172,9 +172,10 @@ public:
                     auto& takers = *static_cast<ChunkTakers*>(context);
                     if (start == RayStart::too_far) return takers.ask_(number);
                     takers.answer_(number, nullptr);
-                    if (start == RayStart::invalid)
+                    if (start == RayStart::invalid) {
                         takers.first_invalid_ =
                             std::min<std::size_t>(takers.first_invalid_, number);
+                    }
                 },
                 this};
     }

@@ -35,8 +35,8 @@ template <class Search>
 class PacketWalk {
 public:
     HWY_INLINE PacketWalk(const IndexParts& index, const Search& search, const RaySource& source)
-        : index_(index), blocks_(index.blocks().data()), search_(search), source_(source),
-          hits_(index, source)
+        : hits_(index, source), index_(index), blocks_(index.blocks().data()), search_(search),
+          source_(source)
     {
         std::fill_n(stack_.references.begin(), RayTraversal::bottom, RayTraversal::end);
         std::fill_n(stack_.nearness.begin(), RayTraversal::bottom, -infinity);
@@ -405,25 +405,25 @@ private:
         }
     }
 
+    End ends_[3][2];
+    RayTraversal stack_; ///< lends its octant, and its stack of blocks put aside
+    PacketFloats best_least_;
+    PacketRays rays_;
+    HitLanes hits_;
     const IndexParts& index_;
     const IndexBlock* blocks_;
     const Search& search_;
     const RaySource& source_;
-    HitLanes hits_;
-    PacketRays rays_;
-    RayTraversal stack_; ///< lends its octant, and its stack of blocks put aside
-    End ends_[3][2];
-    std::uint32_t first_ = 0;   ///< number of the packet's first ray
-    std::uint32_t waiting_ = 0; ///< packets yet to be turned down
-    std::uint32_t pause_ = 1;   ///< how many, after the next in vain
+    std::array<SearchedRay, packet_size> searched_;
+    std::array<RayTriangle, packet_size> noted_;
+    std::uint32_t searched_now_ = 0; ///< bits of the rays that were asked on their own
+    std::uint32_t first_ = 0;        ///< number of the packet's first ray
+    std::uint32_t waiting_ = 0;      ///< packets yet to be turned down
+    std::uint32_t pause_ = 1;        ///< how many, after the next in vain
     float packet_least_ = 0;
     float packet_most_ = 0;
     bool refuses_positive_ = false;
     bool refuses_negative_ = false;
-    PacketFloats best_least_;
-    std::array<RayTriangle, packet_size> noted_;
-    std::uint32_t searched_now_ = 0; ///< bits of the rays that were asked on their own
-    std::array<SearchedRay, packet_size> searched_;
 };
 
 } // namespace proxima::HWY_NAMESPACE

@@ -238,6 +238,26 @@ TEST_F(IndexFile, OutlivesItsFile)
     expect_same_answers(index, copy, proximity_points(mesh, 100, 2));
 }
 
+TEST_F(IndexFile, IsReadIntoMemory)
+{
+    const TriangleMesh mesh = sample_mesh("sphere:12x12").value();
+    const MeshIndex index = built(mesh);
+    const auto bytes = saved(index);
+    const IndexLoadOptions in_memory{.in_memory = true};
+    const auto loaded = load_index(path("index.pxi"), in_memory);
+    ASSERT_TRUE(loaded) << describe(loaded.error());
+    // The file may change.
+    std::filesystem::resize_file(path("index.pxi"), bytes.size() / 2);
+    expect_same_answers(index, *loaded, proximity_points(mesh, 100, 2));
+    const auto damaged = load_index(path("index.pxi"), in_memory);
+    ASSERT_FALSE(damaged);
+    EXPECT_EQ(damaged.error().code, ErrorCode::malformed_file);
+    EXPECT_NE(describe(damaged.error()).find("index.pxi"), std::string::npos);
+    const auto missing = load_index(path("missing.pxi"), in_memory);
+    ASSERT_FALSE(missing);
+    EXPECT_EQ(missing.error().code, ErrorCode::file_not_found);
+}
+
 TEST_F(IndexFile, RefusesEveryTruncationAndExtension)
 {
     testing::refuses_every_truncation_and_extension(saved(built(sample_mesh("cube").value())),
