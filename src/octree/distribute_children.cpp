@@ -54,18 +54,29 @@ std::uint64_t count_children(const std::uint32_t* masks, std::size_t count)
     return total;
 }
 
+/// Calls visit(block, mask of its lanes) for the blocks of a cell; lanes beyond the cell are 0.
+template <class Visit>
+HWY_INLINE void for_each_block(const SplitCell& cell, const std::uint32_t* masks,
+                               const Visit& visit)
+{
+    const Tag tag;
+    std::size_t block = 0;
+    for (; block + hn::Lanes(tag) <= cell.count; block += hn::Lanes(tag)) {
+        visit(block, hn::LoadU(tag, masks + block));
+    }
+    if (block < cell.count) visit(block, load_masks(masks + block, cell.count - block));
+}
+
 /// How many of the cell's triangles each child gets.
 HWY_INLINE void count_triangles(const SplitCell& cell, const std::uint32_t* masks,
                                 std::array<std::uint32_t, 8>& counts)
 {
-    const Tag tag;
     counts = {};
-    for (std::size_t block = 0; block < cell.count; block += hn::Lanes(tag)) {
-        const auto mask = load_masks(masks + block, cell.count - block);
+    for_each_block(cell, masks, [&](std::size_t, hn::Vec<Tag> mask) {
         for (int child = 0; child < 8; ++child) {
-            counts[child] += static_cast<std::uint32_t>(hn::CountTrue(tag, touches(mask, child)));
+            counts[child] += static_cast<std::uint32_t>(hn::CountTrue(Tag(), touches(mask, child)));
         }
-    }
+    });
 }
 
 /// Writes the child's triangles to `out`, in order; up to a block of lanes behind them is spoilt.
@@ -73,11 +84,11 @@ HWY_INLINE void copy_triangles(const SplitCell& cell, const std::uint32_t* masks
                                const std::uint32_t* triangles, int child, std::uint32_t* out)
 {
     const Tag tag;
-    for (std::size_t block = 0; block < cell.count; block += hn::Lanes(tag)) {
-        const auto touching = touches(load_masks(masks + block, cell.count - block), child);
+    for_each_block(cell, masks, [&](std::size_t block, hn::Vec<Tag> mask) {
+        const auto touching = touches(mask, child);
         hn::StoreU(compress(hn::LoadU(tag, triangles + block), touching), tag, out);
         out += hn::CountTrue(tag, touching);
-    }
+    });
 }
 
 /// Replaces indices within the subtree by triangle ids.
@@ -146,25 +157,25 @@ private:
 };
 
 /// Cells whose triangles fit so many blocks of lanes, as most do: everything stays in registers.
-template <std::size_t blocks>
+template <std::size_t Blocks>
 HWY_INLINE std::uint32_t distribute_few(const SplitCell& cell, const std::uint32_t* masks,
                                         const std::uint32_t* triangles, ChildWriter& writer)
 {
     const Tag tag;
-    hn::Vec<Tag> mask[blocks];
-    hn::Vec<Tag> block[blocks];
-    for (std::size_t i = 0; i < blocks; ++i) {
+    hn::Vec<Tag> mask[Blocks];
+    hn::Vec<Tag> block[Blocks];
+    for (std::size_t i = 0; i < Blocks; ++i) {
         const std::size_t first = i * hn::Lanes(tag);
         mask[i] = load_masks(masks + first, cell.count - first);
         block[i] = hn::LoadU(tag, triangles + first);
     }
     // Which children have triangles is known before the loop over them, which then has no branch
     // that depends on it.
-    std::uint32_t counts[8][blocks];
+    std::uint32_t counts[8][Blocks];
     std::uint32_t recorded = 0;
     for (int child = 0; child < 8; ++child) {
         std::uint32_t count = 0;
-        for (std::size_t i = 0; i < blocks; ++i) {
+        for (std::size_t i = 0; i < Blocks; ++i) {
             counts[child][i] =
                 static_cast<std::uint32_t>(hn::CountTrue(tag, touches(mask[i], child)));
             count += counts[child][i];
@@ -174,9 +185,9 @@ HWY_INLINE std::uint32_t distribute_few(const SplitCell& cell, const std::uint32
     for (std::uint32_t left = recorded; left != 0; left &= left - 1) {
         const int child = std::countr_zero(left);
         std::uint32_t count = 0;
-        for (std::size_t i = 0; i < blocks; ++i) count += counts[child][i];
+        for (std::size_t i = 0; i < Blocks; ++i) count += counts[child][i];
         std::uint32_t* out = writer.open(cell, child, count);
-        for (std::size_t i = 0; i < blocks; ++i) {
+        for (std::size_t i = 0; i < Blocks; ++i) {
             hn::StoreU(compress(block[i], touches(mask[i], child)), tag, out);
             out += counts[child][i];
         }

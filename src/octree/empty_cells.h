@@ -51,6 +51,7 @@ inline constexpr auto octant_groups = [] {
         }
         for (std::uint32_t left = mask; left != 0;) {
             std::uint32_t group = left & (~left + 1U);
+            // A step reaches neighbours: no octant of eight is more than seven away.
             for (int step = 0; step < 7; ++step) {
                 group |= ((group & 0x55U) << 1U) | ((group & 0xAAU) >> 1U) |
                          ((group & 0x33U) << 2U) | ((group & 0xCCU) >> 2U) |
@@ -161,6 +162,7 @@ public:
         Sides around;
         around.at_root_face = all_sides;
         visit_cell(0, CellKey{}, around);
+        visit_children(0, CellKey{}, around);
     }
 
 private:
@@ -188,13 +190,20 @@ private:
         sides.id[side] = is_empty ? EmptyGroups::number(of, octant) : child;
     }
 
-    void visit_cell(std::uint32_t record, CellKey key, const Sides& around)
+    /// The groups of one cell. Returns whether some of its octants are split.
+    bool visit_cell(std::uint32_t record, CellKey key, const Sides& around)
     {
-        if (is_cancelled(progress_)) return;
         const EmptyGroups::Octants own = groups_.octants(record);
         for (std::uint32_t i = 0; i < own.groups; ++i) groups_[own.first + i].parent = key;
         if (own.alone != 0) meet_within(own);
         meet_around(own, around);
+        return own.split != 0;
+    }
+
+    void visit_children(std::uint32_t record, CellKey key, const Sides& around)
+    {
+        if (is_cancelled(progress_)) return;
+        const EmptyGroups::Octants own = groups_.octants(record);
         const OctreeNode node = octree_.nodes()[record];
         for (std::uint32_t bits = own.split; bits != 0; bits &= bits - 1) {
             const auto octant = static_cast<std::uint32_t>(std::countr_zero(bits));
@@ -213,8 +222,9 @@ private:
                 }
             }
             const std::uint32_t before = (1U << octant) - 1;
-            visit_cell(node.first + count_octants(node.recorded_mask() & before),
-                       child(key, static_cast<int>(octant)), sides);
+            const std::uint32_t below = node.first + count_octants(node.recorded_mask() & before);
+            const CellKey key_below = child(key, static_cast<int>(octant));
+            if (visit_cell(below, key_below, sides)) visit_children(below, key_below, sides);
         }
     }
 

@@ -25,15 +25,19 @@ enum class Crossing : std::uint8_t { none, outwards, inwards, degenerate };
 Crossing crossing(const AxisSegment& segment, const Triangle& triangle) noexcept
 {
     const Vec3& from = segment.from;
-    const Vec3 lower = triangle[0].cwiseMin(triangle[1]).cwiseMin(triangle[2]);
-    const Vec3 upper = triangle[0].cwiseMax(triangle[1]).cwiseMax(triangle[2]);
     const int axis = segment.axis;
     const int u = (axis + 1) % 3;
     const int v = (axis + 2) % 3;
-    const bool misses = from[u] < lower[u] || from[u] > upper[u] || from[v] < lower[v] ||
-                        from[v] > upper[v] || std::max(from[axis], segment.to) < lower[axis] ||
-                        std::min(from[axis], segment.to) > upper[axis];
-    if (misses) return Crossing::none;
+    const auto misses = [&](int k, double low, double high) {
+        const double first = triangle[0][k];
+        const double second = triangle[1][k];
+        const double third = triangle[2][k];
+        return std::max({first, second, third}) < low || std::min({first, second, third}) > high;
+    };
+    if (misses(u, from[u], from[u]) || misses(v, from[v], from[v]) ||
+        misses(axis, std::min(from[axis], segment.to), std::max(from[axis], segment.to))) {
+        return Crossing::none;
+    }
     // Seen along the axis the line is a point: inside where it lies left of all edges, or right.
     const auto flat = [&](const Vec3& point) { return Vec2(point[u], point[v]); };
     int left = 0;
@@ -61,7 +65,6 @@ Crossing crossing(const AxisSegment& segment, const Triangle& triangle) noexcept
 struct RegionRays::Ray {
     Vec3 from = Vec3::Zero();
     int axis = 0;
-    std::vector<TriangleId> passed; ///< listed in those leaves, with repeats
 };
 
 RegionRays::RegionRays(const Octree& octree, const TriangleMesh& mesh, const TriangleMesh& caps,
@@ -87,29 +90,39 @@ RegionRays::Location RegionRays::locate(const std::array<std::uint32_t, 3>& at) 
     }
 }
 
-std::optional<std::int32_t> RegionRays::crossings(const Ray& ray, double end) const
+std::optional<std::int32_t> RegionRays::crossings(const Ray& ray, double end,
+                                                  Scratch& scratch) const
 {
-    std::int32_t change = 0;
     const AxisSegment segment{ray.from, end, ray.axis};
-    const auto count = [&](const Triangle& triangle) {
-        const Crossing found = crossing(segment, triangle);
-        if (found == Crossing::outwards) --change;
-        if (found == Crossing::inwards) ++change;
-        return found != Crossing::degenerate;
-    };
-    std::vector<TriangleId> ids = ray.passed;
-    std::ranges::sort(ids);
-    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
-    for (const TriangleId id : ids) {
-        if (!count(mesh_.triangle(id))) return std::nullopt;
+    // A triangle of several leaves is tested in each, which costs less than finding repeats, and
+    // counted once.
+    scratch.crossed.clear();
+    for (const std::uint32_t record : scratch.passed) {
+        const OctreeNode leaf = octree_.nodes()[record];
+        for (const TriangleId id : octree_.references().subspan(leaf.first, leaf.count())) {
+            const Crossing found = crossing(segment, mesh_.triangle(id));
+            if (found == Crossing::degenerate) return std::nullopt;
+            if (found != Crossing::none) {
+                scratch.crossed.push_back({id, found == Crossing::outwards ? -1 : 1});
+            }
+        }
+    }
+    std::ranges::sort(scratch.crossed, {}, &Scratch::Crossed::id);
+    std::int32_t change = 0;
+    for (std::size_t i = 0; i < scratch.crossed.size(); ++i) {
+        const bool repeats = i > 0 && scratch.crossed[i].id == scratch.crossed[i - 1].id;
+        if (!repeats) change += scratch.crossed[i].change;
     }
     for (std::uint32_t i = 0; i < caps_.triangle_count(); ++i) {
-        if (!count(caps_.triangle(TriangleId{i}))) return std::nullopt;
+        const Crossing found = crossing(segment, caps_.triangle(TriangleId{i}));
+        if (found == Crossing::degenerate) return std::nullopt;
+        if (found != Crossing::none) change += found == Crossing::outwards ? -1 : 1;
     }
     return change;
 }
 
-std::optional<RegionRays::End> RegionRays::cast(std::uint32_t region, int direction) const
+std::optional<RegionRays::End> RegionRays::cast(std::uint32_t region, int direction,
+                                                Scratch& scratch) const
 {
     const OctreeFrame& frame = octree_.frame();
     const int deepest = octree_.parameters().max_depth;
@@ -126,6 +139,7 @@ std::optional<RegionRays::End> RegionRays::cast(std::uint32_t region, int direct
     std::array<std::uint32_t, 3> at = cell_coordinates(key);
     Ray ray;
     ray.axis = static_cast<int>(axis);
+    scratch.passed.clear();
     for (std::size_t k = 0; k < 3; ++k) {
         const auto offset = static_cast<std::uint32_t>(parts[k] * static_cast<double>(1U << shift));
         at[k] = (at[k] << shift) + offset;
@@ -144,20 +158,18 @@ std::optional<RegionRays::End> RegionRays::cast(std::uint32_t region, int direct
         if (here == region) {
             // A closed empty cell is free of triangles, and so is its face.
             ray.from[ray.axis] = exit_plane;
-            ray.passed.clear();
+            scratch.passed.clear();
         } else if (here != EmptyRegions::none) {
             const std::uint32_t entry = up ? exit - size : exit + size;
-            const auto change = crossings(ray, frame.plane(ray.axis, entry, deepest));
+            const auto change = crossings(ray, frame.plane(ray.axis, entry, deepest), scratch);
             if (!change) return std::nullopt;
             return End{here, *change};
         } else if (!location.is_empty) {
-            const OctreeNode leaf = octree_.nodes()[location.id];
-            const auto list = octree_.references().subspan(leaf.first, leaf.count());
-            ray.passed.insert(ray.passed.end(), list.begin(), list.end());
+            scratch.passed.push_back(location.id);
         }
         if (exit == (up ? last_plane : 0)) {
             const double beyond = (up ? 1.0 : -1.0) * frame.edge[ray.axis];
-            const auto change = crossings(ray, exit_plane + beyond);
+            const auto change = crossings(ray, exit_plane + beyond, scratch);
             if (!change) return std::nullopt;
             return End{EmptyRegions::none, *change};
         }
@@ -182,8 +194,9 @@ void tie_regions(const RegionRays& rays, DisjointOffsets& windings, Threads thre
         begin_stage(progress, "regions", untied.size());
         ends.assign(untied.size(), std::nullopt);
         parallel_chunks(untied.size(), chunk, threads, [&](std::size_t first, std::size_t end) {
+            RegionRays::Scratch scratch;
             for (std::size_t i = first; i < end && !is_cancelled(progress); ++i) {
-                ends[i] = rays.cast(untied[i], direction);
+                ends[i] = rays.cast(untied[i], direction, scratch);
             }
             advance_stage(progress, end - first);
         });

@@ -47,9 +47,20 @@ public:
     RegionRays(const Octree& octree, const TriangleMesh& mesh, const TriangleMesh& caps,
                const EmptyGroups& groups, const EmptyRegions& regions);
 
+    /// What one ray after the other uses, on one thread.
+    struct Scratch {
+        struct Crossed {
+            TriangleId id = {};
+            std::int32_t change = 0;
+        };
+        std::vector<std::uint32_t> passed; ///< records of leaves, since the last region
+        std::vector<Crossed> crossed;      ///< their triangles on the ray, with repeats
+    };
+
     /// The ray of a region in one direction; nothing where it meets an edge or a vertex, or no end
     /// soon. O(leaves passed times depth, and caps).
-    [[nodiscard]] std::optional<End> cast(std::uint32_t region, int direction) const;
+    [[nodiscard]] std::optional<End> cast(std::uint32_t region, int direction,
+                                          Scratch& scratch) const;
 
     [[nodiscard]] std::uint32_t region_count() const noexcept
     {
@@ -67,7 +78,8 @@ private:
     };
 
     [[nodiscard]] Location locate(const std::array<std::uint32_t, 3>& at) const noexcept;
-    [[nodiscard]] std::optional<std::int32_t> crossings(const Ray& ray, double end) const;
+    [[nodiscard]] std::optional<std::int32_t> crossings(const Ray& ray, double end,
+                                                        Scratch& scratch) const;
 
     const Octree& octree_;
     const TriangleMesh& mesh_;

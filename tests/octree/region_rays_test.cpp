@@ -49,10 +49,11 @@ int expect_differences(const TriangleMesh& mesh, const Groups& of, std::uint32_t
                            brute_winding_number(of.caps, point));
     };
     int ended = 0;
+    RegionRays::Scratch scratch;
     for (std::uint32_t group = 0; group < of.groups.count(); group += step) {
         const long here = winding(group);
         for (int direction = 0; direction < RegionRays::directions; ++direction) {
-            const auto end = rays.cast(group, direction);
+            const auto end = rays.cast(group, direction, scratch);
             if (!end) continue;
             ++ended;
             const long there = end->region == EmptyRegions::none ? 0 : winding(end->region);
@@ -99,6 +100,7 @@ TEST(RegionRays, CountCrossingsOfOverlapsAndHoles)
     }
     const RegionRays rays(of.octree, holed, of.caps, of.groups, of.regions);
     int through = 0;
+    RegionRays::Scratch scratch;
     for (std::uint32_t group = 0; group < of.groups.count(); ++group) {
         if (of.regions.of_group[group] == EmptyRegions::none) continue;
         const auto winding = [&](std::uint32_t at) {
@@ -107,7 +109,7 @@ TEST(RegionRays, CountCrossingsOfOverlapsAndHoles)
                                brute_winding_number(of.caps, point));
         };
         for (int direction = 0; direction < RegionRays::directions; ++direction) {
-            const auto end = rays.cast(group, direction);
+            const auto end = rays.cast(group, direction, scratch);
             if (!end) continue;
             const long there = end->region == EmptyRegions::none ? 0 : winding(end->region);
             EXPECT_EQ(there - winding(group), end->change);
