@@ -9,7 +9,7 @@ namespace proxima {
 
 namespace {
 
-/// Of a file that is yet to be checked, anything.
+/// Some box where the arrays come from a damaged file, which is refused only later.
 RootBox root_box_of(const IndexArrays& arrays) noexcept
 {
     RootBox box;

@@ -203,7 +203,8 @@ std::optional<std::vector<DirectedEdge>> unbalanced_edges(const TriangleMesh& me
                                                           Progress* progress)
 {
     StageSteps steps(progress, "looking for holes", mesh.triangle_count() + mesh.vertex_count());
-    // What is balanced by ids is balanced by positions too, and needs no search for equal ones.
+    // Edges that cancel by vertex id cancel by position too. Only for the rest are vertices at the
+    // same position looked for.
     auto edges = edges_unbalanced_by_id(mesh, steps);
     if (!edges || edges->empty()) return edges;
     const auto first = first_at_same_position(mesh, *edges, steps);

@@ -143,8 +143,8 @@ private:
     bool find_price(double taken)
     {
         struct Sample {
-            double price = 0;
-            double over = 0; ///< logarithm of bytes over the share; 0: not known
+            double price = 0; ///< 0: not known
+            double over = 0;  ///< logarithm of bytes over the share
         };
         Sample low;  // takes too much
         Sample high; // does not
