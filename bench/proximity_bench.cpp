@@ -213,9 +213,9 @@ void print_totals(const TriangleMesh& mesh, const std::string& label,
         const auto contenders = all_contenders(mesh, options.queries);
         rows.resize(contenders.size());
         for (std::size_t i = 0; i < contenders.size(); ++i) {
-            Contender& contender =
-                *contenders[(i + static_cast<std::size_t>(round)) % contenders.size()];
-            auto& [name, row] = rows[(i + static_cast<std::size_t>(round)) % contenders.size()];
+            const std::size_t at = (i + static_cast<std::size_t>(round)) % contenders.size();
+            Contender& contender = *contenders[at];
+            auto& [name, row] = rows[at];
             name = contender.name;
             row.builds.push_back(contender.build_seconds);
             for (std::size_t s = 0; s < sets.size(); ++s) {

@@ -41,8 +41,8 @@ struct IndexLoadOptions {
 /// content of a file can lead a query out of its arrays; check_same_mesh tells whether it is the
 /// index of a given mesh. Errors:
 /// file_not_found, unsupported_format (foreign file, newer version, other byte order),
-/// malformed_file (truncated, damaged, contradicting itself), cancelled. O(bytes), about 1 ms per
-/// MB on one thread.
+/// malformed_file (truncated, damaged, contradicting itself), budget_exceeded (`in_memory`),
+/// cancelled. O(bytes), about 1 ms per MB on one thread.
 [[nodiscard]] Result<MeshIndex> load_index(const std::filesystem::path& path,
                                            const IndexLoadOptions& options = {});
 

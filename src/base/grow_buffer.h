@@ -121,4 +121,15 @@ private:
     std::size_t capacity_ = 0;
 };
 
+/// Makes room in `memory` for so many bytes at a multiple of the alignment, and returns where they
+/// begin. Pages are larger than any alignment, the heap's blocks are not.
+[[nodiscard]] inline std::byte* aligned_bytes(GrowBuffer<std::byte>& memory, std::size_t count,
+                                              std::size_t alignment)
+{
+    memory.resize(count + alignment);
+    void* first = memory.data();
+    std::size_t space = memory.size();
+    return static_cast<std::byte*>(std::align(alignment, count, first, space));
+}
+
 } // namespace proxima

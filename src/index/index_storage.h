@@ -23,11 +23,9 @@ struct IndexStorage {
     /// Blocks with whatever the memory holds.
     std::span<IndexBlock> make_blocks(std::size_t count)
     {
-        memory.resize((count + 1) * sizeof(IndexBlock));
-        void* first = memory.data();
-        std::size_t space = memory.size();
-        first = std::align(alignof(IndexBlock), count * sizeof(IndexBlock), first, space);
-        return blocks = {static_cast<IndexBlock*>(first), count};
+        std::byte* const first =
+            aligned_bytes(memory, count * sizeof(IndexBlock), alignof(IndexBlock));
+        return blocks = {static_cast<IndexBlock*>(static_cast<void*>(first)), count};
     }
 };
 

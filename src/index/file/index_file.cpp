@@ -3,6 +3,7 @@
 #include "base/binary_file.h"
 #include "base/grow_buffer.h"
 #include "base/mapped_file.h"
+#include "base/memory_budget.h"
 #include "base/text.h"
 #include "index/check_structure.h"
 #include "index/index_parts.h"
@@ -252,20 +253,6 @@ Result<MeshIndex> index_of(const BinaryFile& file, const std::string& name,
 
 } // namespace
 
-namespace {
-
-/// Makes room for so many bytes, aligned as sections are.
-std::span<std::byte> aligned_bytes(GrowBuffer<std::byte>& memory, std::size_t count)
-{
-    memory.resize(count + section_alignment);
-    void* first = memory.data();
-    std::size_t space = memory.size();
-    first = std::align(section_alignment, count, first, space);
-    return {static_cast<std::byte*>(first), count};
-}
-
-} // namespace
-
 Status save_index(const MeshIndex& index, const std::filesystem::path& path,
                   const SaveOptions& options)
 {
@@ -308,10 +295,15 @@ Result<MeshIndex> load_index(const std::filesystem::path& path, const IndexLoadO
     if (options.in_memory) {
         const auto mapped = MappedFile::open(path);
         if (!mapped) return tl::unexpected(mapped.error());
+        const std::span<const std::byte> bytes = mapped->bytes();
+        if (Status status = check_budget(options.execution.budget, bytes.size(),
+                                         "an index in memory", "map the file instead");
+            !status)
+            return tl::unexpected(status.error());
         auto memory = std::make_shared<GrowBuffer<std::byte>>();
-        const std::span<std::byte> copy = aligned_bytes(*memory, mapped->bytes().size());
-        std::ranges::copy(mapped->bytes(), copy.begin());
-        return load_index(copy, std::move(memory), path.string(), options);
+        std::byte* const copy = aligned_bytes(*memory, bytes.size(), section_alignment);
+        std::ranges::copy(bytes, copy);
+        return load_index({copy, bytes.size()}, std::move(memory), path.string(), options);
     }
     const auto file =
         BinaryFile::open(path, index_format, options.verify, options.execution.progress);

@@ -190,7 +190,7 @@ struct Closest {
 /// Moves those to the front whose lower bounds, a direction and a height each, are not above an upper
 /// bound of another feature at all corners. Eight of them at a time.
 HWY_INLINE std::size_t keep_undominated(std::uint32_t* list, std::size_t count,
-                                        const FrameCell& cell, float* bounds,
+                                        const FrameCell& cell, const float* bounds,
                                         std::size_t upper_count, const Eight* uppers,
                                         float best_at_center)
 {
@@ -212,15 +212,10 @@ HWY_INLINE std::size_t keep_undominated(std::uint32_t* list, std::size_t count,
         const Eight z = load_eight(numbers[2]);
         const Eight least = load_eight(numbers[3]);
         Eight heights[8]; // lower bounds at the corners
-        const Eight same = x + y;
-        const Eight other = x - y;
-        const Eight sums[4] = {same + z, other + z, other - z, same - z};
-        const std::size_t corner_of[4] = {7, 5, 1, 3};
-        for (std::size_t k = 0; k < 4; ++k) {
-            const Eight t = half * sums[k];
-            heights[corner_of[k]] = least - t;
-            heights[7 - corner_of[k]] = least + t;
-        }
+        for_corner_pairs(x, y, z, [&](std::size_t corner, std::size_t opposite, const Eight& sum) {
+            heights[corner] = least - half * sum;
+            heights[opposite] = least + half * sum;
+        });
         Eight above = eight(-infinite); // the most, over features, of the least over corners
         for (std::size_t i = 0; i < upper_count; ++i) {
             Eight over = heights[0] - eight(nearest[i][0]);

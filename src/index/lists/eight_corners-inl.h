@@ -59,6 +59,19 @@ PROXIMA_LANE_OP Eight dot_corners(const float* n)
            eight(n[2]) * load_eight(corner_signs[2]);
 }
 
+/// Calls visit(corner, opposite, n . corner) for four corners (+-1, +-1, +-1), of eight n in lanes;
+/// that of the opposite corner is the same with the other sign.
+template <class Visit>
+HWY_INLINE void for_corner_pairs(const Eight& x, const Eight& y, const Eight& z, const Visit& visit)
+{
+    const Eight same = x + y;
+    const Eight other = x - y;
+    visit(7, 0, same + z);
+    visit(5, 2, other + z);
+    visit(1, 6, other - z);
+    visit(3, 4, same - z);
+}
+
 } // namespace proxima::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

@@ -125,18 +125,10 @@ private:
         const Eight& y = normal_[i][1];
         const Eight& z = normal_[i][2];
         const Eight base = beyond(excess_[i], absolute(x) + absolute(y) + absolute(z));
-        const Eight same = x + y;
-        const Eight other = x - y;
-        const Eight sums[4] = {same + z, other + z, other - z, same - z};
-        // Children 7, 5 and their opposites 0, 2; 1 = opposite of 6, 3 opposite of 4.
-        const std::size_t child_of[4] = {7, 5, 1, 3};
-        for (std::size_t k = 0; k < 4; ++k) {
-            const Eight t = quarter_ * sums[k];
-            Eight& one = worst[child_of[k]];
-            Eight& opposite = worst[7 - child_of[k]];
-            one = maximum(one, base + t);
-            opposite = maximum(opposite, base - t);
-        }
+        for_corner_pairs(x, y, z, [&](std::size_t child, std::size_t opposite, const Eight& sum) {
+            worst[child] = maximum(worst[child], base + quarter_ * sum);
+            worst[opposite] = maximum(worst[opposite], base - quarter_ * sum);
+        });
     }
 
     /// The planes that pairs make without this axis.

@@ -148,7 +148,7 @@ HWY_INLINE bool ask_any_triangle(const IndexParts& index, RayTriangle triangle,
     } else if (!index.double_rows().empty()) {
         answer = ask_double_row(index.double_rows()[row], searched, hit);
     }
-    hit.triangle = answer == QuickAnswer::hit ? index.ids()[row] : hit.triangle;
+    if (answer == QuickAnswer::hit) hit.triangle = index.ids()[row];
     if (answer != QuickAnswer::unsure) return answer == QuickAnswer::hit;
 #endif
     return intersect_exact(index, triangle, searched, hit);

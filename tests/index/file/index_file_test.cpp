@@ -253,6 +253,13 @@ TEST_F(IndexFile, IsReadIntoMemory)
     ASSERT_FALSE(damaged);
     EXPECT_EQ(damaged.error().code, ErrorCode::malformed_file);
     EXPECT_NE(describe(damaged.error()).find("index.pxi"), std::string::npos);
+    (void)saved(index);
+    const auto large = load_index(path("index.pxi"),
+                                  {.in_memory = true, .execution = {.budget = {bytes.size() - 1}}});
+    ASSERT_FALSE(large);
+    EXPECT_EQ(large.error().code, ErrorCode::budget_exceeded);
+    EXPECT_TRUE(load_index(path("index.pxi"),
+                           {.in_memory = true, .execution = {.budget = {bytes.size()}}}));
     const auto missing = load_index(path("missing.pxi"), in_memory);
     ASSERT_FALSE(missing);
     EXPECT_EQ(missing.error().code, ErrorCode::file_not_found);
