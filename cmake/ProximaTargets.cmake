@@ -2,9 +2,10 @@
 
 # Compile options of our own code; never exported to users.
 add_library(proxima_developer_options INTERFACE)
-# No fused multiply-add: decisions must have the same bits on every instruction set.
+# No fused multiply-add: decisions must have the same bits on every instruction set. No errno from square roots:
+# it takes a branch and a call beside each of them.
 target_compile_options(proxima_developer_options INTERFACE
-  -ffp-contract=off -Wall -Wextra -Wconversion -Wshadow -Wno-sign-conversion
+  -ffp-contract=off -fno-math-errno -Wall -Wextra -Wconversion -Wshadow -Wno-sign-conversion
   $<$<BOOL:${PROXIMA_WARNINGS_AS_ERRORS}>:-Werror>)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
   # Otherwise g++ 12 copies and clears structs of a hundred bytes by `rep movs` and `rep stos` in code for AVX2 and SSE4.

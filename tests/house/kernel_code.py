@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""No kernel copies or clears memory by `rep movs` or `rep stos`.
+"""No kernel copies or clears memory by `rep movs` or `rep stos`, and none calls the C library's mathematics.
 
-Both take dozens of cycles to begin, and a table that a function keeps as a local constant is copied by them in
-every call. Compilers choose them for one instruction set and not for another, so that only the machine code tells.
+The first two take dozens of cycles to begin, and a table that a function keeps as a local constant is copied by them
+in every call. A call to `sqrt` or `floor` saves and loads all vectors in use. Compilers choose these for one
+instruction set and not for another, so that only the machine code tells.
 
     kernel_code.py LIBRARY...      prints each kernel that does, with the instruction; exit status 1 if any
 """
@@ -14,10 +15,13 @@ FUNCTION = re.compile(r"^[0-9a-f]+ <(.*)>:$")
 KERNEL = re.compile(r"\bN_(?:AVX3\w*|AVX2|SSE4|SSSE3)::")
 # Code that g++ takes for cold has `rep movsl`.
 SLOW = re.compile(r"\brep (?:movsq|stos\w*)")
+# To a function of the C library, as the linker is told. Copies of kilobytes may be calls; names with an underscore
+# in front are what exceptions need.
+CALL = re.compile(r"R_X86_64_PLT32\s+(?!mem(?:cpy|set|move)-)([a-z]\w*)-0x")
 
 
 def slow_kernels(listing):
-    """(kernel, instruction) of every slow instruction, and how many kernels there are."""
+    """(kernel, instruction) of every slow instruction or call, and how many kernels there are."""
     function = None
     kernels = 0
     found = []
@@ -27,6 +31,8 @@ def slow_kernels(listing):
             kernels += function is not None
         elif function and (slow := SLOW.search(line)):
             found.append((function, slow[0]))
+        elif function and (call := CALL.search(line)):
+            found.append((function, f"call of {call[1]}"))
     return found, kernels
 
 
@@ -34,14 +40,14 @@ def main(libraries):
     kernels = 0
     broken = []
     for library in libraries:
-        listing = subprocess.run(["objdump", "-dC", "--no-show-raw-insn", library], check=True, text=True,
+        listing = subprocess.run(["objdump", "-drC", "--no-show-raw-insn", library], check=True, text=True,
                                  errors="replace", stdout=subprocess.PIPE).stdout.splitlines()
         found, count = slow_kernels(listing)
         broken += found
         kernels += count
     for function, instruction in broken:
         print(f"{function}: {instruction}")
-    print(f"{kernels} kernels, {len(broken)} slow instructions")
+    print(f"{kernels} kernels, {len(broken)} slow instructions and calls")
     return 1 if broken or kernels == 0 else 0
 
 
