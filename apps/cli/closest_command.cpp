@@ -6,7 +6,7 @@
 #include "cli/commands.h"
 #include "cli/index_file_model.h"
 #include "cli/model_options.h"
-#include "cli/number_table.h"
+#include "cli/point_options.h"
 #include "cli/query_method.h"
 #include "cli/row_writer.h"
 #include "cli/stopwatch.h"
@@ -29,7 +29,7 @@ namespace {
 
 struct ClosestOptions {
     std::string model;
-    std::string points;
+    PointOptions points;
     std::string out; ///< "-" for stdout, empty for none
     bool is_signed = false;
     bool lists = false;
@@ -197,15 +197,13 @@ void check_method_options(const CLI::App& parser, QueryMethod method)
         throw CLI::ValidationError("--depth", "a saved octree has its own");
 }
 
-Status run_closest(const ClosestOptions& options, Session& session)
+Status run_closest(const ClosestOptions& given, Session& session)
 {
+    ClosestOptions options = given;
+    options.out = rows_path(given.out, session);
     if (options.method == QueryMethod::thesis) return run_as_thesis(options, session);
     if (Status status = check_rows(options.out, session); !status) return status;
-    const auto table = [&] {
-        const ProgressBar shown(session.progress(), session.bar());
-        return read_number_table(options.points, "x,y,z",
-                                 {.execution = {.progress = &session.progress()}});
-    }();
+    const auto table = read_points(options.points, session);
     if (!table) return tl::unexpected(table.error());
     const auto searcher = make_closest_searcher(options.model,
                                                 {.is_signed = options.is_signed,
@@ -238,17 +236,11 @@ Status run_closest(const ClosestOptions& options, Session& session)
 Command add_closest_command(CLI::App& app)
 {
     CLI::App* const parser = app.add_subcommand(
-        "closest", "Find the closest vertex, edge or face of a mesh for each point of a file");
+        "closest", "Find the closest vertex, edge or face of a mesh for each point");
     const auto options = std::make_shared<ClosestOptions>();
     add_model_option(*parser, options->model, ModelKinds::meshes_and_indexes);
-    parser
-        ->add_option("--points", options->points,
-                     "The points: .npy of three columns, else CSV of x,y,z")
-        ->required()
-        ->type_name("FILE");
-    parser
-        ->add_option("--out", options->out, "Write the answers: .csv, .npy, or - for CSV to stdout")
-        ->type_name("FILE");
+    add_point_options(*parser, options->points);
+    add_rows_option(*parser, options->out);
     parser->add_flag("--signed", options->is_signed,
                      "Add the signed distance, negative inside, and how the sign was found");
     parser->add_flag("--lists", options->lists,
@@ -269,7 +261,10 @@ Command add_closest_command(CLI::App& app)
         ->type_name("FILE.pxv");
     parser->add_option("--octree", options->thesis.octree, "Search this saved octree of the thesis")
         ->type_name("FILE.pxv");
-    parser->callback([parser, options] { check_method_options(*parser, options->method); });
+    parser->callback([parser, options] {
+        check_points_given(options->points);
+        check_method_options(*parser, options->method);
+    });
     refuse_beside_index_file(*parser, options->model, {"--lists", "--budget-mb"});
     return {parser, [options](Session& session) { return run_closest(*options, session); }};
 }

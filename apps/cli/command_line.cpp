@@ -8,7 +8,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <exception>
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <new>
 #include <string>
 #include <string_view>
@@ -72,6 +72,24 @@ std::string advice_of(const Error& error, const CLI::App& parser)
     return text;
 }
 
+/// "; did you mean --depth?", where a word is close to what was typed.
+std::string did_you_mean(std::string_view typed, const std::vector<std::string>& words)
+{
+    const std::string word = similar_word(typed, words);
+    return word.empty() ? std::string() : fmt::format("; did you mean {}?", word);
+}
+
+/// A suggestion for the first option that the command does not have.
+std::string suggest_option(const CLI::App& parser)
+{
+    std::vector<std::string> names;
+    for (const CLI::Option* const option : parser.get_options())
+        for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    for (const std::string& typed : parser.remaining())
+        if (typed.starts_with("-")) return did_you_mean(typed.substr(0, typed.find('=')), names);
+    return {};
+}
+
 int run(const Command& command, const CommonOptions& options)
 {
     Session session(options);
@@ -110,16 +128,16 @@ int parse_and_run(int argc, char** argv, const char* version, std::span<const Ad
         if (error.get_exit_code() == 0) return app.exit(error); // help or version
         const auto found = std::ranges::find_if(commands, asked_for);
         if (found == commands.end() && argc > 1 && argv[1][0] != '-') {
-            report(fmt::format(
-                "{} is no command: they are octree, compare, minkowski, index, proximity, closest, "
-                "patch, raycast, cull, intersect, touch, tables, check, figures and view; see "
-                "proxima "
-                "--help",
-                argv[1]));
+            std::vector<std::string> names;
+            for (const Command& command : commands) names.push_back(command.parser->get_name());
+            report(fmt::format("{} is no command: they are {}{}; see proxima --help", argv[1],
+                               fmt::join(names, ", "), did_you_mean(argv[1], names)));
             return wrong_usage;
         }
-        report(fmt::format("{}; see proxima {}--help", error.what(),
-                           found == commands.end() ? "" : found->parser->get_name() + ' '));
+        const bool known = found != commands.end();
+        report(fmt::format("{}{}; see proxima {}--help", error.what(),
+                           known ? suggest_option(*found->parser) : "",
+                           known ? found->parser->get_name() + ' ' : ""));
         return wrong_usage;
     }
     const Command& command = *std::ranges::find_if(commands, asked_for);

@@ -13,9 +13,12 @@
 #include "proxima/thesis.h"
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <fmt/core.h>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <span>
+#include <string_view>
 
 namespace proxima {
 
@@ -40,11 +43,12 @@ CullMode mode_of(const CullOptions& options)
 /// A row a,b,c,d per plane.
 Result<ViewVolume> read_volume(const std::string& path, Progress* progress)
 {
-    const auto table = read_number_table(path, "a,b,c,d", {.execution = {.progress = progress}});
+    constexpr std::array<std::string_view, 1> layouts = {"a,b,c,d"};
+    const auto table = read_number_table(path, {layouts}, {.execution = {.progress = progress}});
     if (!table) return tl::unexpected(table.error());
     std::vector<ViewPlane> planes(table->rows());
     for (std::size_t i = 0; i < planes.size(); ++i) {
-        const double* const row = table->values.data() + 4 * i;
+        const std::span<const double> row = table->row(i);
         planes[i] = {{row[0], row[1], row[2]}, row[3]};
     }
     auto volume = make_view_volume(planes);

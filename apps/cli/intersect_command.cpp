@@ -1,13 +1,14 @@
 // proxima intersect: where two meshes meet, in any rigid poses of the second one.
 #include "base/file_extension.h"
 #include "base/output_file.h"
+#include "base/text.h"
 #include "cli/answer_table.h"
 #include "cli/commands.h"
 #include "cli/index_file_model.h"
 #include "cli/intersection_files.h"
 #include "cli/intersection_picture.h"
 #include "cli/model_options.h"
-#include "cli/pose_file.h"
+#include "cli/poses.h"
 #include "cli/query_method.h"
 #include "cli/stopwatch.h"
 #include "geometry/triangle_intersection.h"
@@ -308,12 +309,13 @@ private:
 Status run_intersect(const IntersectOptions& options, Session& session)
 {
     if (Status status = check_options(options, session); !status) return status;
-    std::vector<RigidTransform> poses(1);
+    Poses read{.poses = std::vector<RigidTransform>(1)};
     if (!options.poses.empty()) {
-        auto read = read_poses(options.poses, &session.progress());
-        if (!read) return tl::unexpected(read.error());
-        poses = std::move(*read);
+        auto given = read_poses(options.poses, &session.progress());
+        if (!given) return tl::unexpected(given.error());
+        read = std::move(*given);
     }
+    const std::vector<RigidTransform>& poses = read.poses;
     const auto a = std::make_unique<Body>();
     const auto b = std::make_unique<Body>();
     const Stopwatch watch;
@@ -359,6 +361,7 @@ Status run_intersect(const IntersectOptions& options, Session& session)
     }
     if (Status status = texts.write(); !status) return status;
     if (poses.size() > shown_poses) text += "...\n";
+    text += rotation_text(read.rotation_error);
     text += fmt::format("{} of {} poses intersect, {:.1f} us each\n", intersecting, poses.size(),
                         1e6 * seconds / static_cast<double>(poses.size()));
     for (const std::string& path : {options.pairs, options.contour, options.picture}) {
@@ -371,6 +374,7 @@ Status run_intersect(const IntersectOptions& options, Session& session)
                                {"triangles_b", b->mesh.triangle_count()},
                                {"build_seconds", build_seconds},
                                {"method", name_of(options.method)},
+                               {"rotation_error", read.rotation_error},
                                {"poses", rows}});
 }
 
@@ -387,10 +391,12 @@ Command add_intersect_command(CLI::App& app)
     model("A", options->model_a, "The mesh that stands still: a file or a built-in");
     model("B", options->model_b, "The mesh that poses move");
     parser
-        ->add_option("--pose", options->poses,
-                     "Poses of B: .npy, else CSV, a row of 12 numbers each, the 3x4 matrix by "
-                     "rows; without it B stays where it is")
-        ->type_name("FILE");
+        ->add_option(
+            "--pose", options->poses,
+            concat("One pose of B, or a table of poses, a row each (.npy, text, - for stdin). "
+                   "A pose is ",
+                   pose_forms))
+        ->type_name("POSE|FILE");
     parser
         ->add_option("--pairs", options->pairs,
                      "Write the pairs of triangles that meet: .csv or .npy of pose,a,b")

@@ -130,8 +130,9 @@ Json json_of(const ConvexPolyhedron& polyhedron, const std::string& model)
 
 Status run_minkowski(const Options& options, Session& session)
 {
-    if (!(options.scale > 0) || !std::isfinite(options.scale)) {
-        return fail(ErrorCode::invalid_argument, "must be a positive number", "--scale");
+    if (options.scale == 0 || !std::isfinite(options.scale)) {
+        return fail(ErrorCode::invalid_argument, "must be a finite number other than zero",
+                    "--scale");
     }
     if (!(options.tolerance >= 0) || !std::isfinite(options.tolerance)) {
         return fail(ErrorCode::invalid_argument, "must be zero or a positive number",
@@ -144,14 +145,15 @@ Status run_minkowski(const Options& options, Session& session)
     const ProgressBar shown(session.progress(), session.bar());
     const auto a = load_operand(options.models[0], options, session);
     if (!a) return tl::unexpected(a.error());
-    const auto b = load_operand(options.models[1], options, session);
+    auto b = load_operand(options.models[1], options, session);
     if (!b) return tl::unexpected(b.error());
+    if (options.scale < 0) b = mirrored(*b);
 
     const Stopwatch watch;
     const auto unscaled =
         minkowski_sum_by(options.method, *a, *b, {.execution = session.execution()});
     if (!unscaled) return tl::unexpected(unscaled.error());
-    const MinkowskiSum sum = unscaled->scaled(options.scale);
+    const MinkowskiSum sum = unscaled->scaled(std::abs(options.scale));
     const double seconds = watch.seconds();
 
     std::map<FacetOrigin, std::size_t> origins;
@@ -244,7 +246,11 @@ Command add_minkowski_command(CLI::App& app)
             },
             "arcs (the fast one), geometric, hull (the thesis's)")
         ->type_name("NAME");
-    parser->add_option("--scale", options->scale, "Sum A and this many times B")->type_name("L");
+    parser
+        ->add_option(
+            "--scale", options->scale,
+            "Sum A and this many times B; -1 mirrors B: A + (-B) is what keeps B, moved, off A")
+        ->type_name("L");
     parser
         ->add_option(
             "--tolerance", options->tolerance,

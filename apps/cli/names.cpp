@@ -22,6 +22,26 @@ std::optional<int> parse_number(std::string_view text)
     return value;
 }
 
+/// Letters to insert, drop, replace or swap with the next one, to make one word of the other.
+std::size_t edits_between(std::string_view a, std::string_view b)
+{
+    std::vector<std::vector<std::size_t>> edits(a.size() + 1,
+                                                std::vector<std::size_t>(b.size() + 1));
+    for (std::size_t i = 0; i <= a.size(); ++i) {
+        for (std::size_t j = 0; j <= b.size(); ++j) {
+            if (i == 0 || j == 0) {
+                edits[i][j] = i + j;
+                continue;
+            }
+            const std::size_t replaced = edits[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1);
+            edits[i][j] = std::min({replaced, edits[i - 1][j] + 1, edits[i][j - 1] + 1});
+            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+                edits[i][j] = std::min(edits[i][j], edits[i - 2][j - 2] + 1);
+        }
+    }
+    return edits[a.size()][b.size()];
+}
+
 } // namespace
 
 std::string_view method_name(OverlapMethod method) noexcept
@@ -108,6 +128,23 @@ std::optional<std::vector<double>> parse_finite_numbers(std::string_view text)
         numbers.push_back(number);
     }
     return numbers;
+}
+
+std::string similar_word(std::string_view text, const std::vector<std::string>& words)
+{
+    constexpr std::size_t longest = 64;
+    if (text.size() > longest) return {};
+    std::size_t fewest = 1 + text.size() / 4;
+    std::string best;
+    for (const std::string& word : words) {
+        const std::size_t edits = edits_between(text, word);
+        // A word begun and not finished, too.
+        const bool is_start = text.size() > 2 && word.starts_with(text);
+        if (edits > fewest && !is_start) continue;
+        if (!best.empty() && edits >= edits_between(text, best)) continue;
+        best = word;
+    }
+    return best;
 }
 
 Status check_extension(const std::string& path, std::string_view extension)

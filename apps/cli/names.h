@@ -43,6 +43,11 @@ inline constexpr std::array all_methods = {OverlapMethod::fast, OverlapMethod::s
 /// Numbers of a list such as "1,-2.5e3"; nothing if a part is no finite number.
 [[nodiscard]] std::optional<std::vector<double>> parse_finite_numbers(std::string_view text);
 
+/// The word that somebody may have meant who typed `text`: one that few letters tell from it. Empty
+/// where there is none.
+[[nodiscard]] std::string similar_word(std::string_view text,
+                                       const std::vector<std::string>& words);
+
 /// Error unsupported_format for a file of our own kind without the extension that it is opened by.
 /// Empty names and devices are right.
 [[nodiscard]] Status check_extension(const std::string& path, std::string_view extension);

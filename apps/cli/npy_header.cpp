@@ -2,8 +2,11 @@
 
 #include "base/text.h"
 
+#include <bit>
 #include <charconv>
+#include <cmath>
 #include <optional>
+#include <utility>
 
 namespace proxima {
 
@@ -62,27 +65,38 @@ private:
     std::string_view text_;
 };
 
-struct Shape {
-    std::uint64_t rows = 0;
-    std::uint64_t columns = 0;
-    std::size_t dimensions = 0;
-};
+constexpr std::size_t max_dimensions = 4;
 
 /// (5, 3) and the like.
-std::optional<Shape> parse_shape(DictionaryText& text)
+std::optional<std::vector<std::uint64_t>> parse_shape(DictionaryText& text)
 {
     if (!text.take("(")) return std::nullopt;
-    Shape shape;
+    std::vector<std::uint64_t> shape;
     while (!text.take(")")) {
         const auto number = text.number();
         if (!number) return std::nullopt;
-        (shape.dimensions == 0 ? shape.rows : shape.columns) = *number;
-        ++shape.dimensions;
+        shape.push_back(*number);
         if (text.take(",")) continue;
         if (!text.take(")")) return std::nullopt;
         break;
     }
     return shape;
+}
+
+/// Kind, size and byte order, such as "<f8", ">i4" or "|u1". False for others.
+bool take_kind(std::string_view text, NpyHeader& header)
+{
+    constexpr std::string_view orders = "<>=|";
+    if (text.size() != 3 || orders.find(text[0]) == std::string_view::npos) return false;
+    header.big_endian = text[0] == '>';
+    header.bytes_per_number = static_cast<std::size_t>(text[2] - '0');
+    constexpr std::string_view kinds = "fiu";
+    const std::size_t kind = kinds.find(text[1]);
+    if (kind == std::string_view::npos) return false;
+    header.kind = static_cast<NpyKind>(kind);
+    constexpr std::string_view sizes = "1248";
+    return sizes.find(text[2]) != std::string_view::npos &&
+           (header.kind != NpyKind::real || header.bytes_per_number > 1);
 }
 
 tl::unexpected<Error> malformed()
@@ -96,7 +110,7 @@ Result<NpyHeader> parse_dictionary(std::string_view dictionary)
     DictionaryText text(dictionary);
     std::string_view kind;
     std::optional<NpyOrder> order;
-    std::optional<Shape> shape;
+    std::optional<std::vector<std::uint64_t>> shape;
     if (!text.take("{")) return malformed();
     while (!text.take("}")) {
         const auto key = text.quoted();
@@ -124,21 +138,63 @@ Result<NpyHeader> parse_dictionary(std::string_view dictionary)
         }
     }
     if (!text.at_end() || kind.empty() || !order || !shape) return malformed();
-    if (kind != "<f4" && kind != "<f8") {
-        return fail(
-            ErrorCode::unsupported_format,
-            concat("its numbers are ", kind, ": save them as float32 or float64 (<f4, <f8)"));
-    }
-    if (shape->dimensions != 2) {
+    NpyHeader header;
+    if (!take_kind(kind, header)) {
         return fail(ErrorCode::unsupported_format,
-                    concat("the array has ", shape->dimensions,
+                    concat("its numbers are ", kind,
+                           ": save them as floats or whole numbers of up to 64 bits"));
+    }
+    if (shape->empty() || shape->size() > max_dimensions) {
+        return fail(ErrorCode::unsupported_format,
+                    concat("the array has ", shape->size(),
                            " dimensions: it must have two, rows and columns"));
     }
-    return NpyHeader{kind == "<f4" ? std::size_t{4} : std::size_t{8}, *order, shape->rows,
-                     shape->columns, 0};
+    header.order = *order;
+    header.shape = std::move(*shape);
+    return header;
+}
+
+/// The sixteen bits of a float: sign, 5 of the exponent, 10 of the fraction.
+double half_number(std::uint64_t bits) noexcept
+{
+    const auto exponent = static_cast<int>(bits >> 10U & 0x1FU);
+    const auto fraction = static_cast<double>(bits & 0x3FFU);
+    const double size = exponent == 0    ? std::ldexp(fraction, -24)
+                        : exponent == 31 ? (fraction == 0 ? HUGE_VAL : NAN)
+                                         : std::ldexp(1024 + fraction, exponent - 25);
+    return (bits >> 15U & 1U) != 0 ? -size : size;
 }
 
 } // namespace
+
+bool is_npy(std::string_view bytes) noexcept
+{
+    return bytes.starts_with(magic);
+}
+
+double npy_number(const NpyHeader& header, const char* bytes) noexcept
+{
+    const std::size_t size = header.bytes_per_number;
+    std::uint64_t bits = 0;
+    for (std::size_t i = 0; i < size; ++i) {
+        const auto byte = static_cast<unsigned char>(bytes[header.big_endian ? size - 1 - i : i]);
+        bits |= std::uint64_t{byte} << 8 * i;
+    }
+    switch (header.kind) {
+    case NpyKind::unsigned_whole:
+        return static_cast<double>(bits);
+    case NpyKind::signed_whole: {
+        const std::size_t unused = 64 - 8 * size;
+        return static_cast<double>(static_cast<std::int64_t>(bits << unused) >> unused);
+    }
+    case NpyKind::real:
+        break;
+    }
+    if (size == 8) return std::bit_cast<double>(bits);
+    if (size == 4)
+        return static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(bits)));
+    return half_number(bits);
+}
 
 Result<NpyHeader> parse_npy_header(std::string_view bytes)
 {

@@ -1,40 +1,39 @@
 #include "cli/ray_sources.h"
 
-#include "base/file_extension.h"
 #include "base/text.h"
 #include "cli/number_table.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
-#include <fstream>
+#include <string_view>
 
 namespace proxima {
 
 namespace {
 
-constexpr std::string_view short_columns = "ox,oy,oz,dx,dy,dz";
-constexpr std::string_view long_columns = "ox,oy,oz,dx,dy,dz,tmin,tmax";
+constexpr std::array<std::string_view, 2> ray_layouts = {"ox,oy,oz,dx,dy,dz",
+                                                         "ox,oy,oz,dx,dy,dz,tmin,tmax"};
+constexpr TableForm ray_form = {ray_layouts, "tmin,tmax"};
 
-/// Whether the first line of a CSV file has more than six columns.
-bool begins_with_range(const std::string& path)
+Result<std::vector<Ray>> rays_of(const Result<NumberTable>& table)
 {
-    std::ifstream file(path);
-    std::string line;
-    std::getline(file, line);
-    return std::ranges::count(line, ',') > 5;
-}
-
-Result<NumberTable> read_table(const std::string& path, Progress* progress)
-{
-    const NumberTableOptions options{.execution = {.progress = progress}};
-    if (lower_case_extension(path) != ".npy") {
-        return read_number_table(path, begins_with_range(path) ? long_columns : short_columns,
-                                 options);
+    if (!table) return tl::unexpected(table.error());
+    std::vector<Ray> rays(table->rows());
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const std::span<const double> row = table->row(i);
+        rays[i].origin = {row[0], row[1], row[2]};
+        rays[i].direction = {row[3], row[4], row[5]};
+        if (row.size() == 8) {
+            rays[i].t_min = row[6];
+            rays[i].t_max = row[7];
+        }
+        if (is_valid(rays[i])) continue;
+        return fail(ErrorCode::invalid_argument,
+                    "this is no ray: its direction is zero, or tmin above tmax",
+                    table->place_of(i));
     }
-    auto table = read_number_table(path, short_columns, options);
-    if (table || table.error().code != ErrorCode::malformed_file) return table;
-    auto longer = read_number_table(path, long_columns, options);
-    return longer ? longer : table;
+    return rays;
 }
 
 std::optional<int> parse_pixels(std::string_view text) noexcept
@@ -61,23 +60,12 @@ std::optional<PictureSize> parse_picture_size(std::string_view text) noexcept
 
 Result<std::vector<Ray>> read_rays(const std::string& path, Progress* progress)
 {
-    const auto table = read_table(path, progress);
-    if (!table) return tl::unexpected(table.error());
-    std::vector<Ray> rays(table->rows());
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-        const double* const row = table->values.data() + table->columns * i;
-        rays[i].origin = {row[0], row[1], row[2]};
-        rays[i].direction = {row[3], row[4], row[5]};
-        if (table->columns == 8) {
-            rays[i].t_min = row[6];
-            rays[i].t_max = row[7];
-        }
-        if (is_valid(rays[i])) continue;
-        return fail(ErrorCode::invalid_argument,
-                    concat("row ", i, " is no ray: its direction is zero, or tmin above tmax"),
-                    path);
-    }
-    return rays;
+    return rays_of(read_number_table(path, ray_form, {.execution = {.progress = progress}}));
+}
+
+Result<std::vector<Ray>> parse_rays(std::span<const std::string> rays)
+{
+    return rays_of(parse_number_rows(rays, ray_form, "--ray"));
 }
 
 RayList::RayList(const Box& box, const PictureSize& size, UpAxis up)

@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -24,9 +25,12 @@ struct PictureSize {
 /// "1024x768": both from 1 to 16384, else nothing.
 [[nodiscard]] std::optional<PictureSize> parse_picture_size(std::string_view text) noexcept;
 
-/// Rays of a table ox,oy,oz,dx,dy,dz or ox,oy,oz,dx,dy,dz,tmin,tmax, as CSV or .npy. Errors as
-/// read_number_table, and invalid_argument for a row that is no ray.
+/// Rays of a table ox,oy,oz,dx,dy,dz or ox,oy,oz,dx,dy,dz,tmin,tmax. Errors as read_number_table,
+/// and invalid_argument for a row that is no ray.
 [[nodiscard]] Result<std::vector<Ray>> read_rays(const std::string& path, Progress* progress);
+
+/// The same, of the command line.
+[[nodiscard]] Result<std::vector<Ray>> parse_rays(std::span<const std::string> rays);
 
 /// Rays by number: those of a file, or a camera's, which are made when they are asked for.
 class RayList {

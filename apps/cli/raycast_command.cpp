@@ -19,6 +19,8 @@
 #include <fmt/core.h>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 namespace proxima {
 
@@ -26,7 +28,8 @@ namespace {
 
 struct RaycastOptions {
     std::string model;
-    std::string rays;
+    std::string rays_file;
+    std::vector<std::string> rays;
     std::string camera;
     std::string out; ///< "-" for stdout, empty for none
     bool cells = false;
@@ -54,8 +57,12 @@ bool wants_cells(const RaycastOptions& options)
 
 Status check_options(const RaycastOptions& options, const Session& session)
 {
-    if (options.rays.empty() == options.camera.empty())
-        return fail(ErrorCode::invalid_argument, "give either --rays or --camera", "raycast");
+    const int sources = (options.rays_file.empty() ? 0 : 1) + (options.rays.empty() ? 0 : 1) +
+                        (options.camera.empty() ? 0 : 1);
+    if (sources != 1) {
+        return fail(ErrorCode::invalid_argument, "give one of --rays, --ray and --camera",
+                    "raycast");
+    }
     if (!options.camera.empty() && !parse_picture_size(options.camera)) {
         return fail(ErrorCode::invalid_argument,
                     "a camera is WIDTHxHEIGHT in pixels, each from 1 to 16384", options.camera);
@@ -93,7 +100,8 @@ Result<std::unique_ptr<Casting>> prepare(const RaycastOptions& options, Session&
     if (!box) return at_model(box.error(), options.model);
     const ProgressBar shown(session.progress(), session.bar());
     if (options.camera.empty()) {
-        auto rays = read_rays(options.rays, &session.progress());
+        auto rays = options.rays.empty() ? read_rays(options.rays_file, &session.progress())
+                                         : parse_rays(options.rays);
         if (!rays) return tl::unexpected(rays.error());
         casting->rays = RayList(std::move(*rays));
     } else {
@@ -241,8 +249,10 @@ Status cast_at_cells(const RaycastOptions& options, Casting& casting, Session& s
     return write_png(image, options.out, &session.progress());
 }
 
-Status run_raycast(const RaycastOptions& options, Session& session)
+Status run_raycast(const RaycastOptions& given, Session& session)
 {
+    RaycastOptions options = given;
+    if (options.camera.empty()) options.out = rows_path(given.out, session);
     if (Status status = check_options(options, session); !status) return status;
     const auto prepared = prepare(options, session);
     if (!prepared) return tl::unexpected(prepared.error());
@@ -290,15 +300,19 @@ Command add_raycast_command(CLI::App& app)
     const auto options = std::make_shared<RaycastOptions>();
     add_model_option(*parser, options->model, ModelKinds::meshes_and_indexes);
     parser
-        ->add_option("--rays", options->rays,
-                     "The rays: .npy, else CSV, of ox,oy,oz,dx,dy,dz[,tmin,tmax]")
+        ->add_option("--rays", options->rays_file,
+                     "The rays: .npy, or text, of ox,oy,oz,dx,dy,dz[,tmin,tmax]; - for stdin")
         ->type_name("FILE");
+    parser->add_option("--ray", options->rays, "Instead: a ray; again for more")
+        ->allow_extra_args(false)
+        ->type_name("OX,OY,OZ,DX,DY,DZ[,TMIN,TMAX]");
     parser->add_option("--camera", options->camera, "Instead: one ray per pixel of a picture")
         ->type_name("WxH");
     parser
-        ->add_option("--out", options->out,
-                     "Write the answers: .csv, .npy, - for CSV to stdout, or a camera's picture: "
-                     ".png")
+        ->add_option(
+            "--out", options->out,
+            "Write the answers: .csv, .npy, - for CSV to stdout (where those of --rays and "
+            "--ray go without --out and --json), or a camera's picture: .png")
         ->type_name("FILE");
     CLI::Option* const cells = parser->add_flag(
         "--cells", options->cells,

@@ -1,8 +1,23 @@
 #include "cli/row_writer.h"
 
+#include <CLI/CLI.hpp>
 #include <cstdio>
 
 namespace proxima {
+
+void add_rows_option(CLI::App& parser, std::string& path)
+{
+    parser
+        .add_option("--out", path,
+                    "Write the answers: .csv, .npy, or - for CSV to stdout, where they go without "
+                    "--out and --json")
+        ->type_name("FILE");
+}
+
+std::string rows_path(const std::string& out, const Session& session)
+{
+    return out.empty() && session.options().json.empty() ? to_stdout : out;
+}
 
 Status check_rows(const std::string& path, const Session& session)
 {

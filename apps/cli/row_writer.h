@@ -7,6 +7,7 @@
 #include "cli/session.h"
 #include "proxima/result.h"
 
+#include <CLI/App.hpp>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -14,6 +15,12 @@
 #include <vector>
 
 namespace proxima {
+
+/// --out, the file of a command's answers.
+void add_rows_option(CLI::App& parser, std::string& path);
+
+/// Where rows go: as --out says, else to stdout, unless --json was asked for instead.
+[[nodiscard]] std::string rows_path(const std::string& out, const Session& session);
 
 /// What would go wrong with rows to `path`: to be asked before long work. Errors: those of
 /// answer_format and Session::check_outputs; invalid_argument where --json goes to stdout too.

@@ -3,6 +3,7 @@
 #include "base/file_extension.h"
 #include "base/output_file.h"
 #include "base/text.h"
+#include "cli/names.h"
 #include "proxima/index_io.h"
 #include "proxima/mesh_index.h"
 #include "proxima/mesh_io.h"
@@ -19,6 +20,18 @@
 namespace proxima {
 
 namespace {
+
+/// "sphere:10x10" of "spher:10x10"; empty where no built-in has a name like it.
+std::string similar_sample_mesh(const std::string& model)
+{
+    std::vector<std::string> names;
+    for (const std::string& form : split_list(sample_mesh_names()))
+        names.push_back(
+            form.substr(form.find_first_not_of(' '), form.find(':') - form.find_first_not_of(' ')));
+    const std::size_t colon = std::min(model.find(':'), model.size());
+    const std::string name = similar_word(std::string_view(model).substr(0, colon), names);
+    return name.empty() ? name : name + model.substr(colon);
+}
 
 /// One text for all names of a file, whether it exists or not.
 std::string true_path(const std::string& path)
@@ -79,7 +92,14 @@ Result<TriangleMesh> Session::load_model(const std::string& model)
         if (!mesh) return fail(ErrorCode::malformed_file, describe(mesh.error()), model);
         return mesh;
     }
-    return read_mesh(model, {.execution = execution()});
+    auto mesh = read_mesh(model, {.execution = execution()});
+    std::error_code error;
+    if (mesh || std::filesystem::exists(model, error)) return mesh;
+    const std::string built_in = similar_sample_mesh(model);
+    if (built_in.empty()) return mesh;
+    return fail(mesh.error().code,
+                concat(mesh.error().message, "; did you mean the built-in ", built_in, "?"),
+                mesh.error().where);
 }
 
 Status Session::check_running() const

@@ -126,8 +126,7 @@ Status run_thesis_closest(const ThesisClosestOptions& options, Session& session)
     if (Status status = check_extension(options.save, thesis_proximity_extension); !status)
         return status;
     if (Status status = session.check_outputs({options.save}); !status) return status;
-    const auto table = read_number_table(options.points, "x,y,z",
-                                         {.execution = {.progress = &session.progress()}});
+    const auto table = read_points(options.points, session);
     if (!table) return tl::unexpected(table.error());
     const auto searcher = prepare(options, session);
     if (!searcher) return tl::unexpected(searcher.error());

@@ -1,6 +1,7 @@
 // proxima closest --method thesis: answers by the thesis's proximity octree (thesis 4.3).
 #pragma once
 
+#include "cli/point_options.h"
 #include "cli/session.h"
 #include "thesis/proximity_octree/thesis_proximity_octree.h"
 
@@ -10,7 +11,7 @@ namespace proxima {
 
 struct ThesisClosestOptions {
     std::string model;
-    std::string points;
+    PointOptions points;
     std::string out;    ///< "-" for stdout, empty for none
     std::string octree; ///< a saved octree to ask, empty to build one
     std::string save;

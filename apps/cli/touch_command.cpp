@@ -4,6 +4,7 @@
 #include "cli/commands.h"
 #include "cli/model_options.h"
 #include "cli/names.h"
+#include "cli/poses.h"
 #include "cli/touch_input_report.h"
 #include "cli/touch_objects.h"
 #include "cli/touch_options.h"
@@ -63,6 +64,7 @@ Result<std::unique_ptr<TouchModel>> load_what_is_touched(const TouchCommandOptio
     }
     const auto plan = plan_scene(options.model, options.objects, usual_material(options));
     if (!plan) return tl::unexpected(plan.error());
+    session.print(rotation_text(plan->rotation_error));
     return load_touch_scene(*plan, settings_of(options).render.shading, options.lists, {}, session);
 }
 

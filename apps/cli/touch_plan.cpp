@@ -2,16 +2,14 @@
 
 #include "base/text.h"
 #include "cli/names.h"
-#include "proxima/geometry.h"
+#include "cli/poses.h"
 
 #include <CLI/CLI.hpp>
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
 #include <optional>
-#include <span>
 #include <string_view>
 #include <utility>
 
@@ -19,9 +17,6 @@ namespace proxima {
 
 namespace {
 
-constexpr std::string_view pose_form =
-    "N=X,Y,Z, N=X,Y,Z,AX,AY,AZ,DEGREES (turned about that axis), or N= and the 12 numbers of a row "
-    "of a pose file";
 constexpr std::string_view motion_form =
     "N=spin:AX,AY,AZ,DEGREES_PER_SECOND, N=rock:AX,AY,AZ,DEGREES,SECONDS or "
     "N=swing:DX,DY,DZ,SECONDS";
@@ -49,30 +44,11 @@ tl::unexpected<Error> no_such(const char* what, std::string_view text, std::stri
     return fail(ErrorCode::invalid_argument, concat("'", text, "' is no ", what, ": give ", form));
 }
 
-Result<RigidTransform> parse_pose(std::string_view text)
+Result<Poses> parse_object_pose(std::string_view text)
 {
     const auto numbered = split_number(text);
-    const auto numbers = numbered ? parse_finite_numbers(numbered->rest) : std::nullopt;
-    if (!numbers) return no_such("pose", text, pose_form);
-    const std::vector<double>& n = *numbers;
-    if (n.size() == 12) {
-        const auto pose = make_rigid_transform(std::span<const double, 12>(n.data(), 12));
-        if (pose) return *pose;
-        return fail(pose.error().code, concat("'", text, "': ", pose.error().message));
-    }
-    if (n.size() != 3 && n.size() != 7) return no_such("pose", text, pose_form);
-    RigidTransform pose;
-    pose.translation = Vec3(n[0], n[1], n[2]);
-    if (n.size() == 7) {
-        const Vec3 axis(n[3], n[4], n[5]);
-        if (!(axis.norm() > 0) || !std::isfinite(axis.norm())) {
-            return fail(ErrorCode::invalid_argument,
-                        concat("'", text, "': the axis of a pose must not be zero"));
-        }
-        const double angle = std::fmod(n[6], 360.0) * radians_per_degree;
-        pose.rotation = Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();
-    }
-    return pose;
+    if (!numbered) return no_such("pose", text, concat("N=POSE; POSE is ", pose_forms));
+    return parse_pose(numbered->rest);
 }
 
 Result<ObjectScript> parse_motion(std::string_view text)
@@ -174,7 +150,8 @@ void add_object_options(CLI::App& parser, ObjectOptions& options)
         ->allow_extra_args(false)
         ->type_name("MODEL");
     add_numbered(parser, "--pose", options.poses,
-                 concat("Where object N stands at first: ", pose_form), parse_pose, "N=POSE");
+                 concat("Where object N stands at first. POSE is ", pose_forms), parse_object_pose,
+                 "N=POSE");
     add_numbered(parser, "--motion", options.motions, concat("How object N moves: ", motion_form),
                  parse_motion, "N=MOTION");
     add_numbered(
@@ -195,7 +172,9 @@ Result<ScenePlan> plan_scene(const std::string& model, const ObjectOptions& opti
     }
     plan.objects.resize(count);
     Status status = give(options.poses, count, "--pose", [&](std::size_t i, const auto& text) {
-        plan.objects[i].pose = *parse_pose(text);
+        const Poses pose = *parse_object_pose(text);
+        plan.objects[i].pose = pose.poses[0];
+        plan.rotation_error = std::max(plan.rotation_error, pose.rotation_error);
     });
     if (status) {
         status = give(options.motions, count, "--motion", [&](std::size_t i, const auto& text) {

@@ -37,6 +37,7 @@ void add_object_options(CLI::App& parser, ObjectOptions& options);
 struct ScenePlan {
     std::vector<std::string> models;
     std::vector<ScriptedObject> objects; ///< fingerprints: 0 where any mesh will do
+    double rotation_error = 0;           ///< of poses, see Poses
 };
 
 /// `usual` is what a material has that says less. Errors invalid_argument: too many objects, a

@@ -119,11 +119,18 @@ struct RigidTransform {
     }
 };
 
-/// How far R^T R may be from the identity, in the sum of squares' root.
+/// How far R^T R may be from the identity, in the sum of squares' root, where R is taken as it is.
 inline constexpr double rigid_tolerance = 1e-9;
 
-/// From the row-major 3 x 4 matrix (R | t). Error invalid_argument where a number is not finite, R
-/// stretches or shears (beyond rigid_tolerance) or mirrors; `where` is left empty.
+/// And where R counts as a rotation whose numbers were rounded, to floats or to four decimals.
+inline constexpr double nearly_rigid_tolerance = 1e-3;
+
+/// |R^T R - 1| of the row-major 3 x 4 matrix (R | t).
+[[nodiscard]] double rotation_error(std::span<const double, 12> matrix) noexcept;
+
+/// From the row-major 3 x 4 matrix (R | t). Beyond rigid_tolerance the nearest rotation takes the
+/// place of R, as polar decomposition gives it. Error invalid_argument where a number is not finite,
+/// R scales, stretches or shears (beyond nearly_rigid_tolerance) or mirrors; `where` is left empty.
 [[nodiscard]] Result<RigidTransform> make_rigid_transform(std::span<const double, 12> matrix);
 
 /// A displacement known exactly though no double may hold it: from one point to another, or a

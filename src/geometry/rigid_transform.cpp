@@ -3,36 +3,70 @@
 #include "base/text.h"
 #include "geometry/exact_predicates.h"
 
+#include <Eigen/SVD>
 #include <cmath>
 
 namespace proxima {
 
+namespace {
+
+Mat3 rotation_of(std::span<const double, 12> matrix)
+{
+    Mat3 rotation;
+    for (int row = 0; row < 3; ++row)
+        for (int column = 0; column < 3; ++column)
+            rotation(row, column) = matrix[static_cast<std::size_t>(4 * row + column)];
+    return rotation;
+}
+
+double rotation_error(const Mat3& rotation)
+{
+    return (rotation.transpose() * rotation - Mat3::Identity()).norm();
+}
+
+/// What a matrix does that is no rotation.
+tl::unexpected<Error> refuse(const Mat3& matrix, double off)
+{
+    const Vec3 scales = matrix.jacobiSvd().singularValues(); // the largest first
+    if (scales[0] - scales[2] <= nearly_rigid_tolerance * scales[0]) {
+        return fail(ErrorCode::invalid_argument,
+                    concat("a pose scales by ", scales[0],
+                           "; poses move and turn: scale the mesh, or give a rotation"));
+    }
+    return fail(ErrorCode::invalid_argument,
+                concat("a pose stretches or shears: R^T R is ", off,
+                       " away from the identity, more than ", nearly_rigid_tolerance,
+                       "; give a rotation, three orthogonal rows of length 1"));
+}
+
+} // namespace
+
+double rotation_error(std::span<const double, 12> matrix) noexcept
+{
+    return rotation_error(rotation_of(matrix));
+}
+
 Result<RigidTransform> make_rigid_transform(std::span<const double, 12> matrix)
 {
-    RigidTransform result;
-    for (int row = 0; row < 3; ++row) {
-        const auto at = matrix.subspan(4 * static_cast<std::size_t>(row), 4);
-        for (int column = 0; column < 4; ++column) {
-            const double number = at[static_cast<std::size_t>(column)];
-            if (!std::isfinite(number)) {
-                return fail(ErrorCode::invalid_argument,
-                            concat("a pose has the number ", number, " in row ", row, ", column ",
-                                   column, "; give finite numbers"));
-            }
-            (column < 3 ? result.rotation(row, column) : result.translation[row]) = number;
-        }
-    }
-    const Mat3 product = result.rotation.transpose() * result.rotation;
-    const double off = (product - Mat3::Identity()).norm();
-    if (!(off <= rigid_tolerance)) {
+    for (std::size_t i = 0; i < matrix.size(); ++i) {
+        if (std::isfinite(matrix[i])) continue;
         return fail(ErrorCode::invalid_argument,
-                    concat("a pose stretches or shears: R^T R is ", off,
-                           " away from the identity, more than ", rigid_tolerance,
-                           "; give a rotation, three orthogonal rows of length 1"));
+                    concat("a pose has the number ", matrix[i], " in row ", i / 4, ", column ",
+                           i % 4, "; give finite numbers"));
     }
+    RigidTransform result;
+    result.rotation = rotation_of(matrix);
+    result.translation = {matrix[3], matrix[7], matrix[11]};
+    const double off = rotation_error(result.rotation);
+    if (!(off <= nearly_rigid_tolerance)) return refuse(result.rotation, off);
     if (result.rotation.determinant() < 0) {
         return fail(ErrorCode::invalid_argument,
                     "a pose mirrors: its determinant is negative; give a rotation");
+    }
+    if (off > rigid_tolerance) {
+        const Eigen::JacobiSVD<Mat3> svd(result.rotation,
+                                         Eigen::ComputeFullU | Eigen::ComputeFullV);
+        result.rotation = svd.matrixU() * svd.matrixV().transpose();
     }
     return result;
 }

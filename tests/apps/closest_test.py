@@ -2,13 +2,16 @@
 import csv
 import io
 import math
+import os
 import random
 import struct
+import subprocess
+import threading
 import unittest
 from pathlib import Path
 
 from bad_input_test import off
-from proxima_program import ProgramTest, run
+from proxima_program import PROXIMA, ProgramTest, environment_of_program, run
 
 COLUMNS = ["index", "distance", "x", "y", "z", "triangle", "kind", "feature"]
 SIGNS = ["signed_distance", "sign_method"]
@@ -120,9 +123,11 @@ def npy(points, kind="<f8", columns_first=False, shape=None, version=1):
     header = "{'descr': '%s', 'fortran_order': %s, 'shape': %s, }" % (kind, columns_first, shape or (len(points), 3))
     length = struct.pack("<H" if version == 1 else "<I", len(header) + 1)
     numbers = [p[axis] for axis in range(3) for p in points] if columns_first else [x for p in points for x in p]
-    letter = "f" if kind == "<f4" else "d"
+    letter = {"f2": "e", "f4": "f", "f8": "d", "i1": "b", "i2": "h", "i4": "i", "i8": "q", "u1": "B", "u2": "H"}[kind[1:]]
+    if kind[1] != "f":
+        numbers = list(map(int, numbers))
     return (b"\x93NUMPY" + bytes((version, 0)) + length + header.encode() + b"\n"
-            + struct.pack("<%d%s" % (len(numbers), letter), *numbers))
+            + struct.pack("%s%d%s" % (kind[0].replace("|", "<"), len(numbers), letter), *numbers))
 
 
 def csv_text(points):
@@ -219,10 +224,91 @@ class Files(ProgramTest):
             "single.npy": npy(self.POINTS, "<f4"),
             "columns.npy": npy(self.POINTS, columns_first=True),
             "newer.NPY": npy(self.POINTS, version=2),
+            "half.npy": npy(self.POINTS, "<f2"),
+            "big.npy": npy(self.POINTS, ">f8"),
+            "big_half.npy": npy(self.POINTS, ">f2"),
+            "deep.npy": npy(self.POINTS, shape=(4, 3, 1)),
+            "array_without_a_name_of_its_kind": npy(self.POINTS),
+            "semicolons.csv": csv_text(self.POINTS).replace(",", ";"),
+            "tabs.tsv": "X\tY\tZ\n" + csv_text(self.POINTS).replace(",", "\t"),
+            "savetxt.txt": "".join(" ".join("%.18e" % x for x in p) + "\n" for p in self.POINTS),
+            "columns.txt": "# made by hand\n\n" + "".join("  %8.4f   %8.4f %8.4f\n" % p for p in self.POINTS) + "# end\n",
+            "remarks.csv": "\n# points\n\n" + csv_text(self.POINTS).replace("\n", "  # one\n\n"),
+            "pandas.csv": ",0,1,2\n" + "".join("%d,%r,%r,%r\n" % (i, *p) for i, p in enumerate(self.POINTS)),
+            "pandas.tsv": "\tx\ty\tz\n" + "".join("%d\t%r\t%r\t%r\n" % (i, *p) for i, p in enumerate(self.POINTS)),
+            "named_pandas.csv": ",x,y,z\n" + "".join("%d,%r,%r,%r\n" % (i, *p) for i, p in enumerate(self.POINTS)),
+            "more.csv": "id,z,name,X,y\n" + "".join("p%d,%r,\"a, b\",%r,%r\n" % (i, p[2], p[0], p[1])
+                                                   for i, p in enumerate(self.POINTS)),
+            "commented.txt": "# z y x\n" + "".join("%r %r %r\n" % p[::-1] for p in self.POINTS),
+            "comment_of_other_words.txt": "# x y z in metres\n" + csv_text(self.POINTS).replace(",", " "),
+            "z_first.csv": "z;x;y\r\n" + "".join("%r;%r;%r\r\n" % (p[2], p[0], p[1]) for p in self.POINTS),
         }
         for name, content in forms.items():
             with self.subTest(name):
                 self.assertEqual(self.answers(name, content), expected)
+
+    def test_whole_numbers(self):
+        points = [(0, 3, 7), (120, 0, 1), (5, 5, 5)]
+        expected = self.answers("plain.csv", csv_text(points))
+        for kind in ("|u1", "|i1", "<i2", ">i2", "<u2", "<i4", ">i4", "<i8", ">i8"):
+            with self.subTest(kind):
+                self.assertEqual(self.answers("points.npy", npy(points, kind)), expected)
+        below = [(-1, 2, -128), (-7, -8, 9)]
+        for kind in ("|i1", "<i2", ">i4", "<i8"):
+            self.assertEqual(self.answers("points.npy", npy(below, kind)), self.answers("plain.csv", csv_text(below)))
+
+    def test_halves_are_those_of_the_standard(self):
+        # All sixteen bits but infinities and NaN, three by three: struct reads them another way.
+        bits = [b for b in range(1 << 16) if b >> 10 & 31 != 31][:3 * 21000]
+        halves = struct.unpack("<%de" % len(bits), struct.pack("<%dH" % len(bits), *bits))
+        points = [halves[i:i + 3] for i in range(0, len(halves), 3)]
+        self.assertEqual(self.answers("half.npy", npy(points, "<f2")), self.answers("double.npy", npy(points)))
+
+    def test_a_single_row(self):
+        for shape in ("(3,)", "(1, 3)", "(3, 1)"):
+            with self.subTest(shape):
+                self.assertEqual(self.answers("one.npy", npy(self.POINTS[:1], shape=shape)),
+                                 self.answers("one.csv", csv_text(self.POINTS[:1])))
+
+    def test_standard_input_and_pipes(self):
+        text, array = csv_text(self.POINTS), npy(self.POINTS)
+        expected = self.answers("plain.csv", text)
+        for content in (text.encode(), array):
+            given = subprocess.run([PROXIMA, "closest", "torus:9x5", "--points", "-"], input=content, timeout=300,
+                                   stdout=subprocess.PIPE, env=environment_of_program())
+            self.assertEqual(given.stdout.decode(), expected)
+            pipe = self.folder / "pipe"
+            os.mkfifo(pipe)
+            writer = threading.Thread(target=lambda: pipe.write_bytes(content))
+            writer.start()
+            self.assertEqual(self.succeed("closest", "torus:9x5", "--points", pipe), expected)
+            writer.join()
+            pipe.unlink()
+
+    def test_a_pipe_in_pieces(self):
+        points = queries(random.Random(15), Mesh([(0.0, 0.0, 1.0)], []), 2000)
+        for content in (csv_text(points).encode(), npy(points)):
+            program = subprocess.Popen([PROXIMA, "closest", "torus:9x5", "--points", "-"], stdin=subprocess.PIPE,
+                                       stdout=subprocess.PIPE, env=environment_of_program())
+            def feed():
+                for i in range(0, len(content), 1777):
+                    program.stdin.write(content[i:i + 1777])
+                    program.stdin.flush()
+                program.stdin.close()
+            writer = threading.Thread(target=feed)
+            writer.start()
+            answered = program.stdout.read().decode()
+            writer.join()
+            self.assertEqual(program.wait(), 0)
+            program.stdout.close()
+            self.assertEqual(answered, self.answers("whole.csv", csv_text(points)))
+
+    def test_points_of_the_command_line(self):
+        expected = self.answers("plain.csv", csv_text(self.POINTS))
+        options = [part for p in self.POINTS for part in ("--point", ",".join(map(repr, p)))]
+        self.assertEqual(self.succeed("closest", "torus:9x5", *options), expected)
+        self.assertEqual(self.succeed("closest", "torus:9x5", "--quiet", *options), expected)
+        self.assertEqual(self.json_of("closest", "torus:9x5", *options)["queries"], 4)
 
     def test_numbers_read_back(self):
         points = queries(random.Random(5), Mesh([(0.0, 0.0, 1.0)], []), 3000)
@@ -278,7 +364,8 @@ class Files(ProgramTest):
         text = self.succeed("closest", "cube", "--points", file, "--out", out, "--signed")
         for part in ("4 points", "closest: vertices", "inside 1;", f"wrote {out}"):
             self.assertIn(part, text)
-        self.assertEqual(self.succeed("closest", "cube", "--points", file, "--quiet"), "")
+        self.assertEqual(self.succeed("closest", "cube", "--points", file, "--quiet", "--out", out), "")
+        self.assertIn("4 points", self.succeed("closest", "cube", "--points", file, "--json", self.folder / "a.json"))
 
 
 class SavedOctrees(ProgramTest):
@@ -313,7 +400,7 @@ class SavedOctrees(ProgramTest):
         self.assertEqual(list(result), KEYS)
         self.assertEqual((result["triangles"], result["build_seconds"]), (128, 0))
         self.assertGreater(result["load_seconds"], 0)
-        self.assertIn("loaded in", self.succeed("closest", octree, "--points", points))
+        self.assertIn("loaded in", self.succeed("closest", octree, "--points", points, "--out", self.folder / "a.csv"))
 
     def test_saved_signs_are_used(self):
         for seed, mesh in enumerate((bumpy_ball(random.Random(13)), soup(random.Random(14), 60))):
@@ -374,10 +461,13 @@ class Refusing(ProgramTest):
         for content, line, says in (
                 ("1,2\n", 1, ("2 numbers", "x,y,z")), ("1,2,3\n1,2,3,4\n", 2, "4 numbers"),
                 ("x,y,z\n1,2,nan\n", 2, ("column 3", "finite")), ("nan,1,2\n", 1, "finite"), ("1,-inf,2", 1, "finite"),
-                ("1,2,1e999\n", 1, "finite"), ("1,2,3\n1,,3\n", 2, "missing"), ("1,2,3,\n", 1, "missing"),
-                ("1 2 3\n", 1, "comma"), ("1;2;3\n", 1, "comma"), ("1,2,3\n1,b,3\n", 2, "b is no number"),
-                ("1,2,0x10\n", 1, "no number"), ("z,y,x\n1,2,3\n", 1, ("x,y,z", "z,y,x")),
-                ("1,2,3\nx,y,z\n", 2, "no number"), ("1,2,3\n\n1,2,3\n", 2, "empty"), ("\n1,2,3\n", 1, "empty")):
+                ("1,2,1e999\n", 1, "finite"), ("1,2,3\n1,,3\n", 2, "missing"), ("1,2,3,\n", 1, "4 numbers"),
+                ("1,5;2,5;3,5\n", 1, ("1,5 is no number", "point")), ("1,2,3\n1,b,3\n", 2, "b is no number"),
+                ("1 2 3\n1,2,3\n", 2, "1,2,3 is no number"), ("1,2,3\n4 5 6\n", 2, "4 5 6 is no number"),
+                ("1,2,0x10\n", 1, "no number"), ("a,b,c\n1,2,3\n", 1, ("named x", "a,b,c", "x,y,z")),
+                ("1,2,3\nx,y,z\n", 2, "no number"), ("x,y,z,x\n1,2,3,4\n", 1, "2 columns are named x"),
+                ("id,x,y,z\n1,2,3,4\n1,2,3\n", 3, ("3 numbers", "header names 4")),
+                (",0,1\n0,1,2\n", 1, "2 numbers"), ("\n\n# x\n1,2,3\n\n1,2\n", 6, "2 numbers")):
             with self.subTest(content):
                 says = (says,) if isinstance(says, str) else says
                 self.refuse_points("points.csv", content, (f"points.csv:{line}:", *says))
@@ -388,7 +478,12 @@ class Refusing(ProgramTest):
         self.refuse_points("none.npy", npy([]), ("none.npy", "no row"))
         self.refuse("closest", "cube", "--points", self.folder / "absent.csv", says=("absent.csv", "No such file"))
         self.refuse("closest", "cube", "--points", self.folder, says="folder")
-        self.refuse("closest", "cube", "--points", "/dev/null", says=("/dev/null", "regular"))
+        self.refuse("closest", "cube", "--points", "/dev/null", says=("/dev/null", "empty"))
+        self.refuse("closest", "cube", "--points", "/dev/zero", says=("/dev/zero:1:", "longer"))
+        self.refuse_points("remarks.csv", "# only\n\n# remarks\n", ("remarks.csv", "no row"))
+        self.refuse("closest", "cube", "--points", "-", input="1,2\n", says="standard input:1:")
+        for text, says in (("1,2", "2 numbers"), ("a,b,c", "a is no number"), ("", "no row"), ("1,2,inf", "finite")):
+            self.refuse("closest", "cube", "--point", text, says=("--point", says))
         self.refuse_points("long.csv", "1" * 3_000_000, ("long.csv:1:", "longer"))
 
     def test_arrays(self):
@@ -397,9 +492,10 @@ class Refusing(ProgramTest):
         for name, content, says in (
                 ("cut.npy", good[:-1], "47 bytes follow"), ("more.npy", good + b"0", "49 bytes follow"),
                 ("huge.npy", npy(points, shape=(1 << 62, 3)), "bytes follow"),
-                ("four.npy", npy(points, shape=(2, 4)), "4 columns"), ("flat.npy", npy(points, shape="(6,)"), "1 dimension"),
-                ("deep.npy", npy(points, shape=(2, 3, 1)), "3 dimensions"), ("int.npy", npy(points, "<i8"), "<i8"),
-                ("big.npy", npy(points, ">f8"), ">f8"), ("nan.npy", npy([points[0], (1, math.nan, 2)]), "row 1 "),
+                ("four.npy", npy(points, shape=(2, 4)), "4 columns"), ("flat.npy", npy(points, shape="(6,)"), "6 columns"),
+                ("deep.npy", npy(points, shape=(1, 1, 1, 2, 3)), "5 dimensions"), ("none.npy", npy(points, shape="()"), "0 dim"),
+                ("long.npy", npy(points).replace(b"<f8", b"<f9"), "<f9"), ("complex.npy", npy(points).replace(b"<f8", b"<c8"), "<c8"),
+                ("vast.npy", npy(points, shape=(1 << 40, 1 << 30)), "shape"), ("nan.npy", npy([points[0], (1, math.nan, 2)]), "row 1 "),
                 ("turned.npy", npy([points[0], (1, 2, math.inf)], columns_first=True), "row 1 "),
                 ("text.npy", self.GOOD, "numpy.save"), ("header.npy", good[:40], "numpy.save"),
                 ("records.npy", good.replace(b"'<f8'", b"[3,4]"), "records"),

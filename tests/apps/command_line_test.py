@@ -74,6 +74,16 @@ class Octree(ProgramTest):
         self.assertIn("Pointers", text)
         self.assertEqual(list(json.loads(path.read_text())), OCTREE_KEYS)
 
+    def test_typing_errors_get_a_suggestion(self):
+        for arguments, meant in ((("octre", "cube"), "octree"), (("raycats", "cube"), "raycast"), (("min", "cube"), "minkowski"),
+                                 (("octree", "cube", "--dept", 3), "--depth"), (("octree", "cube", "--detph=3"), "--depth"),
+                                 (("octree", "cube", "--thresh", 3), "--threshold")):
+            self.refuse(*arguments, status=2, says=f"did you mean {meant}?")
+        for model, meant in (("spher:10x10", "sphere:10x10"), ("cub", "cube"), ("icospere:2", "icosphere:2")):
+            self.refuse("octree", model, says=(model, f"did you mean the built-in {meant}?"))
+        for arguments, status in ((("octree", "absent.obj"), 1), (("octree", "cube", "--wholly-other"), 2), (("zzz",), 2)):
+            self.assertNotIn("did you mean", self.refuse(*arguments, status=status))
+
     def test_quiet_prints_nothing(self):
         self.assertEqual(self.succeed("octree", "cube", "--quiet"), "")
 

@@ -7,7 +7,7 @@ import struct
 import unittest
 
 from bad_input_test import off
-from closest_test import cross, dot, read_npy, sub
+from closest_test import cross, dot, npy, read_npy, sub
 from proxima_program import ProgramTest
 from raycast_test import some_mesh
 
@@ -26,6 +26,15 @@ def text_of(poses):
 def quarter_turn(x, y, z):
     """About z, then moved: exact in doubles."""
     return (0, -1, 0, x, 1, 0, 0, y, 0, 0, 1, z)
+
+
+def turned(axis, angle):
+    """About an axis, and moved a little."""
+    size = math.sqrt(sum(x * x for x in axis))
+    x, y, z = (n / size for n in axis)
+    c, s, d = math.cos(angle), math.sin(angle), 1 - math.cos(angle)
+    return (c + d * x * x, d * x * y - s * z, d * x * z + s * y, 0.25, d * x * y + s * z, c + d * y * y, d * y * z - s * x, 0.5,
+            d * x * z - s * y, d * y * z + s * x, c + d * z * z, -0.25)
 
 
 def moved(point, pose):
@@ -67,7 +76,7 @@ class Meeting(ProgramTest):
         self.assertEqual(rows[0], ["pose", "a", "b"])
         self.assertEqual([tuple(map(int, row)) for row in rows[1:]], truth)
         self.assertGreater(len(truth), 20)
-        self.assertEqual(list(result), ["a", "b", "triangles_a", "triangles_b", "build_seconds", "method", "poses"])
+        self.assertEqual(list(result), ["a", "b", "triangles_a", "triangles_b", "build_seconds", "method", "rotation_error", "poses"])
         for number, pose in enumerate(result["poses"]):
             self.assertEqual(list(pose)[:4], POSE_KEYS)
             self.assertEqual(pose["pairs"], sum(row[0] == number for row in truth))
@@ -153,11 +162,68 @@ class Meeting(ProgramTest):
         self.assertEqual(struct.unpack(">II", out.read_bytes()[16:24]), (1600, 1200))
 
 
+class Poses(ProgramTest):
+    """One pose in every spelling."""
+    MATRIX = (0.0, -1.0, 0.0, 1.5, 1.0, 0.0, 0.0, 0.25, 0.0, 0.0, 1.0, 0.0)
+
+    def pairs(self, pose):
+        out = self.folder / "pairs.csv"
+        report = self.json_of("intersect", "torus:9x5", "spaceship:1300", "--pose", pose, "--pairs", out)
+        return report["rotation_error"], out.read_text()
+
+    def test_every_spelling_is_the_same(self):
+        half = math.sqrt(0.5)
+        rows = {
+            "12": self.MATRIX, "16": self.MATRIX + (0.0, 0.0, 0.0, 1.0), "7": (1.5, 0.25, 0.0, 0.0, 0.0, half, half)}
+        expected = self.pairs(self.file("12.csv", text_of([rows["12"]])))
+        self.assertEqual(expected[0], 0)
+        self.assertGreater(expected[1].count("\n"), 20)
+        for name, row in rows.items():
+            with self.subTest(name):
+                self.assertEqual(self.pairs(",".join(map(repr, row))), expected)
+                self.assertEqual(self.pairs(self.file("row.txt", " ".join(map(repr, row)) + "\n")), expected)
+        self.assertEqual(self.pairs("1.5,0.25,0@0,0,2,90"), expected)
+        turned = self.file("named.csv", "qw,qx,qy,qz,tx,ty,tz\n%r,0,0,%r,1.5,0.25,0\n" % (half, half))
+        self.assertEqual(self.pairs(turned), expected)
+        for shape, row in (("(12,)", rows["12"]), ("(3, 4)", rows["12"]), ("(1, 3, 4)", rows["12"]), ("(4, 4)", rows["16"]),
+                           ("(1, 4, 4)", rows["16"]), ("(1, 7)", rows["7"])):
+            with self.subTest(shape):
+                self.assertEqual(self.pairs(self.file("pose.npy", npy([row], shape=shape))), expected)
+        columns = [self.MATRIX[4 * row + column] for column in range(4) for row in range(3)]
+        self.assertEqual(self.pairs(self.file("pose.npy", npy([columns], shape="(3, 4)").replace(b"False", b"True "))), expected)
+        self.assertEqual(self.pairs("0.5,0,0"), self.pairs(",".join(map(repr, shifted(0.5, 0, 0)))))
+
+    def test_several_of_each(self):
+        poses = [self.MATRIX, IDENTITY, shifted(0.25, 0, 0)]
+        expected = self.pairs(self.file("poses.csv", text_of(poses)))
+        fourth = (0.0, 0.0, 0.0, 1.0)
+        for shape, rows in (("(3, 12)", poses), ("(3, 3, 4)", poses), ("(3, 4, 4)", [p + fourth for p in poses])):
+            self.assertEqual(self.pairs(self.file("poses.npy", npy(rows, shape=shape))), expected)
+
+    def test_rounded_rotations_are_taken_and_named(self):
+        turn = turned((1.0, 2.0, -0.5), 0.7)
+        exact = ",".join(map(repr, turn))
+        for digits, most in ((6, 1e-5), (4, 1e-3)):
+            pose = ",".join("%.*f" % (digits, x) for x in turn)
+            error, pairs = self.pairs(pose)
+            self.assertTrue(1e-9 < error < most)
+            self.assertIn("nearest rotations", self.succeed("intersect", "cube", "cube", "--pose", pose))
+        single = self.file("pose.npy", npy([turn], "<f4", shape="(3, 4)"))
+        self.assertTrue(1e-9 < self.pairs(single)[0] < 1e-6)
+        self.assertLess(self.pairs(exact)[0], 1e-9)
+
+    def test_what_is_no_pose(self):
+        for text, says in (("1,2", "is no pose"), ("1,2,3@0,0,0,90", "axis"), ("1,2,3@0,0,90", "is no pose"),
+                           ("0,0,0,1,1,1,1", "length 2"), (",".join(map(str, IDENTITY)) + ",0,0,1,1", "last row")):
+            self.refuse("intersect", "cube", "cube", "--pose", text, says=says)
+
+
 class Refusing(ProgramTest):
     def test_poses_that_are_not_rigid_name_their_line(self):
         good = text_of([IDENTITY])
         for bad, says in (((2,) + IDENTITY[1:], "stretches"), ((-1,) + IDENTITY[1:], "mirrors"),
-                          (IDENTITY[:1] + (1e-8,) + IDENTITY[2:], "shears")):
+                          (IDENTITY[:1] + (1e-2,) + IDENTITY[2:], "shears"),
+                          (tuple(0.01 * x for x in IDENTITY), "scales by 0.01")):
             path = self.file("poses.csv", good + text_of([bad]))
             self.refuse("intersect", "cube", "cube", "--pose", path, says=(says, "poses.csv:2"))
             headed = self.file("poses.csv", "r00,r01,r02,tx,r10,r11,r12,ty,r20,r21,r22,tz\n" + good + text_of([bad]))
@@ -168,7 +234,7 @@ class Refusing(ProgramTest):
             self.refuse("intersect", "cube", "cube", "--pose", npy, says=("poses.npy", "row 1"))
 
     def test_bad_files_and_options(self):
-        for text, says in (("1,0,0\n", "poses.csv"), ("", "poses.csv"), (text_of([("nan",) + IDENTITY[1:]]), "poses.csv")):
+        for text, says in (("1,0\n", "poses.csv"), ("", "poses.csv"), (text_of([("nan",) + IDENTITY[1:]]), "poses.csv")):
             self.refuse("intersect", "cube", "cube", "--pose", self.file("poses.csv", text.replace("'", "")), says=says)
         self.refuse("intersect", "cube", "cube", "--contour", self.folder / "x.ply", says=".obj")
         self.refuse("intersect", "cube", "cube", "--picture", self.folder / "x.jpg", says=".png")

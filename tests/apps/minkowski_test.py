@@ -24,6 +24,16 @@ class Summing(ProgramTest):
         result = self.json_of("minkowski", "cube", "octahedron", "--scale", 3)
         self.assertEqual((result["facets"], result["scale"], result["upper"]), (26, 3, [4] * 3))
 
+    def test_a_negative_scale_mirrors(self):
+        corners = [(0, 0, 0), (1, 0, 0), (0, 2, 0), (0, 0, 3)]
+        shape = self.file("corner.off", off(corners, [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]))
+        other = self.file("other.off", off([tuple(-2 * x for x in p) for p in corners],
+                                           [(0, 1, 2), (0, 3, 1), (0, 2, 3), (1, 3, 2)]))
+        mirrored, plain = (self.json_of("minkowski", shape, *b) for b in ((shape, "--scale", "-2"), (other,)))
+        self.assertEqual((mirrored["scale"], mirrored["lower"], mirrored["upper"]), (-2, [-2, -4, -6], [1, 2, 3]))
+        for key in ("vertices", "edges", "facets", "facets_swept", "lower", "upper"):
+            self.assertEqual(mirrored[key], plain[key])
+
     def test_cubes_share_their_normals(self):
         result = self.json_of("minkowski", "cube", "cube")
         self.assertEqual((result["facets"], result["facets_of_both"], result["vertices"]), (6, 6, 8))
@@ -93,7 +103,7 @@ class Refusing(ProgramTest):
     def test_usage(self):
         self.refuse("minkowski", "cube", status=2, says="B")
         self.refuse("minkowski", "cube", "cube", "--method", "fast", status=2, says="geometric")
-        for scale in ("0", "-1", "nan"):
+        for scale in ("0", "-inf", "nan"):
             self.refuse("minkowski", "cube", "cube", "--scale", scale, says="--scale")
 
 

@@ -176,8 +176,8 @@ class Refusing(ProgramTest):
         rays = self.file("rays.csv", "0,0,5,0,0,-1\n")
         out = self.folder / "x.png"
         for arguments, says in (
-                ([], "--rays or --camera"),
-                (["--rays", rays, "--camera", "4x4"], "--rays or --camera"),
+                ([], "--rays, --ray and --camera"),
+                (["--rays", rays, "--camera", "4x4"], "--rays, --ray and --camera"),
                 (["--camera", "4"], "WIDTHxHEIGHT"), (["--camera", "0x4"], "WIDTHxHEIGHT"),
                 (["--rays", rays, "--out", out], "--camera"),
                 (["--rays", rays, "--shade"], "--shade"),
@@ -187,8 +187,21 @@ class Refusing(ProgramTest):
         self.refuse("raycast", "cube", "--camera", "4x4", "--shade", "--cells", status=2)
         self.refuse("raycast", "cube", "--camera", "4x4", "--depth", 99, status=2)
 
+    def test_rays_of_the_command_line(self):
+        rays = [(0.25, 0.5, 5.0, 0.0, 0.0, -1.0), (0.0, 0.25, -5.0, 0.0, 0.0, 1.0)]
+        expected = self.succeed("raycast", "cube", "--rays", self.file("rays.csv", rays_text(rays)), "--out", "-")
+        options = [part for ray in rays for part in ("--ray", ",".join(map(repr, ray)))]
+        self.assertEqual(self.succeed("raycast", "cube", *options), expected)
+        self.assertEqual([row["t"] for row in csv.DictReader(io.StringIO(expected))], ["4", "4"])
+        open_end = self.file("open.csv", rays_text([ray + (0.0, float("inf")) for ray in rays], header=True))
+        self.assertEqual(self.succeed("raycast", "cube", "--rays", open_end), expected)
+        named = self.file("named.csv", "tmax dx dy dz ox oy oz tmin\n"
+                          + "".join("inf %r %r %r %r %r %r 0\n" % (ray[3:] + ray[:3]) for ray in rays))
+        self.assertEqual(self.succeed("raycast", "cube", "--rays", named), expected)
+
     def test_bad_rays(self):
-        for text, says in (("0,0,5,0,0,0\n", "row 0"), ("0,0,5,0,0,1,2,1\n", "row 0"),
+        for text, says in (("0,0,5,0,0,0\n", "rays.csv:1:"), ("# rays\n0,0,5,0,0,1,2,1\n", "rays.csv:2:"),
+                           ("0,0,5,0,0,inf\n", "finite"), ("0,0,5,0,0,1,0,nan\n", "finite"),
                            ("0,0,5,0,0\n", "rays.csv"), ("0,0,nan,0,0,1\n", "rays.csv"), ("", "rays.csv")):
             self.refuse("raycast", "cube", "--rays", self.file("rays.csv", text), says=says)
         self.refuse("raycast", "cube", "--rays", self.folder / "absent.csv", says="absent.csv")

@@ -206,7 +206,7 @@ class Recording(ProgramTest):
 
 
 SCENE = ("cube", "--object", "icosphere:2", "--object", "torus:24x12")
-PLACES = ("--pose", "1=0,0,2.2", "--pose", "2=2.6,0,0,1,0,0,90")
+PLACES = ("--pose", "1=0,0,2.2", "--pose", "2=2.6,0,0@1,0,0,90")
 MOTIONS = ("--motion", "0=rock:0,0,1,20,3", "--motion", "1=swing:0.5,0,-0.3,1.5", "--motion", "2=spin:0,0,1,90")
 
 
@@ -255,7 +255,7 @@ class Scenes(ProgramTest):
         arguments = ("--device", "hand:press", "--seconds", 2, "--free-running", "--friction", 0)
         plain = self.json_of("touch", "cube", *arguments)
         matrix = "0=0,-1,0,5,1,0,0,6,0,0,1,7"
-        for pose in (matrix, "0=5,6,7,0,0,1,90"):
+        for pose in (matrix, "0=5,6,7@0,0,1,90"):
             moved = self.json_of("touch", "cube", "--pose", pose, *arguments)
             self.assertEqual(moved["touching_ticks"], plain["touching_ticks"])
             self.assertAlmostEqual(moved["max_force"], plain["max_force"], places=6)

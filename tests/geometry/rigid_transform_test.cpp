@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -71,7 +72,7 @@ TEST(RigidTransform, RefusesWhatIsNotRigid)
     bad[3] = std::numeric_limits<double>::infinity();
     refuses(bad, "row 0, column 3");
     bad = good;
-    bad[0] += 1e-8;
+    bad[0] += 1e-2;
     refuses(bad, "stretches");
     bad = good;
     bad[0] = 1e200;
@@ -79,10 +80,48 @@ TEST(RigidTransform, RefusesWhatIsNotRigid)
     bad = good;
     for (const std::size_t i : {2U, 6U, 10U}) bad[i] = -bad[i];
     refuses(bad, "mirrors");
-    refuses({}, "stretches");
+    refuses({}, "scales by 0");
     bad = good;
-    bad[0] += 1e-11;
-    EXPECT_TRUE(make_rigid_transform(bad));
+    for (const std::size_t i : {0U, 1U, 2U, 4U, 5U, 6U, 8U, 9U, 10U}) bad[i] *= 1000;
+    refuses(bad, "scales by 1000");
+}
+
+TEST(RigidTransform, TakesTheNearestRotationOfRoundedOnes)
+{
+    constexpr unsigned seed = 12;
+    SCOPED_TRACE(seed);
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> number(-3, 3);
+    for (int trial = 0; trial < 200; ++trial) {
+        const Vec3 axis = Vec3{number(random), number(random), number(random)}.normalized();
+        const Numbers exact = turn_about(axis, number(random), Vec3(1, 2, 3));
+        Numbers off = exact;
+        const double step = std::pow(10, -4 - trial % 12);
+        for (double& x : off) x = std::round(x / step) * step;
+        const auto pose = make_rigid_transform(off);
+        ASSERT_TRUE(pose) << describe(pose.error());
+        const auto given = make_rigid_transform(exact);
+        // Half a step in nine numbers; what is taken as it is may be as far from a rotation.
+        EXPECT_LT((pose->rotation - given->rotation).norm(), 2 * step);
+        EXPECT_LE(rotation_error(off), 4 * step);
+        const Mat3 product = pose->rotation.transpose() * pose->rotation;
+        EXPECT_LE((product - Mat3::Identity()).norm(),
+                  rotation_error(off) <= rigid_tolerance ? rigid_tolerance : 1e-15);
+        // No rotation is nearer: polar decomposition against small turns of its own.
+        if (rotation_error(off) <= rigid_tolerance) {
+            EXPECT_EQ(pose->rotation(0, 0), off[0]);
+            continue;
+        }
+        Mat3 matrix;
+        for (int i = 0; i < 9; ++i)
+            matrix(i / 3, i % 3) = off[static_cast<std::size_t>(4 * (i / 3) + i % 3)];
+        for (int i = 0; i < 6; ++i) {
+            const Vec3 about = (i % 2 == 0 ? 1 : -1) * Vec3::Unit(i / 2);
+            const Mat3 turned =
+                Eigen::AngleAxisd(step / 4, about).toRotationMatrix() * pose->rotation;
+            EXPECT_LE((matrix - pose->rotation).norm(), (matrix - turned).norm());
+        }
+    }
 }
 
 } // namespace
