@@ -239,10 +239,11 @@ std::string text_of(const PoseAnswer& answer, const IntersectOptions& options)
     }
     text += fmt::format(", {:.1f} us", 1e6 * answer.seconds);
     if (!options.contour.empty()) {
-        text += fmt::format("; contour of {} lines, {} closed, length {:.6g}",
-                            answer.contour.lines.size(),
-                            std::ranges::count_if(answer.contour.lines, &ContourLine::closed),
-                            answer.contour.length());
+        text +=
+            fmt::format("; contour of {} line{}, {} closed, length {:.6g}",
+                        answer.contour.lines.size(), answer.contour.lines.size() == 1 ? "" : "s",
+                        std::ranges::count_if(answer.contour.lines, &ContourLine::closed),
+                        answer.contour.length());
     }
     if (answer.nearest) {
         text += fmt::format("; separation {:.9g} between triangles {} and {}, {:.1f} us",
