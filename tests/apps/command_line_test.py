@@ -74,6 +74,14 @@ class Octree(ProgramTest):
         self.assertIn("Pointers", text)
         self.assertEqual(list(json.loads(path.read_text())), OCTREE_KEYS)
 
+    def test_progress_in_a_pipe(self):
+        result = run("octree", "icosphere:6", "--depth", 8, "--quiet", "--progress")
+        self.assertEqual((result.returncode, result.stdout), (0, ""))
+        lines = result.stderr.splitlines()
+        self.assertTrue(lines)
+        for line in lines:
+            self.assertRegex(line, r"^proxima: [a-z -]+, \d+ %$")
+
     def test_quiet_prints_nothing(self):
         self.assertEqual(self.succeed("octree", "cube", "--quiet"), "")
 
