@@ -1,6 +1,6 @@
-#include "geometry/triangle_intersection.h"
 #include "query/contact/self_intersection.h"
 
+#include "geometry/triangle_intersection.h"
 #include "index/test_meshes.h"
 #include "mesh/random_soups.h"
 #include "octree/nasty_meshes.h"
