@@ -27,6 +27,7 @@ using Json = nlohmann::ordered_json;
 struct CheckOptions {
     std::string model;
     std::string mesh; ///< of an octree file, may be empty
+    bool strict = false;
 };
 
 Json json_of(const Vec3& point)
@@ -235,7 +236,23 @@ void look_again(MeshReport& report, const SelfIntersections& intersections)
     }
 }
 
-Status check_mesh(const std::string& model, Session& session)
+/// Error invalid_mesh where something is wrong with a mesh.
+Status check_sound(const MeshReport& report, const std::optional<SelfIntersections>& intersections,
+                   const std::string& model)
+{
+    const auto wrong = std::ranges::count_if(report.findings, [](const MeshFinding& finding) {
+        return finding.severity != Severity::note;
+    });
+    const bool intersects = intersections && !intersections->pairs.empty();
+    const std::ptrdiff_t all = wrong + (intersects ? 1 : 0);
+    if (all == 0) return {};
+    return fail(ErrorCode::invalid_mesh,
+                concat("has ", all, all == 1 ? " flaw" : " flaws",
+                       " (warnings and errors of proxima check)"),
+                model);
+}
+
+Status check_mesh(const std::string& model, bool strict, Session& session)
 {
     const auto mesh = session.load_model(model);
     if (!mesh) return tl::unexpected(mesh.error());
@@ -248,7 +265,9 @@ Status check_mesh(const std::string& model, Session& session)
     if (!intersections) return at_model(intersections.error(), model);
     if (*intersections) look_again(*report, **intersections);
     session.print(report_text(*report, *intersections, model));
-    return session.write_json(json_of(*report, *intersections, model));
+    if (Status status = session.write_json(json_of(*report, *intersections, model)); !status)
+        return status;
+    return strict ? check_sound(*report, *intersections, model) : Status();
 }
 
 } // namespace
@@ -261,12 +280,14 @@ Command add_check_command(CLI::App& app)
     constexpr ModelKinds kinds = ModelKinds::meshes_octrees_and_indexes;
     add_model_option(*parser, options->model, kinds);
     add_mesh_option(*parser, options->model, kinds, options->mesh, {});
+    parser->add_flag("--strict", options->strict,
+                     "Exit with status 1 where a mesh has warnings or errors");
     return {parser, [options](Session& session) {
                 if (is_octree_file(options->model))
                     return check_octree_file(options->model, options->mesh, session);
                 if (is_index_file(options->model))
                     return check_index_file(options->model, options->mesh, session);
-                return check_mesh(options->model, session);
+                return check_mesh(options->model, options->strict, session);
             }};
 }
 

@@ -55,6 +55,8 @@ void add_common_options(CLI::App& parser, CommonOptions& options)
         ->envname("PROXIMA_SIMD")
         ->type_name("NAME");
     parser.add_flag("--quiet", options.quiet, "Print no report and no progress");
+    parser.add_flag("--progress", options.progress,
+                    "Show progress on stderr also in a pipe, a line per stage");
 }
 
 /// What an error says, with what somebody can do here: not every command has a budget.

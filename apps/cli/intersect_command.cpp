@@ -38,6 +38,7 @@ struct IntersectOptions {
     std::string model_a;
     std::string model_b;
     std::string poses;
+    std::string out;
     std::string pairs;
     std::string contour;
     std::string picture;
@@ -87,11 +88,11 @@ Status check_options(const IntersectOptions& options, const Session& session)
                     "is of --method index: the thesis has no distance between meshes",
                     "--distance");
     }
-    if (!options.pairs.empty()) {
-        if (const auto format = answer_format(options.pairs); !format)
-            return tl::unexpected(format.error());
+    for (const std::string& path : {options.out, options.pairs}) {
+        if (path.empty()) continue;
+        if (const auto format = answer_format(path); !format) return tl::unexpected(format.error());
     }
-    return session.check_outputs({options.pairs, options.contour, options.picture});
+    return session.check_outputs({options.out, options.pairs, options.contour, options.picture});
 }
 
 Status prepare(Body& body, const std::string& model, const IntersectOptions& options,
@@ -240,10 +241,11 @@ std::string text_of(const PoseAnswer& answer, const IntersectOptions& options)
     }
     text += fmt::format(", {:.1f} us", 1e6 * answer.seconds);
     if (!options.contour.empty()) {
-        text += fmt::format("; contour of {} lines, {} closed, length {:.6g}",
-                            answer.contour.lines.size(),
-                            std::ranges::count_if(answer.contour.lines, &ContourLine::closed),
-                            answer.contour.length());
+        text +=
+            fmt::format("; contour of {} line{}, {} closed, length {:.6g}",
+                        answer.contour.lines.size(), answer.contour.lines.size() == 1 ? "" : "s",
+                        std::ranges::count_if(answer.contour.lines, &ContourLine::closed),
+                        answer.contour.length());
     }
     if (answer.nearest) {
         text += fmt::format("; separation {:.9g} between triangles {} and {}, {:.1f} us",
@@ -267,6 +269,12 @@ public:
 
     void add(std::uint64_t pose, const PoseAnswer& answer)
     {
+        if (!options_.out.empty()) {
+            poses_ += pose_row(answer_format(options_.out).value(), pose,
+                               {answer.pairs.size(), answer.inside.containment,
+                                answer.nearest ? &*answer.nearest : nullptr});
+            ++pose_count_;
+        }
         if (!options_.pairs.empty()) {
             pairs_ += pair_rows(answer_format(options_.pairs).value(), pose, answer.pairs);
             rows_ += answer.pairs.size();
@@ -279,6 +287,11 @@ public:
 
     [[nodiscard]] Status write() const
     {
+        if (!options_.out.empty()) {
+            const AnswerFormat format = answer_format(options_.out).value();
+            const std::string header = pose_header(format, options_.distance, pose_count_);
+            if (Status status = write_file(options_.out, header, poses_); !status) return status;
+        }
         if (!options_.pairs.empty()) {
             const AnswerFormat format = answer_format(options_.pairs).value();
             if (Status status = write_file(options_.pairs, pair_header(format, rows_), pairs_);
@@ -300,6 +313,8 @@ private:
     }
 
     const IntersectOptions& options_;
+    std::string poses_;
+    std::uint64_t pose_count_ = 0;
     std::string pairs_;
     std::string contour_;
     std::uint64_t rows_ = 0;
@@ -364,7 +379,7 @@ Status run_intersect(const IntersectOptions& options, Session& session)
     text += rotation_text(read.rotation_error);
     text += fmt::format("{} of {} poses intersect, {:.1f} us each\n", intersecting, poses.size(),
                         1e6 * seconds / static_cast<double>(poses.size()));
-    for (const std::string& path : {options.pairs, options.contour, options.picture}) {
+    for (const std::string& path : {options.out, options.pairs, options.contour, options.picture}) {
         if (!path.empty()) text += fmt::format("wrote {}\n", path);
     }
     session.print(text);
@@ -397,6 +412,11 @@ Command add_intersect_command(CLI::App& app)
                    "A pose is ",
                    pose_forms))
         ->type_name("POSE|FILE");
+    parser
+        ->add_option("--out", options->out,
+                     "Write what was found, a row per pose: .csv or .npy of "
+                     "pose,intersecting,pairs,contained, and of the distance if asked for")
+        ->type_name("FILE");
     parser
         ->add_option("--pairs", options->pairs,
                      "Write the pairs of triangles that meet: .csv or .npy of pose,a,b")

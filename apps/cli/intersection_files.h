@@ -1,11 +1,14 @@
-// What proxima intersect writes: pairs of triangles, and contours.
+// What proxima intersect writes: what was found pose by pose, pairs of triangles, and contours.
 //
+//     pose,intersecting,pairs,contained[,separation,ax,ay,az,bx,by,bz,triangle_a,triangle_b]
+//                                       .csv or .npy (float64); contained: 1 for A in B, 2 for B in A
 //     pose,a,b                          .csv or .npy (float64): ascending
 //     o pose_0 / v x y z / l 1 2 3 1    .obj: polylines; a closed one ends where it began
 #pragma once
 
 #include "cli/answer_table.h"
 #include "proxima/intersect_meshes.h"
+#include "proxima/mesh_distance.h"
 
 #include <cstdint>
 #include <span>
@@ -18,6 +21,17 @@ namespace proxima {
 
 [[nodiscard]] std::string pair_rows(AnswerFormat format, std::uint64_t pose,
                                     std::span<const TrianglePair> pairs);
+
+struct PoseRow {
+    std::uint64_t pairs = 0;
+    Containment containment = Containment::none;
+    const MeshDistance* nearest = nullptr; ///< null where it was not asked for
+};
+
+/// The header line, or the header of .npy for `rows` poses.
+[[nodiscard]] std::string pose_header(AnswerFormat format, bool with_distance, std::uint64_t rows);
+
+[[nodiscard]] std::string pose_row(AnswerFormat format, std::uint64_t pose, const PoseRow& row);
 
 /// `first_vertex` is the number that the file's next vertex has, from 1. Numbers have 17
 /// significant digits. Points alone are written as `p`.

@@ -13,6 +13,7 @@ namespace {
 
 constexpr auto first_shown_after = std::chrono::milliseconds(300);
 constexpr auto shown_every = std::chrono::milliseconds(100);
+constexpr auto line_every = std::chrono::seconds(5);
 
 std::string bar_line(const Progress& progress)
 {
@@ -28,8 +29,10 @@ std::string bar_line(const Progress& progress)
 
 ProgressBar::ProgressBar(const Progress& progress, BarMode mode)
 {
-    if (mode == BarMode::off || isatty(STDERR_FILENO) == 0) return;
-    thread_ = std::thread([this, &progress] { show(progress); });
+    const bool terminal = isatty(STDERR_FILENO) != 0;
+    if (mode == BarMode::off || (mode == BarMode::automatic && !terminal)) return;
+    thread_ = std::thread(
+        [this, &progress, terminal] { terminal ? show(progress) : print_lines(progress); });
 }
 
 ProgressBar::~ProgressBar()
@@ -41,6 +44,22 @@ ProgressBar::~ProgressBar()
     }
     ending_.notify_one();
     thread_.join();
+}
+
+void ProgressBar::print_lines(const Progress& progress)
+{
+    std::unique_lock lock(mutex_);
+    std::string last;
+    auto printed = std::chrono::steady_clock::now();
+    while (!ending_.wait_for(lock, shown_every, [this] { return ended_; })) {
+        const std::string stage = progress.cancelled() ? "stopping" : progress.stage();
+        const auto now = std::chrono::steady_clock::now();
+        if (stage.empty() || (stage == last && now - printed < line_every)) continue;
+        fmt::print(stderr, "proxima: {}, {:.0f} %\n", stage, 100 * progress.fraction());
+        std::fflush(stderr);
+        last = stage;
+        printed = now;
+    }
 }
 
 void ProgressBar::show(const Progress& progress)

@@ -1,4 +1,5 @@
-// A line on the terminal that shows how far long work is; nothing where stderr is no terminal.
+// How far long work is, on stderr: a line that a terminal shows again and again, or, where asked for,
+// lines that a file or a pipe keeps.
 #pragma once
 
 #include "proxima/execution.h"
@@ -9,9 +10,13 @@
 
 namespace proxima {
 
-enum class BarMode { automatic, off };
+enum class BarMode {
+    automatic, ///< nothing where stderr is no terminal
+    lines,     ///< a line for each stage, and another one every five seconds
+    off
+};
 
-/// Shows `progress` on stderr from its construction to its destruction, then clears the line.
+/// Shows `progress` on stderr from its construction to its destruction.
 class ProgressBar {
 public:
     explicit ProgressBar(const Progress& progress, BarMode mode = BarMode::automatic);
@@ -20,7 +25,9 @@ public:
     ~ProgressBar();
 
 private:
+    /// On a terminal; cleared at the end.
     void show(const Progress& progress);
+    void print_lines(const Progress& progress);
 
     std::mutex mutex_;
     std::condition_variable ending_;

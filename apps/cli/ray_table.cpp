@@ -1,10 +1,10 @@
 #include "cli/ray_table.h"
 
 #include "cli/npy_header.h"
+#include "cli/row_text.h"
 
 #include <array>
 #include <fmt/format.h>
-#include <iterator>
 #include <limits>
 
 namespace proxima {
@@ -13,19 +13,6 @@ namespace {
 
 constexpr std::string_view hit_columns = "index,t,triangle,u,v";
 constexpr std::string_view cell_columns = "ray,cell_depth,cx,cy,cz,enter,exit,chord,penetration";
-
-template <std::size_t Count>
-void append_row(fmt::memory_buffer& text, AnswerFormat format, const std::array<double, Count>& row)
-{
-    if (format == AnswerFormat::npy) {
-        const char* const raw = reinterpret_cast<const char*>(row.data());
-        text.append(raw, raw + sizeof(row));
-        return;
-    }
-    for (std::size_t i = 0; i < Count; ++i)
-        fmt::format_to(std::back_inserter(text), "{}{:.17g}", i == 0 ? "" : ",", row[i]);
-    text.push_back('\n');
-}
 
 std::string header(AnswerFormat format, std::string_view columns, std::uint64_t count,
                    std::uint64_t rows)

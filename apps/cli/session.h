@@ -22,6 +22,7 @@ struct CommonOptions {
     std::string json;           ///< file for the JSON result, "-" for stdout, empty for none
     std::optional<int> threads; ///< 0 = all that the machine offers; none where not asked for
     bool quiet = false;         ///< nothing for people, neither text nor a progress bar
+    bool progress = false;      ///< progress also where stderr is no terminal
     std::string simd;           ///< the instruction set of kernels, empty for the best
     std::vector<std::string> arguments; ///< values of all options, as given: input files among them
 };
@@ -51,7 +52,9 @@ public:
     /// Whether to show a progress bar.
     [[nodiscard]] BarMode bar() const noexcept
     {
-        return options_.quiet ? BarMode::off : BarMode::automatic;
+        return options_.progress ? BarMode::lines
+               : options_.quiet  ? BarMode::off
+                                 : BarMode::automatic;
     }
 
     /// Writes text for people to stdout, unless they want none or stdout is for JSON.

@@ -45,8 +45,12 @@ Status run_replay(const TouchCommandOptions& options, Session& session)
     const auto result = replay_touch(**model, *recording, path);
     if (!result) return tl::unexpected(result.error());
     if (Status status = session.check_running(); !status) return status;
-    const TouchReportOf of = {options.model, options.device, false, result->differences,
-                              result->touch.render_options.force};
+    const TouchReportOf of = {options.model,
+                              options.device,
+                              false,
+                              result->differences,
+                              result->touch.render_options.force,
+                              options.verbose};
     session.print(touch_text(of, **model, result->touch));
     return session.write_json(touch_json(of, **model, result->touch));
 }
@@ -138,8 +142,12 @@ Status run_device(const TouchCommandOptions& options, Session& session)
         Progress* const progress = result->device->interrupted ? nullptr : &session.progress();
         recorded = save_recording(result->recording, options.record, progress);
     }
-    const TouchReportOf of = {options.model, options.device, !options.free_running, std::nullopt,
-                              settings_of(options).render.force};
+    const TouchReportOf of = {options.model,
+                              options.device,
+                              !options.free_running,
+                              std::nullopt,
+                              settings_of(options).render.force,
+                              options.verbose};
     session.print(touch_text(of, **model, *result));
     if (!patches.empty()) session.print(patch_table(patches));
     if (!options.record.empty() && recorded)

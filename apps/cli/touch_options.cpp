@@ -238,6 +238,8 @@ void add_touch_options(CLI::App& parser, TouchCommandOptions& options)
         ->type_name("LAW");
     parser.add_flag("--free-running", options.free_running,
                     "Run the ticks without waiting between them; forces do not change");
+    parser.add_flag("--verbose", options.verbose,
+                    "Report every counter, the device and the times of the servo loop");
     parser.add_flag("--lists", options.lists,
                     "Build closest-feature lists: the same forces, shorter ticks for some motions, "
                     "a much later first tick");

@@ -35,6 +35,7 @@ struct TouchCommandOptions {
     bool lists = false; ///< of indexes that are built
     std::string force = "proxy";
     bool free_running = false;
+    bool verbose = false;
     std::string record;
     std::string patches;                     ///< kinds; "" for the direct mode
     QueryMethod method = QueryMethod::index; ///< of patches

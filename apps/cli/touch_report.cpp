@@ -54,54 +54,95 @@ double ticks_per_second(const ServoStatistics& servo)
     return static_cast<double>(servo.ticks - 1) / std::max(servo.seconds, 1e-9);
 }
 
+namespace {
+
+/// What went on in the forces, for who looks for the reason of something.
+std::string counters_text(const TouchModel& model, const TouchResult& result)
+{
+    const QualityReport& quality = result.quality;
+    const Vec3& center = result.map.center;
+    return fmt::format(
+        "workspace: 1 m of the device is {:.6g} of the model, its center ({:.6g}, {:.6g}, {:.6g}); "
+        "ready in {:.3f} s\n"
+        "sticking {:.1f} %, speed at most {:.2f} m/s; ticks that ran out of moves {}, of memory "
+        "{}, "
+        "had faulty input {}\n"
+        "largest change of force in a tick: {:.3f} of what the motion explains (above 1: a jump), "
+        "{:.1f} degrees of turn; energy lost to friction and damping {:.3g} J\n"
+        "guards: force limited in {} ticks, its change in {}; damping added in {}; stiffness "
+        "lowered in {} (smallest factor {:.3g}); lowest energy in the passivity guard {:.3g} J\n",
+        result.map.units_per_metre, center.x(), center.y(), center.z(), model.build_seconds,
+        percent(quality.sticking_ticks, quality.ticks), quality.max_speed, quality.limited_ticks,
+        quality.overloaded_ticks, quality.faulty_ticks, quality.max_step_ratio,
+        quality.max_turn_degrees, quality.taken_energy, result.clamped, result.slewed,
+        result.damped, result.softened, result.lowest_softness, result.lowest_energy);
+}
+
+/// The guards that did something, in a line; empty where all was calm.
+std::string guards_text(const TouchResult& result)
+{
+    std::string text;
+    const auto add = [&](std::uint64_t ticks, const char* what) {
+        if (ticks > 0) text += fmt::format("{}{} in {}", text.empty() ? "" : ", ", what, ticks);
+    };
+    add(result.quality.limited_ticks, "moves cut short");
+    add(result.quality.overloaded_ticks, "memory full");
+    add(result.quality.faulty_ticks, "input faulty");
+    add(result.clamped, "force limited");
+    add(result.slewed, "its change limited");
+    add(result.damped, "damping added");
+    add(result.softened, "stiffness lowered");
+    return text.empty() ? text : fmt::format("of {} ticks: {}\n", result.quality.ticks, text);
+}
+
+std::string servo_text(const ServoStatistics& servo, bool verbose)
+{
+    std::string text =
+        fmt::format("servo: {:.1f} Hz, {} deadlines missed", ticks_per_second(servo), servo.missed);
+    if (!verbose) {
+        return text + (servo.note.empty() ? std::string("\n") : fmt::format("; {}\n", servo.note));
+    }
+    text +=
+        fmt::format(" ({} because the thread woke late, {} because of work), {} ticks left out, {} "
+                    "page faults\n"
+                    "woken late by: {}\nwhole tick: {}\n"
+                    "real-time priority: {}, locked memory: {}\n",
+                    servo.overslept, servo.missed - servo.overslept, servo.skipped,
+                    servo.page_faults, microseconds(servo.late), microseconds(servo.work),
+                    servo.real_time_priority ? "yes" : "no", servo.locked_memory ? "yes" : "no");
+    return servo.note.empty() ? text : text + fmt::format("note: {}\n", servo.note);
+}
+
+} // namespace
+
 std::string touch_text(const TouchReportOf& of, const TouchModel& model, const TouchResult& result)
 {
     const QualityReport& quality = result.quality;
     const RenderOptions& render = result.render_options;
-    const Vec3& center = result.map.center;
     std::string text = fmt::format(
-        "{}: {} triangles, ready in {:.3f} s\n"
-        "workspace: 1 m of the device is {:.6g} of the model, its center ({:.6g}, {:.6g}, {:.6g})\n"
-        "{}: {} ticks by {}, K {:g} N/m, B {:g} N s/m, friction {:g} and {:g}, radius {:g} m\n",
-        of.model, model.surface.mesh.triangle_count(), model.build_seconds,
-        result.map.units_per_metre, center.x(), center.y(), center.z(), of.device, quality.ticks,
+        "{}: {} triangles\n"
+        "{}: {} ticks by {}, K {:g} N/m, B {:g} N s/m, friction {:g} and {:g}, radius {:g} m\n"
+        "touching {:.1f} %; force at most {:.3f} N, depth {:.2f} mm\n"
+        "passed through the surface {} times\n",
+        of.model, model.surface.mesh.triangle_count(), of.device, quality.ticks,
         result.law == ForceLaw::penalty ? "penalty forces" : "a proxy", render.force.stiffness,
-        render.force.damping, render.static_friction, render.dynamic_friction, render.proxy_radius);
-    text += fmt::format(
-        "touching {:.1f} %, sticking {:.1f} %; force at most {:.3f} N, depth {:.2f} mm, speed "
-        "{:.2f} "
-        "m/s\n"
-        "passed through the surface {} times; ticks that ran out of moves {}, of memory {}, had "
-        "faulty input {}\n"
-        "largest change of force in a tick: {:.3f} of what the motion explains (above 1: a jump), "
-        "{:.1f} degrees of turn; energy lost to friction and damping {:.3g} J\n"
-        "guards: force limited in {} ticks, its change in {}; damping added in {}; stiffness "
-        "lowered in {} (smallest factor {:.3g}); lowest energy in the passivity guard {:.3g} J\n"
-        "computing a force: {}\n",
-        percent(quality.touching_ticks, quality.ticks),
-        percent(quality.sticking_ticks, quality.ticks), quality.max_force, 1e3 * quality.max_depth,
-        quality.max_speed, quality.passes, quality.limited_ticks, quality.overloaded_ticks,
-        quality.faulty_ticks, quality.max_step_ratio, quality.max_turn_degrees,
-        quality.taken_energy, result.clamped, result.slewed, result.damped, result.softened,
-        result.lowest_softness, result.lowest_energy, microseconds(result.render));
+        render.force.damping, render.static_friction, render.dynamic_friction, render.proxy_radius,
+        percent(quality.touching_ticks, quality.ticks), quality.max_force, 1e3 * quality.max_depth,
+        quality.passes);
+    text += of.verbose ? counters_text(model, result) : guards_text(result);
+    text += fmt::format("computing a force: {}\n", microseconds(result.render));
     text += objects_text(model, quality);
     text += less_text("stiffness", "N/m", of.asked.stiffness, render.force.stiffness);
     text += less_text("damping", "N s/m", of.asked.damping, render.force.damping);
-    if (result.device) text += device_text(*result.device, render.force.damping);
+    if (result.device) {
+        const DeviceAccount& device = *result.device;
+        if (of.verbose || device.input.faulty_ticks > 0 || !device.trouble.empty())
+            text += device_text(device, render.force.damping);
+    }
     if (of.differences) {
         text += fmt::format("replayed: {} ticks differ from the recording\n", *of.differences);
     } else if (of.paced) {
-        text += fmt::format(
-            "servo: {:.1f} Hz, {} deadlines missed ({} because the thread woke late, {} because of "
-            "work), {} ticks left out, {} page faults\n"
-            "woken late by: {}\nwhole tick: {}\n"
-            "real-time priority: {}, locked memory: {}\n",
-            ticks_per_second(result.servo), result.servo.missed, result.servo.overslept,
-            result.servo.missed - result.servo.overslept, result.servo.skipped,
-            result.servo.page_faults, microseconds(result.servo.late),
-            microseconds(result.servo.work), result.servo.real_time_priority ? "yes" : "no",
-            result.servo.locked_memory ? "yes" : "no");
-        if (!result.servo.note.empty()) text += fmt::format("note: {}\n", result.servo.note);
+        text += servo_text(result.servo, of.verbose);
     }
     return text;
 }

@@ -20,6 +20,7 @@ struct TouchReportOf {
     bool paced = true;                        ///< by the clock: with an account of the servo loop
     std::optional<std::uint64_t> differences; ///< of a replay
     ForceOptions asked;                       ///< by options: what a device has less of is less
+    bool verbose = false;                     ///< all counters, not only those that say something
 };
 
 /// Lines; the last ends with a line break.

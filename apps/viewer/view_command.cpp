@@ -1,4 +1,5 @@
 // proxima view: models and what the library computes of them, in a window or as a picture.
+#include "base/file_extension.h"
 #include "base/text.h"
 #include "cli/image.h"
 #include "cli/model_options.h"
@@ -126,6 +127,13 @@ Status run_view(const ViewOptions& options, Session& session)
     }
     if (Status status = session.check_outputs({options.snapshot, options.glb}); !status)
         return status;
+    const auto wants = [](const std::string& path, const char* extension, const char* option) {
+        if (path.empty() || lower_case_extension(path) == extension) return Status();
+        return Status(fail(ErrorCode::unsupported_format,
+                           fmt::format("{} writes {} alone", option, extension), path));
+    };
+    if (Status status = wants(options.snapshot, ".png", "--snapshot"); !status) return status;
+    if (Status status = wants(options.glb, ".glb", "--export"); !status) return status;
     if (!options.needs_window()) return run_headless(options, session);
     Viewer viewer({.pictures = Pictures::live,
                    .wake = wake_window,

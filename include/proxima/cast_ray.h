@@ -31,7 +31,7 @@ namespace proxima {
 
 /// A point of a triangle on a ray: P = (1 - u - v) v0 + u v1 + v v2 = origin + t direction.
 struct RayHit {
-    double t = 0;
+    double t = 0; ///< rounded, its sign exact: 0 just where the ray begins on the triangle
     TriangleId triangle{};
     double u = 0;
     double v = 0;

@@ -150,6 +150,7 @@ struct IntersectionContour {
 ///   comes twice.
 /// - Where triangles of one mesh cover each other (a flap, there and back), the line ends
 ///   with them.
+/// - Triangles with the same three corners count once, under the lowest id.
 /// - A triangle without an area joins the segments of its neighbours; two of them add nothing.
 /// O(pairs log pairs), about 4 us each; allocates. Same bits on every machine. \pre differences of
 /// coordinates are finite

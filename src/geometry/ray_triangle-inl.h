@@ -64,6 +64,22 @@ inline constexpr double safe_error = 0x1p-900;
 // triangle's extent, at worst. Less is for triangles seen all but edge-on, or from far away.
 inline constexpr double sure_sum = 0x1p24;
 
+// An error of 2^-24 of the sum in each weight moves a share s by (1 + 3 s) 2^-24 at most. Shares sum
+// to 1, so t is good to 6 * 2^-24 < 2^-21 of the largest depth. A smaller one may be zero, or have
+// the wrong sign.
+inline constexpr double start_doubt = 0x1p-21;
+
+[[nodiscard]] inline double doubt_of(const Three& depths) noexcept
+{
+    return start_doubt *
+           std::max(std::max(std::abs(depths[0]), std::abs(depths[1])), std::abs(depths[2]));
+}
+
+/// Gives a t that is all but zero the sign that it has, 0 where the ray begins in the triangle's
+/// plane. `facing` has the sign of direction . normal. \pre not zero
+[[nodiscard]] Meeting sign_start(const Ray& ray, const Triangle& triangle, double facing,
+                                 Meeting at) noexcept;
+
 /// The decisions that rounding could change, and the cases in which a sign is zero.
 [[nodiscard]] std::optional<RayTriangleHit>
 intersect_exactly(const Ray& ray, const Triangle& triangle, Faces faces) noexcept;
@@ -100,8 +116,12 @@ intersect(const Ray& ray, const RayShear& shear, const Triangle& triangle, Faces
         if (least < -error && most > error) return std::nullopt;
         const double sum = weights[0] + weights[1] + weights[2];
         if ((least > error || most < -error) && std::abs(sum) > detail::sure_sum * error) {
-            if (!detail::is_wanted(shear.inverse_z > 0 ? sum : -sum, faces)) return std::nullopt;
+            const double facing = shear.inverse_z > 0 ? sum : -sum;
+            if (!detail::is_wanted(facing, faces)) return std::nullopt;
             const detail::Meeting at = detail::inner_point(weights, depths);
+            const double doubt = detail::doubt_of(depths);
+            if (std::abs(at.t) <= doubt && ray.t_min <= doubt)
+                return detail::within_range(ray, detail::sign_start(ray, triangle, facing, at));
             if (std::abs(at.t) <= farthest_hit) return detail::within_range(ray, at);
         }
     }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace proxima {
@@ -101,20 +102,27 @@ public:
         }
         if (seen == 3) return std::nullopt;
         if (seen == 0) return faces == Faces::both ? find_in_plane() : std::nullopt;
-        if (!is_wanted(seen == 1 ? 1.0 : -1.0, faces)) return std::nullopt;
-        if (zeros == 0) return within_range(ray_, inner_point(weights, depths_));
-        for (std::size_t i = 0; i < 3; ++i) {
-            if (zeros == 2 && weights[i] != 0) return within_range(ray_, corner_point(i, depths_));
-            if (zeros == 1 && weights[i] == 0) {
-                const std::size_t a = (i + 1) % 3;
-                const std::size_t b = (i + 2) % 3;
-                return within_range(ray_, edge_point(a, b, side_axis(a, b)));
-            }
-        }
-        return std::nullopt;
+        const double facing = seen == 1 ? 1.0 : -1.0;
+        if (!is_wanted(facing, faces)) return std::nullopt;
+        Meeting at = point_of(weights, zeros);
+        if (std::abs(at.t) <= detail::doubt_of(depths_))
+            at = detail::sign_start(ray_, triangle_, facing, at);
+        return within_range(ray_, at);
     }
 
 private:
+    /// Where the line meets the triangle's plane, by weights of which so many are zero, not all.
+    [[nodiscard]] Meeting point_of(const Three& weights, std::size_t zeros) const noexcept
+    {
+        if (zeros == 0) return inner_point(weights, depths_);
+        std::size_t i = 0; // the corner, or the one opposite the edge
+        while ((weights[i] == 0) == (zeros == 2)) ++i;
+        if (zeros == 2) return corner_point(i, depths_);
+        const std::size_t a = (i + 1) % 3;
+        const std::size_t b = (i + 2) % 3;
+        return edge_point(a, b, side_axis(a, b));
+    }
+
     [[nodiscard]] Displacement direction() const noexcept { return {Vec3::Zero(), ray_.direction}; }
     [[nodiscard]] Displacement to_corner(std::size_t corner) const noexcept
     {
@@ -176,6 +184,16 @@ private:
         return at;
     }
 
+    /// Whether the ray begins on the line through two corners.
+    [[nodiscard]] bool begins_on_edge(std::size_t a, std::size_t b) const noexcept
+    {
+        const Displacement along = {triangle_.vertices[a], triangle_.vertices[b]};
+        const Displacement back = {triangle_.vertices[a], ray_.origin};
+        for (int axis = 0; axis < 3; ++axis)
+            if (cross_component_sign(along, back, axis) != 0) return false;
+        return true;
+    }
+
     /// The ray's line and the triangle lie in one plane: they share an interval or nothing.
     [[nodiscard]] std::optional<RayTriangleHit> find_in_plane() const noexcept
     {
@@ -189,7 +207,11 @@ private:
         for (std::size_t i = 0; i < 3; ++i) {
             const std::size_t next = (i + 1) % 3;
             if (sides[i] == 0) met[count++] = corner_point(i, depths_);
-            if (sides[i] * sides[next] < 0) met[count++] = edge_point(i, next, axis);
+            if (sides[i] * sides[next] < 0) {
+                met[count] = edge_point(i, next, axis);
+                if (begins_on_edge(i, next)) met[count].t = 0;
+                ++count;
+            }
         }
         if (count == 0) return std::nullopt;
         const auto by_t = [](const Meeting& one, const Meeting& other) { return one.t < other.t; };
@@ -211,6 +233,17 @@ private:
 };
 
 } // namespace
+
+Meeting detail::sign_start(const Ray& ray, const Triangle& triangle, double facing,
+                           Meeting at) noexcept
+{
+    constexpr double least = std::numeric_limits<double>::denorm_min();
+    // The ray goes towards the plane where it begins on the side that it does not face.
+    const int side = orient3d(triangle[0], triangle[1], triangle[2], ray.origin);
+    const int sign = facing > 0 ? -side : side;
+    at.t = sign == 0 ? 0.0 : sign > 0 ? std::max(at.t, least) : std::min(at.t, -least);
+    return at;
+}
 
 std::optional<RayTriangleHit> detail::intersect_exactly(const Ray& ray, const Triangle& triangle,
                                                         Faces faces) noexcept

@@ -59,8 +59,9 @@ struct RayShear {
 
 /// The first point of the closed triangle on the ray, degenerate triangles being the segments and
 /// points that they are. Whether the ray's line meets the triangle is exact; t is rounded (to
-/// within the t of the triangle's corners), and the range is asked of the rounded t. Corners and
-/// edges give the same t for all triangles around. \pre is_valid(ray), differences of coordinates
+/// within the t of the triangle's corners), and the range is asked of the rounded t. Its sign is
+/// exact: 0 just where the ray begins on a triangle that it does not run along. Corners and edges
+/// give the same t for all triangles around. \pre is_valid(ray), differences of coordinates
 /// are finite. 10 ns; 1 to 5 us where rounding could decide. Thread safe, no allocation.
 [[nodiscard]] std::optional<RayTriangleHit> intersect(const Ray& ray, const Triangle& triangle,
                                                       Faces faces = Faces::both) noexcept;

@@ -6,8 +6,10 @@
 // real axis.
 #pragma once
 
+#include "geometry/exact_predicates.h"
 #include "proxima/geometry.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -15,16 +17,25 @@ namespace proxima {
 
 class SolidAngleSum {
 public:
-    /// Adds the triangle with these corners relative to the eye, positive where its
-    /// counter-clockwise side faces away. One whose plane contains the eye adds nothing. The
-    /// corners' lengths should be within 1e-60 to 1e60.
-    void add(const Vec3& a, const Vec3& b, const Vec3& c) noexcept
+    /// Adds a triangle seen from the eye, positive where its counter-clockwise side faces away. One
+    /// whose plane contains the eye adds nothing; on which side the eye is, is exact. `unit` brings
+    /// distances of corners to within 1e-60 to 1e60.
+    void add(const Triangle& triangle, const Vec3& eye, double unit) noexcept
     {
-        const double numerator = a.dot(b.cross(c));
-        if (numerator == 0.0) return;
+        const Vec3 a = (triangle[0] - eye) * unit;
+        const Vec3 b = (triangle[1] - eye) * unit;
+        const Vec3 c = (triangle[2] - eye) * unit;
+        double numerator = a.dot(b.cross(c));
         const double la = a.norm();
         const double lb = b.norm();
         const double lc = c.norm();
+        // Off by less than 20 * 2^-53 of this. Before a face the sign is all that matters of it.
+        const double doubt = 0x1p-48 * (la * lb * lc);
+        if (std::abs(numerator) <= doubt) {
+            const int side = orient3d(triangle[0], triangle[1], triangle[2], eye);
+            if (side == 0) return;
+            numerator = -side * std::max(std::abs(numerator), 0x1p-10 * doubt);
+        }
         const double denominator = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
         const double real = real_ * denominator - imaginary_ * numerator;
         const double imaginary = real_ * numerator + imaginary_ * denominator;

@@ -290,11 +290,8 @@ double brute_winding_number(const TriangleMesh& mesh, const Vec3& point) noexcep
 {
     const double unit = unit_for(bounding_box(mesh).extent().maxCoeff());
     SolidAngleSum sum;
-    for (std::size_t i = 0; i < mesh.triangle_count(); ++i) {
-        const Triangle triangle = mesh.triangle(TriangleId{static_cast<std::uint32_t>(i)});
-        sum.add((triangle[0] - point) * unit, (triangle[1] - point) * unit,
-                (triangle[2] - point) * unit);
-    }
+    for (std::size_t i = 0; i < mesh.triangle_count(); ++i)
+        sum.add(mesh.triangle(TriangleId{static_cast<std::uint32_t>(i)}), point, unit);
     return sum.winding();
 }
 

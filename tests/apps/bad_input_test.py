@@ -1,11 +1,12 @@
 """Bad input and outputs that fail: a status, one line that says what, where and what to do, nothing left behind."""
+import json
 import random
 import resource
 import time
 import unittest
 
 import mesh_files
-from proxima_program import ProgramTest
+from proxima_program import ProgramTest, run
 
 TRIANGLE = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"
 
@@ -13,6 +14,9 @@ TRIANGLE = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"
 def off(points, triangles):
     lines = ["OFF", f"{len(points)} {len(triangles)} 0"] + [" ".join(map(repr, p)) for p in points]
     return "\n".join(lines + ["3 %d %d %d" % t for t in triangles]) + "\n"
+
+
+CORNERS_OF_A_SQUARE = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
 
 
 def tetrahedron(scale=1.0, offset=0.0):
@@ -152,6 +156,18 @@ class Geometry(ProgramTest):
 
 
 class Options(ProgramTest):
+    def test_strict_checks_end_with_their_verdict(self):
+        sound = self.file("sound.off", tetrahedron(1))
+        self.succeed("check", sound, "--strict")
+        holed = self.file("holed.off", off(CORNERS_OF_A_SQUARE, [(0, 1, 2), (0, 2, 3)]))
+        self.succeed("check", holed)
+        result = run("check", holed, "--strict", "--json", self.folder / "report.json")
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("holed.off: has 1 flaw", result.stderr)
+        self.assertIn("boundary", result.stdout)
+        findings = json.loads((self.folder / "report.json").read_text())["findings"]
+        self.assertEqual([f["kind"] for f in findings if f["severity"] != "note"], ["boundary_edges"])
+
     def test_depth_over_the_limit(self):
         self.refuse("octree", "cube", "--depth", 20, status=2, says=("--depth", "19"))
         self.refuse("octree", "cube", "--depth", -1, status=2, says="--depth")

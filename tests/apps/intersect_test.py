@@ -216,6 +216,33 @@ class Poses(ProgramTest):
         for text, says in (("1,2", "is no pose"), ("1,2,3@0,0,0,90", "axis"), ("1,2,3@0,0,90", "is no pose"),
                            ("0,0,0,1,1,1,1", "length 2"), (",".join(map(str, IDENTITY)) + ",0,0,1,1", "last row")):
             self.refuse("intersect", "cube", "cube", "--pose", text, says=says)
+class Rows(ProgramTest):
+    def test_a_row_per_pose(self):
+        poses = self.file("poses.csv", text_of([shifted(x, 0, 0) for x in (0, 0.5, 3, 1.5)]))
+        for options in ((), ("--distance",)):
+            table, numbers = self.folder / "rows.csv", self.folder / "rows.npy"
+            report = self.json_of("intersect", "icosphere:2", "cube", "--pose", poses, "--out", table, *options)["poses"]
+            self.succeed("intersect", "icosphere:2", "cube", "--pose", poses, "--out", numbers, *options)
+            rows = list(csv.DictReader(io.StringIO(table.read_text())))
+            self.assertEqual([tuple(map(float, row.values())) for row in rows],
+                             [tuple(row) for row in read_npy(numbers.read_bytes())])
+            self.assertEqual(list(rows[0]), ["pose", "intersecting", "pairs", "contained"]
+                             + (["separation", "ax", "ay", "az", "bx", "by", "bz", "triangle_a", "triangle_b"] if options else []))
+            for i, (row, pose) in enumerate(zip(rows, report)):
+                self.assertEqual(int(row["pose"]), i)
+                self.assertEqual((row["intersecting"] == "1", int(row["pairs"])), (pose["intersecting"], pose["pairs"]))
+                self.assertEqual(["none", "A_in_B", "B_in_A"][int(row["contained"])], pose["contained"])
+                if options:
+                    self.assertEqual(float(row["separation"]), pose["separation"])
+                    self.assertEqual([float(row["b" + x]) for x in "xyz"], pose["closest_b"])
+                    self.assertEqual(int(row["triangle_a"]), pose["triangle_a"])
+        self.assertEqual([pose["contained"] for pose in report], ["A_in_B", "none", "none", "none"])
+
+    def test_one_line_or_several(self):
+        contour = self.folder / "c.obj"
+        self.assertIn("contour of 1 line,", self.succeed("intersect", "icosphere:3", "icosphere:3", "--pose", "1,0,0", "--contour", contour))
+        self.assertIn("contour of 6 lines,", self.succeed("intersect", "cube", "icosphere:4", "--pose", "0,0,0", "--contour",
+                                                          self.folder / "d.obj"))
 
 
 class Refusing(ProgramTest):

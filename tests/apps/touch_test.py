@@ -108,7 +108,11 @@ class Touching(ProgramTest):
         self.assertLessEqual(servo["overslept"], servo["missed_deadlines"])
         self.assertGreater(servo["work"]["p50_ns"], result["tick"]["p50_ns"])
         self.assertEqual(servo["real_time_priority"] and servo["locked_memory"], servo["note"] == "")
-        text = self.succeed("touch", "cube", "--device", "hand:press", "--seconds", 0.2)
+        short = self.succeed("touch", "cube", "--device", "hand:press", "--seconds", 0.2)
+        self.assertLessEqual(short.count("\n"), 8)
+        for part in ("cube: 12 triangles", "passed through the surface 0 times", "servo: ", "deadlines missed"):
+            self.assertIn(part, short)
+        text = self.succeed("touch", "cube", "--device", "hand:press", "--seconds", 0.2, "--verbose")
         for part in ("cube: 12 triangles", "workspace: 1 m of the device is", "passed through the surface 0 times", "deadlines missed",
                      "real-time priority:"):
             self.assertIn(part, text)
@@ -138,7 +142,7 @@ class Touching(ProgramTest):
         self.assertLess(self.json_of(*usual, "--hand-stiffness", 75, "--hand-mass", 0.05)["max_force"], 0.8 * result["max_force"])
         self.assertEqual(self.json_of(*usual, "--hand-stiffness", 0)["max_force"], 0)
         self.assertIn("1 ticks late; if nobody held the device, walls stiffer than 1000 N/m would oscillate",
-                      self.succeed(*usual, "--delay", 1))
+                      self.succeed(*usual, "--delay", 1, "--verbose"))
 
     def test_a_simulated_hand_has_no_buttons(self):
         self.refuse("touch", "cube", "--device", "hand:press", "--seconds", 0.1, "--clutch", 1, says=("--clutch", "no buttons"))

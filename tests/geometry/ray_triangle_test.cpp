@@ -145,6 +145,11 @@ TEST(RayTriangle, AgreesWithExactIntegersOnSmallGrids)
             if (!truth) continue;
             ++hits;
             ASSERT_NEAR(hit->t, truth->first.value(), 1e-14) << i;
+            if (!(truth->first < truth->last)) {
+                const Wide zero = truth->first.numerator;
+                ASSERT_EQ(hit->t > 0, zero > 0) << i;
+                ASSERT_EQ(hit->t < 0, zero < 0) << i;
+            }
             ASSERT_GE(std::min(hit->u, hit->v), 0);
             ASSERT_LE(hit->u + hit->v, 1 + 1e-15);
             const Vec3 p =
@@ -169,6 +174,60 @@ TEST(RayTriangle, AgreesWithExactIntegersOnSmallGrids)
         EXPECT_GT(hits, 5000U);
         EXPECT_GT(flat, 500U);
     }
+}
+
+TEST(RayTriangle, HitsTheTriangleThatItBeginsOn)
+{
+    constexpr std::uint64_t seed = 5;
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    constexpr std::int64_t big = std::int64_t{1} << 26;
+    Numbers number(seed);
+    std::size_t inside = 0;
+    std::size_t beside = 0;
+    for (int i = 0; i < 40'000; ++i) {
+        // Corners that eighths of them sum to whole numbers of.
+        const std::int64_t reach = i % 2 == 0 ? 4 : big;
+        IntegerTriangle whole{{number(reach), number(reach), number(reach)}};
+        for (Point& corner : whole.vertices)
+            for (std::int64_t& x : corner) x *= 8;
+        const auto& [a, b, c] = whole.vertices;
+        Point shares = number(8);
+        for (std::int64_t& x : shares) x = std::abs(x);
+        if (shares[0] + shares[1] > 8) continue;
+        Point o;
+        for (std::size_t k = 0; k < 3; ++k) {
+            o[k] = (shares[0] * a[k] + shares[1] * b[k] + (8 - shares[0] - shares[1]) * c[k]) / 8;
+        }
+        Point d = number(reach);
+        if (i % 5 == 0) d = subtract(b, o);
+        if (d == Point{}) continue;
+        const Triangle triangle{{to_double(a, 1), to_double(b, 1), to_double(c, 1)}};
+        const Ray ray{to_double(o, 1), to_double(d, 1)};
+        const auto hit = intersect(ray, triangle);
+        ASSERT_TRUE(hit) << i;
+        ASSERT_EQ(hit->t, 0) << i;
+        ASSERT_FALSE(std::signbit(hit->t)) << i;
+        ++inside;
+        // As near to it as doubles come, and moving off or on.
+        Ray near = ray;
+        const auto axis = static_cast<int>(i % 3);
+        near.origin[axis] = std::nextafter(near.origin[axis], i % 7 < 3 ? -HUGE_VAL : HUGE_VAL);
+        const Vec3 n = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]);
+        if (!(std::abs(n[axis]) > 1e-3 * n.norm()) || near.origin == ray.origin) continue;
+        const double towards =
+            (near.origin[axis] - ray.origin[axis]) * n[axis] * n.dot(ray.direction);
+        if (!(std::abs(n.dot(ray.direction)) > 1e-3 * n.norm() * ray.direction.norm())) continue;
+        // On a face, not near its border, the line still passes through.
+        if (std::min({shares[0], shares[1], 8 - shares[0] - shares[1]}) == 0) continue;
+        const auto close = intersect(near, triangle);
+        ASSERT_EQ(close.has_value(), towards < 0) << i;
+        if (close) {
+            ASSERT_GT(close->t, 0) << i;
+        }
+        ++beside;
+    }
+    EXPECT_GT(inside, 10'000U);
+    EXPECT_GT(beside, 5'000U);
 }
 
 TEST(RayTriangle, IsExactWhereDoublesAreNot)

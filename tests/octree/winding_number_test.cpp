@@ -2,6 +2,9 @@
 
 #include "octree/small_meshes.h"
 
+#include "oracles/exact_winding.h"
+
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 #include <random>
 
@@ -117,6 +120,35 @@ TEST(WindingNumber, DecidesInsideAsTheSumOfAllTriangles)
             EXPECT_GT(inside, 20);
         }
     }
+}
+
+TEST(WindingNumber, TellsTheSidesOfAFaceApartWhereDoublesEnd)
+{
+    // Beside faces, by the last bits of a coordinate: the value jumps by one there.
+    int sides[2] = {};
+    for (const TriangleMesh& mesh :
+         {sphere_mesh(Vec3(0.1, 0.2, 0.3), 1.0, 16, 24), torus_mesh(1.0, 0.3, 24, 12),
+          moved(cube_mesh(Vec3::Zero(), 1.0), [](const Vec3& p) {
+              return Vec3(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()) * p);
+          })}) {
+        const auto winding = build_winding_number(mesh).value();
+        for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
+            const Triangle triangle = mesh.triangle(TriangleId{id});
+            const Vec3 middle = (triangle[0] + triangle[1] + triangle[2]) / 3;
+            for (int i = 0; i < 7; ++i) {
+                Vec3 p = middle;
+                if (i > 0) p[i % 3] = std::nextafter(p[i % 3], i < 4 ? HUGE_VAL : -HUGE_VAL);
+                const auto truth = oracle::exact_winding(mesh, p);
+                if (!truth) continue; // on the face
+                ++sides[*truth];
+                ASSERT_NEAR(brute_winding_number(mesh, p), *truth, 1e-12) << id << ' ' << i;
+                ASSERT_NEAR(winding_number(winding, p, 0).value, *truth, 1e-12) << id << ' ' << i;
+                ASSERT_EQ(is_inside(winding, p), *truth == 1) << id << ' ' << i;
+            }
+        }
+    }
+    EXPECT_GT(sides[0], 1000);
+    EXPECT_GT(sides[1], 1000);
 }
 
 TEST(WindingNumber, CountsAHalfAsInside)

@@ -273,6 +273,8 @@ class WithoutScreen(ProgramTest):
 
     def test_pictures_need_a_model_and_no_display(self):
         self.refuse("view", "--snapshot", self.folder / "a.png", status=2, says="MODEL", env=self.environment)
+        for option, name, kind in (("--snapshot", "a.jpg", ".png"), ("--export", "a.obj", ".glb")):
+            self.refuse("view", "cube", option, self.folder / name, says=[name, kind], env=self.environment)
         self.succeed("view", "cube", "--size", "40x30", "--snapshot", self.folder / "a.png", env=self.environment)
 
     def test_a_model_beyond_memory(self):

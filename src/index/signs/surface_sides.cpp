@@ -252,9 +252,7 @@ std::optional<int> winding_in_front(const WindingNumber& winding, TriangleId id)
     const Vec3 at = triangle[0] + ((triangle[1] - triangle[0]) + (triangle[2] - triangle[0])) / 3.0;
     // The triangle itself adds a half or takes one away, as rounding wills.
     SolidAngleSum own;
-    own.add((triangle[0] - at) * winding.clusters().unit,
-            (triangle[1] - at) * winding.clusters().unit,
-            (triangle[2] - at) * winding.clusters().unit);
+    own.add(triangle, at, winding.clusters().unit);
     const double others = winding_number(winding, at, 1e-3).value - own.winding();
     const double front = others - 0.5;
     const double whole = std::round(front);

@@ -99,7 +99,7 @@ SurfacePart edge_part(std::uint32_t a, std::uint32_t b)
     return {FeatureKind::edge, {std::min(a, b), std::max(a, b)}};
 }
 
-/// The triangles' vertices with those at one position made one.
+/// The triangles' vertices with those at one position made one, and triangles by these.
 template <class Triangles>
 class SharedVertices {
 public:
@@ -127,6 +127,15 @@ public:
             if (position(by_position[i]) != position(by_position[first])) first = i;
             first_[by_position[i]] = ids_[by_position[first]];
         }
+        for (const TrianglePair& pair : pairs) by_corners_.push_back(named(triangle_of(pair)));
+        std::ranges::sort(by_corners_);
+    }
+
+    /// Of the triangles with the same corners the lowest.
+    [[nodiscard]] TriangleId first_like(TriangleId triangle) const
+    {
+        const NamedTriangle wanted = {named(triangle).first, TriangleId{0}};
+        return std::ranges::lower_bound(by_corners_, wanted)->second;
     }
 
     [[nodiscard]] TriangleCorners corners(TriangleId triangle) const
@@ -147,6 +156,15 @@ public:
     }
 
 private:
+    using NamedTriangle = std::pair<TriangleCorners, TriangleId>; ///< corners ascend
+
+    [[nodiscard]] NamedTriangle named(TriangleId triangle) const
+    {
+        TriangleCorners sorted = corners(triangle);
+        std::ranges::sort(sorted);
+        return {sorted, triangle};
+    }
+
     [[nodiscard]] std::size_t rank(std::uint32_t id) const
     {
         return static_cast<std::size_t>(std::ranges::lower_bound(ids_, id) - ids_.begin());
@@ -155,6 +173,7 @@ private:
     const Triangles& triangles_;
     std::vector<std::uint32_t> ids_;
     std::vector<std::uint32_t> first_; ///< by rank of the id
+    std::vector<NamedTriangle> by_corners_;
 };
 
 /// \pre both have an area, or what is said does not matter
@@ -174,7 +193,13 @@ public:
           vertices_a_(a, pairs, [](const TrianglePair& pair) { return pair.a; }),
           vertices_b_(b, pairs, [](const TrianglePair& pair) { return pair.b; })
     {
-        for (const TrianglePair& pair : pairs) add(pair);
+        // Triangles that lie on each other meet the same ones in the same points: once is enough.
+        std::vector<TrianglePair> distinct;
+        for (const TrianglePair& pair : pairs)
+            distinct.push_back({vertices_a_.first_like(pair.a), vertices_b_.first_like(pair.b)});
+        std::ranges::sort(distinct);
+        distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
+        for (const TrianglePair& pair : distinct) add(pair);
     }
 
     [[nodiscard]] IntersectionContour contour()

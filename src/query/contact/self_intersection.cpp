@@ -10,6 +10,9 @@
 #include "query/contact/triangles_in_box.h"
 
 #include <algorithm>
+#include <array>
+#include <optional>
+#include <utility>
 
 namespace proxima {
 namespace {
@@ -19,18 +22,74 @@ bool has_corner(const Triangle& triangle, const Vec3& point) noexcept
     return triangle[0] == point || triangle[1] == point || triangle[2] == point;
 }
 
-/// Whether the corners of one triangle that the other does not have are all on one side of the
-/// other's plane: then they meet in nothing but what they share.
-bool leaves_plane(const Triangle& triangle, const Triangle& other) noexcept
+/// Where the corners of one triangle that the other does not have are beside its plane.
+enum class BesidePlane : std::uint8_t {
+    one_side, ///< all: then the triangles meet in nothing but what they share
+    within,   ///< all in the plane, or the other has none
+    across
+};
+
+BesidePlane beside_plane(const Triangle& triangle, const Triangle& other) noexcept
 {
-    int side = 0;
+    bool above = false;
+    bool below = false;
+    bool within = false;
     for (const Vec3& corner : triangle.vertices) {
         if (has_corner(other, corner)) continue;
-        const int here = orient3d(other[0], other[1], other[2], corner);
-        if (here == 0 || here * side < 0) return false;
-        side = here;
+        const int side = orient3d(other[0], other[1], other[2], corner);
+        above = above || side > 0;
+        below = below || side < 0;
+        within = within || side == 0;
     }
-    return side != 0;
+    if (above || below)
+        return within || (above && below) ? BesidePlane::across : BesidePlane::one_side;
+    return BesidePlane::within;
+}
+
+/// Corners of a triangle as seen along an axis, counter-clockwise from one of them.
+using FlatTriangle = std::array<Vec2, 3>;
+
+/// Turns a triangle so that `first` comes first. Nothing where it is seen edge-on.
+std::optional<FlatTriangle> flattened(const Triangle& triangle, int first, int axis) noexcept
+{
+    FlatTriangle flat;
+    for (int i = 0; i < 3; ++i) {
+        const Vec3& corner = triangle[(first + i) % 3];
+        flat[static_cast<std::size_t>(i)] = {corner[(axis + 1) % 3], corner[(axis + 2) % 3]};
+    }
+    const int turn = orient2d(flat[0], flat[1], flat[2]);
+    if (turn == 0) return std::nullopt;
+    if (turn < 0) std::swap(flat[1], flat[2]);
+    return flat;
+}
+
+/// Whether a direction from the first corner points into the triangle's angle there, or along a side.
+bool points_into(const FlatTriangle& triangle, const Vec2& to) noexcept
+{
+    return orient2d(triangle[0], triangle[1], to) >= 0 &&
+           orient2d(triangle[0], to, triangle[2]) >= 0;
+}
+
+/// Whether two triangles in one plane that have one or two corners in common meet in more: whether
+/// their angles at a common corner do. Nothing where one has no area.
+std::optional<bool> overlap_in_plane(const Triangle& a, const Triangle& b) noexcept
+{
+    int first_a = 0;
+    while (!has_corner(b, a[first_a])) ++first_a;
+    int first_b = 0;
+    while (b[first_b] != a[first_a]) ++first_b;
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto flat_a = flattened(a, first_a, axis);
+        const auto flat_b = flattened(b, first_b, axis);
+        if (!flat_a || !flat_b) continue;
+        const auto& [start_a, left_a, right_a] = *flat_a;
+        const auto& [start_b, left_b, right_b] = *flat_b;
+        // A common edge, and the triangles on either side of it.
+        if (left_a == right_b || right_a == left_b) return false;
+        return points_into(*flat_a, left_b) || points_into(*flat_a, right_b) ||
+               points_into(*flat_b, left_a) || points_into(*flat_b, right_a);
+    }
+    return std::nullopt;
 }
 
 constexpr std::uint32_t chunk_rows = 1024;
@@ -45,7 +104,12 @@ bool meet_beyond_corners(const Triangle& a, const Triangle& b) noexcept
                        static_cast<int>(has_corner(a, b[2]));
     if (shared == 0) return triangles_meet(a, b);
     if (shared == 3 && !is_degenerate(b)) return true;
-    if (leaves_plane(a, b) || leaves_plane(b, a)) return false;
+    const BesidePlane a_beside = beside_plane(a, b);
+    if (a_beside == BesidePlane::one_side || beside_plane(b, a) == BesidePlane::one_side)
+        return false;
+    if (a_beside == BesidePlane::within && shared < 3) {
+        if (const auto overlap = overlap_in_plane(a, b)) return *overlap;
+    }
     const TriangleIntersection found = intersect(a, b);
     const auto is_shared = [&](const MeetingParts& parts) {
         return is_corner(parts.of_a)   ? has_corner(b, a[number_of(parts.of_a)])

@@ -93,6 +93,8 @@ HWY_INLINE QuickAnswer intersect_quickly(const CornersOn& corners_on, const Sear
     const double own = std::clamp(t, std::min(std::min(first, second), third),
                                   std::max(std::max(first, second), third));
     if (!(std::abs(own) <= farthest_hit)) return QuickAnswer::unsure;
+    const double doubt = detail::doubt_of({first, second, third});
+    if (std::abs(own) <= doubt && searched.ray->t_min <= doubt) return QuickAnswer::unsure;
     if (!(searched.ray->t_min <= own && own <= searched.ray->t_max)) return QuickAnswer::missed;
     hit.t = own;
     hit.u = hn::GetLane(of_next(shares));

@@ -160,6 +160,10 @@ private:
         t = hn::IfThenElse(hn::Lt(t, least), least, hn::IfThenElse(hn::Lt(most, t), most, t));
         sure = hn::And(sure, hn::Le(hn::Abs(t), hn::Set(d, farthest_hit)));
         sure = hn::And(sure, hn::And(hn::Le(t_min_.from(first), t), hn::Le(t, t_max_.from(first))));
+        // What is below t_min is not found either.
+        const auto farthest = hn::Max(hn::Abs(least), hn::Abs(most));
+        sure =
+            hn::And(sure, hn::Gt(hn::Abs(t), hn::Mul(hn::Set(d, detail::start_doubt), farthest)));
         t_.set(first, t);
         u_.set(first, shares[1]);
         v_.set(first, shares[2]);

@@ -271,6 +271,40 @@ TEST(IntersectionContour, IsUnchangedBySeamsAndSlivers)
     EXPECT_GT(bridges, 100U);
 }
 
+/// Every triangle again, turned over or with vertices of its own: the same bits.
+TEST(IntersectionContour, OfDoubledFacesIsThatOfOne)
+{
+    const auto doubled = [](const TriangleMesh& mesh, int times) {
+        std::vector<Vec3> positions(mesh.positions().begin(), mesh.positions().end());
+        std::vector<TriangleCorners> triangles(mesh.triangles().begin(), mesh.triangles().end());
+        for (int k = 1; k < times; ++k) {
+            for (std::size_t i = 0; i < mesh.triangle_count(); ++i) {
+                auto [a, b, c] = mesh.triangles()[i];
+                if (i % 3 == 0) std::swap(b, c);
+                if (i % 3 == 1) {
+                    for (std::uint32_t* const corner : {&a, &b, &c}) {
+                        positions.push_back(mesh.positions()[*corner]);
+                        *corner = static_cast<std::uint32_t>(positions.size() - 1);
+                    }
+                }
+                triangles.push_back({b, c, a});
+            }
+        }
+        return mesh_of(positions, triangles);
+    };
+    const TriangleMesh cube = make_cube();
+    const TriangleMesh sphere = sphere_mesh(Vec3(0.1, 0.2, 0.3), 1.2, 12, 15);
+    for (const auto& [a, b] : {std::pair(cube, sphere), std::pair(cube, cube)}) {
+        for (const Vec3& by :
+             {Vec3(0, 0, 0), Vec3(1, 0.5, 2), Vec3(1, 0, 0), Vec3(0.3, 0.4, 0.5)}) {
+            const IntersectionContour one = contour_of(a, b, shifted(by));
+            expect_same(contour_of(doubled(a, 2), b, shifted(by)), one);
+            expect_same(contour_of(a, doubled(b, 3), shifted(by)), one);
+            expect_same(contour_of(doubled(a, 3), doubled(b, 2), shifted(by)), one);
+        }
+    }
+}
+
 TEST(JoinSegments, JoinsSegmentsToLines)
 {
     const auto lines = [](std::size_t points, std::vector<SegmentEnds> segments) {

@@ -1,5 +1,6 @@
 #include "query/contact/self_intersection.h"
 
+#include "geometry/triangle_intersection.h"
 #include "index/test_meshes.h"
 #include "mesh/random_soups.h"
 #include "octree/nasty_meshes.h"
@@ -9,7 +10,9 @@
 #include "proxima/sample_meshes.h"
 
 #include <algorithm>
+#include <array>
 #include <gtest/gtest.h>
+#include <random>
 
 namespace proxima {
 namespace {
@@ -71,6 +74,54 @@ TEST(MeetBeyondCorners, IgnoresContactAtSharedCornersAndEdges)
     EXPECT_FALSE(meet_beyond_corners({{o, Vec3(2, 0, 0), x}}, floor));
     EXPECT_FALSE(meet_beyond_corners({{o, Vec3(2, 0, 0), x}}, {{o, Vec3(2, 0, 0), z}}));
     EXPECT_TRUE(meet_beyond_corners({{o, Vec3(2, 0, 0), x}}, {{Vec3(3, 0, 0), y, z}}));
+}
+
+/// What meet_beyond_corners() means, by the exact intersection of the two.
+bool meet_beyond_corners_slowly(const Triangle& a, const Triangle& b)
+{
+    const auto has = [](const Triangle& triangle, const Vec3& point) {
+        return std::ranges::find(triangle.vertices, point) != triangle.vertices.end();
+    };
+    const TriangleIntersection found = intersect(a, b);
+    return found.size() > 2 || !std::ranges::all_of(found.ends(), [&](const MeetingParts& parts) {
+               return is_corner(parts.of_a)   ? has(b, a[number_of(parts.of_a)])
+                      : is_corner(parts.of_b) ? has(a, b[number_of(parts.of_b)])
+                                              : false;
+           });
+}
+
+TEST(MeetBeyondCorners, AgreesWithExactIntersectionsInOnePlane)
+{
+    constexpr std::uint64_t seed = 8;
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    std::mt19937_64 random(seed);
+    // On small grids in a few planes, corners and sides lie on each other all the time.
+    const std::array<std::array<Vec3, 2>, 4> planes = {{{Vec3(1, 0, 0), Vec3(0, 1, 0)},
+                                                        {Vec3(0, 0, 1), Vec3(1, 0, 0)},
+                                                        {Vec3(0, 1, 0), Vec3(0, 0, -3)},
+                                                        {Vec3(1, 0, 1), Vec3(0, 2, -1)}}};
+    std::array<std::array<int, 2>, 3> seen = {}; // by corners in common, then by the answer
+    for (int i = 0; i < 60'000; ++i) {
+        const auto& [u, v] = planes[static_cast<std::size_t>(i % 4)];
+        const auto place = [&] {
+            const auto x = static_cast<double>(random() % 5);
+            return Vec3(x * u + static_cast<double>(random() % 5) * v);
+        };
+        const Triangle a = {{place(), place(), place()}};
+        Triangle b = {{place(), place(), place()}};
+        b.vertices[random() % 3] = a[static_cast<int>(random() % 3)];
+        if (i % 3 == 0) b.vertices[random() % 3] = a[static_cast<int>(random() % 3)];
+        const auto shared = std::ranges::count_if(b.vertices, [&](const Vec3& corner) {
+            return std::ranges::find(a.vertices, corner) != a.vertices.end();
+        });
+        if (shared > 2) continue; // duplicates, and segments
+        const bool truth = meet_beyond_corners_slowly(a, b);
+        ASSERT_EQ(meet_beyond_corners(a, b), truth) << i;
+        ASSERT_EQ(meet_beyond_corners(b, a), truth) << i;
+        ++seen[static_cast<std::size_t>(shared)][truth ? 1 : 0];
+    }
+    for (const std::size_t shared : {1U, 2U})
+        EXPECT_GT(std::min(seen[shared][0], seen[shared][1]), 1000);
 }
 
 TEST(SelfIntersection, FindsNoneInValidMeshes)

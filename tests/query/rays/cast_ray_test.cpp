@@ -80,6 +80,43 @@ TEST(CastRay, AnswersLikeBruteForceOnManyRandomMeshes)
     EXPECT_GT(hits, rays / 10);
 }
 
+TEST(CastRay, RaysThatBeginOnTheSurfaceHitIt)
+{
+    constexpr std::uint64_t seed = 12;
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    std::mt19937_64 random(seed);
+    const auto unit = [&] { return std::uniform_real_distribution<double>(-1, 1)(random); };
+    // Corners of few bits are in the leaves as they are, those of more are not.
+    for (const double grid : {0x1p10, 0x1p40}) {
+        const TriangleMesh mesh = moved(sphere_mesh(Vec3::Zero(), 1.0, 12, 16), [&](const Vec3& p) {
+            return Vec3((grid * p).array().round() / grid);
+        });
+        const MeshIndex index = ray_index_of(mesh);
+        EXPECT_EQ(index.parts().has_exact_leaves(), grid < 0x1p20);
+        std::vector<Ray> rays;
+        for (int i = 0; i < 20'000; ++i) {
+            const Triangle triangle = mesh.triangle(
+                TriangleId{static_cast<std::uint32_t>(random() % mesh.triangle_count())});
+            const auto u = static_cast<double>(random() % 9) / 8;
+            const double v = static_cast<double>(random() % 9) / 8;
+            const double w = 1 - u - v;
+            const Vec3 direction = i % 3 == 0 ? Vec3(triangle[1] - triangle[0]) // along the face
+                                              : Vec3(unit(), unit(), unit());
+            rays.push_back({w * triangle[0] + u * triangle[1] + v * triangle[2], direction});
+            if (w < 0) rays.pop_back(); // not on it
+        }
+        std::vector<std::optional<RayHit>> hits(rays.size());
+        ASSERT_TRUE(closest_hits(index, rays, hits));
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            const auto truth = closest_hit_by_brute_force(mesh, rays[i]);
+            ASSERT_TRUE(truth && truth->t == 0) << "ray " << i;
+            ASSERT_EQ(closest_hit(index, rays[i]), truth) << "ray " << i;
+            ASSERT_EQ(hits[i], truth) << "ray " << i;
+            ASSERT_TRUE(any_hit(index, rays[i])) << "ray " << i;
+        }
+    }
+}
+
 TEST(CastRay, HitsTheSameAtAnyScaleAndPosition)
 {
     const TriangleMesh torus = torus_mesh(1.0, 0.4, 24, 16);
