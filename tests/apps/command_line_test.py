@@ -83,6 +83,7 @@ class Octree(ProgramTest):
             self.refuse("octree", model, says=(model, f"did you mean the built-in {meant}?"))
         for arguments, status in ((("octree", "absent.obj"), 1), (("octree", "cube", "--wholly-other"), 2), (("zzz",), 2)):
             self.assertNotIn("did you mean", self.refuse(*arguments, status=status))
+
     def test_progress_in_a_pipe(self):
         result = run("octree", "icosphere:6", "--depth", 8, "--quiet", "--progress")
         self.assertEqual((result.returncode, result.stdout), (0, ""))

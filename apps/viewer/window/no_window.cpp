@@ -5,9 +5,9 @@ namespace proxima {
 Status run_window(Viewer& /*viewer*/, const WindowOptions& /*options*/)
 {
     return fail(ErrorCode::unsupported_format,
-                "this program was built without a window: install libglfw3-dev, libimgui-dev, "
-                "libepoxy-dev and libegl-dev (scripts/install_packages viewer) and build it again, "
-                "or write a picture with --snapshot");
+                "this program was built without a window: scripts/view in Proxima's sources "
+                "installs what is missing (libglfw3-dev, libimgui-dev, libepoxy-dev, libegl-dev), "
+                "builds it again and opens it; or write a picture with --snapshot");
 }
 
 void wake_window() {}
