@@ -28,7 +28,7 @@ Three corner_depths(const Ray& ray, const Triangle& triangle) noexcept
     Three depths;
     for (std::size_t i = 0; i < 3; ++i) {
         const double depth = (triangle.vertices[i][axis] - ray.origin[axis]) / ray.direction[axis];
-        depths[i] = std::clamp(depth, -farthest_hit, farthest_hit);
+        depths[i] = std::clamp(depth, -farthest_hit, farthest_hit) + 0.0; // no negative zero
     }
     return depths;
 }

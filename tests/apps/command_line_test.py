@@ -85,7 +85,7 @@ class Octree(ProgramTest):
             self.assertNotIn("did you mean", self.refuse(*arguments, status=status))
 
     def test_progress_in_a_pipe(self):
-        result = run("octree", "icosphere:6", "--depth", 8, "--quiet", "--progress")
+        result = run("index", "icosphere:5", "--lists", "--quiet", "--progress")
         self.assertEqual((result.returncode, result.stdout), (0, ""))
         lines = result.stderr.splitlines()
         self.assertTrue(lines)

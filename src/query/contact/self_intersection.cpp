@@ -78,7 +78,10 @@ std::optional<bool> overlap_in_plane(const Triangle& a, const Triangle& b) noexc
     while (!has_corner(b, a[first_a])) ++first_a;
     int first_b = 0;
     while (b[first_b] != a[first_a]) ++first_b;
-    for (int axis = 0; axis < 3; ++axis) {
+    int broadest = 0; // seen along this axis, nothing is edge-on but for rounding
+    scaled_normal(a).cwiseAbs().maxCoeff(&broadest);
+    for (int i = 0; i < 3; ++i) {
+        const int axis = (broadest + i) % 3;
         const auto flat_a = flattened(a, first_a, axis);
         const auto flat_b = flattened(b, first_b, axis);
         if (!flat_a || !flat_b) continue;
