@@ -49,12 +49,6 @@ PROXIMA_LANE_OP EightMask operator<=(const Eight& a, const Eight& b)
 {
     return make_mask([&](std::size_t i) { return hn::Le(a.part[i], b.part[i]); });
 }
-PROXIMA_LANE_OP float least_of(const Eight& a)
-{
-    auto least = a.part[0];
-    for (std::size_t i = 1; i < eight_parts; ++i) least = hn::Min(least, a.part[i]);
-    return hn::GetLane(hn::MinOfLanes(EightTag(), least));
-}
 
 /// The query point in all lanes.
 PROXIMA_LANE_OP Eight3 lanes_of(const IndexQuery& query)

@@ -1,5 +1,5 @@
-// Which of a node's eight boxes may meet a box of the other mesh: by fifteen axes, eight boxes at
-// once (thesis section 5.2). Included once per target, after <hwy/highway.h>.
+// Which of a node's eight boxes may meet a box of the other mesh: by fifteen axes, six for the box
+// of a leaf, eight boxes at once (thesis section 5.2). Included once per target, after <hwy/highway.h>.
 //
 //     axis . d beyond the sum of both boxes' reaches along it: apart, d from box to box
 //
@@ -25,21 +25,31 @@
 HWY_BEFORE_NAMESPACE();
 namespace proxima::HWY_NAMESPACE {
 
-/// The boxes of a node's children in its mesh's frame, by axis.
-struct MetBoxes {
-    HWY_ALIGN float center[3][8];
-    HWY_ALIGN float half[3][8];
-    HWY_ALIGN float size[8];
-    HWY_ALIGN float most[8]; ///< by how much the axis that parts most exceeds the radii
+HWY_INLINE bool is_leaf(const PairBox& box)
+{
+    return (box.reference & index_leaf_bit) != 0;
+}
 
-    HWY_INLINE void copy(const IndexNode& node, std::uint32_t slot, PairBox& to) const
+/// The boxes of a node's children in its mesh's frame.
+struct MetBoxes {
+    Eight center[3];
+    Eight half[3];
+    Eight most; ///< by how much the axis that parts most exceeds the radii
+
+    HWY_INLINE void store(const IndexNode& node, PairBox (&to)[8]) const
     {
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            to.center[axis] = center[axis][slot];
-            to.half[axis] = half[axis][slot];
+        static_assert(sizeof(PairBox) == 8 * sizeof(float));
+        const EightWordTag words;
+        Eight references;
+        Eight size = (half[0] + half[1]) + half[2];
+        for (std::size_t i = 0; i < eight_parts; ++i) {
+            const auto word = hn::LoadU(words, node.children.data() + eight_lanes * i);
+            references.part[i] = hn::BitCast(EightTag(), word);
+            size.part[i] = hn::IfNegativeThenElse(references.part[i],
+                                                  hn::Set(EightTag(), leaf_size), size.part[i]);
         }
-        to.reference = node.children[slot];
-        to.size = size[slot];
+        store_rows({center[0], center[1], center[2], half[0], half[1], half[2], references, size},
+                   to[0].center.data());
     }
 };
 
@@ -92,10 +102,10 @@ PROXIMA_STEP std::uint32_t meet_boxes(const IndexNode& node, float unit, const P
                                       const PairBox& box, MetBoxes& boxes)
 {
     const OtherBox other(frame, box);
-    Eight center[3];
-    Eight half[3];
+    Eight(&center)[3] = boxes.center;
+    Eight(&half)[3] = boxes.half;
+    Eight& most = boxes.most;
     Eight off[3];
-    Eight most;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const Eight lower = eight_of_bytes(node.planes[axis].data());
         const Eight upper = eight_of_bytes(node.planes[axis].data() + 8);
@@ -121,26 +131,23 @@ PROXIMA_STEP std::uint32_t meet_boxes(const IndexNode& node, float unit, const P
                          multiply_add(half[2], size(2, j), eight(other.other_face(j)))));
         most = maximum(most, size_of(along) - radius);
     }
-    if ((most > none).bits() == 0xFFU) return 0;
+    const std::uint32_t met = ~(most > none).bits() & 0xFFU;
+    // A leaf's slab (meet_slab) parts more than edges of its box would, and costs less.
+    if (met == 0 || is_leaf(box)) return met;
     for (std::size_t i = 0; i < 3; ++i) {
         const std::size_t k = (i + 1) % 3;
         const std::size_t l = (i + 2) % 3;
+        Eight beyond[3];
         for (std::size_t j = 0; j < 3; ++j) {
             const Eight along = multiply_subtract(off[l], number(k, j), off[k] * number(l, j));
             const Eight radius = multiply_add(
                 half[k], size(l, j), multiply_add(half[l], size(k, j), eight(other.edge(i, j))));
-            most = maximum(most, size_of(along) - radius);
+            beyond[j] = size_of(along) - radius;
         }
+        // Not one by one: each would wait for the last.
+        most = maximum(most, maximum(maximum(beyond[0], beyond[1]), beyond[2]));
     }
-    const std::uint32_t met = ~(most > none).bits() & 0xFFU;
-    if (met == 0) return 0;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        store_eight(center[axis], boxes.center[axis]);
-        store_eight(half[axis], boxes.half[axis]);
-    }
-    store_eight((half[0] + half[1]) + half[2], boxes.size);
-    store_eight(most, boxes.most);
-    return met;
+    return ~(most > none).bits() & 0xFFU;
 }
 
 } // namespace proxima::HWY_NAMESPACE

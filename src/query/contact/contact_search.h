@@ -24,8 +24,9 @@ struct alignas(32) PairBox {
     std::array<float, 3> center;
     std::array<float, 3> half;
     std::uint32_t reference;
-    float size; ///< sum of `half`
+    float size; ///< sum of `half`; of leaves leaf_size, so that the other one is opened
 };
+inline constexpr float leaf_size = -1;
 
 // Bounds of the boxes' tests, u = 2^-24, in units of the frames: what is farther apart is apart.
 //
@@ -43,6 +44,14 @@ struct alignas(32) PairBox {
 // The columns of R are orthogonal to 1e-9 < 0.02 u, which moves radii and, where the way back is by
 // R^T, points by less than 0.1 u. The pose's own rounding comes to |axis|_1 <= sqrt(3) times that
 // of a number, sqrt(3) / 1.8 of pose_error in frame 1 as well. Twice that and 160 u are the slack.
+//
+// A leaf's slab, l <= n . (p - p_0) <= m with |n| = 1, is compared with boxes in the other's frame by
+// n' . d + l and n' . d + m, n' = R n as computed and d from a box's centre to p_0:
+//     n' . d         38 u sqrt(3) + |d|_2 <= 13.7 times 3 u                           < 107 u
+//     l, m           |p - p_0|_2 <= 3.5: points 3 u sqrt(3), 3 u of 3.5               <  16 u
+//     n' for R n     4 u a number, 7 u of 3.5                                         <  25 u
+//     radii 4 u of 1.75, the sum n' . d + l 17.2 u                                    <  25 u
+// Below 173 u, and |n'|_2 <= 1.01 times the pose's error as above: twice the slack.
 
 /// From the other's frame to the own one, R and o, as vectors of eight: what a box there adds to
 /// the radii of the fifteen axes is a sum of these times its numbers (box_pairs-inl.h).
@@ -52,9 +61,9 @@ struct alignas(32) PairFrame {
     /// |R_ij| once more, as edges need it; the first two make axes e_i x R_0, then e_i x R_1, the
     /// others e_i x R_2, then faces R_j.
     std::array<std::array<float, 8>, 4> edges;
-    float slack; ///< of every axis, see above
-    Mat3 exact_rotation;
-    Vec3 exact_offset;
+    float slack;                                        ///< of every axis, see above
+    std::array<std::array<double, 4>, 3> exact_columns; ///< of R, and 0
+    std::array<double, 4> exact_offset;                 ///< o, 0
 };
 
 struct PairSide {

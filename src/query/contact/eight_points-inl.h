@@ -99,6 +99,26 @@ PROXIMA_LANE_OP EightMask operator|(const EightMask& a, const EightMask& b)
     return make_mask([&](std::size_t i) { return hn::Or(a.part[i], b.part[i]); });
 }
 
+/// The sum, the least and the most of eight lanes.
+PROXIMA_LANE_OP float sum_of(const Eight& a)
+{
+    auto sum = a.part[0];
+    for (std::size_t i = 1; i < eight_parts; ++i) sum = hn::Add(sum, a.part[i]);
+    return hn::GetLane(hn::SumOfLanes(EightTag(), sum));
+}
+PROXIMA_LANE_OP float least_of(const Eight& a)
+{
+    auto least = a.part[0];
+    for (std::size_t i = 1; i < eight_parts; ++i) least = hn::Min(least, a.part[i]);
+    return hn::GetLane(hn::MinOfLanes(EightTag(), least));
+}
+PROXIMA_LANE_OP float most_of(const Eight& a)
+{
+    auto most = a.part[0];
+    for (std::size_t i = 1; i < eight_parts; ++i) most = hn::Max(most, a.part[i]);
+    return hn::GetLane(hn::MaxOfLanes(EightTag(), most));
+}
+
 /// Eight bytes, below 8.
 PROXIMA_LANE_OP EightIndices indices_of_bytes(const std::uint8_t* bytes)
 {
@@ -125,6 +145,44 @@ PROXIMA_LANE_OP Eight look_up(const Eight& values, const EightIndices& indices)
             return hn::GatherIndex(d, memory, hn::BitCast(whole, indices.part[i]));
         });
     }
+}
+
+/// Row i of the eight rows at `to` is lane i of all columns.
+PROXIMA_LANE_OP void store_rows(const Eight (&columns)[8], float* to)
+{
+#if HWY_MAX_BYTES < 32
+    HWY_ALIGN float column[8];
+    for (std::size_t i = 0; i < 8; ++i) {
+        store_eight(columns[i], column);
+        for (std::size_t row = 0; row < 8; ++row) to[8 * row + i] = column[row];
+    }
+#else
+    const EightTag d;
+    const hn::RepartitionToWide<EightTag> pairs;
+    using Vector = hn::Vec<EightTag>;
+    // Two columns at a time, then four; each register has a row in either half.
+    for (std::size_t upper = 0; upper < 2; ++upper) {
+        const auto two = [&](std::size_t i) {
+            const Vector a = columns[i].part[0];
+            const Vector b = columns[i + 1].part[0];
+            return hn::BitCast(pairs, upper == 0 ? hn::InterleaveLower(d, a, b)
+                                                 : hn::InterleaveUpper(d, a, b));
+        };
+        const auto ab = two(0);
+        const auto cd = two(2);
+        const auto ef = two(4);
+        const auto gh = two(6);
+        const auto store = [&](std::size_t row, const auto& first, const auto& last) {
+            const Vector low = hn::BitCast(d, first);
+            const Vector high = hn::BitCast(d, last);
+            hn::StoreU(hn::ConcatLowerLower(d, high, low), d, to + 8 * row);
+            hn::StoreU(hn::ConcatUpperUpper(d, high, low), d, to + 8 * (row + 4));
+        };
+        store(2 * upper, hn::InterleaveLower(pairs, ab, cd), hn::InterleaveLower(pairs, ef, gh));
+        store(2 * upper + 1, hn::InterleaveUpper(pairs, ab, cd),
+              hn::InterleaveUpper(pairs, ef, gh));
+    }
+#endif
 }
 
 /// Eight points, or vectors.

@@ -1,6 +1,7 @@
 // Which triangles of two leaves meet: planes against vertices, then edges against edges, eight
 // pairs at once (thesis section 5.2). Included once per target, after <hwy/highway.h>.
 //
+//     own slab, its vertices       beside it: none meets
 //     own planes, its vertices     8 bytes: above, 8 bytes: below, a bit per vertex
 //     its planes, own vertices     the same
 //     pairs left                   64 bits, bit 8 i + j: own triangle i, its triangle j
@@ -16,10 +17,12 @@
 #endif
 
 #include "index/index_parts.h"
+#include "query/contact/box_pairs-inl.h"
 #include "query/contact/contact_search.h"
 #include "query/contact/eight_points-inl.h"
 
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -61,6 +64,9 @@ namespace proxima::HWY_NAMESPACE {
 //                             + X^2 (142 P + 35 Q + 149 F) + 171 X^3,
 //                             roundings of at most 90 u P Q F and 48 u P^2 Q among them:
 //                             below 72 X (P + F + 2 X) (P + Q + F + 2 X)
+//
+// Height of a vertex along the slab's normal n, |n|_1 <= sqrt(3): sqrt(3) X, and for rounding 3 u
+// sqrt(3) S < 0.5 X. So are the slab's own planes, by own vertices: together below 5 X.
 struct LeafBounds {
     float off = 0;          ///< X
     float own_height = 0;   ///< over own planes
@@ -78,6 +84,18 @@ struct LeafShape {
     Eight3 normals;
     Eight heights;                ///< normal . corner
     HWY_ALIGN float planes[4][8]; ///< normals, heights
+};
+
+/// The first leaf of a pair, which others are held against. All of it lies in a slab, p_0 its first
+/// vertex:  lower <= normal . (p - p_0) <= upper.
+struct OwnLeaf : LeafShape {
+    std::size_t side = 0; ///< whose leaf it is: both meshes may have the same index
+    float normal[3];      ///< of length 1, or 0
+    float lower;
+    float upper;
+    float other_normal[4]; ///< the normal in the other mesh's frame, 0
+    float other_first[4];  ///< p_0 there, 0
+    double offset[4];      ///< the other frame's origin from p_0, 0
 };
 
 /// Byte i: 1 << corner for each of triangle i's.
@@ -103,6 +121,13 @@ HWY_INLINE std::uint64_t find_corner_bits(const IndexLeaf& leaf)
     hn::StoreU(all, d, reinterpret_cast<std::uint8_t*>(&bits));
     return bits;
 #endif
+}
+
+/// normal . p for eight points.
+HWY_INLINE Eight heights_along(const float (&normal)[3], const Eight3& p)
+{
+    return multiply_add(eight(normal[0]), p.x,
+                        multiply_add(eight(normal[1]), p.y, eight(normal[2]) * p.z));
 }
 
 HWY_INLINE void take_leaf(const IndexLeaf& leaf, float unit, LeafShape& shape)
@@ -133,12 +158,62 @@ PROXIMA_STEP void find_planes(LeafShape& shape)
     store_eight(shape.heights, shape.planes[3]);
 }
 
-/// The first leaf of a pair: the one that others are held against.
-HWY_INLINE void take_own_leaf(const ContactSearch& open, std::size_t own, const IndexLeaf& leaf,
-                              LeafShape& shape)
+/// Across the sum of the triangles' normals.
+HWY_INLINE void find_slab(OwnLeaf& own)
 {
-    take_leaf(leaf, open.sides[own].unit, shape);
-    find_planes(shape);
+    const float sum[3] = {sum_of(own.normals.x), sum_of(own.normals.y), sum_of(own.normals.z)};
+    const float squared = sum[0] * sum[0] + (sum[1] * sum[1] + sum[2] * sum[2]);
+    // A normal of 0 parts nothing.
+    constexpr float least_squared = 1e-30F;
+    const float scale = squared > least_squared ? 1 / std::sqrt(squared) : 0.0F;
+    for (std::size_t k = 0; k < 3; ++k) own.normal[k] = sum[k] * scale;
+    const Eight heights = heights_along(own.normal, own.vertices);
+    own.lower = least_of(heights);
+    own.upper = most_of(heights);
+}
+
+/// Fills in all of it.
+HWY_INLINE void take_own_leaf(const ContactSearch& open, std::size_t side, const IndexLeaf& leaf,
+                              OwnLeaf& own)
+{
+    const float unit = open.sides[side].unit;
+    take_leaf(leaf, unit, own);
+    own.side = side;
+    find_planes(own);
+    find_slab(own);
+    const PairFrame& there = open.frames[1 - side];
+    const hn::CappedTag<float, 4> d;
+    for (std::size_t i = 0; i < 4; i += hn::Lanes(d)) {
+        auto normal = hn::Zero(d);
+        auto first = hn::LoadU(d, there.offset.data() + i);
+        for (std::size_t j = 0; j < 3; ++j) {
+            const auto column = hn::LoadU(d, there.columns[j].data() + i);
+            normal = hn::MulAdd(column, hn::Set(d, own.normal[j]), normal);
+            first = hn::MulAdd(column, hn::Set(d, leaf.coordinates[j][0] * unit), first);
+        }
+        hn::StoreU(normal, d, own.other_normal + i);
+        hn::StoreU(first, d, own.other_first + i);
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+        own.offset[i] = open.frames[side].exact_offset[i] -
+                        static_cast<double>(leaf.coordinates[i][0]) * static_cast<double>(unit);
+    }
+    own.offset[3] = 0;
+}
+
+/// Bit i: the box of child i, of the other mesh, is not surely beside the leaf's slab.
+HWY_INLINE std::uint32_t meet_slab(const OwnLeaf& own, const MetBoxes& boxes, float slack)
+{
+    Eight along = eight(0);
+    Eight radius = eight(slack);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        along = multiply_add(eight(own.other_first[axis]) - boxes.center[axis],
+                             eight(own.other_normal[axis]), along);
+        radius = multiply_add(boxes.half[axis], eight(std::abs(own.other_normal[axis])), radius);
+    }
+    const EightMask above = along + eight(own.lower) > radius;
+    const EightMask below = along + eight(own.upper) < -radius;
+    return ~(above | below).bits() & 0xFFU;
 }
 
 HWY_INLINE Eight3 moved(const PairFrame& frame, const Eight3& p, const float* by)
@@ -153,39 +228,31 @@ HWY_INLINE Eight3 moved(const PairFrame& frame, const Eight3& p, const float* by
 }
 
 /// The second leaf, of the other mesh, put where it is seen from the first.
-PROXIMA_STEP LeafBounds take_other_leaf(const ContactSearch& open, std::size_t own,
-                                        const LeafShape& first, const IndexLeaf& leaf,
-                                        LeafShape& shape)
+PROXIMA_STEP LeafBounds take_other_leaf(const ContactSearch& open, std::size_t side,
+                                        const OwnLeaf& own, const IndexLeaf& leaf, LeafShape& shape)
 {
-    const PairFrame& frame = open.frames[own];
-    const PairSide& own_side = open.sides[own];
-    const PairSide& other_side = open.sides[1 - own];
+    const PairFrame& frame = open.frames[side];
+    const PairSide& own_side = open.sides[side];
+    const PairSide& other_side = open.sides[1 - side];
     take_leaf(leaf, other_side.unit, shape);
-    Vec3 from;
-    Vec3 to;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto k = static_cast<Eigen::Index>(axis);
-        from[k] = static_cast<double>(first.leaf->coordinates[axis][0]);
-        to[k] = static_cast<double>(leaf.coordinates[axis][0]);
+    const hn::CappedTag<double, 4> d;
+    float by[4];
+    for (std::size_t i = 0; i < 4; i += hn::Lanes(d)) {
+        auto sum = hn::LoadU(d, own.offset + i);
+        for (std::size_t j = 0; j < 3; ++j) {
+            const double first =
+                static_cast<double>(leaf.coordinates[j][0]) * static_cast<double>(other_side.unit);
+            sum =
+                hn::MulAdd(hn::LoadU(d, frame.exact_columns[j].data() + i), hn::Set(d, first), sum);
+        }
+        hn::StoreU(hn::DemoteTo(hn::Rebind<float, decltype(d)>(), sum),
+                   hn::Rebind<float, decltype(d)>(), by + i);
     }
-    const auto own_unit = static_cast<double>(own_side.unit);
-    const auto other_unit = static_cast<double>(other_side.unit);
-    float by[3];
-    float distance = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto k = static_cast<Eigen::Index>(axis);
-        const Mat3& rotation = frame.exact_rotation;
-        const double apart =
-            (rotation(k, 0) * to[0] + (rotation(k, 1) * to[1] + rotation(k, 2) * to[2])) *
-                other_unit +
-            (frame.exact_offset[k] - from[k] * own_unit);
-        by[axis] = static_cast<float>(apart);
-        distance = HWY_MAX(distance, HWY_MAX(by[axis], -by[axis]));
-    }
+    const float distance = HWY_MAX(HWY_MAX(std::abs(by[0]), std::abs(by[1])), std::abs(by[2]));
     shape.vertices = moved(frame, shape.vertices, by);
 
     constexpr float u = 0x1p-24F;
-    const float own_edge = first.extent;
+    const float own_edge = own.extent;
     const float other_edge = 1.7321F * shape.extent;
     const float reach = (own_edge + distance) + other_edge;
     const float off =
@@ -278,9 +345,13 @@ HWY_INLINE std::uint64_t first_bits(std::uint32_t n)
 }
 
 /// Pairs that no plane parts.
-PROXIMA_STEP std::uint64_t unparted(const LeafShape& own, LeafShape& other,
-                                    const LeafBounds& bounds)
+PROXIMA_STEP std::uint64_t unparted(const OwnLeaf& own, LeafShape& other, const LeafBounds& bounds)
 {
+    const Eight heights = heights_along(own.normal, other.vertices);
+    const Eight slack = eight(5 * bounds.off); // X above
+    if ((heights > eight(own.upper) + slack).bits() == 0xFFU ||
+        (heights < eight(own.lower) - slack).bits() == 0xFFU)
+        return 0;
     const std::uint32_t own_count = own.leaf->count;
     const std::uint32_t other_count = other.leaf->count;
     VertexSides sides;
@@ -401,7 +472,7 @@ PROXIMA_STEP PairVerdict look_at_pairs(const LeafShape& own, const EightIndices&
 /// Calls take(i, j, sure) for pairs that meet (sure) or may, own triangle i and its triangle j,
 /// until it returns false; then false.
 template <class Take>
-HWY_INLINE bool meet_leaves(const ContactSearch& open, std::size_t own_side, const LeafShape& own,
+HWY_INLINE bool meet_leaves(const ContactSearch& open, std::size_t own_side, const OwnLeaf& own,
                             const IndexLeaf& leaf, const Take& take)
 {
     LeafShape other;

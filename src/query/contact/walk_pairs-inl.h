@@ -33,11 +33,6 @@ struct BlockPair {
     PairBox sides[2];
 };
 
-HWY_INLINE bool is_leaf(const PairBox& box)
-{
-    return (box.reference & index_leaf_bit) != 0;
-}
-
 /// Bit i: child i is a leaf.
 HWY_INLINE std::uint32_t leaf_slots(const IndexNode& node)
 {
@@ -82,67 +77,75 @@ HWY_INLINE bool walk_pairs(const ContactSearch& open, Search& search)
 {
     BlockPair stack[ContactSearch::stack_size];
     std::size_t pending = 0;
-    LeafShape shape;
-    MetBoxes boxes;
+    OwnLeaf own;
     {
         BlockPair& root = stack[pending++];
         for (std::size_t side = 0; side < 2; ++side) {
             const float half = 1.01F * open.sides[side].unit;
-            root.sides[side] = {
-                {0, 0, 0}, {half, half, half}, open.sides[side].index->root(), 3 * half};
+            PairBox& box = root.sides[side];
+            box = {{0, 0, 0}, {half, half, half}, open.sides[side].index->root(), 3 * half};
+            if (is_leaf(box)) box.size = leaf_size;
         }
         if (is_leaf(root.sides[0]) && is_leaf(root.sides[1])) {
-            const IndexLeaf& own =
+            const IndexLeaf& leaf =
                 open.sides[0].blocks[root.sides[0].reference & ~index_leaf_bit].leaf;
             const IndexLeaf& other =
                 open.sides[1].blocks[root.sides[1].reference & ~index_leaf_bit].leaf;
-            take_own_leaf(open, 0, own, shape);
-            return meet_leaves(open, 0, shape, other, RowsOfLeaves(search, 0, own, other));
+            take_own_leaf(open, 0, leaf, own);
+            return meet_leaves(open, 0, own, other, RowsOfLeaves(search, 0, leaf, other));
         }
     }
     while (pending > 0) {
         const BlockPair& at = stack[--pending];
-        const std::size_t side = is_leaf(at.sides[0])   ? 1
-                                 : is_leaf(at.sides[1]) ? 0
-                                                        : at.sides[0].size < at.sides[1].size;
+        const std::size_t side = at.sides[0].size < at.sides[1].size ? 1 : 0;
         const PairBox other = at.sides[1 - side]; // overwritten below
         const IndexBlock* const blocks = open.sides[side].blocks;
         const IndexNode& node = blocks[at.sides[side].reference].node;
+        MetBoxes boxes;
         std::uint32_t met =
             meet_boxes(node, open.sides[side].unit, open.frames[side], other, boxes);
-        for (std::uint32_t left = met; left != 0; left &= left - 1) {
+        if (met == 0) continue;
+        std::uint32_t leaves = 0;
+        if (is_leaf(other)) {
+            const IndexLeaf& leaf =
+                open.sides[1 - side].blocks[other.reference & ~index_leaf_bit].leaf;
+            // The same for siblings, which follow each other.
+            if (own.leaf != &leaf || own.side == side) take_own_leaf(open, 1 - side, leaf, own);
+            met &= meet_slab(own, boxes, 2 * open.frames[side].slack);
+            leaves = met & leaf_slots(node);
+            met ^= leaves;
+        }
+        for (std::uint32_t left = leaves; left != 0; left &= left - 1) {
             const auto slot = static_cast<std::size_t>(std::countr_zero(left));
             fetch_ahead(blocks[node.children[slot] & ~index_leaf_bit]);
         }
-        if (is_leaf(other)) {
-            std::uint32_t leaves = met & leaf_slots(node);
-            met ^= leaves;
-            const IndexLeaf& own =
-                open.sides[1 - side].blocks[other.reference & ~index_leaf_bit].leaf;
-            // The same for siblings, which follow each other.
-            if (leaves != 0 && shape.leaf != &own) take_own_leaf(open, 1 - side, own, shape);
-            for (; leaves != 0; leaves &= leaves - 1) {
-                const auto slot = static_cast<std::size_t>(std::countr_zero(leaves));
-                const IndexLeaf& leaf = blocks[node.children[slot] & ~index_leaf_bit].leaf;
-                if (!meet_leaves(open, 1 - side, shape, leaf,
-                                 RowsOfLeaves(search, 1 - side, own, leaf)))
-                    return false;
+        if (met != 0) {
+            PairBox children[8];
+            boxes.store(node, children);
+            HWY_ALIGN float most[8];
+            if (Search::deepest_first) store_eight(boxes.most, most);
+            std::size_t deepest = pending;
+            float least = 0;
+            for (; met != 0; met &= met - 1) {
+                const auto slot = static_cast<std::uint32_t>(std::countr_zero(met));
+                fetch_ahead(blocks[node.children[slot] & ~index_leaf_bit]);
+                if (Search::deepest_first && most[slot] < least) {
+                    least = most[slot];
+                    deepest = pending;
+                }
+                BlockPair& next = stack[pending++];
+                next.sides[side] = children[slot];
+                next.sides[1 - side] = other;
             }
+            if (Search::deepest_first) std::swap(stack[deepest], stack[pending - 1]);
         }
-        if (met == 0) continue;
-        std::size_t deepest = pending;
-        float least = 0;
-        for (; met != 0; met &= met - 1) {
-            const auto slot = static_cast<std::uint32_t>(std::countr_zero(met));
-            if (boxes.most[slot] < least) {
-                least = boxes.most[slot];
-                deepest = pending;
-            }
-            BlockPair& next = stack[pending++];
-            boxes.copy(node, slot, next.sides[side]);
-            next.sides[1 - side] = other;
+        for (; leaves != 0; leaves &= leaves - 1) {
+            const auto slot = static_cast<std::size_t>(std::countr_zero(leaves));
+            const IndexLeaf& leaf = blocks[node.children[slot] & ~index_leaf_bit].leaf;
+            if (!meet_leaves(open, 1 - side, own, leaf,
+                             RowsOfLeaves(search, 1 - side, *own.leaf, leaf)))
+                return false;
         }
-        if (Search::deepest_first) std::swap(stack[deepest], stack[pending - 1]);
     }
     return true;
 }

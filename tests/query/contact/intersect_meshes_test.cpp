@@ -98,6 +98,65 @@ TEST(IntersectMeshes, AnswersLikeBruteForceOnManyRandomMeshes)
     EXPECT_GT(tally.pairs, 50'000U);
 }
 
+TEST(IntersectMeshes, AnswersLikeBruteForceForAMeshAgainstItself)
+{
+    // With one index on both sides, a leaf of one side may be the next one of the other.
+    std::size_t pairs = 0;
+    for (const double height : {1.0, 1e-4, 0.0}) {
+        const TriangleMesh mesh = moved(torus_mesh(1.0, 0.4, 24, 16), [&](const Vec3& p) {
+            return Vec3(p.x(), p.y(), height * p.z());
+        });
+        const MeshIndex index = index_of(mesh);
+        PoseGenerator generate(mesh, mesh, 5);
+        for (int i = 0; i < 100; ++i) pairs += expect_truth(mesh, mesh, index, index, generate());
+    }
+    EXPECT_GT(pairs, 20'000U);
+}
+
+TEST(IntersectMeshes, AnswersLikeBruteForceWhereMeshesBarelyTouch)
+{
+    // Leaves side by side, whose slabs nearly touch: on round meshes, and on flat ones, where slabs
+    // have no thickness.
+    const TriangleMesh torus = torus_mesh(1.0, 0.4, 24, 16);
+    const TriangleMesh sphere = sphere_mesh(Vec3(0.3, 0.2, 0.1), 0.8, 12, 16);
+    const TriangleMesh flat = moved(torus, [](const Vec3& p) { return Vec3(p.x(), p.y(), 0); });
+    const TriangleMesh small = moved(sphere, [](const Vec3& p) { return Vec3(p * 0x1p-7); });
+    const TriangleMesh meshes[] = {torus, sphere, flat, small};
+    std::vector<MeshIndex> indexes;
+    for (const TriangleMesh& mesh : meshes) indexes.push_back(index_of(mesh));
+    std::size_t apart = 0;
+    std::size_t meeting = 0;
+    for (std::size_t i = 0; i < indexes.size(); ++i) {
+        for (std::size_t j = 0; j < indexes.size(); ++j) {
+            SCOPED_TRACE(::testing::Message() << "meshes " << i << " and " << j);
+            const MeshIndex& a = indexes[i]; // also the same index on both sides
+            const MeshIndex& b = indexes[j];
+            PoseGenerator generate(meshes[i], meshes[j], 21);
+            for (int turn = 0; turn < 3; ++turn) {
+                RigidTransform pose = generate();
+                const Vec3 start = pose.translation;
+                const auto at = [&](double distance) {
+                    pose.translation = start + Vec3(0.25, 0.5, 1) * distance;
+                    return pose;
+                };
+                double touching = 0;
+                double beyond = 8;
+                while (beyond - touching > 1e-12) {
+                    const double middle = (touching + beyond) / 2;
+                    (meshes_intersect(a, b, at(middle)) ? touching : beyond) = middle;
+                }
+                for (const double gap : {-1e-3, -1e-6, -1e-8, 0.0, 1e-8, 1e-6, 1e-3}) {
+                    const std::size_t pairs =
+                        expect_truth(meshes[i], meshes[j], a, b, at(touching + gap));
+                    ++(pairs == 0 ? apart : meeting);
+                }
+            }
+        }
+    }
+    EXPECT_GT(apart, 100U);
+    EXPECT_GT(meeting, 100U);
+}
+
 TEST(IntersectMeshes, FindsCubesThatTouch)
 {
     const TriangleMesh cube = cube_mesh(Vec3(0.5, 0.5, 0.5), 0.5);
