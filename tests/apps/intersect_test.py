@@ -6,7 +6,7 @@ import random
 import struct
 import unittest
 
-from bad_input_test import off
+from bad_input_test import off, tetrahedron
 from closest_test import cross, dot, npy, read_npy, sub
 from proxima_program import ProgramTest
 from raycast_test import some_mesh
@@ -218,11 +218,12 @@ class Poses(ProgramTest):
             self.refuse("intersect", "cube", "cube", "--pose", text, says=says)
 class Rows(ProgramTest):
     def test_a_row_per_pose(self):
+        small = self.file("small.off", tetrahedron(0.25))
         poses = self.file("poses.csv", text_of([shifted(x, 0, 0) for x in (0, 0.5, 3, 1.5)]))
         for options in ((), ("--distance",)):
             table, numbers = self.folder / "rows.csv", self.folder / "rows.npy"
-            report = self.json_of("intersect", "icosphere:2", "cube", "--pose", poses, "--out", table, *options)["poses"]
-            self.succeed("intersect", "icosphere:2", "cube", "--pose", poses, "--out", numbers, *options)
+            report = self.json_of("intersect", small, "cube", "--pose", poses, "--out", table, *options)["poses"]
+            self.succeed("intersect", small, "cube", "--pose", poses, "--out", numbers, *options)
             rows = list(csv.DictReader(io.StringIO(table.read_text())))
             self.assertEqual([tuple(map(float, row.values())) for row in rows],
                              [tuple(row) for row in read_npy(numbers.read_bytes())])
@@ -236,7 +237,7 @@ class Rows(ProgramTest):
                     self.assertEqual(float(row["separation"]), pose["separation"])
                     self.assertEqual([float(row["b" + x]) for x in "xyz"], pose["closest_b"])
                     self.assertEqual(int(row["triangle_a"]), pose["triangle_a"])
-        self.assertEqual([pose["contained"] for pose in report], ["A_in_B", "none", "none", "none"])
+        self.assertEqual([pose["contained"] for pose in report], ["A_in_B", "A_in_B", "none", "none"])
 
     def test_one_line_or_several(self):
         contour = self.folder / "c.obj"
