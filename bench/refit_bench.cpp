@@ -7,6 +7,7 @@
 
 #include "index/index_parts.h"
 #include "index/lists/proximity_lists.h"
+#include "instruction_set.h"
 #include "lab/query_sets.h"
 #include "proxima/closest_feature.h"
 #include "proxima/mesh_index.h"
@@ -124,6 +125,7 @@ int run(const std::string& name)
 
 int main(int argc, char** argv)
 {
+    if (!proxima::bench::use_instruction_set_asked_for()) return 2;
     const std::string bunny = "/usr/share/glmark2/models/bunny.obj";
     if (argc > 1) return proxima::bench::run(argv[1]);
     return proxima::bench::run(std::filesystem::exists(bunny) ? bunny : "torus:200x100");

@@ -21,6 +21,7 @@
 // Peers: the same proxy, which then asks the octree anew for each question of a tick, and a
 // god-object over a tree of boxes (god_object_peer.h).
 
+#include "bench_program.h"
 #include "touch_curve.h"
 #include "touch_loops.h"
 #include "touch_patch_table.h"
@@ -144,55 +145,63 @@ int main(int argc, char** argv)
 {
     using namespace proxima::bench;
     TouchBenchOptions options;
-    CLI::App app("Times ticks of touching.");
-    app.add_option("--ticks", options.race.ticks, "Of each script")->capture_default_str();
-    app.add_option("--replays", options.race.replays, "Of which the least counts")
-        ->check(CLI::PositiveNumber)
-        ->capture_default_str();
-    app.add_option("--radius", options.race.radius, "Of the proxy, m")->capture_default_str();
-    app.add_option("--keep", options.race.keep, "Folder of octrees built before, and to come")
-        ->check(CLI::ExistingDirectory);
-    app.add_option("--mesh", options.meshes, "Files, .pxi among them, or built-ins");
-    app.add_option("--slowest", options.slowest, "So many of the slowest ticks, and what they did");
-    app.add_flag("--peers", options.peers, "Time what it is held against, too");
-    app.add_option(
-        "--curve", options.curves,
-        "Tick time by the number of triangles, of these meshes beside toruses, as a table "
-        "(.csv) or a plot (.svg, .png)");
-    const auto* const loops =
-        app.add_option("--loops", options.loops.seconds,
-                       "Servo, collision and graphics loop together for so many seconds");
-    app.add_option("--script", options.loops.script, "Of the hand in --loops")
-        ->capture_default_str();
     const std::map<std::string, std::pair<bool, bool>> ways = {
         {"direct", {true, false}}, {"patches", {false, true}}, {"both", {true, true}}};
-    app.add_option_function<std::string>(
-           "--touch",
-           [&](const std::string& way) {
-               std::tie(options.loops.direct, options.loops.patches) = ways.at(way);
-           },
-           "What the servo loop touches in --loops")
-        ->check(CLI::IsMember({"direct", "patches", "both"}))
-        ->default_str("both");
+    bool looping = false;
     bool scenes = false;
     bool patches = false;
-    app.add_flag("--scenes", scenes, "Only scenes of several objects, at rest and moving");
-    app.add_flag("--patches", patches, "Only what patches miss, by the hand's speed");
     bool stability = false;
-    app.add_flag("--stability", stability,
-                 "Only where walls begin to swing, beside theory, with and without the guard");
-    CLI11_PARSE(app, argc, argv);
-    if (stability) return run_stability_table();
-    if (!options.curves.empty()) return run_curve(options.meshes, options.race, options.curves);
-    if (scenes) return run_scenes(options.race);
-    const bool all = options.meshes.empty() && loops->count() == 0;
-    if (patches) return run_patches(all ? meshes_for_patches() : options.meshes, options.race);
-    if (options.meshes.empty()) options.meshes = usual_meshes();
-    options.loops.keep = options.race.keep;
-    int status = 0;
-    for (const std::string& mesh : options.meshes)
-        status |= loops->count() > 0 ? run_loops(mesh, options.loops) : run_mesh(mesh, options);
-    if (!all) return status;
-    status |= run_scenes(options.race);
-    return status | run_patches(meshes_for_patches(), options.race);
+    const auto add_options = [&](CLI::App& app) {
+        app.add_option("--ticks", options.race.ticks, "Of each script")->capture_default_str();
+        app.add_option("--replays", options.race.replays, "Of which the least counts")
+            ->check(CLI::PositiveNumber)
+            ->capture_default_str();
+        app.add_option("--radius", options.race.radius, "Of the proxy, m")->capture_default_str();
+        app.add_option("--keep", options.race.keep, "Folder of octrees built before, and to come")
+            ->check(CLI::ExistingDirectory);
+        app.add_option("--mesh", options.meshes, "Files, .pxi among them, or built-ins");
+        app.add_option("--slowest", options.slowest,
+                       "So many of the slowest ticks, and what they did");
+        app.add_flag("--peers", options.peers, "Time what it is held against, too");
+        app.add_option(
+            "--curve", options.curves,
+            "Tick time by the number of triangles, of these meshes beside toruses, as a table "
+            "(.csv) or a plot (.svg, .png)");
+        app.add_option_function<double>(
+            "--loops",
+            [&](double seconds) {
+                looping = true;
+                options.loops.seconds = seconds;
+            },
+            "Servo, collision and graphics loop together for so many seconds");
+        app.add_option("--script", options.loops.script, "Of the hand in --loops")
+            ->capture_default_str();
+        app.add_option_function<std::string>(
+               "--touch",
+               [&](const std::string& way) {
+                   std::tie(options.loops.direct, options.loops.patches) = ways.at(way);
+               },
+               "What the servo loop touches in --loops")
+            ->check(CLI::IsMember({"direct", "patches", "both"}))
+            ->default_str("both");
+        app.add_flag("--scenes", scenes, "Only scenes of several objects, at rest and moving");
+        app.add_flag("--patches", patches, "Only what patches miss, by the hand's speed");
+        app.add_flag("--stability", stability,
+                     "Only where walls begin to swing, beside theory, with and without the guard");
+    };
+    return run_program(argc, argv, "Times ticks of touching.", add_options, [&] {
+        if (stability) return run_stability_table();
+        if (!options.curves.empty()) return run_curve(options.meshes, options.race, options.curves);
+        if (scenes) return run_scenes(options.race);
+        const bool all = options.meshes.empty() && !looping;
+        if (patches) return run_patches(all ? meshes_for_patches() : options.meshes, options.race);
+        if (options.meshes.empty()) options.meshes = usual_meshes();
+        options.loops.keep = options.race.keep;
+        int status = 0;
+        for (const std::string& mesh : options.meshes)
+            status |= looping ? run_loops(mesh, options.loops) : run_mesh(mesh, options);
+        if (!all) return status;
+        status |= run_scenes(options.race);
+        return status | run_patches(meshes_for_patches(), options.race);
+    });
 }

@@ -123,10 +123,11 @@ Result<NpyHeader> parse_dictionary(std::string_view dictionary)
             }
             kind = *word;
         } else if (*key == "fortran_order") {
-            if (text.take("False"))
+            if (text.take("False")) {
                 order = NpyOrder::rows_first;
-            else if (text.take("True"))
+            } else if (text.take("True")) {
                 order = NpyOrder::columns_first;
+            }
         } else if (*key == "shape") {
             shape = parse_shape(text);
         } else {
@@ -174,7 +175,7 @@ bool is_npy(std::string_view bytes) noexcept
 
 double npy_number(const NpyHeader& header, const char* bytes) noexcept
 {
-    const std::size_t size = header.bytes_per_number;
+    const std::size_t size = header.bytes_per_number; // 1 to 8
     std::uint64_t bits = 0;
     for (std::size_t i = 0; i < size; ++i) {
         const auto byte = static_cast<unsigned char>(bytes[header.big_endian ? size - 1 - i : i]);
@@ -184,8 +185,8 @@ double npy_number(const NpyHeader& header, const char* bytes) noexcept
     case NpyKind::unsigned_whole:
         return static_cast<double>(bits);
     case NpyKind::signed_whole: {
-        const std::size_t unused = 64 - 8 * size;
-        return static_cast<double>(static_cast<std::int64_t>(bits << unused) >> unused);
+        const std::uint64_t sign = std::uint64_t{1} << (8 * size - 1);
+        return static_cast<double>(static_cast<std::int64_t>((bits ^ sign) - sign));
     }
     case NpyKind::real:
         break;

@@ -165,8 +165,8 @@ private:
 
     Status take_header(const std::vector<std::string_view>& fields)
     {
-        std::vector<std::string> names;
-        for (const std::string_view field : fields) names.push_back(name_of_field(field));
+        std::vector<std::string> names(fields.size());
+        std::ranges::transform(fields, names.begin(), name_of_field);
         if (use_names(names)) return {};
         // Columns that pandas numbered, behind one of row numbers without a name.
         bool numbered = names[0].empty();
@@ -177,8 +177,9 @@ private:
         return refuse_header(names, fields);
     }
 
-    tl::unexpected<Error> refuse_header(const std::vector<std::string>& names,
-                                        const std::vector<std::string_view>& fields) const
+    [[nodiscard]] tl::unexpected<Error>
+    refuse_header(const std::vector<std::string>& names,
+                  const std::vector<std::string_view>& fields) const
     {
         for (const std::string& wanted : split_list(form_.layouts[0])) {
             const auto count = std::ranges::count(names, wanted);
@@ -263,9 +264,10 @@ private:
                 double& value = numbers[*columns_[column]];
                 const char* const after = detail::parse_real(position, end, value);
                 if (after == nullptr || !ends_field(after, end)) return refuse_field(position, end);
-                if (!std::isfinite(value) && (std::isnan(value) || !infinite_[*columns_[column]]))
+                if (!std::isfinite(value) && (std::isnan(value) || !infinite_[*columns_[column]])) {
                     return refuse(concat("column ", column + 1, " is no finite number, but ",
                                          field_at(position, end), ": leave the row out"));
+                }
                 next = skip_spaces(after, end);
             } else {
                 const std::string_view rest = rest_of(position, end);
@@ -302,7 +304,7 @@ private:
         return {position, static_cast<std::size_t>(end - position)};
     }
 
-    tl::unexpected<Error> refuse_count(std::string_view line) const
+    [[nodiscard]] tl::unexpected<Error> refuse_count(std::string_view line) const
     {
         const std::size_t count = fields_of(line, separator_).size();
         const std::string numbers =
@@ -313,7 +315,7 @@ private:
                 : concat(numbers, ", the header names ", columns_.size()));
     }
 
-    tl::unexpected<Error> refuse_field(const char* position, const char* end) const
+    [[nodiscard]] tl::unexpected<Error> refuse_field(const char* position, const char* end) const
     {
         constexpr std::size_t most_shown = 40;
         const std::string_view field = field_at(position, end);
