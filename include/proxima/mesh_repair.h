@@ -75,9 +75,9 @@ struct MeshRepairOptions {
     bool orient = true;
     /// Has closed pieces face outward. Pieces without volume to speak of stay as they are.
     bool turn_outward = true;
-    /// A closed piece inside an odd number of others is a cavity and faces inward. Off, all face
-    /// outward: for solids that happen to be inside each other. Inside is exact for pieces that do
-    /// not intersect each other; others count where their least corner by x, y, z lies.
+    /// A closed piece inside an odd number of others is a cavity and faces inward, exactly decided.
+    /// Inside is what has all its corners inside, those left out that it shares; what passes through
+    /// another piece is not. Off, all face outward: for solids that happen to be inside each other.
     bool keep_cavities = true;
 
     bool drop_unused_vertices = true;
@@ -115,8 +115,8 @@ struct MeshRepair {
 
 /// Repairs any mesh, NaN and all. Repairing a result again changes nothing. The same for any number
 /// of threads; thread safe. Expected near-linear in triangles and vertices: about 1 us per triangle
-/// of a soup; with several closed pieces each triangle is also compared with the one corner of each
-/// piece that lies below it. About 260 bytes per triangle and 120 per vertex. Errors:
+/// of a soup; where a closed piece's box is in another's, triangles are also compared with its
+/// corners below them. About 260 bytes per triangle and 120 per vertex. Errors:
 /// invalid_argument (a distance or fraction out of range), limit_exceeded (more than
 /// max_topology_triangles), budget_exceeded, cancelled.
 [[nodiscard]] Result<MeshRepair> repair_mesh(const TriangleMesh& mesh,

@@ -103,6 +103,60 @@ bool is_above(const Triangle& triangle, const Vec3& point) noexcept
     return side != up;
 }
 
+std::vector<Box> boxes_of(const TriangleMesh& mesh, std::span<const std::uint32_t> surface_of,
+                          std::uint32_t count)
+{
+    std::vector<Box> boxes(count);
+    for (std::uint32_t id = 0; id < surface_of.size(); ++id) {
+        if (surface_of[id] == no_surface) continue;
+        for (const Vec3& corner : mesh.triangle(TriangleId{id}).vertices)
+            boxes[surface_of[id]].extend(corner);
+    }
+    return boxes;
+}
+
+/// 1 for surfaces whose box is in that of another one.
+std::vector<std::uint8_t> with_box_inside(std::span<const Box> boxes)
+{
+    std::vector<SurfaceSample> lower_corners;
+    for (std::uint32_t surface = 0; surface < boxes.size(); ++surface) {
+        if (!boxes[surface].empty()) lower_corners.push_back({boxes[surface].lower, surface});
+    }
+    const SampleTree tree(lower_corners);
+    std::vector<std::uint8_t> inside(boxes.size(), 0);
+    for (const SurfaceSample& around : lower_corners) {
+        tree.visit_in(boxes[around.surface], [&](std::uint32_t sample) {
+            const std::uint32_t other = lower_corners[sample].surface;
+            const bool holds =
+                (boxes[other].upper.array() <= boxes[around.surface].upper.array()).all();
+            if (other != around.surface && holds) inside[other] = 1;
+        });
+    }
+    return inside;
+}
+
+/// The corners of the surfaces asked for that belong to no other one.
+std::vector<SurfaceSample> own_corners(const TriangleMesh& mesh,
+                                       std::span<const std::uint32_t> surface_of,
+                                       std::span<const std::uint8_t> asked_for)
+{
+    constexpr std::uint32_t several = no_surface - 1;
+    std::vector<std::uint32_t> owner(mesh.vertex_count(), no_surface);
+    for (std::size_t id = 0; id < surface_of.size(); ++id) {
+        if (surface_of[id] == no_surface) continue;
+        for (const std::uint32_t corner : mesh.triangles()[id]) {
+            std::uint32_t& one = owner[corner];
+            one = one == no_surface || one == surface_of[id] ? surface_of[id] : several;
+        }
+    }
+    std::vector<SurfaceSample> corners;
+    for (std::uint32_t vertex = 0; vertex < owner.size(); ++vertex) {
+        if (owner[vertex] >= several || asked_for[owner[vertex]] == 0) continue;
+        corners.push_back({mesh.position(VertexId{vertex}), owner[vertex]});
+    }
+    return corners;
+}
+
 } // namespace
 
 std::vector<std::uint8_t> odd_nesting(const TriangleMesh& mesh,
@@ -112,7 +166,7 @@ std::vector<std::uint8_t> odd_nesting(const TriangleMesh& mesh,
 {
     // Whether a point is in an odd number of surfaces is whether an odd number of triangles of all
     // of them together is above it.
-    if (samples.size() < 2) return std::vector<std::uint8_t>(samples.size(), 0);
+    if (samples.empty()) return {};
     const SampleTree tree(samples);
     std::vector<std::atomic<std::uint8_t>> odd(samples.size());
     const auto count_above = [&](std::size_t id) {
@@ -134,6 +188,24 @@ std::vector<std::uint8_t> odd_nesting(const TriangleMesh& mesh,
     std::vector<std::uint8_t> result;
     for (const auto& one : odd) result.push_back(one.load(std::memory_order_relaxed));
     return result;
+}
+
+std::vector<std::uint8_t> nested_surfaces(const TriangleMesh& mesh,
+                                          std::span<const std::uint32_t> surface_of,
+                                          std::uint32_t count, Threads threads,
+                                          const Progress* progress)
+{
+    std::vector<std::uint8_t> nested = with_box_inside(boxes_of(mesh, surface_of, count));
+    const std::vector<SurfaceSample> corners = own_corners(mesh, surface_of, nested);
+    const std::vector<std::uint8_t> odd = odd_nesting(mesh, surface_of, corners, threads, progress);
+    std::vector<std::uint8_t> has_corner(count, 0);
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        has_corner[corners[i].surface] = 1;
+        nested[corners[i].surface] &= odd[i];
+    }
+    for (std::uint32_t surface = 0; surface < count; ++surface)
+        nested[surface] &= has_corner[surface];
+    return nested;
 }
 
 } // namespace proxima

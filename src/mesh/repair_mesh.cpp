@@ -27,11 +27,10 @@ using detail::find_surface_pieces;
 using detail::hash_of;
 using detail::is_finite;
 using detail::is_proper;
-using detail::PieceVolume;
 using detail::sorted_corners;
 using detail::SurfacePiece;
 using detail::SurfacePieces;
-using detail::volumes_of;
+using detail::volume_signs_of;
 
 constexpr std::size_t triangles_per_test_task = 8192;
 constexpr const char* work_name = "repairing the mesh";
@@ -405,13 +404,13 @@ private:
     void turn_outward(const TriangleMesh& surface, SurfacePieces& found)
     {
         begin_stage(progress_, "turning pieces outward", 2);
-        const std::vector<PieceVolume> volumes = volumes_of(surface, found);
+        const std::vector<int> volume_signs = volume_signs_of(surface, found);
         advance_stage(progress_, 1);
-        const std::vector<std::uint8_t> is_cavity = cavities(surface, found, volumes);
-        std::vector<std::uint8_t> to_turn(volumes.size(), 0);
-        for (std::size_t number = 0; number < volumes.size(); ++number) {
+        const std::vector<std::uint8_t> is_cavity = cavities(surface, found, volume_signs);
+        std::vector<std::uint8_t> to_turn(volume_signs.size(), 0);
+        for (std::size_t number = 0; number < volume_signs.size(); ++number) {
             const int wanted = is_cavity[number] != 0 ? -1 : 1;
-            to_turn[number] = volumes[number].sign == -wanted ? 1 : 0;
+            to_turn[number] = volume_signs[number] == -wanted ? 1 : 0;
             count_of(RepairStepKind::turn_outward) += to_turn[number];
             repair_.cavities += is_cavity[number];
         }
@@ -425,24 +424,17 @@ private:
     /// 1 for closed pieces with volume inside an odd number of other ones.
     [[nodiscard]] std::vector<std::uint8_t> cavities(const TriangleMesh& surface,
                                                      const SurfacePieces& found,
-                                                     std::span<const PieceVolume> volumes) const
+                                                     std::span<const int> volume_signs) const
     {
-        std::vector<std::uint8_t> is_cavity(volumes.size(), 0);
-        if (!options_.keep_cavities) return is_cavity;
-        std::vector<SurfaceSample> samples;
-        for (std::uint32_t number = 0; number < volumes.size(); ++number) {
-            if (volumes[number].sign != 0)
-                samples.push_back({volumes[number].least_corner, number});
-        }
+        const auto count = static_cast<std::uint32_t>(volume_signs.size());
+        const auto closed = std::ranges::count_if(volume_signs, [](int sign) { return sign != 0; });
+        if (!options_.keep_cavities || closed < 2) return std::vector<std::uint8_t>(count, 0);
         std::vector<std::uint32_t> surface_of(found.piece_of.size(), no_surface);
         for (std::size_t i = 0; i < surface_of.size(); ++i) {
             const std::uint32_t piece = found.piece_of[i];
-            if (piece != detail::no_piece && volumes[piece].sign != 0) surface_of[i] = piece;
+            if (piece != detail::no_piece && volume_signs[piece] != 0) surface_of[i] = piece;
         }
-        const std::vector<std::uint8_t> odd =
-            odd_nesting(surface, surface_of, samples, options_.execution.threads, progress_);
-        for (std::size_t i = 0; i < samples.size(); ++i) is_cavity[samples[i].surface] = odd[i];
-        return is_cavity;
+        return nested_surfaces(surface, surface_of, count, options_.execution.threads, progress_);
     }
 
     Result<MeshRepair> assemble()

@@ -163,11 +163,6 @@ private:
     std::vector<std::pair<std::uint32_t, int>> ways_; ///< of one edge: piece, and 1 or -1
 };
 
-bool is_less(const Vec3& a, const Vec3& b) noexcept
-{
-    return std::ranges::lexicographical_compare(a, b);
-}
-
 /// A power of two that brings all coordinates in use to at most 1, or as near as doubles allow.
 double scale_of(const TriangleMesh& mesh)
 {
@@ -201,17 +196,12 @@ std::optional<SurfacePieces> find_surface_pieces(const TriangleMesh& mesh, const
     return finder.result();
 }
 
-std::vector<PieceVolume> volumes_of(const TriangleMesh& mesh, const SurfacePieces& surface)
+std::vector<int> volume_signs_of(const TriangleMesh& mesh, const SurfacePieces& surface)
 {
     // Turning a triangle over negates its term exactly, for corner 0 stays: the sign of a piece
     // turned over as a whole is that of the piece negated, whatever was rounded.
     const double scale = scale_of(mesh);
     std::vector<VolumeSum> sums(surface.pieces.size());
-    std::vector<PieceVolume> volumes(surface.pieces.size());
-    for (std::size_t number = 0; number < volumes.size(); ++number) {
-        const TriangleId first{surface.pieces[number].first_triangle};
-        volumes[number].least_corner = mesh.triangle(first)[0];
-    }
     for (std::uint32_t id = 0; id < mesh.triangle_count(); ++id) {
         const std::uint32_t number = surface.piece_of[id];
         if (number == no_piece || !surface.pieces[number].closed) continue;
@@ -229,18 +219,14 @@ std::vector<PieceVolume> volumes_of(const TriangleMesh& mesh, const SurfacePiece
         const double term = a.dot(b.cross(c));
         sum.volume += surface.turned[id] != 0 ? -term : term;
         sum.magnitude += std::abs(term);
-        for (const Vec3& corner : triangle.vertices) {
-            if (is_less(corner, volumes[number].least_corner))
-                volumes[number].least_corner = corner;
-        }
     }
-    for (std::size_t number = 0; number < volumes.size(); ++number) {
-        const VolumeSum& sum = sums[number];
+    std::vector<int> signs;
+    for (const VolumeSum& sum : sums) {
         const bool sure =
             sum.finite && std::abs(sum.volume) > smallest_volume_ratio * sum.magnitude;
-        if (sure) volumes[number].sign = sum.volume > 0 ? 1 : -1;
+        signs.push_back(!sure ? 0 : sum.volume > 0 ? 1 : -1);
     }
-    return volumes;
+    return signs;
 }
 
 } // namespace proxima::detail

@@ -45,14 +45,9 @@ find_surface_pieces(const TriangleMesh& mesh, const Topology& topology,
                     std::span<const EdgeUse> uses, std::span<const std::uint8_t> takes_part,
                     bool orient, Progress* progress);
 
-/// What is to be known of a closed piece to turn it outward.
-struct PieceVolume {
-    int sign = 0; ///< of the signed volume; 0 where it may be rounding or is not finite
-    Vec3 least_corner = Vec3::Zero(); ///< by x, then y, then z
-};
-
-/// By piece, as turned; those that are not closed have sign 0. Linear.
-[[nodiscard]] std::vector<PieceVolume> volumes_of(const TriangleMesh& mesh,
-                                                  const SurfacePieces& surface);
+/// By piece, as turned, the sign of the signed volume: 0 where the piece is not closed or not finite,
+/// or the volume may be rounding. Linear.
+[[nodiscard]] std::vector<int> volume_signs_of(const TriangleMesh& mesh,
+                                               const SurfacePieces& surface);
 
 } // namespace proxima::detail
