@@ -693,6 +693,27 @@ TEST(MeshRepair, TellsPiecesThatTouchAtAnEdge)
     EXPECT_EQ(report(repair.mesh).signed_volume, 16.0);
 }
 
+TEST(MeshRepair, FindsACavityThatHasACornerOfWhatIsAroundIt)
+{
+    for (int corner = 0; corner < 8; ++corner) {
+        Draft draft = cube_draft();
+        const Vec3 shared = draft.positions[static_cast<std::size_t>(corner)];
+        const auto first = static_cast<std::uint32_t>(draft.positions.size());
+        for (int axis = 0; axis < 3; ++axis) {
+            draft.positions.push_back(0.5 * shared);
+            draft.positions.back()[axis] = 0;
+        }
+        draft.positions.push_back(shared);
+        draft.triangles.push_back({first, first + 1, first + 2});
+        for (std::uint32_t k = 0; k < 3; ++k)
+            draft.triangles.push_back({first + (k + 1) % 3, first + k, first + 3});
+        const MeshRepair repair = repaired(draft.mesh());
+        EXPECT_EQ(repair.closed_pieces, 2U);
+        EXPECT_EQ(repair.cavities, 1U) << "at corner " << corner;
+        EXPECT_LT(*report(repair.mesh).signed_volume, 8);
+    }
+}
+
 TEST(MeshRepair, LeavesPiecesWithoutVolume)
 {
     // A sheet of two sides: closed, but neither way is outward.
