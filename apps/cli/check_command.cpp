@@ -4,6 +4,7 @@
 #include "cli/check_index_file.h"
 #include "cli/check_octree_file.h"
 #include "cli/commands.h"
+#include "cli/counted.h"
 #include "cli/index_file_model.h"
 #include "cli/model_options.h"
 #include "cli/octree_file_model.h"
@@ -112,12 +113,6 @@ std::string words(std::string_view name)
         if (letter == '_') letter = ' ';
     }
     return text;
-}
-
-/// "1 edge", "2 edges".
-std::string counted(std::uint64_t count, std::string_view noun, std::string_view plural)
-{
-    return fmt::format("{} {}", count, count == 1 ? noun : plural);
 }
 
 /// "boundary edges", of one "boundary edge".

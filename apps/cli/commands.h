@@ -22,6 +22,7 @@ struct Command {
 [[nodiscard]] Command add_compare_command(CLI::App& app);
 [[nodiscard]] Command add_tables_command(CLI::App& app);
 [[nodiscard]] Command add_check_command(CLI::App& app);
+[[nodiscard]] Command add_repair_command(CLI::App& app);
 [[nodiscard]] Command add_minkowski_command(CLI::App& app);
 [[nodiscard]] Command add_index_command(CLI::App& app);
 [[nodiscard]] Command add_proximity_command(CLI::App& app);

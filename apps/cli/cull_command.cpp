@@ -237,7 +237,7 @@ Command add_cull_command(CLI::App& app)
     parser
         ->add_option(
             "--out", options->out,
-            "Write the visible triangles: ids as .csv or .npy, a mesh as .obj, .ply or .stl")
+            "Write the visible triangles: ids as .csv or .npy, a mesh as .obj, .ply, .off or .stl")
         ->type_name("FILE");
     parser
         ->add_option("--picture", options->picture,

@@ -283,7 +283,7 @@ Command add_patch_command(CLI::App& app)
     parser
         ->add_option("--out", options->out,
                      "Write the triangles: their ids (.csv, .npy), or a mesh of just them (.obj, "
-                     ".ply, .stl)")
+                     ".ply, .off, .stl)")
         ->type_name("FILE");
     return {parser, [options](Session& session) { return run_patch(*options, session); }};
 }

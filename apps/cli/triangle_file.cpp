@@ -15,7 +15,7 @@ namespace proxima {
 
 namespace {
 
-constexpr std::array mesh_extensions = {".obj", ".ply", ".stl"};
+constexpr std::array mesh_extensions = {".obj", ".ply", ".off", ".stl"};
 
 bool is_mesh_extension(const std::string& extension)
 {
@@ -42,13 +42,20 @@ std::string npy_of(std::span<const TriangleId> triangles)
 
 } // namespace
 
+Status check_mesh_file_format(const std::string& path)
+{
+    if (is_mesh_extension(lower_case_extension(path))) return {};
+    return fail(ErrorCode::unsupported_format,
+                "unknown extension: a mesh is written to .obj, .ply, .off or .stl", path);
+}
+
 Status check_triangle_file_format(const std::string& path)
 {
     const std::string extension = lower_case_extension(path);
     if (extension == ".csv" || extension == ".npy" || is_mesh_extension(extension)) return {};
     return fail(ErrorCode::unsupported_format,
                 "unknown extension: triangles are written as ids to .csv or .npy, as a mesh to "
-                ".obj, .ply or .stl",
+                ".obj, .ply, .off or .stl",
                 path);
 }
 

@@ -2,7 +2,7 @@
 //
 //     .csv                a header line `triangle`, then an id per line
 //     .npy                a column of float64
-//     .obj .ply .stl      the mesh, triangles in the given order
+//     .obj .ply .off .stl the mesh, triangles in the given order
 #pragma once
 
 #include "proxima/execution.h"
@@ -13,6 +13,9 @@
 #include <string>
 
 namespace proxima {
+
+/// What would go wrong with a mesh written under this name. Error unsupported_format.
+[[nodiscard]] Status check_mesh_file_format(const std::string& path);
 
 /// What would go wrong with a file of this name. Error unsupported_format.
 [[nodiscard]] Status check_triangle_file_format(const std::string& path);

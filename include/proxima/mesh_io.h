@@ -71,7 +71,7 @@ struct WriteOptions {
     Execution execution = {};              ///< stage "writing mesh", steps are triangles
 };
 
-/// Writes OBJ, PLY or STL, told by the extension: whole or not at all.
+/// Writes OBJ, PLY, STL or OFF, told by the extension: whole or not at all.
 /// Positions read back to the same bits, except through binary STL, which rounds to float32. STL
 /// keeps neither vertex order nor unused vertices. Errors: unsupported_format, file_not_writable,
 /// limit_exceeded (a finite coordinate that binary STL would turn into infinity), cancelled.

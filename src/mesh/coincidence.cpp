@@ -10,17 +10,6 @@ namespace proxima::detail {
 
 namespace {
 
-TriangleCorners sorted(TriangleCorners corners) noexcept
-{
-    std::sort(corners.begin(), corners.end());
-    return corners;
-}
-
-std::uint64_t hash_of(const TriangleCorners& corners) noexcept
-{
-    return mix_bits(mix_bits(corners[0], corners[1]), corners[2]);
-}
-
 std::uint64_t hash_of(const Vec3& position) noexcept
 {
     std::uint64_t hash = 0;
@@ -37,6 +26,17 @@ TriangleCorners welded(const TriangleCorners& corners,
 }
 
 } // namespace
+
+TriangleCorners sorted_corners(TriangleCorners corners) noexcept
+{
+    std::sort(corners.begin(), corners.end());
+    return corners;
+}
+
+std::uint64_t hash_of(const TriangleCorners& sorted) noexcept
+{
+    return mix_bits(mix_bits(sorted[0], sorted[1]), sorted[2]);
+}
 
 std::vector<std::uint32_t> first_at_position(const TriangleMesh& mesh)
 {
@@ -58,7 +58,7 @@ std::vector<std::uint32_t> first_coincident(const TriangleMesh& mesh,
         shares_position[vertex] = shares_position[same_position[vertex]] = true;
     }
     const auto key = [&](std::uint32_t triangle) {
-        return sorted(welded(mesh.triangles()[triangle], same_position));
+        return sorted_corners(welded(mesh.triangles()[triangle], same_position));
     };
     const auto takes_part = [&](std::uint32_t triangle) {
         const TriangleCorners& corners = mesh.triangles()[triangle];

@@ -10,6 +10,10 @@
 
 namespace proxima::detail {
 
+/// Key and hash of a triangle by its vertex ids in any order.
+[[nodiscard]] TriangleCorners sorted_corners(TriangleCorners corners) noexcept;
+[[nodiscard]] std::uint64_t hash_of(const TriangleCorners& sorted) noexcept;
+
 /// For every vertex the first one at exactly its position (0 is -0), itself for non-finite ones.
 [[nodiscard]] std::vector<std::uint32_t> first_at_position(const TriangleMesh& mesh);
 

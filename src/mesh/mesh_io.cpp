@@ -115,9 +115,10 @@ Status write_mesh(const TriangleMesh& mesh, const std::filesystem::path& path,
     if (format == MeshFormat::obj) return detail::write_obj(mesh, path, options);
     if (format == MeshFormat::ply) return detail::write_ply(mesh, path, options);
     if (format == MeshFormat::stl) return detail::write_stl(mesh, path, options);
-    if (!format) return unknown_extension(path, ".obj, .ply, .stl");
+    if (format == MeshFormat::off) return detail::write_off(mesh, path, options);
+    if (!format) return unknown_extension(path, ".obj, .ply, .stl, .off");
     return fail(ErrorCode::unsupported_format,
-                concat(format_name(*format), " is not written: choose .obj, .ply or .stl"),
+                concat(format_name(*format), " is not written: choose .obj, .ply, .stl or .off"),
                 path.string());
 }
 

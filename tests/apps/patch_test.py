@@ -272,7 +272,7 @@ class Refusing(ProgramTest):
         def refuse(*options, says):
             self.refuse("patch", "cube", "--point", "0,0,3", *options, says=says)
         refuse("--out", self.folder / "a.txt", says=("a.txt", ".npy"))
-        refuse("--out", self.folder / "a.off", says=("a.off", ".obj"))
+        refuse("--out", self.folder / "a.glb", says=("a.glb", ".obj"))
         refuse("--out", self.folder / "none" / "a.csv", says="a.csv")
         refuse("--out", "-", says="-")
         refuse("--out", self.folder / "a.csv", "--json", self.folder / "a.csv", says="a.csv")

@@ -78,6 +78,7 @@ TEST_F(MeshWriterTest, IndexedFormatsReadBackToTheSameBits)
         {"mesh.obj", {}},
         {"ascii.ply", {.ply = PlyEncoding::ascii}},
         {"binary.ply", {.ply = PlyEncoding::binary}},
+        {"mesh.off", {}},
     };
     for (std::uint64_t seed = 0; seed < 60; ++seed) {
         const TriangleMesh written = any_mesh(seed, false);
@@ -94,7 +95,7 @@ TEST_F(MeshWriterTest, IndexedFormatsReadBackToTheSameBits)
             }
         }
     }
-    EXPECT_EQ(entries(), 3);
+    EXPECT_EQ(entries(), 4);
 }
 
 TEST_F(MeshWriterTest, StlReadsBackCornerByCorner)
@@ -160,7 +161,7 @@ TEST_F(MeshWriterTest, WritesUnitNormalsOfAnyScale)
 TEST_F(MeshWriterTest, NamesTheFormatsItWrites)
 {
     const TriangleMesh mesh = any_mesh(1, true);
-    for (const char* name : {"mesh.off", "mesh.glb", "mesh.txt", "mesh"}) {
+    for (const char* name : {"mesh.3ds", "mesh.glb", "mesh.txt", "mesh"}) {
         const auto status = write_mesh(mesh, path(name));
         ASSERT_FALSE(status);
         EXPECT_EQ(status.error().code, ErrorCode::unsupported_format);

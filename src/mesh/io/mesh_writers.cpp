@@ -195,6 +195,26 @@ Status write_obj(const TriangleMesh& mesh, const std::filesystem::path& path,
     return file.commit();
 }
 
+Status write_off(const TriangleMesh& mesh, const std::filesystem::path& path,
+                 const WriteOptions& options)
+{
+    MeshOutput file(mesh, path, options);
+    // The third number, of edges, is read by nobody.
+    file.text("OFF\n").numbers(
+        std::array<std::size_t, 3>{mesh.vertex_count(), mesh.triangle_count(), 0});
+    file.text("\n");
+    for (const Vec3& position : mesh.positions()) {
+        if (!file.may_continue()) break;
+        file.numbers(position).text("\n");
+    }
+    for (const TriangleCorners& corners : mesh.triangles()) {
+        if (!file.may_continue()) break;
+        file.text("3 ").numbers(corners).text("\n");
+        file.advance();
+    }
+    return file.commit();
+}
+
 Status write_ply(const TriangleMesh& mesh, const std::filesystem::path& path,
                  const WriteOptions& options)
 {

@@ -11,6 +11,10 @@ namespace proxima::detail {
 [[nodiscard]] Status write_obj(const TriangleMesh& mesh, const std::filesystem::path& path,
                                const WriteOptions& options);
 
+/// Numbers alone.
+[[nodiscard]] Status write_off(const TriangleMesh& mesh, const std::filesystem::path& path,
+                               const WriteOptions& options);
+
 /// Elements "vertex" of doubles and "face".
 [[nodiscard]] Status write_ply(const TriangleMesh& mesh, const std::filesystem::path& path,
                                const WriteOptions& options);
