@@ -33,7 +33,7 @@ struct ClosestOptions {
     std::string out; ///< "-" for stdout, empty for none
     bool is_signed = false;
     bool lists = false;
-    std::uint64_t budget_mb = 0; ///< of lists; 0: the library's own
+    std::uint64_t lists_mb = 0; ///< of lists; 0: the library's own
     QueryMethod method = QueryMethod::index;
     ThesisClosestOptions thesis; ///< of --method thesis
 };
@@ -189,7 +189,7 @@ void check_method_options(const CLI::App& parser, QueryMethod method)
         throw CLI::ValidationError(name, concat("it goes with --method ", other));
     };
     if (method == QueryMethod::thesis) {
-        for (const char* const name : {"--signed", "--lists", "--budget-mb"}) refuse(name, "index");
+        for (const char* const name : {"--signed", "--lists", "--lists-mb"}) refuse(name, "index");
     } else {
         for (const char* const name : {"--depth", "--save", "--octree"}) refuse(name, "thesis");
     }
@@ -207,8 +207,8 @@ Status run_closest(const ClosestOptions& given, Session& session)
     if (!table) return tl::unexpected(table.error());
     const auto searcher = make_closest_searcher(options.model,
                                                 {.is_signed = options.is_signed,
-                                                 .lists = options.lists || options.budget_mb != 0,
-                                                 .list_bytes = options.budget_mb * 1'000'000},
+                                                 .lists = options.lists || options.lists_mb != 0,
+                                                 .list_bytes = options.lists_mb * 1'000'000},
                                                 session);
     if (!searcher) return tl::unexpected(searcher.error());
     auto writer = RowWriter::open(options.out);
@@ -246,9 +246,7 @@ Command add_closest_command(CLI::App& app)
     parser->add_flag("--lists", options->lists,
                      "Build closest-feature lists: the same answers, a bound on the slowest query, "
                      "a much longer build");
-    add_budget_option(*parser, options->budget_mb,
-                      "Build lists of so many 10^6 bytes at most (default: 520 bytes per triangle, "
-                      "more for small meshes)");
+    add_list_budget_option(*parser, options->lists_mb);
     add_query_method_option(*parser, options->method,
                             "its proximity octree, of convex meshes, for points outside");
     parser
@@ -265,7 +263,7 @@ Command add_closest_command(CLI::App& app)
         check_points_given(options->points);
         check_method_options(*parser, options->method);
     });
-    refuse_beside_index_file(*parser, options->model, {"--lists", "--budget-mb"});
+    refuse_beside_index_file(*parser, options->model, {"--lists", "--lists-mb"});
     return {parser, [options](Session& session) { return run_closest(*options, session); }};
 }
 

@@ -67,8 +67,9 @@ std::string advice_of(const Error& error, const CLI::App& parser)
     const std::size_t at = text.rfind(raise);
     if (error.code == ErrorCode::budget_exceeded && at != std::string::npos) {
         text.replace(at, raise.size(),
-                     parser.get_option_no_throw("--budget-mb") != nullptr
-                         ? "raise --budget-mb"
+                     parser.get_option_no_throw("--budget-mb") != nullptr ? "raise --budget-mb"
+                     : parser.get_option_no_throw("--lists-mb") != nullptr
+                         ? "raise --lists-mb"
                          : "give it more memory (ulimit -v, where that is the limit)");
     }
     return text;
@@ -159,6 +160,7 @@ int run_command_line(int argc, char** argv, const char* version,
         return parse_and_run(argc, argv, version, commands);
     } catch (const std::bad_alloc&) {
         report("out of memory: give it more, a smaller task, or, where there is one, a --budget-mb "
+               "or --lists-mb "
                "that this machine has");
     } catch (const std::exception& error) {
         report(error.what());

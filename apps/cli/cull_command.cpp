@@ -1,5 +1,6 @@
 // proxima cull: the triangles and cells within a view volume (thesis section 5.4).
 #include "base/file_extension.h"
+#include "cli/camera_options.h"
 #include "cli/commands.h"
 #include "cli/index_file_model.h"
 #include "cli/model_options.h"
@@ -14,6 +15,7 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
+#include <cmath>
 #include <fmt/core.h>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -27,8 +29,10 @@ namespace {
 struct CullOptions {
     std::string model;
     std::string frustum;
+    CameraChoice camera; ///< without a frustum
     std::string out;
     std::string picture;
+    std::optional<Vec2> picture_angles;
     bool exact = false;
     QueryMethod method = QueryMethod::index;
     int depth = 5;
@@ -56,15 +60,39 @@ Result<ViewVolume> read_volume(const std::string& path, Progress* progress)
     return volume;
 }
 
+/// What the camera sees: its picture's sides, and what is not right at the eye.
+Result<ViewVolume> volume_of_camera(const CullOptions& options, const TriangleMesh& mesh)
+{
+    const CameraChoice choice = for_model(options.camera, options.model);
+    const auto camera = placed_camera(choice, points_to_frame(mesh.positions()));
+    if (!camera) return tl::unexpected(camera.error());
+    const View view(*camera, choice.size);
+    return make_perspective_volume(
+        {.eye = view.eye(),
+         .forward = -view.back(),
+         .up = view.up(),
+         .field_of_view = 2.0 * std::atan(1.0 / camera->zoom),
+         .aspect = static_cast<double>(choice.size.width) / choice.size.height,
+         .near = view.near()});
+}
+
 Status check_options(const CullOptions& options, const Session& session)
 {
+    // With a frustum, --up is for the picture.
+    CameraChoice camera = options.camera;
+    if (!options.frustum.empty()) camera.up = {};
+    if (options.frustum.empty() != camera.has_any()) {
+        return fail(ErrorCode::invalid_argument,
+                    "give either the planes of --frustum or a camera: --view, --eye, --target, "
+                    "--fov, --up",
+                    "cull");
+    }
     if (options.exact && options.method == QueryMethod::thesis) {
         return fail(ErrorCode::invalid_argument,
                     "is of --method index: the thesis's method draws all that visible cells list",
                     "--exact");
     }
-    if (!options.picture.empty() && lower_case_extension(options.picture) != ".png")
-        return fail(ErrorCode::unsupported_format, "a picture is a .png file", options.picture);
+    if (Status status = check_picture(options.picture); !status) return status;
     if (!options.out.empty())
         if (Status status = check_triangle_file_format(options.out); !status) return status;
     return session.check_outputs({options.out, options.picture});
@@ -92,7 +120,8 @@ Result<std::unique_ptr<Culled>> prepare(const CullOptions& options, Session& ses
     if (!mesh) return tl::unexpected(mesh.error());
     culled->mesh = std::move(*mesh);
     const ProgressBar shown(session.progress(), session.bar());
-    auto volume = read_volume(options.frustum, &session.progress());
+    auto volume = options.frustum.empty() ? volume_of_camera(options, culled->mesh)
+                                          : read_volume(options.frustum, &session.progress());
     if (!volume) return tl::unexpected(volume.error());
     culled->volume = std::move(*volume);
     const Stopwatch watch;
@@ -190,9 +219,13 @@ Status run_cull(const CullOptions& options, Session& session)
                 return status;
         }
         if (!options.picture.empty()) {
+            const CameraChoice view = for_model({.angles = options.picture_angles,
+                                                 .up = options.camera.up,
+                                                 .size = options.camera.size},
+                                                options.model);
             const auto image = draw_octree(
                 culled.octree, culled.mesh,
-                {.up = up_axis_of_model(options.model),
+                {.view = view,
                  .volume = &culled.volume,
                  .mode = options.method == QueryMethod::thesis ? CullMode::exact : mode_of(options),
                  .execution = {.progress = &session.progress()}});
@@ -230,10 +263,10 @@ Command add_cull_command(CLI::App& app)
     add_model_option(*parser, options->model, ModelKinds::meshes_and_indexes);
     parser
         ->add_option("--frustum", options->frustum,
-                     "The view volume: .npy, else CSV, of a,b,c,d per plane, inside where "
-                     "a x + b y + c z + d >= 0")
-        ->required()
+                     "The view volume: .npy, or text, of a,b,c,d per plane, inside where "
+                     "a x + b y + c z + d >= 0; - for stdin")
         ->type_name("FILE");
+    add_camera_options(*parser, options->camera, "what is culled");
     parser
         ->add_option(
             "--out", options->out,
@@ -243,15 +276,14 @@ Command add_cull_command(CLI::App& app)
         ->add_option("--picture", options->picture,
                      "Draw the mesh with visible triangles and cells highlighted: .png")
         ->type_name("FILE");
+    add_direction_option(*parser, "--picture-view", options->picture_angles, "the picture");
+    add_size_option(*parser, options->camera.size, "the picture, whose shape the camera has too,",
+                    most_canvas_pixels);
     parser->add_flag("--exact", options->exact,
                      "Only what has a point in common with the view volume; without it, all that "
                      "no single plane excludes");
     add_query_method_option(*parser, options->method, "all triangles of the visible cells");
-    parser->add_option("--depth", options->depth, "Depth of the octree for cells")
-        ->check(CLI::Range(0, max_octree_depth))
-        ->type_name("N");
-    parser->add_option("--threshold", options->threshold, "Split cells of more triangles than this")
-        ->type_name("N");
+    add_cell_options(*parser, options->depth, options->threshold);
     return {parser, [options](Session& session) { return run_cull(*options, session); }};
 }
 

@@ -37,11 +37,11 @@ struct GeneralRow {
 
 std::uint64_t budget_of(const ProximityCommandOptions& options, const TriangleMesh& mesh)
 {
-    return options.budget_mb != 0 ? options.budget_mb * 1'000'000
-                                  : default_list_bytes(mesh.triangle_count());
+    return options.lists_mb != 0 ? options.lists_mb * 1'000'000
+                                 : default_list_bytes(mesh.triangle_count());
 }
 
-/// To --save and --export.
+/// To --save and --out.
 Status write_index(const ProximityCommandOptions& options, const MeshIndex& index, Session& session)
 {
     Progress* const progress = &session.progress();
@@ -50,7 +50,7 @@ Status write_index(const ProximityCommandOptions& options, const MeshIndex& inde
         if (!status) return status;
         session.print(fmt::format("wrote {}\n", options.save));
     }
-    for (const std::string& path : options.exports) {
+    for (const std::string& path : options.outs) {
         Status status =
             export_proximity(*index.parts().lists(), path, {.execution = {.progress = progress}});
         if (!status) return status;

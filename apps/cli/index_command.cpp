@@ -24,7 +24,7 @@ struct IndexOptions {
     std::string model;
     std::string save;
     bool lists = false;
-    std::uint64_t budget_mb = 0; ///< of lists; 0: the library's own
+    std::uint64_t lists_mb = 0; ///< of lists; 0: the library's own
     bool slabs = false;
     bool signs = false;
 };
@@ -33,9 +33,9 @@ struct IndexOptions {
 Result<MeshIndex> with_additions(MeshIndex index, const IndexOptions& options, Session& session)
 {
     const Execution execution = {.threads = session.threads(), .progress = &session.progress()};
-    if (options.lists || options.budget_mb != 0) {
-        auto listed = with_lists(
-            index, {.list_bytes = options.budget_mb * 1'000'000, .execution = execution});
+    if (options.lists || options.lists_mb != 0) {
+        auto listed =
+            with_lists(index, {.list_bytes = options.lists_mb * 1'000'000, .execution = execution});
         if (!listed) return listed;
         index = std::move(*listed);
     }
@@ -128,9 +128,7 @@ Command add_index_command(CLI::App& app)
         ->type_name("FILE");
     parser->add_flag("--lists", options->lists,
                      "With closest-feature lists, which bound the slowest query");
-    add_budget_option(*parser, options->budget_mb,
-                      "With lists, of so many 10^6 bytes at most (default: 520 bytes per triangle, "
-                      "more for small meshes)");
+    add_list_budget_option(*parser, options->lists_mb);
     parser->add_flag("--slabs", options->slabs, "With slabs, which speed up distances of meshes");
     parser->add_flag("--signs", options->signs,
                      "With signs, which tell inside from outside (closest --signed)");

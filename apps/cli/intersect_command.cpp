@@ -3,6 +3,7 @@
 #include "base/output_file.h"
 #include "base/text.h"
 #include "cli/answer_table.h"
+#include "cli/camera_options.h"
 #include "cli/commands.h"
 #include "cli/index_file_model.h"
 #include "cli/intersection_files.h"
@@ -42,6 +43,7 @@ struct IntersectOptions {
     std::string pairs;
     std::string contour;
     std::string picture;
+    CameraChoice view;
     bool cells = false;
     bool distance = false;
     QueryMethod method = QueryMethod::index;
@@ -82,7 +84,7 @@ Status check_options(const IntersectOptions& options, const Session& session)
                     fmt::format("{} writes {} alone", option, extension), path);
     };
     if (Status status = wants(options.contour, ".obj", "--contour"); !status) return status;
-    if (Status status = wants(options.picture, ".png", "--picture"); !status) return status;
+    if (Status status = check_picture(options.picture); !status) return status;
     if (options.distance && options.method == QueryMethod::thesis) {
         return fail(ErrorCode::invalid_argument,
                     "is of --method index: the thesis has no distance between meshes",
@@ -364,7 +366,7 @@ Status run_intersect(const IntersectOptions& options, Session& session)
                 const auto image =
                     draw_intersection({a->mesh, b->mesh, a->octree, b->octree, poses[0],
                                        answer.leaves, answer.contour},
-                                      {.up = up_axis_of_model(options.model_a),
+                                      {.view = for_model(options.view, options.model_a),
                                        .execution = {.progress = &session.progress()}});
                 if (!image) return tl::unexpected(image.error());
                 if (Status status = write_png(*image, options.picture, &session.progress());
@@ -423,22 +425,16 @@ Command add_intersect_command(CLI::App& app)
         ->type_name("FILE");
     parser->add_option("--contour", options->contour, "Write the contours as polylines: .obj")
         ->type_name("FILE");
-    parser
-        ->add_option("--picture", options->picture,
-                     "Draw the first pose: .png of the cells that meet, their triangles and the "
-                     "contour")
-        ->type_name("FILE");
+    add_picture_options(
+        *parser, options->picture, options->view,
+        "Draw the first pose: the cells that meet, their triangles and the contour");
     parser->add_flag("--cells", options->cells, "Count the leaves of the octrees that meet, too");
     parser->add_flag("--distance", options->distance,
                      "How far the surfaces are apart, and their closest points");
     add_query_method_option(*parser, options->method,
                             "double recursion of two octrees, and the triangles of leaves that "
                             "meet");
-    parser->add_option("--depth", options->depth, "Depth of the octrees, for cells")
-        ->check(CLI::Range(0, max_octree_depth))
-        ->type_name("N");
-    parser->add_option("--threshold", options->threshold, "Split cells of more triangles than this")
-        ->type_name("N");
+    add_cell_options(*parser, options->depth, options->threshold);
     return {parser, [options](Session& session) { return run_intersect(*options, session); }};
 }
 

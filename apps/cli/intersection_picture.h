@@ -22,7 +22,7 @@ struct IntersectionScene {
     const IntersectionContour& contour;
 };
 
-/// Three-quarter from above. Error cancelled.
+/// Errors: cancelled, and those of placed_camera.
 [[nodiscard]] Result<Image> draw_intersection(const IntersectionScene& scene,
                                               const PictureOptions& options = {});
 

@@ -244,17 +244,19 @@ Command add_minkowski_command(CLI::App& app)
                 throw CLI::ValidationError(
                     "--method", concat(name, " is no method: they are arcs, geometric and hull"));
             },
-            "arcs (the fast one), geometric, hull (the thesis's)")
+            "arcs (the fast one, default), geometric, hull (the thesis's)")
         ->type_name("NAME");
     parser
         ->add_option(
             "--scale", options->scale,
             "Sum A and this many times B; -1 mirrors B: A + (-B) is what keeps B, moved, off A")
+        ->capture_default_str()
         ->type_name("L");
     parser
         ->add_option(
             "--tolerance", options->tolerance,
             "How far a model may be from convex, as a fraction of its bounding box's diagonal")
+        ->capture_default_str()
         ->type_name("T");
     parser->add_flag("--hull", options->take_hull, "Sum the convex hulls of the models");
     parser->add_flag("--count-operations", options->count_operations,

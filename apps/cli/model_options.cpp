@@ -7,6 +7,7 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
+#include <limits>
 #include <utility>
 
 namespace proxima {
@@ -37,7 +38,7 @@ void add_method_option(CLI::App& parser, OverlapMethod& method)
                 }
                 method = *found;
             },
-            concat("Overlap test: ", method_names()))
+            concat("Overlap test: ", method_names(), " (default fast)"))
         ->type_name("NAME");
 }
 
@@ -49,9 +50,31 @@ CLI::Option* add_budget_option(CLI::App& parser, std::uint64_t& megabytes,
         ->type_name("N");
 }
 
-UpAxis up_axis_of_model(const std::string& model)
+CLI::Option* add_list_budget_option(CLI::App& parser, std::uint64_t& megabytes)
 {
-    return is_sample_mesh_name(model) ? UpAxis::z : UpAxis::y;
+    return parser
+        .add_option("--lists-mb", megabytes,
+                    "Build closest-feature lists of so many 10^6 bytes at most (default: 520 bytes "
+                    "per triangle, more for small meshes)")
+        ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40U))
+        ->type_name("N");
+}
+
+void add_cell_options(CLI::App& parser, int& depth, std::uint32_t& threshold)
+{
+    parser.add_option("--depth", depth, "Deepest level of the octree for cells, the root is 0")
+        ->check(CLI::Range(0, max_octree_depth))
+        ->capture_default_str()
+        ->type_name("N");
+    parser.add_option("--threshold", threshold, "Split cells of more triangles than this")
+        ->check(CLI::Range(std::uint32_t{1}, std::numeric_limits<std::uint32_t>::max()))
+        ->capture_default_str()
+        ->type_name("N");
+}
+
+Vec3 up_axis_of_model(const std::string& model)
+{
+    return is_sample_mesh_name(model) ? Vec3::UnitZ() : Vec3::UnitY();
 }
 
 tl::unexpected<Error> at_model(Error error, const std::string& model)

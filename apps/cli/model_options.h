@@ -1,7 +1,7 @@
 // The options that several subcommands have in the same words.
 #pragma once
 
-#include "cli/octree_picture.h"
+#include "proxima/geometry.h"
 #include "proxima/octree.h"
 #include "proxima/result.h"
 
@@ -33,8 +33,14 @@ void add_method_option(CLI::App& parser, OverlapMethod& method);
 CLI::Option* add_budget_option(CLI::App& parser, std::uint64_t& megabytes,
                                const std::string& description);
 
+/// --lists-mb N: lists of closest features of so many 10^6 bytes at most.
+CLI::Option* add_list_budget_option(CLI::App& parser, std::uint64_t& megabytes);
+
+/// --depth N and --threshold N of the octree for cells.
+void add_cell_options(CLI::App& parser, int& depth, std::uint32_t& threshold);
+
 /// The up axis that a model is drawn with: built-ins stand on z, files mostly on y.
-[[nodiscard]] UpAxis up_axis_of_model(const std::string& model);
+[[nodiscard]] Vec3 up_axis_of_model(const std::string& model);
 
 /// The error with the model as its place, where it named none.
 [[nodiscard]] tl::unexpected<Error> at_model(Error error, const std::string& model);

@@ -2,6 +2,7 @@
 // it.
 #include "base/file_extension.h"
 #include "base/text.h"
+#include "cli/camera_options.h"
 #include "cli/commands.h"
 #include "cli/model_options.h"
 #include "cli/names.h"
@@ -38,7 +39,9 @@ struct OctreeCommandOptions {
     RootShape root = RootShape::cube;
     std::uint64_t budget_mb = 0;
     std::string save;
-    std::vector<std::string> exports;
+    std::vector<std::string> outs;
+    std::string picture;
+    CameraChoice view;
 };
 
 /// Refuses before the work what could not be written after it.
@@ -49,16 +52,17 @@ Status check_outputs(const OctreeCommandOptions& options, const Session& session
         return fail(ErrorCode::invalid_argument,
                     "is of --method minkowski, without --exact and --two-pass", "--as-printed");
     }
-    std::vector<std::string> files = {options.save};
-    for (const std::string& path : options.exports) {
-        constexpr std::array known = {".png", ".vtu", ".htg", ".glb", ".ply"};
+    std::vector<std::string> files = {options.save, options.picture};
+    for (const std::string& path : options.outs) {
+        constexpr std::array known = {".vtu", ".htg", ".glb", ".ply"};
         if (path != "-" && std::ranges::find(known, lower_case_extension(path)) == known.end()) {
             return fail(ErrorCode::unsupported_format,
-                        "unknown extension: export to .png, .vtu, .htg, .glb or .ply", path);
+                        "unknown extension: cells are written to .vtu, .htg, .glb or .ply", path);
         }
         files.push_back(path);
     }
     if (Status status = session.check_outputs(files); !status) return status;
+    if (Status status = check_picture(options.picture); !status) return status;
     return check_extension(options.save, ".pxo");
 }
 
@@ -70,12 +74,14 @@ struct OctreeAndMesh {
 };
 
 /// The picture, of the cells alone where there is no mesh.
-Status draw(const OctreeAndMesh& model, UpAxis up, const std::string& path, Progress& progress)
+Status draw(const OctreeCommandOptions& options, const OctreeAndMesh& model, Progress& progress)
 {
+    const std::string& shape = options.mesh.empty() ? options.model : options.mesh;
     const auto image =
-        draw_octree(model.octree, model.mesh, {.up = up, .execution = {.progress = &progress}});
+        draw_octree(model.octree, model.mesh,
+                    {.view = for_model(options.view, shape), .execution = {.progress = &progress}});
     if (!image) return tl::unexpected(image.error());
-    return write_png(*image, path, &progress);
+    return write_png(*image, options.picture, &progress);
 }
 
 Status write_outputs(const OctreeCommandOptions& options, const OctreeAndMesh& model,
@@ -96,17 +102,15 @@ Status write_outputs(const OctreeCommandOptions& options, const OctreeAndMesh& m
         };
         if (auto status = write(options.save, save); !status) return status;
     }
-    const std::string& shape = options.mesh.empty() ? options.model : options.mesh;
-    for (const std::string& path : options.exports) {
-        const auto write_export = [&] {
-            return lower_case_extension(path) == ".png"
-                       ? draw(model, up_axis_of_model(shape), path, *progress)
-                       : export_octree(model.octree, model.mesh, path,
-                                       {.execution = {.progress = progress}});
+    for (const std::string& path : options.outs) {
+        const auto write_cells = [&] {
+            return export_octree(model.octree, model.mesh, path,
+                                 {.execution = {.progress = progress}});
         };
-        if (auto status = write(path, write_export); !status) return status;
+        if (auto status = write(path, write_cells); !status) return status;
     }
-    return {};
+    if (options.picture.empty()) return {};
+    return write(options.picture, [&] { return draw(options, model, *progress); });
 }
 
 Result<OctreeAndMesh> build(const OctreeCommandOptions& options, Session& session)
@@ -194,14 +198,7 @@ Command add_octree_command(CLI::App& app)
         "octree", "Build or load the octree of a mesh, report its size, save and export it");
     const auto options = std::make_shared<OctreeCommandOptions>();
     add_model_option(*parser, options->model, ModelKinds::meshes_and_octrees);
-    parser->add_option("--depth", options->depth, "Deepest level, the root is 0")
-        ->check(CLI::Range(0, max_octree_depth))
-        ->capture_default_str()
-        ->type_name("N");
-    parser->add_option("--threshold", options->threshold, "Split cells of more triangles than this")
-        ->check(CLI::Range(std::uint32_t{1}, std::numeric_limits<std::uint32_t>::max()))
-        ->capture_default_str()
-        ->type_name("N");
+    add_cell_options(*parser, options->depth, options->threshold);
     add_method_option(*parser, options->method);
     parser->add_flag("--exact", options->exact,
                      "Decide overlaps exactly with the thesis's methods too, as fast always does");
@@ -229,10 +226,13 @@ Command add_octree_command(CLI::App& app)
     parser->add_option("--save", options->save, "Write the octree's own format")
         ->type_name("FILE.pxo");
     parser
-        ->add_option("--export", options->exports,
-                     "Write the octree as a picture (.png), for ParaView (.vtu, .htg), or as boxes "
-                     "(.glb, .ply)")
+        ->add_option("--out", options->outs,
+                     "Write the cells: for ParaView (.vtu, .htg), or as boxes (.glb, .ply); again "
+                     "for more")
+        ->allow_extra_args(false)
         ->type_name("FILE");
+    add_picture_options(*parser, options->picture, options->view,
+                        "Draw the mesh and the leaves that hold triangles");
     add_mesh_option(*parser, options->model, ModelKinds::meshes_and_octrees, options->mesh,
                     {"--depth", "--threshold", "--method", "--exact", "--as-printed", "--uniform",
                      "--two-pass", "--root", "--budget-mb"});

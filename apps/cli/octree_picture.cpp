@@ -63,54 +63,6 @@ struct LeafCollector {
     }
 };
 
-Vec3 box_corner(const Box& box, int bits)
-{
-    return {(bits & 1) != 0 ? box.upper.x() : box.lower.x(),
-            (bits & 2) != 0 ? box.upper.y() : box.lower.y(),
-            (bits & 4) != 0 ? box.upper.z() : box.lower.z()};
-}
-
-/// Which of the two faces across `axis` the eye sees: -1 lower, 1 upper, 0 neither.
-int seen_side(const Box& box, const Vec3& eye, int axis)
-{
-    return eye[axis] < box.lower[axis] ? -1 : eye[axis] > box.upper[axis] ? 1 : 0;
-}
-
-void hide_lines_behind(Canvas& canvas, const Camera& camera, const Box& box)
-{
-    for (int axis = 0; axis < 3; ++axis) {
-        const int side = seen_side(box, camera.eye(), axis);
-        if (side == 0) continue;
-        const int fixed = side > 0 ? 1 << axis : 0;
-        const int b = 1 << ((axis + 1) % 3);
-        const int c = 1 << ((axis + 2) % 3);
-        const auto at = [&](int bits) { return camera.project(box_corner(box, fixed | bits)); };
-        canvas.hide_lines_behind({at(0), at(b), at(b | c)});
-        canvas.hide_lines_behind({at(0), at(b | c), at(c)});
-    }
-}
-
-/// Draws the edges of the faces that the eye sees.
-void draw_edges(Canvas& canvas, const Camera& camera, const Box& box, const Color& color,
-                const LineStyle& style)
-{
-    for (int axis = 0; axis < 3; ++axis) {
-        const int b = (axis + 1) % 3;
-        const int c = (axis + 2) % 3;
-        for (int sides = 0; sides < 4; ++sides) {
-            const int side_b = (sides & 1) != 0 ? 1 : -1;
-            const int side_c = (sides & 2) != 0 ? 1 : -1;
-            if (seen_side(box, camera.eye(), b) != side_b &&
-                seen_side(box, camera.eye(), c) != side_c) {
-                continue;
-            }
-            const int bits = (side_b > 0 ? 1 << b : 0) | (side_c > 0 ? 1 << c : 0);
-            canvas.draw_line(camera.project(box_corner(box, bits)),
-                             camera.project(box_corner(box, bits | 1 << axis)), color, style);
-        }
-    }
-}
-
 /// The leaves that hold triangles and are seen, fine ones first.
 std::vector<Leaf> occupied_leaves(const Octree& octree, const PictureOptions& options)
 {
@@ -128,7 +80,7 @@ std::vector<Leaf> occupied_leaves(const Octree& octree, const PictureOptions& op
     return leaves;
 }
 
-void draw_leaves(Canvas& canvas, const Camera& camera, std::span<const Leaf> leaves,
+void draw_leaves(Canvas& canvas, const View& view, std::span<const Leaf> leaves,
                  const PictureOptions& options)
 {
     StageSteps steps(options.execution.progress, "drawing the cells", 2 * leaves.size(),
@@ -142,18 +94,18 @@ void draw_leaves(Canvas& canvas, const Camera& camera, std::span<const Leaf> lea
     std::size_t paned = 0;
     for (const Leaf& leaf : leaves) {
         while (paned < leaves.size() && depth(leaves[paned].key) == depth(leaf.key)) {
-            hide_lines_behind(canvas, camera, leaves[paned].box);
+            hide_lines_behind(canvas, view, corners(leaves[paned].box));
             ++paned;
             if (!steps.done(1)) return;
         }
-        const ScreenPoint lower = camera.project(leaf.box.lower);
-        const ScreenPoint upper = camera.project(leaf.box.upper);
-        const double pixels = std::hypot(upper.x - lower.x, upper.y - lower.y);
+        // As long as its diagonal would be across the view.
+        const double distance = std::max(view.depth(leaf.box.center()), view.near());
+        const double pixels = view.pixels_at(distance) * leaf.box.extent().norm();
         const double part = static_cast<double>(depth(leaf.key) - coarsest) / (finest - coarsest);
         const LineStyle style{.width = std::clamp(0.05 * pixels, 0.9, 2.0),
                               .opacity = static_cast<float>(std::clamp(0.04 * pixels, 0.18, 0.95)),
                               .lift = 2e-3};
-        draw_edges(canvas, camera, leaf.box, depth_color(part), style);
+        draw_box_edges(canvas, view, corners(leaf.box), depth_color(part), style);
         if (!steps.done(1)) return;
     }
 }
@@ -163,30 +115,28 @@ void draw_leaves(Canvas& canvas, const Camera& camera, std::span<const Leaf> lea
 Result<Image> draw_octree(const Octree& octree, const TriangleMesh& mesh,
                           const PictureOptions& options)
 {
-    Canvas canvas(options.width, options.height, options.execution.progress);
+    const ViewSize size = options.view.size;
+    Canvas canvas(size.width, size.height, options.execution.progress);
     canvas.fill_background(srgb(0xFBFCFE), srgb(0xE3E8EF));
     const std::vector<Leaf> leaves = occupied_leaves(octree, options);
-    std::vector<Vec3> corners;
-    for (const Leaf& leaf : leaves) {
-        for (int bits = 0; bits < 8; ++bits) corners.push_back(box_corner(leaf.box, bits));
-    }
-    Box shown = bounding_box(mesh);
-    if (shown.empty()) {
-        for (const Vec3& corner : corners) shown.extend(corner);
-    }
-    // With a volume the whole mesh is shown, its leaves are not all there.
-    for (int bits = 0; bits < 8 && options.volume != nullptr && !shown.empty(); ++bits)
-        corners.push_back(box_corner(shown, bits));
+    std::vector<Vec3> shown;
+    const auto show = [&](const Box& box) {
+        for (const Vec3& corner : corners(box)) shown.push_back(corner);
+    };
     if (options.frame) {
-        corners.clear();
-        for (int bits = 0; bits < 8; ++bits) corners.push_back(box_corner(*options.frame, bits));
+        show(*options.frame);
+    } else {
+        for (const Leaf& leaf : leaves) show(leaf.box);
+        // With a volume the whole mesh is shown, its leaves are not all there.
+        if (options.volume != nullptr) shown = points_to_frame(mesh.positions());
     }
-    Camera camera(shown, options.up);
-    camera.fit(corners, options.width, options.height);
-    draw_mesh(canvas, camera, mesh, surface_color(mesh, options), options.execution.progress);
+    const auto camera = placed_camera(options.view, shown);
+    if (!camera) return tl::unexpected(camera.error());
+    const View view(*camera, size);
+    draw_mesh(canvas, view, mesh, surface_color(mesh, options), options.execution.progress);
     begin_stage(options.execution.progress, "shading", 1);
     canvas.darken_creases(14.0, 0.55F);
-    draw_leaves(canvas, camera, leaves, options);
+    draw_leaves(canvas, view, leaves, options);
     Image image = canvas.image();
     if (is_cancelled(options.execution.progress)) {
         return cancelled("drawing");

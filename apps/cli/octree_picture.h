@@ -2,6 +2,7 @@
 // or with the part that a camera sees set off.
 #pragma once
 
+#include "cli/camera_options.h"
 #include "cli/image.h"
 #include "proxima/cull.h"
 #include "proxima/execution.h"
@@ -14,12 +15,8 @@
 
 namespace proxima {
 
-enum class UpAxis { y, z };
-
 struct PictureOptions {
-    int width = 1600;
-    int height = 1200;
-    UpAxis up = UpAxis::y; ///< which axis of the mesh points up in the picture
+    CameraChoice view = {};
     /// Where given: triangles that it does not see are drawn dark, and leaves that it does not see
     /// are left out.
     const ViewVolume* volume = nullptr;
@@ -32,9 +29,9 @@ struct PictureOptions {
     Execution execution = {}; ///< stages "drawing the mesh", "shading" and "drawing the cells"
 };
 
-/// Draws the mesh, shaded, and the edges of the leaves that hold triangles, seen three-quarter from
-/// above. A mesh without triangles leaves the cells alone. Error cancelled. \pre octree was built
-/// from the mesh unless that has no triangles, sizes are positive
+/// Draws the mesh, shaded, and the edges of the leaves that hold triangles. A mesh without triangles
+/// leaves the cells alone. Errors: cancelled, and those of placed_camera. \pre octree was built from
+/// the mesh unless that has no triangles, sizes are positive
 [[nodiscard]] Result<Image> draw_octree(const Octree& octree, const TriangleMesh& mesh,
                                         const PictureOptions& options = {});
 

@@ -13,12 +13,6 @@ namespace proxima {
 
 namespace {
 
-// The eye looks from the right, a little above, at a scene scaled to radius 1.
-constexpr double azimuth = 0.42;   // radians from the front
-constexpr double elevation = 0.30; // radians above the horizon
-constexpr double eye_distance = 4.0;
-constexpr double margin = 0.05; // of the picture, kept free on each side
-
 /// Few enough triangles to be drawn in some milliseconds.
 constexpr std::uint64_t triangles_per_step = 256;
 
@@ -34,15 +28,40 @@ std::vector<Vec3> vertex_normals(const TriangleMesh& mesh, StageSteps& steps)
     return normals;
 }
 
+void draw_visible_part(Canvas& canvas, const View& view, const Triangle& triangle,
+                       const std::array<Color, 3>& colors)
+{
+    const VisiblePart part = visible_part(view, triangle);
+    std::array<ScreenVertex, 4> corners;
+    for (std::size_t i = 0; i < part.count; ++i)
+        corners[i] = {view.project(part.position(triangle, i)), part.color(colors, i)};
+    if (part.count >= 3) canvas.draw_triangle({corners[0], corners[1], corners[2]});
+    if (part.count == 4) canvas.draw_triangle({corners[0], corners[2], corners[3]});
+}
+
+/// Whether the eye sees the face of the box across an axis, the lower or the upper one.
+bool is_seen(const BoxCorners& box, unsigned axis, bool upper, const Vec3& eye)
+{
+    const Vec3& at = box[upper ? 1U << axis : 0U];
+    const Vec3 outward = box[1U << axis] - box[0];
+    return (eye - at).dot(upper ? outward : Vec3(-outward)) > 0;
+}
+
+bool is_inside(const BoxCorners& box, const Vec3& eye)
+{
+    for (unsigned axis = 0; axis < 3; ++axis)
+        if (is_seen(box, axis, false, eye) || is_seen(box, axis, true, eye)) return false;
+    return true;
+}
+
 } // namespace
 
-void draw_mesh(Canvas& canvas, const Camera& camera, const TriangleMesh& mesh,
+void draw_mesh(Canvas& canvas, const View& view, const TriangleMesh& mesh,
                const SurfaceColor& color, Progress* progress)
 {
     constexpr double smooth_below = 0.7; // cosine of the angle between a face and its smooth normal
     const Color clay = srgb(0xE9E1D2);
-    const Lamps lamps(camera.from_screen(Vec3::UnitX()), camera.from_screen(Vec3::UnitY()),
-                      camera.from_screen(Vec3::UnitZ()));
+    const Lamps lamps(view.right(), view.up(), view.back());
     StageSteps steps(progress, "drawing the mesh", 2 * mesh.triangle_count(), triangles_per_step);
     const std::vector<Vec3> normals = vertex_normals(mesh, steps);
     for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
@@ -50,52 +69,64 @@ void draw_mesh(Canvas& canvas, const Camera& camera, const TriangleMesh& mesh,
         const Color surface = color ? color(TriangleId{i}) : clay;
         const Vec3 face = scaled_normal(triangle).normalized();
         // Seen from behind, a surface is lit as if it faced the eye: open meshes show their inside.
-        const double side = face.dot(camera.eye() - triangle[0]) < 0.0 ? -1.0 : 1.0;
-        std::array<ScreenVertex, 3> vertices;
+        const double side = face.dot(view.eye() - triangle[0]) < 0.0 ? -1.0 : 1.0;
+        std::array<Color, 3> colors;
         for (std::size_t corner = 0; corner < 3; ++corner) {
             const Vec3 smooth = normals[mesh.triangles()[i][corner]].normalized();
             const Vec3 normal = side * (smooth.dot(face) > smooth_below ? smooth : face);
-            vertices[corner] = {camera.project(triangle.vertices[corner]),
-                                lamps.shade(normal, surface)};
+            colors[corner] = lamps.shade(normal, surface);
         }
-        canvas.draw_triangle(vertices);
+        draw_visible_part(canvas, view, triangle, colors);
         if (!steps.done(1)) return;
     }
 }
 
-Camera::Camera(const Box& box, UpAxis up)
-    : center_(box.center()), scale_(2.0 / std::max(box.extent().norm(), 1e-300))
+void draw_segment(Canvas& canvas, const View& view, const Vec3& from, const Vec3& to,
+                  const Color& color, const LineStyle& style)
 {
-    const bool y_up = up == UpAxis::y;
-    up_ = y_up ? Vec3(0, 1, 0) : Vec3(0, 0, 1);
-    const Vec3 front = y_up ? Vec3(0, 0, 1) : Vec3(0, -1, 0);
-    const Vec3 side = up_.cross(front);
-    back_ = std::cos(elevation) * (std::cos(azimuth) * front + std::sin(azimuth) * side) +
-            std::sin(elevation) * up_;
-    right_ = up_.cross(back_).normalized();
-    up_ = back_.cross(right_);
-    eye_ = center_ + eye_distance / scale_ * back_;
+    const auto part = visible_part(view, from, to);
+    if (part) canvas.draw_line(view.project((*part)[0]), view.project((*part)[1]), color, style);
 }
 
-void Camera::fit(std::span<const Vec3> points, int width, int height)
+void draw_box_edges(Canvas& canvas, const View& view, const BoxCorners& box, const Color& color,
+                    const LineStyle& style)
 {
-    Eigen::AlignedBox2d seen;
-    for (const Vec3& point : points) {
-        const ScreenPoint at = project(point);
-        seen.extend(Vec2(at.x, at.y));
+    const bool all = is_inside(box, view.eye());
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        const unsigned b = (axis + 1) % 3;
+        const unsigned c = (axis + 2) % 3;
+        for (const bool upper_b : {false, true}) {
+            for (const bool upper_c : {false, true}) {
+                if (!all && !is_seen(box, b, upper_b, view.eye()) &&
+                    !is_seen(box, c, upper_c, view.eye()))
+                    continue;
+                const unsigned bits = (upper_b ? 1U << b : 0U) | (upper_c ? 1U << c : 0U);
+                draw_segment(canvas, view, box[bits], box[bits | 1U << axis], color, style);
+            }
+        }
     }
-    const Vec2 size(width, height);
-    const Vec2 inner_size = (1.0 - 2.0 * margin) * size;
-    zoom_ = (inner_size.array() / seen.sizes().array().max(1e-12)).minCoeff();
-    origin_ = 0.5 * size - zoom_ * seen.center();
 }
 
-ScreenPoint Camera::project(const Vec3& point) const noexcept
+void hide_lines_behind(Canvas& canvas, const View& view, const BoxCorners& box)
 {
-    const Vec3 offset = scale_ * (point - center_);
-    const double nearness = 1.0 / (eye_distance - back_.dot(offset));
-    return {origin_.x() + zoom_ * right_.dot(offset) * nearness,
-            origin_.y() - zoom_ * up_.dot(offset) * nearness, nearness};
+    const auto hide = [&](const Triangle& triangle) {
+        const VisiblePart part = visible_part(view, triangle);
+        std::array<ScreenPoint, 4> corners;
+        for (std::size_t i = 0; i < part.count; ++i)
+            corners[i] = view.project(part.position(triangle, i));
+        if (part.count >= 3) canvas.hide_lines_behind({corners[0], corners[1], corners[2]});
+        if (part.count == 4) canvas.hide_lines_behind({corners[0], corners[2], corners[3]});
+    };
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        const unsigned b = 1U << (axis + 1) % 3;
+        const unsigned c = 1U << (axis + 2) % 3;
+        for (const bool upper : {false, true}) {
+            if (!is_seen(box, axis, upper, view.eye())) continue;
+            const unsigned fixed = upper ? 1U << axis : 0U;
+            hide({{box[fixed], box[fixed | b], box[fixed | b | c]}});
+            hide({{box[fixed], box[fixed | b | c], box[fixed | c]}});
+        }
+    }
 }
 
 } // namespace proxima

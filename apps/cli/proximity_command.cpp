@@ -18,23 +18,23 @@ namespace proxima {
 
 namespace {
 
-/// Whether --save and --export have one octree to write, in a format there is.
+/// Whether --save and --out have one octree to write, in a format there is.
 Status check_octree_outputs(const ProximityCommandOptions& options)
 {
-    const bool asked = !options.save.empty() || !options.exports.empty();
+    const bool asked = !options.save.empty() || !options.outs.empty();
     if (asked && options.method == ProximityMethod::thesis) {
         return fail(ErrorCode::invalid_argument,
-                    "--save and --export write octrees of --method general only");
+                    "--save and --out write octrees of --method general only");
     }
     if (asked && options.depths.size() > 1) {
         return fail(ErrorCode::invalid_argument,
-                    "--save and --export write one octree: name one depth");
+                    "--save and --out write one octree: name one depth");
     }
-    for (const std::string& path : options.exports) {
+    for (const std::string& path : options.outs) {
         const std::string extension = lower_case_extension(path);
         if (extension != ".vtu" && extension != ".htg") {
-            return fail(ErrorCode::unsupported_format, "unknown extension: export to .vtu or .htg",
-                        path);
+            return fail(ErrorCode::unsupported_format,
+                        "unknown extension: cells are written to .vtu or .htg", path);
         }
     }
     return {};
@@ -48,7 +48,7 @@ Status run_proximity(const ProximityCommandOptions& options, Session& session)
         if (path == "-") continue; // session.check_outputs says what is wrong with it
         if (Status status = check_plot_format(path); !status) return status;
     }
-    outputs.insert(outputs.end(), options.exports.begin(), options.exports.end());
+    outputs.insert(outputs.end(), options.outs.begin(), options.outs.end());
     outputs.push_back(options.save);
     if (Status status = session.check_outputs(outputs); !status) return status;
     if (Status status = check_extension(options.save, ".pxi"); !status) return status;
@@ -137,16 +137,18 @@ void settle(const CLI::App& parser, ProximityCommandOptions& options)
         if (!options.budget_curves.empty()) {
             throw CLI::ValidationError("--budget-curve", "it goes with --method general");
         }
+        if (parser.count("--lists-mb") > 0)
+            throw CLI::ValidationError("--lists-mb", "it goes with --method general");
         if (options.depths.empty()) options.depths = {5};
         return;
     }
     if (!options.budget_curves.empty() && options.depths.size() > 1)
         throw CLI::ValidationError("--budget-curve", "it is of one depth: name one or none");
-    for (const char* const name :
-         {"--flat", "--threshold", "--threshold-vertex", "--threshold-edge", "--threshold-face"}) {
+    for (const char* const name : {"--flat", "--budget-mb", "--threshold", "--threshold-vertex",
+                                   "--threshold-edge", "--threshold-face"}) {
         if (parser.count(name) == 0) continue;
         throw CLI::ValidationError(
-            name, "it goes with --method thesis; the general method splits as --budget-mb allows");
+            name, "it goes with --method thesis; the general method splits as --lists-mb allows");
     }
     if (options.depths.empty()) options.depths = {max_list_depth};
     if (options.depths.back() > max_list_depth) {
@@ -180,17 +182,20 @@ Command add_proximity_command(CLI::App& app)
                      "- cos of the faces' angle is below this (1e-5 gives the thesis's 4850 edges)")
         ->check(CLI::Range(0.0, 1.0))
         ->type_name("C");
+    add_list_budget_option(*parser, options->lists_mb);
     add_budget_option(*parser, options->budget_mb,
-                      "Size of the lists at most, in 10^6 bytes (default: 520 bytes per triangle, "
-                      "more for small meshes); "
-                      "thesis: memory its build may use (default: 3/4 of the machine's)");
+                      "With --method thesis: memory its build may use, in 10^6 bytes (default: 3/4 "
+                      "of the machine's)");
     parser
         ->add_option("--save", options->save,
                      "Write the index with the lists: .pxi (general method)")
         ->type_name("FILE");
     parser
-        ->add_option("--export", options->exports,
-                     "Write its cells with the lengths of their lists: .vtu, .htg (general method)")
+        ->add_option(
+            "--out", options->outs,
+            "Write its cells with the lengths of their lists: .vtu, .htg (general method); again "
+            "for more")
+        ->allow_extra_args(false)
         ->type_name("FILE");
     parser
         ->add_option(
@@ -202,9 +207,9 @@ Command add_proximity_command(CLI::App& app)
         ->add_option("--budget-curve", options->budget_curves,
                      "Instead: time queries with octrees of 100 to 12000 bytes per triangle, to "
                      ".csv, .svg, .png (general method)")
-        ->excludes("--budget-mb")
+        ->excludes("--lists-mb")
         ->excludes("--save")
-        ->excludes("--export")
+        ->excludes("--out")
         ->excludes("--histogram")
         ->type_name("FILE");
     parser->parse_complete_callback([parser, options] { settle(*parser, *options); });

@@ -19,11 +19,12 @@ struct ProximityCommandOptions {
     KindThresholds thresholds = {}; ///< of the thesis's method alone
     double margin = 0.5;
     double flat = 0; ///< of the thesis's method: edges of 1 - cos below it are flat; 0: its default
-    std::uint64_t budget_mb = 0; ///< of the result; of the build with the thesis's method
+    std::uint64_t lists_mb = 0;  ///< of the general method; 0: its own
+    std::uint64_t budget_mb = 0; ///< of the thesis's build; 0: 3/4 of the machine's memory
     std::vector<std::string> histograms;
     std::vector<std::string> budget_curves; ///< of the general method: instead of all that
     std::string save;                       ///< .pxi file, of the general method and one depth
-    std::vector<std::string> exports;       ///< .vtu and .htg, the same
+    std::vector<std::string> outs;          ///< .vtu and .htg, the same
 };
 
 /// Builds the proximity octree of any mesh to each of the depths, counts it, times queries, and

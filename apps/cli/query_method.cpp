@@ -23,7 +23,7 @@ void add_query_method_option(CLI::App& parser, QueryMethod& method, std::string_
                 }
                 method = name == "thesis" ? QueryMethod::thesis : QueryMethod::index;
             },
-            concat("What to search: index (the fast one), or thesis: ", how))
+            concat("What to search: index (the fast one, default), or thesis: ", how))
         ->type_name("NAME");
 }
 

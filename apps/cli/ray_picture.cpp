@@ -59,7 +59,7 @@ float usual_most(const std::vector<float>& weights)
 
 } // namespace
 
-Image empty_image(const PictureSize& size)
+Image empty_image(ViewSize size)
 {
     Image image{size.width, size.height, {}};
     image.bytes.resize(3 * static_cast<std::size_t>(size.width) *
@@ -67,8 +67,8 @@ Image empty_image(const PictureSize& size)
     return image;
 }
 
-Image draw_weights(const Octree& octree, const RayList& rays, const PictureSize& size,
-                   Threads threads, Progress* progress)
+Image draw_weights(const Octree& octree, const RayList& rays, ViewSize size, Threads threads,
+                   Progress* progress)
 {
     const auto width = static_cast<std::size_t>(size.width);
     const auto height = static_cast<std::size_t>(size.height);

@@ -17,10 +17,10 @@ namespace proxima {
 /// From black to pale yellow by the weight of the cells with triangles that a pixel's ray goes
 /// through, the sum of penetration * chord / edge; pale yellow are the largest hundredth of those
 /// above zero. \pre a ray per pixel
-[[nodiscard]] Image draw_weights(const Octree& octree, const RayList& rays, const PictureSize& size,
+[[nodiscard]] Image draw_weights(const Octree& octree, const RayList& rays, ViewSize size,
                                  Threads threads, Progress* progress);
 
-[[nodiscard]] Image empty_image(const PictureSize& size);
+[[nodiscard]] Image empty_image(ViewSize size);
 
 /// Draws the pixels from number `first` on, by the angle between ray and face; back faces are
 /// bluish. \pre a ray for each hit

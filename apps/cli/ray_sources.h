@@ -1,7 +1,7 @@
 // Where the rays of proxima raycast come from: a file, or a camera in front of the model.
 #pragma once
 
-#include "cli/octree_picture.h"
+#include "cli/camera.h"
 #include "proxima/execution.h"
 #include "proxima/geometry.h"
 #include "proxima/result.h"
@@ -10,20 +10,10 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
 namespace proxima {
-
-/// Pixels.
-struct PictureSize {
-    int width = 0;
-    int height = 0;
-};
-
-/// "1024x768": both from 1 to 16384, else nothing.
-[[nodiscard]] std::optional<PictureSize> parse_picture_size(std::string_view text) noexcept;
 
 /// Rays of a table ox,oy,oz,dx,dy,dz or ox,oy,oz,dx,dy,dz,tmin,tmax. Errors as read_number_table,
 /// and invalid_argument for a row that is no ray.
@@ -38,10 +28,8 @@ public:
     RayList() = default;
     explicit RayList(std::vector<Ray> rays) : rays_(std::move(rays)), count_(rays_.size()) {}
 
-    /// One ray per pixel, row by row from the top, through its middle: seen three-quarter from
-    /// above, the box's sphere filling the picture. Directions have length 1. \pre the box is not
-    /// empty
-    RayList(const Box& box, const PictureSize& size, UpAxis up);
+    /// One ray per pixel, row by row from the top, through its middle. Directions have length 1.
+    RayList(const OrbitCamera& camera, ViewSize size);
 
     [[nodiscard]] std::size_t count() const noexcept { return count_; }
 
@@ -51,11 +39,8 @@ public:
 private:
     std::vector<Ray> rays_; ///< of a file
     std::size_t count_ = 0;
-    PictureSize size_;
-    Vec3 eye_ = Vec3::Zero();
-    Vec3 toward_eye_ = Vec3::Zero();
-    Vec3 right_ = Vec3::Zero(); ///< a pixel
-    Vec3 above_ = Vec3::Zero(); ///< a pixel
+    std::optional<View> view_;
+    std::size_t width_ = 0;
 };
 
 } // namespace proxima

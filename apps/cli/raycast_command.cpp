@@ -1,6 +1,6 @@
 // proxima raycast: what rays hit, or which cells of the octree they go through.
-#include "base/file_extension.h"
 #include "base/parallel.h"
+#include "cli/camera_options.h"
 #include "cli/commands.h"
 #include "cli/index_file_model.h"
 #include "cli/model_options.h"
@@ -30,10 +30,11 @@ struct RaycastOptions {
     std::string model;
     std::string rays_file;
     std::vector<std::string> rays;
-    std::string camera;
+    CameraChoice camera; ///< where neither is given
+    bool has_camera = false;
     std::string out; ///< "-" for stdout, empty for none
+    std::string picture;
     bool cells = false;
-    bool shade = false;
     QueryMethod method = QueryMethod::index;
     int depth = 5;
     std::uint32_t threshold = 1;
@@ -44,37 +45,18 @@ constexpr std::size_t round_rays = 256 * task_rays; ///< answered before they ar
 constexpr std::size_t task_cell_rays = 64;
 constexpr std::size_t round_cell_rays = 64 * task_cell_rays;
 
-bool is_picture(const RaycastOptions& options)
-{
-    return lower_case_extension(options.out) == ".png";
-}
-
-/// Whether cells are asked for, not triangles.
-bool wants_cells(const RaycastOptions& options)
-{
-    return options.cells || (!options.camera.empty() && !options.shade && is_picture(options));
-}
-
 Status check_options(const RaycastOptions& options, const Session& session)
 {
     const int sources = (options.rays_file.empty() ? 0 : 1) + (options.rays.empty() ? 0 : 1) +
-                        (options.camera.empty() ? 0 : 1);
+                        (options.has_camera ? 1 : 0);
     if (sources != 1) {
-        return fail(ErrorCode::invalid_argument, "give one of --rays, --ray and --camera",
-                    "raycast");
-    }
-    if (!options.camera.empty() && !parse_picture_size(options.camera)) {
         return fail(ErrorCode::invalid_argument,
-                    "a camera is WIDTHxHEIGHT in pixels, each from 1 to 16384", options.camera);
-    }
-    const bool picture = is_picture(options);
-    if (picture && options.camera.empty())
-        return fail(ErrorCode::invalid_argument, "a picture needs --camera", options.out);
-    if (options.shade && !picture) {
-        return fail(ErrorCode::invalid_argument, "--shade needs --camera and --out F.png",
+                    "give one of --rays, --ray and a camera: --picture, --size, --view, --eye, "
+                    "--target, --up, --fov",
                     "raycast");
     }
-    return picture ? session.check_outputs({options.out}) : check_rows(options.out, session);
+    if (Status status = check_picture(options.picture); !status) return status;
+    return check_rows(options.out, session, {options.picture});
 }
 
 /// What rays are cast at, and what came of it.
@@ -83,7 +65,7 @@ struct Casting {
     Octree octree;
     MeshIndex index; ///< empty where cells are asked for or the thesis's method answers
     RayList rays;
-    PictureSize size;
+    ViewSize size;
     double build_seconds = 0;
     double seconds = 0;
     std::uint64_t hits = 0;  ///< rays that hit a triangle
@@ -99,14 +81,17 @@ Result<std::unique_ptr<Casting>> prepare(const RaycastOptions& options, Session&
     const auto box = checked_bounding_box(casting->mesh);
     if (!box) return at_model(box.error(), options.model);
     const ProgressBar shown(session.progress(), session.bar());
-    if (options.camera.empty()) {
+    if (!options.has_camera) {
         auto rays = options.rays.empty() ? read_rays(options.rays_file, &session.progress())
                                          : parse_rays(options.rays);
         if (!rays) return tl::unexpected(rays.error());
         casting->rays = RayList(std::move(*rays));
     } else {
-        casting->size = *parse_picture_size(options.camera);
-        casting->rays = RayList(*box, casting->size, up_axis_of_model(options.model));
+        casting->size = options.camera.size;
+        const auto camera = placed_camera(for_model(options.camera, options.model),
+                                          points_to_frame(casting->mesh.positions()));
+        if (!camera) return tl::unexpected(camera.error());
+        casting->rays = RayList(*camera, casting->size);
     }
     const Stopwatch watch;
     auto octree = build_octree(casting->mesh, {.max_depth = options.depth,
@@ -115,7 +100,7 @@ Result<std::unique_ptr<Casting>> prepare(const RaycastOptions& options, Session&
                                                .execution = session.execution()});
     if (!octree) return at_model(octree.error(), options.model);
     casting->octree = std::move(*octree);
-    if (!wants_cells(options) && options.method == QueryMethod::index) {
+    if (!options.cells && options.method == QueryMethod::index) {
         auto index = index_of_model(options.model, casting->mesh, session);
         if (!index) return tl::unexpected(index.error());
         casting->index = std::move(*index);
@@ -143,8 +128,8 @@ void cast(const RaycastOptions& options, const Casting& casting, const std::vect
 
 Status cast_at_triangles(const RaycastOptions& options, Casting& casting, Session& session)
 {
-    const bool draws = is_picture(options);
-    auto writer = RowWriter::open(draws ? "" : options.out);
+    const bool draws = !options.picture.empty();
+    auto writer = RowWriter::open(options.out);
     if (!writer) return tl::unexpected(writer.error());
     const std::size_t all = casting.rays.count();
     if (Status status = writer->write(hit_header(writer->format(), all)); !status) return status;
@@ -178,7 +163,8 @@ Status cast_at_triangles(const RaycastOptions& options, Casting& casting, Sessio
             if (Status status = session.check_running(); !status) return status;
         }
     }
-    return draws ? write_png(image, options.out, &session.progress()) : writer->commit();
+    if (Status status = writer->commit(); !status || !draws) return status;
+    return write_png(image, options.picture, &session.progress());
 }
 
 /// How many cells all rays go through.
@@ -241,23 +227,24 @@ Status write_cells(const RaycastOptions& options, const Casting& casting, Sessio
 Status cast_at_cells(const RaycastOptions& options, Casting& casting, Session& session)
 {
     if (Status status = count_cells(casting, session); !status) return status;
-    if (!is_picture(options)) return write_cells(options, casting, session);
+    if (Status status = write_cells(options, casting, session); !status || options.picture.empty())
+        return status;
     const ProgressBar shown(session.progress(), session.bar());
     const Image image = draw_weights(casting.octree, casting.rays, casting.size, session.threads(),
                                      &session.progress());
     if (Status status = session.check_running(); !status) return status;
-    return write_png(image, options.out, &session.progress());
+    return write_png(image, options.picture, &session.progress());
 }
 
 Status run_raycast(const RaycastOptions& given, Session& session)
 {
     RaycastOptions options = given;
-    if (options.camera.empty()) options.out = rows_path(given.out, session);
+    if (!options.has_camera) options.out = rows_path(given.out, session);
     if (Status status = check_options(options, session); !status) return status;
     const auto prepared = prepare(options, session);
     if (!prepared) return tl::unexpected(prepared.error());
     Casting& casting = **prepared;
-    const bool cells = wants_cells(options);
+    const bool cells = options.cells;
     Status status = cells ? cast_at_cells(options, casting, session)
                           : cast_at_triangles(options, casting, session);
     if (!status) return status;
@@ -275,7 +262,8 @@ Status run_raycast(const RaycastOptions& given, Session& session)
                         casting.build_seconds, queries, 1e3 * casting.seconds, each);
         text += cells ? fmt::format("{} cells\n", casting.cells)
                       : fmt::format("{} hit\n", casting.hits);
-        if (!options.out.empty()) text += fmt::format("wrote {}\n", options.out);
+        for (const std::string& path : {options.out, options.picture})
+            if (!path.empty()) text += fmt::format("wrote {}\n", path);
         session.print(text);
     }
     nlohmann::ordered_json json = {
@@ -306,28 +294,27 @@ Command add_raycast_command(CLI::App& app)
     parser->add_option("--ray", options->rays, "Instead: a ray; again for more")
         ->allow_extra_args(false)
         ->type_name("OX,OY,OZ,DX,DY,DZ[,TMIN,TMAX]");
-    parser->add_option("--camera", options->camera, "Instead: one ray per pixel of a picture")
-        ->type_name("WxH");
     parser
-        ->add_option(
-            "--out", options->out,
-            "Write the answers: .csv, .npy, - for CSV to stdout (where those of --rays and "
-            "--ray go without --out and --json), or a camera's picture: .png")
+        ->add_option("--out", options->out,
+                     "Write the answers: .csv, .npy, - for CSV to stdout, where those of --rays "
+                     "and --ray go without --out and --json")
         ->type_name("FILE");
-    CLI::Option* const cells = parser->add_flag(
-        "--cells", options->cells,
-        "List the leaves along each ray, with both weights: penetration and chord");
     parser
-        ->add_flag("--shade", options->shade,
-                   "Draw the first hits shaded; without it the weights of the cells")
-        ->excludes(cells);
+        ->add_option("--picture", options->picture,
+                     "Instead of given rays: draw what a camera sees, a ray per pixel: .png")
+        ->type_name("FILE");
+    add_size_option(*parser, options->camera.size, "the camera's picture", most_pixels);
+    add_camera_options(*parser, options->camera, "the model");
+    parser->add_flag("--cells", options->cells,
+                     "The leaves along each ray instead, with both weights: penetration and "
+                     "chord; drawn by their sum");
     add_query_method_option(*parser, options->method,
                             "the triangles of the cells along the ray, cell by cell");
-    parser->add_option("--depth", options->depth, "Depth of the octree for cells")
-        ->check(CLI::Range(0, max_octree_depth))
-        ->type_name("N");
-    parser->add_option("--threshold", options->threshold, "Split cells of more triangles than this")
-        ->type_name("N");
+    add_cell_options(*parser, options->depth, options->threshold);
+    parser->final_callback([parser, options] {
+        options->has_camera = options->camera.has_any() || parser->count("--picture") > 0 ||
+                              parser->count("--size") > 0;
+    });
     return {parser, [options](Session& session) { return run_raycast(*options, session); }};
 }
 

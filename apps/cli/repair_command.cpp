@@ -261,10 +261,12 @@ void add_step_options(CLI::App& parser, MeshRepairOptions& steps)
     parser
         .add_option("--min-component-area", steps.min_component_area,
                     "Drop components of less than this fraction of the largest one's area")
+        ->capture_default_str()
         ->type_name("F");
     parser
         .add_option("--min-component-triangles", steps.min_component_triangles,
                     "Drop components of fewer triangles")
+        ->capture_default_str()
         ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1} << 32U))
         ->type_name("N");
     off("--no-orient", steps.orient, "Do not turn triangles over to match their neighbours");

@@ -19,12 +19,15 @@ std::string rows_path(const std::string& out, const Session& session)
     return out.empty() && session.options().json.empty() ? to_stdout : out;
 }
 
-Status check_rows(const std::string& path, const Session& session)
+Status check_rows(const std::string& path, const Session& session,
+                  const std::vector<std::string>& others)
 {
-    if (path.empty()) return session.check_outputs({});
+    if (path.empty()) return session.check_outputs(others);
     if (const auto format = answer_format(path); !format) return tl::unexpected(format.error());
-    if (path != to_stdout) return session.check_outputs({path});
-    if (session.options().json != to_stdout) return session.check_outputs({});
+    std::vector<std::string> files = others;
+    if (path != to_stdout) files.push_back(path);
+    if (path != to_stdout || session.options().json != to_stdout)
+        return session.check_outputs(files);
     return fail(ErrorCode::invalid_argument,
                 "--json and --out would both write to stdout: give one of them a file", to_stdout);
 }

@@ -24,7 +24,8 @@ void add_rows_option(CLI::App& parser, std::string& path);
 
 /// What would go wrong with rows to `path`: to be asked before long work. Errors: those of
 /// answer_format and Session::check_outputs; invalid_argument where --json goes to stdout too.
-[[nodiscard]] Status check_rows(const std::string& path, const Session& session);
+[[nodiscard]] Status check_rows(const std::string& path, const Session& session,
+                                const std::vector<std::string>& others = {});
 
 class RowWriter {
 public:

@@ -5,7 +5,7 @@
 //     painter->draw(uploaded, camera, size);              // into the framebuffer that is bound
 #pragma once
 
-#include "viewer/camera.h"
+#include "cli/camera.h"
 #include "viewer/gl_objects.h"
 #include "viewer/layers.h"
 #include "viewer/scene.h"

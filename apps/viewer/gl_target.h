@@ -2,7 +2,7 @@
 // colours, which a window's own may not have.
 #pragma once
 
-#include "viewer/camera.h"
+#include "cli/camera.h"
 #include "viewer/gl_objects.h"
 
 namespace proxima {

@@ -1,10 +1,10 @@
 // The interface of renderers, which draw scenes into pictures.
 #pragma once
 
+#include "cli/camera.h"
 #include "cli/image.h"
 #include "proxima/execution.h"
 #include "proxima/result.h"
-#include "viewer/camera.h"
 #include "viewer/scene.h"
 
 #include <memory>

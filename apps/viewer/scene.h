@@ -3,7 +3,7 @@
 //     Scene scene;
 //     add_mesh(scene, mesh, {.name = "mesh"});              // scene_shapes.h
 //     add_box(scene, cell, {.color = srgb(0xFFE23D)});
-//     const OrbitCamera camera = fitted({.azimuth = 0.5}, scene, size);
+//     const OrbitCamera camera = framed({.azimuth = 0.5}, scene, size);
 //     renderer.render(scene, camera, size);
 #pragma once
 

@@ -64,18 +64,6 @@ constexpr std::array<std::array<std::size_t, 2>, 12> box_edges = {{{0, 1},
 
 } // namespace
 
-std::array<Vec3, 8> corners(const Box& box)
-{
-    std::array<Vec3, 8> all;
-    for (unsigned bits = 0; bits < 8; ++bits) {
-        for (int axis = 0; axis < 3; ++axis) {
-            const bool upper = (bits >> static_cast<unsigned>(axis) & 1U) != 0;
-            all[bits][axis] = (upper ? box.upper : box.lower)[axis];
-        }
-    }
-    return all;
-}
-
 void add_mesh(Scene& scene, const TriangleMesh& mesh, const ShapeStyle& style)
 {
     SceneSurface& surface = new_surface(scene, style);

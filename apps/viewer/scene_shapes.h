@@ -1,6 +1,7 @@
 // Meshes, boxes, arrows and balls for scenes.
 #pragma once
 
+#include "cli/camera.h"
 #include "minkowski/drawn_surface.h"
 #include "viewer/scene.h"
 
@@ -39,9 +40,6 @@ void add_polygons(Scene& scene, const DrawnSurface& surface,
                   std::span<const std::uint32_t> polygons, const ShapeStyle& style);
 void add_polygon_edges(Scene& scene, const DrawnSurface& surface,
                        std::span<const std::uint32_t> polygons, const EdgeStyle& style);
-
-/// The corners of a box, x fastest, then y, then z.
-[[nodiscard]] std::array<Vec3, 8> corners(const Box& box);
 
 void add_box(Scene& scene, const Box& box, const ShapeStyle& style);
 void add_box_edges(Scene& scene, std::span<const Box> boxes, const EdgeStyle& style);

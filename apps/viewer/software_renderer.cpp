@@ -78,6 +78,7 @@ public:
         std::ranges::stable_sort(blended, farther);
         for (const Blended& item : blended) draw(canvas, item);
         for (const SceneLabel& label : scene.labels) {
+            if (view.depth(label.at) < view.near()) continue;
             const ScreenPoint at = view.project(label.at);
             draw_text(canvas, label.text, at.x, at.y, label.style);
         }
@@ -91,25 +92,41 @@ private:
                              const Lamps& lamps, std::vector<Blended>& blended)
     {
         const Shading shading(surface, view, lamps);
+        const auto on_screen = [&](const Vec3& position) {
+            ScreenPoint at = view.project(position);
+            at.nearness *= 1.0 + surface.lift;
+            return at;
+        };
         std::vector<ScreenPoint> seen;
-        for (const Vec3& position : surface.positions) {
-            seen.push_back(view.project(position));
-            seen.back().nearness *= 1.0 + surface.lift;
-        }
-        for (const TriangleCorners& triangle : surface.triangles) {
-            const ScreenPoint& a = seen[triangle[0]];
-            const ScreenPoint& b = seen[triangle[1]];
-            const ScreenPoint& c = seen[triangle[2]];
-            if (std::min({a.nearness, b.nearness, c.nearness}) <= 0.0) continue; // behind the eye
+        for (const Vec3& position : surface.positions) seen.push_back(on_screen(position));
+        const auto add = [&](const std::array<ScreenVertex, 3>& corners) {
             if (surface.opacity >= 1.0F) {
-                canvas.draw_triangle({{{a, shading.corner(triangle, 0)},
-                                       {b, shading.corner(triangle, 1)},
-                                       {c, shading.corner(triangle, 2)}}});
-            } else {
-                const double middle = (a.nearness + b.nearness + c.nearness) / 3.0;
-                blended.push_back(
-                    {middle, Pane{{a, b, c}, shading.corner(triangle, 0), surface.opacity}});
+                canvas.draw_triangle(corners);
+                return;
             }
+            const auto& [a, b, c] = corners;
+            const double middle = (a.point.nearness + b.point.nearness + c.point.nearness) / 3.0;
+            blended.push_back(
+                {middle, Pane{{a.point, b.point, c.point}, a.color, surface.opacity}});
+        };
+        for (const TriangleCorners& numbers : surface.triangles) {
+            const std::array<Color, 3> colors = {
+                shading.corner(numbers, 0), shading.corner(numbers, 1), shading.corner(numbers, 2)};
+            const Triangle triangle = {{surface.positions[numbers[0]],
+                                        surface.positions[numbers[1]],
+                                        surface.positions[numbers[2]]}};
+            if (is_in_front(view, triangle)) {
+                add({{{seen[numbers[0]], colors[0]},
+                      {seen[numbers[1]], colors[1]},
+                      {seen[numbers[2]], colors[2]}}});
+                continue;
+            }
+            const VisiblePart part = visible_part(view, triangle);
+            std::array<ScreenVertex, 4> cut;
+            for (std::size_t i = 0; i < part.count; ++i)
+                cut[i] = {on_screen(part.position(triangle, i)), part.color(colors, i)};
+            if (part.count >= 3) add({cut[0], cut[1], cut[2]});
+            if (part.count == 4) add({cut[0], cut[2], cut[3]});
         }
     }
 
@@ -117,9 +134,10 @@ private:
     {
         constexpr double lift = 2e-3; // over the surface that a line lies on
         for (const auto& [from, to] : lines.segments) {
-            const ScreenPoint a = view.project(from);
-            const ScreenPoint b = view.project(to);
-            if (std::min(a.nearness, b.nearness) <= 0.0) continue;
+            const auto part = visible_part(view, from, to);
+            if (!part) continue;
+            const ScreenPoint a = view.project((*part)[0]);
+            const ScreenPoint b = view.project((*part)[1]);
             const LineStyle style = {.width = lines.width, .opacity = lines.opacity, .lift = lift};
             blended.push_back(
                 {0.5 * (a.nearness + b.nearness) * (1.0 + lift), Stroke{a, b, lines.color, style}});

@@ -1,6 +1,6 @@
 // proxima view: models and what the library computes of them, in a window or as a picture.
 #include "base/file_extension.h"
-#include "base/text.h"
+#include "cli/camera_options.h"
 #include "cli/image.h"
 #include "cli/model_options.h"
 #include "cli/names.h"
@@ -12,8 +12,6 @@
 #include "viewer/window/view_window.h"
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <charconv>
 #include <fmt/core.h>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -27,31 +25,17 @@ struct ViewOptions {
     std::vector<std::string> models;
     std::string panel = "model";
     std::vector<std::string> settings;
-    std::string snapshot;
-    std::string glb;
-    ViewSize size = {.width = 1280, .height = 820};
+    std::string picture;
+    std::string out;
+    CameraChoice camera;
     bool opengl = false;
     bool list_controls = false;
     std::string state;
     bool debug = false;
     std::uint64_t budget_mb = 0; ///< 0: the machine's
 
-    [[nodiscard]] bool needs_window() const { return snapshot.empty() && glb.empty(); }
+    [[nodiscard]] bool needs_window() const { return picture.empty() && out.empty(); }
 };
-
-std::optional<ViewSize> parse_size(const std::string& text)
-{
-    constexpr int most = 8192;
-    ViewSize size;
-    const char* const end = text.data() + text.size();
-    const auto [cross, error] = std::from_chars(text.data(), end, size.width);
-    if (error != std::errc{} || cross == end || *cross != 'x') return std::nullopt;
-    const auto [stop, wrong] = std::from_chars(cross + 1, end, size.height);
-    if (wrong != std::errc{} || stop != end) return std::nullopt;
-    if (std::min(size.width, size.height) < 1 || std::max(size.width, size.height) > most)
-        return std::nullopt;
-    return size;
-}
 
 Status prepare(Viewer& viewer, const ViewOptions& options)
 {
@@ -80,20 +64,20 @@ Status write_files(const Viewer& viewer, const ViewOptions& options, Session& se
 {
     Progress* const progress = &session.progress();
     const Scene scene = flattened(viewer.layers(), viewer.backdrop());
-    if (!options.snapshot.empty()) {
+    if (!options.picture.empty()) {
         auto renderer = [&]() -> Result<std::unique_ptr<Renderer>> {
             if (options.opengl) return make_opengl_renderer();
             return make_software_renderer(progress);
         }();
         if (!renderer) return tl::unexpected(renderer.error());
-        const auto image = (*renderer)->render(scene, viewer.camera(), options.size);
+        const auto image = (*renderer)->render(scene, viewer.camera(), options.camera.size);
         if (!image) return tl::unexpected(image.error());
-        if (Status status = write_png(*image, options.snapshot, progress); !status) return status;
-        session.print(fmt::format("wrote {}\n", options.snapshot));
+        if (Status status = write_png(*image, options.picture, progress); !status) return status;
+        session.print(fmt::format("wrote {}\n", options.picture));
     }
-    if (!options.glb.empty()) {
-        if (Status status = export_scene(scene, options.glb, progress); !status) return status;
-        session.print(fmt::format("wrote {}\n", options.glb));
+    if (!options.out.empty()) {
+        if (Status status = export_scene(scene, options.out, progress); !status) return status;
+        session.print(fmt::format("wrote {}\n", options.out));
     }
     return {};
 }
@@ -101,9 +85,10 @@ Status write_files(const Viewer& viewer, const ViewOptions& options, Session& se
 /// The picture without a window.
 Status run_headless(const ViewOptions& options, Session& session)
 {
-    Viewer viewer({.execution = {.threads = session.threads(),
+    Viewer viewer({.camera = options.camera,
+                   .execution = {.threads = session.threads(),
                                  .budget = {options.budget_mb * bytes_per_megabyte}}});
-    viewer.resize(options.size);
+    viewer.resize(options.camera.size);
     if (Status status = prepare(viewer, options); !status) return status;
     viewer.open(options.models);
     if (Status status = viewer.finish(&session.progress()); !status) return status;
@@ -125,23 +110,22 @@ Status run_view(const ViewOptions& options, Session& session)
             session.print(line + '\n');
         return {};
     }
-    if (Status status = session.check_outputs({options.snapshot, options.glb}); !status)
+    if (Status status = session.check_outputs({options.picture, options.out}); !status)
         return status;
-    const auto wants = [](const std::string& path, const char* extension, const char* option) {
-        if (path.empty() || lower_case_extension(path) == extension) return Status();
-        return Status(fail(ErrorCode::unsupported_format,
-                           fmt::format("{} writes {} alone", option, extension), path));
-    };
-    if (Status status = wants(options.snapshot, ".png", "--snapshot"); !status) return status;
-    if (Status status = wants(options.glb, ".glb", "--export"); !status) return status;
+    if (Status status = check_picture(options.picture); !status) return status;
+    if (!options.out.empty() && lower_case_extension(options.out) != ".glb") {
+        return fail(ErrorCode::unsupported_format, "what is shown is written to a .glb file",
+                    options.out);
+    }
     if (!options.needs_window()) return run_headless(options, session);
     Viewer viewer({.pictures = Pictures::live,
                    .wake = wake_window,
+                   .camera = options.camera,
                    .execution = {.threads = session.threads(),
                                  .budget = {options.budget_mb * bytes_per_megabyte}}});
     if (Status status = prepare(viewer, options); !status) return status;
     if (Status status = run_window(viewer, {.models = options.models,
-                                            .size = options.size,
+                                            .size = options.camera.size,
                                             .state = options.state,
                                             .debug = options.debug,
                                             .stop = &session.progress()});
@@ -176,23 +160,13 @@ Command add_view_command(CLI::App& app)
         ->type_name("NAME=VALUE");
     parser->add_flag("--controls", options->list_controls,
                      "List the settings of the panel and the view, and do nothing else");
-    parser->add_option("--snapshot", options->snapshot, "Write the picture, without a window")
-        ->type_name("FILE.png");
-    parser->add_option("--export", options->glb, "Write what is shown, without a window")
-        ->type_name("FILE.glb");
-    parser
-        ->add_option_function<std::string>(
-            "--size",
-            [options](const std::string& text) {
-                const auto size = parse_size(text);
-                if (!size) {
-                    throw CLI::ValidationError("--size",
-                                               concat(text, " is no size from 1x1 to 8192x8192"));
-                }
-                options->size = *size;
-            },
-            "Size of the window or the picture (default 1280x820)")
-        ->type_name("WxH");
+    parser->add_option("--picture", options->picture, "Write the picture, without a window: .png")
+        ->type_name("FILE");
+    parser->add_option("--out", options->out, "Write what is shown, without a window: .glb")
+        ->type_name("FILE");
+    options->camera.size = {.width = 1280, .height = 820};
+    add_size_option(*parser, options->camera.size, "the window or the picture", most_canvas_pixels);
+    add_camera_options(*parser, options->camera, "the model");
     add_budget_option(*parser, options->budget_mb,
                       "Memory for a model and for what is built of it, in 10^6 bytes (default: 3/4 "
                       "of the machine's)");

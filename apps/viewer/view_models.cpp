@@ -110,7 +110,7 @@ Result<ViewModels> load_view_models(std::span<const std::string> names, const Ex
     for (const std::string& name : names) {
         auto mesh = read_model(name, context);
         if (!mesh) return tl::unexpected(mesh.error());
-        const Vec3 up = up_axis_of_model(name) == UpAxis::z ? Vec3::UnitZ() : Vec3::UnitY();
+        const Vec3 up = up_axis_of_model(name);
         auto model = make_view_model(name, std::move(*mesh), up, models.size(), context);
         if (!model) return tl::unexpected(model.error());
         models.push_back(std::move(*model));

@@ -61,15 +61,12 @@ bool same(const Box& a, const Box& b)
 /// Vertices of all models: so many that what is left out is seen to fit as well.
 std::vector<Vec3> some_positions(const ViewModels& models)
 {
-    constexpr std::size_t enough = 5000; // of a model
-    std::vector<Vec3> positions_shown;
+    std::vector<Vec3> positions;
     for (const auto& model : models) {
-        const std::span<const Vec3> positions = model->mesh.positions();
-        const std::size_t step = positions.size() / enough + 1;
-        for (std::size_t i = 0; i < positions.size(); i += step)
-            positions_shown.push_back(positions[i]);
+        const std::vector<Vec3> some = points_to_frame(model->mesh.positions());
+        positions.insert(positions.end(), some.begin(), some.end());
     }
-    return positions_shown;
+    return positions;
 }
 
 /// What the work says, or that there was no memory for it: a thread has no other place to say so.
@@ -87,7 +84,8 @@ std::invoke_result_t<Work> within_memory(const Work& work)
 } // namespace
 
 Viewer::Viewer(ViewerOptions options)
-    : options_(std::move(options)), panels_(make_panels(options_.pictures))
+    : options_(std::move(options)), panels_(make_panels(options_.pictures)),
+      camera_(directed_camera(options_.camera))
 {}
 
 void Viewer::open(std::vector<std::string> names, Placing placing)
@@ -126,6 +124,7 @@ void Viewer::take_models()
     picked_.reset();
     for (const auto& panel : panels_) panel->models_changed(models_);
     if (!camera_is_set_) frame();
+    place_camera();
     picture_ = {.layers = model_layers(models_, Smoothing::smooth), .facts = {}, .plots = {}};
     ++wanted_;
 }
@@ -325,11 +324,27 @@ void Viewer::frame()
 
 void Viewer::frame(const Box& box)
 {
-    camera_.up = models_.front()->up;
+    camera_.up = options_.camera.up.value_or(models_.front()->up);
     // Around a box models are smaller than the picture: they are shown as large as they are.
     camera_ = same(box, bounding_box(models_)) ? framed(camera_, some_positions(models_), size_)
-                                               : framed(camera_, corners(box), size_);
+                                               : framed(camera_, corners(box), size_, Framing::centered);
     camera_is_set_ = false;
+}
+
+void Viewer::place_camera()
+{
+    CameraChoice& choice = options_.camera;
+    if (!choice.eye && !choice.target) return;
+    choice.camera = camera_;
+    choice.size = size_;
+    auto placed = placed_camera(choice, some_positions(models_));
+    choice.eye = choice.target = std::nullopt;
+    if (!placed) {
+        loading_error_ = std::move(placed.error());
+        return;
+    }
+    camera_ = *placed;
+    camera_is_set_ = true;
 }
 
 } // namespace proxima

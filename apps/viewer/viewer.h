@@ -9,10 +9,10 @@
 //     }
 #pragma once
 
+#include "cli/camera_options.h"
 #include "proxima/execution.h"
 #include "proxima/result.h"
 #include "viewer/background_work.h"
-#include "viewer/camera.h"
 #include "viewer/controls.h"
 #include "viewer/panel.h"
 
@@ -38,6 +38,7 @@ enum class Placing : std::uint8_t {
 struct ViewerOptions {
     Pictures pictures = Pictures::still;
     std::function<void()> wake = {}; ///< called by the worker when a result is ready
+    CameraChoice camera = {};        ///< at first; its size does not matter
     Execution execution = {};        ///< budget: of a model and of what is built of it
 };
 
@@ -119,6 +120,8 @@ private:
     void take_picture();
     void frame();
     void frame(const Box& box);
+    /// To the eye or target that was asked for, once.
+    void place_camera();
     void start_task();
     void show();
     [[nodiscard]] Ray ray_at(const Vec2& at) const;
@@ -142,7 +145,7 @@ private:
     std::uint64_t started_ = 0;
     std::chrono::steady_clock::time_point start_time_;
 
-    OrbitCamera camera_ = {.azimuth = 0.6, .elevation = 0.35, .zoom = 2.2};
+    OrbitCamera camera_;
     bool camera_is_set_ = false;
     ViewSize size_ = {.width = 1024, .height = 768};
     Theme theme_ = Theme::light;

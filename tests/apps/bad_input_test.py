@@ -137,7 +137,7 @@ class Geometry(ProgramTest):
                               "tiny": tetrahedron(1e-30), "huge": tetrahedron(1e30),
                               "far": tetrahedron(1.0, 1e9)}.items():
             with self.subTest(name):
-                self.succeed("octree", self.file(name + ".off", content), "--quiet", "--export",
+                self.succeed("octree", self.file(name + ".off", content), "--quiet", "--picture",
                              self.folder / (name + ".png"))
 
     def test_check_of_the_least_sizes(self):
@@ -186,7 +186,7 @@ class Options(ProgramTest):
 
 class Outputs(ProgramTest):
     """Every kind of output where it cannot be written."""
-    OPTIONS = {"--json": "a.json", "--save": "a.pxo", "--export": ("a.png", "a.vtu", "a.htg", "a.glb", "a.ply")}
+    OPTIONS = {"--json": "a.json", "--save": "a.pxo", "--out": ("a.vtu", "a.htg", "a.glb", "a.ply"), "--picture": "a.png"}
 
     def each(self):
         for option, names in self.OPTIONS.items():
@@ -213,15 +213,15 @@ class Outputs(ProgramTest):
                 self.refuse("octree", "cube", option, self.folder / name, says=name)
 
     def test_only_json_goes_to_stdout(self):
-        for option in ("--save", "--export"):
+        for option in ("--save", "--out", "--picture"):
             with self.subTest(option):
                 self.refuse("octree", "cube", option, "-", says=("-", "--json", "stdout"))
 
     def test_two_outputs_in_one_file(self):
         (self.folder / "folder").mkdir()
         path, same = self.folder / "a.ply", self.folder / "folder" / ".." / "a.ply"
-        for first, second in (("--save", "--json"), ("--save", "--export"), ("--export", "--json"),
-                              ("--export", "--export")):
+        for first, second in (("--save", "--json"), ("--save", "--out"), ("--out", "--json"),
+                              ("--out", "--out"), ("--out", "--picture")):
             with self.subTest(first, second=second):
                 self.refuse("octree", "cube", first, path, second, same, says=("a.ply", "two outputs"))
 
@@ -251,7 +251,7 @@ class Outputs(ProgramTest):
     def test_advice_can_be_followed(self):
         def little_memory():
             resource.setrlimit(resource.RLIMIT_AS, (400_000_000, 400_000_000))
-        for arguments in (("raycast", "spaceship:1000000", "--camera", "10x10", "--shade", "--out", self.folder / "a.png"),
+        for arguments in (("raycast", "spaceship:1000000", "--size", "10x10", "--picture", self.folder / "a.png"),
                           ("check", "spaceship:1000000")):
             with self.subTest(arguments):
                 said = self.refuse(*arguments, says="memory", preexec_fn=little_memory)
@@ -259,8 +259,8 @@ class Outputs(ProgramTest):
 
     def test_unknown_extension_is_said_before_the_work(self):
         start = time.monotonic()
-        self.refuse("octree", "spaceship:2000000", "--depth", 12, "--export", self.folder / "a.bmp",
-                    says=(".png", "a.bmp"))
+        self.refuse("octree", "spaceship:2000000", "--depth", 12, "--out", self.folder / "a.bmp",
+                    says=(".vtu", "a.bmp"))
         self.assertLess(time.monotonic() - start, 5)
 
     def test_disk_full(self):

@@ -346,7 +346,7 @@ class Files(ProgramTest):
         without = self.json_of("closest", model, "--points", file)["bytes"]
         usual = self.json_of("index", model, "--lists")["bytes"]
         self.assertEqual(self.json_of("closest", model, "--points", file, "--lists")["bytes"], usual)
-        tight = self.json_of("closest", model, "--points", file, "--lists", "--budget-mb", 1)["bytes"]
+        tight = self.json_of("closest", model, "--points", file, "--lists", "--lists-mb", 1)["bytes"]
         self.assertLess(without, tight)
         self.assertLessEqual(tight, without + 1_000_000)
         texts = [self.succeed("closest", model, "--points", file, "--out", "-", *options)
@@ -373,7 +373,7 @@ class SavedOctrees(ProgramTest):
 
     def saved(self, mesh):
         model, octree = self.file("model.off", mesh.text()), self.folder / "model.pxi"
-        self.succeed("proximity", model, "--budget-mb", 1, "--save", octree)
+        self.succeed("proximity", model, "--lists-mb", 1, "--save", octree)
         return model, octree
 
     def test_answers_are_those_of_the_mesh(self):
@@ -440,7 +440,7 @@ class SavedOctrees(ProgramTest):
     def test_what_cannot_be(self):
         octree = self.saved(bumpy_ball(random.Random(10)))[1]
         points = self.file("points.csv", "1,2,3\n")
-        for lists in (("--budget-mb", 1), ("--lists",)):
+        for lists in (("--lists-mb", 1), ("--lists",)):
             self.refuse("closest", octree, "--points", points, *lists, status=2, says=lists[0])
             self.refuse("closest", "cube", "--points", points, "--method", "thesis", *lists, status=2, says=lists[0])
         data = octree.read_bytes()

@@ -99,7 +99,7 @@ class Octree(ProgramTest):
         names = ["a.pxo", "a.vtu", "a.htg", "a.glb", "a.ply"]
         arguments = ["--save", self.folder / "a.pxo"]
         for name in names[1:]:
-            arguments += ["--export", self.folder / name]
+            arguments += ["--out", self.folder / name]
         self.succeed("octree", "icosphere:2", "--depth", 4, *arguments)
         self.assertEqual(sorted(path.name for path in self.folder.iterdir()), sorted(names))
         begins = {"a.vtu": b"<", "a.htg": b"<", "a.glb": b"glTF", "a.ply": b"ply"}
@@ -108,10 +108,10 @@ class Octree(ProgramTest):
 
     def test_picture_is_a_valid_png_with_something_in_it(self):
         path = self.folder / "a.png"
-        self.succeed("octree", "icosphere:2", "--depth", 4, "--export", path)
+        self.succeed("octree", "icosphere:2", "--depth", 4, "--picture", path)
         data = path.read_bytes()
         self.assertEqual(data[:8], b"\x89PNG\r\n\x1a\n")
-        self.assertEqual(struct.unpack(">II", data[16:24]), (1600, 1200))
+        self.assertEqual(struct.unpack(">II", data[16:24]), (1280, 960))
         pixels, position = b"", 8
         while position < len(data):
             length, kind = struct.unpack(">I4s", data[position:position + 8])
@@ -121,7 +121,7 @@ class Octree(ProgramTest):
             pixels += content if kind == b"IDAT" else b""
             position += 12 + length
         rows = zlib.decompress(pixels)
-        self.assertEqual(len(rows), 1200 * (1 + 3 * 1600))
+        self.assertEqual(len(rows), 960 * (1 + 3 * 1280))
         self.assertGreater(len(set(rows)), 100)
 
     def test_an_output_replaces_the_old_file(self):

@@ -45,7 +45,7 @@ class InterruptTest(ProgramTest):
 
     def outputs(self):
         return ("--save", self.folder / "a.pxo", "--json", self.folder / "a.json",
-                "--export", self.folder / "a.vtu")
+                "--out", self.folder / "a.vtu")
 
     def is_writing(self, _pid):
         """Whether a file is half written."""
@@ -68,8 +68,8 @@ class Building(InterruptTest):
                        *self.outputs(), when=after(1), sent=signal.SIGTERM)
 
     def test_rays(self):
-        self.interrupt("raycast", "cube", "--camera", "16384x16384", "--shade", "--out", self.folder / "a.png", when=after(2))
-        self.interrupt("raycast", "torus:200x100", "--camera", "4000x4000", "--depth", "8", "--cells", "--out", self.folder / "a.csv", when=after(1))
+        self.interrupt("raycast", "cube", "--size", "16384x16384", "--picture", self.folder / "a.png", when=after(2))
+        self.interrupt("raycast", "torus:200x100", "--size", "4000x4000", "--depth", "8", "--cells", "--out", self.folder / "a.csv", when=after(1))
 
     def test_closest_features(self):
         self.interrupt("proximity", "sphere:300x300", "--save", self.folder / "a.pxi", when=after(1))
@@ -144,7 +144,7 @@ class Writing(InterruptTest):
         for name in ("a.vtu", "a.ply"):
             with self.subTest(name):
                 path = self.file(name, "old")
-                self.interrupt(*self.MODEL, "--export", path, when=self.is_writing, keeps=[name])
+                self.interrupt(*self.MODEL, "--out", path, when=self.is_writing, keeps=[name])
                 self.assertEqual(path.read_text(), "old")
                 path.unlink()
 

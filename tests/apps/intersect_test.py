@@ -159,7 +159,7 @@ class Meeting(ProgramTest):
         self.assertEqual(list(cells), ["pairs", "a", "b", "triangles_a", "triangles_b", "tests", "seconds"])
         self.assertTrue(50 < cells["triangles_a"] < 600, "of 1,740")
         self.assertGreater(cells["pairs"], cells["a"])
-        self.assertEqual(struct.unpack(">II", out.read_bytes()[16:24]), (1600, 1200))
+        self.assertEqual(struct.unpack(">II", out.read_bytes()[16:24]), (1280, 960))
 
 
 class Poses(ProgramTest):

@@ -31,7 +31,7 @@ struct Scene {
     {
         return draw_intersection(
             {mesh, mesh, octree, octree, pose, leaves, contour},
-            {.width = 200, .height = 150, .execution = {.progress = progress}});
+            {.view = {.size = {200, 150}}, .execution = {.progress = progress}});
     }
 };
 

@@ -47,12 +47,13 @@ class Opening(OctreeFileTest):
     def test_exports_are_those_of_the_mesh(self):
         path, _ = self.saved()
         for name in ("a.vtu", "a.htg", "a.ply", "a.glb", "a.png"):
+            option = "--picture" if name == "a.png" else "--out"
             with self.subTest(name):
                 built, opened, alone = (self.folder / (kind + name) for kind in ("built", "opened", "alone"))
-                self.succeed("octree", MESH, "--depth", 5, "--threshold", 3, "--export", built)
-                self.succeed("octree", path, "--mesh", MESH, "--export", opened)
+                self.succeed("octree", MESH, "--depth", 5, "--threshold", 3, option, built)
+                self.succeed("octree", path, "--mesh", MESH, option, opened)
                 self.assertEqual(built.read_bytes(), opened.read_bytes())
-                self.succeed("octree", path, "--export", alone)
+                self.succeed("octree", path, option, alone)
                 if name in ("a.glb", "a.png"):  # the mesh is a part of these
                     self.assertLess(len(alone.read_bytes()), len(built.read_bytes()))
                 else:

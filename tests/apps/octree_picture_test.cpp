@@ -30,14 +30,14 @@ TEST_F(OctreePicture, StopsAtEveryStage)
     testing::cancel_at_every_stage(
         [&](Progress& progress) {
             return draw_octree(octree, mesh,
-                               {.width = 200, .height = 150, .execution = {.progress = &progress}});
+                               {.view = {.size = {200, 150}}, .execution = {.progress = &progress}});
         },
         [] { return true; }, 5);
 }
 
 TEST_F(OctreePicture, IsWrittenWholeOrNotAtAll)
 {
-    const auto image = draw_octree(octree, mesh, {.width = 200, .height = 150});
+    const auto image = draw_octree(octree, mesh, {.view = {.size = {200, 150}}});
     ASSERT_TRUE(image);
     std::ofstream(path("a.png")) << "old";
     const auto before = testing::files_in(folder());
@@ -48,7 +48,7 @@ TEST_F(OctreePicture, IsWrittenWholeOrNotAtAll)
 
 TEST_F(OctreePicture, ShowsOnlyTheCellsWithoutAMesh)
 {
-    const PictureOptions options{.width = 200, .height = 150};
+    const PictureOptions options{.view = {.size = {200, 150}}};
     const auto both = draw_octree(octree, mesh, options);
     const auto cells = draw_octree(octree, TriangleMesh{}, options);
     ASSERT_TRUE(both && cells);
@@ -72,7 +72,7 @@ TEST_F(OctreePicture, ComparesDepthsFromOnePlace)
         }
         return counts;
     };
-    PictureOptions options{.width = 200, .height = 150};
+    PictureOptions options{.view = {.size = {200, 150}}};
     const auto alone = pixels_of_color(coarse, options);
     EXPECT_GT(alone[1], 100) << "the coarsest are blue";
     options.depths = {0, 3};

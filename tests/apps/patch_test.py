@@ -207,7 +207,7 @@ class Files(ProgramTest):
 class SavedOctrees(ProgramTest):
     def saved(self, mesh):
         model, octree = self.file("model.off", mesh.text()), self.folder / "model.pxi"
-        self.succeed("proximity", model, "--budget-mb", 1, "--save", octree)
+        self.succeed("proximity", model, "--lists-mb", 1, "--save", octree)
         return model, octree
 
     def test_answers_are_those_of_the_mesh(self):

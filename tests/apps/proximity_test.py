@@ -72,26 +72,26 @@ class General(ProgramTest):
         self.assertRegex(text, r"About \d+ ns, \d+ ns at most")
 
     def test_leaves_without_a_list_are_told(self):
-        tight = ("proximity", "torus:100x50", "--budget-mb", 2)
+        tight = ("proximity", "torus:100x50", "--lists-mb", 2)
         result = self.json_of(*tight)
         self.assertGreater(result["searched_leaves"], 0)
         self.assertIn("In %d of %d leaves" % (result["searched_leaves"], result["leaves"]), self.succeed(*tight))
         self.assertLessEqual(result["bytes"], 2_000_000)
 
     def test_peak_memory(self):
-        result = self.json_of("proximity", "torus:100x50", "--budget-mb", 6)
+        result = self.json_of("proximity", "torus:100x50", "--lists-mb", 6)
         if result["peak_bytes"] is None:
             self.skipTest("this system does not tell the memory of a process")
         # The octree itself, and not what stood there before or comes after.
         self.assertGreater(result["peak_bytes"], result["bytes"])
         self.assertLess(result["peak_bytes"], 200e6)
-        small = self.json_of("proximity", "cube", "--budget-mb", 1)
+        small = self.json_of("proximity", "cube", "--lists-mb", 1)
         self.assertLess(small["peak_bytes"], result["peak_bytes"])
         text = self.succeed("proximity", "torus:40x20")
         self.assertRegex(text, r"raised the memory of the process by [\d.]+ MB at most, [\d.]+ times the budget")
 
     def test_depths_and_budget(self):
-        result = self.json_of("proximity", "torus:40x20", "--depth", "0-4", "--budget-mb", 4)
+        result = self.json_of("proximity", "torus:40x20", "--depth", "0-4", "--lists-mb", 4)
         self.assertEqual(list(result), GENERAL_KEYS + ["rows"])
         self.assertEqual(result["budget_bytes"], 4_000_000)
         rows = result["rows"]
@@ -100,7 +100,7 @@ class General(ProgramTest):
         self.assertEqual((rows[0]["leaves"], rows[0]["max_list"]), (1, 1600))
         means = [row["mean_list"] for row in rows]
         self.assertEqual(means, sorted(means, reverse=True))
-        small, large = (self.json_of("proximity", "torus:100x50", "--budget-mb", mb) for mb in (3, 6))
+        small, large = (self.json_of("proximity", "torus:100x50", "--lists-mb", mb) for mb in (3, 6))
         self.assertLess(small["nodes"], large["nodes"])
         self.assertLess(large["expected_list"], small["expected_list"])
         self.assertLessEqual(small["bytes"], 3_000_000)
@@ -146,7 +146,7 @@ class General(ProgramTest):
 
     def test_models_that_are_not_closed(self):
         corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
-        self.succeed("proximity", self.file("open.off", off(corners, [(0, 2, 1), (0, 1, 3)])), "--budget-mb", 1)
+        self.succeed("proximity", self.file("open.off", off(corners, [(0, 2, 1), (0, 1, 3)])), "--lists-mb", 1)
         self.refuse("proximity", self.file("empty.off", "OFF\n0 0 0\n"), says="empty.off")
         self.refuse("proximity", self.file("nan.off", tetrahedron().replace("0.0", "nan", 1)), says="nan.off")
 
@@ -213,8 +213,8 @@ class BudgetCurve(ProgramTest):
 
     def test_usage(self):
         curve = ("--budget-curve", self.folder / "c.csv")
-        for other in (("--budget-mb", 3), ("--save", self.folder / "a.pxi"), ("--histogram", self.folder / "h.csv"),
-                      ("--export", self.folder / "e.vtu")):
+        for other in (("--lists-mb", 3), ("--save", self.folder / "a.pxi"), ("--histogram", self.folder / "h.csv"),
+                      ("--out", self.folder / "e.vtu")):
             self.refuse("proximity", "cube", *curve, *other, status=2, says=("--budget-curve", other[0]))
         self.refuse("proximity", "cube", *curve, "--depth", "1-3", status=2, says="--budget-curve")
         self.refuse(*THESIS, "cube", *curve, status=2, says="--budget-curve")

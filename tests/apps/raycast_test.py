@@ -153,9 +153,9 @@ class Cells(ProgramTest):
 
 class Pictures(ProgramTest):
     def test_show_the_model_in_the_middle(self):
-        for flags, background in ((["--shade"], None), ([], (0, 0, 0))):
+        for flags, background in (([], None), (["--cells"], (0, 0, 0))):
             out = self.folder / "picture.png"
-            self.succeed("raycast", "icosphere:2", "--camera", "60x40", "--out", out, *flags)
+            self.succeed("raycast", "icosphere:2", "--size", "60x40", "--picture", out, *flags)
             width, height, rows = read_png(out.read_bytes())
             self.assertEqual((width, height), (60, 40))
             corner, middle = (tuple(rows[y][3 * x:3 * x + 3]) for x, y in ((0, 0), (30, 20)))
@@ -166,8 +166,36 @@ class Pictures(ProgramTest):
                 self.assertIn((252, 255, 164), pixels, "the largest weights are as light as can be")
                 self.assertGreater(sum(pixel[0] > middle[0] for pixel in pixels), 10, "the rim is lighter")
 
+    def test_show_the_same_as_other_commands(self):
+        """One camera for all pictures: where a ray misses, view and octree draw their background."""
+        rng = random.Random(23)
+        model, size = "torus:24x12", ("--size", "120x90")
+        for camera in ((), ("--view", "iso"), ("--view", "left", "--up", "y"), ("--view", "-30,50", "--fov", "70"),
+                       ("--eye", "3,-1,0.5", "--target", "0.3,0,0"), ("--eye", "0,0.3,0.1", "--target", "4,1,0", "--fov", "100"),
+                       ("--eye", "%r,%r,4" % (rng.random(), rng.random()), "--up", "1,2,3")):
+            with self.subTest(camera):
+                hits = list(csv.DictReader(io.StringIO(self.succeed("raycast", model, *size, *camera, "--out", "-"))))
+                missed = [row["triangle"] == "-1" for row in hits]
+                self.assertIn(False, missed)
+                for command in (("view", model), ("octree", model, "--depth", 0), ("cull", model, "--frustum", self.around())):
+                    if command[0] == "cull" and any(name in camera for name in ("--eye", "--fov")):
+                        continue  # its picture has a direction alone
+                    if command[0] == "octree" and "--eye" not in camera:
+                        continue  # its cells fill the picture, not the mesh
+                    out = self.folder / "p.png"
+                    options = ["--picture-view" if command[0] == "cull" and part == "--view" else part for part in camera]
+                    self.succeed(*command, *size, *options, "--picture", out, "--quiet")
+                    width, height, rows = read_png(out.read_bytes())
+                    # The background is the same along a row, and bluish; clay is not.
+                    drawn = [rows[y][3 * x] > rows[y][3 * x + 2] + 2 for y in range(height) for x in range(width)]
+                    wrong = sum(a == b for a, b in zip(missed, drawn))
+                    self.assertLess(wrong, 0.02 * width * height, command)
+
+    def around(self):
+        return self.file("around.csv", "1,0,0,99\n")
+
     def test_may_be_rows_instead(self):
-        text = self.succeed("raycast", "cube", "--camera", "5x4", "--out", "-")
+        text = self.succeed("raycast", "cube", "--size", "5x4", "--out", "-")
         self.assertEqual(text.count("\n"), 21)
 
 
@@ -176,16 +204,19 @@ class Refusing(ProgramTest):
         rays = self.file("rays.csv", "0,0,5,0,0,-1\n")
         out = self.folder / "x.png"
         for arguments, says in (
-                ([], "--rays, --ray and --camera"),
-                (["--rays", rays, "--camera", "4x4"], "--rays, --ray and --camera"),
-                (["--camera", "4"], "WIDTHxHEIGHT"), (["--camera", "0x4"], "WIDTHxHEIGHT"),
-                (["--rays", rays, "--out", out], "--camera"),
-                (["--rays", rays, "--shade"], "--shade"),
+                ([], "--rays, --ray and a camera"),
+                (["--rays", rays, "--size", "4x4"], "--rays, --ray and a camera"),
+                (["--rays", rays, "--picture", out], "a camera"),
+                (["--picture", self.folder / "x.jpg"], ".png"),
+                (["--picture", out, "--eye", "1,2,3", "--target", "1,2,3"], "--eye"),
                 (["--rays", rays, "--out", self.folder / "x.txt"], "unknown extension"),
                 (["--rays", rays, "--out", "-", "--json", "-"], "stdout")):
             self.refuse("raycast", "cube", *arguments, says=says)
-        self.refuse("raycast", "cube", "--camera", "4x4", "--shade", "--cells", status=2)
-        self.refuse("raycast", "cube", "--camera", "4x4", "--depth", 99, status=2)
+        for option, value in (("--size", "4"), ("--size", "0x4"), ("--size", "99999x4"), ("--view", "fornt"), ("--view", "0,91"),
+                              ("--eye", "1,2"), ("--target", "a,b,c"), ("--up", "w"), ("--up", "0,0,0"), ("--fov", "180"),
+                              ("--depth", "99")):
+            self.refuse("raycast", "cube", "--picture", out, option, value, status=2, says=option)
+        self.refuse("raycast", "cube", "--picture", out, "--view", "top", "--eye", "1,2,3", status=2, says=("--view", "--eye"))
 
     def test_rays_of_the_command_line(self):
         rays = [(0.25, 0.5, 5.0, 0.0, 0.0, -1.0), (0.0, 0.25, -5.0, 0.0, 0.0, 1.0)]

@@ -52,7 +52,7 @@ class Closest(ProgramTest):
 
     def test_what_it_cannot_do_is_refused(self):
         self.refuse("closest", "torus:20x10", "--points", self.points, "--method", "thesis", says="not convex")
-        for option in (["--signed"], ["--budget-mb", "5"]):
+        for option in (["--signed"], ["--lists-mb", "5"]):
             self.refuse("closest", "cube", "--points", self.points, "--method", "thesis", *option, status=2,
                         says=[option[0], "--method index"])
         self.refuse("closest", "cube", "--points", self.points, "--depth", "3", status=2, says="--method thesis")

@@ -169,7 +169,7 @@ TEST_F(GlLayersTest, DrawsLikeTheSoftwareRenderer)
     ASSERT_TRUE(expected);
     // Less than a picture changes when it is moved by a quarter of a pixel.
     OrbitCamera aside = camera;
-    aside.shift += Vec2::Constant(0.25 / (0.5 * size.height));
+    aside.target += 0.25 * aside.distance / (aside.zoom * 0.5 * size.height) * Vec3(1, 1, 1);
     const auto shifted = make_software_renderer()->render(flattened(layers, backdrop), aside, size);
     ASSERT_TRUE(shifted);
     EXPECT_LT(difference(image, *expected), difference(*shifted, *expected));

@@ -41,7 +41,7 @@ protected:
     [[nodiscard]] Image draw() const
     {
         const auto renderer = make_software_renderer();
-        return *renderer->render(scene, fitted(camera, positions_of(scene), size), size);
+        return *renderer->render(scene, framed(camera, positions_of(scene), size), size);
     }
 
     Scene scene;
@@ -117,7 +117,7 @@ TEST_F(TwoSquares, LabelsAreDrawnOverSurfaces)
     label.text = "W";
     label.style = {.size = 20, .color = 0x00FF00, .anchor = TextAnchor::middle};
     scene.labels.push_back(label);
-    const OrbitCamera same = fitted(camera, positions_of(scene), size);
+    const OrbitCamera same = framed(camera, positions_of(scene), size);
     const Image image = draw();
     scene.surfaces.clear();
     const Image alone = *make_software_renderer()->render(scene, same, size);
@@ -179,7 +179,7 @@ TEST(Renderers, OpenGlDrawsLikeSoftware)
                 for (Vec3& end : segment) end += Vec3::Constant(away);
         scene.labels[0].at += Vec3::Constant(away);
         for (const double azimuth : {0.3, 2.5}) {
-            const OrbitCamera camera = fitted({.azimuth = azimuth}, positions_of(scene), large);
+            const OrbitCamera camera = framed({.azimuth = azimuth}, positions_of(scene), large);
             const auto one = software->render(scene, camera, large);
             const auto other = (*opengl)->render(scene, camera, large);
             ASSERT_TRUE(one);
@@ -187,15 +187,16 @@ TEST(Renderers, OpenGlDrawsLikeSoftware)
             ASSERT_EQ(one->bytes.size(), other->bytes.size());
             // Less than a picture changes when it is moved by a quarter of a pixel.
             OrbitCamera aside = camera;
-            aside.shift += Vec2::Constant(0.25 / (0.5 * large.height));
+            aside.target +=
+                0.25 * aside.distance / (aside.zoom * 0.5 * large.height) * Vec3(1, 1, 1);
             const auto moved = software->render(scene, aside, large);
             ASSERT_TRUE(moved);
             EXPECT_LT(difference(*one, *other), difference(*one, *moved));
         }
     }
     // Another camera is another picture: the measure can tell.
-    const OrbitCamera here = fitted({.azimuth = 0.3}, positions_of(scene), large);
-    const OrbitCamera there = fitted({.azimuth = 0.6}, positions_of(scene), large);
+    const OrbitCamera here = framed({.azimuth = 0.3}, positions_of(scene), large);
+    const OrbitCamera there = framed({.azimuth = 0.6}, positions_of(scene), large);
     EXPECT_GT(
         difference(*software->render(scene, here, large), *(*opengl)->render(scene, there, large)),
         0.05);

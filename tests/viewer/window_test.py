@@ -259,7 +259,7 @@ class Trouble(WindowTest):
                     env=self.screen.environment)
 
     def test_no_opengl_3_3(self):
-        self.refuse("view", "cube", says=["OpenGL 3.3", "--snapshot"],
+        self.refuse("view", "cube", says=["OpenGL 3.3", "--picture"],
                     env={**self.screen.environment, "MESA_GL_VERSION_OVERRIDE": "2.1"})
 
 
@@ -268,28 +268,28 @@ class WithoutScreen(ProgramTest):
     environment = {key: value for key, value in os.environ.items() if key not in ("DISPLAY", "WAYLAND_DISPLAY")}
 
     def test_no_display(self):
-        self.refuse("view", "cube", says=["no display", "--snapshot"], env=self.environment)
-        self.refuse("view", says=["no display", "--snapshot"], env=self.environment)
+        self.refuse("view", "cube", says=["no display", "--picture"], env=self.environment)
+        self.refuse("view", says=["no display", "--picture"], env=self.environment)
 
     def test_pictures_need_a_model_and_no_display(self):
-        self.refuse("view", "--snapshot", self.folder / "a.png", status=2, says="MODEL", env=self.environment)
-        for option, name, kind in (("--snapshot", "a.jpg", ".png"), ("--export", "a.obj", ".glb")):
+        self.refuse("view", "--picture", self.folder / "a.png", status=2, says="MODEL", env=self.environment)
+        for option, name, kind in (("--picture", "a.jpg", ".png"), ("--out", "a.obj", ".glb")):
             self.refuse("view", "cube", option, self.folder / name, says=[name, kind], env=self.environment)
-        self.succeed("view", "cube", "--size", "40x30", "--snapshot", self.folder / "a.png", env=self.environment)
+        self.succeed("view", "cube", "--size", "40x30", "--picture", self.folder / "a.png", env=self.environment)
 
     def test_a_model_beyond_memory(self):
-        self.refuse("view", "icosphere:7", "--budget-mb", 100, "--snapshot", self.folder / "a.png",
+        self.refuse("view", "icosphere:7", "--budget-mb", 100, "--picture", self.folder / "a.png",
                     says=["icosphere:7", "the budget is 100 MB", "coarser"], env=self.environment)
 
     def test_a_limit_of_the_process_is_heeded(self):
         if os.environ.get("PROXIMA_SANITIZE"):
             self.skipTest("sanitizers reserve more than any limit")
         limit = 1_200_000_000
-        self.refuse("view", "icosphere:8", "--snapshot", self.folder / "a.png", says=["icosphere:8", "the budget is 900 MB"],
+        self.refuse("view", "icosphere:8", "--picture", self.folder / "a.png", says=["icosphere:8", "the budget is 900 MB"],
                     env=self.environment, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)))
 
     def test_devices_make_no_pictures(self):
-        self.refuse("view", "cube", "--panel", "touch", "--set", "device=udp", "--snapshot", self.folder / "a.png",
+        self.refuse("view", "cube", "--panel", "touch", "--set", "device=udp", "--picture", self.folder / "a.png",
                     says=["udp:4711", "needs the window"], env=self.environment)
 
     def test_machines_without_xvfb_skip_and_say_so(self):

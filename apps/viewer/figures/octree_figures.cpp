@@ -39,6 +39,11 @@ std::string counted(std::uint64_t count, const char* one, const char* more)
     return fmt::format("{} {}", count, count == 1 ? one : more);
 }
 
+CameraChoice seen_aside(const Vec3& up, ViewSize size)
+{
+    return {.camera = {.azimuth = 0.42, .elevation = 0.30, .up = up}, .size = size};
+}
+
 /// What holds the leaves that hold triangles.
 Result<Box> box_of_leaves(const Octree& octree, const Execution& context)
 {
@@ -57,7 +62,7 @@ Result<std::string> add_depths(FigureContent& content, const TriangleMesh& mesh,
                                std::span<const int> depths, ViewSize size, const Execution& context)
 {
     std::string counts;
-    PictureOptions options = {.width = size.width, .height = size.height, .up = UpAxis::z};
+    PictureOptions options = {.view = seen_aside(Vec3::UnitZ(), size)};
     options.depths = {depths.front(), depths.back()};
     for (const int depth : depths) {
         const auto octree = build_octree(mesh, options_for(depth, context));
@@ -99,7 +104,7 @@ constexpr std::array benchmark_models = {
 struct LoadedModel {
     std::string name;
     TriangleMesh mesh;
-    UpAxis up = UpAxis::z;
+    Vec3 up = Vec3::UnitZ();
 };
 
 Result<LoadedModel> load(const BenchmarkModel& model, const Execution& context)
@@ -108,13 +113,13 @@ Result<LoadedModel> load(const BenchmarkModel& model, const Execution& context)
     const std::filesystem::path file = model.file;
     if (!file.empty() && std::filesystem::exists(file, error)) {
         auto mesh = read_mesh(file, {.execution = {.progress = context.progress}});
-        if (mesh) return LoadedModel{file.filename().string(), std::move(*mesh), UpAxis::y};
+        if (mesh) return LoadedModel{file.filename().string(), std::move(*mesh), Vec3::UnitY()};
         // Without assimp there is no 3DS: the stand-in is shown then too.
         if (mesh.error().code != ErrorCode::unsupported_format) return tl::unexpected(mesh.error());
     }
     auto mesh = sample_mesh(model.stand_in, {.execution = {.progress = context.progress}});
     if (!mesh) return tl::unexpected(mesh.error());
-    return LoadedModel{model.stand_in, std::move(*mesh), UpAxis::z};
+    return LoadedModel{model.stand_in, std::move(*mesh), Vec3::UnitZ()};
 }
 
 } // namespace
@@ -152,11 +157,10 @@ Result<FigureContent> figure_2_7(const Execution& context)
         const OctreeStatistics before = octree_statistics(*first);
         const OctreeStatistics after = octree_statistics(*octree);
         const std::uint32_t threshold = octree->parameters().threshold;
-        auto panel = picture_of(
-            *octree, model->mesh,
-            fmt::format("{}: threshold {}, {} leaves hold triangles", model->name, threshold,
-                        after.boundary),
-            {.width = panel_size.width, .height = panel_size.height, .up = model->up}, context);
+        auto panel = picture_of(*octree, model->mesh,
+                                fmt::format("{}: threshold {}, {} leaves hold triangles",
+                                            model->name, threshold, after.boundary),
+                                {.view = seen_aside(model->up, panel_size)}, context);
         if (!panel) return tl::unexpected(panel.error());
         content.panels.emplace_back(std::move(*panel));
         content.caption += fmt::format(

@@ -6,7 +6,7 @@ namespace proxima {
 
 ScenePanel scene_panel(std::string title, Scene scene, const OrbitCamera& camera, ViewSize size)
 {
-    const OrbitCamera seen = fitted(camera, positions_of(scene), size);
+    const OrbitCamera seen = framed(camera, positions_of(scene), size);
     return {std::move(title), std::move(scene), seen, size};
 }
 

@@ -6,11 +6,11 @@
 //     }
 #pragma once
 
+#include "cli/camera.h"
 #include "cli/figure.h"
 #include "cli/image.h"
 #include "proxima/execution.h"
 #include "proxima/result.h"
-#include "viewer/camera.h"
 #include "viewer/scene.h"
 
 #include <optional>

@@ -1,8 +1,8 @@
 #include "viewer/panels/placed_point.h"
 
 #include "base/text.h"
+#include "cli/camera.h"
 #include "proxima/cast_ray.h"
-#include "viewer/camera.h"
 
 #include <algorithm>
 #include <array>

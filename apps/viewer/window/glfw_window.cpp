@@ -27,7 +27,7 @@ tl::unexpected<Error> no_window(const std::string& what)
 {
     return fail(
         ErrorCode::unsupported_format,
-        concat(what, " (", reason(), "); --snapshot FILE.png makes a picture without a window"),
+        concat(what, " (", reason(), "); --picture FILE.png makes a picture without a window"),
         "window");
 }
 

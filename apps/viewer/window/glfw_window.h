@@ -1,8 +1,8 @@
 // A window with an OpenGL 3.3 context and Dear ImGui in it, as an owner.
 #pragma once
 
+#include "cli/camera.h"
 #include "proxima/result.h"
-#include "viewer/camera.h"
 
 struct GLFWwindow;
 

@@ -10,7 +10,7 @@ namespace {
 bool same_camera(const OrbitCamera& a, const OrbitCamera& b)
 {
     return a.target == b.target && a.distance == b.distance && a.azimuth == b.azimuth &&
-           a.elevation == b.elevation && a.up == b.up && a.zoom == b.zoom && a.shift == b.shift;
+           a.elevation == b.elevation && a.up == b.up && a.zoom == b.zoom;
 }
 
 bool same_layer(const SceneLayer& a, const SceneLayer& b)
