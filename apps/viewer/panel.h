@@ -83,8 +83,8 @@ public:
     [[nodiscard]] virtual std::string_view purpose() const = 0;
 
     /// The models have changed: points that depend on them are set anew, except those that a person
-    /// has set.
-    virtual void models_changed(const ViewModels& models) = 0;
+    /// has set. `to_eye` is the unit direction to the eye that looks at the models.
+    virtual void models_changed(const ViewModels& models, const Vec3& to_eye) = 0;
 
     /// Offers the settings. Controls change them in place.
     virtual void offer(Controls& controls) = 0;

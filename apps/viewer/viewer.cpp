@@ -124,7 +124,9 @@ void Viewer::take_models()
     }
     models_ = std::move(*models);
     picked_.reset();
-    for (const auto& panel : panels_) panel->models_changed(models_);
+    camera_.up = models_.front()->up;
+    const View view(camera_, size_);
+    for (const auto& panel : panels_) panel->models_changed(models_, view.back());
     if (!camera_is_set_) frame();
     picture_ = {.layers = model_layers(models_, Smoothing::smooth), .facts = {}, .plots = {}};
     ++wanted_;

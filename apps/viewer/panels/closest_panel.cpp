@@ -61,12 +61,12 @@ public:
                "point.";
     }
 
-    void models_changed(const ViewModels& models) override
+    void models_changed(const ViewModels& models, const Vec3& to_eye) override
     {
         models_ = models;
         settings_.model = std::clamp(settings_.model, 1, static_cast<int>(models.size()));
-        settings_.cursor.place(
-            visible_point(*model()).above(cursor_height * model()->box.extent().norm()));
+        settings_.cursor.place(visible_point(*model(), to_eye, cursor_height)
+                                   .above(cursor_height * model()->box.extent().norm()));
     }
 
     void offer(Controls& controls) override

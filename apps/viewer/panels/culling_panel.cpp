@@ -48,7 +48,7 @@ public:
                "it looks.";
     }
 
-    void models_changed(const ViewModels& models) override
+    void models_changed(const ViewModels& models, const Vec3& /*to_eye*/) override
     {
         models_ = models;
         kept_ = std::make_shared<KeptOctree>();

@@ -48,14 +48,15 @@ const std::shared_ptr<const ViewModel>& second_of(const ViewModels& models)
 
 /// Where B's centre is at first: askew beside A's, so that they meet; of two of very different
 /// sizes the small one's is on the surface of the large one.
-Vec3 first_position(const IntersectionSettings& settings, const ViewModel& a, const ViewModel& b)
+Vec3 first_position(const IntersectionSettings& settings, const ViewModel& a, const ViewModel& b,
+                    const Vec3& to_eye)
 {
     constexpr double much = 2.0;
     const double size_of_a = a.box.extent().norm();
     const double size_of_b = b.box.extent().norm();
-    if (size_of_a > much * size_of_b) return visible_point(a).point;
+    if (size_of_a > much * size_of_b) return visible_point(a, to_eye, 0.0).point;
     if (size_of_b > much * size_of_a) {
-        const Vec3 from_center = visible_point(b).point - b.box.center();
+        const Vec3 from_center = visible_point(b, to_eye, 0.0).point - b.box.center();
         return a.box.center() - rotation_of(settings, b) * from_center;
     }
     return point_at_offset(a, 0.243, -0.144, 0.087);
@@ -134,13 +135,14 @@ public:
                "second.";
     }
 
-    void models_changed(const ViewModels& models) override
+    void models_changed(const ViewModels& models, const Vec3& to_eye) override
     {
         models_ = models;
         kept_a_ = std::make_shared<KeptOctree>();
         kept_b_ = std::make_shared<KeptOctree>();
         separation_ = std::make_shared<Separation>();
-        settings_.position.place(first_position(settings_, *models.front(), *second_of(models)));
+        settings_.position.place(
+            first_position(settings_, *models.front(), *second_of(models), to_eye));
     }
 
     void offer(Controls& controls) override
@@ -163,6 +165,25 @@ public:
         const RigidTransform pose = pose_of(settings_, b);
         for (const Vec3& position : b.mesh.positions()) all.extend(pose(position));
         return all;
+    }
+
+    /// Where they meet, with some of what is round it.
+    [[nodiscard]] Box focus(const ViewModels& models) const override
+    {
+        if (models.empty()) return {};
+        const ViewModel& a = *models.front();
+        const ViewModel& b = *second_of(models);
+        const RigidTransform pose = pose_of(settings_, b);
+        Box contact;
+        const auto pairs = intersecting_pairs(a.rays, b.rays, pose);
+        for (const ContourPoint& point : intersection_contour(a.mesh, b.mesh, pose, pairs).points)
+            contact.extend(point.position);
+        const Box all = extent(models);
+        if (contact.empty()) return all;
+        // A point alone is not enough to see.
+        constexpr double least = 0.02; // per diagonal of both
+        const Vec3 more = Vec3::Constant(least * all.extent().norm());
+        return {contact.lower - more, contact.upper + more};
     }
 
     [[nodiscard]] std::vector<Vec3> handles() const override { return {settings_.position.at}; }

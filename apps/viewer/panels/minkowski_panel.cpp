@@ -107,7 +107,7 @@ public:
                "by an edge along an edge green. Play pushes the planes out from A to the sum.";
     }
 
-    void models_changed(const ViewModels& /*models*/) override
+    void models_changed(const ViewModels& /*models*/, const Vec3& /*to_eye*/) override
     {
         kept_ = std::make_shared<Kept<SumChoice, MinkowskiSum>>();
     }

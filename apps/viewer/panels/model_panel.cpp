@@ -129,7 +129,7 @@ public:
                "to move, wheel to "
                "go nearer, click to pick, double click to put a point into the middle.";
     }
-    void models_changed(const ViewModels& /*models*/) override
+    void models_changed(const ViewModels& /*models*/, const Vec3& /*to_eye*/) override
     {
         reports_ = std::make_shared<Kept<int, Reports>>();
     }

@@ -194,7 +194,7 @@ public:
         return "The octree: cells that hold triangles, and those known to lie inside or outside.";
     }
 
-    void models_changed(const ViewModels& models) override
+    void models_changed(const ViewModels& models, const Vec3& /*to_eye*/) override
     {
         models_ = static_cast<int>(models.size());
         settings_.build.model = std::clamp(settings_.build.model, 1, models_);

@@ -65,7 +65,7 @@ public:
                "where it goes; a click sends it to a point.";
     }
 
-    void models_changed(const ViewModels& models) override
+    void models_changed(const ViewModels& models, const Vec3& /*to_eye*/) override
     {
         models_ = models;
         kept_ = std::make_shared<KeptOctree>();

@@ -21,12 +21,14 @@ namespace proxima {
 namespace {
 
 constexpr double pressed_depth = 0.08; // below the surface, per diagonal
+constexpr double outside_height = 0.1; // above it, where the device begins
 
 struct TouchPanelSettings {
     int model = 1;
     TouchOptions touch;
     TouchDeviceChoice device;
-    PlacedPoint target; ///< where the mouse pulls the device to
+    PlacedPoint target;           ///< where the mouse pulls the device to
+    Vec3 outward = Vec3::UnitZ(); ///< out of the surface that is pressed first
 
     [[nodiscard]] bool by_mouse() const { return device.hand == Hand::mouse; }
 };
@@ -48,11 +50,11 @@ struct TouchSlot {
     std::shared_ptr<const Touchable> latest;
 };
 
-/// Where the mouse's device begins: farther from the model's middle than where the hand wants it.
+/// Where the mouse's device begins: outside of the surface that is pressed first.
 Vec3 start_of(const TouchPanelSettings& settings, const ViewModel& model)
 {
-    const Vec3 outward = settings.target.at - model.box.center();
-    return settings.target.at + 0.3 * model.box.extent().norm() * outward.stableNormalized();
+    return settings.target.at +
+           (pressed_depth + outside_height) * model.box.extent().norm() * settings.outward;
 }
 
 /// Where the mouse's hand wants to go, m of the device: from the window's thread to the device's.
@@ -128,14 +130,16 @@ public:
                "the ring to and fro while it is held.";
     }
 
-    void models_changed(const ViewModels& models) override
+    void models_changed(const ViewModels& models, const Vec3& to_eye) override
     {
         leave();
         models_ = models;
         slot_ = std::make_shared<TouchSlot>();
         settings_.model = std::clamp(settings_.model, 1, static_cast<int>(models.size()));
         const double size = model()->box.extent().norm();
-        settings_.target.place(visible_point(*model()).above(-pressed_depth * size));
+        const PointWithNormal pressed = visible_point(*model(), to_eye, outside_height);
+        settings_.outward = pressed.normal;
+        settings_.target.place(pressed.above(-pressed_depth * size));
     }
 
     void offer(Controls& controls) override
@@ -164,6 +168,7 @@ public:
         // A little below the surface, so that there is a force.
         const ViewModel& touched = *models_[hit.model];
         const Vec3 normal = scaled_normal(touched.mesh.triangle(hit.triangle)).stableNormalized();
+        settings_.outward = normal;
         settings_.target.set(hit.point - pressed_depth * touched.box.extent().norm() * normal);
         return true;
     }
