@@ -39,6 +39,11 @@ public:
         return note(asked_.text(name, value));
     }
     bool button(std::string_view name) override { return note(asked_.button(name)); }
+    void begin_condition(std::string_view words, bool is_met) override
+    {
+        asked_.begin_condition(words, is_met);
+    }
+    void end_condition() override { asked_.end_condition(); }
 
     [[nodiscard]] bool changed() const noexcept { return changed_; }
 
@@ -268,6 +273,7 @@ void Viewer::leave_for(std::size_t panel)
     // What is drawn stays until there is something new to see; the words are of the other panel.
     picture_.facts.clear();
     picture_.plots.clear();
+    picture_.legend = {};
 }
 
 std::vector<std::string_view> Viewer::panel_names() const

@@ -127,6 +127,7 @@ TEST(Viewer, ClickPicksWhatIsUnderIt)
 {
     Shown shown({"icosphere:3"}, "closest");
     Viewer& viewer = shown.viewer;
+    viewer.frame_all();
     const Vec3 front = View(viewer.camera(), shown_size).back();
     viewer.press(MouseButton::left, {200, 150});
     viewer.release({200, 150});

@@ -172,6 +172,13 @@ public:
                 picture.layers.push_back({std::move(scene)});
                 picture.layers.front().opacity = 0.55F;
             }
+            for (const auto& [origin, words] : {std::pair{FacetOrigin::a, "facets of A"},
+                                                std::pair{FacetOrigin::b, "facets of B"},
+                                                std::pair{FacetOrigin::both, "facets of both"},
+                                                std::pair{FacetOrigin::swept, "swept facets"}}) {
+                if (!facets_of(sum, origin).empty())
+                    picture.legend.entries.push_back({hex_of(color_of(origin)), words});
+            }
             const auto count = [&](FacetOrigin origin) {
                 return fmt::format("{}", facets_of(sum, origin).size());
             };

@@ -19,6 +19,8 @@ namespace {
 
 constexpr double cursor_height = 0.04; // above the surface, per diagonal
 
+constexpr unsigned listed_color = 0xF2A65A;
+
 struct VoronoiSettings {
     int model = 1;
     FeatureKind kind = FeatureKind::vertex;
@@ -67,11 +69,15 @@ void show_region(PanelPicture& picture, const ViewModel& model, const MeshIndex&
 {
     auto scene = std::make_shared<Scene>();
     add_feature(*scene, model, feature, mark_radius(model), srgb(figure_colors::red));
+    picture.legend.entries.push_back({figure_colors::red, "feature"});
     if (settings.region) {
         const double length = settings.length * model.box.extent().norm();
         const auto region = region_shape(model, with, feature, length);
         if (region) {
             add_region(*scene, *region, color_of_kind(feature.kind));
+            if (region->shape != ConeShape::empty)
+                picture.legend.entries.push_back(
+                    {hex_of(color_of_kind(feature.kind)), "its Voronoi region"});
             picture.facts.push_back({"region", words_for_region(*region)});
             if (region->shape != ConeShape::empty)
                 picture.facts.push_back({"its end", words_for_end(*region)});
@@ -93,8 +99,10 @@ void show_leaf(PanelPicture& picture, const ViewModel& model, const MeshIndex& w
     add_cursor(*scene, model, cursor);
     if (leaf) {
         add_part(*scene, model.mesh, leaf->listed,
-                 {.name = "listed", .color = srgb(0xF2A65A), .lift = 4e-4});
+                 {.name = "listed", .color = srgb(listed_color), .lift = 4e-4});
         add_leaf(*scene, *leaf);
+        picture.legend.entries.push_back({figure_colors::green, "leaf of the cursor"});
+        picture.legend.entries.push_back({listed_color, "triangles that it lists"});
     }
     picture.facts.push_back(
         {"leaf under the cursor",
@@ -189,8 +197,7 @@ public:
 
     void offer(Controls& controls) override
     {
-        if (models_.size() > 1)
-            controls.number("model", settings_.model, 1, static_cast<int>(models_.size()));
+        offer_model(controls, settings_.model, models_.size());
         if (choose(controls, "feature", settings_.kind,
                    std::array<std::string_view, 3>{"vertex", "edge", "face"})) {
             settings_.is_set = false;
