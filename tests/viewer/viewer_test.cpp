@@ -196,7 +196,8 @@ TEST(NamedSettings, ReportUnknownNamesAndBadValues)
     EXPECT_EQ(message("depth=3"), "fine");
     EXPECT_NE(message("depth=99").find("0 to 12"), std::string::npos);
     EXPECT_NE(message("depth=three").find("a number"), std::string::npos);
-    EXPECT_NE(message("depht=3").find("no setting here: they are panel, depth"), std::string::npos);
+    EXPECT_NE(message("depht=3").find("no setting here: they are panel, model, depth"),
+              std::string::npos);
     EXPECT_NE(message("depth").find("NAME=VALUE"), std::string::npos);
     EXPECT_NE(message("method=best").find("separating-axis"), std::string::npos);
     EXPECT_NE(message("inner=yes").find("on or off"), std::string::npos);
