@@ -62,9 +62,9 @@ Vec3 first_position(const IntersectionSettings& settings, const ViewModel& a, co
     constexpr double much = 2.0;
     const double size_of_a = a.box.extent().norm();
     const double size_of_b = b.box.extent().norm();
-    if (size_of_a > much * size_of_b) return visible_point(a, to_eye, 0.0).point;
+    if (size_of_a > much * size_of_b) return visible_point(a, to_eye, 0.02).point;
     if (size_of_b > much * size_of_a) {
-        const Vec3 from_center = visible_point(b, to_eye, 0.0).point - b.box.center();
+        const Vec3 from_center = visible_point(b, to_eye, 0.02).point - b.box.center();
         return a.box.center() - rotation_of(settings, b) * from_center;
     }
     return point_at_offset(a, 0.243, -0.144, 0.087);
