@@ -36,6 +36,12 @@ struct SampleRange {
 
 } // namespace
 
+unsigned hex_of(const Color& color)
+{
+    return static_cast<unsigned>(to_srgb_byte(color[0])) << 16U |
+           static_cast<unsigned>(to_srgb_byte(color[1])) << 8U | to_srgb_byte(color[2]);
+}
+
 Color srgb(unsigned hex)
 {
     return {from_srgb_byte(hex >> 16U & 0xFFU), from_srgb_byte(hex >> 8U & 0xFFU),

@@ -22,6 +22,9 @@ using Color = Eigen::Array3f;
 /// A colour by its sRGB bytes, 0xRRGGBB.
 [[nodiscard]] Color srgb(unsigned hex);
 
+/// The nearest colour in sRGB bytes, 0xRRGGBB.
+[[nodiscard]] unsigned hex_of(const Color& color);
+
 /// A point on the screen: pixels from the upper left corner, and nearness 1 / distance along the
 /// view axis, which is linear on the screen.
 struct ScreenPoint {

@@ -5,6 +5,8 @@
 //     void CullingPanel::offer(Controls& controls) {
 //         controls.number("field of view", degrees_, 5.0, 120.0);
 //         choose(controls, "mode", mode_, {"conservative", "exact"});
+//         const OfferedIf with_plane(controls, "cut plane=on", cut_);
+//         controls.number("cut at", cut_at_, -1.0, 1.0);
 //     }
 #pragma once
 
@@ -35,6 +37,27 @@ public:
     virtual bool text(std::string_view name, std::string& value) = 0;
     /// True if it was pressed since the last call.
     virtual bool button(std::string_view name) = 0;
+
+    /// What is offered from here to end_condition() has an effect only under a condition, in the
+    /// words of a person: "cut plane=on". Where it is not met no value changes. Conditions do not
+    /// nest.
+    virtual void begin_condition(std::string_view words, bool is_met) = 0;
+    virtual void end_condition() = 0;
+};
+
+/// A condition for what is offered in this scope.
+class OfferedIf {
+public:
+    OfferedIf(Controls& controls, std::string_view words, bool is_met) : controls_(controls)
+    {
+        controls_.begin_condition(words, is_met);
+    }
+    OfferedIf(const OfferedIf&) = delete;
+    OfferedIf& operator=(const OfferedIf&) = delete;
+    ~OfferedIf() { controls_.end_condition(); }
+
+private:
+    Controls& controls_;
 };
 
 /// A choice between the values 0, 1, ... of an enum.

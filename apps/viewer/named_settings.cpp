@@ -75,6 +75,18 @@ public:
         return true;
     }
 
+    void begin_condition(std::string_view words, bool is_met) override
+    {
+        unmet_ = is_met ? "" : std::string(words);
+    }
+    void end_condition() override { unmet_.clear(); }
+
+    /// What a setting needs that no control took although there is one of its name; else empty.
+    [[nodiscard]] std::string missing_condition(const std::string& name) const
+    {
+        const auto found = needed_.find(name);
+        return found == needed_.end() ? "" : found->second;
+    }
     [[nodiscard]] bool took_any() const noexcept { return took_any_; }
     [[nodiscard]] const std::optional<Error>& error() const noexcept { return error_; }
     [[nodiscard]] const std::string& names() const noexcept { return names_; }
@@ -85,6 +97,10 @@ private:
         names_ += concat(names_.empty() ? "" : ", ", name);
         const auto found = settings_.find(name);
         if (found == settings_.end()) return std::nullopt;
+        if (!unmet_.empty()) {
+            needed_[found->first] = unmet_;
+            return std::nullopt;
+        }
         std::string text = std::move(found->second);
         settings_.erase(found);
         took_any_ = true;
@@ -117,6 +133,8 @@ private:
     bool took_any_ = false;
     std::optional<Error> error_;
     std::string names_;
+    std::string unmet_; ///< the present condition
+    std::map<std::string, std::string> needed_;
 };
 
 /// Writes down what is offered.
@@ -145,15 +163,23 @@ public:
         return add(concat(name, " = ", value, " (any words)"));
     }
     bool button(std::string_view name) override { return add(concat(name, " (press)")); }
+    void begin_condition(std::string_view words, bool /*is_met*/) override
+    {
+        condition_ = concat(", needs ", words);
+    }
+    void end_condition() override { condition_.clear(); }
 
     std::vector<std::string> lines;
 
 private:
     bool add(std::string line)
     {
+        line += condition_;
         lines.push_back(std::move(line));
         return false;
     }
+
+    std::string condition_;
 };
 
 } // namespace
@@ -174,11 +200,14 @@ Status apply_settings(const std::vector<std::string>& settings,
         SettingControls controls(left);
         offer(controls);
         if (controls.error()) return tl::unexpected(*controls.error());
-        if (!controls.took_any()) {
+        if (controls.took_any()) continue;
+        const std::string& name = left.begin()->first;
+        if (const std::string needed = controls.missing_condition(name); !needed.empty()) {
             return fail(ErrorCode::invalid_argument,
-                        concat('"', left.begin()->first, "\" is no setting here: they are ",
-                               controls.names()));
+                        concat('"', name, "\" has no effect here: it needs ", needed));
         }
+        return fail(ErrorCode::invalid_argument,
+                    concat('"', name, "\" is no setting here: they are ", controls.names()));
     }
     return {};
 }

@@ -8,12 +8,14 @@
 // changed while it runs. Handles are points that the mouse drags.
 #pragma once
 
+#include "cli/legend.h"
 #include "proxima/execution.h"
 #include "proxima/result.h"
 #include "viewer/controls.h"
 #include "viewer/scene_shapes.h"
 #include "viewer/view_models.h"
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -42,6 +44,7 @@ struct PanelPicture {
     std::vector<SceneLayer> layers;
     std::vector<PanelFact> facts;
     std::vector<PanelPlot> plots;
+    Legend legend = {};       ///< what the colours mean
     std::string problem = {}; ///< what failed although there is a picture; else empty
 };
 
@@ -83,8 +86,8 @@ public:
     [[nodiscard]] virtual std::string_view purpose() const = 0;
 
     /// The models have changed: points that depend on them are set anew, except those that a person
-    /// has set.
-    virtual void models_changed(const ViewModels& models) = 0;
+    /// has set. `to_eye` is the unit direction to the eye that looks at the models.
+    virtual void models_changed(const ViewModels& models, const Vec3& to_eye) = 0;
 
     /// Offers the settings. Controls change them in place.
     virtual void offer(Controls& controls) = 0;
@@ -120,6 +123,14 @@ public:
     /// Called when another panel is chosen.
     virtual void leave() {}
 };
+
+/// Which of the models a panel is about, from 1. Before there are models any number will do.
+inline void offer_model(Controls& controls, int& model, std::size_t models)
+{
+    constexpr std::size_t any = 1000;
+    const OfferedIf several(controls, "several models", models != 1);
+    controls.number("model", model, 1, static_cast<int>(models == 0 ? any : models));
+}
 
 /// live: pictures follow each other; still: a single picture has to show everything.
 enum class Pictures : std::uint8_t { live, still };

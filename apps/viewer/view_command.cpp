@@ -2,6 +2,7 @@
 #include "base/file_extension.h"
 #include "cli/camera_options.h"
 #include "cli/image.h"
+#include "cli/legend.h"
 #include "cli/model_options.h"
 #include "cli/names.h"
 #include "viewer/commands.h"
@@ -70,8 +71,9 @@ Status write_files(const Viewer& viewer, const ViewOptions& options, Session& se
             return make_software_renderer(progress);
         }();
         if (!renderer) return tl::unexpected(renderer.error());
-        const auto image = (*renderer)->render(scene, viewer.camera(), options.camera.size);
+        auto image = (*renderer)->render(scene, viewer.camera(), options.camera.size);
         if (!image) return tl::unexpected(image.error());
+        draw_legend(*image, viewer.legend());
         if (Status status = write_png(*image, options.picture, progress); !status) return status;
         session.print(fmt::format("wrote {}\n", options.picture));
     }

@@ -39,6 +39,11 @@ public:
         return note(asked_.text(name, value));
     }
     bool button(std::string_view name) override { return note(asked_.button(name)); }
+    void begin_condition(std::string_view words, bool is_met) override
+    {
+        asked_.begin_condition(words, is_met);
+    }
+    void end_condition() override { asked_.end_condition(); }
 
     [[nodiscard]] bool changed() const noexcept { return changed_; }
 
@@ -122,9 +127,11 @@ void Viewer::take_models()
     }
     models_ = std::move(*models);
     picked_.reset();
-    for (const auto& panel : panels_) panel->models_changed(models_);
-    if (!camera_is_set_) frame();
+    camera_.up = options_.camera.up.value_or(models_.front()->up);
     place_camera();
+    const View view(camera_, size_);
+    for (const auto& panel : panels_) panel->models_changed(models_, view.back());
+    if (!camera_is_set_) frame();
     picture_ = {.layers = model_layers(models_, Smoothing::smooth), .facts = {}, .plots = {}};
     ++wanted_;
 }
@@ -265,6 +272,7 @@ void Viewer::leave_for(std::size_t panel)
     // What is drawn stays until there is something new to see; the words are of the other panel.
     picture_.facts.clear();
     picture_.plots.clear();
+    picture_.legend = {};
 }
 
 std::vector<std::string_view> Viewer::panel_names() const

@@ -92,6 +92,7 @@ public:
     [[nodiscard]] const std::vector<SceneLayer>& layers() const noexcept { return layers_; }
     [[nodiscard]] const std::vector<PanelFact>& facts() const noexcept { return facts_; }
     [[nodiscard]] const std::vector<PanelPlot>& plots() const noexcept { return plots_; }
+    [[nodiscard]] const Legend& legend() const noexcept { return picture_.legend; }
     [[nodiscard]] const OrbitCamera& camera() const noexcept { return camera_; }
     [[nodiscard]] Theme theme() const noexcept { return theme_; }
     [[nodiscard]] Backdrop backdrop() const noexcept;

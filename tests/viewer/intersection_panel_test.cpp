@@ -21,11 +21,12 @@ TEST(IntersectionPanel, MovesTheSecondModel)
     EXPECT_GT(box.upper.x(), 3.5) << "the torus stands where it was put";
 }
 
-TEST(IntersectionPanel, HasBothModelsInThePicture)
+TEST(IntersectionPanel, ShowsBothModelsWhereAllIsAskedFor)
 {
     for (const std::vector<std::string>& models :
          {std::vector<std::string>{"icosphere:3", "torus:32x16"}, {"spaceship:2000"}}) {
         Shown shown(models, "intersection");
+        shown.viewer.frame_all();
         const View view(shown.viewer.camera(), shown_size);
         for (const SceneLayer& layer : shown.viewer.layers()) {
             for (const SceneSurface& surface : layer.scene->surfaces) {

@@ -1,11 +1,19 @@
 // What panels show without a window, held against slow oracles.
+#include "folder_test.h"
 #include "lab/simulated_hand.h"
+#include "proxima/cast_ray.h"
 #include "proxima/device.h"
 #include "proxima/haptic_renderer.h"
 #include "proxima/octree.h"
 #include "query/closest/brute_force.h"
 #include "viewer/shown_viewer.h"
 
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <optional>
 #include <set>
 
 namespace proxima {
@@ -73,6 +81,131 @@ TEST(Panels, PanelsOfDetailsStartWithACloseUp)
         << "it is touched at once";
     shown.viewer.frame_all();
     EXPECT_EQ(shown.viewer.camera().distance, distance);
+}
+
+/// A thick tube along y, which a camera in front looks into.
+void write_tube(const std::filesystem::path& path)
+{
+    constexpr int around = 48;
+    constexpr std::array<std::array<double, 2>, 4> profile = {
+        {{1.0, -0.8}, {1.0, 0.8}, {0.6, 0.8}, {0.6, -0.8}}};
+    std::ofstream file(path);
+    for (const auto& [radius, y] : profile) {
+        for (int i = 0; i < around; ++i) {
+            const double angle = 2.0 * std::numbers::pi * i / around;
+            file << "v " << radius * std::cos(angle) << ' ' << radius * std::sin(angle) << ' ' << y
+                 << '\n';
+        }
+    }
+    for (int ring = 0; ring < 4; ++ring) {
+        for (int i = 0; i < around; ++i) {
+            const int a = around * ring + i + 1;
+            const int b = around * ring + (i + 1) % around + 1;
+            const int above = around * ((ring + 1) % 4) - around * ring;
+            file << "f " << a << ' ' << b << ' ' << b + above << '\n';
+            file << "f " << a << ' ' << b + above << ' ' << a + above << '\n';
+        }
+    }
+}
+
+using PanelsOfFiles = FolderTest;
+
+TEST_F(PanelsOfFiles, PanelsOfDetailsBeginWhereTheEyeSees)
+{
+    const std::string tube = path("tube.obj").string();
+    write_tube(tube);
+    for (const std::string& name :
+         {tube, std::string("torus:48x24"), std::string("spaceship:3000")}) {
+        for (const char* const panel : {"closest", "voronoi"}) {
+            const Shown shown({name}, panel);
+            const ViewModel& model = *shown.viewer.models().front();
+            const View view(shown.viewer.camera(), shown_size);
+            const Vec3 point = shown.viewer.handles().front();
+            EXPECT_FALSE(any_hit(model.rays, {.origin = point, .direction = view.eye() - point}))
+                << name << ' ' << panel << ": something hides the ring";
+        }
+        const Shown shown({name}, "touch");
+        EXPECT_NE(shown.fact("contact"), "free") << name;
+    }
+    // Not in the bore.
+    for (const char* const panel : {"closest", "voronoi"}) {
+        const Shown shown({tube}, panel);
+        const Vec3 point = shown.viewer.handles().front();
+        EXPECT_GT(std::hypot(point.x(), point.y()), 0.6) << panel;
+    }
+    const Shown touched({tube}, "touch");
+    for (const SceneSurface& surface : touched.scene().surfaces) {
+        if (surface.name != "proxy") continue;
+        Box box;
+        for (const Vec3& position : surface.positions) box.extend(position);
+        EXPECT_GT(std::hypot(box.center().x(), box.center().y()), 0.65);
+    }
+}
+
+TEST(Panels, IntersectionPanelBeginsAtTheContact)
+{
+    Shown shown({"icosphere:4", "icosphere:2"}, "intersection");
+    const View view(shown.viewer.camera(), shown_size);
+    Eigen::AlignedBox2d seen;
+    for (const SceneLines& lines : shown.scene().lines) {
+        if (lines.name != "contour") continue;
+        for (const auto& segment : lines.segments) {
+            for (const Vec3& end : segment) {
+                const ScreenPoint at = view.project(end);
+                seen.extend(Vec2(at.x, at.y));
+            }
+        }
+    }
+    ASSERT_FALSE(seen.isEmpty());
+    EXPECT_GT(seen.min().minCoeff(), 0.0);
+    EXPECT_LT(seen.max().x(), shown_size.width);
+    EXPECT_LT(seen.max().y(), shown_size.height);
+    EXPECT_GT(seen.sizes().y(), 0.4 * shown_size.height);
+}
+
+/// The legend's colour for these words.
+std::optional<unsigned> color_in_legend(const Shown& shown, std::string_view words)
+{
+    const auto& entries = shown.viewer.legend().entries;
+    const auto found = std::ranges::find(entries, words, &LegendEntry::text);
+    return found == entries.end() ? std::nullopt : std::optional(found->color);
+}
+
+TEST(Panels, LegendsHaveTheColoursOfThePicture)
+{
+    Shown shown({"icosphere:3"}, "octree", {"colour by=count"});
+    std::set<unsigned> drawn;
+    for (const SceneLines& lines : shown.scene().lines)
+        if (lines.name == "cells") drawn.insert(hex_of(lines.color));
+    std::set<unsigned> listed;
+    for (const LegendEntry& entry : shown.viewer.legend().entries) listed.insert(entry.color);
+    EXPECT_EQ(listed, drawn);
+    EXPECT_EQ(shown.viewer.legend().title, "triangles in a leaf");
+    shown.set({"panel=closest"});
+    for (const SceneSurface& surface : shown.scene().surfaces)
+        if (surface.name == "patch") {
+            EXPECT_EQ(color_in_legend(shown, "triangles round it"), hex_of(surface.color));
+        }
+    for (const char* const panel :
+         {"minkowski", "voronoi", "rays", "culling", "intersection", "touch"}) {
+        shown.set({std::string("panel=") + panel});
+        EXPECT_GE(shown.viewer.legend().entries.size(), 3U) << panel;
+    }
+    shown.set({"panel=model"});
+    EXPECT_TRUE(shown.viewer.legend().entries.empty()) << "it has no flaws";
+}
+
+TEST(Panels, SettingsNameTheConditionThatTheyNeed)
+{
+    Viewer viewer;
+    ASSERT_TRUE(viewer.choose_panel("octree"));
+    const auto offer = [&](Controls& controls) { viewer.offer(controls); };
+    const std::vector<std::string> lines = describe_controls(offer);
+    EXPECT_NE(std::ranges::find(lines, "cut at = 0 (-1 to 1), needs cut plane=on"), lines.end());
+    const Status refused = apply_settings({"cut at=0.5"}, offer);
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().message.find("needs cut plane=on"), std::string::npos);
+    EXPECT_TRUE(apply_settings({"cut at=0.5", "cut plane=on"}, offer));
 }
 
 TEST(Panels, CullingPanelHasItsVolumeInThePicture)

@@ -127,6 +127,7 @@ TEST(Viewer, ClickPicksWhatIsUnderIt)
 {
     Shown shown({"icosphere:3"}, "closest");
     Viewer& viewer = shown.viewer;
+    viewer.frame_all();
     const Vec3 front = View(viewer.camera(), shown_size).back();
     viewer.press(MouseButton::left, {200, 150});
     viewer.release({200, 150});
@@ -195,7 +196,8 @@ TEST(NamedSettings, ReportUnknownNamesAndBadValues)
     EXPECT_EQ(message("depth=3"), "fine");
     EXPECT_NE(message("depth=99").find("0 to 12"), std::string::npos);
     EXPECT_NE(message("depth=three").find("a number"), std::string::npos);
-    EXPECT_NE(message("depht=3").find("no setting here: they are panel, depth"), std::string::npos);
+    EXPECT_NE(message("depht=3").find("no setting here: they are panel, model, depth"),
+              std::string::npos);
     EXPECT_NE(message("depth").find("NAME=VALUE"), std::string::npos);
     EXPECT_NE(message("method=best").find("separating-axis"), std::string::npos);
     EXPECT_NE(message("inner=yes").find("on or off"), std::string::npos);

@@ -21,6 +21,11 @@ def is_yellow(r, g, b):
     return r > 120 and g > 90 and b < 0.6 * g
 
 
+def is_no_background(r, g, b):
+    """The background is light and nearly gray."""
+    return max(r, g, b) < 215 or max(r, g, b) - min(r, g, b) > 25
+
+
 class Panels(WindowTest):
     def test_octree(self):
         window = self.open("icosphere:3", "--panel", "octree")
@@ -141,6 +146,38 @@ class Panels(WindowTest):
         window.wait(lambda now: "/nowhere/libHD.so" in now["problem"], "the device's message")
         window.choose("device", "mouse")
         window.wait(lambda now: now["problem"] == "" and "servo rate" in now["facts"], "the mouse's servo loop")
+        self.close(window)
+
+
+    def test_every_panel_shows_something_of_its_own(self):
+        window = self.open("icosphere:4", "torus:48x24")
+        window.settled()
+        before = None
+        for panel in ("octree", "minkowski", "voronoi", "closest", "rays", "culling", "intersection", "touch", "model"):
+            window.choose("panel", panel)
+            state = window.settled()
+            self.assertEqual((state["panel"], state["problem"]), (panel, ""))
+            self.assertGreater(self.share(window, is_no_background), 0.02, f"{panel}: the picture is empty")
+            x, y, width, height = window.view()
+            picture = self.screen.picture()
+            shown = [picture.pixel(column, row) for row in range(y, y + height, 9) for column in range(x, x + width, 9)]
+            self.assertNotEqual(shown, before, f"{panel}: the picture is that of the panel before")
+            before = shown
+            legend = [name for name in state["controls"] if name.startswith("legend ")]
+            self.assertEqual(bool(legend), panel != "model", f"{panel}: {legend}")
+        self.close(window)
+
+    def test_controls_without_effect_are_disabled(self):
+        window = self.open("icosphere:2", "--panel", "octree")
+        window.settled()
+        self.assertEqual(window.state()["controls"]["cut at"]["needs"], "cut plane=on")
+        at = window.value("cut at")
+        window.click("cut at", 0.8)
+        window.frames(4)
+        self.assertEqual(window.value("cut at"), at)
+        self.turn_over(window, "cut plane")
+        self.assertEqual(window.state()["controls"]["cut at"]["needs"], "")
+        self.slide(window, "cut at", 0.8)
         self.close(window)
 
 

@@ -19,6 +19,8 @@ namespace {
 
 constexpr double cursor_height = 0.04; // above the surface, per diagonal
 
+constexpr unsigned listed_color = 0xF2D9A0;
+
 struct ClosestSettings {
     int model = 1;
     int rings = 1;
@@ -35,7 +37,7 @@ std::shared_ptr<const Scene> closest_scene(const ViewModel& model, const Closest
     auto scene = std::make_shared<Scene>();
     if (settings.listed && leaf) {
         add_part(*scene, model.mesh, leaf->listed,
-                 {.name = "listed", .color = srgb(0xF2D9A0), .lift = 2e-4});
+                 {.name = "listed", .color = srgb(listed_color), .lift = 2e-4});
     }
     add_part(*scene, model.mesh, patch,
              {.name = "patch", .color = srgb(figure_colors::blue), .lift = 5e-4});
@@ -61,18 +63,17 @@ public:
                "point.";
     }
 
-    void models_changed(const ViewModels& models) override
+    void models_changed(const ViewModels& models, const Vec3& to_eye) override
     {
         models_ = models;
         settings_.model = std::clamp(settings_.model, 1, static_cast<int>(models.size()));
-        settings_.cursor.place(
-            visible_point(*model()).above(cursor_height * model()->box.extent().norm()));
+        settings_.cursor.place(visible_point(*model(), to_eye, cursor_height)
+                                   .above(cursor_height * model()->box.extent().norm()));
     }
 
     void offer(Controls& controls) override
     {
-        if (models_.size() > 1)
-            controls.number("model", settings_.model, 1, static_cast<int>(models_.size()));
+        offer_model(controls, settings_.model, models_.size());
         controls.number("rings", settings_.rings, 0, 8);
         controls.toggle("leaf", settings_.leaf);
         controls.toggle("listed", settings_.listed);
@@ -115,6 +116,12 @@ public:
             PanelPicture picture;
             picture.layers = model_layers(models, Smoothing::flat);
             picture.layers.push_back({closest_scene(*model, settings, closest, patch, leaf)});
+            picture.legend.entries = {{figure_colors::red, "closest feature"},
+                                      {figure_colors::blue, "triangles round it"}};
+            if (settings.leaf && leaf)
+                picture.legend.entries.push_back({figure_colors::green, "leaf of the cursor"});
+            if (settings.listed && leaf)
+                picture.legend.entries.push_back({listed_color, "triangles that it lists"});
             picture.facts = {
                 {"closest", words_for(closest.feature)},
                 {"distance", fmt::format("{:.6g}", std::sqrt(closest.squared_distance))},

@@ -14,6 +14,9 @@
 namespace proxima {
 namespace {
 
+constexpr unsigned visible_color = 0xF2D9A0;
+constexpr unsigned hidden_color = 0x8D99A8;
+
 struct CullingSettings {
     OctreeChoice octree = {.model = 1, .depth = 5, .threshold = 40};
     CullMode mode = CullMode::conservative;
@@ -48,7 +51,7 @@ public:
                "it looks.";
     }
 
-    void models_changed(const ViewModels& models) override
+    void models_changed(const ViewModels& models, const Vec3& /*to_eye*/) override
     {
         models_ = models;
         kept_ = std::make_shared<KeptOctree>();
@@ -60,8 +63,7 @@ public:
 
     void offer(Controls& controls) override
     {
-        if (models_.size() > 1)
-            controls.number("model", settings_.octree.model, 1, static_cast<int>(models_.size()));
+        offer_model(controls, settings_.octree.model, models_.size());
         settings_.octree.offer(controls);
         choose(controls, "mode", settings_.mode,
                std::array<std::string_view, 2>{"conservative", "exact"});
@@ -115,7 +117,7 @@ public:
             const auto visible = visible_triangles(model->rays, *volume, settings.mode);
             auto scene = std::make_shared<Scene>();
             add_part(*scene, model->mesh, visible,
-                     {.name = "visible", .color = srgb(0xF2D9A0), .lift = 1.5e-4});
+                     {.name = "visible", .color = srgb(visible_color), .lift = 1.5e-4});
             if (settings.cells) {
                 add_box_edges(*scene, boxes,
                               {.name = "visible leaves",
@@ -127,8 +129,13 @@ public:
                         {.name = "volume", .color = srgb(figure_colors::red), .width = 2.5});
             PanelPicture picture;
             picture.layers = model_layers(models, Smoothing::flat);
-            for (SceneLayer& layer : picture.layers) layer.color = srgb(0x8D99A8);
+            for (SceneLayer& layer : picture.layers) layer.color = srgb(hidden_color);
             picture.layers.push_back({std::move(scene)});
+            picture.legend.entries = {{figure_colors::red, "volume of the second camera"},
+                                      {visible_color, "triangles in it"},
+                                      {hidden_color, "other triangles"}};
+            if (settings.cells)
+                picture.legend.entries.push_back({figure_colors::green, "leaves in it"});
             const auto all = static_cast<double>(model->mesh.triangle_count());
             picture.facts = {
                 {"triangles", fmt::format("{}", model->mesh.triangle_count())},

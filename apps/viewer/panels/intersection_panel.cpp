@@ -14,6 +14,14 @@
 namespace proxima {
 namespace {
 
+constexpr unsigned a_color = 0xEBD9D5;
+constexpr unsigned b_color = 0xD6E6D6;
+constexpr unsigned leaf_of_a_color = 0xC62828;
+constexpr unsigned leaf_of_b_color = 0x2E7D32;
+constexpr unsigned part_color = 0xF2C81E;
+constexpr unsigned contour_color = 0x102A6B;
+constexpr unsigned path_color = 0xD32F2F;
+
 struct IntersectionSettings {
     int depth = 5;
     int threshold = 8;
@@ -48,14 +56,15 @@ const std::shared_ptr<const ViewModel>& second_of(const ViewModels& models)
 
 /// Where B's centre is at first: askew beside A's, so that they meet; of two of very different
 /// sizes the small one's is on the surface of the large one.
-Vec3 first_position(const IntersectionSettings& settings, const ViewModel& a, const ViewModel& b)
+Vec3 first_position(const IntersectionSettings& settings, const ViewModel& a, const ViewModel& b,
+                    const Vec3& to_eye)
 {
     constexpr double much = 2.0;
     const double size_of_a = a.box.extent().norm();
     const double size_of_b = b.box.extent().norm();
-    if (size_of_a > much * size_of_b) return visible_point(a).point;
+    if (size_of_a > much * size_of_b) return visible_point(a, to_eye, 0.02).point;
     if (size_of_b > much * size_of_a) {
-        const Vec3 from_center = visible_point(b).point - b.box.center();
+        const Vec3 from_center = visible_point(b, to_eye, 0.02).point - b.box.center();
         return a.box.center() - rotation_of(settings, b) * from_center;
     }
     return point_at_offset(a, 0.243, -0.144, 0.087);
@@ -96,8 +105,9 @@ public:
         if (!apart) return {};
         auto scene = std::make_shared<Scene>();
         scene->lines.push_back(
-            {"shortest path", {{apart->point_a, apart->point_b}}, srgb(0xD32F2F), 3.0});
+            {"shortest path", {{apart->point_a, apart->point_b}}, srgb(path_color), 3.0});
         picture.layers.push_back({std::move(scene)});
+        picture.legend.entries.push_back({path_color, "shortest path"});
         return {};
     }
 
@@ -111,7 +121,7 @@ private:
 
 SceneLines contour_lines(const IntersectionContour& contour)
 {
-    SceneLines lines{"contour", {}, srgb(0x102A6B), 4.0};
+    SceneLines lines{"contour", {}, srgb(contour_color), 4.0};
     for (const ContourLine& line : contour.lines) {
         const auto along = contour.points_of(line);
         for (std::size_t i = line.closed ? 0 : 1; i < along.size(); ++i) {
@@ -134,13 +144,14 @@ public:
                "second.";
     }
 
-    void models_changed(const ViewModels& models) override
+    void models_changed(const ViewModels& models, const Vec3& to_eye) override
     {
         models_ = models;
         kept_a_ = std::make_shared<KeptOctree>();
         kept_b_ = std::make_shared<KeptOctree>();
         separation_ = std::make_shared<Separation>();
-        settings_.position.place(first_position(settings_, *models.front(), *second_of(models)));
+        settings_.position.place(
+            first_position(settings_, *models.front(), *second_of(models), to_eye));
     }
 
     void offer(Controls& controls) override
@@ -163,6 +174,25 @@ public:
         const RigidTransform pose = pose_of(settings_, b);
         for (const Vec3& position : b.mesh.positions()) all.extend(pose(position));
         return all;
+    }
+
+    /// Where they meet, with some of what is round it.
+    [[nodiscard]] Box focus(const ViewModels& models) const override
+    {
+        if (models.empty()) return {};
+        const ViewModel& a = *models.front();
+        const ViewModel& b = *second_of(models);
+        const RigidTransform pose = pose_of(settings_, b);
+        Box contact;
+        const auto pairs = intersecting_pairs(a.rays, b.rays, pose);
+        for (const ContourPoint& point : intersection_contour(a.mesh, b.mesh, pose, pairs).points)
+            contact.extend(point.position);
+        const Box all = extent(models);
+        if (contact.empty()) return all;
+        // A point alone is not enough to see.
+        constexpr double least = 0.02; // per diagonal of both
+        const Vec3 more = Vec3::Constant(least * all.extent().norm());
+        return {contact.lower - more, contact.upper + more};
     }
 
     [[nodiscard]] std::vector<Vec3> handles() const override { return {settings_.position.at}; }
@@ -188,25 +218,35 @@ public:
             const auto contour = intersection_contour(a->mesh, b->mesh, pose, pairs);
 
             PanelPicture picture;
-            picture.layers = {{.scene = a->flat, .color = srgb(0xEBD9D5)},
-                              {.scene = b->flat, .pose = pose, .color = srgb(0xD6E6D6)}};
+            picture.layers = {{.scene = a->flat, .color = srgb(a_color)},
+                              {.scene = b->flat, .pose = pose, .color = srgb(b_color)}};
             auto of_a = std::make_shared<Scene>();
             auto of_b = std::make_shared<Scene>();
             const ShapeStyle yellow = {
-                .name = "triangles in leaves that meet", .color = srgb(0xF2C81E), .lift = 2e-4};
+                .name = "triangles in leaves that meet", .color = srgb(part_color), .lift = 2e-4};
             add_part(*of_a, a->mesh, candidates.a, yellow);
             add_part(*of_b, b->mesh, candidates.b, yellow);
             const auto boxes_a = boxes_of_leaves(**octree_a, leaves, &LeafPair::a);
             const auto boxes_b = boxes_of_leaves(**octree_b, leaves, &LeafPair::b);
             if (settings.leaves) {
-                add_box_edges(*of_a, boxes_a,
-                              {.name = "leaves of A", .color = srgb(0xC62828), .width = 1.3});
-                add_box_edges(*of_b, boxes_b,
-                              {.name = "leaves of B", .color = srgb(0x2E7D32), .width = 1.3});
+                add_box_edges(
+                    *of_a, boxes_a,
+                    {.name = "leaves of A", .color = srgb(leaf_of_a_color), .width = 1.3});
+                add_box_edges(
+                    *of_b, boxes_b,
+                    {.name = "leaves of B", .color = srgb(leaf_of_b_color), .width = 1.3});
             }
             if (settings.contour) of_a->lines.push_back(contour_lines(contour));
             picture.layers.push_back({std::move(of_a)});
             picture.layers.push_back({.scene = std::move(of_b), .pose = pose});
+            auto& legend = picture.legend.entries;
+            legend = {{a_color, "A"}, {b_color, "B"}};
+            if (settings.leaves && !leaves.empty()) {
+                legend.push_back({leaf_of_a_color, "leaves of A that meet B's"});
+                legend.push_back({leaf_of_b_color, "leaves of B that meet A's"});
+            }
+            if (!leaves.empty()) legend.push_back({part_color, "triangles in them"});
+            if (settings.contour && !pairs.empty()) legend.push_back({contour_color, "contour"});
             std::size_t closed = 0;
             for (const ContourLine& line : contour.lines) closed += line.closed ? 1 : 0;
             picture.facts = {

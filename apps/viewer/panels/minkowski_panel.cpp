@@ -107,7 +107,7 @@ public:
                "by an edge along an edge green. Play pushes the planes out from A to the sum.";
     }
 
-    void models_changed(const ViewModels& /*models*/) override
+    void models_changed(const ViewModels& /*models*/, const Vec3& /*to_eye*/) override
     {
         kept_ = std::make_shared<Kept<SumChoice, MinkowskiSum>>();
     }
@@ -171,6 +171,13 @@ public:
                 }
                 picture.layers.push_back({std::move(scene)});
                 picture.layers.front().opacity = 0.55F;
+            }
+            for (const auto& [origin, words] : {std::pair{FacetOrigin::a, "facets of A"},
+                                                std::pair{FacetOrigin::b, "facets of B"},
+                                                std::pair{FacetOrigin::both, "facets of both"},
+                                                std::pair{FacetOrigin::swept, "swept facets"}}) {
+                if (!facets_of(sum, origin).empty())
+                    picture.legend.entries.push_back({hex_of(color_of(origin)), words});
             }
             const auto count = [&](FacetOrigin origin) {
                 return fmt::format("{}", facets_of(sum, origin).size());

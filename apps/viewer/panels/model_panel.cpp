@@ -67,12 +67,24 @@ void add_flaws(Scene& scene, const ViewModel& model)
         if (!of_kind.segments.empty()) scene.lines.push_back(std::move(of_kind));
 }
 
-/// "boundary edges", and the colour that they are drawn in.
+/// "boundary edges".
 std::string words_for(FindingKind kind)
 {
     std::string words(name_of(kind));
     std::ranges::replace(words, '_', ' ');
     return words;
+}
+
+/// The flaws that are drawn.
+Legend legend_of(const Scene& flaws)
+{
+    Legend legend;
+    for (const FlawColor& flaw : flaw_colors) {
+        if (std::ranges::find(flaws.lines, name_of(flaw.kind), &SceneLines::name) !=
+            flaws.lines.end())
+            legend.entries.push_back({hex_of(flaw.ink), words_for(flaw.kind)});
+    }
+    return legend;
 }
 
 std::string count_of(const MeshFinding& finding)
@@ -129,7 +141,7 @@ public:
                "to move, wheel to "
                "go nearer, click to pick, double click to put a point into the middle.";
     }
-    void models_changed(const ViewModels& /*models*/) override
+    void models_changed(const ViewModels& /*models*/, const Vec3& /*to_eye*/) override
     {
         reports_ = std::make_shared<Kept<int, Reports>>();
     }
@@ -156,7 +168,10 @@ public:
             const auto found = reports->get(0, [&] { return report(models, context); });
             if (!found) return tl::unexpected(found.error());
             picture.facts = (*found)->facts;
-            if (settings.flaws) picture.layers.push_back({(*found)->flaws});
+            if (settings.flaws) {
+                picture.layers.push_back({(*found)->flaws});
+                picture.legend = legend_of(*(*found)->flaws);
+            }
             return picture;
         };
     }

@@ -121,6 +121,29 @@ std::pair<Groups, std::size_t> shown_groups(const OctreePanelSettings& settings,
     return {std::move(groups), all};
 }
 
+std::string words_for_group(ColorBy color, int group)
+{
+    if (color == ColorBy::depth) return concat("depth ", group);
+    if (color == ColorBy::type) {
+        constexpr std::array words = {"outer", "inner", "boundary", "unclassified"};
+        return words[static_cast<std::size_t>(group)];
+    }
+    if (group < 2) return concat(group);
+    return concat(1U << (group - 1), " to ", (1U << group) - 1);
+}
+
+/// The colours of cells that are shown.
+Legend legend_of(const OctreePanelSettings& settings, const Groups& groups,
+                 const OctreeStatistics& statistics)
+{
+    Legend legend;
+    if (settings.color == ColorBy::count) legend.title = "triangles in a leaf";
+    for (const auto& [group, leaves] : groups)
+        legend.entries.push_back({hex_of(color_of_group(settings, group, statistics)),
+                                  words_for_group(settings.color, group)});
+    return legend;
+}
+
 std::shared_ptr<const Scene> cells_scene(const OctreePanelSettings& settings,
                                          const BuiltOctree& built, const Groups& groups)
 {
@@ -194,7 +217,7 @@ public:
         return "The octree: cells that hold triangles, and those known to lie inside or outside.";
     }
 
-    void models_changed(const ViewModels& models) override
+    void models_changed(const ViewModels& models, const Vec3& /*to_eye*/) override
     {
         models_ = static_cast<int>(models.size());
         settings_.build.model = std::clamp(settings_.build.model, 1, models_);
@@ -204,7 +227,7 @@ public:
     void offer(Controls& controls) override
     {
         BuildSettings& build = settings_.build;
-        if (models_ > 1) controls.number("model", build.model, 1, models_);
+        offer_model(controls, build.model, static_cast<std::size_t>(models_));
         controls.number("depth", build.depth, 0, deepest);
         controls.number("threshold", build.threshold, 1, 1000);
         choose(controls, "subdivision", build.subdivision,
@@ -221,7 +244,7 @@ public:
         controls.toggle("outer", settings_.outer);
         controls.toggle("mesh", settings_.mesh);
         controls.toggle("cut plane", settings_.cut);
-        if (!settings_.cut) return;
+        const OfferedIf with_plane(controls, "cut plane=on", settings_.cut);
         auto axis = static_cast<std::size_t>(settings_.cut_axis);
         if (controls.choice("cut axis", axis, std::array<std::string_view, 3>{"x", "y", "z"}))
             settings_.cut_axis = static_cast<int>(axis);
@@ -253,6 +276,7 @@ public:
             }
             if (settings.mesh) picture.layers.push_back({.scene = model->smooth, .cut = cut});
             picture.layers.push_back({.scene = cells_scene(settings, **built, groups), .cut = cut});
+            picture.legend = legend_of(settings, groups, (*built)->statistics);
             add_facts(picture, **built, shown);
             return picture;
         };
@@ -260,7 +284,7 @@ public:
 
 private:
     OctreePanelSettings settings_;
-    int models_ = 1;
+    int models_ = 0;
     std::shared_ptr<Kept<BuildSettings, BuiltOctree>> kept_ =
         std::make_shared<Kept<BuildSettings, BuiltOctree>>();
 };

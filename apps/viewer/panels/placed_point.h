@@ -11,7 +11,7 @@ namespace proxima {
 /// first view, each as a part of the diagonal of its box.
 [[nodiscard]] Vec3 point_at_offset(const ViewModel& model, double right, double front, double up);
 
-/// A point of a surface and the direction out of the surface there.
+/// A point of a surface and a direction away from the surface there.
 struct PointWithNormal {
     Vec3 point = Vec3::Zero();
     Vec3 normal = Vec3::UnitZ();
@@ -19,8 +19,11 @@ struct PointWithNormal {
     /// So far above it, in the model's units; below where negative.
     [[nodiscard]] Vec3 above(double height) const { return point + height * normal; }
 };
-/// A point on the right side of the model that its first view shows.
-[[nodiscard]] PointWithNormal visible_point(const ViewModel& model);
+/// A point of the surface that an eye far away in the unit direction `to_eye` sees with what is
+/// round it, where the model leaves the space above free: no point in a bore. `height` per
+/// diagonal is how far above it something will stand.
+[[nodiscard]] PointWithNormal visible_point(const ViewModel& model, const Vec3& to_eye,
+                                            double height);
 
 /// The part of the model around a point: it reaches at least the part `least` of the model's
 /// diagonal to each side, and is large enough to tell triangles apart. The whole model where that

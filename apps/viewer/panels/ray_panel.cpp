@@ -65,7 +65,7 @@ public:
                "where it goes; a click sends it to a point.";
     }
 
-    void models_changed(const ViewModels& models) override
+    void models_changed(const ViewModels& models, const Vec3& /*to_eye*/) override
     {
         models_ = models;
         kept_ = std::make_shared<KeptOctree>();
@@ -77,8 +77,7 @@ public:
 
     void offer(Controls& controls) override
     {
-        if (models_.size() > 1)
-            controls.number("model", settings_.octree.model, 1, static_cast<int>(models_.size()));
+        offer_model(controls, settings_.octree.model, models_.size());
         settings_.octree.offer(controls);
         choose(controls, "weight", settings_.weight,
                std::array<std::string_view, 2>{"penetration", "chord"});
@@ -131,6 +130,15 @@ public:
                 layer.opacity = static_cast<float>(settings.mesh_opacity);
                 if (layer.opacity > 0.0F) picture.layers.push_back(std::move(layer));
             }
+            picture.legend.title = settings.weight == RayWeight::penetration
+                                       ? "penetration of a cell"
+                                       : "chord per diagonal of a cell";
+            for (const int quarters : {0, 1, 2, 3, 4}) {
+                const double weight = 0.25 * quarters;
+                picture.legend.entries.push_back(
+                    {hex_of(intensity_color(weight)), fmt::format("{:.2f}", weight)});
+            }
+            picture.legend.entries.push_back({figure_colors::blue, "surface that is hit"});
             picture.facts = {{"cells along the ray", fmt::format("{}", all)},
                              {"shown", fmt::format("{}", cells.size())},
                              {"length in the root", fmt::format("{:.6g}", chords)},

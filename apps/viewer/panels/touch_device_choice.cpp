@@ -25,11 +25,24 @@ bool TouchDeviceChoice::offer(Controls& controls)
 {
     constexpr std::array<std::string_view, 4> words = {"mouse", "udp", "hd", "dhd"};
     bool changed = choose(controls, "device", hand, words);
-    if (hand == Hand::mouse) return changed;
-    if (hand == Hand::udp) changed = controls.text("address", address) || changed;
-    if (hand == Hand::hd) changed = controls.text("name", name) || changed;
-    if (hand == Hand::dhd) changed = controls.number("number", number, 0, 63) || changed;
-    if (hand != Hand::udp) changed = controls.text("library", library) || changed;
+    {
+        const OfferedIf by_udp(controls, "device=udp", hand == Hand::udp);
+        changed = controls.text("address", address) || changed;
+    }
+    {
+        const OfferedIf by_hd(controls, "device=hd", hand == Hand::hd);
+        changed = controls.text("name", name) || changed;
+    }
+    {
+        const OfferedIf by_dhd(controls, "device=dhd", hand == Hand::dhd);
+        changed = controls.number("number", number, 0, 63) || changed;
+    }
+    {
+        const OfferedIf by_maker(controls, "device=hd or device=dhd",
+                                 hand == Hand::hd || hand == Hand::dhd);
+        changed = controls.text("library", library) || changed;
+    }
+    const OfferedIf by_device(controls, "a device other than the mouse", hand != Hand::mouse);
     changed = controls.text("axes", axes) || changed;
     return controls.button("open it again") || changed;
 }

@@ -16,17 +16,20 @@
 
 #include <algorithm>
 #include <fmt/core.h>
+#include <optional>
 
 namespace proxima {
 namespace {
 
 constexpr double pressed_depth = 0.08; // below the surface, per diagonal
+constexpr double outside_height = 0.1; // above it, where the device begins
 
 struct TouchPanelSettings {
     int model = 1;
     TouchOptions touch;
     TouchDeviceChoice device;
-    PlacedPoint target; ///< where the mouse pulls the device to
+    PlacedPoint target;          ///< where the mouse pulls the device to
+    std::optional<Vec3> outward; ///< out of the surface that is pressed, where it is known
 
     [[nodiscard]] bool by_mouse() const { return device.hand == Hand::mouse; }
 };
@@ -48,11 +51,15 @@ struct TouchSlot {
     std::shared_ptr<const Touchable> latest;
 };
 
-/// Where the mouse's device begins: farther from the model's middle than where the hand wants it.
+/// Where the mouse's device begins: outside of the surface that is pressed, or farther from the
+/// model's middle than where the hand wants it.
 Vec3 start_of(const TouchPanelSettings& settings, const ViewModel& model)
 {
+    const double size = model.box.extent().norm();
+    if (settings.outward)
+        return settings.target.at + (pressed_depth + outside_height) * size * *settings.outward;
     const Vec3 outward = settings.target.at - model.box.center();
-    return settings.target.at + 0.3 * model.box.extent().norm() * outward.stableNormalized();
+    return settings.target.at + 0.3 * size * outward.stableNormalized();
 }
 
 /// Where the mouse's hand wants to go, m of the device: from the window's thread to the device's.
@@ -128,20 +135,21 @@ public:
                "the ring to and fro while it is held.";
     }
 
-    void models_changed(const ViewModels& models) override
+    void models_changed(const ViewModels& models, const Vec3& to_eye) override
     {
         leave();
         models_ = models;
         slot_ = std::make_shared<TouchSlot>();
         settings_.model = std::clamp(settings_.model, 1, static_cast<int>(models.size()));
         const double size = model()->box.extent().norm();
-        settings_.target.place(visible_point(*model()).above(-pressed_depth * size));
+        const PointWithNormal pressed = visible_point(*model(), to_eye, outside_height);
+        if (!settings_.target.is_set) settings_.outward = pressed.normal;
+        settings_.target.place(pressed.above(-pressed_depth * size));
     }
 
     void offer(Controls& controls) override
     {
-        if (models_.size() > 1)
-            controls.number("model", settings_.model, 1, static_cast<int>(models_.size()));
+        offer_model(controls, settings_.model, models_.size());
         TouchOptions& touch = settings_.touch;
         bool changed = settings_.device.offer(controls);
         changed = controls.number("stiffness", touch.stiffness, 10.0, 1000.0) || changed;
@@ -149,7 +157,10 @@ public:
         changed = controls.number("static friction", touch.static_friction, 0.0, 1.5) || changed;
         changed = controls.number("dynamic friction", touch.dynamic_friction, 0.0, 1.5) || changed;
         if (changed) engine_.reset(); // begins anew with these
-        if (settings_.by_mouse()) settings_.target.offer(controls, "hand", models_);
+        const OfferedIf by_mouse(controls, "device=mouse", settings_.by_mouse());
+        const Vec3 before = settings_.target.at;
+        settings_.target.offer(controls, "hand", models_);
+        if (settings_.target.at != before) settings_.outward.reset();
     }
 
     [[nodiscard]] std::vector<Vec3> handles() const override
@@ -157,13 +168,18 @@ public:
         if (!settings_.by_mouse()) return {};
         return {settings_.target.at};
     }
-    void move_handle(std::size_t /*handle*/, const Vec3& to) override { settings_.target.set(to); }
+    void move_handle(std::size_t /*handle*/, const Vec3& to) override
+    {
+        settings_.target.set(to);
+        settings_.outward.reset();
+    }
     bool picked(const PickedPoint& hit) override
     {
         settings_.model = static_cast<int>(hit.model) + 1;
         // A little below the surface, so that there is a force.
         const ViewModel& touched = *models_[hit.model];
         const Vec3 normal = scaled_normal(touched.mesh.triangle(hit.triangle)).stableNormalized();
+        settings_.outward = normal;
         settings_.target.set(hit.point - pressed_depth * touched.box.extent().norm() * normal);
         return true;
     }
@@ -191,6 +207,9 @@ public:
             const auto touchable = touchable_of(*slot, model);
             PanelPicture picture;
             picture.layers = model_layers(models, Smoothing::smooth);
+            picture.legend.entries = {{figure_colors::blue, "device"},
+                                      {figure_colors::yellow, "proxy"},
+                                      {figure_colors::red, "force"}};
             if (pictures == Pictures::still) {
                 constexpr int ticks = 1000;
                 const auto target =

@@ -1,6 +1,7 @@
 // Voronoi regions of a model's features, and the proximity octree that stores them: chapter 4.
 #include "index/index_parts.h"
 #include "index/lists/proximity_lists.h"
+#include "proxima/cast_ray.h"
 #include "proxima/execution.h"
 #include "thesis/proximity_octree/list_statistics.h"
 #include "viewer/figures/figure_colors.h"
@@ -11,9 +12,14 @@
 
 #include <algorithm>
 #include <fmt/core.h>
+#include <optional>
 
 namespace proxima {
 namespace {
+
+constexpr double cursor_height = 0.04; // above the surface, per diagonal
+
+constexpr unsigned listed_color = 0xF2A65A;
 
 struct VoronoiSettings {
     int model = 1;
@@ -63,11 +69,15 @@ void show_region(PanelPicture& picture, const ViewModel& model, const MeshIndex&
 {
     auto scene = std::make_shared<Scene>();
     add_feature(*scene, model, feature, mark_radius(model), srgb(figure_colors::red));
+    picture.legend.entries.push_back({figure_colors::red, "feature"});
     if (settings.region) {
         const double length = settings.length * model.box.extent().norm();
         const auto region = region_shape(model, with, feature, length);
         if (region) {
             add_region(*scene, *region, color_of_kind(feature.kind));
+            if (region->shape != ConeShape::empty)
+                picture.legend.entries.push_back(
+                    {hex_of(color_of_kind(feature.kind)), "its Voronoi region"});
             picture.facts.push_back({"region", words_for_region(*region)});
             if (region->shape != ConeShape::empty)
                 picture.facts.push_back({"its end", words_for_end(*region)});
@@ -89,8 +99,10 @@ void show_leaf(PanelPicture& picture, const ViewModel& model, const MeshIndex& w
     add_cursor(*scene, model, cursor);
     if (leaf) {
         add_part(*scene, model.mesh, leaf->listed,
-                 {.name = "listed", .color = srgb(0xF2A65A), .lift = 4e-4});
+                 {.name = "listed", .color = srgb(listed_color), .lift = 4e-4});
         add_leaf(*scene, *leaf);
+        picture.legend.entries.push_back({figure_colors::green, "leaf of the cursor"});
+        picture.legend.entries.push_back({listed_color, "triangles that it lists"});
     }
     picture.facts.push_back(
         {"leaf under the cursor",
@@ -115,11 +127,18 @@ Vec3 middle_of(const ViewModel& model, const Feature& feature)
     return (triangle[0] + triangle[1] + triangle[2]) / 3.0;
 }
 
-/// The feature of a kind nearest to a point among those that have a region outside, of so many that
-/// are near; the nearest of all where none has one.
-int feature_with_region(const ViewModel& model, FeatureKind kind, const Vec3& point)
+/// A feature, and a point that is nearest to it: within its region.
+struct FeatureWithPoint {
+    std::uint32_t id = 0;
+    std::optional<Vec3> above; ///< none where it has no region outside
+};
+
+/// The feature of a kind nearest to a point among those that an eye in the direction `to_eye` sees
+/// and that have a region outside, of so many that are near; the nearest of all where none has one.
+FeatureWithPoint feature_with_region(const ViewModel& model, FeatureKind kind, const Vec3& point,
+                                     const Vec3& to_eye)
 {
-    constexpr std::size_t tried = 200;
+    constexpr std::size_t tried = 5000;
     std::vector<std::pair<double, std::uint32_t>> near;
     near.reserve(count_of(model, kind));
     for (std::uint32_t id = 0; id < count_of(model, kind); ++id)
@@ -129,10 +148,16 @@ int feature_with_region(const ViewModel& model, FeatureKind kind, const Vec3& po
     for (std::ptrdiff_t i = 0; i < some; ++i) {
         const std::uint32_t id = near[static_cast<std::size_t>(i)].second;
         const auto cone = local_cone(model.mesh, model.topology, {kind, id});
-        if (cone && cone->shape == ConeShape::solid && cone->side == ConeSide::outside)
-            return static_cast<int>(id);
+        if (!cone || cone->shape != ConeShape::solid || cone->side != ConeSide::outside) continue;
+        Vec3 outward = Vec3::Zero();
+        for (const ConeCorner& corner : cone->corners) outward += corner.direction;
+        const Vec3 above = middle_of(model, {kind, id}) +
+                           cursor_height * model.box.extent().norm() * outward.stableNormalized();
+        if (outward.dot(to_eye) > 0.0 &&
+            !any_hit(model.rays, {.origin = above, .direction = to_eye}))
+            return {id, above};
     }
-    return near.empty() ? 0 : static_cast<int>(near.front().second);
+    return {near.empty() ? 0 : near.front().second, std::nullopt};
 }
 
 class VoronoiPanel final : public Panel {
@@ -151,12 +176,20 @@ public:
                "lists in orange; drag the ring.";
     }
 
-    void models_changed(const ViewModels& models) override
+    void models_changed(const ViewModels& models, const Vec3& to_eye) override
     {
         models_ = models;
         settings_.model = std::clamp(settings_.model, 1, static_cast<int>(models.size()));
-        settings_.cursor.place(visible_point(*model()).above(0.04 * model()->box.extent().norm()));
-        settings_.number = settings_.is_set ? std::min(settings_.number, most_number()) : likely();
+        settings_.cursor.place(visible_point(*model(), to_eye, cursor_height)
+                                   .above(cursor_height * model()->box.extent().norm()));
+        to_eye_ = to_eye;
+        if (settings_.is_set) {
+            settings_.number = std::min(settings_.number, most_number());
+        } else {
+            const FeatureWithPoint likely = likely_feature();
+            settings_.number = static_cast<int>(likely.id);
+            if (likely.above) settings_.cursor.place(*likely.above);
+        }
         // At first all of the region is in the picture.
         if (!settings_.has_length)
             settings_.length = 0.5 * focus(models).extent().norm() / model()->box.extent().norm();
@@ -164,12 +197,11 @@ public:
 
     void offer(Controls& controls) override
     {
-        if (models_.size() > 1)
-            controls.number("model", settings_.model, 1, static_cast<int>(models_.size()));
+        offer_model(controls, settings_.model, models_.size());
         if (choose(controls, "feature", settings_.kind,
                    std::array<std::string_view, 3>{"vertex", "edge", "face"})) {
             settings_.is_set = false;
-            settings_.number = likely();
+            settings_.number = models_.empty() ? 0 : static_cast<int>(likely_feature().id);
         }
         if (controls.number("number", settings_.number, 0, most_number())) settings_.is_set = true;
         controls.toggle("region", settings_.region);
@@ -226,11 +258,10 @@ private:
     {
         return models_[static_cast<std::size_t>(settings_.model - 1)];
     }
-    /// The feature that a person has not chosen.
-    [[nodiscard]] int likely() const
+    /// The feature where nobody has chosen one. \pre there are models
+    [[nodiscard]] FeatureWithPoint likely_feature() const
     {
-        return models_.empty() ? 0
-                               : feature_with_region(*model(), settings_.kind, settings_.cursor.at);
+        return feature_with_region(*model(), settings_.kind, settings_.cursor.at, to_eye_);
     }
     /// Before there are models any number will do.
     [[nodiscard]] int most_number() const
@@ -242,6 +273,7 @@ private:
 
     VoronoiSettings settings_;
     ViewModels models_;
+    Vec3 to_eye_ = Vec3::UnitZ();
     std::shared_ptr<SharedProximity> proximity_;
 };
 

@@ -46,8 +46,25 @@ void wrapped_problem(std::string_view text)
 bool ImguiControls::note(std::string_view name, std::string value, bool changed)
 {
     add_widget(std::string(name), std::move(value), widgets_);
+    if (!unmet_.empty()) {
+        widgets_.back().needs = unmet_;
+        if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled))
+            ImGui::SetTooltip("needs %s", unmet_.c_str());
+    }
     changed_ = changed_ || changed;
     return changed;
+}
+
+void ImguiControls::begin_condition(std::string_view words, bool is_met)
+{
+    unmet_ = is_met ? "" : std::string(words);
+    ImGui::BeginDisabled(!is_met);
+}
+
+void ImguiControls::end_condition()
+{
+    unmet_.clear();
+    ImGui::EndDisabled();
 }
 
 bool ImguiControls::toggle(std::string_view name, bool& value)

@@ -16,6 +16,7 @@ struct WidgetBounds {
     float y = 0;
     float width = 0;
     float height = 0;
+    std::string needs = {}; ///< why it is disabled; else empty
 };
 
 /// Notes where the last widget is.
@@ -36,6 +37,9 @@ public:
                 std::span<const std::string_view> words) override;
     bool text(std::string_view name, std::string& value) override;
     bool button(std::string_view name) override;
+    /// Controls whose condition is not met are disabled, and say it under the mouse.
+    void begin_condition(std::string_view words, bool is_met) override;
+    void end_condition() override;
 
     [[nodiscard]] const std::vector<WidgetBounds>& widgets() const noexcept { return widgets_; }
     [[nodiscard]] bool changed() const noexcept { return changed_; }
@@ -43,6 +47,7 @@ public:
 private:
     bool note(std::string_view name, std::string value, bool changed);
 
+    std::string unmet_; ///< the present condition
     std::vector<WidgetBounds> widgets_;
     bool changed_ = false;
 };

@@ -2,6 +2,7 @@
 
 #include "base/text.h"
 #include "cli/image.h"
+#include "cli/legend.h"
 #include "viewer/layers_glb.h"
 #include "viewer/renderer.h"
 
@@ -22,10 +23,11 @@ void ViewFiles::write_picture(const Viewer& viewer, ViewSize size, std::string p
     begin(std::move(path));
     writing_.start(
         [layers = viewer.layers(), backdrop = viewer.backdrop(), camera = viewer.camera(), size,
-         path = path_](Progress& progress) -> Status {
-            const auto image = make_software_renderer(&progress)->render(
-                flattened(layers, backdrop), camera, size);
+         legend = viewer.legend(), path = path_](Progress& progress) -> Status {
+            auto image = make_software_renderer(&progress)->render(flattened(layers, backdrop),
+                                                                   camera, size);
             if (!image) return tl::unexpected(image.error());
+            draw_legend(*image, legend);
             return write_png(*image, path, &progress);
         },
         wake_);

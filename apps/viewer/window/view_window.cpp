@@ -4,6 +4,7 @@
 #include "base/text.h"
 #include "viewer/window/file_panel.h"
 #include "viewer/window/glfw_window.h"
+#include "viewer/window/legend_box.h"
 #include "viewer/window/mouse_presses.h"
 #include "viewer/window/notice.h"
 #include "viewer/window/sidebar.h"
@@ -249,6 +250,9 @@ private:
         std::vector<WidgetBounds> widgets;
         follow(sidebar_.draw(viewer_, static_cast<float>(state_.view_x),
                              static_cast<float>(state_.height), widgets));
+        const double margin = 12.0 * window_.scale();
+        draw_legend_box(viewer_.legend(), static_cast<float>(state_.width - margin),
+                        static_cast<float>(margin), widgets);
         draw_over_picture(widgets);
         draw_handles();
         ImGui::Render();

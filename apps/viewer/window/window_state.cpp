@@ -34,11 +34,9 @@ Status write_window_state(const std::string& path, const WindowState& state, con
 {
     Json controls = Json::object();
     for (const WidgetBounds& widget : widgets) {
-        controls[widget.name] = {{"value", widget.value},
-                                 {"x", widget.x},
-                                 {"y", widget.y},
-                                 {"width", widget.width},
-                                 {"height", widget.height}};
+        controls[widget.name] = {{"value", widget.value},   {"x", widget.x},
+                                 {"y", widget.y},           {"width", widget.width},
+                                 {"height", widget.height}, {"needs", widget.needs}};
     }
     Json facts = Json::object();
     for (const PanelFact& fact : viewer.facts()) facts[fact.name] = fact.value;
