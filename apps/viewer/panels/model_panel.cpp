@@ -81,8 +81,9 @@ Legend legend_of(const Scene& flaws)
     Legend legend;
     for (const FlawColor& flaw : flaw_colors) {
         if (std::ranges::find(flaws.lines, name_of(flaw.kind), &SceneLines::name) !=
-            flaws.lines.end())
+            flaws.lines.end()) {
             legend.entries.push_back({hex_of(flaw.ink), words_for(flaw.kind)});
+        }
     }
     return legend;
 }

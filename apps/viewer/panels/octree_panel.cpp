@@ -138,9 +138,10 @@ Legend legend_of(const OctreePanelSettings& settings, const Groups& groups,
 {
     Legend legend;
     if (settings.color == ColorBy::count) legend.title = "triangles in a leaf";
-    for (const auto& [group, leaves] : groups)
+    for (const auto& [group, leaves] : groups) {
         legend.entries.push_back({hex_of(color_of_group(settings, group, statistics)),
                                   words_for_group(settings.color, group)});
+    }
     return legend;
 }
 

@@ -75,9 +75,10 @@ void show_region(PanelPicture& picture, const ViewModel& model, const MeshIndex&
         const auto region = region_shape(model, with, feature, length);
         if (region) {
             add_region(*scene, *region, color_of_kind(feature.kind));
-            if (region->shape != ConeShape::empty)
+            if (region->shape != ConeShape::empty) {
                 picture.legend.entries.push_back(
                     {hex_of(color_of_kind(feature.kind)), "its Voronoi region"});
+            }
             picture.facts.push_back({"region", words_for_region(*region)});
             if (region->shape != ConeShape::empty)
                 picture.facts.push_back({"its end", words_for_end(*region)});
