@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <optional>
 #include <span>
 
@@ -29,10 +30,10 @@ struct ViewSize {
 struct OrbitCamera {
     Vec3 target = Vec3::Zero();
     double distance = 4.0;
-    double azimuth = 0.0;        ///< radians, the eye wanders to the right
-    double elevation = 0.349066; ///< radians above the horizon: 20 degrees
-    Vec3 up = Vec3::UnitZ();     ///< of length 1
-    double zoom = 3.171595;      ///< half picture heights per unit of the tangent: 35 degrees
+    double azimuth = 0.0;                    ///< radians, the eye wanders to the right
+    double elevation = std::numbers::pi / 9; ///< radians above the horizon: 20 degrees
+    Vec3 up = Vec3::UnitZ();                 ///< of length 1
+    double zoom = 3.171595; ///< half picture heights per unit of the tangent: 35 degrees
 };
 
 /// A camera on pictures of one size: cheap to ask.

@@ -7,6 +7,7 @@
 #include "cli/number_table.h"
 #include "cli/octree_picture.h"
 #include "cli/query_method.h"
+#include "cli/row_writer.h"
 #include "cli/stopwatch.h"
 #include "cli/triangle_file.h"
 #include "proxima/cull.h"
@@ -95,7 +96,7 @@ Status check_options(const CullOptions& options, const Session& session)
     if (Status status = check_picture(options.picture); !status) return status;
     if (!options.out.empty())
         if (Status status = check_triangle_file_format(options.out); !status) return status;
-    return session.check_outputs({options.out, options.picture});
+    return check_outputs_or_stdout(options.out, session, {options.picture});
 }
 
 /// What is culled, and what is left.
@@ -234,7 +235,7 @@ Status run_cull(const CullOptions& options, Session& session)
                 return status;
         }
     }
-    session.print(text_of(options, culled));
+    if (options.out != to_stdout) session.print(text_of(options, culled));
     return session.write_json(
         {{"model", options.model},
          {"triangles", culled.mesh.triangle_count()},
@@ -270,7 +271,8 @@ Command add_cull_command(CLI::App& app)
     parser
         ->add_option(
             "--out", options->out,
-            "Write the visible triangles: ids as .csv or .npy, a mesh as .obj, .ply, .off or .stl")
+            "Write the visible triangles: ids as .csv, .npy or - for CSV to stdout, a mesh as "
+            ".obj, .ply, .off or .stl")
         ->type_name("FILE");
     parser
         ->add_option("--picture", options->picture,

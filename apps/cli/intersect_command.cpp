@@ -11,6 +11,7 @@
 #include "cli/model_options.h"
 #include "cli/poses.h"
 #include "cli/query_method.h"
+#include "cli/row_writer.h"
 #include "cli/stopwatch.h"
 #include "geometry/triangle_intersection.h"
 #include "index/index_parts.h"
@@ -90,11 +91,11 @@ Status check_options(const IntersectOptions& options, const Session& session)
                     "is of --method index: the thesis has no distance between meshes",
                     "--distance");
     }
-    for (const std::string& path : {options.out, options.pairs}) {
-        if (path.empty()) continue;
-        if (const auto format = answer_format(path); !format) return tl::unexpected(format.error());
+    if (!options.pairs.empty()) {
+        if (const auto format = answer_format(options.pairs); !format)
+            return tl::unexpected(format.error());
     }
-    return session.check_outputs({options.out, options.pairs, options.contour, options.picture});
+    return check_rows(options.out, session, {options.pairs, options.contour, options.picture});
 }
 
 Status prepare(Body& body, const std::string& model, const IntersectOptions& options,
@@ -289,11 +290,11 @@ public:
 
     [[nodiscard]] Status write() const
     {
-        if (!options_.out.empty()) {
-            const AnswerFormat format = answer_format(options_.out).value();
-            const std::string header = pose_header(format, options_.distance, pose_count_);
-            if (Status status = write_file(options_.out, header, poses_); !status) return status;
-        }
+        auto rows = RowWriter::open(options_.out);
+        if (!rows) return tl::unexpected(rows.error());
+        const std::string header = pose_header(rows->format(), options_.distance, pose_count_);
+        if (Status status = rows->write(header + poses_); !status) return status;
+        if (Status status = rows->commit(); !status) return status;
         if (!options_.pairs.empty()) {
             const AnswerFormat format = answer_format(options_.pairs).value();
             if (Status status = write_file(options_.pairs, pair_header(format, rows_), pairs_);
@@ -384,7 +385,7 @@ Status run_intersect(const IntersectOptions& options, Session& session)
     for (const std::string& path : {options.out, options.pairs, options.contour, options.picture}) {
         if (!path.empty()) text += fmt::format("wrote {}\n", path);
     }
-    session.print(text);
+    if (options.out != to_stdout) session.print(text);
     return session.write_json({{"a", a->model},
                                {"b", b->model},
                                {"triangles_a", a->mesh.triangle_count()},
@@ -416,7 +417,7 @@ Command add_intersect_command(CLI::App& app)
         ->type_name("POSE|FILE");
     parser
         ->add_option("--out", options->out,
-                     "Write what was found, a row per pose: .csv or .npy of "
+                     "Write what was found, a row per pose: .csv, .npy or - for CSV to stdout, of "
                      "pose,intersecting,pairs,contained, and of the distance if asked for")
         ->type_name("FILE");
     parser

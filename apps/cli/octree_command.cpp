@@ -18,6 +18,8 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdio>
 #include <fmt/core.h>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -113,10 +115,39 @@ Status write_outputs(const OctreeCommandOptions& options, const OctreeAndMesh& m
     return write(options.picture, [&] { return draw(options, model, *progress); });
 }
 
+/// About how many leaves surround the edges and vertices of a mesh, where cells of more than one
+/// triangle are split to the deepest level: along a line of L cells 7 L leaves or so.
+double leaves_round_edges(const TriangleMesh& mesh, int depth)
+{
+    double length = 0;
+    for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
+        const Triangle triangle = mesh.triangle(TriangleId{i});
+        for (int k = 0; k < 3; ++k) length += 0.5 * (triangle[(k + 1) % 3] - triangle[k]).norm();
+    }
+    return 7.0 * std::ldexp(length / bounding_box(mesh).extent().maxCoeff(), depth);
+}
+
+/// Says before a build that it is large because of its threshold.
+void warn_of_threshold(const OctreeCommandOptions& options, const TriangleMesh& mesh,
+                       const Session& session)
+{
+    constexpr std::uint32_t usual_valence = 6; // as many triangles as share a vertex
+    constexpr double many = 2e6;
+    if (options.threshold >= usual_valence || options.uniform || mesh.triangle_count() == 0) return;
+    const double leaves = leaves_round_edges(mesh, options.depth);
+    if (!(leaves > many) || leaves < 8.0 * static_cast<double>(mesh.triangle_count())) return;
+    session.print(fmt::format("--threshold {} splits round edges and vertices down to depth {}: "
+                              "some {:.0f} million leaves. "
+                              "--threshold 8 makes far fewer, a lower --depth too.\n",
+                              options.threshold, options.depth, 1e-6 * leaves));
+    std::fflush(stdout); // before the build
+}
+
 Result<OctreeAndMesh> build(const OctreeCommandOptions& options, Session& session)
 {
     auto mesh = session.load_model(options.model);
     if (!mesh) return tl::unexpected(mesh.error());
+    warn_of_threshold(options, *mesh, session);
     const OctreeOptions build_options{.max_depth = options.depth,
                                       .threshold = options.threshold,
                                       .subdivision = options.uniform ? Subdivision::uniform

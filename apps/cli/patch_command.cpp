@@ -6,6 +6,7 @@
 #include "cli/index_file_model.h"
 #include "cli/model_options.h"
 #include "cli/names.h"
+#include "cli/row_writer.h"
 #include "cli/stopwatch.h"
 #include "cli/triangle_file.h"
 #include "proxima/closest_feature.h"
@@ -205,8 +206,8 @@ Json json_of(const PatchOptions& options, const PatchModel& model, const Collect
 Status run_patch(const PatchOptions& options, Session& session)
 {
     if (!options.out.empty()) {
-        if (Status status = session.check_outputs({options.out}); !status) return status;
         if (Status status = check_triangle_file_format(options.out); !status) return status;
+        if (Status status = check_outputs_or_stdout(options.out, session); !status) return status;
     }
     const auto model = load_model(options.model, session);
     if (!model) return tl::unexpected(model.error());
@@ -216,12 +217,13 @@ Status run_patch(const PatchOptions& options, Session& session)
 
     const TriangleMesh& mesh = (*model)->surface.mesh;
     const double area = area_of(mesh, patch->triangles);
-    session.print(text_of(options, **model, *patch, area));
+    const bool speaks = options.out != to_stdout;
+    if (speaks) session.print(text_of(options, **model, *patch, area));
     if (!options.out.empty()) {
         Status status =
             write_triangle_file(mesh, patch->triangles, options.out, &session.progress());
         if (!status) return status;
-        session.print(fmt::format("wrote {}\n", options.out));
+        if (speaks) session.print(fmt::format("wrote {}\n", options.out));
     }
     return session.write_json(json_of(options, **model, *patch, area));
 }
@@ -281,9 +283,10 @@ Command add_patch_command(CLI::App& app)
     add_point_option(*parser, options->point);
     add_extent_options(*parser, *options);
     parser
-        ->add_option("--out", options->out,
-                     "Write the triangles: their ids (.csv, .npy), or a mesh of just them (.obj, "
-                     ".ply, .off, .stl)")
+        ->add_option(
+            "--out", options->out,
+            "Write the triangles: ids as .csv, .npy or - for CSV to stdout, a mesh of just "
+            "them as .obj, .ply, .off or .stl")
         ->type_name("FILE");
     return {parser, [options](Session& session) { return run_patch(*options, session); }};
 }

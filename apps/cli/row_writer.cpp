@@ -22,8 +22,15 @@ std::string rows_path(const std::string& out, const Session& session)
 Status check_rows(const std::string& path, const Session& session,
                   const std::vector<std::string>& others)
 {
-    if (path.empty()) return session.check_outputs(others);
-    if (const auto format = answer_format(path); !format) return tl::unexpected(format.error());
+    if (!path.empty()) {
+        if (const auto format = answer_format(path); !format) return tl::unexpected(format.error());
+    }
+    return check_outputs_or_stdout(path, session, others);
+}
+
+Status check_outputs_or_stdout(const std::string& path, const Session& session,
+                               const std::vector<std::string>& others)
+{
     std::vector<std::string> files = others;
     if (path != to_stdout) files.push_back(path);
     if (path != to_stdout || session.options().json != to_stdout)

@@ -27,6 +27,11 @@ void add_rows_option(CLI::App& parser, std::string& path);
 [[nodiscard]] Status check_rows(const std::string& path, const Session& session,
                                 const std::vector<std::string>& others = {});
 
+/// What would go wrong with outputs of which the first may be stdout. Errors: those of
+/// Session::check_outputs; invalid_argument where --json goes to stdout too.
+[[nodiscard]] Status check_outputs_or_stdout(const std::string& path, const Session& session,
+                                             const std::vector<std::string>& others = {});
+
 class RowWriter {
 public:
     /// "-" is stdout, "" nowhere. Errors: those of answer_format, file_not_writable.

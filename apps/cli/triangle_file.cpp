@@ -4,11 +4,13 @@
 #include "base/output_file.h"
 #include "base/text.h"
 #include "cli/npy_header.h"
+#include "cli/session.h"
 #include "proxima/mesh_io.h"
 #include "proxima/mesh_repair.h"
 
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <vector>
 
 namespace proxima {
@@ -52,7 +54,9 @@ Status check_mesh_file_format(const std::string& path)
 Status check_triangle_file_format(const std::string& path)
 {
     const std::string extension = lower_case_extension(path);
-    if (extension == ".csv" || extension == ".npy" || is_mesh_extension(extension)) return {};
+    if (path == to_stdout || extension == ".csv" || extension == ".npy" ||
+        is_mesh_extension(extension))
+        return {};
     return fail(ErrorCode::unsupported_format,
                 "unknown extension: triangles are written as ids to .csv or .npy, as a mesh to "
                 ".obj, .ply, .off or .stl",
@@ -66,6 +70,12 @@ Status write_triangle_file(const TriangleMesh& mesh, std::span<const TriangleId>
     const std::string extension = lower_case_extension(path);
     if (is_mesh_extension(extension))
         return write_mesh(sub_mesh(mesh, triangles), path, {.execution = {.progress = progress}});
+    if (path == to_stdout) {
+        const std::string text = csv_of(triangles);
+        std::fwrite(text.data(), 1, text.size(),
+                    stdout); // what it did not take, Session::finish says
+        return {};
+    }
     const std::string text = extension == ".csv" ? csv_of(triangles) : npy_of(triangles);
     auto file = OutputFile::create(path, {progress, text.size()});
     if (!file) return tl::unexpected(file.error());

@@ -1,15 +1,17 @@
 """What the command line does when all is well."""
 import json
 import os
+import pathlib
 import pty
 import shutil
 import struct
 import subprocess
+import sys
 import unittest
 import zlib
 
 import mesh_files
-from proxima_program import PROXIMA, ProgramTest, run
+from proxima_program import PROXIMA, ProgramTest, environment_of_program, run
 
 OCTREE_KEYS = ["model", "triangles", "depth", "threshold", "method", "total", "leaves",
                "occupied_percent", "min_triangles", "max_triangles", "references", "mean_triangles",
@@ -91,6 +93,22 @@ class Octree(ProgramTest):
         self.assertTrue(lines)
         for line in lines:
             self.assertRegex(line, r"^proxima: [a-z -]+, \d+ %$")
+
+    def test_the_page_of_options_is_that_of_the_program(self):
+        root = pathlib.Path(__file__).resolve().parents[2]
+        made = subprocess.run([sys.executable, root / "scripts/option_table.py", PROXIMA], check=True, capture_output=True,
+                              text=True, env=environment_of_program()).stdout
+        self.assertEqual((root / "docs/options.md").read_text(), made, "run scripts/option_table.py PROGRAM > docs/options.md")
+
+    def test_a_threshold_that_makes_a_build_large_is_told(self):
+        words = "--threshold 1 splits round edges"
+        text = self.succeed("octree", "torus:40x20", "--depth", 11)
+        self.assertIn(words, text)
+        told = float(text.split(": some ")[1].split(" million")[0])
+        leaves = self.json_of("octree", "torus:40x20", "--depth", 11)["leaves"]
+        self.assertTrue(0.5 < told / (1e-6 * leaves) < 2, (told, leaves))
+        for options in (("--depth", 11, "--threshold", 8), ("--depth", 7)):
+            self.assertNotIn(words, self.succeed("octree", "torus:40x20", *options))
 
     def test_quiet_prints_nothing(self):
         self.assertEqual(self.succeed("octree", "cube", "--quiet"), "")

@@ -169,6 +169,10 @@ class Cameras(ProgramTest):
 
     def test_go_without_planes(self):
         path = self.file("f.csv", "1,0,0,0\n")
+        ids = self.folder / "ids.csv"
+        self.succeed("cull", "torus:20x10", "--frustum", path, "--out", ids)
+        self.assertEqual(self.succeed("cull", "torus:20x10", "--frustum", path, "--out", "-"), ids.read_text())
+        self.refuse("cull", "cube", "--frustum", path, "--out", "-", "--json", "-", says="stdout")
         self.refuse("cull", "cube", says=("--frustum", "--view"))
         self.refuse("cull", "cube", "--frustum", path, "--view", "top", says=("--frustum", "--view"))
 

@@ -217,6 +217,13 @@ class Poses(ProgramTest):
                            ("0,0,0,1,1,1,1", "length 2"), (",".join(map(str, IDENTITY)) + ",0,0,1,1", "last row")):
             self.refuse("intersect", "cube", "cube", "--pose", text, says=says)
 class Rows(ProgramTest):
+    def test_rows_go_to_stdout(self):
+        poses = self.file("poses.csv", "0,0,0\n5,0,0\n")
+        rows = self.folder / "rows.csv"
+        self.succeed("intersect", "cube", "octahedron", "--pose", poses, "--out", rows)
+        self.assertEqual(self.succeed("intersect", "cube", "octahedron", "--pose", poses, "--out", "-"), rows.read_text())
+        self.refuse("intersect", "cube", "cube", "--out", "-", "--json", "-", says="stdout")
+
     def test_a_row_per_pose(self):
         small = self.file("small.off", tetrahedron(0.25))
         poses = self.file("poses.csv", text_of([shifted(x, 0, 0) for x in (0, 0.5, 3, 1.5)]))

@@ -274,7 +274,11 @@ class Refusing(ProgramTest):
         refuse("--out", self.folder / "a.txt", says=("a.txt", ".npy"))
         refuse("--out", self.folder / "a.glb", says=("a.glb", ".obj"))
         refuse("--out", self.folder / "none" / "a.csv", says="a.csv")
-        refuse("--out", "-", says="-")
+        refuse("--out", "-", "--json", "-", says="stdout")
+        path = self.folder / "ids.csv"
+        self.succeed("patch", "cube", "--point", "0,0,3", "--out", path)
+        self.assertEqual(self.succeed("patch", "cube", "--point", "0,0,3", "--out", "-"), path.read_text())
+        path.unlink()
         refuse("--out", self.folder / "a.csv", "--json", self.folder / "a.csv", says="a.csv")
         big = self.file("big.off", "OFF\n3 1 0\n0 0 0\n1e60 0 0\n0 1e60 0\n3 0 1 2\n")
         self.refuse("patch", big, "--point", "0,0,0", "--out", self.folder / "a.stl", says="a.stl")
