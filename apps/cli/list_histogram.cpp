@@ -206,7 +206,7 @@ Figure histogram_figure(std::span<const HistogramSeries> series, HistogramOf wha
     const double top = fitting == tops.end() ? tops.back() : *fitting;
     Figure figure;
     figure.height = 740 + static_cast<int>(legend_height(series.size()));
-    const Axes axes(figure, legend_top + legend_height(series.size()), borders.back(), top);
+    const Axes axes(figure, legend_top + legend_height(series.size()), 1.1 * borders.back(), top);
     draw_axes(figure, axes, what, title);
     for (std::size_t i = 0; i < series.size(); ++i)
         draw_steps(figure, axes, borders, heights[i], plot_color(i));

@@ -123,10 +123,12 @@ Result<FigureContent> figure_5_4(const Execution& context)
     if (!spheres) return tl::unexpected(spheres.error());
     Scene scene;
     const Color yellow = srgb(0xF2C81E);
+    constexpr float glass = 0.85F; // boxes are seen through it, whole
     const auto add_sphere = [&](const TriangleMesh& mesh, const std::vector<TriangleId>& marked,
                                 unsigned color) {
-        add_part(scene, mesh, all_but(mesh, marked), {.name = "rest", .color = srgb(color)});
-        add_part(scene, mesh, marked, {.name = "candidates", .color = yellow});
+        add_part(scene, mesh, all_but(mesh, marked),
+                 {.name = "rest", .color = srgb(color), .opacity = glass});
+        add_part(scene, mesh, marked, {.name = "candidates", .color = yellow, .opacity = glass});
         add_mesh_edges(scene, mesh, {.color = srgb(0x8A8172), .width = 0.8, .opacity = 0.5F});
     };
     add_sphere(spheres->a, spheres->candidates.a, 0xEBD9D5);
@@ -141,7 +143,8 @@ Result<FigureContent> figure_5_4(const Execution& context)
     content.caption = fmt::format(
         "Two spheres of {} triangles each, the second turned and moved. Of their octrees {} leaves "
         "of the first (red) and {} of the second (green) meet; they hold {} and {} triangles "
-        "(yellow), {:.0f} % of all: only these can intersect.",
+        "(yellow), {:.0f} % of all: only these can intersect. The spheres are glass, so that boxes "
+        "are seen whole.",
         spheres->a.triangle_count(), boxes_a.size(), boxes_b.size(), spheres->candidates.a.size(),
         spheres->candidates.b.size(),
         100.0 * static_cast<double>(spheres->candidates.a.size() + spheres->candidates.b.size()) /

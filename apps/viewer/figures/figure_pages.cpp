@@ -10,7 +10,9 @@
 namespace proxima {
 namespace {
 
-constexpr int title_height = 46;
+/// On the page pictures are as wide as this at most: type grows with wider ones.
+constexpr double page_width = 1100.0;
+constexpr double title_size = 17.0;
 constexpr int gap = 12;
 
 struct DrawnPanel {
@@ -73,14 +75,19 @@ Result<Image> figure_picture(const FigureContent& content, Renderer& renderer)
     const int count = static_cast<int>(panels.size());
     const int columns = std::max(1, std::min(content.columns, count));
     const int rows = (count + columns - 1) / columns;
-    Figure sheet{.width = columns * width + (columns + 1) * gap,
-                 .height = rows * (height + title_height) + gap};
+    const int sheet_width = columns * width + (columns + 1) * gap;
+    double type = std::max(1.0, sheet_width / page_width);
+    for (const DrawnPanel& panel : panels)
+        type = std::min(type, width / text_length(panel.title, title_size));
+    // What a single panel shows is said below the picture.
+    const int title_height = count == 1 ? gap : static_cast<int>(2.7 * title_size * type);
+    Figure sheet{.width = sheet_width, .height = rows * (height + title_height) + gap};
     const auto left = [&](int i) { return gap + (i % columns) * (width + gap); };
     const auto top = [&](int i) { return title_height + (i / columns) * (height + title_height); };
-    for (int i = 0; i < count; ++i) {
-        sheet.texts.push_back({{left(i) + 0.5 * width, top(i) - 15.0},
+    for (int i = 0; i < count && count > 1; ++i) {
+        sheet.texts.push_back({{left(i) + 0.5 * width, top(i) - 15.0 * type},
                                panels[static_cast<std::size_t>(i)].title,
-                               {17, figure_colors::ink, TextAnchor::middle}});
+                               {title_size * type, figure_colors::ink, TextAnchor::middle}});
     }
     Image image = figure_image(sheet);
     for (int i = 0; i < count; ++i)

@@ -132,7 +132,7 @@ Result<FigureContent> figure_2_5(const Execution& context)
                                 Sample{opened[1], CellClass::boundary, 427.0},
                                 Sample{opened[1], CellClass::outer, 814.0}};
 
-    Figure figure{.width = 1200, .height = 680};
+    Figure figure{.width = 1200, .height = 632};
     NodeDrawing drawing(figure, *octree);
     const Vec2 half(0, 22);
     const Vec2 top(600, 70);

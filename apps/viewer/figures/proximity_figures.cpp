@@ -57,7 +57,7 @@ void name_leaf(PlanarPanel& panel, const ProximityQuadtree& tree, const Quadtree
         double share; // of the leaf: how high the words are
         double clear; // pixels
     };
-    constexpr std::array<Try, 3> tries = {{{0.17, 3.0}, {0.13, 2.0}, {0.13, 0.0}}};
+    constexpr std::array<Try, 4> tries = {{{0.17, 5.0}, {0.13, 4.0}, {0.11, 3.0}, {0.09, 2.0}}};
     for (const Try& now : tries) {
         const double size = std::min(15.0, now.share * 2.0 * panel.scale() * leaf.half);
         std::optional<Vec2> best;
@@ -87,7 +87,7 @@ void name_polygon(PlanarPanel& panel, const ConvexPolygon& polygon)
     const auto corners = polygon.points();
     for (std::size_t i = 0; i < corners.size(); ++i) {
         const Vec2& at = corners[i];
-        panel.words(at, fmt::format("c{}", i), -42.0 * Vec2(at.normalized()), 18, blue);
+        panel.words(at, fmt::format("c{}", i), -36.0 * Vec2(at.normalized()), 16, blue);
         const Vec2 middle = 0.5 * (at + corners[(i + 1) % corners.size()]);
         panel.words(middle, fmt::format("e{}", i), -30.0 * Vec2(middle.normalized()), 18, red);
     }

@@ -114,7 +114,9 @@ Result<FigureContent> figure_5_6(const Execution& context)
     const auto lit = variously_lit_cells(context);
     if (!lit) return tl::unexpected(lit.error());
     const auto penetration = [](const CellOnRay& at) { return at.penetration; };
-    const auto chord = [&](const CellOnRay& at) { return chord_weight(lit->octree, at); };
+    const double longest =
+        std::ranges::max(lit->cells, {}, [](const CellOnRay& at) { return at.chord; }).chord;
+    const auto chord = [&](const CellOnRay& at) { return at.chord / longest; };
     const auto by_depth = std::ranges::minmax(lit->cells, {}, penetration);
     const auto by_chord = std::ranges::minmax(lit->cells, {}, chord);
     FigureContent content;
@@ -122,17 +124,17 @@ Result<FigureContent> figure_5_6(const Execution& context)
     content.caption = fmt::format(
         "A slanted ray meets {} leaves of an adaptive octree. Left, the thesis's weight: how deep "
         "the ray goes into a cell, over the most possible, from {:.3f} (black: it passes along the "
-        "border) to {:.3f} (yellow). Right, the chord: the ray's length in the cell over the "
-        "cell's "
-        "diagonal, from {:.3f} to {:.3f}.",
-        lit->cells.size(), by_depth.min.penetration, by_depth.max.penetration, chord(by_chord.min),
-        chord(by_chord.max));
+        "border) to {:.3f} (yellow). Right, the chord: the ray's length in the cell over that in "
+        "the cell where it is longest, from {:.3f} to 1. It tells large cells from small ones, the "
+        "thesis's weight does not: it tells where in a cell the ray is.",
+        lit->cells.size(), by_depth.min.penetration, by_depth.max.penetration, chord(by_chord.min));
     constexpr ViewSize size = {.width = 760, .height = 660};
     content.panels.emplace_back(
         lit_panel(fmt::format("{} cells by penetration: black 0, yellow 1", lit->cells.size()),
                   *lit, penetration, size));
-    content.panels.emplace_back(lit_panel(
-        fmt::format("{} cells by chord: black 0, yellow 1", lit->cells.size()), *lit, chord, size));
+    content.panels.emplace_back(
+        lit_panel(fmt::format("the same cells by chord: black 0, yellow {:.2f}", longest), *lit,
+                  chord, size));
     return content;
 }
 

@@ -42,7 +42,7 @@ std::vector<std::uint32_t> side_facets(const ConvexPolyhedron& region)
 }
 
 /// The pyramid, one feature's region, the normals of its planes and its rays.
-Result<FigureContent> pyramid_figure(Feature feature, const char* words)
+Result<FigureContent> pyramid_figure(Feature feature, const char* words, const OrbitCamera& camera)
 {
     constexpr double length = 1.1;
     const TriangleMesh mesh = make_pyramid();
@@ -53,11 +53,16 @@ Result<FigureContent> pyramid_figure(Feature feature, const char* words)
     const auto surface = draw(*region, length);
     if (!surface) return tl::unexpected(surface.error());
     Scene scene;
-    add_mesh(scene, mesh, {.name = "pyramid"});
+    std::vector<TriangleId> marked;
+    if (feature.kind == FeatureKind::face) marked.push_back(TriangleId{feature.id});
+    add_part(scene, mesh, all_but(mesh, marked), {.name = "pyramid"});
     add_mesh_edges(scene, mesh, thin_edges);
     const auto sides = side_facets(*region);
     const Color color = color_of(feature.kind);
-    add_polygons(scene, *surface, sides, {.name = "region", .color = color, .opacity = 0.55F});
+    // Unshaded: glass in the colour of its kind, whichever way it faces.
+    add_polygons(scene, *surface, sides,
+                 {.name = "region", .color = color, .opacity = 0.5F, .lighting = Lighting::flat});
+    add_part(scene, mesh, marked, {.name = "feature", .color = 0.8F * color});
     add_polygon_edges(scene, *surface, sides, {.color = 0.35F * color, .width = 2.0});
     for (const std::uint32_t side : sides) {
         const Vec3 from = middle_of(*surface, side);
@@ -80,7 +85,7 @@ Result<FigureContent> pyramid_figure(Feature feature, const char* words)
         name_of(feature.kind), feature.id, words, sides.size(), endless);
     content.panels.emplace_back(
         scene_panel(fmt::format("Voronoi region of {} {}", name_of(feature.kind), feature.id),
-                    std::move(scene), region_camera, single_panel));
+                    std::move(scene), camera, single_panel));
     return content;
 }
 
@@ -127,7 +132,8 @@ TriangleMesh make_pyramid()
 Result<FigureContent> figure_4_3(const Execution& /*context*/)
 {
     return pyramid_figure({FeatureKind::face, 0},
-                          "the triangle moved along its normal, a prism without an end");
+                          "the triangle moved along its normal, a prism without an end",
+                          {.azimuth = 1.15, .elevation = 0.2});
 }
 
 Result<FigureContent> figure_4_4(const Execution& /*context*/)
@@ -136,13 +142,13 @@ Result<FigureContent> figure_4_4(const Execution& /*context*/)
     if (!topology) return tl::unexpected(topology.error());
     const EdgeId edge = topology->find_edge(VertexId{1}, VertexId{4});
     return pyramid_figure({FeatureKind::edge, to_index(edge)},
-                          "a wedge between the regions of its two triangles");
+                          "a wedge between the regions of its two triangles", region_camera);
 }
 
 Result<FigureContent> figure_4_5(const Execution& /*context*/)
 {
     return pyramid_figure({FeatureKind::vertex, 4},
-                          "a cone between the regions of the edges that meet there");
+                          "a cone between the regions of the edges that meet there", region_camera);
 }
 
 Result<FigureContent> figure_4_6(const Execution& /*context*/)
