@@ -135,6 +135,7 @@ class Panels(WindowTest):
         x, y, width, height = window.view()
         window.drag((round(handle["x"]), round(handle["y"])), (x + width - 30, 30))
         window.wait(lambda now: now["facts"]["contact"] == "free", "the hand's way out")
+        # Where the drag began, and at once: a click, not the second half of a double click.
         self.screen.act("mousemove", *window.middle(), "click", 1)
         window.wait(lambda now: now["facts"]["contact"] != "free", "contact at the point that was clicked")
         self.slide(window, "stiffness", 0.2)
@@ -163,7 +164,7 @@ class Panels(WindowTest):
             shown = [picture.pixel(column, row) for row in range(y, y + height, 9) for column in range(x, x + width, 9)]
             self.assertNotEqual(shown, before, f"{panel}: the picture is that of the panel before")
             before = shown
-            legend = [name for name in state["controls"] if name.startswith("legend ")]
+            legend = [name for name in window.state()["controls"] if name.startswith("legend ")]
             self.assertEqual(bool(legend), panel != "model", f"{panel}: {legend}")
         self.close(window)
 

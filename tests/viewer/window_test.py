@@ -1,4 +1,5 @@
 """The window of `proxima view` as a person uses it: on a screen without a monitor, by mouse and keyboard."""
+import math
 import os
 import resource
 import struct
@@ -148,8 +149,15 @@ class Mouse(WindowTest):
         self.assertEqual(window.settled()["uploads"], before["uploads"], "moving uploads nothing")
         r, g, b = self.screen.picture().pixel(window.view()[0] + 8, 8)
         self.assertLess(max(r, g, b), 90, "the background is dark")
+
+        def whole(now):
+            """The frame is filled for the present direction: the target is only near the one of before."""
+            aside = math.dist(now["camera"]["target"], before["camera"]["target"])
+            return aside < 0.1 and now["camera"]["distance"] > 0.7 * before["camera"]["distance"]
+
+        self.assertFalse(whole(window.state()))
         window.click("show all")
-        window.wait(lambda now: now["camera"]["target"] == before["camera"]["target"], "the whole")
+        window.wait(whole, "the whole")
         self.turn_over(window, "smooth")
         self.assertGreater(window.settled()["uploads"], before["uploads"], "other normals are uploaded")
         self.close(window)

@@ -30,7 +30,8 @@ void draw_legend_box(const Legend& legend, float right, float top,
         ImGui::Dummy(ImVec2(size, size));
         ImGui::SameLine();
         ImGui::TextUnformatted(entry.text.c_str());
-        add_widget(concat("legend ", entry.text), {}, widgets);
+        // In its first frame the box is hidden and not yet in its place.
+        if (!ImGui::IsWindowAppearing()) add_widget(concat("legend ", entry.text), {}, widgets);
     }
     ImGui::End();
 }

@@ -5,6 +5,7 @@
 #include "viewer/viewer.h"
 
 #include <chrono>
+#include <optional>
 
 namespace proxima {
 
@@ -12,10 +13,15 @@ class MousePresses {
 public:
     /// GLFW's button and modifiers; a position in the picture's pixels.
     void press(Viewer& viewer, int button, int modifiers, const Vec2& at);
+    /// A press that was dragged away is not the first of a double click.
+    void release(Viewer& viewer, const Vec2& at);
 
 private:
-    std::chrono::steady_clock::time_point last_;
-    Vec2 last_at_ = Vec2::Zero();
+    struct Press {
+        std::chrono::steady_clock::time_point when;
+        Vec2 at;
+    };
+    std::optional<Press> last_;
 };
 
 } // namespace proxima

@@ -160,7 +160,7 @@ private:
     {
         redraw();
         if (action == GLFW_RELEASE) {
-            viewer_.release(in_view(mouse_));
+            presses_.release(viewer_, in_view(mouse_));
             return;
         }
         if (is_over_view()) presses_.press(viewer_, button, mods, in_view(mouse_));
