@@ -3,7 +3,7 @@
 //
 //     touch_bench [--ticks N] [--replays N] [--radius R] [--keep DIR] [--peers] [--slowest N]
 //                 [--mesh NAME]...
-//     touch_bench --curve FILE.{csv,svg,png} ...      tick time by the number of triangles
+//     touch_bench --curve FILE.{csv,svg,pdf,png} ...      tick time by the number of triangles
 //     touch_bench --scenes                             several objects, at rest and moving
 //     touch_bench --patches [--mesh NAME]...           what patches miss, by the hand's speed
 //     touch_bench --stability                          stiffness limits beside theory, and the
@@ -166,7 +166,7 @@ int main(int argc, char** argv)
         app.add_option(
             "--curve", options.curves,
             "Tick time by the number of triangles, of these meshes beside toruses, as a table "
-            "(.csv) or a plot (.svg, .png)");
+            "(.csv) or a plot (.svg, .pdf, .png)");
         app.add_option_function<double>(
             "--loops",
             [&](double seconds) {

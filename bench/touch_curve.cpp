@@ -1,7 +1,6 @@
 #include "touch_curve.h"
 
-#include "cli/log_plot.h"
-#include "cli/plot_file.h"
+#include "cli/plot.h"
 #include "touch_table.h"
 
 #include <algorithm>

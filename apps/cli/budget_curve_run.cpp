@@ -1,9 +1,8 @@
 // proxima proximity --budget-curve: how quick queries are by the budget that the octree was built
 // with.
 #include "base/text.h"
-#include "cli/log_plot.h"
 #include "cli/model_options.h"
-#include "cli/plot_file.h"
+#include "cli/plot.h"
 #include "cli/proximity_command_options.h"
 #include "cli/query_timing.h"
 #include "cli/stopwatch.h"
@@ -173,7 +172,7 @@ Figure figure_of(const Curve& curve, const std::string& model, std::size_t trian
                     "bytes of the lists per triangle",
                     "nanoseconds per query"};
     for (std::string& note : notes_of(curve)) words.notes.push_back(std::move(note));
-    return log_plot(series, words);
+    return log_plot(series, std::move(words));
 }
 
 Json json_of(const Curve& curve)

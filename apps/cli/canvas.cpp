@@ -1,5 +1,7 @@
 #include "cli/canvas.h"
 
+#include "base/memory_budget.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -241,6 +243,19 @@ Image Canvas::image() const
         }
     }
     return image;
+}
+
+Result<Canvas> make_canvas(int width, int height, const Progress* progress, MemoryBudget budget)
+{
+    constexpr std::uint64_t samples = samples_per_axis * samples_per_axis;
+    constexpr std::uint64_t sample_bytes = sizeof(Color) + 3 * sizeof(float); // and its creases
+    const std::uint64_t pixels =
+        static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
+    if (Status status = check_budget(budget, pixels * (samples * sample_bytes + 3),
+                                     "drawing the picture", "ask for a smaller picture");
+        !status)
+        return tl::unexpected(status.error());
+    return Canvas(width, height, progress);
 }
 
 } // namespace proxima

@@ -9,7 +9,9 @@
 
 #include "base/progress.h"
 #include "cli/image.h"
+#include "proxima/execution.h"
 #include "proxima/geometry.h"
+#include "proxima/result.h"
 
 #include <array>
 #include <vector>
@@ -99,5 +101,10 @@ private:
     std::vector<float> nearness_;      // of triangles drawn, 0 = background
     std::vector<float> line_nearness_; // of panes
 };
+
+/// A canvas that, with the picture made of it, fits the budget: about 100 bytes a pixel. Error:
+/// budget_exceeded.
+[[nodiscard]] Result<Canvas> make_canvas(int width, int height, const Progress* progress = nullptr,
+                                         MemoryBudget budget = {});
 
 } // namespace proxima

@@ -229,6 +229,7 @@ Status run_cull(const CullOptions& options, Session& session)
                 {.view = view,
                  .volume = &culled.volume,
                  .mode = options.method == QueryMethod::thesis ? CullMode::exact : mode_of(options),
+                 .with_legend = true,
                  .execution = {.progress = &session.progress()}});
             if (!image) return tl::unexpected(image.error());
             if (Status status = write_png(*image, options.picture, &session.progress()); !status)

@@ -1,4 +1,5 @@
-// A flat drawing of boxes, polygons, lines and text, written as SVG or drawn as a picture.
+// A flat drawing of boxes, polygons, lines and text, drawn by cairo and Pango: as PNG, SVG or PDF, or
+// over a picture.
 //
 //     Figure figure{.width = 1200, .height = 800};
 //     figure.lines.push_back({{60, 700}, {1180, 700}, 0x333333, 2});
@@ -6,23 +7,36 @@
 #pragma once
 
 #include "cli/image.h"
-#include "cli/lettering.h"
 #include "proxima/execution.h"
 #include "proxima/geometry.h"
 #include "proxima/result.h"
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace proxima {
+
+enum class TextAnchor { start, middle, end };
+enum class TextTurn { level, upward };
+
+struct TextStyle {
+    double size = 16.0; ///< height of capitals in pixels
+    unsigned color = 0; ///< 0xRRGGBB
+    TextAnchor anchor = TextAnchor::start;
+    TextTurn turn = TextTurn::level; ///< upward: read from below to above
+};
+
+/// How long one line of this text is, in pixels, for capitals of this height.
+[[nodiscard]] double text_length(std::string_view text, double size);
 
 struct FigureBox {
     Vec2 lower = Vec2::Zero();
     Vec2 upper = Vec2::Zero();
     unsigned color = 0; ///< 0xRRGGBB, as all colours here
+    double opacity = 1.0;
 };
 
-/// Convex, its corners in either direction.
 struct FigurePolygon {
     std::vector<Vec2> corners;
     unsigned color = 0;
@@ -35,14 +49,14 @@ struct FigureLine {
     double width = 1.0;
 };
 
+/// One line of text in any script. Bytes that are no UTF-8 are question marks.
 struct FigureText {
     Vec2 at = Vec2::Zero(); ///< the anchor, on the baseline
     std::string text;
     TextStyle style = {};
 };
 
-/// In pixels from the upper left corner, on white: boxes below polygons below lines below
-/// text.
+/// In pixels from the upper left corner: boxes below polygons below lines below text.
 struct Figure {
     int width = 1200;
     int height = 800;
@@ -52,11 +66,15 @@ struct Figure {
     std::vector<FigureText> texts = {};
 };
 
-[[nodiscard]] std::string figure_svg(const Figure& figure);
+/// On white.
 [[nodiscard]] Image figure_image(const Figure& figure);
 
-/// By extension, .svg or .png, whole or not at all. Errors: unsupported_format, file_not_writable,
-/// cancelled.
+/// Draws the figure over a picture, its upper left corner at (left, top); what is beside the
+/// picture is cut off.
+void draw_over(Image& image, const Figure& figure, int left, int top);
+
+/// By extension, .png, .svg or .pdf, on white, whole or not at all. In .svg letters are outlines.
+/// Errors: unsupported_format, file_not_writable, cancelled.
 [[nodiscard]] Status write_figure(const Figure& figure, const std::string& path,
                                   Progress* progress = nullptr);
 

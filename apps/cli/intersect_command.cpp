@@ -368,6 +368,7 @@ Status run_intersect(const IntersectOptions& options, Session& session)
                     draw_intersection({a->mesh, b->mesh, a->octree, b->octree, poses[0],
                                        answer.leaves, answer.contour},
                                       {.view = for_model(options.view, options.model_a),
+                                       .with_legend = true,
                                        .execution = {.progress = &session.progress()}});
                 if (!image) return tl::unexpected(image.error());
                 if (Status status = write_png(*image, options.picture, &session.progress());

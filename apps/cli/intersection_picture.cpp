@@ -2,6 +2,7 @@
 
 #include "base/progress.h"
 #include "cli/canvas.h"
+#include "cli/legend.h"
 #include "cli/picture_scene.h"
 
 #include <algorithm>
@@ -18,6 +19,11 @@ BoxCorners corners_of(const Box& box, const RigidTransform& pose)
     return moved;
 }
 
+constexpr unsigned a_color = 0xC62828;
+constexpr unsigned b_color = 0x2E7D32;
+constexpr unsigned triangle_color = 0xF2C81E;
+constexpr unsigned contour_color = 0x102A6B;
+
 TriangleMesh moved(const TriangleMesh& mesh, const RigidTransform& pose)
 {
     std::vector<Vec3> positions;
@@ -32,7 +38,7 @@ TriangleMesh moved(const TriangleMesh& mesh, const RigidTransform& pose)
 SurfaceColor marking(const std::vector<TriangleId>& marked, const Color& plain)
 {
     return [&marked, plain](TriangleId id) {
-        return std::ranges::binary_search(marked, id) ? srgb(0xF2C81E) : plain;
+        return std::ranges::binary_search(marked, id) ? srgb(triangle_color) : plain;
     };
 }
 
@@ -59,9 +65,20 @@ void draw_contour(Canvas& canvas, const View& view, const IntersectionContour& c
         const auto along = contour.points_of(line);
         for (std::size_t i = line.closed ? 0 : 1; i < along.size(); ++i) {
             const Vec3& before = along[(i + along.size() - 1) % along.size()].position;
-            draw_segment(canvas, view, before, along[i].position, srgb(0x102A6B), style);
+            draw_segment(canvas, view, before, along[i].position, srgb(contour_color), style);
         }
     }
+}
+
+Legend legend_of(const IntersectionScene& scene)
+{
+    if (scene.leaves.empty()) return {};
+    Legend legend;
+    legend.entries = {{a_color, "leaves of A that meet B's"},
+                      {b_color, "leaves of B that meet A's"},
+                      {triangle_color, "triangles in them"}};
+    if (!scene.contour.lines.empty()) legend.entries.push_back({contour_color, "contour"});
+    return legend;
 }
 
 } // namespace
@@ -69,7 +86,10 @@ void draw_contour(Canvas& canvas, const View& view, const IntersectionContour& c
 Result<Image> draw_intersection(const IntersectionScene& scene, const PictureOptions& options)
 {
     const ViewSize size = options.view.size;
-    Canvas canvas(size.width, size.height, options.execution.progress);
+    auto drawn =
+        make_canvas(size.width, size.height, options.execution.progress, options.execution.budget);
+    if (!drawn) return tl::unexpected(drawn.error());
+    Canvas& canvas = *drawn;
     canvas.fill_background(srgb(0xFBFCFE), srgb(0xE3E8EF));
     const TriangleMesh mesh_b = moved(scene.mesh_b, scene.pose_b);
     const std::vector<BoxCorners> boxes_a =
@@ -95,10 +115,11 @@ Result<Image> draw_intersection(const IntersectionScene& scene, const PictureOpt
         for (const BoxCorners& box : *boxes) hide_lines_behind(canvas, view, box);
     }
     constexpr LineStyle edges{.width = 1.4, .opacity = 0.8F, .lift = 2e-3};
-    for (const BoxCorners& box : boxes_a) draw_box_edges(canvas, view, box, srgb(0xC62828), edges);
-    for (const BoxCorners& box : boxes_b) draw_box_edges(canvas, view, box, srgb(0x2E7D32), edges);
+    for (const BoxCorners& box : boxes_a) draw_box_edges(canvas, view, box, srgb(a_color), edges);
+    for (const BoxCorners& box : boxes_b) draw_box_edges(canvas, view, box, srgb(b_color), edges);
     Image image = canvas.image();
     if (is_cancelled(options.execution.progress)) return cancelled("drawing");
+    if (options.with_legend) draw_legend(image, legend_of(scene));
     return image;
 }
 

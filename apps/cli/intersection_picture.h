@@ -22,7 +22,7 @@ struct IntersectionScene {
     const IntersectionContour& contour;
 };
 
-/// Errors: cancelled, and those of placed_camera.
+/// Errors: cancelled, budget_exceeded, and those of placed_camera.
 [[nodiscard]] Result<Image> draw_intersection(const IntersectionScene& scene,
                                               const PictureOptions& options = {});
 

@@ -18,7 +18,8 @@ struct Legend {
     std::vector<LegendEntry> entries;
 };
 
-/// Draws the legend over the picture; nothing without entries.
+/// Draws the legend over the picture; nothing without entries, or where it would be wider or higher
+/// than half of it.
 void draw_legend(Image& image, const Legend& legend);
 
 } // namespace proxima

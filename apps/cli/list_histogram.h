@@ -24,7 +24,7 @@ enum class HistogramOf : std::uint8_t {
 
 /// What stands above the figure.
 struct HistogramTitle {
-    std::string title;
+    std::string title; ///< may be empty
     std::string subtitle;
 };
 

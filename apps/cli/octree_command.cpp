@@ -81,7 +81,7 @@ Status draw(const OctreeCommandOptions& options, const OctreeAndMesh& model, Pro
     const std::string& shape = options.mesh.empty() ? options.model : options.mesh;
     const auto image =
         draw_octree(model.octree, model.mesh,
-                    {.view = for_model(options.view, shape), .execution = {.progress = &progress}});
+                    {.view = for_model(options.view, shape), .with_legend = true, .execution = {.progress = &progress}});
     if (!image) return tl::unexpected(image.error());
     return write_png(*image, options.picture, &progress);
 }

@@ -1,7 +1,9 @@
 #include "cli/octree_picture.h"
 
 #include "base/progress.h"
+#include "base/text.h"
 #include "cli/canvas.h"
+#include "cli/legend.h"
 #include "cli/picture_scene.h"
 #include "geometry/view_contact.h"
 #include "proxima/cull.h"
@@ -20,6 +22,9 @@ namespace {
 /// Few enough leaves to be drawn in some milliseconds.
 constexpr std::uint64_t cells_per_step = 256;
 
+constexpr unsigned seen_color = 0xF2B134;
+constexpr unsigned unseen_color = 0x8A93A0;
+
 /// Triangles that the options' volume sees, and those that it does not.
 SurfaceColor surface_color(const TriangleMesh& mesh, const PictureOptions& options)
 {
@@ -29,20 +34,32 @@ SurfaceColor surface_color(const TriangleMesh& mesh, const PictureOptions& optio
         const bool seen = options.mode == CullMode::exact
                               ? meets_volume(*options.volume, triangle)
                               : passes_planes(*options.volume, triangle);
-        return seen ? srgb(0xF2B134) : srgb(0x8A93A0);
+        return srgb(seen ? seen_color : unseen_color);
     };
 }
 
-/// Colour of cells at `part` of the way from the coarsest leaves (0) to the finest (1).
-Color depth_color(double part)
-{
-    const std::array<Color, 6> stops = {srgb(0x4527A0), srgb(0x1565C0), srgb(0x00897B),
-                                        srgb(0x689F38), srgb(0xEF6C00), srgb(0xC2185B)};
-    const double position = std::clamp(part, 0.0, 1.0) * (stops.size() - 1);
-    const auto stop = std::min(static_cast<std::size_t>(position), stops.size() - 2);
-    const auto rest = static_cast<float>(position - static_cast<double>(stop));
-    return (1.0F - rest) * stops[stop] + rest * stops[stop + 1];
-}
+/// Colours of leaves by depth, from the coarsest to the finest.
+class DepthColors {
+public:
+    DepthColors(int coarsest, int finest)
+        : coarsest_(coarsest), steps_(std::max(finest - coarsest, 1))
+    {}
+
+    [[nodiscard]] Color operator()(int depth) const
+    {
+        const std::array<Color, 6> stops = {srgb(0x4527A0), srgb(0x1565C0), srgb(0x00897B),
+                                            srgb(0x689F38), srgb(0xEF6C00), srgb(0xC2185B)};
+        const double part = static_cast<double>(depth - coarsest_) / steps_;
+        const double position = std::clamp(part, 0.0, 1.0) * (stops.size() - 1);
+        const auto stop = std::min(static_cast<std::size_t>(position), stops.size() - 2);
+        const auto rest = static_cast<float>(position - static_cast<double>(stop));
+        return (1.0F - rest) * stops[stop] + rest * stops[stop + 1];
+    }
+
+private:
+    int coarsest_;
+    int steps_;
+};
 
 struct Leaf {
     CellKey key;
@@ -80,15 +97,35 @@ std::vector<Leaf> occupied_leaves(const Octree& octree, const PictureOptions& op
     return leaves;
 }
 
-void draw_leaves(Canvas& canvas, const View& view, std::span<const Leaf> leaves,
+DepthColors depth_colors(std::span<const Leaf> leaves, const PictureOptions& options)
+{
+    if (options.depths) return {(*options.depths)[0], (*options.depths)[1]};
+    if (leaves.empty()) return {0, 1};
+    return {depth(leaves.back().key), depth(leaves.front().key)};
+}
+
+Legend legend_of(std::span<const Leaf> leaves, const DepthColors& colors,
                  const PictureOptions& options)
 {
-    StageSteps steps(options.execution.progress, "drawing the cells", 2 * leaves.size(),
-                     cells_per_step);
-    if (leaves.empty()) return;
-    const int coarsest = options.depths ? (*options.depths)[0] : depth(leaves.back().key);
-    const int finest =
-        std::max(options.depths ? (*options.depths)[1] : depth(leaves.front().key), coarsest + 1);
+    Legend legend;
+    int last = -1;
+    for (auto leaf = leaves.rbegin(); leaf != leaves.rend(); ++leaf) {
+        const int level = depth(leaf->key);
+        if (level == last) continue;
+        legend.entries.push_back({hex_of(colors(level)), concat("leaves of depth ", level)});
+        last = level;
+    }
+    if (options.volume != nullptr) {
+        legend.entries.push_back({seen_color, "triangles seen"});
+        legend.entries.push_back({unseen_color, "not seen"});
+    }
+    return legend;
+}
+
+void draw_leaves(Canvas& canvas, const View& view, std::span<const Leaf> leaves,
+                 const DepthColors& colors, Progress* progress)
+{
+    StageSteps steps(progress, "drawing the cells", 2 * leaves.size(), cells_per_step);
     // Cells are glass that hides lines of cells as coarse or coarser behind it: a large cell that
     // touches the surface with a corner lets the small ones behind it be seen.
     std::size_t paned = 0;
@@ -101,11 +138,10 @@ void draw_leaves(Canvas& canvas, const View& view, std::span<const Leaf> leaves,
         // As long as its diagonal would be across the view.
         const double distance = std::max(view.depth(leaf.box.center()), view.near());
         const double pixels = view.pixels_at(distance) * leaf.box.extent().norm();
-        const double part = static_cast<double>(depth(leaf.key) - coarsest) / (finest - coarsest);
         const LineStyle style{.width = std::clamp(0.05 * pixels, 0.9, 2.0),
                               .opacity = static_cast<float>(std::clamp(0.04 * pixels, 0.18, 0.95)),
                               .lift = 2e-3};
-        draw_box_edges(canvas, view, corners(leaf.box), depth_color(part), style);
+        draw_box_edges(canvas, view, corners(leaf.box), colors(depth(leaf.key)), style);
         if (!steps.done(1)) return;
     }
 }
@@ -116,7 +152,10 @@ Result<Image> draw_octree(const Octree& octree, const TriangleMesh& mesh,
                           const PictureOptions& options)
 {
     const ViewSize size = options.view.size;
-    Canvas canvas(size.width, size.height, options.execution.progress);
+    auto drawn =
+        make_canvas(size.width, size.height, options.execution.progress, options.execution.budget);
+    if (!drawn) return tl::unexpected(drawn.error());
+    Canvas& canvas = *drawn;
     canvas.fill_background(srgb(0xFBFCFE), srgb(0xE3E8EF));
     const std::vector<Leaf> leaves = occupied_leaves(octree, options);
     std::vector<Vec3> shown;
@@ -136,8 +175,10 @@ Result<Image> draw_octree(const Octree& octree, const TriangleMesh& mesh,
     draw_mesh(canvas, view, mesh, surface_color(mesh, options), options.execution.progress);
     begin_stage(options.execution.progress, "shading", 1);
     canvas.darken_creases(14.0, 0.55F);
-    draw_leaves(canvas, view, leaves, options);
+    const DepthColors colors = depth_colors(leaves, options);
+    draw_leaves(canvas, view, leaves, colors, options.execution.progress);
     Image image = canvas.image();
+    if (options.with_legend) draw_legend(image, legend_of(leaves, colors, options));
     if (is_cancelled(options.execution.progress)) {
         return cancelled("drawing");
     }

@@ -26,11 +26,12 @@ struct PictureOptions {
     /// finest of them have these colours.
     std::optional<Box> frame = {};
     std::optional<std::array<int, 2>> depths = {};
+    bool with_legend = false; ///< what the colours mean, in the upper right corner
     Execution execution = {}; ///< stages "drawing the mesh", "shading" and "drawing the cells"
 };
 
 /// Draws the mesh, shaded, and the edges of the leaves that hold triangles. A mesh without triangles
-/// leaves the cells alone. Errors: cancelled, and those of placed_camera. \pre octree was built from
+/// leaves the cells alone. Errors: cancelled, budget_exceeded, and those of placed_camera. \pre octree was built from
 /// the mesh unless that has no triangles, sizes are positive
 [[nodiscard]] Result<Image> draw_octree(const Octree& octree, const TriangleMesh& mesh,
                                         const PictureOptions& options = {});

@@ -4,7 +4,7 @@
 #include "cli/commands.h"
 #include "cli/model_options.h"
 #include "cli/names.h"
-#include "cli/plot_file.h"
+#include "cli/plot.h"
 #include "cli/proximity_command_options.h"
 #include "index/lists/grow_cells.h"
 #include "proxima/mesh_index.h"
@@ -201,12 +201,12 @@ Command add_proximity_command(CLI::App& app)
         ->add_option(
             "--histogram", options->histograms,
             "Write how long the lists of leaves are, by volume (thesis: of outer cells, by "
-            "number): .csv, .svg, .png")
+            "number): .csv, .svg, .pdf, .png")
         ->type_name("FILE");
     parser
         ->add_option("--budget-curve", options->budget_curves,
                      "Instead: time queries with octrees of 100 to 12000 bytes per triangle, to "
-                     ".csv, .svg, .png (general method)")
+                     ".csv, .svg, .pdf, .png (general method)")
         ->excludes("--lists-mb")
         ->excludes("--save")
         ->excludes("--out")

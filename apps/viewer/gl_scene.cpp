@@ -79,8 +79,7 @@ GlScene::Lines GlScene::upload_segments(const std::vector<float>& coordinates)
     return lines;
 }
 
-GlScene::GlScene(const Scene& scene)
-    : backdrop_{scene.background_top, scene.background_bottom}, labels_(scene.labels)
+GlScene::GlScene(const Scene& scene) : backdrop_{scene.background_top, scene.background_bottom}
 {
     const Box box = bounding_box(scene);
     if (!box.empty()) {
@@ -297,8 +296,6 @@ void GlPainter::draw(std::span<const GlLayer> layers, const Backdrop& backdrop,
     }
     glDepthMask(GL_TRUE);
     glDisable(GL_CULL_FACE);
-    glDisable(GL_DEPTH_TEST);
-    for (const GlLayer& layer : layers) draw_labels(layer, frame);
     glBindVertexArray(0);
 }
 
@@ -323,29 +320,6 @@ void GlPainter::draw_background(const Backdrop& backdrop) const
     set(background_, "bottom", vector_of(backdrop.bottom));
     glBindVertexArray(nothing_.name());
     glDrawArrays(GL_TRIANGLES, 0, 3);
-}
-
-void GlPainter::draw_labels(const GlLayer& layer, const Frame& frame) const
-{
-    // Pixels from the upper left corner to clip coordinates.
-    Eigen::Matrix4d clip = Eigen::Matrix4d::Identity();
-    clip(0, 0) = 2.0 / frame.size.width;
-    clip(1, 1) = -2.0 / frame.size.height;
-    clip(0, 3) = -1.0;
-    clip(1, 3) = 1.0;
-    for (const SceneLabel& label : layer.scene->labels_) {
-        const ScreenPoint at = frame.view.project(layer.pose(label.at));
-        std::vector<float> values;
-        for (const auto& [from, to] : text_strokes(label.text, at.x, at.y, label.style)) {
-            append(values, {from.x(), from.y(), 0.0});
-            append(values, {to.x(), to.y(), 0.0});
-        }
-        GlScene::Lines lines = GlScene::upload_segments(values);
-        lines.color = srgb(label.style.color);
-        lines.width = stroke_width(label.style);
-        const GlLayer upright = {.scene = layer.scene};
-        frame.draw(upright, lines, clip, Vec2::Zero(), 0.0);
-    }
 }
 
 } // namespace proxima

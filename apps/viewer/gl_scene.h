@@ -52,7 +52,6 @@ private:
     Backdrop backdrop_;
     std::vector<Surface> surfaces_;
     std::vector<Lines> lines_;
-    std::vector<SceneLabel> labels_;
 };
 
 /// An uploaded scene and how it stands: SceneLayer, but for the scene.
@@ -81,7 +80,6 @@ private:
     class Frame;
 
     void draw_background(const Backdrop& backdrop) const;
-    void draw_labels(const GlLayer& layer, const Frame& frame) const;
 
     static void set_cut(const GlProgram& program, const GlLayer& layer);
 

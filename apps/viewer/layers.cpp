@@ -73,10 +73,6 @@ void append(Scene& scene, const SceneLayer& layer)
         lines.opacity *= layer.opacity;
         scene.lines.push_back(layer.cut ? cut_lines(lines, *layer.cut) : std::move(lines));
     }
-    for (SceneLabel label : layer.scene->labels) {
-        label.at = layer.pose(label.at);
-        scene.labels.push_back(std::move(label));
-    }
 }
 
 } // namespace

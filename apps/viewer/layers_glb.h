@@ -9,8 +9,8 @@
 
 namespace proxima {
 
-/// Surfaces and lines of the scene, a node each, by their names; labels are left out, and so is how
-/// clear a surface is. Errors as write_glb: limit_exceeded, file_not_writable, cancelled.
+/// Surfaces and lines of the scene, a node each, by their names; how clear a surface is is left out.
+/// Errors as write_glb: limit_exceeded, file_not_writable, cancelled.
 [[nodiscard]] Status export_scene(const Scene& scene, const std::filesystem::path& path,
                                   Progress* progress = nullptr);
 

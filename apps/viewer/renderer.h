@@ -19,8 +19,8 @@ public:
     Renderer& operator=(const Renderer&) = delete;
     virtual ~Renderer() = default;
 
-    /// Draws opaque surfaces by depth, then translucent ones and lines from far to near, then
-    /// labels in front of all. Errors: cancelled, and those of the graphics system.
+    /// Draws opaque surfaces by depth, then translucent ones and lines from far to near.
+    /// Errors: cancelled, budget_exceeded, and those of the graphics system.
     [[nodiscard]] virtual Result<Image> render(const Scene& scene, const OrbitCamera& camera,
                                                ViewSize size) = 0;
 };

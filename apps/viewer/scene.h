@@ -1,4 +1,4 @@
-// What a figure or a window shows: surfaces, lines and labels in space. Nothing of how it is drawn.
+// What a figure or a window shows: surfaces and lines in space. Nothing of how it is drawn.
 //
 //     Scene scene;
 //     add_mesh(scene, mesh, {.name = "mesh"});              // scene_shapes.h
@@ -8,7 +8,6 @@
 #pragma once
 
 #include "cli/canvas.h"
-#include "cli/lettering.h"
 #include "proxima/geometry.h"
 #include "proxima/triangle_mesh.h"
 
@@ -42,20 +41,12 @@ struct SceneLines {
     float opacity = 1.0F;
 };
 
-/// A word at a point, in front of everything.
-struct SceneLabel {
-    Vec3 at = Vec3::Zero();
-    std::string text;
-    TextStyle style = {};
-};
-
 struct Scene {
     Color background_top = srgb(0xFBFCFE);
     Color background_bottom = srgb(0xE3E8EF);
     float creases = 0.0F; ///< how dark creases are, 0 to 1
     std::vector<SceneSurface> surfaces = {};
     std::vector<SceneLines> lines = {};
-    std::vector<SceneLabel> labels = {};
 };
 
 /// Of surfaces and lines; empty without any.

@@ -63,7 +63,9 @@ public:
 
     Result<Image> render(const Scene& scene, const OrbitCamera& camera, ViewSize size) override
     {
-        Canvas canvas(size.width, size.height, progress_);
+        auto drawn = make_canvas(size.width, size.height, progress_);
+        if (!drawn) return tl::unexpected(drawn.error());
+        Canvas& canvas = *drawn;
         canvas.fill_background(scene.background_top, scene.background_bottom);
         const View view(camera, size);
         const Lamps lamps(view.right(), view.up(), view.back());
@@ -77,11 +79,6 @@ public:
         };
         std::ranges::stable_sort(blended, farther);
         for (const Blended& item : blended) draw(canvas, item);
-        for (const SceneLabel& label : scene.labels) {
-            if (view.depth(label.at) < view.near()) continue;
-            const ScreenPoint at = view.project(label.at);
-            draw_text(canvas, label.text, at.x, at.y, label.style);
-        }
         Image image = canvas.image();
         if (is_cancelled(progress_)) return cancelled("drawing");
         return image;

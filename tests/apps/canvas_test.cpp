@@ -21,6 +21,15 @@ std::array<ScreenVertex, 3> half(const Color& color, double nearness)
     return {{{{0, 0, nearness}, color}, {{20, 0, nearness}, color}, {{0, 20, nearness}, color}}};
 }
 
+TEST(Canvas, IsMadeWithinABudget)
+{
+    const auto made = make_canvas(1000, 1000, nullptr, {.bytes = 110'000'000});
+    ASSERT_TRUE(made);
+    const auto refused = make_canvas(8192, 8192, nullptr, {.bytes = 110'000'000});
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::budget_exceeded);
+}
+
 TEST(Canvas, ColoursSurviveConversionToLinearLightAndBack)
 {
     Canvas canvas(1, 1);

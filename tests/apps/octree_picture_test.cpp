@@ -29,8 +29,8 @@ TEST_F(OctreePicture, StopsAtEveryStage)
 {
     testing::cancel_at_every_stage(
         [&](Progress& progress) {
-            return draw_octree(octree, mesh,
-                               {.view = {.size = {200, 150}}, .execution = {.progress = &progress}});
+            return draw_octree(
+                octree, mesh, {.view = {.size = {200, 150}}, .execution = {.progress = &progress}});
         },
         [] { return true; }, 5);
 }

@@ -1,5 +1,6 @@
 """proxima proximity as its users run it."""
 import csv
+import re
 import struct
 import unittest
 import xml.etree.ElementTree
@@ -52,7 +53,26 @@ def png_pixels(data):
     return width, height, rows
 
 
-class General(ProgramTest):
+class DrawingTest(ProgramTest):
+    def check_drawings(self, names, notes):
+        """The same drawing as SVG, PDF and PNG, with so many lines of notes; returns png_pixels of the last."""
+        width, height, rows = png_pixels(names[2].read_bytes())
+        self.assertEqual(width, 1200)
+        self.assertIn(height - 764 - 24 * notes, (0, 30, 60), "rows of the legend")
+        svg = xml.etree.ElementTree.parse(names[0]).getroot()
+        self.assertEqual([svg.get("width"), svg.get("height")], ["1200px", f"{height}px"])
+        letters = svg.findall(".//{http://www.w3.org/2000/svg}use")
+        self.assertGreater(len(letters), 60, "letters of the words")
+        pdf = names[1].read_bytes()
+        self.assertEqual(pdf[:5], b"%PDF-")
+        self.assertIn(b"%%EOF", pdf[-8:])
+        box = [float(part) for part in re.search(rb"/MediaBox \[ ?([\d. ]+)\]", pdf)[1].split()]
+        self.assertEqual(box, [0, 0, 900, 0.75 * height])
+        self.assertIn(b"DejaVu", pdf)
+        return width, height, rows
+
+
+class General(DrawingTest):
     def test_json_has_the_documented_keys_in_order(self):
         result = self.json_of("proximity", "torus:40x20")
         self.assertEqual(list(result), GENERAL_KEYS + GENERAL_ROW_KEYS)
@@ -113,7 +133,7 @@ class General(ProgramTest):
         self.assertEqual(results[0], results[1])
 
     def test_histograms(self):
-        names = [self.folder / ("h." + kind) for kind in ("csv", "svg", "png")]
+        names = [self.folder / ("h." + kind) for kind in ("csv", "svg", "pdf", "png")]
         options = [option for name in names for option in ("--histogram", name)]
         text = self.succeed("proximity", "torus:40x20", "--depth", "0,4", *options)
         for name in names:
@@ -125,12 +145,7 @@ class General(ProgramTest):
         longest = self.json_of("proximity", "torus:40x20", "--depth", 4)["max_list"]
         self.assertEqual(max(int(line["triangles"]) for line in table[1:]), longest)
         self.assertAlmostEqual(sum(float(line["volume_percent"]) for line in table[1:]), 100, places=2)
-        svg = xml.etree.ElementTree.parse(names[1]).getroot()
-        words = [element.text for element in svg.iter("{http://www.w3.org/2000/svg}text")]
-        for word in ("triangles in the list of a leaf", "share of the root's volume, percent",
-                     "depth 0: mean 1600.0, 1 leaf"):
-            self.assertIn(word, words)
-        self.assertEqual(png_pixels(names[2].read_bytes())[:2], (1200, 770))
+        self.check_drawings(names[1:], notes=1)
 
     def test_the_usual_budget_does_for_any_model(self):
         corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
@@ -162,17 +177,16 @@ class General(ProgramTest):
             self.refuse(*thesis, "--margin", margin, status=2, says=("--margin", "0 to 1e+06"))
 
 
-class BudgetCurve(ProgramTest):
+class BudgetCurve(DrawingTest):
     def test_budgets_too_small_are_left_out(self):
         curve = self.folder / "curve.svg"
         result = self.json_of("proximity", "octahedron", "--budget-curve", curve)
         # Lists take at least 1,024 bytes, of eight triangles 128 each.
         self.assertEqual(result["left_out"], [100])
-        words = [element.text for element in xml.etree.ElementTree.parse(curve).iter("{http://www.w3.org/2000/svg}text")]
-        self.assertTrue(any(word.startswith("left out, for they are too small") for word in words))
+        self.assertIn("left out, for they are too small", self.succeed("proximity", "octahedron", "--budget-curve", curve))
 
     def test_files_and_json(self):
-        names = [self.folder / ("curve." + kind) for kind in ("csv", "svg", "png")]
+        names = [self.folder / ("curve." + kind) for kind in ("csv", "svg", "pdf", "png")]
         options = [option for name in names for option in ("--budget-curve", name)]
         result = self.json_of("proximity", "torus:12x8", *options)
         self.assertEqual(list(result), CURVE_KEYS)
@@ -200,13 +214,7 @@ class BudgetCurve(ProgramTest):
         for line, row in zip(table, rows):
             for key, value in line.items():
                 self.assertAlmostEqual(float(value), row[key], delta=1e-5 * row[key])
-        svg = xml.etree.ElementTree.parse(names[1]).getroot()
-        words = [element.text for element in svg.iter("{http://www.w3.org/2000/svg}text")]
-        for word in ("bytes of the lists per triangle", "nanoseconds per query", "1000", "c: a walk near the surface"):
-            self.assertIn(word, words)
-        self.assertTrue(any(word.startswith("budgets of more than") for word in words))
-        width, _, pixels = png_pixels(names[2].read_bytes())
-        self.assertEqual(width, 1200)
+        _, _, pixels = self.check_drawings(names[1:], notes=2)
         colors = {row[x:x + 3] for row in pixels for x in range(0, len(row), 3)}
         for color in (b"\x44\x77\xaa", b"\xee\x66\x77", b"\x22\x88\x33"):
             self.assertIn(color, colors)
@@ -224,7 +232,7 @@ class BudgetCurve(ProgramTest):
         self.refuse("proximity", self.file("empty.off", "OFF\n0 0 0\n"), *curve, says="empty.off")
 
 
-class Thesis(ProgramTest):
+class Thesis(DrawingTest):
     def test_json_has_the_documented_keys_in_order(self):
         result = self.json_of(*THESIS, "octahedron", "--depth", 4)
         self.assertEqual(list(result), COMMON_KEYS + ROW_KEYS + ["ridge_edges"])
@@ -262,7 +270,7 @@ class Thesis(ProgramTest):
         self.assertEqual(results[0], results[1])
 
     def test_histograms(self):
-        names = [self.folder / ("h." + kind) for kind in ("csv", "svg", "png")]
+        names = [self.folder / ("h." + kind) for kind in ("csv", "svg", "pdf", "png")]
         options = [option for name in names for option in ("--histogram", name)]
         text = self.succeed(*THESIS, "sphere:20x20", "--depth", "1,3-4", *options)
         for name in names:
@@ -281,14 +289,7 @@ class Thesis(ProgramTest):
             mean = sum(int(line["features"]) * int(line["cells"]) for line in lines) / sum(cells)
             self.assertAlmostEqual(mean, row["outer_mean_list"])
             self.assertEqual(max(int(line["features"]) for line in lines), row["outer_max_list"])
-        svg = xml.etree.ElementTree.parse(names[1]).getroot()
-        words = [element.text for element in svg.iter("{http://www.w3.org/2000/svg}text")]
-        for word in ("features in the list of a cell", "share of the outer cells, percent", "10"):
-            self.assertIn(word, words)
-        self.assertTrue(any(word.startswith("depth 4: mean ") for word in words))
-        self.assertIn("depth 1: no outer cell", words)
-        width, height, rows = png_pixels(names[2].read_bytes())
-        self.assertEqual((width, height), (1200, 800))
+        _, _, rows = self.check_drawings(names[1:], notes=1)
         colors = {row[x:x + 3] for row in rows for x in range(0, len(row), 3)}
         # White, ink, and the lines of the second and third series.
         for color in (b"\xff\xff\xff", b"\x22\x22\x22", b"\xee\x66\x77", b"\x22\x88\x33"):

@@ -71,7 +71,7 @@ TEST_F(FigurePages, WritesTwoFilesPerDrawingAndOnePerScene)
     EXPECT_EQ(scenes->files, std::vector<std::string>{"figure_9_2.png"});
     EXPECT_EQ(entries(), 3);
     EXPECT_EQ(text_of("figure_9_1.png").substr(1, 3), "PNG");
-    EXPECT_EQ(text_of("figure_9_1.svg").substr(0, 4), "<svg");
+    EXPECT_NE(text_of("figure_9_1.svg").find("<svg"), std::string::npos);
 }
 
 TEST_F(FigurePages, LeavesNoFileAfterAFailure)

@@ -110,28 +110,6 @@ TEST_F(TwoSquares, LampsShadeLitSurfacesFromBothSides)
     EXPECT_EQ(draw().pixel(60, 50), before);
 }
 
-TEST_F(TwoSquares, LabelsAreDrawnOverSurfaces)
-{
-    SceneLabel label;
-    label.at = Vec3(0, 1, 0);
-    label.text = "W";
-    label.style = {.size = 20, .color = 0x00FF00, .anchor = TextAnchor::middle};
-    scene.labels.push_back(label);
-    const OrbitCamera same = framed(camera, positions_of(scene), size);
-    const Image image = draw();
-    scene.surfaces.clear();
-    const Image alone = *make_software_renderer()->render(scene, same, size);
-    int green = 0;
-    for (int y = 0; y < image.height; ++y) {
-        for (int x = 0; x < image.width; ++x) {
-            if (alone.pixel(x, y) != Pixel{0, 255, 0}) continue;
-            EXPECT_EQ(image.pixel(x, y), alone.pixel(x, y)) << x << ' ' << y;
-            ++green;
-        }
-    }
-    EXPECT_GT(green, 20);
-}
-
 TEST_F(TwoSquares, DrawingStopsOnRequest)
 {
     Progress progress;
@@ -163,11 +141,6 @@ TEST(Renderers, OpenGlDrawsLikeSoftware)
     add_box_edges(scene, std::array{Box{Vec3(0.2, -1.8, -0.3), Vec3(1.4, -0.6, 0.9)}},
                   {.width = 3.0});
     add_arrow(scene, Vec3(0, 0, 0), Vec3(0, 0, 1.5), 0.05, {.color = srgb(0xC8373F)});
-    SceneLabel label;
-    label.at = Vec3(0, 0, 1.6);
-    label.text = "Label";
-    label.style = {.size = 18, .color = 0x222222};
-    scene.labels.push_back(label);
     constexpr ViewSize large = {.width = 401, .height = 303};
     const auto software = make_software_renderer();
     // Far from the origin too: floats are relative to the scene.
@@ -177,7 +150,6 @@ TEST(Renderers, OpenGlDrawsLikeSoftware)
         for (SceneLines& lines : scene.lines)
             for (auto& segment : lines.segments)
                 for (Vec3& end : segment) end += Vec3::Constant(away);
-        scene.labels[0].at += Vec3::Constant(away);
         for (const double azimuth : {0.3, 2.5}) {
             const OrbitCamera camera = framed({.azimuth = azimuth}, positions_of(scene), large);
             const auto one = software->render(scene, camera, large);

@@ -269,14 +269,13 @@ Result<FigureContent> figure_5_3(const Execution& context)
                         means.empty() ? "" : "; ", depth, lists.mean, lists.cells,
                         100.0 * lists.share_up_to(16));
     }
-    const HistogramTitle title = {"Features that outer cells of sphere:50x50 list",
-                                  "root 1.5 times the tight cube, thresholds 1"};
     FigureContent content;
-    content.drawing = histogram_figure(series, HistogramOf::outer_cells, title);
+    content.drawing = histogram_figure(series, HistogramOf::outer_cells, {});
     content.caption = fmt::format(
         "How many features the outer cells of the proximity octree of a sphere of {} vertices, {} "
-        "edges and {} triangles list, by depth. The histogram moves to the left as cells get "
-        "smaller. On average {}.",
+        "edges and {} triangles list, by depth (the root is 1.5 times the tight cube, thresholds "
+        "are "
+        "1). The histogram moves to the left as cells get smaller. On average {}.",
         mesh->vertex_count(), topology->edge_count(), mesh->triangle_count(), means);
     return content;
 }
