@@ -3,9 +3,9 @@
 #include "cli/commands.h"
 #include "cli/only_option.h"
 #include "cli/thesis_comparison.h"
+#include "cli/thesis_models.h"
 
 #include <CLI/CLI.hpp>
-#include <filesystem>
 #include <fmt/core.h>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -26,25 +26,10 @@ struct TablesOptions {
     ThesisComparisonOptions comparison;
 };
 
-/// The folder "shared/meshes" beside the checkout that the running program was built in; empty
-/// where there is none, as for an installed program.
-std::string meshes_beside_checkout()
-{
-    std::error_code error;
-    const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
-    for (auto folder = program.parent_path(); folder.has_relative_path();
-         folder = folder.parent_path()) {
-        const bool is_checkout = std::filesystem::exists(folder / "CMakePresets.json", error);
-        const auto meshes = folder.parent_path() / "shared" / "meshes";
-        if (is_checkout && std::filesystem::is_directory(meshes, error)) return meshes.string();
-    }
-    return {};
-}
-
 Status run_tables(const TablesOptions& options, Session& session)
 {
     ThesisComparisonOptions comparison = options.comparison;
-    if (comparison.meshes.empty()) comparison.meshes = meshes_beside_checkout();
+    if (comparison.meshes.empty()) comparison.meshes = usual_model_folder();
     comparison.execution = session.execution();
     comparison.threads_to_measure = session.threads_to_measure();
     nlohmann::ordered_json tables = nlohmann::ordered_json::array();

@@ -191,17 +191,13 @@ Result<ThesisComparison> compare_table_2_3(const ThesisComparisonOptions& option
                      "Std./all", "Mean/occ.", "Std./occ."});
     ThesisComparison comparison;
     for (const thesis::Model& model : thesis::table_2_3) {
-        const std::filesystem::path path = std::filesystem::path(options.meshes) / model.file;
-        std::error_code ignored;
-        if (options.meshes.empty() || !std::filesystem::exists(path, ignored)) {
-            const std::string why = options.meshes.empty()
-                                        ? concat("no folder is known that may hold ", model.file)
-                                        : concat("there is no ", path.string());
+        const auto path = file_of(model, options.meshes);
+        if (!path) {
             comparison.notes.push_back(
-                concat(model.name, " is absent: ", why, "; --meshes names the folder."));
+                concat(model.name, " is absent: ", how_to_get(model, options.meshes)));
             continue;
         }
-        const auto mesh = read_mesh(path, {.execution = options.execution});
+        const auto mesh = read_mesh(*path, {.execution = options.execution});
         if (!mesh) return tl::unexpected(mesh.error());
         if (mesh->triangle_count() != model.triangles) {
             comparison.notes.push_back(concat(model.name, " has ", mesh->triangle_count(),

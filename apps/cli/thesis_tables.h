@@ -50,7 +50,8 @@ struct ModelRow {
 
 struct Model {
     std::string_view name;
-    std::string_view file; ///< its name in the Stanford repository
+    std::string_view file;    ///< its name in the Stanford repository
+    std::string_view archive; ///< what has it there
     std::uint64_t triangles;
     std::array<ModelRow, 2> rows;
 };
@@ -58,14 +59,17 @@ struct Model {
 inline constexpr std::array<Model, 3> table_2_3 = {
     {{"Bunny",
       "bun_zipper_res2.ply",
+      "bunny.tar.gz",
       16301,
       {{{1, 11137, 9745, 53.3, 9.03, 10.36}, {47, 5905, 5167, 73.5, 14.74, 11.97}}}},
      {"Buddha",
       "happy_vrip_res4.ply",
+      "happy_recon.tar.gz",
       15536,
       {{{1, 16297, 14260, 59.2, 8.70, 9.48}, {61, 3273, 2864, 81.0, 23.20, 17.09}}}},
      {"Dragon",
       "dragon_vrip_res3.ply",
+      "dragon_recon.tar.gz",
       47794,
       {{{1, 14257, 12475, 55.9, 17.32, 19.86}, {89, 7545, 6602, 77.8, 29.16, 22.71}}}}}};
 

@@ -2,6 +2,7 @@
 #include "base/output_file.h"
 #include "base/text.h"
 #include "cli/only_option.h"
+#include "cli/thesis_models.h"
 #include "proxima/execution.h"
 #include "viewer/commands.h"
 #include "viewer/figures/figure_pages.h"
@@ -25,6 +26,7 @@ std::vector<std::string_view> figure_numbers()
 struct FiguresOptions {
     std::string out;
     OnlyOption only{"figure", figure_numbers()};
+    std::string meshes;
     bool opengl = false;
 };
 
@@ -56,13 +58,14 @@ Status run_figures(const FiguresOptions& options, Session& session)
     const auto renderer = make_renderer(options, progress);
     if (!renderer) return tl::unexpected(renderer.error());
     const Execution context = {session.threads(), progress};
+    const std::string models = options.meshes.empty() ? usual_model_folder() : options.meshes;
     std::vector<FigurePage> pages;
     nlohmann::ordered_json made = nlohmann::ordered_json::array();
     for (const ThesisFigure& figure : thesis_figures()) {
         if (!options.only.wants(figure.number)) continue;
         auto page = [&] {
             const ProgressBar shown(session.progress(), session.bar());
-            return write_figure_page(figure, folder, **renderer, context);
+            return write_figure_page(figure, folder, **renderer, context, models);
         }();
         if (!page) return tl::unexpected(page.error());
         session.print(
@@ -101,6 +104,12 @@ Command add_figures_command(CLI::App& app)
         ->required()
         ->type_name("DIR");
     options->only.add_to(*parser);
+    parser
+        ->add_option("--meshes", options->meshes,
+                     "Folder with the scans of figure 2.7, which others stand in for without it "
+                     "(default: shared/meshes beside the checkout that the program was built in)")
+        ->check(CLI::ExistingDirectory)
+        ->type_name("DIR");
     parser->add_flag("--opengl", options->opengl,
                      "Draw scenes by OpenGL, without a display; by software otherwise");
     return {parser, [options](Session& session) { return run_figures(*options, session); }};

@@ -2,6 +2,7 @@
 import re
 import unittest
 
+import mesh_files
 from proxima_program import ProgramTest, run
 
 
@@ -22,6 +23,17 @@ class Making(ProgramTest):
         for figure in result["missing"]:
             self.assertEqual(list(figure), ["figure", "title", "reason"])
             self.assertIn(f"<b>Figure {figure['figure']}.", sheet)
+
+    def test_scans_of_a_folder_take_the_place_of_others(self):
+        names = ("bun_zipper_res2.ply", "happy_vrip_res4.ply", "dragon_vrip_res3.ply")
+        (self.folder / names[0]).write_bytes(mesh_files.PLAIN["ascii.ply"])
+        figure, = self.json_of("figures", "--out", self.folder, "--only", "2.7", "--meshes", self.folder)["figures"]
+        self.assertIn(names[0] + ", 4 triangles:", figure["caption"])
+        for name, is_there in zip(names, (True, False, False)):
+            self.assertEqual(f"there is no {self.folder / name}; it is in " in figure["caption"], not is_there)
+        self.refuse("figures", "--out", self.folder, "--meshes", self.folder / "none", status=2, says="--meshes")
+        (self.folder / names[1]).write_text("ply\nbroken")
+        self.refuse("figures", "--out", self.folder, "--only", "2.7", "--meshes", self.folder, says=names[1])
 
     def test_pictures_do_not_depend_on_threads(self):
         pictures = []

@@ -104,10 +104,10 @@ std::string figure_file_stem(std::string_view number)
 
 Result<FigurePage> write_figure_page(const ThesisFigure& figure,
                                      const std::filesystem::path& folder, Renderer& renderer,
-                                     const Execution& context)
+                                     const Execution& context, const std::string& models)
 {
     const Stopwatch watch;
-    const auto content = figure.make(context);
+    const auto content = make_figure(figure, context, models);
     if (!content) return tl::unexpected(content.error());
     FigurePage page{std::string(figure.number), std::string(figure.title), content->caption, {}, 0};
     const auto image = figure_picture(*content, renderer);

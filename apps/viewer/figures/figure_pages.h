@@ -28,11 +28,12 @@ struct FigurePage {
 /// "figure_3_14" for "3.14".
 [[nodiscard]] std::string figure_file_stem(std::string_view number);
 
-/// Makes the figure and writes it into the folder: .png, and .svg where it is a flat drawing.
+/// Makes the figure, with the models of that folder, and writes it into the other: .png, and .svg where it is a flat drawing.
 /// Errors: what making and drawing it say, file_not_writable, cancelled.
 [[nodiscard]] Result<FigurePage> write_figure_page(const ThesisFigure& figure,
                                                    const std::filesystem::path& folder,
-                                                   Renderer& renderer, const Execution& context);
+                                                   Renderer& renderer, const Execution& context,
+                                                   const std::string& models = {});
 
 /// An HTML page of pictures, captions, the command that makes each, and what is missing.
 [[nodiscard]] std::string figure_sheet(std::span<const FigurePage> pages,

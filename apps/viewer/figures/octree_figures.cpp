@@ -2,6 +2,7 @@
 #include "viewer/figures/octree_figures.h"
 
 #include "cli/octree_picture.h"
+#include "cli/thesis_models.h"
 #include "octree/leaf_boxes.h"
 #include "proxima/execution.h"
 #include "proxima/mesh_io.h"
@@ -90,16 +91,19 @@ Result<std::string> add_depths(FigureContent& content, const TriangleMesh& mesh,
     return counts;
 }
 
-/// A model by its file, or by the built-in that stands in where there is no such file.
+/// One of the thesis's scans, and what stands in where it is not there: a file that may not be
+/// there either, then a built-in.
 struct BenchmarkModel {
+    const thesis::Model* scan;
     const char* file;
     const char* stand_in;
 };
 
 constexpr std::array benchmark_models = {
-    BenchmarkModel{"/usr/share/glmark2/models/bunny.obj", "icosphere:5"},
-    BenchmarkModel{"/usr/share/glmark2/models/horse.3ds", "torus:80x40"},
-    BenchmarkModel{"", "torus:64x32"}, BenchmarkModel{"", "spaceship:33000"}};
+    BenchmarkModel{&thesis::table_2_3[0], "/usr/share/glmark2/models/bunny.obj", "icosphere:5"},
+    BenchmarkModel{&thesis::table_2_3[1], "/usr/share/glmark2/models/horse.3ds", "torus:80x40"},
+    BenchmarkModel{&thesis::table_2_3[2], "", "torus:64x32"},
+    BenchmarkModel{nullptr, "", "spaceship:33000"}};
 
 struct LoadedModel {
     std::string name;
@@ -107,8 +111,16 @@ struct LoadedModel {
     Vec3 up = Vec3::UnitZ();
 };
 
-Result<LoadedModel> load(const BenchmarkModel& model, const Execution& context)
+Result<LoadedModel> load(const BenchmarkModel& model, const std::string& folder,
+                         const Execution& context)
 {
+    if (model.scan != nullptr) {
+        if (const auto scan = file_of(*model.scan, folder)) {
+            auto mesh = read_mesh(*scan, {.execution = {.progress = context.progress}});
+            if (!mesh) return tl::unexpected(mesh.error());
+            return LoadedModel{scan->filename().string(), std::move(*mesh), Vec3::UnitY()};
+        }
+    }
     std::error_code error;
     const std::filesystem::path file = model.file;
     if (!file.empty() && std::filesystem::exists(file, error)) {
@@ -140,14 +152,14 @@ Result<FigureContent> figure_2_6(const Execution& context)
     return content;
 }
 
-Result<FigureContent> figure_2_7(const Execution& context)
+Result<FigureContent> figure_2_7(const Execution& context, const std::string& folder)
 {
     FigureContent content;
     content.columns = 2;
     content.caption = "Adaptive subdivision to depth 5 with the thesis's heuristic: built with "
                       "threshold 1, and again with the longest list as threshold.";
     for (const BenchmarkModel& source : benchmark_models) {
-        const auto model = load(source, context);
+        const auto model = load(source, folder, context);
         if (!model) return tl::unexpected(model.error());
         const OctreeOptions options = options_for(5, context);
         const auto first = build_octree(model->mesh, options);
@@ -172,6 +184,11 @@ Result<FigureContent> figure_2_7(const Execution& context)
             return fail(ErrorCode::broken_invariant,
                         "the second pass made longer lists than the first", model->name);
         }
+    }
+    for (const thesis::Model& scan : thesis::table_2_3) {
+        if (file_of(scan, folder)) continue;
+        content.caption +=
+            fmt::format(" The thesis shows the {} here: {}", scan.name, how_to_get(scan, folder));
     }
     return content;
 }

@@ -24,7 +24,7 @@ struct CurveQuadtree {
 [[nodiscard]] Result<FigureContent> figure_2_4(const Execution& context);
 [[nodiscard]] Result<FigureContent> figure_2_5(const Execution& context);
 [[nodiscard]] Result<FigureContent> figure_2_6(const Execution& context);
-[[nodiscard]] Result<FigureContent> figure_2_7(const Execution& context);
+[[nodiscard]] Result<FigureContent> figure_2_7(const Execution& context, const std::string& folder);
 [[nodiscard]] Result<FigureContent> figure_3_16(const Execution& context);
 
 } // namespace proxima

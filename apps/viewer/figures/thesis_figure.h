@@ -1,7 +1,7 @@
 // The figures of the thesis, made anew from what the library computes.
 //
 //     for (const ThesisFigure& figure : thesis_figures()) {
-//         const auto drawn = figure.make({.execution = {.progress = &progress}});     // what it shows
+//         const auto drawn = make_figure(figure, {.progress = &progress});    // what it shows
 //         const auto image = figure_picture(*drawn, renderer);         // figure_pages.h
 //     }
 #pragma once
@@ -50,6 +50,9 @@ struct ThesisFigure {
     std::string_view number; ///< "3.14"
     std::string_view title;
     Result<FigureContent> (*make)(const Execution& context) = nullptr;
+    /// In place of `make` where it shows models of files, which are in that folder or are not.
+    Result<FigureContent> (*make_of_models)(const Execution& context,
+                                            const std::string& folder) = nullptr;
 };
 
 /// A figure of the thesis that is not made, and why.
@@ -58,6 +61,11 @@ struct MissingFigure {
     std::string_view title;
     std::string_view reason;
 };
+
+/// \param models folder of the scanned models that the thesis shows; those that are not there are
+/// replaced by others, and the caption says so
+[[nodiscard]] Result<FigureContent>
+make_figure(const ThesisFigure& figure, const Execution& context, const std::string& models = {});
 
 /// All, in the thesis's order.
 [[nodiscard]] std::span<const ThesisFigure> thesis_figures();

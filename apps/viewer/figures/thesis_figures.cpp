@@ -15,7 +15,7 @@ constexpr auto made_figures = std::to_array<ThesisFigure>({
     {"2.4", "Adaptive subdivision of a circle", figure_2_4},
     {"2.5", "The octree as a data structure", figure_2_5},
     {"2.6", "Adaptive octrees of a sphere", figure_2_6},
-    {"2.7", "Adaptive octrees of benchmark models", figure_2_7},
+    {"2.7", "Adaptive octrees of benchmark models", nullptr, figure_2_7},
     {"3.1", "Triangle and rectangle and their normals", figure_3_1},
     {"3.2", "Convex hull of all points v_k", figure_3_2},
     {"3.3", "A line pushed along n1", figure_3_3},
@@ -58,6 +58,12 @@ constexpr auto absent_figures = std::to_array<MissingFigure>({
 });
 
 } // namespace
+
+Result<FigureContent> make_figure(const ThesisFigure& figure, const Execution& context,
+                                  const std::string& models)
+{
+    return figure.make != nullptr ? figure.make(context) : figure.make_of_models(context, models);
+}
 
 std::span<const ThesisFigure> thesis_figures()
 {
