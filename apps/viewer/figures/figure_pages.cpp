@@ -78,7 +78,7 @@ Result<Image> figure_picture(const FigureContent& content, Renderer& renderer)
     const int sheet_width = columns * width + (columns + 1) * gap;
     double type = std::max(1.0, sheet_width / page_width);
     for (const DrawnPanel& panel : panels)
-        type = std::min(type, width / text_length(panel.title, title_size));
+        type = std::min(type, 0.96 * width / text_length(panel.title, title_size));
     // What a single panel shows is said below the picture.
     const int title_height = count == 1 ? gap : static_cast<int>(2.7 * title_size * type);
     Figure sheet{.width = sheet_width, .height = rows * (height + title_height) + gap};
