@@ -47,7 +47,7 @@ endfunction()
 # Optimised little: for code that runs once, much of it other libraries' templates. g++ takes the level of
 # optimisation from precompiled headers, whatever the command says, so joined sources go without them.
 function(proxima_build_quickly target)
-  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-Og>)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
   set_target_properties(${target} PROPERTIES DISABLE_PRECOMPILE_HEADERS "${CMAKE_UNITY_BUILD}")
 endfunction()
 
