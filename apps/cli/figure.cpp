@@ -17,12 +17,12 @@
 namespace proxima {
 namespace {
 
-template <auto function>
+template <auto Function>
 struct Release {
     template <class Object>
     void operator()(Object* object) const
     {
-        function(object);
+        Function(object);
     }
 };
 using Surface = std::unique_ptr<cairo_surface_t, Release<cairo_surface_destroy>>;
