@@ -21,7 +21,6 @@ constexpr double right_space = 40;
 constexpr double title_line = 50;
 constexpr double note_height = 24;
 constexpr double legend_row = 30;
-constexpr double plot_height = 560;
 constexpr double below_plot = 90;
 constexpr double tick_length = 7;
 constexpr double tick_text = 12;
@@ -84,7 +83,7 @@ Plot::Plot(PlotScale x, PlotScale y, const PlotWords& words) : x_(std::move(x)),
         add_text({left_space, line}, note, 12);
     }
     upper_right_.y() = draw_legend(words.series, line + 36) + 20;
-    lower_left_.y() = upper_right_.y() + plot_height;
+    lower_left_.y() = upper_right_.y() + words.height;
     figure.height = static_cast<int>(lower_left_.y() + below_plot);
     draw_grid(words);
 }

@@ -43,6 +43,7 @@ struct PlotWords {
     std::string x = {};
     std::string y = {};
     std::vector<std::string> series = {}; ///< the legend, in the colours of plot_color
+    double height = 560;                  ///< of the axes, pixels
 };
 
 class Plot {

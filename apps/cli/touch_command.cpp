@@ -4,10 +4,12 @@
 #include "cli/commands.h"
 #include "cli/model_options.h"
 #include "cli/names.h"
+#include "cli/plot.h"
 #include "cli/poses.h"
 #include "cli/touch_input_report.h"
 #include "cli/touch_objects.h"
 #include "cli/touch_options.h"
+#include "cli/touch_plot.h"
 #include "cli/touch_report.h"
 #include "cli/touch_session.h"
 
@@ -30,6 +32,32 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::string_view replay_prefix = "replay:";
 
+/// Plots the session where that was asked for.
+Status write_picture(const TouchCommandOptions& options, const TouchTrace& trace,
+                     Progress* progress, Session& session)
+{
+    if (options.picture.empty()) return {};
+    if (trace.ticks.empty()) {
+        return fail(ErrorCode::invalid_argument, "the session has no tick that could be plotted",
+                    "--picture");
+    }
+    const std::string note = fmt::format("{}, {} ticks of {:g} ms", options.device,
+                                         trace.ticks.size(), 1e3 * trace.tick_seconds);
+    if (Status status =
+            write_touch_plot(trace, "Touching " + options.model, note, options.picture, progress);
+        !status)
+        return status;
+    session.print(fmt::format("wrote {}\n", options.picture));
+    return {};
+}
+
+Status check_picture(const TouchCommandOptions& options, Session& session)
+{
+    if (options.picture.empty()) return {};
+    if (Status status = session.check_outputs({options.picture}); !status) return status;
+    return check_plot_format(options.picture);
+}
+
 Status run_replay(const TouchCommandOptions& options, Session& session)
 {
     const std::string path = options.device.substr(replay_prefix.size());
@@ -42,7 +70,7 @@ Status run_replay(const TouchCommandOptions& options, Session& session)
                            : load_touch_scene(*plan, recording->settings.render.shading,
                                               options.lists, path, session);
     if (!model) return tl::unexpected(model.error());
-    const auto result = replay_touch(**model, *recording, path);
+    const auto result = replay_touch(**model, *recording, path, !options.picture.empty());
     if (!result) return tl::unexpected(result.error());
     if (Status status = session.check_running(); !status) return status;
     const TouchReportOf of = {options.model,
@@ -52,6 +80,9 @@ Status run_replay(const TouchCommandOptions& options, Session& session)
                               result->touch.render_options.force,
                               options.verbose};
     session.print(touch_text(of, **model, result->touch));
+    if (Status status = write_picture(options, result->touch.trace, &session.progress(), session);
+        !status)
+        return status;
     return session.write_json(touch_json(of, **model, result->touch));
 }
 
@@ -117,15 +148,16 @@ Status run_device(const TouchCommandOptions& options, Session& session)
     if (!options.record.empty()) {
         if (Status status = session.check_outputs({options.record}); !status) return status;
         if (Status status = check_extension(options.record, ".pxt"); !status) return status;
-        const double bytes = recorded_bytes(settings_of(options));
-        if (bytes > most_recorded_bytes) {
-            return fail(ErrorCode::budget_exceeded,
-                        fmt::format("{:g} s would hold {:.1f} GB in memory, and a recording may "
-                                    "hold {:.1f}: give at most --seconds {:.0f}, or no --record",
-                                    options.seconds, 1e-9 * bytes, 1e-9 * most_recorded_bytes,
-                                    std::floor(options.seconds * most_recorded_bytes / bytes)),
-                        "--record");
-        }
+    }
+    const double bytes = recorded_bytes(settings_of(options));
+    if (bytes > most_recorded_bytes) {
+        const char* const option = options.record.empty() ? "--picture" : "--record";
+        return fail(ErrorCode::budget_exceeded,
+                    fmt::format("{:g} s would hold {:.1f} GB in memory, and a session may hold "
+                                "{:.1f}: give at most --seconds {:.0f}, or no {}",
+                                options.seconds, 1e-9 * bytes, 1e-9 * most_recorded_bytes,
+                                std::floor(options.seconds * most_recorded_bytes / bytes), option),
+                    option);
     }
     const auto model = load_what_is_touched(options, session);
     if (!model) return tl::unexpected(model.error());
@@ -152,11 +184,16 @@ Status run_device(const TouchCommandOptions& options, Session& session)
     if (!patches.empty()) session.print(patch_table(patches));
     if (!options.record.empty() && recorded)
         session.print(fmt::format("wrote {}\n", options.record));
+    // An interrupted session is plotted like any other.
+    const Status plotted =
+        write_picture(options, result->trace,
+                      result->device->interrupted ? nullptr : &session.progress(), session);
     Json json = touch_json(of, **model, *result);
     if (!patches.empty()) json["patches"] = patch_json(patches);
     // The results are written even if the recording could not be.
     const Status written = session.write_json(json);
-    return recorded ? written : recorded;
+    if (!recorded) return recorded;
+    return plotted ? written : plotted;
 }
 
 Status list_devices(const TouchCommandOptions& options, Session& session)
@@ -172,6 +209,7 @@ Status run_touch(TouchCommandOptions options, Session& session)
         options.patches = usual_thesis_patch;
     if (options.list) return list_devices(options, session);
     if (Status status = check_options(options); !status) return status;
+    if (Status status = check_picture(options, session); !status) return status;
     return options.device.starts_with(replay_prefix) ? run_replay(options, session)
                                                      : run_device(options, session);
 }

@@ -87,6 +87,12 @@ Result<TouchDevice> open_touch_device(const TouchDeviceSettings& settings, const
         settings, box);
 }
 
+std::string_view word_of(Hold hold) noexcept
+{
+    if (hold == Hold::free) return "free";
+    return hold == Hold::sticking ? "sticking" : "sliding";
+}
+
 std::string_view word_of(InputCondition condition) noexcept
 {
     switch (condition) {

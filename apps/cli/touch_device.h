@@ -51,6 +51,7 @@ struct TouchDevice {
 
 /// "well", "silent", ...: how a device's input is.
 [[nodiscard]] std::string_view word_of(InputCondition condition) noexcept;
+[[nodiscard]] std::string_view word_of(Hold hold) noexcept;
 
 /// A device that was looked for.
 struct FoundDevice {

@@ -129,6 +129,7 @@ TouchSettings settings_of(const TouchCommandOptions& options)
     }
     settings.pace = options.free_running ? Pace::unpaced : Pace::real_time;
     settings.record = !options.record.empty();
+    settings.trace = !options.picture.empty();
     settings.graphics_rate = options.graphics_rate;
     return settings;
 }
@@ -290,6 +291,12 @@ void add_touch_options(CLI::App& parser, TouchCommandOptions& options)
         ->capture_default_str()
         ->type_name("HZ");
     parser.add_option("--record", options.record, "Write the session, to be replayed (.pxt)")
+        ->type_name("FILE");
+    parser
+        .add_option(
+            "--picture", options.picture,
+            "Plot force, depth and guards over time (.png, .svg or .pdf), or write a row for "
+            "each tick (.csv)")
         ->type_name("FILE");
 }
 

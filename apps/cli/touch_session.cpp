@@ -68,8 +68,7 @@ struct LiveTouch {
 std::string_view word_of(const LiveTouch& now)
 {
     if (now.condition != InputCondition::well) return word_of(now.condition);
-    if (now.hold == Hold::free) return "free";
-    return now.hold == Hold::sticking ? "sticking" : "sliding";
+    return word_of(now.hold);
 }
 
 /// What a renderer of one model at rest refers to beside its surface; a scene's objects have their
@@ -212,7 +211,9 @@ std::uint64_t ticks_to_release(const DeviceInfo& info, const TouchSettings& sett
 
 double recorded_bytes(const TouchSettings& settings)
 {
-    return settings.seconds / settings.input.tick_seconds * sizeof(RecordedTick);
+    const std::size_t tick =
+        (settings.record ? sizeof(RecordedTick) : 0) + (settings.trace ? sizeof(TracedTick) : 0);
+    return settings.seconds / settings.input.tick_seconds * static_cast<double>(tick);
 }
 
 Result<std::unique_ptr<TouchModel>> load_touch_model(const std::string& name, bool lists,
@@ -254,6 +255,7 @@ Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings
     const auto ticks = static_cast<std::uint64_t>(std::llround(settings.seconds / tick_seconds));
     const std::uint64_t release_ticks = ticks_to_release(device.info(), settings);
     std::vector<RecordedTick> recorded_ticks(settings.record ? ticks + release_ticks : 0);
+    std::vector<TracedTick> traced_ticks(settings.trace ? ticks + release_ticks : 0);
     std::uint64_t last = ticks; // the session ends before this tick, and then lets go
     std::uint64_t count = 0;
     Snapshot<LiveTouch> live;
@@ -270,6 +272,7 @@ Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings
                 const DeviceState& state = input->accept(device.read());
                 const RenderTick& rendered = run.tick(state, tick_seconds);
                 if (settings.record) recorded_ticks[number] = recorded(seconds, state, rendered);
+                if (settings.trace) traced_ticks[number] = traced(run.renderer());
                 device.write(input->command(run.renderer()));
                 count = number + 1;
                 live.writing() = {1e-9 * static_cast<double>(nanoseconds_now() - begin), count,
@@ -302,6 +305,8 @@ Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings
         result.device->network = udp->report();
     if (const auto* const held = dynamic_cast<const HandDevice*>(&device))
         result.device->hand = held->hand().model();
+    traced_ticks.resize(settings.trace ? count : 0);
+    result.trace = {tick_seconds, std::move(traced_ticks)};
     if (settings.record) {
         recorded_ticks.resize(count);
         result.recording.settings = {.mesh_fingerprint = fingerprint_of(model),
@@ -319,7 +324,7 @@ Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings
 }
 
 Result<ReplayResult> replay_touch(const TouchModel& model, const Recording& recording,
-                                  const std::string& path)
+                                  const std::string& path, bool trace)
 {
     const RecordingSettings& settings = recording.settings;
     if (settings.mesh_fingerprint != fingerprint_of(model)) {
@@ -337,13 +342,17 @@ Result<ReplayResult> replay_touch(const TouchModel& model, const Recording& reco
     if (!parts) return tl::unexpected(parts.error());
     TouchRun run(model, *parts, settings.map, device, settings.render);
     ReplayResult result;
+    std::vector<TracedTick> ticks;
+    ticks.reserve(trace ? recording.ticks.size() : 0);
     for (const RecordedTick& tick : recording.ticks) {
         const DeviceState state = device_state(tick);
         if (!same_response(tick,
                            recorded(tick.seconds, state, run.tick(state, settings.tick_seconds))))
             ++result.differences;
+        if (trace) ticks.push_back(traced(run.renderer()));
     }
     result.touch = std::move(run).finish();
+    result.touch.trace = {settings.tick_seconds, std::move(ticks)};
     result.touch.law = settings.law;
     return result;
 }

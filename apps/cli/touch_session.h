@@ -5,6 +5,7 @@
 #include "cli/session.h"
 #include "cli/touch_device.h"
 #include "cli/touch_patches.h"
+#include "cli/touch_plot.h"
 #include "haptics/device/udp_device.h"
 #include "haptics/loop/recording.h"
 #include "haptics/scene/scripted_scene.h"
@@ -50,14 +51,16 @@ struct TouchSettings {
     ForceLaw law = ForceLaw::proxy;
     Pace pace = Pace::real_time;
     bool record = false;
+    bool trace = false;                   ///< keep the course of the session, for a plot
     std::optional<PatchSettings> patches; ///< none: the servo loop asks the octree itself
     double graphics_rate = 50;            ///< of what a terminal shows
 };
 
-/// A recording holds no more, some nine hours: it is in memory until the session ends.
+/// Recording and course of a session hold no more, a recording of some nine hours: they are in
+/// memory until the session ends.
 inline constexpr double most_recorded_bytes = 4e9;
 
-/// What a recording of the session holds in memory.
+/// What recording and course of the session hold in memory.
 [[nodiscard]] double recorded_bytes(const TouchSettings& settings);
 
 /// What became of a session's device.
@@ -86,6 +89,7 @@ struct TouchResult {
     RenderOptions render_options; ///< as limited by the device
     ForceLaw law = ForceLaw::proxy;
     Recording recording;                 ///< empty unless asked for
+    TouchTrace trace;                    ///< empty unless asked for
     std::optional<DeviceAccount> device; ///< none of a replay
     std::optional<PatchAccount> patches; ///< of patch mode
 };
@@ -102,9 +106,9 @@ struct ReplayResult {
     std::uint64_t differences = 0; ///< ticks with other bits than recorded
 };
 
-/// Feels a recording again, tick after tick. Error invalid_argument for another model; of a scene,
+/// Feels a recording again, tick after tick, and keeps its course if `trace`. Error invalid_argument for another model; of a scene,
 /// its loader has looked. \pre a scene is as it was made
 [[nodiscard]] Result<ReplayResult> replay_touch(const TouchModel& model, const Recording& recording,
-                                                const std::string& path);
+                                                const std::string& path, bool trace);
 
 } // namespace proxima

@@ -38,6 +38,31 @@ class Touching(ProgramTest):
         self.succeed("index", "torus:24x12", "--save", index)
         self.refuse("touch", index, "--device", "hand:press", "--lists", says=("--lists", "saved index"))
 
+    def test_the_course_of_a_session(self):
+        session = ("touch", "cube", "--device", "hand:press", "--seconds", 1, "--free-running")
+        table, recording, again = (self.folder / name for name in ("course.csv", "course.pxt", "again.csv"))
+        result = self.json_of(*session, "--picture", table, "--record", recording)
+        lines = table.read_text().splitlines()
+        self.assertEqual(lines[0], "seconds,x,y,z,force_x,force_y,force_z,depth,share,hold,condition")
+        rows = [line.split(",") for line in lines[1:]]
+        self.assertEqual(len(rows), 1000)
+        self.assertEqual(sum(row[9] != "free" for row in rows), result["touching_ticks"])
+        self.assertEqual(sum(row[9] == "sticking" for row in rows), result["sticking_ticks"])
+        self.assertAlmostEqual(max(float(row[7]) for row in rows), result["max_depth"], places=12)
+        largest = max(sum(float(x) ** 2 for x in row[4:7]) ** 0.5 for row in rows)
+        self.assertAlmostEqual(largest, result["max_force"], places=12)
+        # The force ramps up in a quarter of a second.
+        self.assertAlmostEqual(float(rows[124][8]), 0.5, places=6)
+        self.assertEqual((rows[249][8], rows[0][0], rows[999][0]), ("1", "0", "0.999"))
+        self.succeed("touch", "cube", "--device", f"replay:{recording}", "--picture", again)
+        self.assertEqual(again.read_bytes(), table.read_bytes())
+        for name, begin in (("course.png", b"\x89PNG"), ("course.svg", b"<?xml"), ("course.pdf", b"%PDF")):
+            self.assertIn(f"wrote {self.folder / name}", self.succeed(*session, "--picture", self.folder / name))
+            self.assertEqual((self.folder / name).read_bytes()[:len(begin)], begin)
+        self.refuse(*session, "--picture", self.folder / "course.foo", says=("course.foo", ".csv, .svg, .pdf or .png"))
+        self.refuse("touch", "cube", "--device", "hand:press", "--seconds", 86400, "--picture", table,
+                    says=("--picture", "GB in memory", "at most --seconds"))
+
     def test_patches_of_a_collision_loop(self):
         arguments = ("touch", "sphere:100x100", "--device", "hand:slide", "--seconds", 3)
         result = self.json_of(*arguments, "--free-running", "--patch", "metric,1,3")

@@ -89,11 +89,6 @@ Vec3 target_position(const TouchPanelSettings& settings, const ViewModel& model)
         .to_device(settings.target.at);
 }
 
-const char* word_of(Hold hold)
-{
-    return hold == Hold::free ? "free" : hold == Hold::sticking ? "sticking" : "sliding";
-}
-
 void add_moment(PanelPicture& picture, const TouchMoment& moment, double size)
 {
     auto scene = std::make_shared<Scene>();
@@ -111,7 +106,7 @@ void add_moment(PanelPicture& picture, const TouchMoment& moment, double size)
     }
     scene->lines.push_back({"spring", {{moment.device, moment.proxy}}, srgb(0x222222), 1.5});
     picture.layers.push_back({std::move(scene)});
-    picture.facts.push_back({"contact", word_of(moment.hold)});
+    picture.facts.push_back({"contact", std::string(word_of(moment.hold))});
     picture.facts.push_back({"force", fmt::format("{:.3f} N", force)});
     if (moment.rate > 0.0) {
         picture.facts.push_back({"servo rate", fmt::format("{:.0f} Hz", moment.rate)});
