@@ -29,8 +29,7 @@ constexpr double lift_in_edges = 0.05;
 Vec3 taken_position(const MovingTriangle& triangle, double radius, const Vec3& p) noexcept
 {
     const TrianglePoint at = closest_point(triangle.before, p);
-    const Vec3 point = at.weights[0] * triangle.now[0] + at.weights[1] * triangle.now[1] +
-                       at.weights[2] * triangle.now[2];
+    const Vec3 point = point_at(triangle.now, at.weights);
     const Vec3 away = p - at.point;
     const double distance = away.norm();
     if (at.part != TrianglePart::inside && distance > 0) return point + away * (radius / distance);
@@ -66,11 +65,12 @@ public:
         return std::nullopt;
     }
 
-    /// Where the nearest triangle of an object whose shape changed takes a position of the object's
-    /// frame; the position itself where none is near.
-    static Vec3 taken(const MovingSurface& scene, ObjectId id, double radius, const Vec3& p,
+    /// Where an object whose shape changed takes a position of its frame: with the nearest triangle,
+    /// and onto it, or as far as its contact where no triangle is near.
+    static Vec3 taken(const MovingSurface& scene, TriangleId contact, double radius, const Vec3& p,
                       CarryScratch& scratch) noexcept
     {
+        const ObjectId id = object_of(contact);
         const double edge = scene.object(id).body->surface().scale().mean_edge;
         const std::size_t found = scene.collect_changing(
             id, p, Vec3::Zero(), radius + lift_in_edges * edge, scratch.near_, scratch.changing_);
@@ -83,7 +83,10 @@ public:
             least = squared;
             nearest = &triangle;
         }
-        return nearest == nullptr ? p : taken_position(*nearest, radius, p);
+        if (nearest != nullptr) return taken_position(*nearest, radius, p);
+        const MovingTriangle held_by = scene.changing_triangle(contact);
+        const TrianglePoint at = closest_point(held_by.before, p);
+        return p + (point_at(held_by.now, at.weights) - at.point);
     }
 
 private:
@@ -246,12 +249,12 @@ Vec3 carried_position(const MovingSurface& scene, double radius, std::span<const
     Vec3 sum = Vec3::Zero();
     double pressures = 0;
     for (const Contact& contact : contacts) {
-        const ObjectId id = object_of(contact.triangle);
-        const SceneObject object = scene.object(id);
+        const SceneObject object = scene.object(object_of(contact.triangle));
         if (object.moved || object.changed) {
             const Vec3 local = to_local(object.before, p);
-            const Vec3 taken =
-                object.changed ? Carry::taken(scene, id, radius, local, scratch) : local;
+            const Vec3 taken = object.changed
+                                   ? Carry::taken(scene, contact.triangle, radius, local, scratch)
+                                   : local;
             sum += contact.pressure * (object.now(taken) - p);
         }
         pressures += contact.pressure;

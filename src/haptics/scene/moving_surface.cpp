@@ -35,11 +35,6 @@ bool in_range(const ObjectMotion& motion)
            motion.coast_seconds >= 0;
 }
 
-Vec3 point_at(const Triangle& triangle, const std::array<double, 3>& weights) noexcept
-{
-    return weights[0] * triangle[0] + weights[1] * triangle[1] + weights[2] * triangle[2];
-}
-
 double squared_distance(const Box& box, const Vec3& p) noexcept
 {
     return (box.lower - p).cwiseMax(p - box.upper).cwiseMax(0.0).squaredNorm();
@@ -175,6 +170,7 @@ bool MovingSurface::advance_shape(Slot& slot, double seconds) noexcept
     const Shape& last = is_new ? slot.shapes.before() : shape;
     const bool exchanged = shape.exchanges != last.exchanges;
     if (is_new) slot.changing = 0;
+    if (shape.change == nullptr) slot.part = 1;
     if (shape.change == nullptr || (!is_new && slot.part == 1)) return exchanged;
     const double before = slot.part;
     slot.changing += seconds;
@@ -206,10 +202,10 @@ SceneTick MovingSurface::advance(double seconds) noexcept
         if (slot->motions.update()) slot->trajectory.follow(slot->motions.reading());
         slot->trajectory.advance(seconds);
         const bool exchanged = advance_shape(*slot, seconds);
-        const bool moved = slot->trajectory.moved() || slot->stretch > 0;
-        if (moved || exchanged) slot->free_ball.reach = -1;
+        slot->free_ball.reach -= slot->stretch;
+        if (slot->trajectory.moved() || exchanged) slot->free_ball.reach = -1;
         slot->free_path = {};
-        tick.moved |= moved;
+        tick.moved |= slot->trajectory.moved() || slot->stretch > 0;
         tick.exchanged |= exchanged;
     }
     if (tick.exchanged) measure();
@@ -236,9 +232,9 @@ Vec3 MovingSurface::velocity_at(TriangleId triangle, const Vec3& p) const noexce
     const Slot& slot = *objects_[to_index(object_of(triangle))];
     if (!(slot.stretch > 0)) return velocity_at(object_of(triangle), p);
     const Vec3 local = to_local(slot.trajectory.now(), p);
-    const TriangleId id = triangle_of(triangle);
-    const TrianglePoint at = closest_point(slot.shape.triangle(id), local);
-    const Vec3 moved = at.point - point_at(slot.shape_before.triangle(id), at.weights);
+    const MovingTriangle moving = changing_triangle(triangle);
+    const TrianglePoint at = closest_point(moving.now, local);
+    const Vec3 moved = at.point - point_at(moving.before, at.weights);
     return (p - slot.trajectory.before()(local - moved)) / tick_seconds_;
 }
 
@@ -292,7 +288,10 @@ bool MovingSurface::keeps_clear(ObjectId id, const Vec3& from, const Vec3& to,
     const Vec3 begin = to_local(slot.trajectory.before(), from);
     const double moved = (to_local(slot.trajectory.now(), to) - begin).norm();
     // Of the triangles where they are now: before, none was farther than the stretch from there.
-    const double reach = known_clearance(slot, begin) - slot.stretch;
+    double reach = known_clearance(slot, begin);
+    if (!slot.trajectory.moved())
+        reach = std::max(reach, slot.free_ball.reach - (from - slot.free_ball.center).norm());
+    reach -= slot.stretch;
     const bool is_clear = reach > distance + moved + margin;
     slot.free_path = {from, to, moved, reach, !is_clear};
     slot.free_ball = {to, reach - moved - margin};
@@ -305,6 +304,13 @@ std::size_t MovingSurface::collect_of(ObjectId id, const Vec3& p, const Vec3& mo
 {
     Slot& slot = *objects_[to_index(id)];
     return slot.cache.collect_along(slot.surface(), p, motion, distance, buffer);
+}
+
+MovingTriangle MovingSurface::changing_triangle(TriangleId triangle) const noexcept
+{
+    const Slot& slot = *objects_[to_index(object_of(triangle))];
+    const TriangleId id = triangle_of(triangle);
+    return {slot.shape_before.triangle(id), slot.shape.triangle(id), id};
 }
 
 std::size_t MovingSurface::collect_changing(ObjectId id, const Vec3& p, const Vec3& motion,

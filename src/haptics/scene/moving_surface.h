@@ -81,6 +81,9 @@ public:
                                                double distance, std::span<ContactTriangle> near,
                                                std::span<MovingTriangle> buffer) const noexcept;
 
+    /// A triangle of the scene, in the frame of its object. \pre object(object_of(triangle)).changed
+    [[nodiscard]] MovingTriangle changing_triangle(TriangleId triangle) const noexcept;
+
     /// Work counters of all objects since they were added.
     [[nodiscard]] ContactWork work() const noexcept;
 

@@ -13,9 +13,17 @@
 #include "haptics/surface/contact_triangle.h"
 #include "proxima/geometry.h"
 
+#include <array>
 #include <optional>
 
 namespace proxima {
+
+/// The sum of a triangle's corners times weights.
+[[nodiscard]] inline Vec3 point_at(const Triangle& triangle,
+                                   const std::array<double, 3>& weights) noexcept
+{
+    return weights[0] * triangle[0] + weights[1] * triangle[1] + weights[2] * triangle[2];
+}
 
 struct MovingTriangle {
     Triangle before;
@@ -34,9 +42,9 @@ struct MovingTriangle {
 /// 0.2 us.
 [[nodiscard]] Vec3 separating_direction(const Triangle& triangle, const Vec3& p) noexcept;
 
-/// A time before which the sphere does not touch the triangle, no more than `tolerance` apart from
-/// it; nothing where it does not touch it at all. noexcept, no allocation, 0.2 us for each of at most
-/// 64 steps. \pre at t = 0 the centre is farther than the radius; radius > 0, tolerance > 0
+/// A time before which the sphere does not touch the triangle: where it is no more than `tolerance`
+/// apart from it, or where 64 steps ended, as grazes may take. Nothing where it does not touch it at
+/// all. noexcept, no allocation, 0.2 us for each step. \pre at t = 0 the centre is farther than the radius; radius > 0, tolerance > 0
 [[nodiscard]] std::optional<double> touch_time(const MovingTriangle& triangle, double radius,
                                                const Vec3& p, const Vec3& motion,
                                                double tolerance) noexcept;
