@@ -4,7 +4,8 @@
 //     touch_bench [--ticks N] [--replays N] [--radius R] [--keep DIR] [--peers] [--slowest N]
 //                 [--mesh NAME]...
 //     touch_bench --curve FILE.{csv,svg,pdf,png} ...      tick time by the number of triangles
-//     touch_bench --scenes                             several objects, at rest and moving
+//     touch_bench --scenes                             several objects, at rest and moving, and one
+//                                                      that changes its shape
 //     touch_bench --patches [--mesh NAME]...           what patches miss, by the hand's speed
 //     touch_bench --stability                          stiffness limits beside theory, and the
 //                                                      guard beyond them
@@ -22,6 +23,7 @@
 // god-object over a tree of boxes (god_object_peer.h).
 
 #include "bench_program.h"
+#include "touch_changes.h"
 #include "touch_curve.h"
 #include "touch_loops.h"
 #include "touch_patch_table.h"
@@ -184,7 +186,9 @@ int main(int argc, char** argv)
                "What the servo loop touches in --loops")
             ->check(CLI::IsMember({"direct", "patches", "both"}))
             ->default_str("both");
-        app.add_flag("--scenes", scenes, "Only scenes of several objects, at rest and moving");
+        app.add_flag(
+            "--scenes", scenes,
+            "Only scenes of several objects, at rest and moving, and a shape that changes");
         app.add_flag("--patches", patches, "Only what patches miss, by the hand's speed");
         app.add_flag("--stability", stability,
                      "Only where walls begin to swing, beside theory, with and without the guard");
@@ -192,7 +196,7 @@ int main(int argc, char** argv)
     return run_program(argc, argv, "Times ticks of touching.", add_options, [&] {
         if (stability) return run_stability_table();
         if (!options.curves.empty()) return run_curve(options.meshes, options.race, options.curves);
-        if (scenes) return run_scenes(options.race);
+        if (scenes) return run_scenes(options.race) | run_changes(options.race);
         const bool all = options.meshes.empty() && !looping;
         if (patches) return run_patches(all ? meshes_for_patches() : options.meshes, options.race);
         if (options.meshes.empty()) options.meshes = usual_meshes();
@@ -201,7 +205,7 @@ int main(int argc, char** argv)
         for (const std::string& mesh : options.meshes)
             status |= looping ? run_loops(mesh, options.loops) : run_mesh(mesh, options);
         if (!all) return status;
-        status |= run_scenes(options.race);
+        status |= run_scenes(options.race) | run_changes(options.race);
         return status | run_patches(meshes_for_patches(), options.race);
     });
 }

@@ -20,7 +20,8 @@ namespace {
 constexpr std::string_view motion_form =
     "N=spin:AX,AY,AZ,DEGREES_PER_SECOND, N=rock:AX,AY,AZ,DEGREES,SECONDS or "
     "N=swing:DX,DY,DZ,SECONDS";
-constexpr std::string_view material_form = "N=K, N=K,B or N=K,B,MU";
+constexpr std::string_view material_form = "N=K, N=K,B or N=K,B,MU, numbers from 0 to 1e9";
+constexpr double most_of_a_material = 1e9; ///< as in a recording
 
 /// "N=rest"
 struct Numbered {
@@ -83,8 +84,9 @@ Result<SurfaceMaterial> parse_material(std::string_view text, SurfaceMaterial ma
 {
     const auto numbered = split_number(text);
     const auto numbers = numbered ? parse_finite_numbers(numbered->rest) : std::nullopt;
-    const bool right = numbers && numbers->size() <= 3 &&
-                       std::ranges::all_of(*numbers, [](double x) { return x >= 0; });
+    const bool right =
+        numbers && numbers->size() <= 3 &&
+        std::ranges::all_of(*numbers, [](double x) { return x >= 0 && x <= most_of_a_material; });
     if (!right) return no_such("material", text, material_form);
     material.stiffness = (*numbers)[0];
     if (numbers->size() > 1) material.damping = (*numbers)[1];

@@ -6,11 +6,14 @@
 //     auto renderer = make_haptic_renderer(scene, map, limits);     // its ticks advance the scene
 //     scene.move(cup, {.pose = next, .seconds = 0.02});             // any time, by another thread
 //     scene.exchange(cup, *other_body);                             // any time, by another thread
+//     auto bent = refit_touch_body(*body, positions);               // any thread, any time
+//     scene.deform(cup, *bent, 1.0 / 60);                           // any time, by another thread
 //
 //     application ──motions, bodies──▶ snapshots ──▶ servo loop      neither waits for the other
 //
 // All objects together are one surface: a corner that several of them form is a corner. Nothing is
-// passed while objects move, however thin and fast they are; touched objects carry the proxy along.
+// passed while objects move or change their shape, however thin and fast they are; touched objects
+// carry the proxy along.
 //
 // Lengths are in the scene's unit, which is the model's unit of the renderer's WorkspaceMap.
 #pragma once
@@ -24,6 +27,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 
 namespace proxima {
 
@@ -79,6 +83,15 @@ private:
 [[nodiscard]] Result<TouchBody> build_touch_body(const MeshIndex& index,
                                                  const TouchBodyOptions& options = {});
 
+/// The body with its vertices elsewhere, one position for each vertex of body.mesh(): with the same
+/// triangles, material and shading. `body` stays as it was, and may itself be a refit. A refit has no
+/// inside: a proxy that starts anew is not moved out of it. Errors: invalid_argument (another number
+/// of positions), invalid_mesh (NaN, larger than 1e150), cancelled. About 50 ns
+/// per triangle, more with shading.
+[[nodiscard]] Result<TouchBody> refit_touch_body(const TouchBody& body,
+                                                 std::span<const Vec3> positions,
+                                                 const Execution& execution = {});
+
 /// The number of an object in its scene, from 0, in the order in which objects were added.
 enum class ObjectId : std::uint32_t {};
 
@@ -125,12 +138,12 @@ struct ObjectMotion {
 
 /// What a tick changed.
 struct SceneTick {
-    bool moved = false;     ///< the pose of some object
+    bool moved = false;     ///< the pose or the shape of some object
     bool exchanged = false; ///< the body of some object
 };
 
-/// Up to 64 objects. add() before the first tick; move() and exchange() by one thread for each
-/// object, at any time; everything else by the servo thread. A value that moves, while no renderer
+/// Up to 64 objects. add() before the first tick; move(), exchange() and deform() by one thread for
+/// each object, at any time; everything else by the servo thread. A value that moves, while no renderer
 /// has it.
 class TouchScene {
 public:
@@ -151,9 +164,18 @@ public:
     [[nodiscard]] Status move(ObjectId object, const ObjectMotion& motion);
 
     /// Gives an object another body from the next tick on. The scene's copy of the old body goes
-    /// with this or the next exchange or with the scene, never in the servo thread. Error
-    /// invalid_argument: out of the bounds.
+    /// with this or a later exchange or change of its shape, or with the scene, never in the servo
+    /// thread. Error invalid_argument: out of the bounds.
     [[nodiscard]] Status exchange(ObjectId object, const TouchBody& body);
+
+    /// Gives an object the shape of a refit of its body: within `seconds` each vertex moves evenly
+    /// along a straight line of the object's frame from where the body given last had it. The force
+    /// does not fade, and the proxy stays where it touches. An application that gives shapes at 60 Hz
+    /// sets `seconds` to 1/60. A shape that comes before the last one was reached is begun all the
+    /// same: vertices go there from where they are within a tick. Takes effect without waiting, after
+    /// O(triangles) in the caller's thread. Error invalid_argument: a body with other triangles than
+    /// the one given last, a negative time, out of the bounds.
+    [[nodiscard]] Status deform(ObjectId object, const TouchBody& body, double seconds);
 
     /// Advances all objects by a tick; a renderer calls it. noexcept, wait-free, no allocation,
     /// nothing freed.
@@ -165,7 +187,7 @@ public:
     /// The pose of an object in this tick. noexcept. \pre the object was added
     [[nodiscard]] RigidTransform pose(ObjectId object) const noexcept;
 
-    /// The velocity in the last tick of a point that moves with an object, per second. noexcept.
+    /// The velocity in the last tick of a point that moves with an object's pose, per second. noexcept.
     /// \pre the object was added
     [[nodiscard]] Vec3 velocity(ObjectId object, const Vec3& point) const noexcept;
 

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import time
 import unittest
+from pathlib import Path
 
 from proxima_program import PROXIMA, ProgramTest
 from touch_report import KEYS, MEASURED, OF_A_DEVICE
@@ -345,14 +346,25 @@ class Scenes(ProgramTest):
         self.succeed("touch", "cube", *feel, "--record", single)
         self.refuse("touch", "cube", "--object", "cube", "--device", f"replay:{single}", says=("single.pxt", "has 1 object"))
 
+    def test_forged_recordings(self):
+        """Under right checksums, one with a tick of 1e308 seconds, and sessions of today."""
+        seeds = Path(__file__).resolve().parents[2] / "fuzz" / "corpus" / "recording"
+        cubes = ("touch", "cube", "--object", "cube", "--object", "cube", "--device")
+        self.refuse(*cubes, f"replay:{seeds / 'endless_tick.pxt'}",
+                    says=("endless_tick.pxt", "tick_seconds is 1e+308 and must be 1e-06 to 1"))
+        self.assertEqual(self.json_of(*cubes, f"replay:{seeds / 'scene.pxt'}")["ticks"], 24)
+        for name in ("cube", "penalty"):
+            self.assertEqual(self.json_of("touch", "cube", "--device", f"replay:{seeds / name}.pxt")["ticks"], 16)
+
     def test_usage(self):
         good = ("touch", *SCENE, "--device", "hand:press", "--seconds", 0.1, "--free-running")
         for option, wrong in (("--pose", ("", "1", "1=", "=0,0,0", "x=0,0,0", "-1=0,0,0", "1=0,0", "1=0,0,nan", "1=0,0,0,0",
                                           "1=0,0,0,0,0,0,90", "1=2,0,0,0,0,1,0,0,0,0,1,0", "1=-1,0,0,0,0,1,0,0,0,0,1,0")),
                               ("--motion", ("1=fly:0,0,1,1", "1=spin:0,0,1", "1=spin:0,0,0,1", "1=spin:0,0,1,2000",
                                             "1=spin:0,0,1,inf", "1=rock:0,0,1,10", "1=rock:0,0,1,10,0", "1=rock:0,0,1,99,0.01",
+                                            "1=spin:0,0,1e-160,1", "1=spin:0,0,1e101,1", "1=rock:0,0,1,10,1e10",
                                             "1=swing:0,0,0,1", "1=swing:0,0,1,0", "1=swing:0,0,1,-1", "spin:0,0,1,1")),
-                              ("--material", ("1=", "1=-1", "1=1,-1", "1=1,1,-1", "1=1,1,1,1", "1=nan", "1"))):
+                              ("--material", ("1=", "1=-1", "1=1,-1", "1=1,1,-1", "1=1,1,1,1", "1=nan", "1", "1=2e9"))):
             for value in wrong:
                 self.refuse(*good, f"{option}={value}", status=2, says=option)
         for option, value in (("--pose", "3=0,0,0"), ("--motion", "9=spin:0,0,1,1"), ("--material", "3=1")):

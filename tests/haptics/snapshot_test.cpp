@@ -30,6 +30,28 @@ TEST(Snapshot, GivesTheNewestValueOnce)
     }
 }
 
+TEST(Snapshot, KeepsTheValueBefore)
+{
+    Snapshot<Page, 2> snapshot;
+    std::uint64_t now = 0;
+    std::uint64_t before = 0;
+    for (std::uint64_t value = 1; value < 200; ++value) {
+        snapshot.writing().words.fill(value);
+        snapshot.publish();
+        // The writer is up to three values ahead: it overwrites none that the reader keeps.
+        if (value % 5 != 0 && value % 7 != 0) continue;
+        EXPECT_EQ(snapshot.reading().words[9], now);
+        EXPECT_EQ(snapshot.before().words[9], before);
+        ASSERT_TRUE(snapshot.update());
+        before = now;
+        now = value;
+        EXPECT_EQ(snapshot.reading().words[9], now);
+        EXPECT_EQ(snapshot.before().words[9], before);
+        EXPECT_FALSE(snapshot.update());
+        EXPECT_EQ(snapshot.before().words[9], before);
+    }
+}
+
 TEST(Snapshot, IsNeverTornAndNeverGoesBack)
 {
     constexpr std::uint64_t last = 200000;

@@ -38,7 +38,9 @@ SurfaceRenderer::SurfaceRenderer(RenderedSurface rendered, const WorkspaceMap& m
       proxy_(*rendered.surface, proxy_options(options, map, rendered.properties)),
       probe_(std::move(probe)), guard_(options_.force, device.max_force),
       passivity_(device.max_damping)
-{}
+{
+    if (scene_ != nullptr) settle_scratch_.emplace();
+}
 
 Vec3 SurfaceRenderer::accept(const DeviceState& state) noexcept
 {
@@ -62,15 +64,21 @@ void SurfaceRenderer::advance_scene(double seconds) noexcept
 {
     const SceneTick change = scene_->advance(seconds);
     tick_.squeezed = false;
+    is_carried_ = false;
     if (!placed_) return;
     const ProxyTick& last = proxy_.last();
     if (change.moved && last.is_placed) {
-        const auto position = carried(last.proxy);
+        const Vec3 goal = carry_goal(last.proxy);
+        const auto position = carried(last.proxy, goal);
         if (position) {
             // A frictionless position of its own is carried separately.
             const Vec3 frictionless = last.slide.center;
             const bool apart = last.hold != Hold::free && frictionless != last.proxy;
-            proxy_.carry(*position, apart ? carried(frictionless).value_or(*position) : *position);
+            const Vec3 settled = settle(*position, goal);
+            proxy_.carry(settled,
+                         apart ? carried(frictionless, carry_goal(frictionless)).value_or(settled)
+                               : settled);
+            is_carried_ = true;
         } else {
             tick_.squeezed = true;
             start_anew();
@@ -79,14 +87,37 @@ void SurfaceRenderer::advance_scene(double seconds) noexcept
     if (change.exchanged) start_anew();
 }
 
-/// A position of the proxy after the objects moved, which carry it where they touch it.
-std::optional<Vec3> SurfaceRenderer::carried(const Vec3& position) noexcept
+/// Where the objects that the proxy touches would carry a position of it.
+Vec3 SurfaceRenderer::carry_goal(const Vec3& position) noexcept
 {
     const ProxyTick& last = proxy_.last();
+    if (last.hold == Hold::free) return position;
     const auto contacts = std::span(last.slide.contacts).first(last.slide.contact_count);
-    const Vec3 goal =
-        last.hold == Hold::free ? position : carried_position(*scene_, contacts, position);
+    return carried_position(*scene_, proxy_.radius(), contacts, position, carry_scratch_);
+}
+
+/// A position of the proxy after the objects moved, near that goal.
+std::optional<Vec3> SurfaceRenderer::carried(const Vec3& position, const Vec3& goal) noexcept
+{
     return move_with_objects(*scene_, proxy_.radius(), position, goal, carry_scratch_);
+}
+
+/// Slides the carried proxy to its goal where it is on a shape that changes: planes of triangles
+/// that turn keep it a little above them.
+Vec3 SurfaceRenderer::settle(const Vec3& position, const Vec3& goal) noexcept
+{
+    const ProxyTick& last = proxy_.last();
+    settle_scratch_->begin_path(position);
+    const auto contacts = std::span(last.slide.contacts).first(last.slide.contact_count);
+    const bool changes =
+        last.hold != Hold::free && std::ranges::any_of(contacts, [&](const Contact& contact) {
+            return scene_->object(object_of(contact.triangle)).changed;
+        });
+    if (!changes) return position;
+    const ProxyOptions& options = proxy_.options();
+    return slide_sphere(*scene_, options.radius, position, goal, *settle_scratch_,
+                        SlideStart::touching, options.max_moves)
+        .center;
 }
 
 /// Places the proxy anew, outside of closed bodies, one of which may now cover it.
@@ -106,7 +137,7 @@ Vec3 SurfaceRenderer::surface_velocity(const ProxyTick& proxy) const noexcept
     Vec3 sum = Vec3::Zero();
     double pressures = 0;
     for (const Contact& contact : std::span(slide.contacts).first(slide.contact_count)) {
-        sum += contact.pressure * scene_->velocity_at(object_of(contact.triangle), proxy.proxy);
+        sum += contact.pressure * scene_->velocity_at(contact.triangle, proxy.proxy);
         pressures += contact.pressure;
     }
     return pressures > 0 ? Vec3(sum / (pressures * map_.units_per_metre)) : Vec3(Vec3::Zero());

@@ -74,13 +74,22 @@ public:
         return probe_ ? probe_->path() : proxy_.path();
     }
 
+    /// The proxy's positions while objects of a scene moved in the last tick, before path(): with
+    /// them straight to the first, and from there on among objects at rest. Empty where none moved.
+    [[nodiscard]] std::span<const Vec3> carried_path() const noexcept
+    {
+        return is_carried_ ? settle_scratch_->path() : std::span<const Vec3>();
+    }
+
 private:
     void place(const Vec3& device) noexcept;
     [[nodiscard]] const ProxyTick& follow(const Vec3& device) noexcept;
     void write_proxy(const ProxyTick& proxy) noexcept;
     [[nodiscard]] Vec3 accept(const DeviceState& state) noexcept;
     void advance_scene(double seconds) noexcept;
-    [[nodiscard]] std::optional<Vec3> carried(const Vec3& position) noexcept;
+    [[nodiscard]] Vec3 carry_goal(const Vec3& position) noexcept;
+    [[nodiscard]] std::optional<Vec3> carried(const Vec3& position, const Vec3& goal) noexcept;
+    [[nodiscard]] Vec3 settle(const Vec3& position, const Vec3& goal) noexcept;
     void start_anew() noexcept;
     [[nodiscard]] Vec3 surface_velocity(const ProxyTick& proxy) const noexcept;
     [[nodiscard]] Vec3 spring(const ProxyTick& proxy, const Vec3& device,
@@ -98,6 +107,8 @@ private:
     PassivityGuard passivity_;
     RenderTick tick_;
     CarryScratch carry_scratch_;
+    std::optional<SlideScratch> settle_scratch_; ///< of a scene
+    bool is_carried_ = false;
     Vec3 ground_ = Vec3::Zero(); ///< m: displacement by the touched surface
     bool placed_ = false;
 };

@@ -1,12 +1,12 @@
 #include "haptics/loop/recording.h"
 
 #include "base/binary_file.h"
+#include "base/text.h"
+#include "haptics/loop/check_recording.h"
 #include "proxima/topology.h"
 #include "proxima/touch_scene.h"
 
-#include <algorithm>
 #include <bit>
-#include <cmath>
 #include <utility>
 
 namespace proxima {
@@ -25,6 +25,9 @@ enum Section : std::uint32_t {
 };
 constexpr std::uint32_t first_version_with_objects = 3;
 constexpr std::uint32_t first_version_with_force_laws = 4;
+
+/// The greatest number that stands for a Passivity.
+constexpr int last_passivity = 2;
 
 /// The settings as numbers, in the order of the file.
 struct SettingNumbers {
@@ -121,15 +124,14 @@ RecordingSettings settings_of(const SettingNumbers& numbers, std::uint64_t finge
     return settings;
 }
 
-/// Whether a renderer can be made with them.
-bool in_range(const SettingNumbers& n)
+/// Error where a number that stands for one of a few is none of them: 0 to `most`.
+Status check_choice(const std::string& field, double value, int most)
 {
-    const auto bytes = std::bit_cast<std::array<double, 19>>(n);
-    const bool finite = std::ranges::all_of(bytes, [](double x) { return std::isfinite(x); });
-    return finite && n.tick_seconds > 0 && n.units_per_metre > 0 && n.stiffness >= 0 &&
-           n.damping >= 0 && n.max_slew >= 0 && n.proxy_radius >= 0 && n.dynamic_friction >= 0 &&
-           n.dynamic_friction <= n.static_friction && n.max_jump >= 0 && n.max_force > 0 &&
-           n.max_stiffness >= 0 && n.max_damping >= 0;
+    for (int choice = 0; choice <= most; ++choice)
+        if (value == choice) return {};
+    return fail(ErrorCode::malformed_file,
+                concat(field, " is ", value, " and must be a whole number ", "from 0 to ", most,
+                       ": record the session again"));
 }
 
 ObjectNumbers numbers(const ScriptedObject& object)
@@ -154,23 +156,26 @@ ObjectNumbers numbers(const ScriptedObject& object)
 }
 
 /// Error where the numbers make no object of a scene.
-Result<ScriptedObject> object_of(const ObjectNumbers& numbers, std::uint64_t fingerprint)
+Result<ScriptedObject> object_of(const ObjectNumbers& numbers, std::uint64_t fingerprint,
+                                 std::size_t number)
 {
+    const std::string of = concat("object ", number, ": ");
     const auto pose = make_rigid_transform(numbers.pose);
-    if (!pose) return tl::unexpected(pose.error());
+    if (!pose)
+        return fail(ErrorCode::malformed_file,
+                    concat(of, "pose: ", pose.error().message, ": record the session again"));
+    constexpr auto last_kind = static_cast<int>(ObjectMotionKind::swing);
+    if (Status status = check_choice(of + "kind of motion", numbers.kind, last_kind); !status)
+        return tl::unexpected(status.error());
+    if (Status status = check_choice(of + "has_material", numbers.has_material, 1); !status)
+        return tl::unexpected(status.error());
     ScriptedObject object;
     object.mesh_fingerprint = fingerprint;
     object.pose = *pose;
-    for (const ObjectMotionKind kind : {ObjectMotionKind::rest, ObjectMotionKind::spin,
-                                        ObjectMotionKind::rock, ObjectMotionKind::swing}) {
-        if (numbers.kind == static_cast<double>(kind)) object.script.kind = kind;
-    }
-    if (numbers.kind != static_cast<double>(object.script.kind))
-        return fail(ErrorCode::malformed_file, "unknown kind of motion");
+    object.script.kind = static_cast<ObjectMotionKind>(numbers.kind);
     object.script.along = Vec3(numbers.along[0], numbers.along[1], numbers.along[2]);
     object.script.angle = numbers.angle;
     object.script.seconds = numbers.seconds;
-    if (Status status = check_script(object.script); !status) return tl::unexpected(status.error());
     if (numbers.has_material != 0) {
         object.material = SurfaceMaterial{.stiffness = numbers.stiffness,
                                           .damping = numbers.damping,
@@ -181,7 +186,7 @@ Result<ScriptedObject> object_of(const ObjectNumbers& numbers, std::uint64_t fin
 }
 
 /// Empty for files that are older.
-Result<std::vector<ScriptedObject>> objects_of(const BinaryFile& file, const std::string& path)
+Result<std::vector<ScriptedObject>> objects_of(const BinaryFile& file)
 {
     std::vector<ScriptedObject> objects;
     if (file.version() < first_version_with_objects) return objects;
@@ -190,24 +195,21 @@ Result<std::vector<ScriptedObject>> objects_of(const BinaryFile& file, const std
     const auto fingerprints = file.section<std::uint64_t>(fingerprints_of_objects_section);
     if (!fingerprints) return tl::unexpected(fingerprints.error());
     if (rows->size() > max_scene_objects || fingerprints->size() != rows->size()) {
-        return fail(
-            ErrorCode::malformed_file,
-            "the recording has too many objects, or not one fingerprint for each: record it again",
-            path);
+        return fail(ErrorCode::malformed_file,
+                    concat("there are ", rows->size(), " objects and ", fingerprints->size(),
+                           " fingerprints of objects, and must be as many, at most ",
+                           max_scene_objects, ": record the session again"));
     }
     for (std::size_t i = 0; i < rows->size(); ++i) {
-        auto object = object_of((*rows)[i], (*fingerprints)[i]);
-        if (!object) {
-            return fail(ErrorCode::malformed_file,
-                        "an object of the recording is out of range: record it again", path);
-        }
+        auto object = object_of((*rows)[i], (*fingerprints)[i], i);
+        if (!object) return tl::unexpected(object.error());
         objects.push_back(*object);
     }
     return objects;
 }
 
 /// proxy for files that are older.
-Result<ForceLaw> force_law_of(const BinaryFile& file, const std::string& path)
+Result<ForceLaw> force_law_of(const BinaryFile& file)
 {
     if (file.version() < first_version_with_force_laws) return ForceLaw::proxy;
     const auto law = file.section<std::uint32_t>(force_law_section);
@@ -215,7 +217,51 @@ Result<ForceLaw> force_law_of(const BinaryFile& file, const std::string& path)
     for (const ForceLaw known : {ForceLaw::proxy, ForceLaw::penalty}) {
         if (law->size() == 1 && law->front() == static_cast<std::uint32_t>(known)) return known;
     }
-    return fail(ErrorCode::malformed_file, "unknown kind of forces: record it again", path);
+    return fail(ErrorCode::malformed_file, "unknown kind of forces: record the session again");
+}
+
+/// What a file holds, checked. Errors malformed_file, some without a place.
+Result<Recording> recording_of(const BinaryFile& file)
+{
+    const auto fingerprint = file.section<std::uint64_t>(fingerprint_section);
+    if (!fingerprint) return tl::unexpected(fingerprint.error());
+    const auto settings = file.section<SettingNumbers>(settings_section);
+    if (!settings) return tl::unexpected(settings.error());
+    const auto ticks = file.section<RecordedTick>(ticks_section);
+    if (!ticks) return tl::unexpected(ticks.error());
+    if (fingerprint->size() != 1 || settings->size() != 1) {
+        return fail(ErrorCode::malformed_file,
+                    "the settings of the recording are missing: record the session again");
+    }
+    const SettingNumbers& numbers = settings->front();
+    if (Status status = check_choice("passivity", numbers.passivity, last_passivity); !status)
+        return tl::unexpected(status.error());
+    if (Status status = check_choice("shading", numbers.shading, 1); !status)
+        return tl::unexpected(status.error());
+    Recording recording;
+    recording.settings = settings_of(numbers, fingerprint->front());
+    const auto law = force_law_of(file);
+    if (!law) return tl::unexpected(law.error());
+    recording.settings.law = *law;
+    auto objects = objects_of(file);
+    if (!objects) return tl::unexpected(objects.error());
+    if (*law == ForceLaw::penalty && !objects->empty()) {
+        return fail(ErrorCode::malformed_file,
+                    "penalty forces are not available for a scene: record the session again");
+    }
+    recording.settings.objects = std::move(*objects);
+    recording.ticks.assign(ticks->begin(), ticks->end());
+    if (Status status = check_recording(recording); !status) return tl::unexpected(status.error());
+    return recording;
+}
+
+Result<Recording> recording_of(const Result<BinaryFile>& file, const std::string& name)
+{
+    if (!file) return tl::unexpected(file.error());
+    auto recording = recording_of(*file);
+    if (!recording && recording.error().where.empty())
+        return fail(recording.error().code, recording.error().message, name);
+    return recording;
 }
 
 bool same_bits(const std::array<double, 3>& a, const std::array<double, 3>& b) noexcept
@@ -286,33 +332,15 @@ Status save_recording(const Recording& recording, const std::filesystem::path& p
 
 Result<Recording> load_recording(const std::filesystem::path& path, Progress* progress)
 {
-    const auto file = BinaryFile::open(path, format, Verification::full, progress);
-    if (!file) return tl::unexpected(file.error());
-    const auto fingerprint = file->section<std::uint64_t>(fingerprint_section);
-    if (!fingerprint) return tl::unexpected(fingerprint.error());
-    const auto settings = file->section<SettingNumbers>(settings_section);
-    if (!settings) return tl::unexpected(settings.error());
-    const auto ticks = file->section<RecordedTick>(ticks_section);
-    if (!ticks) return tl::unexpected(ticks.error());
-    if (fingerprint->size() != 1 || settings->size() != 1 || !in_range(settings->front())) {
-        return fail(ErrorCode::malformed_file,
-                    "settings of the recording are missing or out of range: record it again",
-                    path.string());
-    }
-    Recording recording;
-    recording.settings = settings_of(settings->front(), fingerprint->front());
-    const auto law = force_law_of(*file, path.string());
-    if (!law) return tl::unexpected(law.error());
-    recording.settings.law = *law;
-    auto objects = objects_of(*file, path.string());
-    if (!objects) return tl::unexpected(objects.error());
-    if (*law == ForceLaw::penalty && !objects->empty()) {
-        return fail(ErrorCode::malformed_file,
-                    "penalty forces are not available for a scene: record it again", path.string());
-    }
-    recording.settings.objects = std::move(*objects);
-    recording.ticks.assign(ticks->begin(), ticks->end());
-    return recording;
+    return recording_of(BinaryFile::open(path, format, Verification::full, progress),
+                        path.string());
+}
+
+Result<Recording> load_recording(std::span<const std::byte> bytes,
+                                 std::shared_ptr<const void> storage, const std::string& name)
+{
+    return recording_of(
+        BinaryFile::read(bytes, std::move(storage), name, format, Verification::full), name);
 }
 
 std::uint64_t count_differences(const Recording& recording, HapticRenderer& renderer) noexcept

@@ -11,9 +11,12 @@
 #include "proxima/result.h"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace proxima {
@@ -66,9 +69,15 @@ struct Recording {
 [[nodiscard]] Status save_recording(const Recording& recording, const std::filesystem::path& path,
                                     Progress* progress = nullptr);
 
-/// Reads a file. Errors: those of BinaryFile::open; malformed_file where settings are out of range.
+/// Reads a file. Errors: those of BinaryFile::open; malformed_file, naming a field that is out of
+/// range (check_recording.h). Whatever the file holds, a recording that is returned can be replayed.
 [[nodiscard]] Result<Recording> load_recording(const std::filesystem::path& path,
                                                Progress* progress = nullptr);
+
+/// Like load_recording(), of a file in memory: see BinaryFile::read.
+[[nodiscard]] Result<Recording> load_recording(std::span<const std::byte> bytes,
+                                               std::shared_ptr<const void> storage,
+                                               const std::string& name);
 
 /// Replays a recording of one model with a new renderer. Returns the number of ticks in which force
 /// or proxy have other bits than recorded.

@@ -1,5 +1,7 @@
 #include "haptics/scene/contact_body.h"
 
+#include "base/text.h"
+#include "haptics/surface/changing_surface.h"
 #include "index/check_edges.h"
 #include "proxima/mesh_index.h"
 #include "proxima/signed_distance.h"
@@ -24,10 +26,19 @@ bool in_range(const SurfaceMaterial& material)
 
 std::optional<Vec3> ContactBody::nearest_exit(const Vec3& p) const noexcept
 {
-    if (!has_local_signs(index_)) return std::nullopt;
+    if (is_refit_ || !has_local_signs(index_)) return std::nullopt;
     const auto at = signed_distance(index_, p);
     if (!at || !(at->distance < 0)) return std::nullopt;
     return at->closest.point;
+}
+
+ChangingParts ContactBody::parts() const noexcept
+{
+    return {.from = &mesh_,
+            .to = &mesh_,
+            .tree = tree_ ? &*tree_ : nullptr,
+            .order = order(),
+            .scale = scale_};
 }
 
 /// Makes a body step by step.
@@ -49,9 +60,10 @@ public:
         body.mesh_ = std::move(mesh);
         auto topology = build_topology(body.mesh_, {.execution = options_.execution});
         if (!topology) return tl::unexpected(topology.error());
-        body.topology_ = std::move(*topology);
+        body.topology_ = std::make_shared<const Topology>(std::move(*topology));
+        body.search_ = search_;
         if (index != nullptr) {
-            if (Status status = check_edges(*index, body.topology_); !status)
+            if (Status status = check_edges(*index, *body.topology_); !status)
                 return tl::unexpected(status.error());
             body.index_ = *index;
         } else {
@@ -70,11 +82,35 @@ public:
         } else {
             auto surface = IndexContactSurface::make(body.index_);
             if (!surface) return tl::unexpected(surface.error());
+            body.tree_ = (*surface)->tree();
             body.surface_ = std::move(*surface);
         }
+        body.scale_ = body.surface_->scale();
         if (options_.shading == ForceShading::on)
-            body.normals_ = std::make_unique<ShadingNormals>(body.mesh_, body.topology_);
+            body.normals_ = std::make_unique<ShadingNormals>(body.mesh_, *body.topology_);
         body.material_ = options_.material;
+        return std::move(body_);
+    }
+
+    [[nodiscard]] Result<std::unique_ptr<const ContactBody>> refit(const ContactBody& built,
+                                                                   TriangleMesh mesh)
+    {
+        ContactBody& body = *body_;
+        body.mesh_ = std::move(mesh);
+        body.topology_ = built.topology_;
+        body.index_ = built.index_;
+        body.is_refit_ = true;
+        body.search_ = search_;
+        // This looks at the positions, too.
+        auto tree = build_triangle_tree(body.mesh_, body.order(), options_.execution);
+        if (!tree) return tl::unexpected(tree.error());
+        if (search_ == BodySearch::index) body.tree_ = std::move(*tree);
+        body.scale_ = scale_of(body.mesh_);
+        body.bounds_ = bounding_box(body.mesh_);
+        body.surface_ = std::make_unique<ChangingSurface>(body.parts(), 1.0);
+        if (built.normals() != nullptr)
+            body.normals_ = std::make_unique<ShadingNormals>(body.mesh_, *body.topology_);
+        body.material_ = built.material();
         return std::move(body_);
     }
 
@@ -96,6 +132,25 @@ Result<std::unique_ptr<const ContactBody>> build_contact_body(const MeshIndex& i
     auto mesh = mesh_of(index);
     if (!mesh) return tl::unexpected(mesh.error());
     return ContactBodyBuilder(options, BodySearch::index).build(std::move(*mesh), &index);
+}
+
+Result<std::unique_ptr<const ContactBody>> refit_contact_body(const ContactBody& body,
+                                                              std::span<const Vec3> positions,
+                                                              const Execution& execution)
+{
+    const TriangleMesh& mesh = body.mesh();
+    if (positions.size() != mesh.vertex_count()) {
+        return fail(ErrorCode::invalid_argument,
+                    concat("a refit has ", positions.size(), " positions, and its body has ",
+                           mesh.vertex_count(), " vertices: give one for each"),
+                    "positions");
+    }
+    auto moved = make_triangle_mesh({positions.begin(), positions.end()},
+                                    {mesh.triangles().begin(), mesh.triangles().end()});
+    if (!moved) return tl::unexpected(moved.error());
+    TouchBodyOptions options;
+    options.execution = execution;
+    return ContactBodyBuilder(options, body.search()).refit(body, std::move(*moved));
 }
 
 } // namespace proxima

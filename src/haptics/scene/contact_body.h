@@ -1,8 +1,14 @@
 // The implementation of TouchBody (touch_scene.h): mesh, index with signs and surface, normals.
+//
+//     built     from a mesh or an index
+//     refit     from a body and other positions of its vertices: the tree of the surface alone, in the
+//               order of the triangles that the body's index has
 #pragma once
 
+#include "haptics/surface/changing_surface.h"
 #include "haptics/surface/contact_surface.h"
 #include "haptics/surface/shading_normals.h"
+#include "haptics/surface/triangle_tree.h"
 #include "proxima/geometry.h"
 #include "proxima/mesh_index.h"
 #include "proxima/result.h"
@@ -12,6 +18,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 
 namespace proxima {
 
@@ -28,7 +35,18 @@ public:
     ContactBody& operator=(const ContactBody&) = delete;
 
     [[nodiscard]] const TriangleMesh& mesh() const noexcept { return mesh_; }
+    /// Of a refit body, the index of the body that was built.
     [[nodiscard]] const MeshIndex& mesh_index() const noexcept { return index_; }
+    /// The order of the triangles in trees of this body and of all refits of it.
+    [[nodiscard]] std::span<const TriangleId> order() const noexcept { return index_.ids(); }
+    /// Whether both are the same body or refits of the same one.
+    [[nodiscard]] bool has_triangles_of(const ContactBody& other) const noexcept
+    {
+        return topology_ == other.topology_;
+    }
+    [[nodiscard]] BodySearch search() const noexcept { return search_; }
+    /// What a ChangingSurface is made of that is at rest here.
+    [[nodiscard]] ChangingParts parts() const noexcept;
     [[nodiscard]] const ContactSurface& surface() const noexcept { return *surface_; }
     [[nodiscard]] const Box& bounds() const noexcept { return bounds_; }
     [[nodiscard]] const std::optional<SurfaceMaterial>& material() const noexcept
@@ -38,8 +56,8 @@ public:
     /// Null for a body without shading.
     [[nodiscard]] const ShadingNormals* normals() const noexcept { return normals_.get(); }
 
-    /// The point of the surface nearest to p where p is inside a closed mesh; nothing outside, and
-    /// where the mesh does not separate its inside everywhere. \pre p is finite
+    /// The point of the surface nearest to p where p is inside a closed mesh; nothing outside, where
+    /// the mesh does not separate its inside everywhere, and for a refit body. \pre p is finite
     [[nodiscard]] std::optional<Vec3> nearest_exit(const Vec3& p) const noexcept;
 
 private:
@@ -47,8 +65,12 @@ private:
     ContactBody() = default;
 
     TriangleMesh mesh_;
-    Topology topology_;
-    MeshIndex index_; ///< with signs where the mesh is closed
+    std::shared_ptr<const Topology> topology_; ///< shared by refits
+    MeshIndex index_;                          ///< with signs where the mesh is closed
+    bool is_refit_ = false;
+    BodySearch search_ = BodySearch::index;
+    std::optional<TriangleTree> tree_; ///< of the surface; none where it tests every triangle
+    SurfaceScale scale_;
     Box bounds_;
     std::unique_ptr<const ContactSurface> surface_;
     std::unique_ptr<ShadingNormals> normals_;
@@ -66,5 +88,10 @@ build_contact_body(TriangleMesh mesh, const TouchBodyOptions& options = {},
 /// mesh_of and check_edges.
 [[nodiscard]] Result<std::unique_ptr<const ContactBody>>
 build_contact_body(const MeshIndex& index, const TouchBodyOptions& options = {});
+
+/// The body with its vertices elsewhere. Errors: as refit_touch_body.
+[[nodiscard]] Result<std::unique_ptr<const ContactBody>>
+refit_contact_body(const ContactBody& body, std::span<const Vec3> positions,
+                   const Execution& execution = {});
 
 } // namespace proxima

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace proxima {
@@ -19,6 +20,23 @@ constexpr double skin_part = 0x1p-42;
 
 /// Triangles are collected within so many more mean edges of a path, for the next path is similar.
 constexpr double slack_in_edges = 0.05;
+
+/// A proxy that a changing shape carries is no farther above it.
+constexpr double lift_in_edges = 0.05;
+
+/// Where the triangle takes a sphere that touches it or is a little above it, in the object's frame:
+/// to the same point of it, and as far away as its radius.
+Vec3 taken_position(const MovingTriangle& triangle, double radius, const Vec3& p) noexcept
+{
+    const TrianglePoint at = closest_point(triangle.before, p);
+    const Vec3 point = point_at(triangle.now, at.weights);
+    const Vec3 away = p - at.point;
+    const double distance = away.norm();
+    if (at.part != TrianglePart::inside && distance > 0) return point + away * (radius / distance);
+    const Vec3 normal = unit_normal(triangle.now);
+    const double side = unit_normal(triangle.before).dot(away) < 0 ? -radius : radius;
+    return point + side * normal;
+}
 
 } // namespace
 
@@ -47,6 +65,30 @@ public:
         return std::nullopt;
     }
 
+    /// Where an object whose shape changed takes a position of its frame: with the nearest triangle,
+    /// and onto it, or as far as its contact where no triangle is near.
+    static Vec3 taken(const MovingSurface& scene, TriangleId contact, double radius, const Vec3& p,
+                      CarryScratch& scratch) noexcept
+    {
+        const ObjectId id = object_of(contact);
+        const double edge = scene.object(id).body->surface().scale().mean_edge;
+        const std::size_t found = scene.collect_changing(
+            id, p, Vec3::Zero(), radius + lift_in_edges * edge, scratch.near_, scratch.changing_);
+        const MovingTriangle* nearest = nullptr;
+        double least = std::numeric_limits<double>::infinity();
+        const std::size_t count = std::min(found, scratch.changing_.size());
+        for (const MovingTriangle& triangle : std::span(scratch.changing_).first(count)) {
+            const double squared = (closest_point(triangle.before, p).point - p).squaredNorm();
+            if (squared > least || (squared == least && nearest->id < triangle.id)) continue;
+            least = squared;
+            nearest = &triangle;
+        }
+        if (nearest != nullptr) return taken_position(*nearest, radius, p);
+        const MovingTriangle held_by = scene.changing_triangle(contact);
+        const TrianglePoint at = closest_point(held_by.before, p);
+        return p + (point_at(held_by.now, at.weights) - at.point);
+    }
+
 private:
     /// Adds the planes of an object on the path to `position`. False where there are too many.
     bool begin_sweep(ObjectId id, const Vec3& position, bool& blocked) noexcept
@@ -56,6 +98,7 @@ private:
         const SceneObject object = scene_.object(id);
         const Vec3 begin = to_local(object.before, from_);
         const Vec3 motion = to_local(object.now, position) - begin;
+        if (object.changed) return begin_changing_sweep(id, object, begin, motion, blocked);
         if (!collect(id, object, begin, motion, reach)) return false;
         double first = 2;
         const ContactTriangle* wall = nullptr;
@@ -76,17 +119,59 @@ private:
             first = *t;
             wall = &triangle;
         }
-        // Contacts from before the motion: the proxy slides along them or leaves them. Sort by id,
-        // for surfaces return triangles in any order, and the order of planes changes the rounding.
-        const auto sides = std::span(scratch_.touched_).first(touched);
-        std::ranges::sort(sides, {}, &CarryScratch::Side::triangle);
-        for (const CarryScratch::Side& side : sides) {
-            if (!add_wall(id, object.now, side)) return false;
-            blocked = true;
-        }
+        if (!add_touched(id, object.now, touched, blocked)) return false;
         if (wall == nullptr) return true;
         blocked = true;
         return add_wall(id, object.now, side_of(*wall, begin + first * motion));
+    }
+
+    /// Like begin_sweep(), of an object whose triangles move in its own frame. A plane separates the
+    /// proxy from its triangle for the whole motion, so that no triangle is tested again that has one.
+    bool begin_changing_sweep(ObjectId id, const SceneObject& object, const Vec3& begin,
+                              const Vec3& motion, bool& blocked) noexcept
+    {
+        const double reach = radius_ + 2 * skin_;
+        near_of_ = ObjectId{max_scene_objects}; // what is kept of another object is overwritten
+        const std::size_t found =
+            scene_.collect_changing(id, begin, motion, reach, scratch_.near_, scratch_.changing_);
+        if (found > scratch_.changing_.size()) return false;
+        double first = 2;
+        const MovingTriangle* wall = nullptr;
+        std::size_t touched = 0;
+        for (const MovingTriangle& triangle : std::span(scratch_.changing_).first(found)) {
+            if (is_wall(scene_triangle(id, triangle.id))) continue;
+            const Vec3 closest = closest_point(triangle.before, begin).point;
+            if ((closest - begin).norm() <= radius_ + skin_) {
+                const auto plane = separating_plane(triangle, radius_, begin, motion, 0);
+                if (!plane || count_ + touched == max_contact_planes) return false;
+                scratch_.touched_[touched++] = {triangle.id, plane->normal, plane->point};
+                continue;
+            }
+            const auto t = touch_time(triangle, radius_, begin, motion, skin_ / 2);
+            if (!t || *t > first || (*t == first && wall->id < triangle.id)) continue;
+            first = *t;
+            wall = &triangle;
+        }
+        if (!add_touched(id, object.now, touched, blocked)) return false;
+        if (wall == nullptr) return true;
+        blocked = true;
+        const auto plane = separating_plane(*wall, radius_, begin, motion, first);
+        return plane && add_wall(id, object.now, {wall->id, plane->normal, plane->point});
+    }
+
+    /// Adds planes of contacts from before the motion: the proxy slides along them or leaves them.
+    /// Sorts by id, for surfaces return triangles in any order, and the order of planes changes the
+    /// rounding. False where there are too many.
+    bool add_touched(ObjectId id, const RigidTransform& pose, std::size_t touched,
+                     bool& blocked) noexcept
+    {
+        const auto sides = std::span(scratch_.touched_).first(touched);
+        std::ranges::sort(sides, {}, &CarryScratch::Side::triangle);
+        for (const CarryScratch::Side& side : sides) {
+            if (!add_wall(id, pose, side)) return false;
+            blocked = true;
+        }
+        return true;
     }
 
     /// Collects all triangles within `reach` of a path in the object's frame. False where there are
@@ -158,15 +243,19 @@ std::optional<Vec3> move_with_objects(const MovingSurface& scene, double radius,
     return Carry(scene, radius, from, goal, scratch).run();
 }
 
-Vec3 carried_position(const MovingSurface& scene, std::span<const Contact> contacts,
-                      const Vec3& p) noexcept
+Vec3 carried_position(const MovingSurface& scene, double radius, std::span<const Contact> contacts,
+                      const Vec3& p, CarryScratch& scratch) noexcept
 {
     Vec3 sum = Vec3::Zero();
     double pressures = 0;
     for (const Contact& contact : contacts) {
         const SceneObject object = scene.object(object_of(contact.triangle));
-        if (object.moved) {
-            sum += contact.pressure * (object.now(to_local(object.before, p)) - p);
+        if (object.moved || object.changed) {
+            const Vec3 local = to_local(object.before, p);
+            const Vec3 taken = object.changed
+                                   ? Carry::taken(scene, contact.triangle, radius, local, scratch)
+                                   : local;
+            sum += contact.pressure * (object.now(taken) - p);
         }
         pressures += contact.pressure;
     }

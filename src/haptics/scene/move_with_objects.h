@@ -5,6 +5,9 @@
 //     contact   the first triangle on that path becomes a plane that moves with the object
 //     repeat    until no object is passed: the position nearest to the goal that all planes allow
 //
+// Triangles of an object whose shape changes move in its frame as well; planes then separate the
+// proxy from them for the whole motion (moving_triangle.h).
+//
 // Every object, at rest or moving, limits the proxy's motion relative to it: a plate that flies at
 // the proxy pushes it, however thin and fast, and two objects that move differently form a corner.
 // Where objects squeeze the proxy there is no such position.
@@ -13,6 +16,7 @@
 #include "haptics/proxy/contact_planes.h"
 #include "haptics/proxy/slide_sphere.h"
 #include "haptics/scene/moving_surface.h"
+#include "haptics/surface/moving_triangle.h"
 #include "proxima/geometry.h"
 
 #include <array>
@@ -26,9 +30,10 @@ namespace proxima {
 /// Memory for it, allocated once; one per thread.
 class CarryScratch {
 public:
-    static constexpr std::size_t triangles = 8192; ///< capacity, of an object near a path
+    static constexpr std::size_t triangles = 8192;          ///< capacity, of an object near a path
+    static constexpr std::size_t changing_triangles = 2048; ///< of one whose shape changes
 
-    CarryScratch() : near_(triangles) {}
+    CarryScratch() : near_(triangles), changing_(changing_triangles) {}
 
 private:
     friend class Carry;
@@ -41,6 +46,7 @@ private:
     };
 
     std::vector<ContactTriangle> near_;
+    std::vector<MovingTriangle> changing_;
     std::array<ContactPlane, max_contact_planes> planes_;
     std::array<TriangleId, max_contact_planes> walls_;
     std::array<Side, max_contact_planes> touched_;
@@ -55,8 +61,9 @@ private:
                                                     CarryScratch& scratch) noexcept;
 
 /// The position to which moving objects carry a proxy with these contacts, each by its part of the
-/// pressure.
-[[nodiscard]] Vec3 carried_position(const MovingSurface& scene, std::span<const Contact> contacts,
-                                    const Vec3& p) noexcept;
+/// pressure. An object whose shape changes carries it with the nearest triangle, and onto it.
+[[nodiscard]] Vec3 carried_position(const MovingSurface& scene, double radius,
+                                    std::span<const Contact> contacts, const Vec3& p,
+                                    CarryScratch& scratch) noexcept;
 
 } // namespace proxima

@@ -1,6 +1,7 @@
 #include "haptics/scene/moving_surface.h"
 
 #include "base/check.h"
+#include "geometry/closest_point.h"
 #include "geometry/exact_predicates.h"
 #include "haptics/proxy/slide_sphere.h"
 
@@ -69,8 +70,7 @@ bool MovingSurface::contains(const Box& bounds, const RigidTransform& pose) cons
 void MovingSurface::measure() noexcept
 {
     double least = scale_.extent;
-    for (const auto& slot : objects_)
-        least = std::min(least, slot->body().surface().scale().mean_edge);
+    for (const auto& slot : objects_) least = std::min(least, slot->surface().scale().mean_edge);
     scale_.mean_edge = least;
 }
 
@@ -85,11 +85,11 @@ Result<ObjectId> MovingSurface::add(std::shared_ptr<const ContactBody> body,
     if (!contains(body->bounds(), pose))
         return fail(ErrorCode::invalid_argument, "the object must be within the scene's bounds");
     auto slot = std::make_unique<Slot>();
-    slot->newest_bounds = body->bounds();
+    slot->newest.body = std::move(body);
     slot->newest_pose = pose;
-    slot->bodies.writing() = std::move(body);
-    slot->bodies.publish();
-    slot->bodies.update();
+    slot->shapes.writing() = slot->newest;
+    slot->shapes.publish();
+    slot->shapes.update();
     slot->trajectory = ObjectTrajectory(pose);
     objects_.push_back(std::move(slot));
     measure();
@@ -109,7 +109,8 @@ Status MovingSurface::move(ObjectId object, const ObjectMotion& motion)
     }
     const RigidTransform end = {motion.pose.rotation,
                                 motion.pose.translation + motion.coast_seconds * motion.velocity};
-    if (!contains(slot.newest_bounds, motion.pose) || !contains(slot.newest_bounds, end))
+    const Box& bounds = slot.newest.body->bounds();
+    if (!contains(bounds, motion.pose) || !contains(bounds, end))
         return fail(ErrorCode::invalid_argument,
                     "the motion would take the object out of the scene's bounds");
     slot.newest_pose = motion.pose;
@@ -126,10 +127,71 @@ Status MovingSurface::exchange(ObjectId object, std::shared_ptr<const ContactBod
     if (!contains(body->bounds(), slot.newest_pose))
         return fail(ErrorCode::invalid_argument,
                     "the new body would not be within the scene's bounds");
-    slot.newest_bounds = body->bounds();
-    slot.bodies.writing() = std::move(body); // frees what the servo loop has left
-    slot.bodies.publish();
+    const std::uint64_t exchanges = slot.newest.exchanges + 1;
+    slot.newest = {};
+    slot.newest.body = std::move(body);
+    slot.newest.exchanges = exchanges;
+    slot.shapes.writing() = slot.newest; // frees what the servo loop has left
+    slot.shapes.publish();
     return {};
+}
+
+Status MovingSurface::change_shape(ObjectId object, std::shared_ptr<const ContactBody> body,
+                                   double seconds)
+{
+    PROXIMA_CHECK_LT(to_index(object), objects_.size());
+    PROXIMA_CHECK(body != nullptr);
+    Slot& slot = *objects_[to_index(object)];
+    if (!body->has_triangles_of(*slot.newest.body)) {
+        return fail(ErrorCode::invalid_argument,
+                    "the body is no refit of the object's: use refit_touch_body, or exchange()");
+    }
+    if (!(seconds >= 0) || !std::isfinite(seconds))
+        return fail(ErrorCode::invalid_argument,
+                    "the time of a change must be finite and at least 0");
+    if (!contains(body->bounds(), slot.newest_pose))
+        return fail(ErrorCode::invalid_argument,
+                    "the new shape would not be within the scene's bounds");
+    auto change = ShapeChange::make(slot.newest.body, body, seconds);
+    if (!change) return tl::unexpected(change.error());
+    slot.newest.travelled += (*change)->farthest();
+    slot.newest.body = std::move(body);
+    slot.newest.change = std::move(*change);
+    slot.shapes.writing() = slot.newest; // frees what the servo loop has left
+    slot.shapes.publish();
+    return {};
+}
+
+bool MovingSurface::advance_shape(Slot& slot, double seconds) noexcept
+{
+    slot.stretch = 0;
+    const bool is_new = slot.shapes.update();
+    const Shape& shape = slot.shapes.reading();
+    const Shape& last = is_new ? slot.shapes.before() : shape;
+    const bool exchanged = shape.exchanges != last.exchanges;
+    if (is_new) slot.changing = 0;
+    if (shape.change == nullptr) slot.part = 1;
+    if (shape.change == nullptr || (!is_new && slot.part == 1)) return exchanged;
+    const double before = slot.part;
+    slot.changing += seconds;
+    // The sum of ticks may be less than the wanted time by a few roundings.
+    const double whole = shape.change->seconds();
+    slot.part = slot.changing < whole * (1 - 1e-9) ? slot.changing / whole : 1;
+    slot.shape.set(shape.change->parts(), slot.part);
+    if (exchanged) return true;
+    slot.shape_before.set(last.change == nullptr ? last.body->parts() : last.change->parts(),
+                          before);
+    const double farthest = shape.change->farthest();
+    if (!is_new) {
+        slot.stretch = (slot.part - before) * farthest;
+        return false;
+    }
+    // The rest of the last change, what changes moved that came and went within a tick, and a part
+    // of this one.
+    const double left = last.change == nullptr ? 0 : (1 - before) * last.change->farthest();
+    const double between = shape.travelled - farthest - last.travelled;
+    slot.stretch = left + std::max(between, 0.0) + slot.part * farthest + 0x1p-50 * shape.travelled;
+    return false;
 }
 
 SceneTick MovingSurface::advance(double seconds) noexcept
@@ -139,10 +201,11 @@ SceneTick MovingSurface::advance(double seconds) noexcept
     for (const auto& slot : objects_) {
         if (slot->motions.update()) slot->trajectory.follow(slot->motions.reading());
         slot->trajectory.advance(seconds);
-        const bool exchanged = slot->bodies.update();
+        const bool exchanged = advance_shape(*slot, seconds);
+        slot->free_ball.reach -= slot->stretch;
         if (slot->trajectory.moved() || exchanged) slot->free_ball.reach = -1;
         slot->free_path = {};
-        tick.moved |= slot->trajectory.moved();
+        tick.moved |= slot->trajectory.moved() || slot->stretch > 0;
         tick.exchanged |= exchanged;
     }
     if (tick.exchanged) measure();
@@ -153,7 +216,8 @@ SceneTick MovingSurface::advance(double seconds) noexcept
 SceneObject MovingSurface::object(ObjectId id) const noexcept
 {
     const Slot& slot = *objects_[to_index(id)];
-    return {&slot.body(), slot.trajectory.before(), slot.trajectory.now(), slot.trajectory.moved()};
+    return {&slot.body(), slot.trajectory.before(), slot.trajectory.now(), slot.trajectory.moved(),
+            slot.stretch > 0};
 }
 
 Vec3 MovingSurface::velocity_at(ObjectId id, const Vec3& p) const noexcept
@@ -161,6 +225,17 @@ Vec3 MovingSurface::velocity_at(ObjectId id, const Vec3& p) const noexcept
     const ObjectTrajectory& trajectory = objects_[to_index(id)]->trajectory;
     if (!trajectory.moved()) return Vec3::Zero();
     return (p - trajectory.before()(to_local(trajectory.now(), p))) / tick_seconds_;
+}
+
+Vec3 MovingSurface::velocity_at(TriangleId triangle, const Vec3& p) const noexcept
+{
+    const Slot& slot = *objects_[to_index(object_of(triangle))];
+    if (!(slot.stretch > 0)) return velocity_at(object_of(triangle), p);
+    const Vec3 local = to_local(slot.trajectory.now(), p);
+    const MovingTriangle moving = changing_triangle(triangle);
+    const TrianglePoint at = closest_point(moving.now, local);
+    const Vec3 moved = at.point - point_at(moving.before, at.weights);
+    return (p - slot.trajectory.before()(local - moved)) / tick_seconds_;
 }
 
 double MovingSurface::frame_margin(const Vec3& p) const noexcept
@@ -194,9 +269,9 @@ Vec3 MovingSurface::nearest_exit(const Vec3& p) const noexcept
 
 double MovingSurface::known_clearance(Slot& slot, const Vec3& local) const noexcept
 {
-    const ContactSurface& surface = slot.body().surface();
+    const ContactSurface& surface = slot.surface();
     const double rounding = box_rounding * (surface.scale().reach + local.cwiseAbs().maxCoeff());
-    const double box = std::sqrt(squared_distance(slot.body().bounds(), local)) - rounding;
+    const double box = std::sqrt(squared_distance(slot.bounds(), local)) - rounding;
     return std::max(box, slot.cache.known_clearance(surface, local));
 }
 
@@ -212,7 +287,11 @@ bool MovingSurface::keeps_clear(ObjectId id, const Vec3& from, const Vec3& to,
     if (known.reach > distance + aside + length + margin) return true;
     const Vec3 begin = to_local(slot.trajectory.before(), from);
     const double moved = (to_local(slot.trajectory.now(), to) - begin).norm();
-    const double reach = known_clearance(slot, begin);
+    // Of the triangles where they are now: before, none was farther than the stretch from there.
+    double reach = known_clearance(slot, begin);
+    if (!slot.trajectory.moved())
+        reach = std::max(reach, slot.free_ball.reach - (from - slot.free_ball.center).norm());
+    reach -= slot.stretch;
     const bool is_clear = reach > distance + moved + margin;
     slot.free_path = {from, to, moved, reach, !is_clear};
     slot.free_ball = {to, reach - moved - margin};
@@ -224,7 +303,39 @@ std::size_t MovingSurface::collect_of(ObjectId id, const Vec3& p, const Vec3& mo
                                       std::span<ContactTriangle> buffer) const noexcept
 {
     Slot& slot = *objects_[to_index(id)];
-    return slot.cache.collect_along(slot.body().surface(), p, motion, distance, buffer);
+    return slot.cache.collect_along(slot.surface(), p, motion, distance, buffer);
+}
+
+MovingTriangle MovingSurface::changing_triangle(TriangleId triangle) const noexcept
+{
+    const Slot& slot = *objects_[to_index(object_of(triangle))];
+    const TriangleId id = triangle_of(triangle);
+    return {slot.shape_before.triangle(id), slot.shape.triangle(id), id};
+}
+
+std::size_t MovingSurface::collect_changing(ObjectId id, const Vec3& p, const Vec3& motion,
+                                            double distance, std::span<ContactTriangle> near,
+                                            std::span<MovingTriangle> buffer) const noexcept
+{
+    const Slot& slot = *objects_[to_index(id)];
+    const double around = distance + slot.stretch;
+    const std::size_t found = slot.shape_before.collect_along(p, motion, around, near);
+    if (found > near.size()) return std::max(found, buffer.size() + 1);
+    const Vec3 end = p + motion;
+    const Vec3 lower = p.cwiseMin(end) - Vec3::Constant(distance);
+    const Vec3 upper = p.cwiseMax(end) + Vec3::Constant(distance);
+    std::size_t count = 0;
+    for (const ContactTriangle& triangle : near.first(found)) {
+        const Triangle now = slot.shape.triangle(triangle.id);
+        Box box = bounding_box(triangle.corners);
+        for (const Vec3& corner : now.vertices) box.extend(corner);
+        const bool is_aside =
+            (box.lower.array() > upper.array()).any() || (box.upper.array() < lower.array()).any();
+        if (is_aside) continue;
+        if (count < buffer.size()) buffer[count] = {triangle.corners, now, triangle.id};
+        ++count;
+    }
+    return count;
 }
 
 std::size_t MovingSurface::collect_along(const Vec3& p, const Vec3& motion, double distance,
@@ -257,8 +368,8 @@ double MovingSurface::clearance(const Vec3& p) const noexcept
     double least = std::numeric_limits<double>::infinity();
     for (const auto& slot : objects_) {
         const Vec3 local = to_local(slot->trajectory.now(), p);
-        if (squared_distance(slot->body().bounds(), local) >= least * least) continue;
-        least = std::min(least, slot->body().surface().clearance(local));
+        if (squared_distance(slot->bounds(), local) >= least * least) continue;
+        least = std::min(least, slot->surface().clearance(local));
     }
     return least - frame_margin(p);
 }
@@ -274,8 +385,7 @@ double MovingSurface::clearance_beyond(const Vec3& p, double wanted) const noexc
         if (!(known > beyond)) {
             const Vec3 local = to_local(slot->trajectory.now(), p);
             known = known_clearance(*slot, local);
-            if (!(known > beyond))
-                known = slot->cache.clearance(slot->body().surface(), local, beyond);
+            if (!(known > beyond)) known = slot->cache.clearance(slot->surface(), local, beyond);
             slot->free_ball = {p, known - margin};
         }
         least = std::min(least, known);
@@ -301,7 +411,19 @@ Vec3 MovingSurface::shaded_normal(TriangleId triangle, const Vec3& point) const 
     const ShadingNormals* const normals = slot.body().normals();
     if (normals == nullptr) return Vec3::Zero();
     const RigidTransform& pose = slot.trajectory.now();
-    return pose.rotation * normals->shaded_normal(triangle_of(triangle), to_local(pose, point));
+    const TriangleId id = triangle_of(triangle);
+    const Vec3 local = to_local(pose, point);
+    const ShapeChange* const change = slot.shapes.reading().change.get();
+    if (change == nullptr) return pose.rotation * normals->shaded_normal(id, local);
+    // The normals of both shapes, each at its own point of the triangle.
+    const TrianglePoint at = closest_point(slot.shape.triangle(id), local);
+    const auto normal_of = [&](const ContactBody& body) {
+        return body.normals()->shaded_normal(id, point_at(body.mesh().triangle(id), at.weights));
+    };
+    const Vec3 sum =
+        (1 - slot.part) * normal_of(change->from()) + slot.part * normal_of(change->to());
+    const double length = sum.norm();
+    return length > 0 ? Vec3(pose.rotation * (sum / length)) : Vec3(Vec3::Zero());
 }
 
 } // namespace proxima

@@ -3,13 +3,20 @@
 //
 // Each object is queried in its own frame, in which near triangles are cached from tick to tick
 // (object_cache.h); only these are moved into the scene's frame.
+//
+// An object whose shape changes has vertices on their way from one shape to the next: shapes come as
+// bodies do, and the servo loop keeps two, for a tick may begin on the way to one and end on the way to
+// another.
 #pragma once
 
 #include "haptics/loop/snapshot.h"
 #include "haptics/scene/contact_body.h"
 #include "haptics/scene/object_cache.h"
 #include "haptics/scene/object_trajectory.h"
+#include "haptics/scene/shape_change.h"
+#include "haptics/surface/changing_surface.h"
 #include "haptics/surface/contact_surface.h"
+#include "haptics/surface/moving_triangle.h"
 #include "haptics/surface/surface_properties.h"
 #include "proxima/geometry.h"
 #include "proxima/result.h"
@@ -27,7 +34,8 @@ struct SceneObject {
     const ContactBody* body = nullptr;
     RigidTransform before; ///< pose of the last tick
     RigidTransform now;
-    bool moved = false;
+    bool moved = false;   ///< the pose
+    bool changed = false; ///< the shape, of which `body` is the next
 };
 
 /// Queries by the servo thread alone, for they cache near triangles; results do not depend on the
@@ -40,12 +48,17 @@ public:
                                        const RigidTransform& pose);
     [[nodiscard]] Status move(ObjectId object, const ObjectMotion& motion);
     [[nodiscard]] Status exchange(ObjectId object, std::shared_ptr<const ContactBody> body);
+    [[nodiscard]] Status change_shape(ObjectId object, std::shared_ptr<const ContactBody> body,
+                                      double seconds);
     SceneTick advance(double seconds) noexcept;
     [[nodiscard]] std::size_t object_count() const noexcept { return objects_.size(); }
     [[nodiscard]] SceneObject object(ObjectId id) const noexcept;
 
-    /// The velocity in the last tick of a point that moves with the object, per second.
+    /// The velocity in the last tick of a point that moves with the object's pose, per second.
     [[nodiscard]] Vec3 velocity_at(ObjectId id, const Vec3& p) const noexcept;
+
+    /// The velocity in the last tick of a point that moves with a triangle of the scene, per second.
+    [[nodiscard]] Vec3 velocity_at(TriangleId triangle, const Vec3& p) const noexcept;
 
     /// p, or where closed bodies contain it a position at the surface of one of them, outside of all
     /// unless many overlap.
@@ -60,6 +73,16 @@ public:
     [[nodiscard]] std::size_t collect_of(ObjectId id, const Vec3& p, const Vec3& motion,
                                          double distance,
                                          std::span<ContactTriangle> buffer) const noexcept;
+
+    /// Like collect_of(), of an object that changed its shape in the last tick: the triangles that
+    /// may come within the distance of a point that moves meanwhile. `near` is scratch memory. \pre
+    /// object(id).changed
+    [[nodiscard]] std::size_t collect_changing(ObjectId id, const Vec3& p, const Vec3& motion,
+                                               double distance, std::span<ContactTriangle> near,
+                                               std::span<MovingTriangle> buffer) const noexcept;
+
+    /// A triangle of the scene, in the frame of its object. \pre object(object_of(triangle)).changed
+    [[nodiscard]] MovingTriangle changing_triangle(TriangleId triangle) const noexcept;
 
     /// Work counters of all objects since they were added.
     [[nodiscard]] ContactWork work() const noexcept;
@@ -86,7 +109,13 @@ public:
                                      const Vec3& point) const noexcept override;
 
 private:
-    using BodySnapshot = Snapshot<std::shared_ptr<const ContactBody>>;
+    /// What the application gave an object last.
+    struct Shape {
+        std::shared_ptr<const ContactBody> body;
+        std::shared_ptr<const ShapeChange> change; ///< to the body; null where it is there at once
+        std::uint64_t exchanges = 0;               ///< until then
+        double travelled = 0; ///< no vertex moved farther since then, by all changes together
+    };
     /// A ball that is known to be free of an object at its present pose, in the scene's frame.
     struct FreeBall {
         Vec3 center = Vec3::Zero();
@@ -102,19 +131,35 @@ private:
     };
     struct Slot {
         Snapshot<ObjectMotion> motions;
-        BodySnapshot bodies;
-        ObjectTrajectory trajectory; ///< this and the next three: the servo thread's
+        Snapshot<Shape, 2> shapes;
+        ObjectTrajectory trajectory; ///< this and the next seven: the servo thread's
         ObjectCache cache;
         FreeBall free_ball;
         FreePath free_path;
-        Box newest_bounds;          ///< the application's: of the body given last
+        ChangingSurface shape_before; ///< of an object with a change, at the begin of the tick
+        ChangingSurface shape;        ///< and at its end
+        double changing = 0;          ///< s since the change began
+        double part = 1;              ///< of the change
+        double stretch = 0; ///< no vertex moved farther in the last tick; 0 where none moved
+        Shape newest;       ///< the application's: given last
         RigidTransform newest_pose; ///< the application's: of the motion given last
 
-        [[nodiscard]] const ContactBody& body() const noexcept { return *bodies.reading(); }
+        [[nodiscard]] const ContactBody& body() const noexcept { return *shapes.reading().body; }
+        [[nodiscard]] const ContactSurface& surface() const noexcept
+        {
+            return shapes.reading().change == nullptr ? body().surface() : shape;
+        }
+        [[nodiscard]] const Box& bounds() const noexcept
+        {
+            const auto& change = shapes.reading().change;
+            return change == nullptr ? body().bounds() : change->bounds();
+        }
     };
 
     [[nodiscard]] bool contains(const Box& bounds, const RigidTransform& pose) const;
     void measure() noexcept;
+    /// Takes what the application gave, and moves vertices. Returns whether the body was exchanged.
+    static bool advance_shape(Slot& slot, double seconds) noexcept;
     /// A lower bound of the object's distance from a position of its frame without a query.
     [[nodiscard]] double known_clearance(Slot& slot, const Vec3& local) const noexcept;
     /// The rounding of a position that is moved between frames.

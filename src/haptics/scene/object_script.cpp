@@ -1,5 +1,7 @@
 #include "haptics/scene/object_script.h"
 
+#include "base/text.h"
+
 #include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
@@ -7,6 +9,14 @@
 namespace proxima {
 
 namespace {
+
+/// Lengths of axes and displacements: their squares are normal numbers.
+constexpr double least_length = 1e-100;
+constexpr double most_length = 1e100;
+
+/// s: of a period. No tick is shorter, and no session a thousandth as long.
+constexpr double least_period = 1e-6;
+constexpr double most_period = 1e9;
 
 /// 0 at the beginning, 1 after half the period, 0 at its end; at rest at both ends.
 double to_and_fro(double seconds, double period) noexcept
@@ -47,14 +57,18 @@ Status check_script(const ObjectScript& script)
         script.along.allFinite() && std::isfinite(script.angle) && std::isfinite(script.seconds);
     if (!finite) return fail(ErrorCode::invalid_argument, "the numbers of a motion must be finite");
     const bool turns = script.kind != ObjectMotionKind::swing;
-    if (!(script.along.norm() > 0) || !std::isfinite(script.along.norm())) {
+    const double length = script.along.stableNorm();
+    if (!(length >= least_length && length <= most_length)) {
         return fail(ErrorCode::invalid_argument,
-                    turns ? "the axis of a motion must not be zero"
-                          : "the displacement of a motion must not be zero");
+                    concat(turns ? "the axis" : "the displacement", " of a motion must be ",
+                           least_length, " to ", most_length, " long, not ", length));
     }
-    if (script.kind != ObjectMotionKind::spin && !(script.seconds > 0))
+    const bool has_period = script.kind != ObjectMotionKind::spin;
+    if (has_period && !(script.seconds >= least_period && script.seconds <= most_period)) {
         return fail(ErrorCode::invalid_argument,
-                    "the period of a motion must be more than 0 seconds");
+                    concat("the period of a motion must be ", least_period, " to ", most_period,
+                           " seconds, not ", script.seconds));
+    }
     if (!(fastest_of(script) <= fastest_turn)) {
         return fail(ErrorCode::invalid_argument,
                     "an object must not rotate faster than 25 radians (1,432 degrees) per second");

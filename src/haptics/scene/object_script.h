@@ -29,8 +29,8 @@ inline constexpr double seconds_per_update = 0.02;
 /// The fastest rotation, radians per second: half a radian from one update to the next.
 inline constexpr double fastest_turn = 25;
 
-/// Error invalid_argument: numbers that are not finite, no axis or displacement, a period of zero,
-/// a rotation that is too fast.
+/// Error invalid_argument: numbers that are not finite, an axis or displacement that is zero or not
+/// 1e-100 to 1e100 long, a period that is not 1e-6 to 1e9 seconds, a rotation that is too fast.
 [[nodiscard]] Status check_script(const ObjectScript& script);
 
 /// The pose of an object that begins at `begin`. `middle` is that of its box, in its own frame.

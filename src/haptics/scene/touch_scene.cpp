@@ -26,6 +26,12 @@ Result<TouchBody> build_touch_body(const MeshIndex& index, const TouchBodyOption
     return build_contact_body(index, options).map(TouchAccess::wrap);
 }
 
+Result<TouchBody> refit_touch_body(const TouchBody& body, std::span<const Vec3> positions,
+                                   const Execution& execution)
+{
+    return refit_contact_body(contact_body(body), positions, execution).map(TouchAccess::wrap);
+}
+
 TouchScene::TouchScene(const Box& bounds) : surface_(std::make_unique<MovingSurface>(bounds)) {}
 TouchScene::TouchScene(TouchScene&& other) noexcept = default;
 TouchScene& TouchScene::operator=(TouchScene&& other) noexcept = default;
@@ -44,6 +50,11 @@ Status TouchScene::move(ObjectId object, const ObjectMotion& motion)
 Status TouchScene::exchange(ObjectId object, const TouchBody& body)
 {
     return surface_->exchange(object, TouchAccess::unwrap(body));
+}
+
+Status TouchScene::deform(ObjectId object, const TouchBody& body, double seconds)
+{
+    return surface_->change_shape(object, TouchAccess::unwrap(body), seconds);
 }
 
 SceneTick TouchScene::advance(double seconds) noexcept

@@ -21,14 +21,6 @@ namespace proxima {
 
 namespace {
 
-/// Computed distances are wrong by less than this part of the coordinates.
-constexpr double distance_rounding = 0x1p-46;
-
-double less_rounding(double distance, const SurfaceScale& scale, const Vec3& p) noexcept
-{
-    return distance - distance_rounding * (scale.reach + p.cwiseAbs().maxCoeff());
-}
-
 /// Computes the scale of triangles one by one.
 class ScaleSum {
 public:
@@ -123,6 +115,12 @@ bool has_list(const IndexParts& index, const Vec3& p) noexcept
 }
 
 } // namespace
+
+double less_rounding(double distance, const SurfaceScale& scale, const Vec3& p) noexcept
+{
+    constexpr double distance_rounding = 0x1p-46; // in parts of the coordinates
+    return distance - distance_rounding * (scale.reach + p.cwiseAbs().maxCoeff());
+}
 
 std::uint64_t new_edition() noexcept
 {

@@ -34,6 +34,10 @@ struct SurfaceScale {
 
 [[nodiscard]] SurfaceScale scale_of(const TriangleMesh& mesh);
 
+/// A lower bound of the distance of p that was computed as this.
+[[nodiscard]] double less_rounding(double distance, const SurfaceScale& scale,
+                                   const Vec3& p) noexcept;
+
 /// Triangles by position. Immutable during queries.
 class ContactSurface {
 public:

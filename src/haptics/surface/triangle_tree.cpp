@@ -96,9 +96,9 @@ TriangleTree TriangleTree::adopt(const Vec3& origin, double scale, double reach,
 // The steps of build_triangle_tree, in the order of their calls there.
 class TriangleTreeBuilder {
 public:
-    TriangleTreeBuilder(const TriangleMesh& mesh, std::span<const TriangleId> order,
-                        const Box& bounds)
-        : mesh_(mesh), order_(order)
+    TriangleTreeBuilder(const TriangleMesh& from, const TriangleMesh& to,
+                        std::span<const TriangleId> order, const Box& bounds)
+        : from_(from), to_(to), order_(order)
     {
         tree_.origin_ = bounds.center();
         const std::uint32_t count = tree_.lay_out(static_cast<std::uint32_t>(order.size()));
@@ -125,7 +125,9 @@ public:
             const std::size_t begin = std::size_t{group} * width;
             const std::size_t count = std::min<std::size_t>(width, order_.size() - begin);
             for (const TriangleId id : order_.subspan(begin, count)) {
-                for (const Vec3& vertex : mesh_.triangle(id).vertices) box.extend(vertex);
+                for (const Vec3& vertex : from_.triangle(id).vertices) box.extend(vertex);
+                if (&to_ == &from_) continue;
+                for (const Vec3& vertex : to_.triangle(id).vertices) box.extend(vertex);
             }
             for (std::size_t axis = 0; axis < 3; ++axis) {
                 const auto k = static_cast<Eigen::Index>(axis);
@@ -153,7 +155,8 @@ public:
     }
 
 private:
-    const TriangleMesh& mesh_;
+    const TriangleMesh& from_;
+    const TriangleMesh& to_;
     std::span<const TriangleId> order_;
     double margin_ = 0;
     std::vector<TriangleTreeBlock> blocks_;
@@ -164,14 +167,28 @@ Result<TriangleTree> build_triangle_tree(const TriangleMesh& mesh,
                                          std::span<const TriangleId> order,
                                          const Execution& execution)
 {
-    PROXIMA_CHECK_EQ(order.size(), mesh.triangle_count());
-    const Result<Box> bounds = checked_bounding_box(mesh);
+    return build_triangle_tree(mesh, mesh, order, execution);
+}
+
+Result<TriangleTree> build_triangle_tree(const TriangleMesh& from, const TriangleMesh& to,
+                                         std::span<const TriangleId> order,
+                                         const Execution& execution)
+{
+    PROXIMA_CHECK_EQ(order.size(), from.triangle_count());
+    PROXIMA_CHECK_EQ(order.size(), to.triangle_count());
+    Result<Box> bounds = checked_bounding_box(from);
+    if (bounds && &to != &from) {
+        const Result<Box> other = checked_bounding_box(to);
+        if (!other) return tl::unexpected(other.error());
+        bounds->extend(other->lower);
+        bounds->extend(other->upper);
+    }
     if (!bounds) return tl::unexpected(bounds.error());
     if (!(bounds->extent().maxCoeff() < max_extent)) {
         return fail(ErrorCode::invalid_mesh,
                     "the mesh is too large for squared distances to be numbers: scale it down");
     }
-    TriangleTreeBuilder builder(mesh, order, *bounds);
+    TriangleTreeBuilder builder(from, to, order, *bounds);
     begin_stage(execution.progress, "triangle tree", builder.group_blocks());
     parallel_chunks(builder.group_blocks(), blocks_per_task, execution.threads,
                     [&](std::size_t first, std::size_t end) {

@@ -102,6 +102,13 @@ private:
                                                        std::span<const TriangleId> order,
                                                        const Execution& execution = {});
 
+/// Like build_triangle_tree(), about the triangles of two meshes, or of all between them: boxes hold
+/// both. \pre the meshes have the same triangles
+[[nodiscard]] Result<TriangleTree> build_triangle_tree(const TriangleMesh& from,
+                                                       const TriangleMesh& to,
+                                                       std::span<const TriangleId> order,
+                                                       const Execution& execution = {});
+
 namespace detail {
 /// No entry anywhere.
 [[nodiscard]] TriangleTreeBlock empty_block() noexcept;

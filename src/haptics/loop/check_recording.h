@@ -1,0 +1,19 @@
+// The check that a recording can be replayed: a file may hold any numbers, under right checksums.
+//
+//     settings   what make_haptic_renderer takes, and no number so large or small that a product of
+//                several of them overflows
+//     objects    motions that never leave the bounds of their scene (object_script.h)
+//     ticks      positions that a device can have
+//
+// What a replay only compares (forces, proxies) or does not use may be anything.
+#pragma once
+
+#include "haptics/loop/recording.h"
+#include "proxima/result.h"
+
+namespace proxima {
+
+/// Error malformed_file, without a place, naming the first field that is out of range. O(ticks).
+[[nodiscard]] Status check_recording(const Recording& recording);
+
+} // namespace proxima
