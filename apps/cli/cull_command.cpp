@@ -1,5 +1,5 @@
 // proxima cull: the triangles and cells within a view volume (thesis section 5.4).
-#include "base/file_extension.h"
+#include "base/text.h"
 #include "cli/camera_options.h"
 #include "cli/commands.h"
 #include "cli/index_file_model.h"
@@ -31,7 +31,7 @@ struct CullOptions {
     std::string model;
     std::string frustum;
     CameraChoice camera; ///< without a frustum
-    std::string out;
+    std::string out; ///< "-" for stdout, empty for none
     std::string picture;
     std::optional<Vec2> picture_angles;
     bool exact = false;
@@ -176,6 +176,9 @@ void cull(Culled& culled, CullMode mode)
     count_all_cells(culled);
 }
 
+constexpr std::string_view nothing_inside =
+    "the planes contradict each other: no point is inside all";
+
 std::string text_of(const CullOptions& options, const Culled& culled)
 {
     const bool by_cells = options.method == QueryMethod::thesis;
@@ -194,14 +197,16 @@ std::string text_of(const CullOptions& options, const Culled& culled)
                               culled.triangles.size(), percent, culled.ranges.size(),
                               1e6 * culled.seconds, 1e6 * culled.id_seconds);
     text += fmt::format("{} of {} occupied cells visible\n", culled.cells, culled.all_cells);
-    if (culled.volume.empty()) text += "the planes contradict each other: no point is inside all\n";
+    if (culled.volume.empty()) text += concat(nothing_inside, '\n');
     for (const std::string& path : {options.out, options.picture})
         if (!path.empty()) text += fmt::format("wrote {}\n", path);
     return text;
 }
 
-Status run_cull(const CullOptions& options, Session& session)
+Status run_cull(const CullOptions& given, Session& session)
 {
+    CullOptions options = given;
+    options.out = rows_path(given.out, session, {given.picture});
     if (Status status = check_options(options, session); !status) return status;
     const auto prepared = prepare(options, session);
     if (!prepared) return tl::unexpected(prepared.error());
@@ -236,7 +241,11 @@ Status run_cull(const CullOptions& options, Session& session)
                 return status;
         }
     }
-    if (options.out != to_stdout) session.print(text_of(options, culled));
+    if (options.out != to_stdout) {
+        session.print(text_of(options, culled));
+    } else if (culled.volume.empty()) {
+        session.note(nothing_inside);
+    }
     return session.write_json(
         {{"model", options.model},
          {"triangles", culled.mesh.triangle_count()},
@@ -272,8 +281,8 @@ Command add_cull_command(CLI::App& app)
     parser
         ->add_option(
             "--out", options->out,
-            "Write the visible triangles: ids as .csv, .npy or - for CSV to stdout, a mesh as "
-            ".obj, .ply, .off or .stl")
+            "Write the visible triangles: ids as .csv, .npy, or - for CSV to stdout, where they "
+            "go if no output is named; a mesh as .obj, .ply, .off or .stl")
         ->type_name("FILE");
     parser
         ->add_option("--picture", options->picture,

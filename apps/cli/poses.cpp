@@ -121,7 +121,7 @@ std::string rotation_text(double rotation_error)
 {
     if (rotation_error == 0) return {};
     return fmt::format("rotations are rounded, R^T R is up to {:.2g} away from the identity: the "
-                       "nearest rotations were used\n",
+                       "nearest rotations were used",
                        rotation_error);
 }
 

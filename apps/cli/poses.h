@@ -38,8 +38,7 @@ struct Poses {
 /// invalid_argument for a row that is no rigid transform, naming its line (of .npy its row, from 0).
 [[nodiscard]] Result<Poses> read_poses(const std::string& path_or_pose, Progress* progress);
 
-/// A line that says that rotations were replaced, and by how much they were off; empty where they
-/// were exact.
+/// Says that rotations were replaced, and by how much they were off; empty where they were exact.
 [[nodiscard]] std::string rotation_text(double rotation_error);
 
 } // namespace proxima

@@ -58,6 +58,11 @@ void Session::print(std::string_view text) const
     std::fwrite(text.data(), 1, text.size(), stdout); // finish() asks whether it arrived
 }
 
+void Session::note(std::string_view line)
+{
+    if (!options_.quiet) notes_.emplace_back(line);
+}
+
 Status Session::write_json(const nlohmann::ordered_json& result) const
 {
     if (options_.json.empty()) return {};

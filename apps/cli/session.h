@@ -60,6 +60,11 @@ public:
     /// Writes text for people to stdout, unless they want none or stdout is for JSON.
     void print(std::string_view text) const;
 
+    /// A line for people, unless they want none, on what was decided for them. The command ends with
+    /// it, on stderr.
+    void note(std::string_view line);
+    [[nodiscard]] const std::vector<std::string>& notes() const noexcept { return notes_; }
+
     /// Writes the result where --json says; nothing without it.
     [[nodiscard]] Status write_json(const nlohmann::ordered_json& result) const;
 
@@ -83,6 +88,7 @@ private:
 
     CommonOptions options_;
     Progress progress_;
+    std::vector<std::string> notes_;
 };
 
 } // namespace proxima
