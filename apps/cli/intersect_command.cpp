@@ -344,7 +344,7 @@ Status run_intersect(const IntersectOptions& given, Session& session)
     if (Status status = check_options(options, session); !status) return status;
     Poses read{.poses = std::vector<RigidTransform>(1)};
     if (!options.poses.empty()) {
-        auto table = read_poses(options.poses, &session.progress());
+        auto table = read_poses(options.poses, session);
         if (!table) return tl::unexpected(table.error());
         read = std::move(*table);
     }

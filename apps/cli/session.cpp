@@ -107,6 +107,13 @@ Result<TriangleMesh> Session::load_model(const std::string& model)
                 mesh.error().where);
 }
 
+Result<NumberTable> Session::load_table(const std::string& path, const TableForm& form)
+{
+    auto table = read_number_table(path, form, {.execution = {.progress = &progress_}});
+    if (table && !table->note.empty()) note(table->note);
+    return table;
+}
+
 Status Session::check_running() const
 {
     if (!progress_.cancelled()) return {};

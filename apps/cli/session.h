@@ -1,6 +1,7 @@
 // What every subcommand has: the common options, progress that Ctrl-C stops, and where output goes.
 #pragma once
 
+#include "cli/number_table.h"
 #include "cli/progress_bar.h"
 #include "proxima/execution.h"
 #include "proxima/result.h"
@@ -73,6 +74,9 @@ public:
 
     /// The mesh of a built-in name or a file.
     [[nodiscard]] Result<TriangleMesh> load_model(const std::string& model);
+
+    /// The table of a file, with its note. Errors as read_number_table.
+    [[nodiscard]] Result<NumberTable> load_table(const std::string& path, const TableForm& form);
 
     /// Error cancelled once somebody asked to stop: to be asked between steps.
     [[nodiscard]] Status check_running() const;
