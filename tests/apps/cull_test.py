@@ -183,8 +183,29 @@ class Cameras(ProgramTest):
         report = self.succeed("cull", "torus:20x10", "--frustum", path, "--picture", self.folder / "p.png")
         self.assertIn(" triangles visible", report)
         self.refuse("cull", "cube", "--frustum", path, "--out", "-", "--json", "-", says="stdout")
-        self.refuse("cull", "cube", says=("--frustum", "--view"))
-        self.refuse("cull", "cube", "--frustum", path, "--view", "top", says=("--frustum", "--view"))
+        self.refuse("cull", "cube", says=("--plane", "--frustum", "--view"))
+        for planes in (("--frustum", path), ("--plane", "1,0,0,0")):
+            self.refuse("cull", "cube", *planes, "--view", "top", says=("--plane", "--frustum", "--view"))
+
+
+class Planes(ProgramTest):
+    def test_on_the_command_line_are_those_of_a_file(self):
+        rng = random.Random(13)
+        for count in (1, 2, 5):
+            planes = some_planes(rng, count)
+            path = self.file("f.csv", planes_text(planes))
+            options = [part for plane in planes for part in ("--plane", ",".join(map(repr, plane)))]
+            for exact in ((), ("--exact",)):
+                expected = self.succeed("cull", "torus:30x20", "--frustum", path, *exact)
+                self.assertEqual(self.succeed("cull", "torus:30x20", *options, *exact), expected)
+            self.assertEqual(self.json_of("cull", "torus:30x20", *options)["planes"], count)
+        self.assertTrue(1 < expected.count("\n") < 1200)
+
+    def test_that_are_none(self):
+        for plane, says in (("1,2,3", "3 numbers"), ("1,2,3,nan", "finite"), ("a,b,c,d", "no number"), ("0,0,0,1", "plane 1")):
+            self.refuse("cull", "cube", "--plane", "1,0,0,0", "--plane", plane, says=("--plane", says))
+        path = self.file("f.csv", "1,0,0,0\n")
+        self.refuse("cull", "cube", "--plane", "1,0,0,0", "--frustum", path, status=2, says=("--plane", "--frustum"))
 
 
 class Refusing(ProgramTest):

@@ -262,6 +262,7 @@ TASKS = [
     ("What does a camera see?", "proxima cull m.off --view front", lambda t: t.ids(t.out) == set(range(len(t.mesh.faces)))),
     ("What is on this side of a plane?", "proxima cull m.off --frustum plane.csv --exact",
      lambda t: t.ids(t.out) == {i for i, f in enumerate(t.mesh.triangles()) if max(p[0] for p in f) >= t.mesh.middle[0]}),
+    ("... and between two planes?", "proxima cull cube.off --plane 0,0,1,-0.5 --plane 0,0,-1,2 --exact", lambda t: {2, 3} < t.ids(t.out) < set(range(12))),
     ("Keep only that part.", "proxima cull m.off --frustum plane.csv --out part.off --picture part.png",
      lambda t: Mesh(t.path("part.off")).upper[0] == t.mesh.upper[0] and png_size(t.path("part.png")) == (1280, 960)),
     # Two meshes
