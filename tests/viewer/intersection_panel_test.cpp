@@ -134,6 +134,26 @@ TEST(IntersectionPanel, LeavesACameraThatAPersonMovedMeanwhile)
     EXPECT_TRUE(same(moved, viewer.camera()));
 }
 
+TEST(IntersectionPanel, LeavesTheCameraWhereNothingMetAtFirst)
+{
+    const SmallSphere small("apart_at_first_test.obj");
+    Viewer viewer;
+    viewer.resize(shown_size);
+    ASSERT_TRUE(viewer.choose_panel("intersection"));
+    viewer.open({"icosphere:3", small.path()});
+    while (viewer.models().empty()) viewer.update(0.0);
+    const auto put = [&](const std::vector<std::string>& settings) {
+        const Status applied =
+            apply_settings(settings, [&](Controls& controls) { viewer.offer(controls); });
+        return applied && viewer.finish();
+    };
+    ASSERT_TRUE(put({"position x=3"}));
+    const OrbitCamera apart = viewer.camera();
+    ASSERT_TRUE(put({"position x=0.95", "position y=0", "position z=0"}));
+    EXPECT_TRUE(viewer.picture().focus.has_value());
+    EXPECT_TRUE(same(apart, viewer.camera()));
+}
+
 TEST(IntersectionPanel, ReportsTheDistanceOfMeshes)
 {
     Shown shown({"icosphere:2", "cube"}, "intersection");
