@@ -101,7 +101,10 @@ int run(const Command& command, const CommonOptions& options)
     if (status) status = session.check_outputs({});
     if (status) status = command.run(session);
     if (status) status = session.finish();
-    if (status) return 0;
+    if (status) {
+        for (const std::string& note : session.notes()) report(note);
+        return 0;
+    }
     report(advice_of(status.error(), *command.parser));
     const int signal = InterruptGuard::signal_number();
     return status.error().code == ErrorCode::cancelled && signal != 0 ? first_signal_status + signal

@@ -1,5 +1,5 @@
 // proxima cull: the triangles and cells within a view volume (thesis section 5.4).
-#include "base/file_extension.h"
+#include "base/text.h"
 #include "cli/camera_options.h"
 #include "cli/commands.h"
 #include "cli/index_file_model.h"
@@ -30,8 +30,11 @@ namespace {
 struct CullOptions {
     std::string model;
     std::string frustum;
-    CameraChoice camera; ///< without a frustum
-    std::string out;
+    std::vector<std::string> planes; ///< instead, a row each
+    CameraChoice camera;             ///< without either
+
+    [[nodiscard]] bool has_planes() const { return !frustum.empty() || !planes.empty(); }
+    std::string out; ///< "-" for stdout, empty for none
     std::string picture;
     std::optional<Vec2> picture_angles;
     bool exact = false;
@@ -46,10 +49,13 @@ CullMode mode_of(const CullOptions& options)
 }
 
 /// A row a,b,c,d per plane.
-Result<ViewVolume> read_volume(const std::string& path, Progress* progress)
+Result<ViewVolume> volume_of_planes(const CullOptions& options, Session& session)
 {
     constexpr std::array<std::string_view, 1> layouts = {"a,b,c,d"};
-    const auto table = read_number_table(path, {layouts}, {.execution = {.progress = progress}});
+    constexpr const char* option = "--plane";
+    const auto table = options.planes.empty()
+                           ? session.load_table(options.frustum, {layouts})
+                           : parse_number_rows(options.planes, {layouts}, option);
     if (!table) return tl::unexpected(table.error());
     std::vector<ViewPlane> planes(table->rows());
     for (std::size_t i = 0; i < planes.size(); ++i) {
@@ -57,7 +63,10 @@ Result<ViewVolume> read_volume(const std::string& path, Progress* progress)
         planes[i] = {{row[0], row[1], row[2]}, row[3]};
     }
     auto volume = make_view_volume(planes);
-    if (!volume) return fail(volume.error().code, volume.error().message, path);
+    if (!volume) {
+        return fail(volume.error().code, volume.error().message,
+                    options.planes.empty() ? options.frustum : option);
+    }
     return volume;
 }
 
@@ -79,13 +88,13 @@ Result<ViewVolume> volume_of_camera(const CullOptions& options, const TriangleMe
 
 Status check_options(const CullOptions& options, const Session& session)
 {
-    // With a frustum, --up is for the picture.
+    // With planes, --up is for the picture.
     CameraChoice camera = options.camera;
-    if (!options.frustum.empty()) camera.up = {};
-    if (options.frustum.empty() != camera.has_any()) {
+    if (options.has_planes()) camera.up = {};
+    if (options.has_planes() == camera.has_any()) {
         return fail(ErrorCode::invalid_argument,
-                    "give either the planes of --frustum or a camera: --view, --eye, --target, "
-                    "--fov, --up",
+                    "give either planes, by --plane or --frustum, or a camera: --view, --eye, "
+                    "--target, --fov, --up",
                     "cull");
     }
     if (options.exact && options.method == QueryMethod::thesis) {
@@ -121,8 +130,8 @@ Result<std::unique_ptr<Culled>> prepare(const CullOptions& options, Session& ses
     if (!mesh) return tl::unexpected(mesh.error());
     culled->mesh = std::move(*mesh);
     const ProgressBar shown(session.progress(), session.bar());
-    auto volume = options.frustum.empty() ? volume_of_camera(options, culled->mesh)
-                                          : read_volume(options.frustum, &session.progress());
+    auto volume = options.has_planes() ? volume_of_planes(options, session)
+                                       : volume_of_camera(options, culled->mesh);
     if (!volume) return tl::unexpected(volume.error());
     culled->volume = std::move(*volume);
     const Stopwatch watch;
@@ -176,6 +185,9 @@ void cull(Culled& culled, CullMode mode)
     count_all_cells(culled);
 }
 
+constexpr std::string_view nothing_inside =
+    "the planes contradict each other: no point is inside all";
+
 std::string text_of(const CullOptions& options, const Culled& culled)
 {
     const bool by_cells = options.method == QueryMethod::thesis;
@@ -194,14 +206,16 @@ std::string text_of(const CullOptions& options, const Culled& culled)
                               culled.triangles.size(), percent, culled.ranges.size(),
                               1e6 * culled.seconds, 1e6 * culled.id_seconds);
     text += fmt::format("{} of {} occupied cells visible\n", culled.cells, culled.all_cells);
-    if (culled.volume.empty()) text += "the planes contradict each other: no point is inside all\n";
+    if (culled.volume.empty()) text += concat(nothing_inside, '\n');
     for (const std::string& path : {options.out, options.picture})
         if (!path.empty()) text += fmt::format("wrote {}\n", path);
     return text;
 }
 
-Status run_cull(const CullOptions& options, Session& session)
+Status run_cull(const CullOptions& given, Session& session)
 {
+    CullOptions options = given;
+    options.out = rows_path(given.out, session, {given.picture});
     if (Status status = check_options(options, session); !status) return status;
     const auto prepared = prepare(options, session);
     if (!prepared) return tl::unexpected(prepared.error());
@@ -236,7 +250,11 @@ Status run_cull(const CullOptions& options, Session& session)
                 return status;
         }
     }
-    if (options.out != to_stdout) session.print(text_of(options, culled));
+    if (options.out != to_stdout) {
+        session.print(text_of(options, culled));
+    } else if (culled.volume.empty()) {
+        session.note(nothing_inside);
+    }
     return session.write_json(
         {{"model", options.model},
          {"triangles", culled.mesh.triangle_count()},
@@ -263,17 +281,22 @@ Command add_cull_command(CLI::App& app)
         "cull", "Find the triangles and cells in a camera's view; occlusion is not tested");
     const auto options = std::make_shared<CullOptions>();
     add_model_option(*parser, options->model, ModelKinds::meshes_and_indexes);
-    parser
-        ->add_option("--frustum", options->frustum,
-                     "The view volume: .npy, or text, of a,b,c,d per plane, inside where "
-                     "a x + b y + c z + d >= 0; - for stdin")
-        ->type_name("FILE");
+    CLI::Option* const frustum =
+        parser
+            ->add_option("--frustum", options->frustum,
+                         "The view volume: .npy, or text, of a,b,c,d per plane, inside where "
+                         "a x + b y + c z + d >= 0; - for stdin")
+            ->type_name("FILE");
+    parser->add_option("--plane", options->planes, "Instead: a plane; again for more")
+        ->allow_extra_args(false)
+        ->excludes(frustum)
+        ->type_name("A,B,C,D");
     add_camera_options(*parser, options->camera, "what is culled");
     parser
         ->add_option(
             "--out", options->out,
-            "Write the visible triangles: ids as .csv, .npy or - for CSV to stdout, a mesh as "
-            ".obj, .ply, .off or .stl")
+            "Write the visible triangles: ids as .csv, .npy, or - for CSV to stdout, where they "
+            "go if no output is named; a mesh as .obj, .ply, .off or .stl")
         ->type_name("FILE");
     parser
         ->add_option("--picture", options->picture,

@@ -40,7 +40,7 @@ struct IntersectOptions {
     std::string model_a;
     std::string model_b;
     std::string poses;
-    std::string out;
+    std::string out; ///< "-" for stdout, empty for none
     std::string pairs;
     std::string contour;
     std::string picture;
@@ -194,6 +194,15 @@ std::uint64_t distinct_cells(const std::vector<LeafPair>& pairs, Cell LeafPair::
     return static_cast<std::uint64_t>(std::unique(keys.begin(), keys.end()) - keys.begin());
 }
 
+MeetingCells cells_of(const PoseAnswer& answer)
+{
+    return {.pairs = answer.leaves.size(),
+            .of_a = distinct_cells(answer.leaves, &LeafPair::a),
+            .of_b = distinct_cells(answer.leaves, &LeafPair::b),
+            .triangles_of_a = answer.candidates.a.size(),
+            .triangles_of_b = answer.candidates.b.size()};
+}
+
 Json json_of(const PoseAnswer& answer, const IntersectOptions& options)
 {
     Json json = {{"intersecting", !answer.pairs.empty()},
@@ -221,11 +230,12 @@ Json json_of(const PoseAnswer& answer, const IntersectOptions& options)
         json["distance_seconds"] = answer.distance_seconds;
     }
     if (options.cells) {
-        json["cells"] = {{"pairs", answer.leaves.size()},
-                         {"a", distinct_cells(answer.leaves, &LeafPair::a)},
-                         {"b", distinct_cells(answer.leaves, &LeafPair::b)},
-                         {"triangles_a", answer.candidates.a.size()},
-                         {"triangles_b", answer.candidates.b.size()},
+        const MeetingCells cells = cells_of(answer);
+        json["cells"] = {{"pairs", cells.pairs},
+                         {"a", cells.of_a},
+                         {"b", cells.of_b},
+                         {"triangles_a", cells.triangles_of_a},
+                         {"triangles_b", cells.triangles_of_b},
                          {"tests", answer.cell_tests},
                          {"seconds", answer.cell_seconds}};
     }
@@ -256,11 +266,11 @@ std::string text_of(const PoseAnswer& answer, const IntersectOptions& options)
                             to_index(answer.nearest->triangle_b), 1e6 * answer.distance_seconds);
     }
     if (options.cells) {
+        const MeetingCells cells = cells_of(answer);
         text += fmt::format("; {} pairs of cells ({} of A, {} of B) hold {} and {} triangles, "
                             "{:.1f} us",
-                            answer.leaves.size(), distinct_cells(answer.leaves, &LeafPair::a),
-                            distinct_cells(answer.leaves, &LeafPair::b), answer.candidates.a.size(),
-                            answer.candidates.b.size(), 1e6 * answer.cell_seconds);
+                            cells.pairs, cells.of_a, cells.of_b, cells.triangles_of_a,
+                            cells.triangles_of_b, 1e6 * answer.cell_seconds);
     }
     return text + '\n';
 }
@@ -273,9 +283,11 @@ public:
     void add(std::uint64_t pose, const PoseAnswer& answer)
     {
         if (!options_.out.empty()) {
-            poses_ += pose_row(answer_format(options_.out).value(), pose,
-                               {answer.pairs.size(), answer.inside.containment,
-                                answer.nearest ? &*answer.nearest : nullptr});
+            PoseRow row = {.pairs = answer.pairs.size(),
+                           .containment = answer.inside.containment,
+                           .nearest = answer.nearest ? &*answer.nearest : nullptr};
+            if (options_.cells) row.cells = cells_of(answer);
+            poses_ += pose_row(answer_format(options_.out).value(), pose, row);
             ++pose_count_;
         }
         if (!options_.pairs.empty()) {
@@ -292,7 +304,8 @@ public:
     {
         auto rows = RowWriter::open(options_.out);
         if (!rows) return tl::unexpected(rows.error());
-        const std::string header = pose_header(rows->format(), options_.distance, pose_count_);
+        const std::string header = pose_header(
+            rows->format(), {.distance = options_.distance, .cells = options_.cells}, pose_count_);
         if (Status status = rows->write(header + poses_); !status) return status;
         if (Status status = rows->commit(); !status) return status;
         if (!options_.pairs.empty()) {
@@ -324,14 +337,16 @@ private:
     std::uint64_t next_vertex_ = 1;
 };
 
-Status run_intersect(const IntersectOptions& options, Session& session)
+Status run_intersect(const IntersectOptions& given, Session& session)
 {
+    IntersectOptions options = given;
+    options.out = rows_path(given.out, session, {given.pairs, given.contour, given.picture});
     if (Status status = check_options(options, session); !status) return status;
     Poses read{.poses = std::vector<RigidTransform>(1)};
     if (!options.poses.empty()) {
-        auto given = read_poses(options.poses, &session.progress());
-        if (!given) return tl::unexpected(given.error());
-        read = std::move(*given);
+        auto table = read_poses(options.poses, session);
+        if (!table) return tl::unexpected(table.error());
+        read = std::move(*table);
     }
     const std::vector<RigidTransform>& poses = read.poses;
     const auto a = std::make_unique<Body>();
@@ -380,13 +395,18 @@ Status run_intersect(const IntersectOptions& options, Session& session)
     }
     if (Status status = texts.write(); !status) return status;
     if (poses.size() > shown_poses) text += "...\n";
-    text += rotation_text(read.rotation_error);
+    const std::string rotated = rotation_text(read.rotation_error);
+    if (!rotated.empty()) text += rotated + '\n';
     text += fmt::format("{} of {} poses intersect, {:.1f} us each\n", intersecting, poses.size(),
                         1e6 * seconds / static_cast<double>(poses.size()));
     for (const std::string& path : {options.out, options.pairs, options.contour, options.picture}) {
         if (!path.empty()) text += fmt::format("wrote {}\n", path);
     }
-    if (options.out != to_stdout) session.print(text);
+    if (options.out != to_stdout) {
+        session.print(text);
+    } else if (!rotated.empty()) {
+        session.note(rotated);
+    }
     return session.write_json({{"a", a->model},
                                {"b", b->model},
                                {"triangles_a", a->mesh.triangle_count()},
@@ -418,8 +438,9 @@ Command add_intersect_command(CLI::App& app)
         ->type_name("POSE|FILE");
     parser
         ->add_option("--out", options->out,
-                     "Write what was found, a row per pose: .csv, .npy or - for CSV to stdout, of "
-                     "pose,intersecting,pairs,contained, and of the distance if asked for")
+                     "Write what was found, a row per pose of pose,intersecting,pairs,contained, "
+                     "with what --distance and --cells add: .csv, .npy, or - for CSV to stdout, "
+                     "where it goes if no output is named")
         ->type_name("FILE");
     parser
         ->add_option("--pairs", options->pairs,

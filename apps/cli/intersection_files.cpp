@@ -3,9 +3,11 @@
 #include "cli/npy_header.h"
 #include "cli/row_text.h"
 
+#include <algorithm>
 #include <array>
 #include <fmt/format.h>
 #include <iterator>
+#include <vector>
 
 namespace proxima {
 
@@ -26,30 +28,36 @@ std::string pair_rows(AnswerFormat format, std::uint64_t pose, std::span<const T
     return fmt::to_string(text);
 }
 
-std::string pose_header(AnswerFormat format, bool with_distance, std::uint64_t rows)
+std::string pose_header(AnswerFormat format, PoseColumns columns, std::uint64_t rows)
 {
-    if (format == AnswerFormat::npy) return npy_header(rows, with_distance ? 13 : 4);
-    return fmt::format("pose,intersecting,pairs,contained{}\n",
-                       with_distance ? ",separation,ax,ay,az,bx,by,bz,triangle_a,triangle_b" : "");
+    std::string names = "pose,intersecting,pairs,contained";
+    if (columns.distance) names += ",separation,ax,ay,az,bx,by,bz,triangle_a,triangle_b";
+    if (columns.cells) names += ",cell_pairs,cells_a,cells_b,cell_triangles_a,cell_triangles_b";
+    if (format == AnswerFormat::csv) return names + '\n';
+    return npy_header(rows, 1 + static_cast<std::size_t>(std::ranges::count(names, ',')));
 }
 
 std::string pose_row(AnswerFormat format, std::uint64_t pose, const PoseRow& row)
 {
-    fmt::memory_buffer text;
-    const std::array<double, 4> first = {static_cast<double>(pose), row.pairs > 0 ? 1.0 : 0.0,
-                                         static_cast<double>(row.pairs),
-                                         static_cast<double>(row.containment)};
-    if (!row.nearest) {
-        append_row(text, format, first);
-        return fmt::to_string(text);
+    std::vector<double> numbers = {static_cast<double>(pose), row.pairs > 0 ? 1.0 : 0.0,
+                                   static_cast<double>(row.pairs),
+                                   static_cast<double>(row.containment)};
+    if (row.nearest) {
+        const MeshDistance& nearest = *row.nearest;
+        numbers.push_back(nearest.distance);
+        for (const Vec3& point : {nearest.point_a, nearest.point_b})
+            numbers.insert(numbers.end(), point.begin(), point.end());
+        for (const TriangleId id : {nearest.triangle_a, nearest.triangle_b})
+            numbers.push_back(static_cast<double>(to_index(id)));
     }
-    const MeshDistance& nearest = *row.nearest;
-    append_row(text, format,
-               std::array<double, 13>{first[0], first[1], first[2], first[3], nearest.distance,
-                                      nearest.point_a.x(), nearest.point_a.y(), nearest.point_a.z(),
-                                      nearest.point_b.x(), nearest.point_b.y(), nearest.point_b.z(),
-                                      static_cast<double>(to_index(nearest.triangle_a)),
-                                      static_cast<double>(to_index(nearest.triangle_b))});
+    if (row.cells) {
+        const MeetingCells& cells = *row.cells;
+        for (const std::uint64_t count :
+             {cells.pairs, cells.of_a, cells.of_b, cells.triangles_of_a, cells.triangles_of_b})
+            numbers.push_back(static_cast<double>(count));
+    }
+    fmt::memory_buffer text;
+    append_row(text, format, numbers);
     return fmt::to_string(text);
 }
 

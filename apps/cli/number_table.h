@@ -6,7 +6,8 @@
 //     # anything         comments and empty lines are passed over
 //
 // What numpy.savetxt and pandas write by default is read: a header behind #, an unnamed column of
-// row numbers. A .npy file holds one array of floats or whole numbers of any size, in C or Fortran
+// row numbers. A first line 0,1,2, which pandas writes for columns without names, is a header where
+// every other number of the text has a decimal point or an exponent, as those of floats have. A .npy file holds one array of floats or whole numbers of any size, in C or Fortran
 // order, of shape (rows, columns); (rows, 3, 4) has 12 columns, and a single row may be of any shape.
 #pragma once
 
@@ -44,6 +45,9 @@ struct NumberTable {
     };
     std::vector<Lines> lines; ///< none of an array
     std::string name;         ///< of the file
+
+    /// What was taken for what, in a line for people, where the text leaves it open; else empty.
+    std::string note = {};
 };
 
 /// What a table may hold.

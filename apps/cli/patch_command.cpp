@@ -35,7 +35,7 @@ struct PatchOptions {
     Vec3 point = Vec3::Zero();
     int rings = default_rings;
     std::optional<double> radius; ///< instead of the rings
-    std::string out;
+    std::string out;              ///< "-" for stdout, empty for none
 };
 
 /// The surface and what searches it.
@@ -203,8 +203,10 @@ Json json_of(const PatchOptions& options, const PatchModel& model, const Collect
     return result;
 }
 
-Status run_patch(const PatchOptions& options, Session& session)
+Status run_patch(const PatchOptions& given, Session& session)
 {
+    PatchOptions options = given;
+    options.out = rows_path(given.out, session);
     if (!options.out.empty()) {
         if (Status status = check_triangle_file_format(options.out); !status) return status;
         if (Status status = check_outputs_or_stdout(options.out, session); !status) return status;
@@ -285,8 +287,8 @@ Command add_patch_command(CLI::App& app)
     parser
         ->add_option(
             "--out", options->out,
-            "Write the triangles: ids as .csv, .npy or - for CSV to stdout, a mesh of just "
-            "them as .obj, .ply, .off or .stl")
+            "Write the triangles: ids as .csv, .npy, or - for CSV to stdout, where they go "
+            "without --out and --json; a mesh of just them as .obj, .ply, .off or .stl")
         ->type_name("FILE");
     return {parser, [options](Session& session) { return run_patch(*options, session); }};
 }

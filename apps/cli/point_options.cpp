@@ -37,7 +37,7 @@ Result<NumberTable> read_points(const PointOptions& options, Session& session)
     const TableForm form = {point_layouts};
     if (options.file.empty()) return parse_number_rows(options.points, form, "--point");
     const ProgressBar shown(session.progress(), session.bar());
-    return read_number_table(options.file, form, {.execution = {.progress = &session.progress()}});
+    return session.load_table(options.file, form);
 }
 
 } // namespace proxima

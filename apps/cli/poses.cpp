@@ -98,15 +98,14 @@ Result<Poses> parse_pose(std::string_view text)
     return poses;
 }
 
-Result<Poses> read_poses(const std::string& path_or_pose, Progress* progress)
+Result<Poses> read_poses(const std::string& path_or_pose, Session& session)
 {
     // Files may have numbers for names, but hardly three of them and commas.
     const std::string_view text = path_or_pose;
     const bool is_pose = text.find(',') != std::string_view::npos &&
                          parse_finite_numbers(text.substr(0, text.find('@'))).has_value();
     if (is_pose) return parse_pose(text);
-    const auto table =
-        read_number_table(path_or_pose, {pose_layouts}, {.execution = {.progress = progress}});
+    const auto table = session.load_table(path_or_pose, {pose_layouts});
     if (!table) return tl::unexpected(table.error());
     Poses poses;
     poses.poses.reserve(table->rows());
@@ -121,7 +120,7 @@ std::string rotation_text(double rotation_error)
 {
     if (rotation_error == 0) return {};
     return fmt::format("rotations are rounded, R^T R is up to {:.2g} away from the identity: the "
-                       "nearest rotations were used\n",
+                       "nearest rotations were used",
                        rotation_error);
 }
 

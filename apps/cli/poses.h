@@ -8,7 +8,7 @@
 // and on the command line also tx,ty,tz@ax,ay,az,degrees: turned about an axis, then moved.
 #pragma once
 
-#include "proxima/execution.h"
+#include "cli/session.h"
 #include "proxima/geometry.h"
 #include "proxima/result.h"
 
@@ -36,10 +36,9 @@ struct Poses {
 
 /// One pose as parse_pose() takes it, or a table's. Errors as read_number_table, and
 /// invalid_argument for a row that is no rigid transform, naming its line (of .npy its row, from 0).
-[[nodiscard]] Result<Poses> read_poses(const std::string& path_or_pose, Progress* progress);
+[[nodiscard]] Result<Poses> read_poses(const std::string& path_or_pose, Session& session);
 
-/// A line that says that rotations were replaced, and by how much they were off; empty where they
-/// were exact.
+/// Says that rotations were replaced, and by how much they were off; empty where they were exact.
 [[nodiscard]] std::string rotation_text(double rotation_error);
 
 } // namespace proxima

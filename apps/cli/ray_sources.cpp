@@ -35,9 +35,9 @@ Result<std::vector<Ray>> rays_of(const Result<NumberTable>& table)
 
 } // namespace
 
-Result<std::vector<Ray>> read_rays(const std::string& path, Progress* progress)
+Result<std::vector<Ray>> read_rays(const std::string& path, Session& session)
 {
-    return rays_of(read_number_table(path, ray_form, {.execution = {.progress = progress}}));
+    return rays_of(session.load_table(path, ray_form));
 }
 
 Result<std::vector<Ray>> parse_rays(std::span<const std::string> rays)

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "cli/camera.h"
-#include "proxima/execution.h"
+#include "cli/session.h"
 #include "proxima/geometry.h"
 #include "proxima/result.h"
 
@@ -17,7 +17,7 @@ namespace proxima {
 
 /// Rays of a table ox,oy,oz,dx,dy,dz or ox,oy,oz,dx,dy,dz,tmin,tmax. Errors as read_number_table,
 /// and invalid_argument for a row that is no ray.
-[[nodiscard]] Result<std::vector<Ray>> read_rays(const std::string& path, Progress* progress);
+[[nodiscard]] Result<std::vector<Ray>> read_rays(const std::string& path, Session& session);
 
 /// The same, of the command line.
 [[nodiscard]] Result<std::vector<Ray>> parse_rays(std::span<const std::string> rays);

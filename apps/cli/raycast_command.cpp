@@ -82,8 +82,8 @@ Result<std::unique_ptr<Casting>> prepare(const RaycastOptions& options, Session&
     if (!box) return at_model(box.error(), options.model);
     const ProgressBar shown(session.progress(), session.bar());
     if (!options.has_camera) {
-        auto rays = options.rays.empty() ? read_rays(options.rays_file, &session.progress())
-                                         : parse_rays(options.rays);
+        auto rays =
+            options.rays.empty() ? read_rays(options.rays_file, session) : parse_rays(options.rays);
         if (!rays) return tl::unexpected(rays.error());
         casting->rays = RayList(std::move(*rays));
     } else {

@@ -3,22 +3,21 @@
 
 #include "cli/answer_table.h"
 
-#include <array>
 #include <cstddef>
 #include <fmt/format.h>
 #include <iterator>
+#include <span>
 
 namespace proxima {
 
-template <std::size_t Count>
-void append_row(fmt::memory_buffer& text, AnswerFormat format, const std::array<double, Count>& row)
+inline void append_row(fmt::memory_buffer& text, AnswerFormat format, std::span<const double> row)
 {
     if (format == AnswerFormat::npy) {
         const char* const raw = reinterpret_cast<const char*>(row.data());
-        text.append(raw, raw + sizeof(row));
+        text.append(raw, raw + row.size_bytes());
         return;
     }
-    for (std::size_t i = 0; i < Count; ++i)
+    for (std::size_t i = 0; i < row.size(); ++i)
         fmt::format_to(std::back_inserter(text), "{}{:.17g}", i == 0 ? "" : ",", row[i]);
     text.push_back('\n');
 }

@@ -1,6 +1,7 @@
 #include "cli/row_writer.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 
 namespace proxima {
@@ -14,9 +15,12 @@ void add_rows_option(CLI::App& parser, std::string& path)
         ->type_name("FILE");
 }
 
-std::string rows_path(const std::string& out, const Session& session)
+std::string rows_path(const std::string& out, const Session& session,
+                      const std::vector<std::string>& others)
 {
-    return out.empty() && session.options().json.empty() ? to_stdout : out;
+    const bool nothing_else =
+        session.options().json.empty() && std::ranges::all_of(others, &std::string::empty);
+    return out.empty() && nothing_else ? to_stdout : out;
 }
 
 Status check_rows(const std::string& path, const Session& session,

@@ -19,8 +19,10 @@ namespace proxima {
 /// --out, the file of a command's answers.
 void add_rows_option(CLI::App& parser, std::string& path);
 
-/// Where rows go: as --out says, else to stdout, unless --json was asked for instead.
-[[nodiscard]] std::string rows_path(const std::string& out, const Session& session);
+/// Where rows go: as --out says, else to stdout, unless --json or one of `others`, which are paths
+/// or empty, was asked for instead.
+[[nodiscard]] std::string rows_path(const std::string& out, const Session& session,
+                                    const std::vector<std::string>& others = {});
 
 /// What would go wrong with rows to `path`: to be asked before long work. Errors: those of
 /// answer_format and Session::check_outputs; invalid_argument where --json goes to stdout too.

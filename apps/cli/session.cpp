@@ -58,6 +58,11 @@ void Session::print(std::string_view text) const
     std::fwrite(text.data(), 1, text.size(), stdout); // finish() asks whether it arrived
 }
 
+void Session::note(std::string_view line)
+{
+    if (!options_.quiet) notes_.emplace_back(line);
+}
+
 Status Session::write_json(const nlohmann::ordered_json& result) const
 {
     if (options_.json.empty()) return {};
@@ -100,6 +105,13 @@ Result<TriangleMesh> Session::load_model(const std::string& model)
     return fail(mesh.error().code,
                 concat(mesh.error().message, "; did you mean the built-in ", built_in, "?"),
                 mesh.error().where);
+}
+
+Result<NumberTable> Session::load_table(const std::string& path, const TableForm& form)
+{
+    auto table = read_number_table(path, form, {.execution = {.progress = &progress_}});
+    if (table && !table->note.empty()) note(table->note);
+    return table;
 }
 
 Status Session::check_running() const

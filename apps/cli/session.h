@@ -1,6 +1,7 @@
 // What every subcommand has: the common options, progress that Ctrl-C stops, and where output goes.
 #pragma once
 
+#include "cli/number_table.h"
 #include "cli/progress_bar.h"
 #include "proxima/execution.h"
 #include "proxima/result.h"
@@ -60,6 +61,11 @@ public:
     /// Writes text for people to stdout, unless they want none or stdout is for JSON.
     void print(std::string_view text) const;
 
+    /// A line for people, unless they want none, on what was decided for them. The command ends with
+    /// it, on stderr.
+    void note(std::string_view line);
+    [[nodiscard]] const std::vector<std::string>& notes() const noexcept { return notes_; }
+
     /// Writes the result where --json says; nothing without it.
     [[nodiscard]] Status write_json(const nlohmann::ordered_json& result) const;
 
@@ -68,6 +74,9 @@ public:
 
     /// The mesh of a built-in name or a file.
     [[nodiscard]] Result<TriangleMesh> load_model(const std::string& model);
+
+    /// The table of a file, with its note. Errors as read_number_table.
+    [[nodiscard]] Result<NumberTable> load_table(const std::string& path, const TableForm& form);
 
     /// Error cancelled once somebody asked to stop: to be asked between steps.
     [[nodiscard]] Status check_running() const;
@@ -83,6 +92,7 @@ private:
 
     CommonOptions options_;
     Progress progress_;
+    std::vector<std::string> notes_;
 };
 
 } // namespace proxima

@@ -78,6 +78,12 @@ bool begins_number(std::string_view field)
     return detail::parse_real(field.data(), field.data() + field.size(), value) != nullptr;
 }
 
+/// Whether a number is written without a point and an exponent.
+bool is_whole(std::string_view number)
+{
+    return number.find_first_not_of("+-0123456789") == std::string_view::npos;
+}
+
 class TextReader {
 public:
     TextReader(InputBytes& input, const TableForm& form, FirstLine first, MemoryBudget budget)
@@ -109,6 +115,7 @@ public:
             return fail(ErrorCode::malformed_file, concat("no row of ", form_.layouts[0], " in it"),
                         input_.name());
         }
+        if (begins_with_numbered_columns_) decide_on_first_row();
         return std::move(table_);
     }
 
@@ -160,7 +167,44 @@ private:
         if (Status status = use_layout(find_layout(form_, fields.size()), 0, fields.size());
             !status)
             return status;
-        return take_row(line);
+        Status status = take_row(line);
+        begins_with_numbered_columns_ = first_ == FirstLine::may_be_header && are_numbered(fields);
+        return status;
+    }
+
+    /// Whether columns are numbered from 0, as pandas does where they have no names.
+    [[nodiscard]] static bool are_numbered(std::span<const std::string_view> fields)
+    {
+        for (std::size_t i = 0; i < fields.size(); ++i)
+            if (fields[i] != concat(i)) return false;
+        return true;
+    }
+
+    /// The first row numbers the columns: programs write all numbers of floats with a point or an
+    /// exponent, so that it is a header where no other row has a whole number.
+    void decide_on_first_row()
+    {
+        std::string numbers;
+        for (std::size_t i = 0; i < table_.columns; ++i) numbers += concat(i == 0 ? "" : ",", i);
+        const std::string place = concat(table_.place_of(0), ": ", numbers, " was taken for ");
+        if (table_.rows() == 1 || has_whole_numbers_) {
+            table_.note = concat(place, "a row of numbers: if it is a header, as pandas writes it "
+                                        "for columns without names, remove it (header=False)");
+            return;
+        }
+        table_.note = concat(place, "a header, as pandas writes it for columns without names: if "
+                                    "it is a row, write it with decimal points");
+        table_.values.erase(table_.values.begin(),
+                            table_.values.begin() + static_cast<std::ptrdiff_t>(table_.columns));
+        std::vector<NumberTable::Lines>& lines = table_.lines;
+        if (lines.size() > 1 && lines[1].row == 1) lines.erase(lines.begin());
+        for (NumberTable::Lines& run : lines) {
+            if (run.row == 0) {
+                ++run.line;
+            } else {
+                --run.row;
+            }
+        }
     }
 
     Status take_header(const std::vector<std::string_view>& fields)
@@ -264,6 +308,8 @@ private:
                 double& value = numbers[*columns_[column]];
                 const char* const after = detail::parse_real(position, end, value);
                 if (after == nullptr || !ends_field(after, end)) return refuse_field(position, end);
+                if (begins_with_numbered_columns_ && is_whole({position, after}))
+                    has_whole_numbers_ = true;
                 if (!std::isfinite(value) && (std::isnan(value) || !infinite_[*columns_[column]])) {
                     return refuse(concat("column ", column + 1, " is no finite number, but ",
                                          field_at(position, end), ": leave the row out"));
@@ -344,6 +390,8 @@ private:
     std::vector<std::string> commented_names_;
     std::vector<std::optional<std::size_t>> columns_; ///< by column of the file: that of the layout
     std::vector<bool> infinite_;                      ///< by column of the layout
+    bool begins_with_numbered_columns_ = false;       ///< a first row 0,1,2
+    bool has_whole_numbers_ = false;                  ///< after such a row
 };
 
 } // namespace

@@ -99,7 +99,8 @@ Result<std::unique_ptr<TouchModel>> load_what_is_touched(const TouchCommandOptio
     }
     const auto plan = plan_scene(options.model, options.objects, usual_material(options));
     if (!plan) return tl::unexpected(plan.error());
-    session.print(rotation_text(plan->rotation_error));
+    const std::string rotated = rotation_text(plan->rotation_error);
+    if (!rotated.empty()) session.print(rotated + '\n');
     return load_touch_scene(*plan, settings_of(options).render.shading, options.lists, {}, session);
 }
 

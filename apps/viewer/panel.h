@@ -44,8 +44,9 @@ struct PanelPicture {
     std::vector<SceneLayer> layers;
     std::vector<PanelFact> facts;
     std::vector<PanelPlot> plots;
-    Legend legend = {};       ///< what the colours mean
-    std::string problem = {}; ///< what failed although there is a picture; else empty
+    Legend legend = {};            ///< what the colours mean
+    std::string problem = {};      ///< what failed although there is a picture; else empty
+    std::optional<Box> focus = {}; ///< what to show at first, where that is work (Panel::focus)
 };
 
 using PanelTask = std::function<Result<PanelPicture>(const Execution&)>;
@@ -102,6 +103,8 @@ public:
     }
 
     /// The box that a picture shows at first: a part of the extent if the panel's subject is small.
+    /// Asked for on the thread of the window: where it takes longer than the extent, the task finds
+    /// it, as PanelPicture::focus.
     [[nodiscard]] virtual Box focus(const ViewModels& models) const { return extent(models); }
 
     /// Points to drag; none by default.

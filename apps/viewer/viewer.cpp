@@ -131,9 +131,9 @@ void Viewer::take_models()
     place_camera();
     const View view(camera_, size_);
     for (const auto& panel : panels_) panel->models_changed(models_, view.back());
-    if (!camera_is_set_) frame();
     picture_ = {.layers = model_layers(models_, Smoothing::smooth), .facts = {}, .plots = {}};
     ++wanted_;
+    if (!camera_is_set_) frame();
 }
 
 void Viewer::take_picture()
@@ -143,6 +143,12 @@ void Viewer::take_picture()
     if (picture) {
         picture_ = std::move(*picture);
         problem_.clear();
+        if (started_ != wanted_) {
+            picture_.focus.reset();
+        } else {
+            if (awaits_focus_ && picture_.focus) frame();
+            awaits_focus_ = false;
+        }
     } else {
         problem_ = picture.error().code == ErrorCode::cancelled
                        ? "stopped on request: change a setting to begin again"
@@ -229,10 +235,11 @@ void Viewer::offer(Controls& controls)
     const std::vector<std::string_view> names = panel_names();
     std::size_t panel = panel_;
     if (watched.choice("panel", panel, names)) {
-        const Box before = panels_[panel_]->focus(models_);
+        const Box before = focus();
         leave_for(panel);
         problem_.clear();
-        if (!same(before, panels_[panel_]->focus(models_))) frame();
+        if (!same(before, focus())) frame();
+        awaits_focus_ = !models_.empty();
     }
     panels_[panel_]->offer(watched);
     if (watched.changed()) ++wanted_;
@@ -261,7 +268,6 @@ Status Viewer::choose_panel(std::string_view name)
                     concat('"', name, "\" is no panel: they are ", all));
     }
     leave_for(static_cast<std::size_t>(found - names.begin()));
-    ++wanted_;
     return {};
 }
 
@@ -273,6 +279,8 @@ void Viewer::leave_for(std::size_t panel)
     picture_.facts.clear();
     picture_.plots.clear();
     picture_.legend = {};
+    picture_.focus.reset();
+    ++wanted_;
 }
 
 std::vector<std::string_view> Viewer::panel_names() const
@@ -325,18 +333,33 @@ void Viewer::frame_all()
     if (!models_.empty()) frame(panels_[panel_]->extent(models_));
 }
 
+Box Viewer::focus() const
+{
+    return picture_.focus ? *picture_.focus : panels_[panel_]->focus(models_);
+}
+
 void Viewer::frame()
 {
-    if (!models_.empty()) frame(panels_[panel_]->focus(models_));
+    if (models_.empty()) return;
+    frame(focus());
+    awaits_focus_ = shown_ != wanted_;
+}
+
+void Viewer::keep_camera()
+{
+    camera_is_set_ = true;
+    awaits_focus_ = false;
 }
 
 void Viewer::frame(const Box& box)
 {
     camera_.up = options_.camera.up.value_or(models_.front()->up);
     // Around a box models are smaller than the picture: they are shown as large as they are.
-    camera_ = same(box, bounding_box(models_)) ? framed(camera_, some_positions(models_), size_)
-                                               : framed(camera_, corners(box), size_, Framing::centered);
+    camera_ = same(box, bounding_box(models_))
+                  ? framed(camera_, some_positions(models_), size_)
+                  : framed(camera_, corners(box), size_, Framing::centered);
     camera_is_set_ = false;
+    awaits_focus_ = false;
 }
 
 void Viewer::place_camera()
@@ -352,7 +375,7 @@ void Viewer::place_camera()
         return;
     }
     camera_ = *placed;
-    camera_is_set_ = true;
+    keep_camera();
 }
 
 } // namespace proxima

@@ -119,8 +119,13 @@ private:
     void leave_for(std::size_t panel);
     void take_models();
     void take_picture();
+    /// What the panel shows at first.
+    [[nodiscard]] Box focus() const;
+    /// Moves the camera there, again once the task has found it.
     void frame();
     void frame(const Box& box);
+    /// The camera stays where somebody put it.
+    void keep_camera();
     /// To the eye or target that was asked for, once.
     void place_camera();
     void start_task();
@@ -148,6 +153,7 @@ private:
 
     OrbitCamera camera_;
     bool camera_is_set_ = false;
+    bool awaits_focus_ = false; ///< the next picture of the present settings may say what to show
     ViewSize size_ = {.width = 1024, .height = 768};
     Theme theme_ = Theme::light;
 

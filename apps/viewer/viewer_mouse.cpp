@@ -64,7 +64,7 @@ void Viewer::move(const Vec2& at)
         return;
     }
     camera_ = drag_ == Drag::orbit ? orbited(camera_, step, size_) : panned(camera_, step, size_);
-    camera_is_set_ = true;
+    keep_camera();
 }
 
 void Viewer::release(const Vec2& at)
@@ -87,7 +87,7 @@ void Viewer::double_click(const Vec2& at)
     // The eye moves with the target and stays as far from it as it is from that point now.
     camera_.distance = view.depth(hit->point);
     camera_.target = hit->point;
-    camera_is_set_ = true;
+    keep_camera();
 }
 
 void Viewer::wheel(double steps)
@@ -105,7 +105,7 @@ void Viewer::wheel(double steps)
         return;
     }
     camera_ = zoomed(camera_, steps);
-    camera_is_set_ = true;
+    keep_camera();
 }
 
 } // namespace proxima

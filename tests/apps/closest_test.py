@@ -247,6 +247,46 @@ class Files(ProgramTest):
             with self.subTest(name):
                 self.assertEqual(self.answers(name, content), expected)
 
+    def noted(self, content, *options):
+        """Answers, and the note on stderr, if any."""
+        result = run("closest", "torus:9x5", "--points", self.file("points.csv", content), *options)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertLessEqual(result.stderr.count("\n"), 1)
+        return result.stdout, result.stderr
+
+    def test_numbered_columns_are_a_header_where_all_other_numbers_are_floats(self):
+        expected = self.answers("plain.csv", csv_text(self.POINTS))
+        for before, after in (("0,1,2\n", ""), ("# points\n\n0,1,2\n", ""), ("0, 1, 2\n\n", "\n"), ("\ufeff0,1,2\r\n", "")):
+            answers, note = self.noted(before + csv_text(self.POINTS) + after)
+            self.assertEqual(answers, expected)
+            self.assertIn(f"points.csv:{before.rstrip().count(chr(10)) + 1}: 0,1,2 was taken for a header", note)
+        self.assertEqual(self.noted("0;1;2\n" + csv_text(self.POINTS).replace(",", ";"))[0], expected)
+        self.assertEqual(self.noted("0,1,2\n1e1,-2.5E0,3.\n")[0], self.noted("10,-2.5,3\n")[0])
+        self.assertEqual(self.noted("0,1,2\n" + csv_text(self.POINTS), "--quiet"), (expected, ""))
+        many = [tuple(random.Random(i).uniform(-2, 2) for _ in range(3)) for i in range(30_000)]  # several pieces
+        self.assertTrue(self.noted("0,1,2\n" + csv_text(many))[0] == self.answers("plain.csv", csv_text(many)))
+
+    def test_numbered_columns_are_a_row_where_others_have_whole_numbers(self):
+        for rest in ("", "5,7,1\n", "0.5,0.25,2\n", "0.5,0.25,2.0\n-3,0.125,0.0\n", "0.5,0.25,2.0\n" * 20_000 + "0.5,+3,1.0\n"):
+            answers, note = self.noted("0,1,2\n" + rest)
+            self.assertTrue(answers == self.noted("0.0,1,2\n" + rest)[0])
+            self.assertEqual(answers.count("\n"), 2 + rest.count("\n"))
+            self.assertIn("points.csv:1: 0,1,2 was taken for a row", note)
+
+    def test_other_tables_leave_no_doubt(self):
+        rest = csv_text(self.POINTS)
+        for content in ("0.0,1,2\n" + rest, "00,1,2\n" + rest, "1,2,3\n" + rest, rest + "0,1,2\n", "x,y,z\n0,1,2\n", "z,y,x\n2,1,0\n",
+                        "# x,y,z\n0,1,2\n", "0,2,1\n" + rest):
+            self.assertEqual(self.noted(content)[1], "", content)
+        self.assertEqual(self.answers("points.npy", npy([(0, 1, 2), (0.5, 0.25, 2)])).count("\n"), 3)
+        self.assertEqual(self.succeed("closest", "torus:9x5", "--point", "0,1,2", "--point", "0.5,0.25,2.5").count("\n"), 3)
+
+    def test_lines_below_numbered_columns_keep_their_numbers(self):
+        good, bad = "0.0,0.0,5.0,0.0,0.0,1.0\n", "0.0,0.0,5.0,0.0,0.0,0.0\n"
+        for text, line in ((good + bad, 3), ("\n" + bad, 3), (bad, 2), (good + "\n\n" + good + bad, 6), ("# x\n" + good + bad, 4)):
+            path = self.file("rays.csv", "0,1,2,3,4,5\n" + text)
+            self.refuse("raycast", "cube", "--rays", path, says=f"rays.csv:{line}:")
+
     def test_whole_numbers(self):
         points = [(0, 3, 7), (120, 0, 1), (5, 5, 5)]
         expected = self.answers("plain.csv", csv_text(points))

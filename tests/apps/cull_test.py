@@ -7,7 +7,7 @@ from fractions import Fraction
 
 from bad_input_test import off
 from closest_test import read_npy
-from proxima_program import ProgramTest
+from proxima_program import ProgramTest, run
 from raycast_test import npy, read_png, some_mesh
 
 KEYS = ["model", "triangles", "planes", "empty", "exact", "visible", "ranges", "visible_cells", "cells",
@@ -119,9 +119,15 @@ class Culling(ProgramTest):
         self.assertEqual([got[name]["ranges"] for name in got], [1, 0, 0])
         self.assertEqual([got[name]["visible_cells"] for name in got], [got["around"]["cells"], 0, 0])
         self.assertEqual([got[name]["empty"] for name in got], [False, False, True])
-        self.assertIn("contradict", self.succeed("cull", "cube", "--frustum", against))
-        self.assertNotIn("contradict", self.succeed("cull", "cube", "--frustum", away))
-        self.assertIn("12 triangles visible (100 %)", self.succeed("cull", "cube", "--frustum", around))
+        out = ("--out", self.folder / "out.csv")
+        self.assertIn("contradict", self.succeed("cull", "cube", "--frustum", against, *out))
+        self.assertNotIn("contradict", self.succeed("cull", "cube", "--frustum", away, *out))
+        self.assertIn("12 triangles visible (100 %)", self.succeed("cull", "cube", "--frustum", around, *out))
+        self.assertEqual(self.succeed("cull", "cube", "--frustum", away), "triangle\n")
+        noted = run("cull", "cube", "--frustum", against)
+        self.assertEqual((noted.returncode, noted.stdout, noted.stderr.count("\n")), (0, "triangle\n", 1))
+        self.assertIn("contradict", noted.stderr)
+        self.assertEqual(self.succeed("cull", "cube", "--frustum", against, "--quiet"), "triangle\n")
 
     def test_does_not_depend_on_threads_or_depth(self):
         path = self.file("f.csv", planes_text([(1.0, 2.0, 3.0, 0.5), (-1.0, 0.5, 0.0, 0.1)]))
@@ -172,10 +178,34 @@ class Cameras(ProgramTest):
         path = self.file("f.csv", "1,0,0,0\n")
         ids = self.folder / "ids.csv"
         self.succeed("cull", "torus:20x10", "--frustum", path, "--out", ids)
-        self.assertEqual(self.succeed("cull", "torus:20x10", "--frustum", path, "--out", "-"), ids.read_text())
+        for options in (("--out", "-"), (), ("--quiet",)):
+            self.assertEqual(self.succeed("cull", "torus:20x10", "--frustum", path, *options), ids.read_text())
+        report = self.succeed("cull", "torus:20x10", "--frustum", path, "--picture", self.folder / "p.png")
+        self.assertIn(" triangles visible", report)
         self.refuse("cull", "cube", "--frustum", path, "--out", "-", "--json", "-", says="stdout")
-        self.refuse("cull", "cube", says=("--frustum", "--view"))
-        self.refuse("cull", "cube", "--frustum", path, "--view", "top", says=("--frustum", "--view"))
+        self.refuse("cull", "cube", says=("--plane", "--frustum", "--view"))
+        for planes in (("--frustum", path), ("--plane", "1,0,0,0")):
+            self.refuse("cull", "cube", *planes, "--view", "top", says=("--plane", "--frustum", "--view"))
+
+
+class Planes(ProgramTest):
+    def test_on_the_command_line_are_those_of_a_file(self):
+        rng = random.Random(13)
+        for count in (1, 2, 5):
+            planes = some_planes(rng, count)
+            path = self.file("f.csv", planes_text(planes))
+            options = [part for plane in planes for part in ("--plane", ",".join(map(repr, plane)))]
+            for exact in ((), ("--exact",)):
+                expected = self.succeed("cull", "torus:30x20", "--frustum", path, *exact)
+                self.assertEqual(self.succeed("cull", "torus:30x20", *options, *exact), expected)
+            self.assertEqual(self.json_of("cull", "torus:30x20", *options)["planes"], count)
+        self.assertTrue(1 < expected.count("\n") < 1200)
+
+    def test_that_are_none(self):
+        for plane, says in (("1,2,3", "3 numbers"), ("1,2,3,nan", "finite"), ("a,b,c,d", "no number"), ("0,0,0,1", "plane 1")):
+            self.refuse("cull", "cube", "--plane", "1,0,0,0", "--plane", plane, says=("--plane", says))
+        path = self.file("f.csv", "1,0,0,0\n")
+        self.refuse("cull", "cube", "--plane", "1,0,0,0", "--frustum", path, status=2, says=("--plane", "--frustum"))
 
 
 class Refusing(ProgramTest):

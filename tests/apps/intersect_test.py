@@ -8,7 +8,7 @@ import unittest
 
 from bad_input_test import off, tetrahedron
 from closest_test import cross, dot, npy, read_npy, sub
-from proxima_program import ProgramTest
+from proxima_program import ProgramTest, run
 from raycast_test import some_mesh
 
 IDENTITY = (1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0)
@@ -95,7 +95,7 @@ class Meeting(ProgramTest):
         answers = self.json_of("intersect", "cube", small, "--pose", poses)["poses"]
         self.assertEqual([pose["contained"] for pose in answers], ["B_in_A", "none", "none"])
         self.assertEqual(answers[0]["inside_method"], "crossings")
-        self.assertIn("A is inside of B", self.succeed("intersect", small, "cube"))
+        self.assertIn("A is inside of B", self.succeed("intersect", small, "cube", "--out", self.folder / "rows.csv"))
 
     def test_contour_of_two_spheres_is_a_circle(self):
         poses = self.file("poses.csv", text_of([shifted(1, 0, 0), shifted(0, 1, 0), shifted(3, 0, 0)]))
@@ -133,7 +133,8 @@ class Meeting(ProgramTest):
         self.assertAlmostEqual(edge["separation"], 3 - math.sqrt(2), delta=1e-15)
         self.assertEqual([meeting["separation"], meeting["intersecting"]], [0, True])
         self.assertEqual(meeting["closest_a"], meeting["closest_b"])
-        self.assertIn("separation 1 between", self.succeed("intersect", "cube", "cube", "--pose", path, "--distance"))
+        report = self.succeed("intersect", "cube", "cube", "--pose", path, "--distance", "--out", self.folder / "rows.npy")
+        self.assertIn("separation 1 between", report)
 
     def test_says_how_far_apart_at_any_scale(self):
         far = [1e149, 1e155, 1e300, 1.79e308]
@@ -207,7 +208,13 @@ class Poses(ProgramTest):
             pose = ",".join("%.*f" % (digits, x) for x in turn)
             error, pairs = self.pairs(pose)
             self.assertTrue(1e-9 < error < most)
-            self.assertIn("nearest rotations", self.succeed("intersect", "cube", "cube", "--pose", pose))
+            rows = self.folder / "rows.csv"
+            self.assertIn("nearest rotations", self.succeed("intersect", "cube", "cube", "--pose", pose, "--out", rows))
+            noted = run("intersect", "cube", "cube", "--pose", pose)
+            self.assertEqual((noted.returncode, noted.stdout, noted.stderr.count("\n")), (0, rows.read_text(), 1))
+            self.assertIn("nearest rotations", noted.stderr)
+            self.assertEqual(self.succeed("intersect", "cube", "cube", "--pose", pose, "--quiet"), rows.read_text())
+        self.succeed("intersect", "cube", "cube", "--pose", exact)
         single = self.file("pose.npy", npy([turn], "<f4", shape="(3, 4)"))
         self.assertTrue(1e-9 < self.pairs(single)[0] < 1e-6)
         self.assertLess(self.pairs(exact)[0], 1e-9)
@@ -216,18 +223,26 @@ class Poses(ProgramTest):
         for text, says in (("1,2", "is no pose"), ("1,2,3@0,0,0,90", "axis"), ("1,2,3@0,0,90", "is no pose"),
                            ("0,0,0,1,1,1,1", "length 2"), (",".join(map(str, IDENTITY)) + ",0,0,1,1", "last row")):
             self.refuse("intersect", "cube", "cube", "--pose", text, says=says)
+
+
 class Rows(ProgramTest):
     def test_rows_go_to_stdout(self):
         poses = self.file("poses.csv", "0,0,0\n5,0,0\n")
         rows = self.folder / "rows.csv"
         self.succeed("intersect", "cube", "octahedron", "--pose", poses, "--out", rows)
-        self.assertEqual(self.succeed("intersect", "cube", "octahedron", "--pose", poses, "--out", "-"), rows.read_text())
+        for options in (("--out", "-"), (), ("--quiet",)):
+            self.assertEqual(self.succeed("intersect", "cube", "octahedron", "--pose", poses, *options), rows.read_text())
+        for output in (("--pairs", "p.csv"), ("--contour", "c.obj"), ("--picture", "p.png")):
+            report = self.succeed("intersect", "cube", "octahedron", "--pose", poses, output[0], self.folder / output[1])
+            self.assertIn("1 of 2 poses intersect", report)
         self.refuse("intersect", "cube", "cube", "--out", "-", "--json", "-", says="stdout")
 
     def test_a_row_per_pose(self):
         small = self.file("small.off", tetrahedron(0.25))
         poses = self.file("poses.csv", text_of([shifted(x, 0, 0) for x in (0, 0.5, 3, 1.5)]))
-        for options in ((), ("--distance",)):
+        distance = ["separation", "ax", "ay", "az", "bx", "by", "bz", "triangle_a", "triangle_b"]
+        cells = ["cell_pairs", "cells_a", "cells_b", "cell_triangles_a", "cell_triangles_b"]
+        for options in ((), ("--distance",), ("--cells",), ("--distance", "--cells")):
             table, numbers = self.folder / "rows.csv", self.folder / "rows.npy"
             report = self.json_of("intersect", small, "cube", "--pose", poses, "--out", table, *options)["poses"]
             self.succeed("intersect", small, "cube", "--pose", poses, "--out", numbers, *options)
@@ -235,12 +250,15 @@ class Rows(ProgramTest):
             self.assertEqual([tuple(map(float, row.values())) for row in rows],
                              [tuple(row) for row in read_npy(numbers.read_bytes())])
             self.assertEqual(list(rows[0]), ["pose", "intersecting", "pairs", "contained"]
-                             + (["separation", "ax", "ay", "az", "bx", "by", "bz", "triangle_a", "triangle_b"] if options else []))
+                             + distance * ("--distance" in options) + cells * ("--cells" in options))
             for i, (row, pose) in enumerate(zip(rows, report)):
                 self.assertEqual(int(row["pose"]), i)
                 self.assertEqual((row["intersecting"] == "1", int(row["pairs"])), (pose["intersecting"], pose["pairs"]))
                 self.assertEqual(["none", "A_in_B", "B_in_A"][int(row["contained"])], pose["contained"])
-                if options:
+                if "--cells" in options:
+                    counts = [pose["cells"][key] for key in ("pairs", "a", "b", "triangles_a", "triangles_b")]
+                    self.assertEqual([int(row[name]) for name in cells], counts)
+                if "--distance" in options:
                     self.assertEqual(float(row["separation"]), pose["separation"])
                     self.assertEqual([float(row["b" + x]) for x in "xyz"], pose["closest_b"])
                     self.assertEqual(int(row["triangle_a"]), pose["triangle_a"])

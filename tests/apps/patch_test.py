@@ -183,8 +183,8 @@ class Files(ProgramTest):
         for part in ("torus:9x5: 90 triangles", "closest to (3, 1, 0.5): %s %d" % (result["kind"], result["feature"]),
                      "rings 0 to 2: %s = %d triangles" % (sum, result["patch_triangles"]), f"wrote {out}"):
             self.assertIn(part, text)
-        self.assertIn("within 2 of the point: ", self.succeed(*self.ARGUMENTS[:4], "--radius", 2))
-        self.assertEqual(self.succeed(*self.ARGUMENTS, "--quiet"), "")
+        self.assertIn("within 2 of the point: ", self.succeed(*self.ARGUMENTS[:4], "--radius", 2, "--json", self.folder / "p.json"))
+        self.assertEqual(self.succeed(*self.ARGUMENTS, "--quiet", "--out", out), "")
 
     def test_every_form_has_the_same_triangles(self):
         names = {kind: self.folder / ("patch." + kind) for kind in ("csv", "npy", "obj", "ply", "stl")}
@@ -277,7 +277,8 @@ class Refusing(ProgramTest):
         refuse("--out", "-", "--json", "-", says="stdout")
         path = self.folder / "ids.csv"
         self.succeed("patch", "cube", "--point", "0,0,3", "--out", path)
-        self.assertEqual(self.succeed("patch", "cube", "--point", "0,0,3", "--out", "-"), path.read_text())
+        for options in (("--out", "-"), (), ("--quiet",)):
+            self.assertEqual(self.succeed("patch", "cube", "--point", "0,0,3", *options), path.read_text())
         path.unlink()
         refuse("--out", self.folder / "a.csv", "--json", self.folder / "a.csv", says="a.csv")
         big = self.file("big.off", "OFF\n3 1 0\n0 0 0\n1e60 0 0\n0 1e60 0\n3 0 1 2\n")

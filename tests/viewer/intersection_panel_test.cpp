@@ -3,7 +3,12 @@
 #include "proxima/sample_meshes.h"
 #include "viewer/shown_viewer.h"
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace proxima {
 namespace {
@@ -40,6 +45,115 @@ TEST(IntersectionPanel, ShowsBothModelsWhereAllIsAskedFor)
     }
 }
 
+/// A sphere of a tenth of the size, as a file that is removed in the end.
+class SmallSphere {
+public:
+    explicit SmallSphere(std::string path) : path_(std::move(path))
+    {
+        const TriangleMesh unit = make_icosphere(1);
+        std::vector<Vec3> positions;
+        for (const Vec3& p : unit.positions()) positions.emplace_back(0.1 * p);
+        const auto triangles = unit.triangles();
+        const auto mesh =
+            make_triangle_mesh(std::move(positions), {triangles.begin(), triangles.end()});
+        EXPECT_TRUE(mesh && write_mesh(*mesh, path_));
+    }
+    SmallSphere(const SmallSphere&) = delete;
+    SmallSphere& operator=(const SmallSphere&) = delete;
+    ~SmallSphere() { std::filesystem::remove(path_); }
+
+    [[nodiscard]] const std::string& path() const { return path_; }
+
+private:
+    std::string path_;
+};
+
+/// How much of the picture's height or width the contour takes; more than 1 where it is cut off.
+double share_of_contour(const Shown& shown, ViewSize size)
+{
+    const View view(shown.viewer.camera(), size);
+    double share = 0;
+    for (const SceneLines& lines : shown.scene().lines) {
+        if (lines.name != "contour") continue;
+        for (const auto& segment : lines.segments) {
+            const ScreenPoint at = view.project(segment[0]);
+            share = std::max({share, std::abs(2.0 * at.x / size.width - 1.0),
+                              std::abs(2.0 * at.y / size.height - 1.0)});
+        }
+    }
+    return share;
+}
+
+bool same(const OrbitCamera& a, const OrbitCamera& b)
+{
+    return a.target == b.target && a.distance == b.distance && a.azimuth == b.azimuth &&
+           a.elevation == b.elevation && a.zoom == b.zoom;
+}
+
+TEST(IntersectionPanel, BeginsAtTheContact)
+{
+    const SmallSphere small("contact_test.obj");
+    Shown shown({"icosphere:3", small.path()}, "intersection");
+    EXPECT_GT(share_of_contour(shown, shown_size), 0.3);
+    EXPECT_LT(share_of_contour(shown, shown_size), 1.0);
+    constexpr ViewSize tall = {.width = 300, .height = 500};
+    shown.viewer.resize(tall);
+    EXPECT_GT(share_of_contour(shown, tall), 0.3);
+    EXPECT_LT(share_of_contour(shown, tall), 1.0);
+    // What is dragged away or into contact later does not move the camera.
+    const OrbitCamera before = shown.viewer.camera();
+    shown.set({"position x=3"});
+    EXPECT_EQ(shown.fact("meet"), "no");
+    EXPECT_TRUE(same(before, shown.viewer.camera()));
+    shown.set({"position x=0.95", "position y=0", "position z=0"});
+    EXPECT_EQ(shown.fact("meet"), "yes");
+    EXPECT_TRUE(same(before, shown.viewer.camera()));
+    // Another panel shows everything, and this one the contact of now.
+    shown.set({"panel=model"});
+    const OrbitCamera of_models = shown.viewer.camera();
+    shown.set({"panel=intersection"});
+    EXPECT_FALSE(same(of_models, shown.viewer.camera()));
+    EXPECT_GT(share_of_contour(shown, tall), 0.3);
+    EXPECT_LT(share_of_contour(shown, tall), 1.0);
+}
+
+TEST(IntersectionPanel, LeavesACameraThatAPersonMovedMeanwhile)
+{
+    const SmallSphere small("moved_camera_test.obj");
+    Viewer viewer;
+    viewer.resize(shown_size);
+    ASSERT_TRUE(viewer.choose_panel("intersection"));
+    viewer.open({"icosphere:3", small.path()});
+    while (viewer.models().empty()) viewer.update(0.0);
+    // The task has begun, and nobody has taken what it found.
+    const OrbitCamera at_first = viewer.camera();
+    viewer.wheel(1.0);
+    const OrbitCamera moved = viewer.camera();
+    EXPECT_FALSE(same(at_first, moved));
+    ASSERT_TRUE(viewer.finish());
+    EXPECT_TRUE(same(moved, viewer.camera()));
+}
+
+TEST(IntersectionPanel, LeavesTheCameraWhereNothingMetAtFirst)
+{
+    const SmallSphere small("apart_at_first_test.obj");
+    Viewer viewer;
+    viewer.resize(shown_size);
+    ASSERT_TRUE(viewer.choose_panel("intersection"));
+    viewer.open({"icosphere:3", small.path()});
+    while (viewer.models().empty()) viewer.update(0.0);
+    const auto put = [&](const std::vector<std::string>& settings) {
+        const Status applied =
+            apply_settings(settings, [&](Controls& controls) { viewer.offer(controls); });
+        return applied && viewer.finish();
+    };
+    ASSERT_TRUE(put({"position x=3"}));
+    const OrbitCamera apart = viewer.camera();
+    ASSERT_TRUE(put({"position x=0.95", "position y=0", "position z=0"}));
+    EXPECT_TRUE(viewer.picture().focus.has_value());
+    EXPECT_TRUE(same(apart, viewer.camera()));
+}
+
 TEST(IntersectionPanel, ReportsTheDistanceOfMeshes)
 {
     Shown shown({"icosphere:2", "cube"}, "intersection");
@@ -63,18 +177,10 @@ TEST(IntersectionPanel, ReportsTheDistanceOfMeshes)
 
 TEST(IntersectionPanel, ReportsContainment)
 {
-    Shown shown({"icosphere:2", "icosphere:1"}, "intersection");
-    const std::string path = "intersection_panel_test.obj";
-    TriangleMesh small = make_icosphere(1);
-    std::vector<Vec3> positions;
-    for (const Vec3& p : small.positions()) positions.emplace_back(0.1 * p);
-    const auto triangles = small.triangles();
-    const auto mesh =
-        make_triangle_mesh(std::move(positions), {triangles.begin(), triangles.end()});
-    ASSERT_TRUE(mesh && write_mesh(*mesh, path));
+    const SmallSphere small("containment_test.obj");
     for (const bool is_small_first : {false, true}) {
-        Shown both(is_small_first ? std::vector<std::string>{path, "icosphere:2"}
-                                  : std::vector<std::string>{"icosphere:2", path},
+        Shown both(is_small_first ? std::vector<std::string>{small.path(), "icosphere:2"}
+                                  : std::vector<std::string>{"icosphere:2", small.path()},
                    "intersection");
         // Of very different sizes they meet as well at first.
         EXPECT_EQ(both.fact("meet"), "yes") << is_small_first;
@@ -82,7 +188,6 @@ TEST(IntersectionPanel, ReportsContainment)
         EXPECT_EQ(both.fact("meet"), "no");
         EXPECT_EQ(both.fact("inside"), is_small_first ? "A is inside of B" : "B is inside of A");
     }
-    std::filesystem::remove(path);
 }
 
 } // namespace

@@ -10,6 +10,7 @@
 
 #include <fmt/core.h>
 #include <numbers>
+#include <optional>
 
 namespace proxima {
 namespace {
@@ -132,6 +133,26 @@ SceneLines contour_lines(const IntersectionContour& contour)
     return lines;
 }
 
+/// The second one where it stands.
+Box box_of_both(const ViewModel& a, const ViewModel& b, const RigidTransform& pose)
+{
+    Box all = a.box;
+    for (const Vec3& position : b.mesh.positions()) all.extend(pose(position));
+    return all;
+}
+
+/// Where they meet, with some of what is round it; none where they do not.
+std::optional<Box> box_of_contact(const IntersectionContour& contour, const Box& both)
+{
+    Box contact;
+    for (const ContourPoint& point : contour.points) contact.extend(point.position);
+    if (contact.empty()) return std::nullopt;
+    // A point alone is not enough to see.
+    constexpr double least = 0.02; // per diagonal of both
+    const Vec3 more = Vec3::Constant(least * both.extent().norm());
+    return Box{contact.lower - more, contact.upper + more};
+}
+
 class IntersectionPanel final : public Panel {
 public:
     [[nodiscard]] std::string_view name() const override { return "intersection"; }
@@ -165,34 +186,11 @@ public:
         controls.toggle("contour", settings_.contour);
     }
 
-    /// The second one where it stands.
     [[nodiscard]] Box extent(const ViewModels& models) const override
     {
         if (models.empty()) return {};
-        Box all = models.front()->box;
         const ViewModel& b = *second_of(models);
-        const RigidTransform pose = pose_of(settings_, b);
-        for (const Vec3& position : b.mesh.positions()) all.extend(pose(position));
-        return all;
-    }
-
-    /// Where they meet, with some of what is round it.
-    [[nodiscard]] Box focus(const ViewModels& models) const override
-    {
-        if (models.empty()) return {};
-        const ViewModel& a = *models.front();
-        const ViewModel& b = *second_of(models);
-        const RigidTransform pose = pose_of(settings_, b);
-        Box contact;
-        const auto pairs = intersecting_pairs(a.rays, b.rays, pose);
-        for (const ContourPoint& point : intersection_contour(a.mesh, b.mesh, pose, pairs).points)
-            contact.extend(point.position);
-        const Box all = extent(models);
-        if (contact.empty()) return all;
-        // A point alone is not enough to see.
-        constexpr double least = 0.02; // per diagonal of both
-        const Vec3 more = Vec3::Constant(least * all.extent().norm());
-        return {contact.lower - more, contact.upper + more};
+        return box_of_both(*models.front(), b, pose_of(settings_, b));
     }
 
     [[nodiscard]] std::vector<Vec3> handles() const override { return {settings_.position.at}; }
@@ -218,6 +216,7 @@ public:
             const auto contour = intersection_contour(a->mesh, b->mesh, pose, pairs);
 
             PanelPicture picture;
+            picture.focus = box_of_contact(contour, box_of_both(*a, *b, pose));
             picture.layers = {{.scene = a->flat, .color = srgb(a_color)},
                               {.scene = b->flat, .pose = pose, .color = srgb(b_color)}};
             auto of_a = std::make_shared<Scene>();

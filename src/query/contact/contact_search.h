@@ -51,7 +51,8 @@ inline constexpr float leaf_size = -1;
 //     l, m           |p - p_0|_2 <= 3.5: points 3 u sqrt(3), 3 u of 3.5               <  16 u
 //     n' for R n     4 u a number, 7 u of 3.5                                         <  25 u
 //     radii 4 u of 1.75, the sum n' . d + l 17.2 u                                    <  25 u
-// Below 173 u, and |n'|_2 <= 1.01 times the pose's error as above: twice the slack.
+// Below 173 u, and |n'|_2 <= 1.01 times the pose's error as above: twice the slack. It suffices for
+// vertices of a leaf in place of boxes: u / 2 a number for having been stored, but no radii.
 
 /// From the other's frame to the own one, R and o, as vectors of eight: what a box there adds to
 /// the radii of the fifteen axes is a sum of these times its numbers (box_pairs-inl.h).

@@ -64,9 +64,6 @@ namespace proxima::HWY_NAMESPACE {
 //                             + X^2 (142 P + 35 Q + 149 F) + 171 X^3,
 //                             roundings of at most 90 u P Q F and 48 u P^2 Q among them:
 //                             below 72 X (P + F + 2 X) (P + Q + F + 2 X)
-//
-// Height of a vertex along the slab's normal n, |n|_1 <= sqrt(3): sqrt(3) X, and for rounding 3 u
-// sqrt(3) S < 0.5 X. So are the slab's own planes, by own vertices: together below 5 X.
 struct LeafBounds {
     float off = 0;          ///< X
     float own_height = 0;   ///< over own planes
@@ -216,6 +213,19 @@ HWY_INLINE std::uint32_t meet_slab(const OwnLeaf& own, const MetBoxes& boxes, fl
     return ~(above | below).bits() & 0xFFU;
 }
 
+/// Whether all vertices of a leaf, of the other mesh, are surely beside the slab.
+HWY_INLINE bool is_beside_slab(const OwnLeaf& own, const IndexLeaf& leaf, float unit, float slack)
+{
+    Eight along = eight(0);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const Eight at = load_eight(leaf.coordinates[axis].data()) * eight(unit);
+        along =
+            multiply_add(eight(own.other_first[axis]) - at, eight(own.other_normal[axis]), along);
+    }
+    return (along + eight(own.lower) > eight(slack)).bits() == 0xFFU ||
+           (along + eight(own.upper) < eight(-slack)).bits() == 0xFFU;
+}
+
 HWY_INLINE Eight3 moved(const PairFrame& frame, const Eight3& p, const float* by)
 {
     const auto row = [&](std::size_t i) {
@@ -347,11 +357,6 @@ HWY_INLINE std::uint64_t first_bits(std::uint32_t n)
 /// Pairs that no plane parts.
 PROXIMA_STEP std::uint64_t unparted(const OwnLeaf& own, LeafShape& other, const LeafBounds& bounds)
 {
-    const Eight heights = heights_along(own.normal, other.vertices);
-    const Eight slack = eight(5 * bounds.off); // X above
-    if ((heights > eight(own.upper) + slack).bits() == 0xFFU ||
-        (heights < eight(own.lower) - slack).bits() == 0xFFU)
-        return 0;
     const std::uint32_t own_count = own.leaf->count;
     const std::uint32_t other_count = other.leaf->count;
     VertexSides sides;
@@ -475,6 +480,8 @@ template <class Take>
 HWY_INLINE bool meet_leaves(const ContactSearch& open, std::size_t own_side, const OwnLeaf& own,
                             const IndexLeaf& leaf, const Take& take)
 {
+    const std::size_t side = 1 - own_side;
+    if (is_beside_slab(own, leaf, open.sides[side].unit, 2 * open.frames[side].slack)) return true;
     LeafShape other;
     const LeafBounds bounds = take_other_leaf(open, own_side, own, leaf, other);
     std::uint64_t left = unparted(own, other, bounds);
