@@ -115,9 +115,10 @@ Status check_object(const ScriptedObject& object, std::size_t number)
                                                        {"pose z", at.z(), coordinate_range}}},
                                  of);
     if (!status) return status;
-    if (status = check_script(object.script); !status)
+    if (status = check_script(object.script); !status) {
         return fail(ErrorCode::malformed_file,
                     concat(of, status.error().message, ": record the session again"));
+    }
     if (!object.material) return {};
     const SurfaceMaterial& material = *object.material;
     status = check_fields(

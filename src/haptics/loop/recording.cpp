@@ -161,9 +161,10 @@ Result<ScriptedObject> object_of(const ObjectNumbers& numbers, std::uint64_t fin
 {
     const std::string of = concat("object ", number, ": ");
     const auto pose = make_rigid_transform(numbers.pose);
-    if (!pose)
+    if (!pose) {
         return fail(ErrorCode::malformed_file,
                     concat(of, "pose: ", pose.error().message, ": record the session again"));
+    }
     constexpr auto last_kind = static_cast<int>(ObjectMotionKind::swing);
     if (Status status = check_choice(of + "kind of motion", numbers.kind, last_kind); !status)
         return tl::unexpected(status.error());

@@ -146,12 +146,14 @@ Status MovingSurface::change_shape(ObjectId object, std::shared_ptr<const Contac
         return fail(ErrorCode::invalid_argument,
                     "the body is no refit of the object's: use refit_touch_body, or exchange()");
     }
-    if (!(seconds >= 0) || !std::isfinite(seconds))
+    if (!(seconds >= 0) || !std::isfinite(seconds)) {
         return fail(ErrorCode::invalid_argument,
                     "the time of a change must be finite and at least 0");
-    if (!contains(body->bounds(), slot.newest_pose))
+    }
+    if (!contains(body->bounds(), slot.newest_pose)) {
         return fail(ErrorCode::invalid_argument,
                     "the new shape would not be within the scene's bounds");
+    }
     auto change = ShapeChange::make(slot.newest.body, body, seconds);
     if (!change) return tl::unexpected(change.error());
     slot.newest.travelled += (*change)->farthest();
