@@ -25,9 +25,10 @@ namespace {
 std::string similar_sample_mesh(const std::string& model)
 {
     std::vector<std::string> names;
-    for (const std::string& form : split_list(sample_mesh_names()))
+    for (const std::string& form : split_list(sample_mesh_names())) {
         names.push_back(
             form.substr(form.find_first_not_of(' '), form.find(':') - form.find_first_not_of(' ')));
+    }
     const std::size_t colon = std::min(model.find(':'), model.size());
     const std::string name = similar_word(std::string_view(model).substr(0, colon), names);
     return name.empty() ? name : name + model.substr(colon);

@@ -68,20 +68,22 @@ private:
     std::string path_;
 };
 
-/// How much of the picture's height or width the contour takes; more than 1 where it is cut off.
-double share_of_contour(const Shown& shown, ViewSize size)
+/// How much of the picture's width or height the contour spans; more than 1 where it is cut off.
+double span_of_contour(const Shown& shown, ViewSize size)
 {
     const View view(shown.viewer.camera(), size);
-    double share = 0;
+    Box box; // of the picture [-1, 1]^2
     for (const SceneLines& lines : shown.scene().lines) {
         if (lines.name != "contour") continue;
         for (const auto& segment : lines.segments) {
             const ScreenPoint at = view.project(segment[0]);
-            share = std::max({share, std::abs(2.0 * at.x / size.width - 1.0),
-                              std::abs(2.0 * at.y / size.height - 1.0)});
+            box.extend({2.0 * at.x / size.width - 1.0, 2.0 * at.y / size.height - 1.0, 0.0});
         }
     }
-    return share;
+    if (box.empty()) return 0.0;
+    const double farthest =
+        std::max(box.lower.cwiseAbs().maxCoeff(), box.upper.cwiseAbs().maxCoeff());
+    return farthest > 1.0 ? farthest : 0.5 * box.extent().maxCoeff();
 }
 
 bool same(const OrbitCamera& a, const OrbitCamera& b)
@@ -94,12 +96,12 @@ TEST(IntersectionPanel, BeginsAtTheContact)
 {
     const SmallSphere small("contact_test.obj");
     Shown shown({"icosphere:3", small.path()}, "intersection");
-    EXPECT_GT(share_of_contour(shown, shown_size), 0.3);
-    EXPECT_LT(share_of_contour(shown, shown_size), 1.0);
+    EXPECT_GT(span_of_contour(shown, shown_size), 0.3);
+    EXPECT_LT(span_of_contour(shown, shown_size), 1.0);
     constexpr ViewSize tall = {.width = 300, .height = 500};
     shown.viewer.resize(tall);
-    EXPECT_GT(share_of_contour(shown, tall), 0.3);
-    EXPECT_LT(share_of_contour(shown, tall), 1.0);
+    EXPECT_GT(span_of_contour(shown, tall), 0.3);
+    EXPECT_LT(span_of_contour(shown, tall), 1.0);
     // What is dragged away or into contact later does not move the camera.
     const OrbitCamera before = shown.viewer.camera();
     shown.set({"position x=3"});
@@ -113,8 +115,8 @@ TEST(IntersectionPanel, BeginsAtTheContact)
     const OrbitCamera of_models = shown.viewer.camera();
     shown.set({"panel=intersection"});
     EXPECT_FALSE(same(of_models, shown.viewer.camera()));
-    EXPECT_GT(share_of_contour(shown, tall), 0.3);
-    EXPECT_LT(share_of_contour(shown, tall), 1.0);
+    EXPECT_GT(span_of_contour(shown, tall), 0.3);
+    EXPECT_LT(span_of_contour(shown, tall), 1.0);
 }
 
 TEST(IntersectionPanel, LeavesACameraThatAPersonMovedMeanwhile)
