@@ -2,6 +2,7 @@
 #pragma once
 
 #include "haptics/surface/contact_surface.h"
+#include "haptics/surface/exits.h"
 #include "haptics/surface/shading_normals.h"
 #include "proxima/geometry.h"
 #include "proxima/mesh_index.h"
@@ -40,7 +41,10 @@ public:
 
     /// The point of the surface nearest to p where p is inside a closed mesh; nothing outside, and
     /// where the mesh does not separate its inside everywhere. \pre p is finite
-    [[nodiscard]] std::optional<Vec3> nearest_exit(const Vec3& p) const noexcept;
+    [[nodiscard]] std::optional<Vec3> nearest_exit(const Vec3& p) const noexcept
+    {
+        return exit_of(index_, p);
+    }
 
 private:
     friend class ContactBodyBuilder;
