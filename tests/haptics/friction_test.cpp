@@ -26,7 +26,7 @@
 namespace proxima {
 namespace {
 
-using testing::mesh_of;
+using testing::grid_mesh;
 
 constexpr double tick_seconds = 1e-3;
 
@@ -58,25 +58,6 @@ SmoothShape sphere(const char* mesh, double radius)
                 return SurfacePoint{radius * normal, normal};
             },
             [=](std::mt19937_64& random) { return Vec3(radius * random_direction(random)); }};
-}
-
-/// A rectangle of (columns - 1) x (rows - 1) quads, each halved.
-TriangleMesh grid_mesh(std::uint32_t columns, std::uint32_t rows,
-                       const std::function<Vec3(double, double)>& at)
-{
-    std::vector<Vec3> positions;
-    std::vector<TriangleCorners> triangles;
-    for (std::uint32_t i = 0; i < columns; ++i)
-        for (std::uint32_t j = 0; j < rows; ++j)
-            positions.push_back(at(i / (columns - 1.0), j / (rows - 1.0)));
-    for (std::uint32_t i = 0; i + 1 < columns; ++i) {
-        for (std::uint32_t j = 0; j + 1 < rows; ++j) {
-            const std::uint32_t a = i * rows + j;
-            triangles.push_back({a, a + rows, a + rows + 1});
-            triangles.push_back({a, a + rows + 1, a + 1});
-        }
-    }
-    return mesh_of(std::move(positions), std::move(triangles));
 }
 
 /// The side of a cylinder.

@@ -108,7 +108,8 @@ SlideResult Proxy::slide_without_friction(const Vec3& p) noexcept
     if (tick_.hold != Hold::free && frictionless != start) {
         SlideResult slide = slide_sphere(surface_, options_.radius, frictionless, p,
                                          frictionless_scratch_, SlideStart::touching, moves);
-        // If this position is free, or far from the proxy, the proxy itself may still be in contact.
+        // If this position is free, or far from the proxy, the proxy itself may still be in contact,
+        // and friction may hold it there.
         const double depth = (slide.anchor - p).norm();
         const double apart = (slide.center - start).norm();
         const double leaning = options_.shading == ForceShading::on ? 2 : 0;
@@ -116,6 +117,13 @@ SlideResult Proxy::slide_without_friction(const Vec3& p) noexcept
             apart <= (2 * options_.static_friction + leaning) * depth) {
             scratch_.begin_path(start);
             return slide;
+        }
+        SlideResult held = pull_sphere(surface_, options_.radius, start, p, scratch_);
+        if (held.contact_count > 0 && friction_of(held).fixed > 0) {
+            scratch_.begin_path(start);
+            held.center = start;
+            held.moves = slide.moves;
+            return held;
         }
     }
     const bool touched = tick_.hold != Hold::free && tick_.slide.contact_count > 0;
@@ -138,14 +146,14 @@ void Proxy::hold_back(const Vec3& target, const Friction& friction, std::size_t 
         next.slide.contacts = pull.contacts;
         next.slide.contact_count = pull.contact_count;
     }
-    const double pressed = (pull.anchor - target).norm();
-    const double slip = (pull.anchor - gripped).norm();
+    const double pressed = (pull.center - target).norm();
+    const double slip = (pull.center - gripped).norm();
     const double part = before == Hold::sliding ? options_.restick : 1;
     if (slip <= part * friction.fixed * pressed) next.hold = Hold::sticking;
     const double trail = friction.sliding * pressed;
     if (next.hold == Hold::sticking || slip <= trail) {
         scratch_.cut_path(met);
-        next.anchor = next.slide.anchor + (gripped - next.slide.center);
+        next.anchor = gripped + (pull.anchor - pull.center);
         next.proxy = gripped;
         if (next.slide.end == SlideEnd::limited) next.slide.end = SlideEnd::settled;
         return;

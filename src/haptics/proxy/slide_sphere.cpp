@@ -74,6 +74,9 @@ public:
         result_.center = result_.anchor = at;
         if (find_contacts()) {
             (void)choose_goal(scratch_.contacts_.contacts());
+            result_.center = result_.anchor;
+            if (result_.contact_count > 0 && !(radius_ > gap_))
+                result_.anchor = anchor_at_surface();
         } else {
             result_.end = SlideEnd::overloaded;
         }

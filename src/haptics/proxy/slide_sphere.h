@@ -116,10 +116,10 @@ enum class SlideStart : std::uint8_t {
                                        std::size_t max_moves = max_slide_moves,
                                        double friction = 0) noexcept;
 
-/// The nearest position to `to` that the contacts of a sphere at rest allow, without moving it:
-/// `center` of the result is `at`, and anchor - to is the push of the contacts against a pull towards
-/// `to`. No contacts: nothing holds it back. One query of the surface, none where the last slide with
-/// this scratch memory ended at `at`. \pre as slide_sphere()
+/// The nearest position to `to` that the contacts of a sphere at rest allow: `center` of the result,
+/// and `anchor` as of a slide. The sphere stays at `at`; center - to is the push of its contacts, and
+/// center - at the way along them. No contacts: nothing holds it back. One query of the surface, none
+/// where the last slide with this scratch memory ended at `at`. \pre as slide_sphere()
 [[nodiscard]] SlideResult pull_sphere(const ContactSurface& surface, double radius, const Vec3& at,
                                       const Vec3& to, SlideScratch& scratch) noexcept;
 
