@@ -9,6 +9,7 @@
 //     rest     where the device rests, no free straight way leads the proxy nearer to it, or with
 //              friction none that is steeper than friction holds: all triangles are tested
 //     energy   a closed path gives no energy but what the size of a tick explains
+#include "geometry/closest_point.h"
 #include "geometry/exact_predicates.h"
 #include "geometry/triangle_contact.h"
 #include "haptics/force/surface_renderer.h"
@@ -283,12 +284,15 @@ struct Outcome {
     double depth = 0;     ///< m
 };
 
-/// Whether a straight way from p, free of all triangles, leads nearer to `goal`: the cosine of its
-/// angle with the way there is more than `least`. Ways are tried in many directions, and along the
-/// triangles near p and their edges, where they may be grazed.
+/// Whether a straight way from p, free of all triangles, leads nearer to `goal`, more steeply than
+/// friction holds. Ways are tried in many directions, and along the triangles near p and their edges,
+/// where they may be grazed. With friction none counts that leads below the tangent plane of a
+/// triangle that is touched: a proxy that is held on an edge might fall off on either side.
 bool can_come_nearer(const AllTriangles& all, const Vec3& p, const Vec3& goal, double step,
-                     double least, std::mt19937_64& random)
+                     double friction, std::mt19937_64& random)
 {
+    // The least cosine of a way that counts: a degree from sideways, and the angle of friction.
+    const double least = std::sin(std::atan(friction)) + 0.02;
     const Vec3 wanted = goal - p;
     if (!(wanted.norm() > step)) return false;
     const Vec3 towards = wanted.normalized();
@@ -301,7 +305,11 @@ bool can_come_nearer(const AllTriangles& all, const Vec3& p, const Vec3& goal, d
     for (int i = 0; i < 200; ++i)
         ways.push_back(Vec3{normal(random), normal(random), normal(random)});
     std::vector<Vec3> normals;
+    std::vector<Vec3> above; // from points that are touched
+    const double touched = 2e-4 * step;
     for (const Triangle& triangle : near) {
+        const Vec3 away = p - closest_point(triangle, p).point;
+        if (friction > 0 && away.norm() < touched) above.push_back(away);
         const Vec3 n = scaled_normal(triangle).normalized();
         const Vec3 out = n.dot(p - triangle[0]) < 0 ? Vec3(-n) : n;
         ways.emplace_back(towards - towards.dot(out) * out + 1e-3 * out);
@@ -318,6 +326,8 @@ bool can_come_nearer(const AllTriangles& all, const Vec3& p, const Vec3& goal, d
     return std::any_of(ways.begin(), ways.end(), [&](const Vec3& way) {
         const Vec3 direction = way.normalized();
         if (!(direction.dot(towards) > least)) return false;
+        for (const Vec3& away : above)
+            if (direction.dot(away) < 0) return false;
         return !meets_any(near, p, p + step * direction);
     });
 }
@@ -368,12 +378,10 @@ Outcome go(const TriangleMesh& mesh, const AllTriangles& all, const WorkspaceMap
             ++next_rest;
             if (felt.hold != Hold::free) {
                 ++sum.rests;
-                // The least angle from sideways of a way that counts: a degree, and that of friction.
-                const double least = std::sin(std::atan(friction)) + 0.02;
                 const double step = 1e-5 * surface.scale().extent;
                 const Vec3 goal = map.to_model(felt.position);
                 sum.not_minimal +=
-                    can_come_nearer(all, felt.proxy, goal, step, least, random) ? 1U : 0U;
+                    can_come_nearer(all, felt.proxy, goal, step, friction, random) ? 1U : 0U;
             }
         }
         last = felt;
