@@ -49,7 +49,8 @@ TriangleMesh groove()
     const std::vector<Vec3> profile = {Vec3(-1, 0, 0),      Vec3(-0.05, 0, 0), Vec3(-0.03, 0, -0.3),
                                        Vec3(0.03, 0, -0.3), Vec3(0.05, 0, 0),  Vec3(1, 0, 0)};
     return grid_mesh(static_cast<std::uint32_t>(profile.size()), 9, [&](double u, double v) {
-        const auto i = static_cast<std::size_t>(std::lround(u * (profile.size() - 1.0)));
+        const auto i =
+            static_cast<std::size_t>(std::lround(u * static_cast<double>(profile.size() - 1)));
         return Vec3(profile[i].x(), 2 * v - 1, profile[i].z());
     });
 }
