@@ -55,7 +55,7 @@ PatchTouch::PatchTouch(const TouchModel& model, const PatchSettings& settings,
                           .latency_seconds = 1 / settings.collision_rate,
                           .speed = settings.hand_speed * map.units_per_metre,
                           .proxy_radius = render.proxy_radius * map.units_per_metre},
-      rings_(model.index, model.surface.mesh, model.surface.topology), patch_(whole_.scale()),
+      rings_(model.index, model.surface.mesh, model.surface.topology), patch_(whole_),
       expected_(whole_, proxy_options(render, map, properties)), near_(ContactPatch::most),
       exchange_(capacity_for(model)), due_(2, ContactPatch(capacity_for(model)))
 {
@@ -134,7 +134,11 @@ void PatchTouch::compare(const RenderTick& rendered) noexcept
 {
     const Vec3 device = map_.to_model(rendered.position);
     if (!device.allFinite()) return;
-    if (!placed_ || rendered.fault == InputFault::jumped) expected_.place(device);
+    if (!rendered.is_placed) {
+        placed_ = false;
+        return;
+    }
+    if (!placed_) expected_.place(device);
     placed_ = true;
     const ProxyTick& should = expected_.follow(device);
     if (used_ == nullptr) return; // before the first

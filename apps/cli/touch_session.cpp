@@ -5,6 +5,7 @@
 #include "haptics/force/surface_renderer.h"
 #include "haptics/loop/snapshot.h"
 #include "haptics/surface/contact_surface.h"
+#include "haptics/surface/exits.h"
 #include "haptics/surface/shading_normals.h"
 #include "lab/hand_device.h"
 #include "proxima/device.h"
@@ -224,7 +225,9 @@ Result<std::unique_ptr<TouchModel>> load_touch_model(const std::string& name, bo
     const Status status = is_index_file(name) ? open_index(*model, name, session)
                                               : build_index_of(*model, name, lists, session);
     if (!status) return tl::unexpected(status.error());
-    model->contact = std::make_unique<IndexContactSurface>(model->index);
+    const auto with = with_exits(model->index, session.execution());
+    if (!with) return at_model(with.error(), name);
+    model->contact = std::make_unique<IndexContactSurface>(*with);
     model->reach = bounding_box(model->surface.mesh);
     model->build_seconds = watch.seconds();
     return model;

@@ -20,7 +20,8 @@
 // triangles face and however thin a wall is. A spring pulls the device to it.
 //
 // Bad input never reaches the force: a position that is not finite is replaced by the last one, and
-// the force fades; after a jump that no hand makes the proxy starts anew, and the force ramps up.
+// the force fades. After a jump that no hand makes the proxy follows from where it was, so it stays
+// on its side of every surface, and the force ramps up.
 #pragma once
 
 #include "proxima/device.h"
@@ -84,7 +85,7 @@ struct RenderOptions {
     double static_friction = 0.4;
     double dynamic_friction = 0.3; ///< at most static_friction
     Passivity passivity = Passivity::guarded;
-    double max_jump = 0.05; ///< m in a tick: 50 m/s at 1 kHz
+    double max_jump = 0.05; ///< m in a tick: 50 m/s at 1 kHz; beyond it the force ramps up anew
     /// Most moves of the proxy in a tick, twice that with shading: bounds a tick's work. 4 to 48.
     std::size_t max_moves = 12;
     /// On: forces lean towards the smooth normals of bodies that were built with them.
@@ -101,7 +102,8 @@ enum class SlideEnd : std::uint8_t {
     overloaded ///< more triangles are near than there is memory for: the proxy stays where it is
 };
 
-/// The fault of a tick's input.
+/// The fault of a tick's input: a position that is not finite, or beyond 1e150 in the model's units;
+/// one farther from the last than max_jump.
 enum class InputFault : std::uint8_t { none, not_finite, jumped };
 
 /// A point of the surface that holds the proxy back. In the model's units and frame.
@@ -123,7 +125,8 @@ struct RenderTick {
     Hold hold = Hold::free;
     Vec3 normal = Vec3::Zero(); ///< of all contacts together, of length 1; zero where free
     double depth = 0;           ///< of the device below the position of a frictionless proxy
-    bool is_placed = true;      ///< false: no free position is near, and nothing is touched
+    bool is_placed = true;      ///< false: no free position is near, or the device began inside a
+                                ///< closed mesh; nothing is touched
     std::array<ContactPoint, 3> contacts = {};
     std::size_t contact_count = 0; ///< of the frictionless proxy
     std::size_t moves = 0;         ///< straight moves of the proxy
@@ -151,8 +154,9 @@ public:
     [[nodiscard]] const WorkspaceMap& map() const noexcept;
 
     /// One tick of `seconds`. The first one with a finite position places the proxy there, or at
-    /// the free position nearest to it. The force fades while the patch is lost or the state's
-    /// condition is not `well`. A few microseconds. \pre seconds > 0
+    /// the free position nearest to it; inside a closed mesh nothing is felt until the device is
+    /// out. The force fades while the patch is lost or the state's condition is not `well`. A few
+    /// microseconds. \pre seconds > 0
     const RenderTick& tick(const DeviceState& state, double seconds,
                            Patch patch = Patch::available) noexcept;
 
@@ -173,7 +177,8 @@ private:
 /// without lists (with_lists); lists shorten the median tick of some motions, not the slowest ticks.
 /// Options are limited to what the device can take. Errors: invalid_argument, naming the number that
 /// is out of range; invalid_mesh (an empty index, or one larger than 1e150), broken_invariant (a
-/// crafted index file). O(triangles).
+/// crafted index file), and those of with_signs, which is called for an index without signs.
+/// O(triangles).
 [[nodiscard]] Result<HapticRenderer> make_haptic_renderer(const MeshIndex& index,
                                                           const WorkspaceMap& map,
                                                           const DeviceLimits& device,

@@ -19,13 +19,12 @@ namespace {
 using testing::HandPath;
 using testing::TouchMesh;
 
-/// How far the anchor may lie from the proxy, in safety gaps.
-double most_apart(const ProxyTick& tick, bool is_point)
+/// How far the anchor may lie from a proxy that these contacts hold, in safety gaps.
+double most_apart(const SlideResult& slide, bool is_point)
 {
     // A slide settles within a quarter of the skin in which triangles count as touched, and a
     // skin is a sixteenth of a gap at most.
     constexpr double rounding = 0x1p-6;
-    const SlideResult& slide = tick.slide;
     if (!is_point || slide.contact_count == 0) return rounding;
     // The spring pulls a point to the surface, where the walls that hold it meet. The proxy keeps
     // a gap from each of them.
@@ -54,6 +53,13 @@ HeldSteps follow(const TriangleMesh& mesh, const ProxyOptions& options, std::uin
     Proxy proxy(surface, options);
     HandPath path(mesh, seed);
     Vec3 device = path.next();
+    SlideScratch scratch;
+    // With friction the contacts of the proxy and of its frictionless position differ.
+    const auto most_gaps = [&](const ProxyTick& tick, const Vec3& pulled_to) {
+        const SlideResult own =
+            pull_sphere(surface, options.radius, tick.proxy, pulled_to, scratch);
+        return std::max(most_apart(tick.slide, is_point), most_apart(own, is_point));
+    };
     proxy.place(device);
     ProxyTick last = proxy.last();
     Vec3 last_stretch = Vec3::Zero();
@@ -65,14 +71,14 @@ HeldSteps follow(const TriangleMesh& mesh, const ProxyOptions& options, std::uin
         const Vec3 stretch = now.hold == Hold::free ? Vec3(Vec3::Zero()) : Vec3(now.anchor - next);
         const double way = (next - device).norm() + (now.proxy - last.proxy).norm();
         if (placed && last.is_placed && now.is_placed) {
-            const double gaps = most_apart(last, is_point) + most_apart(now, is_point);
+            const double gaps = most_gaps(last, device) + most_gaps(now, next);
             const double beyond = ((stretch - last_stretch).norm() - way) / gap;
             steps.beyond = std::max(steps.beyond, beyond - gaps);
         }
         if (now.hold != Hold::free) {
             ++steps.touching;
             const double apart = (now.anchor - now.proxy).norm() / gap;
-            steps.apart = std::max(steps.apart, apart - most_apart(now, is_point));
+            steps.apart = std::max(steps.apart, apart - most_gaps(now, next));
         }
         steps.limited += now.slide.end == SlideEnd::limited ? 1U : 0U;
         device = next;

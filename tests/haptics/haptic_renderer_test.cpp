@@ -258,7 +258,7 @@ TEST(HapticRenderer, KeepsBadInputOutOfTheForce)
         const RenderTick& rendered = renderer.tick(state, tick_seconds);
         ASSERT_TRUE(rendered.force.allFinite()) << tick;
         ASSERT_LE(rendered.force.norm(), omni().max_force) << tick;
-        // A jump begins anew from no force; all other changes are slow.
+        // After a jump the force rises from zero; all other changes are slow.
         if (rendered.fault != InputFault::jumped) {
             ASSERT_LE((rendered.force - last).norm(), 2000 * tick_seconds + 1e-12) << tick;
         }
@@ -275,6 +275,97 @@ TEST(HapticRenderer, DoesNotKickADeviceThatStartsInside)
     HapticRenderer renderer = make_surface_renderer(scene.surface, scene.map, omni());
     for (int tick = 0; tick < 500; ++tick)
         EXPECT_EQ(renderer.tick(at(Vec3(0, 0, 1e-5 * tick)), tick_seconds).force, Vec3::Zero());
+}
+
+// Beginning inside a closed mesh, a device feels nothing until it has left it, and then its outside.
+TEST(HapticRenderer, LetsADeviceOutThatBeginsInsideAClosedMesh)
+{
+    for (const char* const model : {"cube", "torus:24x12"}) {
+        const Scene scene(*sample_mesh(model));
+        for (const double radius : {0.0, 0.002}) {
+            HapticRenderer renderer =
+                make_haptic_renderer(scene.listed, scene.map, omni(), {.proxy_radius = radius})
+                    .value();
+            const auto within = scene.mesh.triangle(TriangleId{0});
+            const Vec3 on = scene.map.to_device((within[0] + within[1] + within[2]) / 3);
+            const Vec3 normal = scaled_normal(within).normalized();
+            constexpr double deep = 0.006;
+            constexpr int ticks = 400;
+            const std::size_t allocations = testing::allocation_count();
+            for (int tick = 0; tick <= ticks; ++tick) { // to 10 mm above the surface
+                const double height = -deep + (deep + 0.010) * tick / ticks;
+                const RenderTick& felt = renderer.tick(at(on + height * normal), tick_seconds);
+                ASSERT_EQ(felt.force, Vec3::Zero()) << model << ' ' << radius << ' ' << tick;
+                if (height < 0) {
+                    ASSERT_FALSE(felt.is_placed) << model << ' ' << radius << ' ' << tick;
+                }
+            }
+            EXPECT_TRUE(renderer.last().is_placed);
+            for (int tick = 0; tick < 100; ++tick) // into it again
+                renderer.tick(at(on + (0.010 - 0.00012 * tick) * normal), tick_seconds);
+            EXPECT_EQ(testing::allocation_count(), allocations);
+            EXPECT_GT(renderer.last().force.dot(normal), 0.5) << model << ' ' << radius;
+        }
+    }
+}
+
+TEST(HapticRenderer, StaysInsideAnOpenMeshThatHasNoInside)
+{
+    const TriangleMesh sphere = *sample_mesh("sphere:30x30");
+    const Scene bowl(testing::without(sphere, [](std::size_t i) { return i % 900 < 100; }));
+    HapticRenderer renderer = make_haptic_renderer(bowl.listed, bowl.map, omni()).value();
+    const double wall = 1 / bowl.map.units_per_metre;
+    for (int tick = 0; tick <= 500; ++tick) { // from within, 3 mm through the wall
+        const double way = (wall + 0.003) * tick / 500;
+        renderer.tick(at(bowl.map.to_device(Vec3::Zero()) + Vec3(0, 0, -way)), tick_seconds);
+    }
+    EXPECT_TRUE(renderer.last().is_placed);
+    EXPECT_GT(renderer.last().force.z(), 1);
+}
+
+// No hand jumps so far: packets were lost. The device may be anywhere by now, but nothing was passed.
+TEST(HapticRenderer, SweepsTheProxyOverAJump)
+{
+    struct Jump {
+        TriangleMesh mesh;
+        double past; ///< m, from the surface to where the device comes out
+    };
+    const Jump jumps[] = {{testing::thin_plate(), 0.03}, {*sample_mesh("cube"), 0.02}};
+    for (const Jump& jump : jumps) {
+        const Scene scene(jump.mesh);
+        const double top = scene.map.to_device(bounding_box(scene.mesh).upper).z();
+        for (const double radius : {0.0, 0.002}) {
+            HapticRenderer renderer =
+                make_surface_renderer(scene.surface, scene.map, omni(), {.proxy_radius = radius});
+            QualityMeter meter(scene.surface, scene.map);
+            const auto tick = [&](const Vec3& p) -> const RenderTick& {
+                const RenderTick& felt = renderer.tick(at(p), tick_seconds);
+                meter.add(felt, Vec3::Zero(), renderer.path());
+                return felt;
+            };
+            const Vec3 above(0.001, 0.002, top + 0.04);
+            const Vec3 below(0.004, -0.003, top - jump.past);
+            for (int i = 0; i < 300; ++i) tick(above);
+            EXPECT_EQ(tick(below).fault, InputFault::jumped);
+            EXPECT_EQ(renderer.path().front(), scene.map.to_model(above));
+            EXPECT_LT(renderer.last().force.norm(), 0.02 * omni().max_force);
+            double before = renderer.last().force.norm();
+            for (int i = 0; i < 300; ++i) {
+                const double force = tick(below).force.norm();
+                const double spring = renderer.last().spring.norm();
+                const double rise = spring * tick_seconds / renderer.options().force.start_seconds;
+                EXPECT_LE(force - before, rise * (1 + 1e-9));
+                before = force;
+            }
+            EXPECT_NEAR(renderer.last().force.norm(), omni().max_force, 0.01);
+            EXPECT_GT(renderer.last().force.z(), 3);
+            EXPECT_NEAR(scene.map.to_device(renderer.last().proxy).z(), top + radius, 1e-6);
+            EXPECT_EQ(meter.report().passes, 0U);
+            // And back: it is free where it came from.
+            EXPECT_EQ(tick(above).fault, InputFault::jumped);
+            EXPECT_EQ(tick(above).hold, Hold::free);
+        }
+    }
 }
 
 using RecordingTest = FolderTest;

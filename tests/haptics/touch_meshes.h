@@ -5,6 +5,7 @@
 #include "proxima/sample_meshes.h"
 #include "proxima/triangle_mesh.h"
 
+#include <functional>
 #include <random>
 #include <string>
 #include <vector>
@@ -34,6 +35,25 @@ inline TriangleMesh bumpy_sheet(std::uint32_t cells)
             const std::uint32_t a = i * row + j;
             triangles.push_back({a, a + row, a + row + 1});
             triangles.push_back({a, a + row + 1, a + 1});
+        }
+    }
+    return mesh_of(std::move(positions), std::move(triangles));
+}
+
+/// A rectangle of (columns - 1) x (rows - 1) quads, each halved.
+inline TriangleMesh grid_mesh(std::uint32_t columns, std::uint32_t rows,
+                              const std::function<Vec3(double, double)>& at)
+{
+    std::vector<Vec3> positions;
+    std::vector<TriangleCorners> triangles;
+    for (std::uint32_t i = 0; i < columns; ++i)
+        for (std::uint32_t j = 0; j < rows; ++j)
+            positions.push_back(at(i / (columns - 1.0), j / (rows - 1.0)));
+    for (std::uint32_t i = 0; i + 1 < columns; ++i) {
+        for (std::uint32_t j = 0; j + 1 < rows; ++j) {
+            const std::uint32_t a = i * rows + j;
+            triangles.push_back({a, a + rows, a + rows + 1});
+            triangles.push_back({a, a + rows + 1, a + 1});
         }
     }
     return mesh_of(std::move(positions), std::move(triangles));

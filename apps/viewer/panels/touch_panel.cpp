@@ -3,6 +3,7 @@
 #include "base/text.h"
 #include "haptics/loop/snapshot.h"
 #include "haptics/surface/contact_surface.h"
+#include "haptics/surface/exits.h"
 #include "lab/hand_device.h"
 #include "proxima/device.h"
 #include "proxima/execution.h"
@@ -263,7 +264,8 @@ private:
         if (slot.latest && slot.latest->model == model) return slot.latest;
         auto made = std::make_shared<Touchable>();
         made->model = model;
-        made->surface = std::make_unique<IndexContactSurface>(model->rays);
+        made->surface =
+            std::make_unique<IndexContactSurface>(with_exits(model->rays).value_or(model->rays));
         slot.latest = std::move(made);
         return slot.latest;
     }

@@ -5,6 +5,7 @@
 #include "haptics/force/surface_renderer.h"
 #include "haptics/scene/touch_access.h"
 #include "haptics/surface/contact_surface.h"
+#include "haptics/surface/exits.h"
 #include "proxima/device.h"
 #include "proxima/mesh_index.h"
 #include "proxima/touch_scene.h"
@@ -17,7 +18,9 @@ namespace {
 
 Result<RenderedSurface> surface_of_index(const MeshIndex& index)
 {
-    auto surface = IndexContactSurface::make(index);
+    const auto with = with_exits(index);
+    if (!with) return tl::unexpected(with.error());
+    auto surface = IndexContactSurface::make(*with);
     if (!surface) return tl::unexpected(surface.error());
     RenderedSurface rendered;
     rendered.owned = std::move(*surface);

@@ -9,6 +9,9 @@ namespace proxima {
 
 namespace {
 
+/// Squares of larger coordinates overflow.
+constexpr double most_coordinate = 1e150;
+
 RenderOptions limited_options(RenderOptions options, const DeviceLimits& device)
 {
     options.force = limited(options.force, device);
@@ -33,11 +36,11 @@ ProxyOptions proxy_options(const RenderOptions& options, const WorkspaceMap& map
 SurfaceRenderer::SurfaceRenderer(RenderedSurface rendered, const WorkspaceMap& map,
                                  const DeviceLimits& device, const RenderOptions& options,
                                  std::optional<PenaltyProbe> probe)
-    : owned_(std::move(rendered.owned)), scene_(rendered.scene), properties_(rendered.properties),
-      device_(device), map_(map), options_(limited_options(options, device)),
-      proxy_(*rendered.surface, proxy_options(options, map, rendered.properties)),
-      probe_(std::move(probe)), guard_(options_.force, device.max_force),
-      passivity_(device.max_damping)
+    : owned_(std::move(rendered.owned)), surface_(*rendered.surface), scene_(rendered.scene),
+      properties_(rendered.properties), device_(device), map_(map),
+      options_(limited_options(options, device)),
+      proxy_(surface_, proxy_options(options, map, rendered.properties)), probe_(std::move(probe)),
+      guard_(options_.force, device.max_force), passivity_(device.max_damping)
 {
     if (scene_ != nullptr) settle_scratch_.emplace();
 }
@@ -46,13 +49,15 @@ Vec3 SurfaceRenderer::accept(const DeviceState& state) noexcept
 {
     const Vec3& reported = state.pose.translation;
     tick_.fault = InputFault::none;
-    if (!reported.allFinite()) {
+    if (!(map_.to_model(reported).array().abs() <= most_coordinate).all()) {
         tick_.fault = InputFault::not_finite;
         return tick_.position;
     }
+    // The proxy follows a jump like any other motion, so it stays on its side of every surface.
+    // Penalty forces know no side.
     if (placed_ && !((reported - tick_.position).norm() <= options_.max_jump)) {
         tick_.fault = InputFault::jumped;
-        placed_ = false;
+        if (probe_) placed_ = false;
         guard_.restart();
         passivity_.restart();
     }
@@ -123,9 +128,7 @@ Vec3 SurfaceRenderer::settle(const Vec3& position, const Vec3& goal) noexcept
 /// Places the proxy anew, outside of closed bodies, one of which may now cover it.
 void SurfaceRenderer::start_anew() noexcept
 {
-    proxy_.place(scene_->nearest_exit(proxy_.last().proxy));
-    const Vec3 position = proxy_.last().proxy;
-    if (scene_->nearest_exit(position) != position) proxy_.wait(position);
+    place_outside(surface_.nearest_exit(proxy_.last().proxy));
     guard_.cross_over();
     passivity_.restart();
 }
@@ -178,20 +181,32 @@ Vec3 SurfaceRenderer::spring(const ProxyTick& proxy, const Vec3& device,
     return spring_force(mean, contact, velocity) + (pushes - mean.stiffness * stretches);
 }
 
+/// Places the proxy, unless a closed body contains its place: then it waits for the device.
+void SurfaceRenderer::place_outside(const Vec3& p) noexcept
+{
+    proxy_.place(p);
+    const Vec3 position = proxy_.last().proxy;
+    if (is_inside(position)) proxy_.wait(position);
+}
+
+bool SurfaceRenderer::is_inside(const Vec3& p) const noexcept
+{
+    return surface_.nearest_exit(p) != p;
+}
+
 void SurfaceRenderer::place(const Vec3& device) noexcept
 {
     if (probe_) {
         probe_->place(device);
     } else {
-        proxy_.place(device);
+        place_outside(device);
     }
 }
 
 const ProxyTick& SurfaceRenderer::follow(const Vec3& device) noexcept
 {
     if (probe_) return probe_->follow(device);
-    const bool waits =
-        scene_ != nullptr && !proxy_.last().is_placed && scene_->nearest_exit(device) != device;
+    const bool waits = !proxy_.last().is_placed && is_inside(device);
     return waits ? proxy_.wait(device) : proxy_.follow(device);
 }
 
@@ -221,7 +236,7 @@ const RenderTick& SurfaceRenderer::tick(const DeviceState& state, double seconds
     const Vec3 device = map_.to_model(tick_.position);
     if (scene_ != nullptr) advance_scene(seconds);
     if (!placed_) {
-        if (tick_.fault == InputFault::not_finite || !device.allFinite()) return tick_;
+        if (tick_.fault == InputFault::not_finite) return tick_;
         place(device);
         placed_ = true;
     }

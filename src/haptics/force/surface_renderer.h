@@ -1,6 +1,9 @@
 // The implementation of HapticRenderer (haptic_renderer.h): proxy, spring, passivity and force
 // guards, and the tick that goes through them.
 //
+// A proxy begins outside of closed bodies. Where one contains the device nothing is felt until the
+// device has left it.
+//
 // A scene's objects move as part of the tick: touched objects carry the proxy, others push it
 // (move_with_objects.h), and damping, friction and the passivity observer use the motion relative to
 // the surface. Where a body was exchanged, or objects left the proxy no free position, it starts
@@ -83,6 +86,8 @@ public:
 
 private:
     void place(const Vec3& device) noexcept;
+    void place_outside(const Vec3& p) noexcept;
+    [[nodiscard]] bool is_inside(const Vec3& p) const noexcept;
     [[nodiscard]] const ProxyTick& follow(const Vec3& device) noexcept;
     void write_proxy(const ProxyTick& proxy) noexcept;
     [[nodiscard]] Vec3 accept(const DeviceState& state) noexcept;
@@ -96,6 +101,7 @@ private:
                               const Vec3& velocity) const noexcept;
 
     std::unique_ptr<const ContactSurface> owned_;
+    const ContactSurface& surface_;
     MovingSurface* scene_ = nullptr;
     const SurfaceProperties* properties_ = nullptr;
     DeviceLimits device_;

@@ -108,7 +108,8 @@ SlideResult Proxy::slide_without_friction(const Vec3& p) noexcept
     if (tick_.hold != Hold::free && frictionless != start) {
         SlideResult slide = slide_sphere(surface_, options_.radius, frictionless, p,
                                          frictionless_scratch_, SlideStart::touching, moves);
-        // If this position is free, or far from the proxy, the proxy itself may still be in contact.
+        // If this position is free, or far from the proxy, the proxy itself may still be in contact,
+        // and friction may hold it there.
         const double depth = (slide.anchor - p).norm();
         const double apart = (slide.center - start).norm();
         const double leaning = options_.shading == ForceShading::on ? 2 : 0;
@@ -117,10 +118,53 @@ SlideResult Proxy::slide_without_friction(const Vec3& p) noexcept
             scratch_.begin_path(start);
             return slide;
         }
+        SlideResult held = pull_sphere(surface_, options_.radius, start, p, scratch_);
+        if (held.contact_count > 0 && friction_of(held).fixed > 0) {
+            scratch_.begin_path(start);
+            held.center = start;
+            held.moves = slide.moves;
+            return held;
+        }
     }
     const bool touched = tick_.hold != Hold::free && tick_.slide.contact_count > 0;
     const SlideStart known = touched ? SlideStart::touching : SlideStart::anywhere;
     return slide_sphere(surface_, options_.radius, start, p, scratch_, known, moves);
+}
+
+/// Holds the proxy, or lets it follow the target as far as friction allows. Normal and tangential
+/// part of the pull are those at the proxy's own contacts: at the device a curved surface has another
+/// normal.
+void Proxy::hold_back(const Vec3& target, const Friction& friction, std::size_t met, Hold before,
+                      ProxyTick& next) noexcept
+{
+    const Vec3 start = scratch_.path().front();
+    const Vec3 gripped = scratch_.path()[met];
+    const SlideResult pull = pull_sphere(surface_, options_.radius, gripped, target, scratch_);
+    if (next.slide.contact_count == 0) {
+        // The frictionless position is late on a free path. The proxy is so too, or is held.
+        if (pull.contact_count == 0) return;
+        next.slide.contacts = pull.contacts;
+        next.slide.contact_count = pull.contact_count;
+    }
+    const double pressed = (pull.center - target).norm();
+    const double slip = (pull.center - gripped).norm();
+    const double part = before == Hold::sliding ? options_.restick : 1;
+    if (slip <= part * friction.fixed * pressed) next.hold = Hold::sticking;
+    const double trail = friction.sliding * pressed;
+    if (next.hold == Hold::sticking || slip <= trail) {
+        scratch_.cut_path(met);
+        next.anchor = gripped + (pull.anchor - pull.center);
+        next.proxy = gripped;
+        if (next.slide.end == SlideEnd::limited) next.slide.end = SlideEnd::settled;
+        return;
+    }
+    const SlideResult dragged =
+        slide_sphere(surface_, options_.radius, start, target, scratch_, SlideStart::touching,
+                     moves_left(next.moves), friction.sliding);
+    next.moves += dragged.moves;
+    next.proxy = dragged.center;
+    if (next.slide.end == SlideEnd::limited) next.slide.end = dragged.end;
+    next.anchor = dragged.contact_count > 0 ? dragged.anchor : dragged.center;
 }
 
 const ProxyTick& Proxy::follow(const Vec3& p) noexcept
@@ -145,42 +189,17 @@ const ProxyTick& Proxy::follow(const Vec3& p) noexcept
     }
     next.normal = back / next.depth;
     next.hold = Hold::sliding;
-    if (late) {
+    if (late && before == Hold::free) {
         tick_ = next;
         return tick_;
     }
     // Friction begins at the first contact.
     const std::size_t met = before == Hold::free ? slide.first_contact : 0;
-    const Vec3 gripped = scratch_.path()[met];
     const Vec3 lean = lean_towards(p, next);
     next.anchor += lean;
     const Friction friction = friction_of(slide);
-    const Vec3 goal = slide.center + lean;
     if (friction.fixed > 0) {
-        Vec3 aside = gripped - goal;
-        aside -= next.normal * next.normal.dot(aside);
-        const double distance = aside.norm();
-        const double part = before == Hold::sliding ? options_.restick : 1;
-        if (distance <= part * friction.fixed * next.depth) next.hold = Hold::sticking;
-        const double trail = friction.sliding * next.depth;
-        if (next.hold == Hold::sticking || distance <= trail) {
-            scratch_.cut_path(met);
-            next.proxy = gripped;
-            next.anchor += gripped - goal;
-        } else {
-            const Vec3 lag = aside * (trail / distance);
-            const std::size_t moves = moves_left(next.moves);
-            const SlideResult dragged =
-                slide_sphere(surface_, options_.radius, start, p + lean + lag, scratch_,
-                             SlideStart::touching, moves);
-            next.moves += dragged.moves;
-            next.proxy = dragged.center;
-            if (!lean.isZero(0)) {
-                next.anchor += lag;
-            } else {
-                next.anchor = dragged.contact_count > 0 ? dragged.anchor : dragged.center;
-            }
-        }
+        hold_back(p + lean, friction, met, before, next);
     } else if (scratch_.path().back() != next.proxy) {
         // Without friction the proxy moves to the frictionless position.
         const SlideResult freed = slide_sphere(surface_, options_.radius, start, p, scratch_,

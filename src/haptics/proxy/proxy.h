@@ -6,11 +6,15 @@
 //     force = stiffness * (tick.anchor - device)
 //
 // A point (god-object, [zilles-1995]) or a sphere ([ruspini-1997]) that slides over the surface as
-// near to the device as it can come (slide_sphere.h), with a friction cone ([melder-2004]): while
-// the frictionless position is nearer than mu_s times the depth the proxy sticks, else it follows to
-// mu_d times the depth. The frictionless position moves on from the one of the last tick, which is
-// nearer than the proxy, for friction lets the proxy lag behind by many triangles. Lengths are in
-// the surface's own unit.
+// near to the device as it can come (slide_sphere.h). Lengths are in the surface's own unit.
+//
+// Friction [melder-2004] is Coulomb's law at the proxy's own contacts: the spring pulls with a part
+// that they take, N, and a part along them, T. The proxy sticks while |T| <= mu_s |N|, else it slides
+// towards the device to |T| = mu_d |N|. So it follows the device along a tractrix, whatever the
+// surface's curvature, and a device at rest leaves it at rest.
+//
+// The frictionless position, which tells depth and normal, moves on from the one of the last tick,
+// for friction lets the proxy lag behind by many triangles.
 //
 // Force shading [ruspini-1997]: the goal is moved aside until the spring leans along the smooth
 // surface's normal, and the proxy slides towards it over the true surface. It never enters, and
@@ -48,7 +52,7 @@ struct ProxyTick {
     Vec3 normal = Vec3::Zero(); ///< of all contacts together, of length 1; zero where free
     double depth = 0;           ///< of the device below the frictionless position
     bool is_placed = true;      ///< false: no free position is near, and nothing is touched
-    SlideResult slide;          ///< without friction
+    SlideResult slide;          ///< without friction; `end` is of the proxy's own motion
     std::size_t moves = 0;      ///< of all slides of this tick
 };
 
@@ -111,6 +115,8 @@ private:
     [[nodiscard]] std::size_t moves_left(std::size_t made) const noexcept;
     [[nodiscard]] SlideResult slide_without_friction(const Vec3& p) noexcept;
     [[nodiscard]] Vec3 lean_towards(const Vec3& p, ProxyTick& next) noexcept;
+    void hold_back(const Vec3& target, const Friction& friction, std::size_t met, Hold before,
+                   ProxyTick& next) noexcept;
 
     const ContactSurface& surface_;
     ProxyOptions options_;

@@ -25,6 +25,10 @@ constexpr double reach_in_edges = 2;
 /// Most moves end within this part of them; triangles beyond it are collected only if needed.
 constexpr double first_part = 0.125;
 
+/// Friction holds what would slip by no more than this part of what it allows: a slide over curved
+/// parts comes to rest within a few moves.
+constexpr double friction_rounding = 0x1p-14;
+
 // The scratch memory takes all triangles that a cache holds.
 static_assert(SlideScratch::triangles >= GroupBoxes::capacity * TriangleGroup::width);
 
@@ -38,9 +42,11 @@ double safety_gap(const SurfaceScale& scale) noexcept
 /// One slide: see slide_sphere.h.
 class Slide {
 public:
-    Slide(const ContactSurface& surface, double radius, Vec3 to, SlideScratch& scratch) noexcept
+    Slide(const ContactSurface& surface, double radius, Vec3 to, SlideScratch& scratch,
+          double friction = 0) noexcept
         : surface_(surface), gap_(safety_gap(surface.scale())), radius_(std::max(radius, gap_)),
-          skin_(skin_of(surface.scale())), to_(std::move(to)), scratch_(scratch)
+          skin_(skin_of(surface.scale())), to_(std::move(to)), friction_(friction),
+          scratch_(scratch)
     {}
 
     SlideResult run(const Vec3& from, SlideStart start, std::size_t max_moves) noexcept
@@ -53,9 +59,26 @@ public:
             }
             if (result_.end == SlideEnd::limited) {
                 stop_in_place();
-            } else if (result_.contact_count > 0 && !(radius_ > gap_)) {
-                result_.anchor = anchor_at_surface();
+            } else if (result_.contact_count > 0) {
+                const Vec3 allowed = result_.anchor;
+                if (!(radius_ > gap_)) result_.anchor = anchor_at_surface();
+                if (friction_ > 0) result_.anchor = result_.center + (result_.anchor - allowed);
             }
+        }
+        return result_;
+    }
+
+    /// Finds what holds the sphere back where it is.
+    SlideResult pull(const Vec3& at) noexcept
+    {
+        result_.center = result_.anchor = at;
+        if (find_contacts()) {
+            (void)choose_goal(scratch_.contacts_.contacts());
+            result_.center = result_.anchor;
+            if (result_.contact_count > 0 && !(radius_ > gap_))
+                result_.anchor = anchor_at_surface();
+        } else {
+            result_.end = SlideEnd::overloaded;
         }
         return result_;
     }
@@ -98,12 +121,19 @@ private:
         const Vec3 goal = choose_goal(contacts);
 
         Vec3 motion = goal - p;
+        bool whole = true;
+        if (friction_ > 0 && result_.contact_count > 0) {
+            motion *= part_beyond_friction();
+            whole = false;
+        }
         const double length = motion.norm();
         if (length <= 0.25 * skin_) return end(SlideEnd::settled);
         double reach = std::min(length, reach_in_edges * surface_.scale().mean_edge);
         if (!collect_path(motion / length, reach)) return end(SlideEnd::overloaded);
-        const bool whole = reach == length;
-        if (!whole) motion *= reach / length;
+        if (reach < length) {
+            motion *= reach / length;
+            whole = false;
+        }
         const double t = sweep(motion, contacts);
         if (!(t > 0)) return end(SlideEnd::limited); // planes that no double satisfies
         touches_nothing_ = false;
@@ -115,6 +145,14 @@ private:
             go(p + t * motion);
         }
         return true;
+    }
+
+    /// The part of the way to the goal after which friction holds the sphere.
+    [[nodiscard]] double part_beyond_friction() const noexcept
+    {
+        const double slip = (result_.anchor - result_.center).norm();
+        const double trail = friction_ * (result_.anchor - to_).norm();
+        return slip > trail * (1 + friction_rounding) ? 1 - trail / slip : 0.0;
     }
 
     /// Finds the contacts at the centre. False where there are too many.
@@ -181,7 +219,8 @@ private:
             has_contact_ = true;
             result_.first_contact = result_.moves;
         }
-        if (solution.count == 1 && contacts.size() == 1 && radius_ > gap_)
+        const bool goes_round = radius_ > gap_ && !(friction_ > 0);
+        if (solution.count == 1 && contacts.size() == 1 && goes_round)
             return around(result_.contacts[0], goal);
         return goal;
     }
@@ -265,6 +304,7 @@ private:
     double radius_;
     double skin_;
     Vec3 to_;
+    double friction_;
     SlideScratch& scratch_;
     std::size_t near_count_ = 0;
     std::size_t plane_count_ = 0; ///< of the last goal
@@ -290,11 +330,17 @@ std::optional<Contact> nearest_contact(const ContactSurface& surface, const Vec3
     return best;
 }
 
+SlideResult pull_sphere(const ContactSurface& surface, double radius, const Vec3& at,
+                        const Vec3& to, SlideScratch& scratch) noexcept
+{
+    return Slide(surface, radius, to, scratch).pull(at);
+}
+
 SlideResult slide_sphere(const ContactSurface& surface, double radius, const Vec3& from,
                          const Vec3& to, SlideScratch& scratch, SlideStart start,
-                         std::size_t max_moves) noexcept
+                         std::size_t max_moves, double friction) noexcept
 {
-    return Slide(surface, radius, to, scratch).run(from, start, max_moves);
+    return Slide(surface, radius, to, scratch, friction).run(from, start, max_moves);
 }
 
 } // namespace proxima

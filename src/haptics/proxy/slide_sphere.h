@@ -11,6 +11,9 @@
 // the surface is closed, or how thin a wall is. Every move comes nearer to the wanted position; the
 // slide ends at a local minimum, where none does.
 //
+// With friction every move is along the contacts, and shorter: the slide ends where the rest of the
+// way along them is no more than a part of their push.
+//
 // The result does not depend on further triangles that a query returns, nor on their order.
 #pragma once
 
@@ -37,8 +40,9 @@ inline constexpr std::size_t max_slide_moves = 48;
 
 struct SlideResult {
     Vec3 center = Vec3::Zero();
-    Vec3 anchor = Vec3::Zero();      ///< nearest allowed position of the centre; of a sphere no
-                                     ///< larger than the gap, once settled, on the surface
+    Vec3 anchor = Vec3::Zero();      ///< nearest allowed position of the centre, with friction the
+                                     ///< centre; of a sphere no larger than the gap, once settled,
+                                     ///< on the surface
     std::array<Contact, 3> contacts; ///< that hold the sphere back; none on a free path
     std::size_t contact_count = 0;
     std::size_t moves = 0;         ///< positions on the path after the first
@@ -103,11 +107,20 @@ enum class SlideStart : std::uint8_t {
 
 /// Slides a sphere of max(radius, safety gap) from `from` towards `to`. noexcept, no allocation, no
 /// lock: at most max_slide_moves queries of the surface, usually one to three of about 1 us.
+/// `friction`: tangential over normal force that holds the sphere.
 /// \pre at `from` nothing is nearer than the sphere's radius; all finite; radius >= 0; max_moves is
-/// 1 to max_slide_moves
+/// 1 to max_slide_moves; friction >= 0
 [[nodiscard]] SlideResult slide_sphere(const ContactSurface& surface, double radius,
                                        const Vec3& from, const Vec3& to, SlideScratch& scratch,
                                        SlideStart start = SlideStart::anywhere,
-                                       std::size_t max_moves = max_slide_moves) noexcept;
+                                       std::size_t max_moves = max_slide_moves,
+                                       double friction = 0) noexcept;
+
+/// The nearest position to `to` that the contacts of a sphere at rest allow: `center` of the result,
+/// and `anchor` as of a slide. The sphere stays at `at`; center - to is the push of its contacts, and
+/// center - at the way along them. No contacts: nothing holds it back. One query of the surface, none
+/// where the last slide with this scratch memory ended at `at`. \pre as slide_sphere()
+[[nodiscard]] SlideResult pull_sphere(const ContactSurface& surface, double radius, const Vec3& at,
+                                      const Vec3& to, SlideScratch& scratch) noexcept;
 
 } // namespace proxima

@@ -2,9 +2,9 @@
 
 #include "base/text.h"
 #include "haptics/surface/changing_surface.h"
+#include "haptics/surface/exits.h"
 #include "index/check_edges.h"
 #include "proxima/mesh_index.h"
-#include "proxima/signed_distance.h"
 
 #include <array>
 #include <cmath>
@@ -23,14 +23,6 @@ bool in_range(const SurfaceMaterial& material)
 }
 
 } // namespace
-
-std::optional<Vec3> ContactBody::nearest_exit(const Vec3& p) const noexcept
-{
-    if (is_refit_ || !has_local_signs(index_)) return std::nullopt;
-    const auto at = signed_distance(index_, p);
-    if (!at || !(at->distance < 0)) return std::nullopt;
-    return at->closest.point;
-}
 
 ChangingParts ContactBody::parts() const noexcept
 {
@@ -71,11 +63,9 @@ public:
             if (!built) return tl::unexpected(built.error());
             body.index_ = *built;
         }
-        if (!body.index_.has_signs()) {
-            const auto with = with_signs(body.index_, {.execution = options_.execution});
-            if (!with) return tl::unexpected(with.error());
-            if (has_local_signs(*with)) body.index_ = *with;
-        }
+        auto with = with_exits(body.index_, options_.execution);
+        if (!with) return tl::unexpected(with.error());
+        body.index_ = *with;
         body.bounds_ = bounding_box(body.mesh_);
         if (search_ == BodySearch::every_triangle) {
             body.surface_ = std::make_unique<MeshContactSurface>(body.mesh_);

@@ -7,6 +7,7 @@
 
 #include "haptics/surface/changing_surface.h"
 #include "haptics/surface/contact_surface.h"
+#include "haptics/surface/exits.h"
 #include "haptics/surface/shading_normals.h"
 #include "haptics/surface/triangle_tree.h"
 #include "proxima/geometry.h"
@@ -56,9 +57,12 @@ public:
     /// Null for a body without shading.
     [[nodiscard]] const ShadingNormals* normals() const noexcept { return normals_.get(); }
 
-    /// The point of the surface nearest to p where p is inside a closed mesh; nothing outside, where
-    /// the mesh does not separate its inside everywhere, and for a refit body. \pre p is finite
-    [[nodiscard]] std::optional<Vec3> nearest_exit(const Vec3& p) const noexcept;
+    /// The point of the surface nearest to p where p is inside a closed mesh; nothing outside, and
+    /// where the mesh does not separate its inside everywhere, and of a refit. \pre p is finite
+    [[nodiscard]] std::optional<Vec3> nearest_exit(const Vec3& p) const noexcept
+    {
+        return is_refit_ ? std::nullopt : exit_of(index_, p);
+    }
 
 private:
     friend class ContactBodyBuilder;

@@ -256,12 +256,9 @@ Vec3 MovingSurface::nearest_exit(const Vec3& p) const noexcept
             const Vec3 local = to_local(pose, position);
             const auto out = slot->body().nearest_exit(local);
             if (!out) continue;
-            // Step beyond the surface by more than the safety gap of a point.
-            const Vec3 step = *out - local;
-            const double beyond = 2 * safety_gap(scale_);
-            const double length = step.norm();
-            if (!(length > 0)) continue;
-            position = pose(*out + step * (beyond / length));
+            const Vec3 outside = beyond(*out, local, safety_gap(scale_));
+            if (outside == local) continue;
+            position = pose(outside);
             inside = true;
         }
         if (!inside) break;

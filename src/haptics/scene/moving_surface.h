@@ -60,10 +60,6 @@ public:
     /// The velocity in the last tick of a point that moves with a triangle of the scene, per second.
     [[nodiscard]] Vec3 velocity_at(TriangleId triangle, const Vec3& p) const noexcept;
 
-    /// p, or where closed bodies contain it a position at the surface of one of them, outside of all
-    /// unless many overlap.
-    [[nodiscard]] Vec3 nearest_exit(const Vec3& p) const noexcept;
-
     /// Whether the object surely keeps this distance from a motion of the last tick, which is
     /// straight in the object's frame.
     [[nodiscard]] bool keeps_clear(ObjectId id, const Vec3& from, const Vec3& to,
@@ -99,6 +95,7 @@ public:
                   std::span<ContactTriangle> buffer) const noexcept override;
     [[nodiscard]] double clearance(const Vec3& p) const noexcept override;
     [[nodiscard]] double clearance_beyond(const Vec3& p, double wanted) const noexcept override;
+    [[nodiscard]] Vec3 nearest_exit(const Vec3& p) const noexcept override;
     /// A new number in each tick in which something moved or was exchanged.
     [[nodiscard]] std::uint64_t edition() const noexcept override { return edition_; }
 

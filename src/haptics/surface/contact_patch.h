@@ -142,6 +142,10 @@ class PatchContactSurface final : public ContactSurface {
 public:
     /// The scale is the whole surface's, so that proxies of both behave alike.
     explicit PatchContactSurface(const SurfaceScale& scale) : scale_(scale) {}
+    /// Its exits are the whole surface's too, which must outlive it.
+    explicit PatchContactSurface(const ContactSurface& whole)
+        : scale_(whole.scale()), whole_(&whole)
+    {}
 
     /// Uses this patch, which must not change until the next call. One thread.
     void use(const ContactPatch* patch) noexcept { patch_ = patch; }
@@ -152,6 +156,10 @@ public:
                                       std::span<ContactTriangle> buffer) const noexcept override;
     /// By the patch's clearance and the distance from its centre.
     [[nodiscard]] double clearance(const Vec3& p) const noexcept override;
+    [[nodiscard]] Vec3 nearest_exit(const Vec3& p) const noexcept override
+    {
+        return whole_ == nullptr ? p : whole_->nearest_exit(p);
+    }
     [[nodiscard]] std::uint64_t edition() const noexcept override
     {
         return patch_ == nullptr ? 0 : patch_->edition();
@@ -169,6 +177,7 @@ private:
     }
 
     SurfaceScale scale_;
+    const ContactSurface* whole_ = nullptr; ///< null where no exits are known
     const ContactPatch* patch_ = nullptr;
 };
 

@@ -2,6 +2,8 @@
 
 #include "base/check.h"
 #include "geometry/closest_point.h"
+#include "haptics/proxy/slide_sphere.h"
+#include "haptics/surface/exits.h"
 #include "haptics/surface/find_groups.h"
 #include "haptics/surface/triangle_tree.h"
 #include "index/index_parts.h"
@@ -209,6 +211,12 @@ void IndexContactSurface::read_triangles(std::span<const std::uint32_t> ranks,
 double IndexContactSurface::clearance(const Vec3& p) const noexcept
 {
     return less_rounding(std::sqrt(closest_feature(index_, p)->squared_distance), scale_, p);
+}
+
+Vec3 IndexContactSurface::nearest_exit(const Vec3& p) const noexcept
+{
+    const auto out = exit_of(index_, p);
+    return out ? beyond(*out, p, safety_gap(scale_)) : p;
 }
 
 std::size_t MeshContactSurface::collect(const Vec3& p, double distance,

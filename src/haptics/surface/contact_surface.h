@@ -78,6 +78,10 @@ public:
         return least > wanted ? least : clearance(p);
     }
 
+    /// p, or where closed bodies contain it a position at the surface of one of them, outside of all
+    /// unless many overlap. p where the surface does not know its inside. \pre p is finite
+    [[nodiscard]] virtual Vec3 nearest_exit(const Vec3& p) const noexcept { return p; }
+
     /// A number of this surface alone. While it stays the same so do all answers, which may be
     /// cached (contact_cache.h). 0: cache nothing.
     [[nodiscard]] virtual std::uint64_t edition() const noexcept { return 0; }
@@ -122,6 +126,8 @@ public:
     /// clearance() where the index lists the near triangles, else two thirds of it or more, by boxes
     /// alone.
     [[nodiscard]] double least_clearance(const Vec3& p) const noexcept override;
+    /// Knows its inside where the index tells it everywhere (with_exits). One signed distance.
+    [[nodiscard]] Vec3 nearest_exit(const Vec3& p) const noexcept override;
     [[nodiscard]] std::uint64_t edition() const noexcept override { return edition_; }
     [[nodiscard]] std::span<const TriangleGroup> groups() const noexcept override
     {
