@@ -72,7 +72,7 @@ TEST(EncoderStep, IsFoundWhereNoChangeIsASingleStep)
     EXPECT_NEAR(found.step, 3e-5, 1e-12);
 }
 
-TEST(EncoderStep, IsTheUsualChangeOfAnArmWithEncodersInItsJoints)
+TEST(EncoderStep, IsNearTheCoarsestOfAnArmWithEncodersInItsJoints)
 {
     // Two links of 0.13 m, as a desktop arm has them; the tip's x.
     constexpr double joint_step = 4e-4; // rad
@@ -88,12 +88,12 @@ TEST(EncoderStep, IsTheUsualChangeOfAnArmWithEncodersInItsJoints)
     }
     const EncoderStep found = estimate_encoder_step(positions);
     EXPECT_EQ(found.kind, StepKind::uneven);
-    // By the columns of the Jacobian: the first joint moves x by its height, the second by the
-    // second link's.
+    // By the columns of the Jacobian: the first joint moves x by the tip's height, the second by the
+    // second link's. The first is the coarser one, up to this where the tip is highest.
     const double second = link * std::sin(1.7) * joint_step;
-    const double both = second + link * std::sin(0.6) * joint_step;
-    EXPECT_GT(found.step, 0.7 * second);
-    EXPECT_LT(found.step, 1.3 * both);
+    const double first = link * (std::sin(0.66) + 1) * joint_step;
+    EXPECT_GT(found.step, 1.2 * second);
+    EXPECT_LT(found.step, first);
 }
 
 TEST(EncoderStep, IsInvisibleInPositionsWithoutSteps)

@@ -19,9 +19,10 @@ constexpr std::size_t lead = 200;
 /// Pushes a device along x, once in each direction.
 class PushedDevice {
 public:
-    explicit PushedDevice(const HandModel& model, double weight = 0)
+    /// A constant force of `weight`; each push begins with a speed of `drift`.
+    explicit PushedDevice(const HandModel& model, double weight = 0, double drift = 0)
         : delay_(static_cast<std::size_t>(model.delay_ticks)), step_(model.encoder_step),
-          weight_(weight), hand_(in_parts(model), Vec3(3.3e-4, 0, 0))
+          weight_(weight), drift_(drift), hand_(in_parts(model), Vec3(3.3e-4, 0, 0))
     {}
 
     /// A part of the samples can be missing.
@@ -60,6 +61,7 @@ private:
         };
         for (int i = 0; i < 3000; ++i) pass(0); // at rest again
         samples.clear();
+        if (drift_ != 0) hand_.set_motion(hand_.position(), Vec3(drift_, 0, 0));
         double begun = 0;
         for (std::size_t i = 0; i < lead; ++i) begun = pass(0);
         int first = 0;
@@ -77,6 +79,7 @@ private:
     std::size_t delay_;
     double step_;
     double weight_;
+    double drift_;
     SimulatedHand hand_;
     std::vector<double> forces_;
 };
@@ -150,6 +153,19 @@ TEST(MotionFit, TakesWeightAndMissingSamples)
     expect_numbers(heavy, model);
     EXPECT_NEAR(heavy.weight, 0.1, 0.01);
     expect_numbers(PushedDevice(model).fit(0.6, 0.3, &random), model);
+}
+
+TEST(MotionFit, TakesADeviceThatCoasts)
+{
+    // As slowly as what counts as rest, and hardly braked: 0.5 mm in the time of a push.
+    const HandModel model = device(0.3, 0.05, 0, 1e-5, 1);
+    const MotionFit fit = PushedDevice(model, 0, 6e-4).fit(0.3);
+    ASSERT_TRUE(fit.found);
+    EXPECT_EQ(fit.delay, 1);
+    EXPECT_NEAR(fit.mass.value, 0.3, 0.003);
+    EXPECT_NEAR(fit.damping.value, 0.05, 0.01);
+    EXPECT_LT(fit.friction.value, 0.002);
+    EXPECT_LT(fit.residual, 1e-5);
 }
 
 TEST(MotionFit, SaysWhatHoldsTheDevice)

@@ -197,6 +197,62 @@ TEST(SelfTest, MeasuresNoise)
     }
 }
 
+TEST(SelfTest, TellsFrictionAtRestFromFrictionInMotion)
+{
+    // What rests takes 0.3 N to move; then 0.2 N hold it back.
+    Vec3 before = Vec3::Zero();
+    int rested = 0;
+    ChangedHand hand(
+        device(0.1, 0.5, 0.2, 1e-5, 1),
+        [&](std::uint64_t, DeviceReading& reading) {
+            const Vec3& position = reading.state.pose.translation;
+            rested = position == before ? rested + 1 : 0;
+            before = position;
+        },
+        [&](std::uint64_t, const Vec3& force) {
+            return rested > 100 && force.norm() < 0.3 ? Vec3(Vec3::Zero()) : force;
+        });
+    const SelfTestSession session = run_self_test(hand);
+    for (const AxisReport& axis : session.report.axes) {
+        ASSERT_TRUE(axis.static_friction);
+        EXPECT_NEAR(*axis.static_friction, 0.3, 0.01);
+        ASSERT_TRUE(axis.motion.found);
+        EXPECT_NEAR(axis.motion.friction.value, 0.2, 0.01);
+        EXPECT_NEAR(axis.motion.mass.value, 0.1, 0.005);
+        EXPECT_EQ(axis.motion.delay, 1);
+    }
+}
+
+TEST(SelfTest, TakesAnArmWithEncodersInItsJoints)
+{
+    // A waist that turns, a shoulder that lifts, and a reach, 0.2 m behind the middle: the encoders
+    // step by 0.05 to 0.06 mm at the tip, across the axes.
+    const Vec3 base(0, -0.2, -0.05);
+    const auto in_steps = [](double value, double step) { return std::round(value / step) * step; };
+    ChangedHand hand(device(0.15, 0.4, 0.25, 0, 2), [&](std::uint64_t, DeviceReading& reading) {
+        Vec3& position = reading.state.pose.translation;
+        const Vec3 arm = position - base;
+        const double waist = in_steps(std::atan2(arm.x(), arm.y()), 2.6e-4);
+        const double shoulder = in_steps(std::atan2(arm.z(), std::hypot(arm.x(), arm.y())), 2.7e-4);
+        const double reach = in_steps(arm.norm(), 5.5e-5);
+        position = base + reach * Vec3(std::cos(shoulder) * std::sin(waist),
+                                       std::cos(shoulder) * std::cos(waist), std::sin(shoulder));
+    });
+    const SelfTestSession session = run_self_test(hand);
+    EXPECT_EQ(session.report.delay, 2);
+    for (const AxisReport& axis : session.report.axes) {
+        EXPECT_EQ(axis.encoder.kind, StepKind::uneven);
+        EXPECT_GT(axis.encoder.step, 4.5e-5);
+        EXPECT_LT(axis.encoder.step, 7e-5);
+        ASSERT_TRUE(axis.motion.found);
+        EXPECT_EQ(axis.motion.delay, 2);
+        EXPECT_NEAR(axis.motion.mass.value, 0.15, 0.0075);
+        EXPECT_NEAR(axis.motion.friction.value, 0.25, 0.0125);
+        ASSERT_TRUE(axis.static_friction);
+        EXPECT_NEAR(*axis.static_friction, 0.25, 0.015);
+    }
+}
+
 TEST(SelfTest, TellsWeightFromFriction)
 {
     const HandModel model = device(0.1, 0.5, 0.2, 2e-5, 1);

@@ -81,7 +81,7 @@ EncoderStep estimate_encoder_step(std::span<const double> positions)
         return result;
     }
     result.kind = StepKind::uneven;
-    result.step = changes[changes.size() / 2];
+    result.step = changes[changes.size() * 9 / 10];
     return result;
 }
 

@@ -4,7 +4,7 @@
 //
 // Encoders along the axes put all positions on a grid: then every difference is a multiple of the
 // step, and the step is known to much less than a per cent. Those in the joints of an arm do not: then
-// the usual difference of a slow motion stands for the step.
+// the difference that nine of ten do not exceed, in a slow motion, stands for the step.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@ namespace proxima {
 enum class StepKind : unsigned char {
     unknown, ///< fewer than 20 changes
     grid,    ///< all changes are multiples of the step
-    uneven, ///< positions repeat while the tip moves, but not on a grid: the step is the median change
+    uneven, ///< positions repeat while the tip moves, but not on a grid: the step is what nine of ten changes do not exceed
     invisible ///< every sample of a slow motion differs: no step can be seen
 };
 
