@@ -11,6 +11,7 @@
 #include "cli/touch_options.h"
 #include "cli/touch_plot.h"
 #include "cli/touch_report.h"
+#include "cli/touch_self_test.h"
 #include "cli/touch_session.h"
 
 #include <CLI/CLI.hpp>
@@ -210,6 +211,8 @@ Status run_touch(TouchCommandOptions options, Session& session)
         options.patches = usual_thesis_patch;
     if (options.list) return list_devices(options, session);
     if (Status status = check_options(options); !status) return status;
+    if (Status status = check_self_test_options(options); !status) return status;
+    if (options.self_test) return run_self_test(options, session);
     if (Status status = check_picture(options, session); !status) return status;
     return options.device.starts_with(replay_prefix) ? run_replay(options, session)
                                                      : run_device(options, session);
@@ -229,6 +232,7 @@ Command add_touch_command(CLI::App& app)
         ->type_name("NAME:ARGS");
     add_object_options(*parser, options->objects);
     add_touch_options(*parser, *options);
+    add_self_test_options(*parser, *options);
     // Neither model nor device is needed then.
     parser->add_flag_callback(
         "--list-devices",

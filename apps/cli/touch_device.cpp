@@ -1,6 +1,7 @@
 #include "cli/touch_device.h"
 
 #include "base/text.h"
+#include "cli/touch_self_test.h"
 #include "geometry/exact_predicates.h"
 #include "lab/hand_device.h"
 #include "lab/hand_script.h"
@@ -62,7 +63,8 @@ std::string touch_device_problem(const std::string& device)
 {
     constexpr std::string_view replay = "replay:";
     const bool replays = device.starts_with(replay) && device.size() > replay.size();
-    const bool known = replays || is_hand_script(script_of(device)) || is_device_name(device);
+    const bool known = replays || device == self_test_hand || is_hand_script(script_of(device)) ||
+                       is_device_name(device);
     return known ? std::string() : concat(device, " is not a device: use ", touch_device_names());
 }
 

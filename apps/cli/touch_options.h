@@ -24,6 +24,8 @@ struct TouchCommandOptions {
     double scale = 1;
     int clutch = 0; ///< button from 1; 0 for none
     bool list = false;
+    bool self_test = false;
+    bool yes = false; ///< nobody confirms the steps of a self-test
     double seconds = 5;
     std::uint64_t seed = 1;
     HandModel hand; ///< of hand:SCRIPT, with the device that it holds

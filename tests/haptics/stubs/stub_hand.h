@@ -28,6 +28,11 @@ struct State {
     long force_error = never;
     long fail_open = never; ///< anything but never
     long press = never;     ///< button 1, for 100 ticks
+    // A hand that moves the device slowly, then fast, and lets go: a device with these numbers.
+    long release = never; ///< the tick; the fast motion takes the 500 ticks before it
+    long friction = 200;  ///< mN
+    long damping = 300;   ///< mN s/m
+    long step = 20000;    ///< nm, of the encoders along the axes
     // What was seen.
     long ticks = 0;
     long forces = 0;
@@ -64,12 +69,45 @@ inline void read_environment(State& state)
         if (name == "force_error") state.force_error = tick;
         if (name == "fail_open") state.fail_open = tick;
         if (name == "press") state.press = tick;
+        if (name == "release") state.release = tick;
+        if (name == "friction") state.friction = tick;
+        if (name == "damping") state.damping = tick;
+        if (name == "step") state.step = tick;
+    }
+}
+
+/// A millisecond of a device that is let go at a tick, in a hundred parts. Each axis has friction of
+/// its own.
+inline void move_and_let_go(Hand& hand, const State& state)
+{
+    constexpr int parts = 100;
+    constexpr double mass = 0.1;
+    constexpr double turn = 6.283185307179586;
+    const double time = 1e-3 * static_cast<double>(state.ticks);
+    const bool holds = state.ticks < state.release;
+    const bool slow = state.ticks < state.release - 500;
+    const bool fast = !slow && state.ticks < state.release - 100;
+    for (int i = 0; i < 3; ++i) {
+        const double swing = slow   ? 0.01 * std::sin(turn * (0.5 + 0.13 * i) * time)
+                             : fast ? 0.03 * std::sin(turn * (2 + 0.3 * i) * time)
+                                    : 0;
+        for (int part = 0; part < parts; ++part) {
+            double force =
+                hand.force[i] - 1e-3 * static_cast<double>(state.damping) * hand.speed[i];
+            if (holds) force += 400 * (swing - hand.place[i]) - 8 * hand.speed[i];
+            // Friction takes what it can of the speed, and no more.
+            const double free = hand.speed[i] + 1e-3 / parts * force / mass;
+            const double taken = 1e-3 / parts * 1e-3 * static_cast<double>(state.friction) / mass;
+            hand.speed[i] = std::abs(free) <= taken ? 0 : free - std::copysign(taken, free);
+            hand.place[i] += 1e-3 / parts * hand.speed[i];
+        }
     }
 }
 
 /// A millisecond: half implicit, which is stable here.
 inline void move(Hand& hand, const State& state)
 {
+    if (state.release != never) return move_and_let_go(hand, state);
     const double time = 1e-3 * static_cast<double>(state.ticks);
     const double target[3] = {0.002, 0.001, 0.09 * std::cos(6.283185307179586 * time)};
     for (int i = 0; i < 3; ++i) {
@@ -91,6 +129,9 @@ inline double said(const Hand& hand, const State& state, int axis)
     if (state.ticks < state.freeze) frozen[axis] = hand.place[axis];
     if (state.ticks >= state.nan && state.ticks < state.nan + 10)
         return std::numeric_limits<double>::quiet_NaN();
+    const double step = 1e-9 * static_cast<double>(state.step);
+    if (state.release != never && state.ticks < state.freeze)
+        return std::round(hand.place[axis] / step) * step;
     const double away = state.ticks >= state.jump && axis == 0 ? 1.0 : 0.0;
     return frozen[axis] + away;
 }
