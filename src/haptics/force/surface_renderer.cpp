@@ -221,7 +221,8 @@ const RenderTick& SurfaceRenderer::tick(const DeviceState& state, double seconds
     tick_.spring = probe_ ? penalty_force(options_.force, proxy.depth / map_.units_per_metre,
                                           proxy.normal, velocity)
                           : spring(proxy, device, velocity);
-    Vec3 force = tick_.spring;
+    // In the tick of a jump the proxy may still be on its way.
+    Vec3 force = tick_.fault == InputFault::jumped ? Vec3(Vec3::Zero()) : tick_.spring;
     if (options_.passivity == Passivity::guarded) {
         const Vec3 relative = tick_.position - ground_;
         if (touching) {
