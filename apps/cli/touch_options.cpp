@@ -8,7 +8,9 @@
 #include <algorithm>
 #include <array>
 #include <fmt/core.h>
+#include <optional>
 #include <span>
+#include <string_view>
 #include <utility>
 
 namespace proxima {
@@ -22,9 +24,10 @@ constexpr std::array hand_options = {
 
 /// What a recording says of its own session, beside these.
 constexpr std::array recorded_options = {
-    "--seconds", "--limits",         "--stiffness",     "--damping", "--radius", "--friction",
-    "--shading", "--force",          "--scale",         "--axes",    "--clutch", "--device-library",
-    "--patch",   "--collision-rate", "--graphics-rate", "--record",  "--method"};
+    "--seconds",       "--limits",         "--stiffness", "--damping", "--radius",
+    "--friction",      "--shading",        "--force",     "--scale",   "--axes",
+    "--clutch",        "--device-library", "--stillness", "--patch",   "--collision-rate",
+    "--graphics-rate", "--record",         "--method"};
 constexpr std::array driver_options = {"--device-library"};
 
 std::string names_of_devices()
@@ -33,6 +36,18 @@ std::string names_of_devices()
     for (const DeviceLimits& device : known_devices())
         names += (names.empty() ? "" : ", ") + std::string(device.name);
     return names;
+}
+
+constexpr std::array<std::pair<std::string_view, Stillness>, 3> stillness_names = {
+    {{"usual", Stillness::usual},
+     {"suspicious", Stillness::suspicious},
+     {"impossible", Stillness::impossible}}};
+
+std::optional<Stillness> find_stillness(std::string_view name)
+{
+    for (const auto& [known, stillness] : stillness_names)
+        if (name == known) return stillness;
+    return std::nullopt;
 }
 
 /// Penalty forces have no proxy that any of this could be of.
@@ -115,6 +130,7 @@ TouchSettings settings_of(const TouchCommandOptions& options)
     settings.device.hand = options.hand;
     settings.input.clutch_buttons = options.clutch > 0 ? 1U << (options.clutch - 1) : 0U;
     settings.input.tick_seconds = settings.device.hand.tick_seconds;
+    settings.input.stillness = find_stillness(options.stillness);
     if (!options.axes.empty()) settings.input.rotation = *parse_axes(options.axes);
     settings.seconds = options.seconds;
     settings.render.force.stiffness = options.stiffness;
@@ -263,6 +279,13 @@ void add_touch_options(CLI::App& parser, TouchCommandOptions& options)
                     "position in the model")
         ->check(CLI::Range(1, 32))
         ->type_name("BUTTON");
+    parser
+        .add_option("--stillness", options.stillness,
+                    "What it means when a device repeats the same position for half a second while "
+                    "it is pushed: nothing (usual), a line in the report (suspicious), or a fault "
+                    "that fades the force (impossible); default: what the device declares")
+        ->check(CLI::IsMember({"usual", "suspicious", "impossible"}))
+        ->type_name("MEANING");
     parser
         .add_option("--device-library", options.library,
                     "The file of libHD.so or libdhd.so, for hd and dhd")

@@ -18,9 +18,10 @@ struct TouchCommandOptions {
     std::string model;
     ObjectOptions objects;
     std::string device;
-    std::string library; ///< of hd and dhd
-    std::string limits;  ///< "" for the device's own
-    std::string axes;    ///< "" for the device's own
+    std::string library;   ///< of hd and dhd
+    std::string limits;    ///< "" for the device's own
+    std::string axes;      ///< "" for the device's own
+    std::string stillness; ///< "" for the device's own
     double scale = 1;
     int clutch = 0; ///< button from 1; 0 for none
     bool list = false;
