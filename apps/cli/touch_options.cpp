@@ -27,7 +27,7 @@ constexpr std::array recorded_options = {
     "--seconds",       "--limits",         "--stiffness", "--damping", "--radius",
     "--friction",      "--shading",        "--force",     "--scale",   "--axes",
     "--clutch",        "--device-library", "--stillness", "--patch",   "--collision-rate",
-    "--graphics-rate", "--record",         "--method"};
+    "--graphics-rate", "--record",         "--method",    "--guard"};
 constexpr std::array driver_options = {"--device-library"};
 
 std::string names_of_devices()
@@ -37,6 +37,9 @@ std::string names_of_devices()
         names += (names.empty() ? "" : ", ") + std::string(device.name);
     return names;
 }
+
+constexpr std::array<std::pair<std::string_view, Guard>, 3> guard_names = {
+    {{"off", Guard::off}, {"observe", Guard::observe}, {"on", Guard::on}}};
 
 constexpr std::array<std::pair<std::string_view, Stillness>, 3> stillness_names = {
     {{"usual", Stillness::usual},
@@ -119,6 +122,13 @@ bool TouchCommandOptions::is_given(std::string_view name) const
     return std::ranges::find(given, name) != given.end();
 }
 
+std::string_view guard_name(Guard guard) noexcept
+{
+    for (const auto& [name, known] : guard_names)
+        if (known == guard) return name;
+    return "on";
+}
+
 TouchSettings settings_of(const TouchCommandOptions& options)
 {
     TouchSettings settings;
@@ -138,6 +148,8 @@ TouchSettings settings_of(const TouchCommandOptions& options)
     settings.render.proxy_radius = options.radius;
     settings.render.static_friction = options.friction;
     settings.render.dynamic_friction = 0.75 * options.friction;
+    for (const auto& [name, guard] : guard_names)
+        if (options.guard == name) settings.render.guard = guard;
     settings.render.shading = options.shading ? ForceShading::on : ForceShading::off;
     if (options.force == "penalty") {
         settings.law = ForceLaw::penalty;
@@ -252,6 +264,13 @@ void add_touch_options(CLI::App& parser, TouchCommandOptions& options)
         ->check(CLI::IsMember({"proxy", "penalty"}))
         ->capture_default_str()
         ->type_name("LAW");
+    parser
+        .add_option("--guard", options.guard,
+                    "Whether walls that are too stiff for the device are damped and softened: on; "
+                    "observe, which only reports what it would do; or off")
+        ->check(CLI::IsMember({"off", "observe", "on"}))
+        ->capture_default_str()
+        ->type_name("MODE");
     parser.add_flag("--free-running", options.free_running,
                     "Run the ticks without waiting between them; forces do not change");
     parser.add_flag("--verbose", options.verbose,

@@ -35,6 +35,7 @@ struct TouchCommandOptions {
     bool shading = false;
     bool lists = false; ///< of indexes that are built
     std::string force = "proxy";
+    std::string guard = "on";
     bool free_running = false;
     bool verbose = false;
     std::string record;
@@ -53,6 +54,9 @@ void add_touch_options(CLI::App& parser, TouchCommandOptions& options);
 
 /// Error invalid_argument for an option that would be without any effect.
 [[nodiscard]] Status check_options(const TouchCommandOptions& options);
+
+/// "off", "observe" or "on".
+[[nodiscard]] std::string_view guard_name(Guard guard) noexcept;
 
 [[nodiscard]] TouchSettings settings_of(const TouchCommandOptions& options);
 

@@ -208,8 +208,8 @@ TEST(DeviceInput, KeepsTheForceOfAHandThatHoldsStill)
     // or the option in its place, decides what is reported. Neither takes the force.
     const CubeScene scene;
     const auto still = [&](std::uint64_t tick, DeviceReading& reading) {
-        const bool lifted = tick > 1200 && tick < 1250;
-        reading.state.pose.translation = Vec3(0, 0, scene.half - (lifted ? 0.0021 : 0.002));
+        const double depth = tick < 100 ? -0.002 : tick > 1200 && tick < 1250 ? 0.0021 : 0.002;
+        reading.state.pose.translation = Vec3(0, 0, scene.half - depth);
         reading.state.velocity = Vec3::Zero();
     };
     for (const Stillness declared : {Stillness::usual, Stillness::suspicious}) {

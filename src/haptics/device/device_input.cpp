@@ -253,11 +253,10 @@ DeviceCommand InputGuard::command(const HapticRenderer& renderer) noexcept
     command.force = back * tick.force;
     command.condition = state_.condition;
     command.force_scale = parts_of(renderer).guard().ramp();
-    // As the passivity guard has softened them, so that the device's own loop does not oscillate.
-    const double softness = parts_of(renderer).passivity().softness();
-    command.stiffness = softness * options.force.stiffness;
-    command.damping =
-        softness * options.force.damping + parts_of(renderer).passivity().added_damping();
+    // With the guard's damping and softening, so that the device's own loop does not oscillate.
+    const PassivityGuard& passivity = parts_of(renderer).passivity();
+    command.stiffness = passivity.softness() * options.force.stiffness;
+    command.damping = passivity.softness() * options.force.damping + passivity.added_damping();
     // A sliding proxy sticks again at less friction than a sticking one begins to slide.
     const bool slides = tick.hold == Hold::sliding;
     const double restick = parts_of(renderer).proxy().options().restick;

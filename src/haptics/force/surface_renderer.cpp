@@ -37,7 +37,7 @@ SurfaceRenderer::SurfaceRenderer(RenderedSurface rendered, const WorkspaceMap& m
       device_(device), map_(map), options_(limited_options(options, device)),
       proxy_(*rendered.surface, proxy_options(options, map, rendered.properties)),
       probe_(std::move(probe)), guard_(options_.force, device.max_force),
-      passivity_(device.max_damping)
+      passivity_(options_.guard, device)
 {}
 
 Vec3 SurfaceRenderer::accept(const DeviceState& state) noexcept
@@ -147,6 +147,34 @@ Vec3 SurfaceRenderer::spring(const ProxyTick& proxy, const Vec3& device,
     return spring_force(mean, contact, velocity) + (pushes - mean.stiffness * stretches);
 }
 
+/// The contact's force and its parts, as the passivity guard weighs them.
+ContactForce SurfaceRenderer::contact_force(const ProxyTick& proxy, const Vec3& device,
+                                            const Vec3& whole) const noexcept
+{
+    const Vec3 still = Vec3::Zero();
+    const Vec3 elastic = probe_ ? penalty_force(options_.force, proxy.depth / map_.units_per_metre,
+                                                proxy.normal, still)
+                                : spring(proxy, device, still);
+    double damping = options_.force.damping;
+    if (properties_ != nullptr) {
+        const auto contacts = std::span(proxy.slide.contacts).first(proxy.slide.contact_count);
+        for (const Contact& each : contacts) {
+            const auto material = properties_->material(each.triangle);
+            if (material) damping = std::max(damping, material->damping);
+        }
+    }
+    return {elastic, whole, damping};
+}
+
+void SurfaceRenderer::reset() noexcept
+{
+    placed_ = false;
+    tick_ = {};
+    ground_ = Vec3::Zero();
+    guard_.restart();
+    passivity_.reset();
+}
+
 void SurfaceRenderer::place(const Vec3& device) noexcept
 {
     if (probe_) {
@@ -207,20 +235,15 @@ const RenderTick& SurfaceRenderer::tick(const DeviceState& state, double seconds
                                           proxy.normal, velocity)
                           : spring(proxy, device, velocity);
     Vec3 force = tick_.spring;
-    if (options_.passivity == Passivity::guarded) {
-        const Vec3 relative = tick_.position - ground_;
-        if (touching) {
-            // Clamp before softening: a part of an excessive force may still be the device's limit.
-            const double size = force.norm();
-            if (passivity_.softness() < 1 && size > device_.max_force)
-                force *= device_.max_force / size;
-            force = passivity_.pass(relative, velocity, force, seconds);
-        } else {
-            passivity_.leave(relative, seconds);
-            if (passivity_.is_away() && ground_ != Vec3::Zero()) {
-                passivity_.restart();
-                ground_ = Vec3::Zero();
-            }
+    if (options_.guard != Guard::off) {
+        // Ramps change the energy that the spring has stored.
+        if (guard_.ramp() < 1) passivity_.restart();
+        ContactForce contact;
+        if (touching) contact = contact_force(proxy, device, force);
+        force = passivity_.pass(tick_.position - ground_, velocity, contact, seconds);
+        if (passivity_.is_away() && ground_ != Vec3::Zero()) {
+            passivity_.restart();
+            ground_ = Vec3::Zero();
         }
     }
     const bool available = patch == Patch::available && tick_.fault != InputFault::not_finite &&

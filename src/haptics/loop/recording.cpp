@@ -39,7 +39,7 @@ struct SettingNumbers {
     double proxy_radius;
     double static_friction;
     double dynamic_friction;
-    double passivity;
+    double guard; ///< 0 off, 1 on, 2 observe
     double max_jump;
     double max_force;
     double max_stiffness;
@@ -73,6 +73,13 @@ Vec3 vector(const std::array<double, 3>& v) noexcept
     return {v[0], v[1], v[2]};
 }
 
+/// In the order in which they came: files without `observe` are read as they were meant.
+double guard_number(Guard guard) noexcept
+{
+    if (guard == Guard::observe) return 2;
+    return guard == Guard::on ? 1 : 0;
+}
+
 SettingNumbers numbers(const RecordingSettings& settings)
 {
     const RenderOptions& render = settings.render;
@@ -88,7 +95,7 @@ SettingNumbers numbers(const RecordingSettings& settings)
             render.proxy_radius,
             render.static_friction,
             render.dynamic_friction,
-            render.passivity == Passivity::guarded ? 1.0 : 0.0,
+            guard_number(render.guard),
             render.max_jump,
             settings.max_force,
             settings.max_stiffness,
@@ -111,8 +118,9 @@ RecordingSettings settings_of(const SettingNumbers& numbers, std::uint64_t finge
                        .proxy_radius = numbers.proxy_radius,
                        .static_friction = numbers.static_friction,
                        .dynamic_friction = numbers.dynamic_friction,
-                       .passivity =
-                           numbers.passivity != 0 ? Passivity::guarded : Passivity::unguarded,
+                       .guard = numbers.guard == guard_number(Guard::observe) ? Guard::observe
+                                : numbers.guard == guard_number(Guard::off)   ? Guard::off
+                                                                              : Guard::on,
                        .max_jump = numbers.max_jump,
                        .shading = numbers.shading != 0 ? ForceShading::on : ForceShading::off};
     settings.max_force = numbers.max_force;
