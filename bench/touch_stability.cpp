@@ -72,7 +72,7 @@ bool print_devices()
             setting.stiffness = device.max_stiffness;
             setting.hand = free_device(0.1, delay);
             const SwingResult guarded = swing(wall, setting, 20, 2);
-            setting.passivity = Passivity::unguarded;
+            setting.guard = Guard::off;
             const SwingResult unguarded = swing(wall, setting, 20, 2);
             std::printf("%-8s %6.0f %6d", std::string(device.name).c_str(), setting.stiffness,
                         delay);

@@ -29,6 +29,7 @@ Json input_json(const InputReport& input)
             {"not_finite", input.not_finite},
             {"jumps", input.jumps},
             {"velocities", input.velocities},
+            {"suspicions", input.suspicions},
             {"freezes", input.freezes},
             {"silences", input.silences},
             {"losses", input.losses},
@@ -109,6 +110,11 @@ std::string device_text(const DeviceAccount& account, double damping)
         text += fmt::format("recovered {} times: full force at most {:.3f} s after the first good "
                             "sample\n",
                             input.recoveries, input.longest_recovery);
+    }
+    if (input.suspicions > input.freezes) {
+        text += fmt::format("suspicion: the device reported the same position for more than half a "
+                            "second while it was pushed, {} times; the force stayed\n",
+                            input.suspicions - input.freezes);
     }
     if (account.hand) text += hand_text(*account.hand, damping);
     if (account.button_events > 0 || input.clutched_ticks > 0) {

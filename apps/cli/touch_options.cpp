@@ -8,7 +8,9 @@
 #include <algorithm>
 #include <array>
 #include <fmt/core.h>
+#include <optional>
 #include <span>
+#include <string_view>
 #include <utility>
 
 namespace proxima {
@@ -22,9 +24,10 @@ constexpr std::array hand_options = {
 
 /// What a recording says of its own session, beside these.
 constexpr std::array recorded_options = {
-    "--seconds", "--limits",         "--stiffness",     "--damping", "--radius", "--friction",
-    "--shading", "--force",          "--scale",         "--axes",    "--clutch", "--device-library",
-    "--patch",   "--collision-rate", "--graphics-rate", "--record",  "--method"};
+    "--seconds",       "--limits",         "--stiffness", "--damping", "--radius",
+    "--friction",      "--shading",        "--force",     "--scale",   "--axes",
+    "--clutch",        "--device-library", "--stillness", "--patch",   "--collision-rate",
+    "--graphics-rate", "--record",         "--method",    "--guard"};
 constexpr std::array driver_options = {"--device-library"};
 
 std::string names_of_devices()
@@ -33,6 +36,21 @@ std::string names_of_devices()
     for (const DeviceLimits& device : known_devices())
         names += (names.empty() ? "" : ", ") + std::string(device.name);
     return names;
+}
+
+constexpr std::array<std::pair<std::string_view, Guard>, 3> guard_names = {
+    {{"off", Guard::off}, {"observe", Guard::observe}, {"on", Guard::on}}};
+
+constexpr std::array<std::pair<std::string_view, Stillness>, 3> stillness_names = {
+    {{"usual", Stillness::usual},
+     {"suspicious", Stillness::suspicious},
+     {"impossible", Stillness::impossible}}};
+
+std::optional<Stillness> find_stillness(std::string_view name)
+{
+    for (const auto& [known, stillness] : stillness_names)
+        if (name == known) return stillness;
+    return std::nullopt;
 }
 
 /// Penalty forces have no proxy that any of this could be of.
@@ -104,6 +122,13 @@ bool TouchCommandOptions::is_given(std::string_view name) const
     return std::ranges::find(given, name) != given.end();
 }
 
+std::string_view guard_name(Guard guard) noexcept
+{
+    for (const auto& [name, known] : guard_names)
+        if (known == guard) return name;
+    return "on";
+}
+
 TouchSettings settings_of(const TouchCommandOptions& options)
 {
     TouchSettings settings;
@@ -115,6 +140,7 @@ TouchSettings settings_of(const TouchCommandOptions& options)
     settings.device.hand = options.hand;
     settings.input.clutch_buttons = options.clutch > 0 ? 1U << (options.clutch - 1) : 0U;
     settings.input.tick_seconds = settings.device.hand.tick_seconds;
+    settings.input.stillness = find_stillness(options.stillness);
     if (!options.axes.empty()) settings.input.rotation = *parse_axes(options.axes);
     settings.seconds = options.seconds;
     settings.render.force.stiffness = options.stiffness;
@@ -122,6 +148,8 @@ TouchSettings settings_of(const TouchCommandOptions& options)
     settings.render.proxy_radius = options.radius;
     settings.render.static_friction = options.friction;
     settings.render.dynamic_friction = 0.75 * options.friction;
+    for (const auto& [name, guard] : guard_names)
+        if (options.guard == name) settings.render.guard = guard;
     settings.render.shading = options.shading ? ForceShading::on : ForceShading::off;
     if (options.force == "penalty") {
         settings.law = ForceLaw::penalty;
@@ -237,6 +265,13 @@ void add_touch_options(CLI::App& parser, TouchCommandOptions& options)
         ->check(CLI::IsMember({"proxy", "penalty"}))
         ->capture_default_str()
         ->type_name("LAW");
+    parser
+        .add_option("--guard", options.guard,
+                    "Whether walls that are too stiff for the device are damped and softened: on; "
+                    "observe, which only reports what it would do; or off")
+        ->check(CLI::IsMember({"off", "observe", "on"}))
+        ->capture_default_str()
+        ->type_name("MODE");
     parser.add_flag("--free-running", options.free_running,
                     "Run the ticks without waiting between them; forces do not change");
     parser.add_flag("--verbose", options.verbose,
@@ -264,6 +299,13 @@ void add_touch_options(CLI::App& parser, TouchCommandOptions& options)
                     "position in the model")
         ->check(CLI::Range(1, 32))
         ->type_name("BUTTON");
+    parser
+        .add_option("--stillness", options.stillness,
+                    "What it means when a device repeats the same position for half a second while "
+                    "it is pushed: nothing (usual), a line in the report (suspicious), or a fault "
+                    "that fades the force (impossible); default: what the device declares")
+        ->check(CLI::IsMember({"usual", "suspicious", "impossible"}))
+        ->type_name("MEANING");
     parser
         .add_option("--device-library", options.library,
                     "The file of libHD.so or libdhd.so, for hd and dhd")

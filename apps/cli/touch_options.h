@@ -18,9 +18,10 @@ struct TouchCommandOptions {
     std::string model;
     ObjectOptions objects;
     std::string device;
-    std::string library; ///< of hd and dhd
-    std::string limits;  ///< "" for the device's own
-    std::string axes;    ///< "" for the device's own
+    std::string library;   ///< of hd and dhd
+    std::string limits;    ///< "" for the device's own
+    std::string axes;      ///< "" for the device's own
+    std::string stillness; ///< "" for the device's own
     double scale = 1;
     int clutch = 0; ///< button from 1; 0 for none
     bool list = false;
@@ -36,6 +37,7 @@ struct TouchCommandOptions {
     bool shading = false;
     bool lists = false; ///< of indexes that are built
     std::string force = "proxy";
+    std::string guard = "on";
     bool free_running = false;
     bool verbose = false;
     std::string record;
@@ -55,6 +57,9 @@ void add_touch_options(CLI::App& parser, TouchCommandOptions& options);
 
 /// Error invalid_argument for an option that would be without any effect.
 [[nodiscard]] Status check_options(const TouchCommandOptions& options);
+
+/// "off", "observe" or "on".
+[[nodiscard]] std::string_view guard_name(Guard guard) noexcept;
 
 [[nodiscard]] TouchSettings settings_of(const TouchCommandOptions& options);
 

@@ -2,6 +2,7 @@
 
 #include "cli/touch_input_report.h"
 #include "cli/touch_objects.h"
+#include "cli/touch_options.h"
 
 #include <algorithm>
 #include <fmt/core.h>
@@ -69,13 +70,38 @@ std::string counters_text(const TouchModel& model, const TouchResult& result)
         "had faulty input {}\n"
         "largest change of force in a tick: {:.3f} of what the motion explains (above 1: a jump), "
         "{:.1f} degrees of turn; energy lost to friction and damping {:.3g} J\n"
-        "guards: force limited in {} ticks, its change in {}; damping added in {}; stiffness "
-        "lowered in {} (smallest factor {:.3g}); lowest energy in the passivity guard {:.3g} J\n",
+        "guards: force limited in {} ticks, its change in {}\n",
         result.map.units_per_metre, center.x(), center.y(), center.z(), model.build_seconds,
         percent(quality.sticking_ticks, quality.ticks), quality.max_speed, quality.limited_ticks,
         quality.overloaded_ticks, quality.faulty_ticks, quality.max_step_ratio,
-        quality.max_turn_degrees, quality.taken_energy, result.clamped, result.slewed,
-        result.damped, result.softened, result.lowest_softness, result.lowest_energy);
+        quality.max_turn_degrees, quality.taken_energy, result.clamped, result.slewed);
+}
+
+/// What the passivity guard saw and did, or would have done, in words; empty where all was calm.
+std::string swings_text(const TouchResult& result)
+{
+    const SwingReport& swings = result.swings;
+    const bool observes = result.render_options.guard == Guard::observe;
+    const double ticks = static_cast<double>(std::max<std::uint64_t>(result.quality.ticks, 1));
+    const double seconds = result.session_seconds;
+    std::string text;
+    if (swings.swings > 0) {
+        text += fmt::format(
+            "walls: contacts swung without fading, {} times; the guard {} damping of up to {:.3g} "
+            "N s/m, for {:.1f} s in all\n",
+            swings.swings, observes ? "would have added" : "added", swings.most_damping,
+            seconds * static_cast<double>(swings.damped_ticks) / ticks);
+    }
+    if (swings.softenings > 0) {
+        text += fmt::format(
+            "walls: contacts went on swinging, {} times; the guard {} the force, down to {:.3g} of "
+            "it, for {:.1f} s at most and {:.1f} s in all. Less stiffness or more damping helps: "
+            "see \"Walls that are too stiff\" in docs/devices.md\n",
+            swings.softenings, observes ? "would have softened" : "softened",
+            swings.lowest_softness, swings.longest_softening,
+            seconds * static_cast<double>(swings.softened_ticks) / ticks);
+    }
+    return text;
 }
 
 /// The guards that did something, in a line; empty where all was calm.
@@ -90,8 +116,6 @@ std::string guards_text(const TouchResult& result)
     add(result.quality.faulty_ticks, "input faulty");
     add(result.clamped, "force limited");
     add(result.slewed, "its change limited");
-    add(result.damped, "damping added");
-    add(result.softened, "stiffness lowered");
     return text.empty() ? text : fmt::format("of {} ticks: {}\n", result.quality.ticks, text);
 }
 
@@ -130,13 +154,15 @@ std::string touch_text(const TouchReportOf& of, const TouchModel& model, const T
         percent(quality.touching_ticks, quality.ticks), quality.max_force, 1e3 * quality.max_depth,
         quality.passes);
     text += of.verbose ? counters_text(model, result) : guards_text(result);
+    text += swings_text(result);
     text += fmt::format("computing a force: {}\n", microseconds(result.render));
     text += objects_text(model, quality);
     text += less_text("stiffness", "N/m", of.asked.stiffness, render.force.stiffness);
     text += less_text("damping", "N s/m", of.asked.damping, render.force.damping);
     if (result.device) {
         const DeviceAccount& device = *result.device;
-        if (of.verbose || device.input.faulty_ticks > 0 || !device.trouble.empty())
+        if (of.verbose || device.input.faulty_ticks + device.input.suspicions > 0 ||
+            !device.trouble.empty())
             text += device_text(device, render.force.damping);
     }
     if (of.differences) {
@@ -184,10 +210,15 @@ Json touch_json(const TouchReportOf& of, const TouchModel& model, const TouchRes
                  {"max_moves", quality.max_moves},
                  {"clamped_ticks", result.clamped},
                  {"slewed_ticks", result.slewed},
-                 {"damped_ticks", result.damped},
-                 {"softened_ticks", result.softened},
-                 {"lowest_softness", result.lowest_softness},
-                 {"lowest_energy", result.lowest_energy},
+                 {"guard", guard_name(render.guard)},
+                 {"damped_ticks", result.swings.damped_ticks},
+                 {"softened_ticks", result.swings.softened_ticks},
+                 {"lowest_softness", result.swings.lowest_softness},
+                 {"swings", result.swings.swings},
+                 {"softenings", result.swings.softenings},
+                 {"most_damping", result.swings.most_damping},
+                 {"longest_softening", result.swings.longest_softening},
+                 {"most_given", result.swings.most_given},
                  {"tick", latency_json(result.render)},
                  {"servo", nullptr},
                  {"replay_differences", nullptr},

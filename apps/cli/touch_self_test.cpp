@@ -88,8 +88,7 @@ std::string instruction(const SelfTest& test, bool interactive)
 }
 
 /// Tells the person what to do, until `ended`, and the test when the person is ready.
-void guide(SelfTest& test, const std::atomic<bool>& ended, bool interactive, bool shown,
-           Session& session)
+void guide(SelfTest& test, const std::atomic<bool>& ended, bool interactive, bool shown)
 {
     SelfTestStep told = SelfTestStep::waiting;
     while (!ended.load()) {
@@ -99,7 +98,6 @@ void guide(SelfTest& test, const std::atomic<bool>& ended, bool interactive, boo
             std::fflush(stderr);
         }
         told = now;
-        if (session.progress().cancelled()) test.cancel();
         if (interactive && test.prepares()) {
             if (entered_line() && test.step() == told) test.confirm();
         } else {
@@ -187,9 +185,6 @@ Status check_self_test_options(const TouchCommandOptions& options)
             concat("has nobody who follows instructions: test ", self_test_hand, " or a device"),
             options.device);
     }
-    if (options.free_running && options.device != self_test_hand)
-        return fail(ErrorCode::invalid_argument, "a device has its own time: leave it out",
-                    "--free-running");
     return {};
 }
 
@@ -230,6 +225,7 @@ Status run_self_test(const TouchCommandOptions& options, Session& session)
         servo = device->run(
             {.rate = 1 / test_options.tick_seconds, .pace = settings.pace},
             [&](std::uint64_t number) noexcept {
+                if (session.progress().cancelled()) test->cancel();
                 const DeviceReading reading = device->read();
                 const double now = std::chrono::duration<double>(Clock::now() - begin).count();
                 const double seconds =
@@ -241,7 +237,7 @@ Status run_self_test(const TouchCommandOptions& options, Session& session)
     });
     // A simulated hand needs no words; on a terminal they show what goes on.
     const bool shown = !session.options().quiet && (!simulated || isatty(STDERR_FILENO) != 0);
-    guide(*test, ended, interactive, shown, session);
+    guide(*test, ended, interactive, shown);
     servo_thread.join();
 
     if (Status status = session.check_running(); !status) return status;

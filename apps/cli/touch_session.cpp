@@ -111,6 +111,7 @@ public:
     const RenderTick& tick(const DeviceState& state, double seconds) noexcept
     {
         if (scene_ != nullptr) scene_->send_motions(ticks_++, seconds);
+        result_.session_seconds += seconds;
         const std::int64_t begin = nanoseconds_now();
         const Patch patch = patches_ == nullptr ? Patch::available : patches_->begin_tick();
         const RenderTick& rendered = renderer_.tick(state, seconds, patch);
@@ -128,10 +129,7 @@ public:
         result_.quality = meter_.report();
         result_.clamped = parts_of(renderer_).guard().clamped();
         result_.slewed = parts_of(renderer_).guard().slewed();
-        result_.damped = parts_of(renderer_).passivity().damped_ticks();
-        result_.softened = parts_of(renderer_).passivity().softened_ticks();
-        result_.lowest_softness = parts_of(renderer_).passivity().lowest_softness();
-        result_.lowest_energy = parts_of(renderer_).passivity().lowest_energy();
+        result_.swings = parts_of(renderer_).passivity().report();
         result_.map = renderer_.map();
         result_.render_options = renderer_.options();
         return std::move(result_);

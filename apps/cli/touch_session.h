@@ -7,6 +7,7 @@
 #include "cli/touch_patches.h"
 #include "cli/touch_plot.h"
 #include "haptics/device/udp_device.h"
+#include "haptics/force/passivity.h"
 #include "haptics/loop/recording.h"
 #include "haptics/scene/scripted_scene.h"
 #include "haptics/surface/contact_surface.h"
@@ -81,10 +82,8 @@ struct TouchResult {
     LatencyHistogram render;   ///< of a tick's computing, ns, without the hand and the report
     std::uint64_t clamped = 0; ///< ticks in which a guard changed the force
     std::uint64_t slewed = 0;
-    std::uint64_t damped = 0;
-    std::uint64_t softened = 0;
-    double lowest_softness = 1; ///< the least part of a force that was given
-    double lowest_energy = 0;   ///< J, of the passivity observer
+    SwingReport swings;         ///< what the passivity guard saw and did
+    double session_seconds = 0; ///< of all ticks
     WorkspaceMap map;
     RenderOptions render_options; ///< as limited by the device
     ForceLaw law = ForceLaw::proxy;

@@ -57,7 +57,7 @@ enum class InputCondition : std::uint8_t {
     well,
     clutched, ///< the user moves the device, and its position in the model stays
     unsure,   ///< a sample that no hand can produce (not a number, a jump)
-    frozen,   ///< the same bits again and again, though a force pushes the device
+    frozen,   ///< the same bits again and again from a device for which that is impossible
     silent,   ///< no new sample came
     gone,     ///< the driver reported that the device is no longer there
     released  ///< the program or the device ends the session
@@ -100,8 +100,13 @@ struct DeviceCommand {
     std::size_t plane_count = 0;
 };
 
-/// Whether a device may report the same bits for long while nobody touches it.
-enum class Stillness : bool { usual, suspicious };
+/// What it means when a device reports the same bits for long although a force pushes it. Friction
+/// and encoder steps keep a real device on one position for as long as the hand holds still.
+enum class Stillness : std::uint8_t {
+    usual,      ///< nothing
+    suspicious, ///< it is counted, and the force stays
+    impossible ///< the device is frozen, and the force fades: for drivers whose samples never repeat
+};
 
 /// Name, limits and abilities of a device.
 struct DeviceInfo {
@@ -227,26 +232,28 @@ struct OpenDeviceOptions {
 [[nodiscard]] bool is_device_name(std::string_view name);
 
 struct InputOptions {
-    double tick_seconds = 1e-3;       ///< > 0
-    double max_jump = 0.05;           ///< m between two samples: 50 m/s at 1 kHz
-    double max_distance = 10;         ///< m from the device's origin, along each axis
-    double settle_seconds = 0.1;      ///< of samples that agree, before a jump is accepted
-    double frozen_seconds = 0.5;      ///< of the same bits, before a pushed device counts as frozen
-    double frozen_force = 0.05;       ///< N: a smaller force does not push the device
-    Mat3 rotation = Mat3::Identity(); ///< from the device's axes to those of the model
+    double tick_seconds = 1e-3;              ///< > 0
+    double max_jump = 0.05;                  ///< m between two samples: 50 m/s at 1 kHz
+    double max_distance = 10;                ///< m from the device's origin, along each axis
+    double settle_seconds = 0.1;             ///< of samples that agree, before a jump is accepted
+    std::optional<Stillness> stillness = {}; ///< instead of DeviceInfo::stillness
+    double frozen_seconds = 0.5;             ///< of the same bits, before a pushed device is judged
+    double frozen_force = 0.05;              ///< N: a smaller force does not push the device
+    Mat3 rotation = Mat3::Identity();        ///< from the device's axes to those of the model
     std::uint32_t clutch_buttons = 0; ///< bits: while one of them is pressed, the clutch is open
 };
 
 /// Faults of a session's input, counted.
 struct InputReport {
-    std::uint64_t samples = 0;        ///< new ones
-    std::uint64_t not_finite = 0;     ///< samples with a position out of range or not a number
-    std::uint64_t jumps = 0;          ///< farther than a hand moves between two samples
-    std::uint64_t velocities = 0;     ///< samples whose velocity contradicts the positions
-    std::uint64_t freezes = 0;        ///< times that the device froze while it was pushed
-    std::uint64_t silences = 0;       ///< times that nothing came for longer than its patience
-    std::uint64_t losses = 0;         ///< times that the driver reported the device gone
-    std::uint64_t faulty_ticks = 0;   ///< ticks that were unsure, frozen, silent or gone
+    std::uint64_t samples = 0;      ///< new ones
+    std::uint64_t not_finite = 0;   ///< samples with a position out of range or not a number
+    std::uint64_t jumps = 0;        ///< farther than a hand moves between two samples
+    std::uint64_t velocities = 0;   ///< samples whose velocity contradicts the positions
+    std::uint64_t suspicions = 0;   ///< times that a pushed device reported the same bits for long
+    std::uint64_t freezes = 0;      ///< of these, where that is impossible and the force faded
+    std::uint64_t silences = 0;     ///< times that nothing came for longer than its patience
+    std::uint64_t losses = 0;       ///< times that the driver reported the device gone
+    std::uint64_t faulty_ticks = 0; ///< ticks that were unsure, frozen, silent or gone
     std::uint64_t clutched_ticks = 0; ///< ticks with an open clutch
     double longest_fault = 0;         ///< s, from the first faulty tick to the last
     std::uint64_t recoveries = 0;     ///< times that the whole force came back after a fault
@@ -269,13 +276,13 @@ struct ButtonEvent {
 /// fade (ForceOptions::loss_seconds). Once the device is well the force comes back as slowly.
 ///     not a number, or metres away          unsure    until there is a good sample
 ///     a jump that no hand makes             unsure    until settle_seconds of samples agree
-///     the same bits while pushed            frozen    until they change
+///     the same bits while pushed            frozen    only where Stillness::impossible
 ///     nothing new                           silent    after DeviceInfo::patience
 ///     the driver reports it                 gone
 ///     the device ends the session           released
 ///     a clutch button                       clutched  while it is pressed
 /// A velocity that contradicts the positions is replaced by one of their differences, and nothing
-/// fades.
+/// fades. New samples that repeat the last one are not silence: the force stays.
 ///
 /// One per device, for the servo thread alone but for next_button_event(). noexcept, no allocation,
 /// no lock, O(1).

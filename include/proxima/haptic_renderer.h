@@ -77,14 +77,18 @@ struct ForceOptions {
 };
 
 /// Whether walls are kept from giving more energy than they took ([hannaford-2002]).
-enum class Passivity : bool { unguarded, guarded };
+enum class Guard : std::uint8_t {
+    off,
+    observe, ///< reports what it would do, and leaves the force
+    on
+};
 
 struct RenderOptions {
     ForceOptions force = {};
     double proxy_radius = 0; ///< m; 0 = a point
     double static_friction = 0.4;
     double dynamic_friction = 0.3; ///< at most static_friction
-    Passivity passivity = Passivity::guarded;
+    Guard guard = Guard::on;
     double max_jump = 0.05; ///< m in a tick: 50 m/s at 1 kHz; beyond it the force ramps up anew
     /// Most moves of the proxy in a tick, twice that with shading: bounds a tick's work. 4 to 48.
     std::size_t max_moves = 12;
@@ -159,6 +163,11 @@ public:
     /// microseconds. \pre seconds > 0
     const RenderTick& tick(const DeviceState& state, double seconds,
                            Patch patch = Patch::available) noexcept;
+
+    /// Starts anew with the same options: the next tick places the proxy as the first one did, the
+    /// force ramps up from zero, and the guard has seen nothing. Objects of a scene stay where they
+    /// are.
+    void reset() noexcept;
 
     /// What the last tick returned.
     [[nodiscard]] const RenderTick& last() const noexcept;

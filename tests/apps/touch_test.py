@@ -188,8 +188,17 @@ class Touching(ProgramTest):
         late = self.json_of(*bare, "--stiffness", 700, "--device-damping", 0.1, "--delay", 3)
         fresh = self.json_of(*bare, "--stiffness", 300, "--device-damping", 0.5)
         self.assertLess(late["hand"]["stable_stiffness"], 30)
-        self.assertGreater(late["softened_ticks"], 100)
-        self.assertEqual(fresh["softened_ticks"], 0)
+        self.assertGreater(late["damped_ticks"], 100)
+        self.assertEqual((fresh["damped_ticks"], fresh["softened_ticks"], fresh["swings"]), (0, 0, 0))
+        watched = self.json_of(*bare, "--stiffness", 700, "--device-damping", 0.1, "--delay", 3, "--guard", "observe")
+        alone = self.json_of(*bare, "--stiffness", 700, "--device-damping", 0.1, "--delay", 3, "--guard", "off")
+        self.assertEqual((late["guard"], watched["guard"], alone["guard"]), ("on", "observe", "off"))
+        self.assertGreater(watched["swings"], 0)
+        self.assertEqual(alone["swings"], 0)
+        for key in ("max_force", "max_depth", "taken_energy"):
+            self.assertEqual(watched[key], alone[key])
+        text = self.succeed(*bare, "--stiffness", 700, "--device-damping", 0.1, "--delay", 3, "--guard", "observe")
+        self.assertIn("the guard would have added damping", text)
 
     def test_limits_are_the_device_s(self):
         arguments = ("touch", "cube", "--device", "hand:press", "--seconds", 1, "--free-running", "--stiffness", 9000)

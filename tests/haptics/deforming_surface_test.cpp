@@ -46,7 +46,7 @@ RenderOptions plain(double friction, double radius)
     options.proxy_radius = radius;
     options.static_friction = friction;
     options.dynamic_friction = 0.75 * friction;
-    options.passivity = Passivity::unguarded;
+    options.guard = Guard::off;
     options.max_jump = 10;
     return options;
 }
@@ -443,6 +443,56 @@ TEST(DeformingSurface, NothingPassesWhateverShapesAreGiven)
     std::printf("%d ticks, %d of touch, %d squeezed\n", ticks, touching, squeezed);
     EXPECT_GT(touching, ticks / 4);
     EXPECT_LT(squeezed, ticks / 100);
+}
+
+// A cloth that comes at a hand at rest, and goes beyond it: slowly, in one tick, and by way of shapes
+// of which the servo loop sees the last alone.
+TEST(DeformingSurface, AClothThatComesAtTheHandTakesTheProxyAlong)
+{
+    const TriangleMesh flat = flat_cloth(20);
+    const auto at_height = [&](double z) {
+        std::vector<Vec3> positions(flat.positions().begin(), flat.positions().end());
+        for (Vec3& p : positions) p.z() += z;
+        return positions;
+    };
+    const Vec3 hand(0.0123, 0.0071, 0.02);
+    struct Given {
+        std::vector<double> heights;
+        double seconds;
+    };
+    const std::vector<Given> all = {
+        {{0.03}, 0.1}, {{0.03}, 0.002}, {{0.03}, 0}, {{0.03, 0.0301}, 0}, {{-0.2, 0.4, 0.03}, 0}};
+    for (const double radius : {0.0, 0.002}) {
+        for (const Given& given : all) {
+            const std::string where = std::to_string(given.heights.size()) + " shapes, " +
+                                      std::to_string(given.seconds) + " s, radius " +
+                                      std::to_string(radius);
+            TouchScene scene(room);
+            const TouchBody body = body_of(flat);
+            const auto object = scene.add(body, {});
+            HapticRenderer renderer =
+                make_haptic_renderer(scene, same_unit, strong_device(), plain(0, radius)).value();
+            Vertices vertices(flat);
+            Vec3 before = hand;
+            for (int tick = 0; tick < 200; ++tick) {
+                if (tick == 20) {
+                    for (const double z : given.heights) {
+                        const auto bent = refit_touch_body(body, at_height(z));
+                        ASSERT_TRUE(bent && scene.deform(*object, *bent, given.seconds));
+                        vertices.deform(at_height(z), given.seconds);
+                    }
+                }
+                vertices.advance();
+                const RenderTick& felt = renderer.tick(at(hand), tick_seconds);
+                ASSERT_EQ(problem_of(scene, renderer, vertices, before), "")
+                    << where << ' ' << tick;
+                ASSERT_FALSE(felt.squeezed) << where;
+                before = felt.proxy;
+            }
+            const double depth = given.heights.back() + radius - hand.z();
+            EXPECT_NEAR(renderer.last().spring.z(), 500 * depth, 1e-5) << where;
+        }
+    }
 }
 
 // The tree gives the proxy and the force the bits that testing every triangle gives them.

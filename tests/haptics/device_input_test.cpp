@@ -180,26 +180,67 @@ TEST(DeviceInput, ToleratesSilenceForItsPatience)
     EXPECT_EQ(run_session(scene, device, ticks).input.faulty_ticks, 0U);
 }
 
-TEST(DeviceInput, FadesTheForceWhenAPushedDeviceFreezes)
+TEST(DeviceInput, FadesTheForceWhenADeviceFreezesForWhichThatIsImpossible)
 {
     DeviceState frozen;
     const auto freeze = [&](std::uint64_t tick, DeviceReading& reading) {
         if (tick == fault_begin) frozen = reading.state;
         reading.state = frozen;
     };
-    const SessionResult session = with_fault(freeze, faded + 100, {.frozen_seconds = 0.1});
+    const SessionResult session = with_fault(
+        freeze, faded + 100, {.stillness = Stillness::impossible, .frozen_seconds = 0.1});
+    EXPECT_EQ(session.input.suspicions, 1U);
     EXPECT_EQ(session.input.freezes, 1U);
     // All but the 100 ms before it counts as frozen.
     EXPECT_NEAR(static_cast<double>(session.input.faulty_ticks), fault_end - fault_begin - 100, 1);
-    // A device that may rest is let rest, and so is one that is not pushed.
+    // Away from the surface nothing pushes.
     const CubeScene scene;
-    for (const bool may_rest : {true, false}) {
-        PressingDevice device(scene, [&](std::uint64_t, DeviceReading& reading) {
-            reading.state.pose.translation = Vec3(0, 0, scene.half + (may_rest ? -0.002 : 0.002));
-        });
-        device.info().stillness = may_rest ? Stillness::usual : Stillness::suspicious;
-        EXPECT_EQ(run_session(scene, device, ticks).input.freezes, 0U) << may_rest;
+    PressingDevice device(scene, [&](std::uint64_t, DeviceReading& reading) {
+        reading.state.pose.translation = Vec3(0, 0, scene.half + 0.002);
+    });
+    device.info().stillness = Stillness::impossible;
+    EXPECT_EQ(run_session(scene, device, ticks).input.suspicions, 0U);
+}
+
+TEST(DeviceInput, KeepsTheForceOfAHandThatHoldsStill)
+{
+    // New samples that repeat the last one, for two seconds and twice: the declaration of the device,
+    // or the option in its place, decides what is reported. Neither takes the force.
+    const CubeScene scene;
+    const auto still = [&](std::uint64_t tick, DeviceReading& reading) {
+        const double depth = tick < 100 ? -0.002 : tick > 1200 && tick < 1250 ? 0.0021 : 0.002;
+        reading.state.pose.translation = Vec3(0, 0, scene.half - depth);
+        reading.state.velocity = Vec3::Zero();
+    };
+    for (const Stillness declared : {Stillness::usual, Stillness::suspicious}) {
+        for (const bool option : {false, true}) {
+            PressingDevice device(scene, still);
+            device.info().stillness = option ? Stillness::impossible : declared;
+            InputOptions options;
+            if (option) options.stillness = declared;
+            const SessionResult session = run_session(scene, device, ticks, options);
+            EXPECT_EQ(session.input.suspicions, declared == Stillness::usual ? 0U : 2U) << option;
+            EXPECT_EQ(session.input.freezes, 0U);
+            EXPECT_EQ(session.input.faulty_ticks, 0U);
+            for (std::uint64_t tick = 300; tick < ticks; ++tick)
+                ASSERT_NEAR(session.forces[tick], 1.0, 0.06) << tick;
+        }
     }
+}
+
+TEST(DeviceInput, KeepsTheForceThroughTheFrictionOfADevice)
+{
+    // Dry friction and an encoder hold the device on one position for seconds at a time.
+    const CubeScene scene;
+    HandModel model;
+    model.coulomb_friction = 0.05;
+    model.encoder_step = 5e-5;
+    PressingDevice device(scene, {}, model);
+    const SessionResult session = run_session(scene, device, 17000);
+    EXPECT_GE(session.input.suspicions, 1U);
+    EXPECT_EQ(session.input.faulty_ticks, 0U);
+    for (std::size_t tick = 1000; tick < session.forces.size(); ++tick)
+        ASSERT_GT(session.forces[tick], 1.0) << tick;
 }
 
 TEST(DeviceInput, DoesNotTrustAJumpOfAMetreAtOnce)

@@ -101,9 +101,9 @@ class PressingDevice final : public Device {
 public:
     using Change = std::function<void(std::uint64_t tick, DeviceReading& reading)>;
 
-    explicit PressingDevice(const CubeScene& scene, Change change = {})
+    explicit PressingDevice(const CubeScene& scene, Change change = {}, const HandModel& hand = {})
         : change_(std::move(change)), target_(0, 0, scene.half - 0.015),
-          hand_({}, Vec3(0, 0, scene.half + 0.01))
+          hand_(hand, Vec3(0, 0, scene.half + 0.01))
     {
         info_.limits = *find_device("omni");
     }

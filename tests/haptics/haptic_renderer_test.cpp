@@ -80,7 +80,7 @@ Session run(const Scene& scene, std::string_view script, std::uint64_t seed, int
         hand.step(rendered.force, path->target(tick * tick_seconds));
     }
     EXPECT_EQ(testing::allocation_count(), allocations);
-    EXPECT_EQ(parts_of(renderer).passivity().softened_ticks(), 0U)
+    EXPECT_EQ(parts_of(renderer).passivity().report().softened_ticks, 0U)
         << script; // a hand that is damped
     session.quality = meter.report();
     return session;
@@ -136,7 +136,7 @@ TEST(HapticRenderer, ConservesEnergyOnClosedPathsAtAnalyticWalls)
                                  .proxy_radius = radius,
                                  .static_friction = 0,
                                  .dynamic_friction = 0,
-                                 .passivity = Passivity::unguarded};
+                                 .guard = Guard::off};
         HapticRenderer renderer = make_surface_renderer(cube.surface, cube.map, omni(), options);
         QualityMeter meter(cube.surface, cube.map);
         // An ellipse into the upper face and out again, from a point free of it back to it.
@@ -163,7 +163,7 @@ TEST(HapticRenderer, SticksWithinTheFrictionConeAndSlidesBeyond)
 {
     const Scene cube(*sample_mesh("cube"));
     RenderOptions options = {.force = {.damping = 0, .max_slew = 1e9, .start_seconds = 0},
-                             .passivity = Passivity::unguarded};
+                             .guard = Guard::off};
     HapticRenderer renderer = make_surface_renderer(cube.surface, cube.map, omni(), options);
     const double top = 1 / cube.map.units_per_metre;
     renderer.tick(at(Vec3(0, 0, top + 0.001)), tick_seconds);
@@ -395,6 +395,43 @@ TEST_F(RecordingTest, ReplaysBitForBit)
     HapticRenderer again =
         make_surface_renderer(scene.surface, loaded->settings.map, omni(), loaded->settings.render);
     EXPECT_GT(count_differences(*loaded, again), 0U);
+}
+
+TEST_F(RecordingTest, KeepsTheModeOfTheGuard)
+{
+    const std::filesystem::path path = folder() / "mode.pxt";
+    for (const Guard guard : {Guard::off, Guard::observe, Guard::on}) {
+        Recording recording;
+        recording.settings.render.guard = guard;
+        ASSERT_TRUE(save_recording(recording, path));
+        const auto loaded = load_recording(path);
+        ASSERT_TRUE(loaded);
+        EXPECT_EQ(loaded->settings.render.guard, guard);
+    }
+}
+
+TEST(HapticRenderer, ResetsAsIfItWereNew)
+{
+    // A wall that swings, until it is damped; then the same motion twice, from a reset renderer and a
+    // new one.
+    const Scene cube(*sample_mesh("cube"));
+    const double top = 1 / cube.map.units_per_metre;
+    const auto run = [&](HapticRenderer& renderer) {
+        std::vector<Vec3> forces;
+        for (int tick = 0; tick < 1500; ++tick) {
+            const double z = tick < 300 ? 0.002 : -0.001 + 5e-4 * std::sin(0.12 * tick);
+            forces.push_back(renderer.tick(at(Vec3(0, 0, top + z)), tick_seconds).force);
+        }
+        return forces;
+    };
+    HapticRenderer renderer = make_surface_renderer(cube.surface, cube.map, omni(), {});
+    const std::vector<Vec3> first = run(renderer);
+    EXPECT_GT(parts_of(renderer).passivity().report().damped_ticks, 0U);
+    EXPECT_GT(first.back().norm(), 0);
+    renderer.reset();
+    EXPECT_EQ(parts_of(renderer).passivity().report().damped_ticks, 0U);
+    EXPECT_EQ(renderer.last().force, Vec3(Vec3::Zero()));
+    EXPECT_EQ(run(renderer), first);
 }
 
 TEST_F(RecordingTest, RefusesDamagedFiles)

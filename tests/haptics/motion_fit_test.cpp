@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -113,20 +115,20 @@ void expect_numbers(const MotionFit& fit, const HandModel& model)
 
 TEST(MotionFit, FindsTheNumbersOfADevice)
 {
-    for (const double mass : {0.05, 0.2})
-        for (const double damping : {0.0, 0.5})
-            for (const double friction : {0.0, 0.2})
-                for (const double step : {0.0, 1e-5, 6e-5})
-                    for (const int delay : {0, 1, 3, 5}) {
-                        const HandModel model = device(mass, damping, friction, step, delay);
-                        SCOPED_TRACE(::testing::Message()
-                                     << mass << ' ' << damping << ' ' << friction << ' ' << step
-                                     << ' ' << delay);
-                        const MotionFit fit = PushedDevice(model).fit(friction > 0 ? 0.6 : 0.3);
-                        expect_numbers(fit, model);
-                        EXPECT_FALSE(fit.stiffness.is_certain() && fit.stiffness.value > 5)
-                            << fit.stiffness.value;
-                    }
+    constexpr std::array steps = {0.0, 1e-5, 6e-5};
+    constexpr std::array delays = {0, 1, 3, 5};
+    for (std::size_t i = 0; i < 8 * steps.size() * delays.size(); ++i) {
+        const double friction = i / 4 % 2 == 0 ? 0.0 : 0.2;
+        const HandModel model =
+            device(i % 2 == 0 ? 0.05 : 0.2, i / 2 % 2 == 0 ? 0.0 : 0.5, friction,
+                   steps[i / 8 % steps.size()], delays[i / 8 / steps.size()]);
+        SCOPED_TRACE(::testing::Message()
+                     << model.mass << ' ' << model.device_damping << ' ' << friction << ' '
+                     << model.encoder_step << ' ' << model.delay_ticks);
+        const MotionFit fit = PushedDevice(model).fit(friction > 0 ? 0.6 : 0.3);
+        expect_numbers(fit, model);
+        EXPECT_FALSE(fit.stiffness.is_certain() && fit.stiffness.value > 5) << fit.stiffness.value;
+    }
 }
 
 TEST(MotionFit, FindsTheNumbersOfRandomDevices)

@@ -41,7 +41,7 @@ RenderOptions plain(double friction = 0)
     options.force = {.stiffness = 500, .damping = 0, .max_slew = 1e9, .start_seconds = 0};
     options.static_friction = friction;
     options.dynamic_friction = 0.75 * friction;
-    options.passivity = Passivity::unguarded;
+    options.guard = Guard::off;
     options.max_jump = 100;
     return options;
 }

@@ -4,9 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace proxima {
 namespace {
@@ -74,16 +78,17 @@ void expect_numbers(const SelfTestSession& session, const HandModel& model)
 
 TEST(SelfTest, FindsTheNumbersOfSimulatedDevices)
 {
-    for (const auto& [mass, damping] : {std::pair(0.05, 0.2), std::pair(0.2, 0.8)})
-        for (const double friction : {0.0, 0.2})
-            for (const double step : {0.0, 5e-5})
-                for (const int delay : {0, 1, 2, 3, 4, 5}) {
-                    SCOPED_TRACE(::testing::Message() << mass << ' ' << damping << ' ' << friction
-                                                      << ' ' << step << ' ' << delay);
-                    const HandModel model = device(mass, damping, friction, step, delay);
-                    ChangedHand hand(model);
-                    expect_numbers(run_self_test(hand), model);
-                }
+    for (int i = 0; i < 48; ++i) {
+        const bool light = i % 2 == 0;
+        const HandModel model =
+            device(light ? 0.05 : 0.2, light ? 0.2 : 0.8, i / 2 % 2 == 0 ? 0.0 : 0.2,
+                   i / 4 % 2 == 0 ? 0.0 : 5e-5, i / 8);
+        SCOPED_TRACE(::testing::Message()
+                     << model.mass << ' ' << model.device_damping << ' ' << model.coulomb_friction
+                     << ' ' << model.encoder_step << ' ' << model.delay_ticks);
+        ChangedHand hand(model);
+        expect_numbers(run_self_test(hand), model);
+    }
 }
 
 TEST(SelfTest, FindsTheNumbersOfRandomDevices)
@@ -361,27 +366,14 @@ TEST(SelfTest, NoticesAHandThatHoldsOn)
 TEST(SelfTest, StopsWhatRunsAway)
 {
     // Something multiplies forces by twenty.
-    double farthest = 0;
-    Vec3 begun = Vec3::Zero();
-    ChangedHand hand(
-        device(0.05, 0.1, 0, 2e-5, 0),
-        [&](std::uint64_t, DeviceReading& reading) {
-            farthest = std::max(farthest, (reading.state.pose.translation - begun).norm());
-        },
-        [&](std::uint64_t, const Vec3& force) { return Vec3(20 * force); });
-    bool saw = false;
-    const SelfTestSession session =
-        run_self_test(hand, quick_options(), [&](std::uint64_t, SelfTest& test) {
-            if (test.step() < SelfTestStep::ramp) farthest = 0;
-            if (test.step() == SelfTestStep::push && !saw) saw = true;
-        });
-    EXPECT_TRUE(saw);
-    bool stopped = false;
-    for (const AxisReport& axis : session.report.axes)
-        for (const SelfTestOutcome outcome : axis.pushes)
-            stopped = stopped || outcome == SelfTestOutcome::too_far;
-    EXPECT_TRUE(stopped);
+    ChangedHand hand(device(0.05, 0.1, 0, 2e-5, 0), {},
+                     [](std::uint64_t, const Vec3& force) { return Vec3(20 * force); });
+    const SelfTestSession session = run_self_test(hand);
     EXPECT_EQ(session.fault, SelfTestFault::none);
+    std::ptrdiff_t stopped = 0;
+    for (const AxisReport& axis : session.report.axes)
+        stopped += std::ranges::count(axis.pushes, SelfTestOutcome::too_far);
+    EXPECT_GT(stopped, 0);
 }
 
 TEST(SelfTest, EndsWithZeroForceAtTheFirstFault)
@@ -512,26 +504,22 @@ TEST(SuggestedSettings, AreStableAndNearTheLimit)
 {
     // Walls in theory, on devices that nobody holds: what is suggested calms down, and a third above
     // the limit by the delay oscillates.
-    DeviceLimits limits = *find_device("omega");
-    for (const double damping : {0.2, 1.0})
-        for (const int delay : {0, 1, 3}) {
-            const HandModel model = [&] {
-                HandModel made = device(0.15, damping, 0, 0, delay);
-                made.hand_stiffness = made.hand_damping = 0;
-                made.velocity = VelocityEstimate::exact;
-                return made;
-            }();
-            const SuggestedSettings settings =
-                suggest_settings(limits, 1e-3, delay, motion(0.15, {damping, 0}, {}), 0);
-            SCOPED_TRACE(::testing::Message() << damping << ' ' << delay << ": "
-                                              << settings.stiffness << ' ' << settings.damping);
-            EXPECT_GT(settings.stiffness, 0);
-            EXPECT_LT(theory_swing(model, {settings.stiffness, settings.damping}, 20000), 1e-4);
-            EXPECT_GT(theory_swing(model, {1.3 * settings.by_delay, settings.damping}, 20000),
-                      1e-2);
-            EXPECT_NEAR(settings.by_delay, (damping + settings.damping) / (1e-3 * (0.5 + delay)),
-                        1e-9 * settings.by_delay);
-        }
+    const DeviceLimits limits = *find_device("omega");
+    for (const auto& [damping, delay] : {std::pair(0.2, 0), std::pair(0.2, 1), std::pair(0.2, 3),
+                                         std::pair(1.0, 0), std::pair(1.0, 1), std::pair(1.0, 3)}) {
+        HandModel model = device(0.15, damping, 0, 0, delay);
+        model.hand_stiffness = model.hand_damping = 0;
+        model.velocity = VelocityEstimate::exact;
+        const SuggestedSettings settings =
+            suggest_settings(limits, 1e-3, delay, motion(0.15, {damping, 0}, {}), 0);
+        SCOPED_TRACE(::testing::Message() << damping << ' ' << delay << ": " << settings.stiffness
+                                          << ' ' << settings.damping);
+        EXPECT_GT(settings.stiffness, 0);
+        EXPECT_LT(theory_swing(model, {settings.stiffness, settings.damping}, 20000), 1e-4);
+        EXPECT_GT(theory_swing(model, {1.3 * settings.by_delay, settings.damping}, 20000), 1e-2);
+        EXPECT_NEAR(settings.by_delay, (damping + settings.damping) / (1e-3 * (0.5 + delay)),
+                    1e-9 * settings.by_delay);
+    }
 }
 
 TEST(SuggestedSettings, FollowTheLimits)

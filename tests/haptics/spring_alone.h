@@ -14,7 +14,7 @@ inline RenderOptions spring_alone(double stiffness)
                       .loss_seconds = 0},
             .static_friction = 0,
             .dynamic_friction = 0,
-            .passivity = Passivity::unguarded};
+            .guard = Guard::off};
 }
 
 } // namespace proxima::testing

@@ -55,7 +55,7 @@ struct SwingSetting {
     double damping = 0;
     HandModel hand = {};
     double target = 0; ///< m: height to which the hand pulls
-    Passivity passivity = Passivity::guarded;
+    Guard guard = Guard::on;
 };
 
 struct SwingResult {
@@ -76,7 +76,7 @@ inline SwingResult swing(const SwingWall& wall, const SwingSetting& setting, dou
     options.force.stiffness = setting.stiffness;
     options.force.damping = setting.damping;
     options.proxy_radius = wall.radius();
-    options.passivity = setting.passivity;
+    options.guard = setting.guard;
     HapticRenderer renderer =
         make_surface_renderer(wall.surface(), SwingWall::map(), setting.device, options);
     const double tick_seconds = setting.hand.tick_seconds;
@@ -112,9 +112,10 @@ inline SwingResult swing(const SwingWall& wall, const SwingSetting& setting, dou
         outcome.amplitude = std::max(outcome.amplitude, (end_high - end_low) / 2);
     }
     outcome.greatest = (high - low) / 2;
-    outcome.lowest_softness = parts_of(renderer).passivity().lowest_softness();
-    outcome.softened = parts_of(renderer).passivity().softened_ticks();
-    outcome.damped = parts_of(renderer).passivity().damped_ticks();
+    const SwingReport& report = parts_of(renderer).passivity().report();
+    outcome.lowest_softness = report.lowest_softness;
+    outcome.softened = report.softened_ticks;
+    outcome.damped = report.damped_ticks;
     return outcome;
 }
 

@@ -51,7 +51,7 @@ class InputGuard {
 public:
     InputGuard(const DeviceInfo& info, InputOptions options) noexcept
         : options_(std::move(options)), patience_(info.patience),
-          may_rest_(info.stillness == Stillness::usual)
+          stillness_(options_.stillness.value_or(info.stillness))
     {
         state_.pose.translation.setConstant(std::numeric_limits<double>::quiet_NaN());
     }
@@ -67,6 +67,7 @@ private:
     [[nodiscard]] InputCondition condition_of(const DeviceReading& reading) noexcept;
     [[nodiscard]] InputCondition judge(const DeviceState& reported) noexcept;
     [[nodiscard]] bool same_as_before(const DeviceState& reported) const noexcept;
+    void watch_stillness(bool same) noexcept;
     [[nodiscard]] Vec3 velocity_of(const DeviceState& reported) noexcept;
     void count_buttons(std::uint32_t buttons) noexcept;
     void count(InputCondition condition) noexcept;
@@ -92,7 +93,7 @@ private:
     double recovering_ = -1; ///< s since the last fault ended; negative where nothing recovers
     InputReport report_;
     std::uint32_t buttons_ = 0;
-    bool may_rest_;
+    Stillness stillness_;
     bool placed_ = false; ///< there was a good sample
     bool jumping_ = false;
     bool released_ = false;
@@ -104,6 +105,15 @@ bool InputGuard::same_as_before(const DeviceState& reported) const noexcept
     const RigidTransform& a = reported.pose;
     const RigidTransform& b = last_reported_.pose;
     return a.translation == b.translation && a.rotation == b.rotation;
+}
+
+/// Counts how long the same bits arrive, and reports it once where that is not usual.
+void InputGuard::watch_stillness(bool same) noexcept
+{
+    const bool was_long = unchanged_ >= options_.frozen_seconds;
+    unchanged_ = same ? unchanged_ + options_.tick_seconds : 0;
+    const bool begins = same && !was_long && unchanged_ >= options_.frozen_seconds;
+    report_.suspicions += begins && stillness_ != Stillness::usual ? 1U : 0U;
 }
 
 InputCondition InputGuard::judge(const DeviceState& reported) noexcept
@@ -118,7 +128,7 @@ InputCondition InputGuard::judge(const DeviceState& reported) noexcept
     const bool frozen = state_.condition == InputCondition::frozen;
     // A frozen device is no longer pushed, for the force has faded: only a change ends it.
     const bool same = heard_ && same_as_before(reported) && (pushed || frozen);
-    unchanged_ = same ? unchanged_ + options_.tick_seconds : 0;
+    watch_stillness(same);
     heard_ = true;
     last_reported_ = reported;
     if (placed_ && (position - good_).norm() > options_.max_jump) {
@@ -130,7 +140,8 @@ InputCondition InputGuard::judge(const DeviceState& reported) noexcept
         if (agreed_ < options_.settle_seconds) return InputCondition::unsure;
     }
     jumping_ = false;
-    if (!may_rest_ && unchanged_ >= options_.frozen_seconds) return InputCondition::frozen;
+    const bool faulty = stillness_ == Stillness::impossible;
+    if (faulty && unchanged_ >= options_.frozen_seconds) return InputCondition::frozen;
     return InputCondition::well;
 }
 
@@ -242,11 +253,10 @@ DeviceCommand InputGuard::command(const HapticRenderer& renderer) noexcept
     command.force = back * tick.force;
     command.condition = state_.condition;
     command.force_scale = parts_of(renderer).guard().ramp();
-    // As the passivity guard has softened them, so that the device's own loop does not oscillate.
-    const double softness = parts_of(renderer).passivity().softness();
-    command.stiffness = softness * options.force.stiffness;
-    command.damping =
-        softness * options.force.damping + parts_of(renderer).passivity().added_damping();
+    // With the guard's damping and softening, so that the device's own loop does not oscillate.
+    const PassivityGuard& passivity = parts_of(renderer).passivity();
+    command.stiffness = passivity.softness() * options.force.stiffness;
+    command.damping = passivity.softness() * options.force.damping + passivity.added_damping();
     // A sliding proxy sticks again at less friction than a sticking one begins to slide.
     const bool slides = tick.hold == Hold::sliding;
     const double restick = parts_of(renderer).proxy().options().restick;

@@ -10,8 +10,8 @@
 //     K <= K_max                      as the maker says
 //     K <= 2 b / T                    passive without B, whatever holds it    [abbott-2005]
 //
-// The last limit is reported and not obeyed: without a hand most devices have hardly any damping, and
-// a wall above it is stable as long as it is below the others.
+// The last limit is reported and not obeyed: it leaves out the damping of the surface and of the hand,
+// and a wall above it is stable as long as it is below the others.
 #pragma once
 
 #include "haptics/device/encoder_step.h"

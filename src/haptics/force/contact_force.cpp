@@ -16,7 +16,8 @@ double ramped(double value, double seconds, double whole, int direction) noexcep
     return std::clamp(value + direction * seconds / whole, 0.0, 1.0);
 }
 
-/// The vector, shortened to a length of at most `most`, rounding included.
+} // namespace
+
 Vec3 shortened(const Vec3& v, double most) noexcept
 {
     const double length = v.stableNorm();
@@ -25,8 +26,6 @@ Vec3 shortened(const Vec3& v, double most) noexcept
     while (result.norm() > most) result *= 1 - 0x1p-50;
     return result;
 }
-
-} // namespace
 
 ForceOptions limited(ForceOptions options, const DeviceLimits& limits) noexcept
 {

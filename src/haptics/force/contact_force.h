@@ -17,6 +17,9 @@
 
 namespace proxima {
 
+/// The vector, shortened to a length of at most `most`, rounding included.
+[[nodiscard]] Vec3 shortened(const Vec3& v, double most) noexcept;
+
 /// The options within a device's limits.
 [[nodiscard]] ForceOptions limited(ForceOptions options, const DeviceLimits& limits) noexcept;
 

@@ -71,6 +71,11 @@ const RenderTick& HapticRenderer::last() const noexcept
     return renderer_->last();
 }
 
+void HapticRenderer::reset() noexcept
+{
+    renderer_->reset();
+}
+
 std::span<const Vec3> HapticRenderer::path() const noexcept
 {
     return renderer_->path();

@@ -1,5 +1,7 @@
 #include "haptics/force/passivity.h"
 
+#include "haptics/force/contact_force.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -7,95 +9,147 @@ namespace proxima {
 
 namespace {
 
-constexpr double least_softness = 1e-3;
-constexpr double first_recovery = 8; ///< s, in which s doubles after the first oscillation
-constexpr double longest_recovery = 512;
-constexpr double fading_damping = 3; ///< of all damping over sqrt(s): from s = 0.09 on it is less
+/// N s/m: the friction of the best devices. Less than this is not enough to keep a swing going.
+constexpr double least_device_damping = 0.1;
+
+/// Damping answers two legs in succession that do not fade, a hand's among them, and softening three:
+/// of four strokes of random lengths one in 24 are in ascending order. A leg that is half as long
+/// again as the one before counts twice.
+constexpr int legs_to_damp = 2;
+constexpr int legs_to_soften = 3;
+
+/// An answer adds what the contact gave and a tenth, at least a quarter of what is allowed: four
+/// answers come to all of it, also where limits of the force hide how much is needed.
+constexpr double surplus = 1.1;
+constexpr double least_step = 0.25;
+constexpr double nearly_all = 0.9; ///< of the damping that is allowed
+
+constexpr double most_mass = 0.4; ///< kg: of a device and the hand that is moved with it
+constexpr double least_softness = 0.2;
+constexpr double softening = 0.7;
+constexpr double least_slow_leg = 5e-4; ///< m, to soften: ten steps of the coarsest encoder
+constexpr double recovery = 4;          ///< s, in which s doubles, or damping halves
+constexpr double negligible = 0.01;     ///< of the device's damping
 
 } // namespace
 
-double PassivityGuard::added_damping() const noexcept
+void PassivityGuard::mark() noexcept
 {
-    return max_damping_ * (1 - softness_) * std::sqrt(softness_);
+    cycle_began_ = leg_began_;
+    leg_began_ = account_.sums();
 }
 
-/// Softens the force, by more the faster an oscillation grew.
-void PassivityGuard::soften(double growth) noexcept
+void PassivityGuard::soften(double factor) noexcept
 {
-    softness_ = std::max(softness_ * std::clamp(std::exp(-1.5 * growth), 0.1, 0.6), least_softness);
-    softest_ = std::min(softest_, softness_);
-    recovery_ = std::clamp(2 * recovery_, first_recovery, longest_recovery);
+    report_.softenings += softness_ >= 1 ? 1U : 0U;
+    softness_ = std::max(softness_ * factor, least_softness);
+    report_.lowest_softness = std::min(report_.lowest_softness, softness_);
 }
 
+/// Adds damping, or softens where the damping that the device allows is there.
+void PassivityGuard::answer(const SwingTick& tick, double needed, double mass,
+                            double most_damping) noexcept
+{
+    if (damping_ < nearly_all * most_damping) {
+        report_.swings += damping_ > 0 ? 0U : 1U;
+        const double step = std::max(surplus * needed, least_step * most_damping);
+        damping_ = tick.quick ? most_damping : std::min(damping_ + step, most_damping);
+        report_.most_damping = std::max(report_.most_damping, damping_);
+    } else if (!tick.fast &&
+               (tick.legs < legs_to_soften || tick.length < least_slow_leg || mass > most_mass)) {
+        return;
+    } else if (!tick.quick) {
+        soften(softening);
+    }
+    if (tick.quick) soften(least_softness);
+    // What was given before the answer says nothing about what is given after it.
+    leg_began_ = cycle_began_ = account_.sums();
+}
+
+/// Weighs a leg that did not fade by the energy of the cycle that it ends.
+void PassivityGuard::judge(const SwingTick& tick, double most_damping) noexcept
+{
+    if (!tick.turned && !tick.reported) return;
+    const EnergySums& now = account_.sums();
+    const double given = now.most_given_since(cycle_began_);
+    const double motion = now.motion - cycle_began_.motion;
+    const double in_contact = now.motion_in_contact - cycle_began_.motion_in_contact;
+    gives_ = given > least_device_damping * motion;
+    if (!tick.reported || !(tick.legs >= legs_to_damp || tick.quick) || !gives_) return;
+    report_.most_given = std::max(report_.most_given, given);
+    answer(tick, in_contact > 0 ? std::max(given, 0.0) / in_contact : 0,
+           now.mass_since(cycle_began_), most_damping);
+}
+
+/// Less than by s, so that a softened wall can stop what made it swing; never more than is allowed.
+double PassivityGuard::softened_damping() const noexcept
+{
+    return std::sqrt(softness_) * damping_;
+}
+
+/// Softening and damping fade, in this order, once the contact no longer swings.
 void PassivityGuard::recover(double seconds) noexcept
 {
-    if (softness_ >= 1) return;
-    ++softened_;
-    softness_ = std::min(softness_ * std::exp2(seconds / recovery_), 1.0);
-    if (softness_ >= 1) recovery_ = 0;
+    if (softness_ < 1) {
+        softened_seconds_ += seconds;
+        report_.longest_softening = std::max(report_.longest_softening, softened_seconds_);
+    }
+    if (swing_.is_swinging() && (gives_ || swing_.is_fast())) return;
+    if (softness_ < 1) {
+        softness_ = std::min(softness_ * std::exp2(seconds / recovery), 1.0);
+        if (softness_ >= 1) softened_seconds_ = 0;
+    } else if (damping_ > 0) {
+        damping_ *= std::exp2(-seconds / recovery);
+        if (damping_ < negligible * max_damping_) damping_ = 0;
+    }
 }
 
-/// The most damping that the observer may add beside that of the wall and of softening. It vanishes
-/// with s: where a wall that is almost gone still oscillates, damping may be the cause.
-double PassivityGuard::most_alpha() const noexcept
+/// The force with the guard's damping, which never makes it pull the other way, and softened. Clamps
+/// first: a part of an excessive force may still be the device's limit.
+Vec3 PassivityGuard::guarded(const ContactForce& force, const Vec3& velocity) const noexcept
 {
-    if (softness_ >= 1) return max_damping_;
-    const double bearable = std::min(1 - softness_, fading_damping * std::sqrt(softness_));
-    return std::max(max_damping_ * bearable - added_damping(), 0.0);
+    if (softness_ >= 1 && !(damping_ > 0)) return force.whole;
+    const Vec3 whole = shortened(force.whole, max_force_);
+    const double size = whole.norm();
+    if (!(size > 0)) return whole;
+    const Vec3 along = whole / size;
+    const Vec3 damped = -softened_damping() * velocity;
+    const double pull = std::min(damped.dot(along) + softness_ * size, 0.0);
+    return softness_ * whole + damped - pull * along;
 }
 
-/// Scales and damps the force. Damping never makes it pull the other way.
-Vec3 PassivityGuard::softened(const Vec3& force, const Vec3& velocity) const noexcept
-{
-    if (softness_ >= 1) return force;
-    const double size = force.norm();
-    if (!(size > 0)) return force;
-    const Vec3 along = force / size;
-    const Vec3 damping = -added_damping() * velocity;
-    const double pull = std::min(damping.dot(along) + softness_ * size, 0.0);
-    return softness_ * force + damping - pull * along;
-}
-
-Vec3 PassivityGuard::pass(const Vec3& position, const Vec3& velocity, const Vec3& force,
+Vec3 PassivityGuard::pass(const Vec3& position, const Vec3& velocity, const ContactForce& force,
                           double seconds) noexcept
 {
+    if (mode_ == Guard::off) return force.whole;
     recover(seconds);
-    const double growth = oscillations_.watch(position, force, seconds);
-    if (growth > 0) soften(growth);
-    const Vec3 wanted = softened(force, velocity);
-    if (running_) energy_ -= last_force_.dot(position - last_position_);
-    running_ = true;
-    lowest_ = std::min(lowest_, energy_);
-    last_position_ = position;
-    last_force_ = wanted;
-    const double speed_squared = velocity.squaredNorm();
-    const double expected = energy_ - wanted.dot(velocity) * seconds;
-    if (expected < 0 && speed_squared > 0) {
-        const double alpha = std::min(-expected / (seconds * speed_squared), most_alpha());
-        last_force_ -= alpha * velocity;
-        ++damped_;
-    }
-    return last_force_;
-}
-
-void PassivityGuard::leave(const Vec3& position, double seconds) noexcept
-{
-    recover(seconds);
-    const double growth = oscillations_.watch(position, Vec3::Zero(), seconds);
-    if (growth > 0) soften(growth);
-    reset_energy();
-}
-
-void PassivityGuard::reset_energy() noexcept
-{
-    energy_ = 0;
-    running_ = false;
+    account_.add(position, softness_ * shortened(force.spring, max_force_), seconds);
+    const SwingTick tick = swing_.watch(position, force.spring, seconds);
+    judge(tick, std::max(max_damping_ - force.damping, 0.0));
+    if (tick.turned) mark();
+    const Vec3 result = guarded(force, velocity);
+    account_.applied(result);
+    const bool touches = force.spring != Vec3::Zero();
+    report_.damped_ticks += touches && damping_ > 0 ? 1U : 0U;
+    report_.softened_ticks += touches && softness_ < 1 ? 1U : 0U;
+    return mode_ == Guard::on ? result : force.whole;
 }
 
 void PassivityGuard::restart() noexcept
 {
-    reset_energy();
-    oscillations_.restart();
+    swing_.restart();
+    account_.restart();
+    leg_began_ = cycle_began_ = {};
+    gives_ = false;
+}
+
+void PassivityGuard::reset() noexcept
+{
+    restart();
+    damping_ = 0;
+    softness_ = 1;
+    softened_seconds_ = 0;
+    report_ = {};
 }
 
 } // namespace proxima

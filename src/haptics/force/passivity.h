@@ -1,80 +1,104 @@
-// Passivity: a virtual wall must not give more energy than it took, or the device starts to
+// Keeps a virtual wall from giving a device more energy than it took, or the device starts to
 // oscillate by itself ([hannaford-2002]).
 //
-//     observer     E += -F . (x - x_before)      exactly what a held force took from the hand
-//     controller   where the next tick would make E negative, damping
-//                  alpha = -E / (T v^2) is added: the force loses alpha v
-//     softening    where the contact oscillates all the same (oscillation_detector.h), because the
-//                  device allows no more damping, or forces arrive later than the observer knows:
-//                  the force is scaled by s < 1, with a damping of B_max (1 - s) sqrt(s), and s
-//                  recovers slowly
+//     evidence     a motion to and fro that does not fade (swing_detector.h), while the contact gave
+//                  more energy than a device takes (energy_account.h)
+//     damping      the first answer: as much as the contact gave, over v^2, up to the device's limit
+//     softening    the second, where all damping does not end it: the force is scaled by s, from 1
+//                  down to a fifth, and the guard's damping by its square root
+//     recovery     both halve or double in four seconds, once the contact no longer swings
 //
-// Wall and softening together never damp more than the device allows: a wall has at most s B_max of
-// its own. Each time that a contact oscillates again before s has recovered, the next recovery takes
-// twice as long, for the hand that holds the device has not changed.
+// Damping comes first because it is enough for a hand: with B >= K (delay + T / 2) a contact gives
+// nothing at the rates of a hand, whatever hand it is and however long it taps or trembles. All known
+// devices allow that much at their greatest stiffness for delays up to three ticks.
 #pragma once
 
-#include "haptics/force/oscillation_detector.h"
+#include "haptics/force/energy_account.h"
+#include "haptics/force/swing_detector.h"
+#include "proxima/device.h"
 #include "proxima/geometry.h"
+#include "proxima/haptic_renderer.h"
 
 #include <cstdint>
 
 namespace proxima {
 
+/// The force of a contact in a tick. Both parts are zero where nothing is touched.
+struct ContactForce {
+    Vec3 spring = Vec3::Zero(); ///< N, without damping
+    Vec3 whole = Vec3::Zero();  ///< N, with the surface's damping
+    double damping = 0;         ///< N s/m, of the surface
+};
+
+/// What the guard saw in a session, and did. With Guard::observe, what it would have done.
+struct SwingReport {
+    std::uint64_t damped_ticks = 0;   ///< in contact, with damping of the guard's
+    std::uint64_t softened_ticks = 0; ///< in contact, with s < 1
+    std::uint64_t swings = 0;         ///< times that damping began
+    std::uint64_t softenings = 0;     ///< times that s fell below 1
+    double most_damping = 0;          ///< N s/m, of the guard's
+    double lowest_softness = 1;       ///< s
+    double longest_softening = 0;     ///< s, from s = 1 to s = 1
+    double most_given = 0;            ///< J, in a cycle of a swing, for the worst delay
+};
+
 /// One per device. noexcept, no allocation, O(1).
 class PassivityGuard {
 public:
-    /// \pre max_damping >= 0, N s/m: the most that is added, for more damping oscillates by itself
-    explicit PassivityGuard(double max_damping) noexcept : max_damping_(max_damping) {}
+    PassivityGuard(Guard mode, const DeviceLimits& limits) noexcept
+        : mode_(mode), max_force_(limits.max_force), max_damping_(limits.max_damping)
+    {}
 
-    /// The force for the next tick, of a device at `position` with `velocity` and a wanted `force`.
-    /// \pre all finite, seconds > 0
-    [[nodiscard]] Vec3 pass(const Vec3& position, const Vec3& velocity, const Vec3& force,
+    /// The force for the next tick. \pre all finite, seconds > 0
+    [[nodiscard]] Vec3 pass(const Vec3& position, const Vec3& velocity, const ContactForce& force,
                             double seconds) noexcept;
 
-    /// A tick without contact: resets the energy, for there is nothing to give back.
-    void leave(const Vec3& position, double seconds) noexcept;
+    /// The force that the device got after later guards.
+    void applied(const Vec3& force) noexcept
+    {
+        if (mode_ == Guard::on) account_.applied(force);
+    }
 
-    /// Tells the observer the force that the device got after later guards.
-    void applied(const Vec3& force) noexcept { last_force_ = force; }
-
-    /// Starts anew: the device jumped, or it touches another surface.
+    /// Forgets the motion: the device jumped, or it touches another surface. What the guard adds
+    /// stays.
     void restart() noexcept;
 
+    /// As new: no damping, no softening, an empty report.
+    void reset() noexcept;
+
     /// Whether the last contact is so long ago that motions in it no longer matter.
-    [[nodiscard]] bool is_away() const noexcept { return oscillations_.is_away(); }
+    [[nodiscard]] bool is_away() const noexcept { return swing_.is_away(); }
 
-    /// Energy taken from the hand and not given back, J; negative where more was given.
-    [[nodiscard]] double energy() const noexcept { return energy_; }
-    [[nodiscard]] double lowest_energy() const noexcept { return lowest_; } ///< so far
-    [[nodiscard]] std::uint64_t damped_ticks() const noexcept { return damped_; }
-
-    /// s, 1 where no contact has oscillated.
-    [[nodiscard]] double softness() const noexcept { return softness_; }
-    /// The damping that softening adds, N s/m.
-    [[nodiscard]] double added_damping() const noexcept;
-    [[nodiscard]] double lowest_softness() const noexcept { return softest_; } ///< so far
-    [[nodiscard]] std::uint64_t softened_ticks() const noexcept { return softened_; }
+    /// s as it is applied, 1 where no contact has oscillated.
+    [[nodiscard]] double softness() const noexcept { return mode_ == Guard::on ? softness_ : 1; }
+    /// The damping that the guard adds, N s/m.
+    [[nodiscard]] double added_damping() const noexcept
+    {
+        return mode_ == Guard::on ? softened_damping() : 0;
+    }
+    [[nodiscard]] const SwingReport& report() const noexcept { return report_; }
 
 private:
-    void soften(double growth) noexcept;
+    void judge(const SwingTick& tick, double most_damping) noexcept;
+    void answer(const SwingTick& tick, double needed, double mass, double most_damping) noexcept;
+    void soften(double factor) noexcept;
+    [[nodiscard]] double softened_damping() const noexcept;
     void recover(double seconds) noexcept;
-    void reset_energy() noexcept;
-    [[nodiscard]] double most_alpha() const noexcept;
-    [[nodiscard]] Vec3 softened(const Vec3& force, const Vec3& velocity) const noexcept;
+    void mark() noexcept;
+    [[nodiscard]] Vec3 guarded(const ContactForce& force, const Vec3& velocity) const noexcept;
 
+    Guard mode_;
+    double max_force_;
     double max_damping_;
-    double energy_ = 0;
-    double lowest_ = 0;
-    Vec3 last_position_ = Vec3::Zero();
-    Vec3 last_force_ = Vec3::Zero();
-    bool running_ = false;
-    std::uint64_t damped_ = 0;
-    OscillationDetector oscillations_;
+    SwingDetector swing_;
+    EnergyAccount account_;
+    EnergySums leg_began_;   ///< the account at the last turn
+    EnergySums cycle_began_; ///< and at the turn before
+    bool gives_ = false;     ///< the last cycle gave more than a device takes
+    double damping_ = 0;
     double softness_ = 1;
-    double softest_ = 1;
-    double recovery_ = 0; ///< s, in which s doubles; 0 where s is 1
-    std::uint64_t softened_ = 0;
+    double softened_seconds_ = 0; ///< s, of the softening in progress
+    SwingReport report_;
 };
 
 } // namespace proxima

@@ -40,7 +40,7 @@ SurfaceRenderer::SurfaceRenderer(RenderedSurface rendered, const WorkspaceMap& m
       properties_(rendered.properties), device_(device), map_(map),
       options_(limited_options(options, device)),
       proxy_(surface_, proxy_options(options, map, rendered.properties)), probe_(std::move(probe)),
-      guard_(options_.force, device.max_force), passivity_(device.max_damping)
+      guard_(options_.force, device.max_force), passivity_(options_.guard, device)
 {
     if (scene_ != nullptr) settle_scratch_.emplace();
 }
@@ -194,6 +194,34 @@ bool SurfaceRenderer::is_inside(const Vec3& p) const noexcept
     return surface_.nearest_exit(p) != p;
 }
 
+/// The contact's force and its parts, as the passivity guard weighs them.
+ContactForce SurfaceRenderer::contact_force(const ProxyTick& proxy, const Vec3& device,
+                                            const Vec3& whole) const noexcept
+{
+    const Vec3 still = Vec3::Zero();
+    const Vec3 elastic = probe_ ? penalty_force(options_.force, proxy.depth / map_.units_per_metre,
+                                                proxy.normal, still)
+                                : spring(proxy, device, still);
+    double damping = options_.force.damping;
+    if (properties_ != nullptr) {
+        const auto contacts = std::span(proxy.slide.contacts).first(proxy.slide.contact_count);
+        for (const Contact& each : contacts) {
+            const auto material = properties_->material(each.triangle);
+            if (material) damping = std::max(damping, material->damping);
+        }
+    }
+    return {elastic, whole, damping};
+}
+
+void SurfaceRenderer::reset() noexcept
+{
+    placed_ = false;
+    tick_ = {};
+    ground_ = Vec3::Zero();
+    guard_.restart();
+    passivity_.reset();
+}
+
 void SurfaceRenderer::place(const Vec3& device) noexcept
 {
     if (probe_) {
@@ -252,21 +280,18 @@ const RenderTick& SurfaceRenderer::tick(const DeviceState& state, double seconds
     tick_.spring = probe_ ? penalty_force(options_.force, proxy.depth / map_.units_per_metre,
                                           proxy.normal, velocity)
                           : spring(proxy, device, velocity);
-    Vec3 force = tick_.spring;
-    if (options_.passivity == Passivity::guarded) {
-        const Vec3 relative = tick_.position - ground_;
-        if (touching) {
-            // Clamp before softening: a part of an excessive force may still be the device's limit.
-            const double size = force.norm();
-            if (passivity_.softness() < 1 && size > device_.max_force)
-                force *= device_.max_force / size;
-            force = passivity_.pass(relative, velocity, force, seconds);
-        } else {
-            passivity_.leave(relative, seconds);
-            if (passivity_.is_away() && ground_ != Vec3::Zero()) {
-                passivity_.restart();
-                ground_ = Vec3::Zero();
-            }
+    // In the tick of a jump the proxy may still be on its way.
+    const bool jumped = tick_.fault == InputFault::jumped;
+    Vec3 force = jumped ? Vec3(Vec3::Zero()) : tick_.spring;
+    if (options_.guard != Guard::off) {
+        // Ramps change the energy that the spring has stored.
+        if (guard_.ramp() < 1) passivity_.restart();
+        ContactForce contact;
+        if (touching && !jumped) contact = contact_force(proxy, device, force);
+        force = passivity_.pass(tick_.position - ground_, velocity, contact, seconds);
+        if (passivity_.is_away() && ground_ != Vec3::Zero()) {
+            passivity_.restart();
+            ground_ = Vec3::Zero();
         }
     }
     const bool available = patch == Patch::available && tick_.fault != InputFault::not_finite &&

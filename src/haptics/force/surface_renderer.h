@@ -5,7 +5,7 @@
 // device has left it.
 //
 // A scene's objects move as part of the tick: touched objects carry the proxy, others push it
-// (move_with_objects.h), and damping, friction and the passivity observer use the motion relative to
+// (move_with_objects.h), and damping, friction and the passivity guard use the motion relative to
 // the surface. Where a body was exchanged, or objects left the proxy no free position, it starts
 // anew, outside of closed bodies, and the last force fades while the new one ramps up.
 #pragma once
@@ -59,6 +59,9 @@ public:
     /// Like HapticRenderer::tick().
     const RenderTick& tick(const DeviceState& state, double seconds, Patch patch) noexcept;
 
+    /// Like HapticRenderer::reset().
+    void reset() noexcept;
+
     [[nodiscard]] const RenderTick& last() const noexcept { return tick_; }
 
     /// Whether penalty forces pushed against the side of the tick before.
@@ -99,6 +102,8 @@ private:
     [[nodiscard]] Vec3 surface_velocity(const ProxyTick& proxy) const noexcept;
     [[nodiscard]] Vec3 spring(const ProxyTick& proxy, const Vec3& device,
                               const Vec3& velocity) const noexcept;
+    [[nodiscard]] ContactForce contact_force(const ProxyTick& proxy, const Vec3& device,
+                                             const Vec3& whole) const noexcept;
 
     std::unique_ptr<const ContactSurface> owned_;
     const ContactSurface& surface_;

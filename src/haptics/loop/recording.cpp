@@ -26,8 +26,8 @@ enum Section : std::uint32_t {
 constexpr std::uint32_t first_version_with_objects = 3;
 constexpr std::uint32_t first_version_with_force_laws = 4;
 
-/// The greatest number that stands for a Passivity.
-constexpr int last_passivity = 2;
+/// The greatest number that stands for a Guard.
+constexpr int last_guard = 2;
 
 /// The settings as numbers, in the order of the file.
 struct SettingNumbers {
@@ -42,7 +42,7 @@ struct SettingNumbers {
     double proxy_radius;
     double static_friction;
     double dynamic_friction;
-    double passivity;
+    double guard; ///< 0 off, 1 on, 2 observe
     double max_jump;
     double max_force;
     double max_stiffness;
@@ -76,6 +76,13 @@ Vec3 vector(const std::array<double, 3>& v) noexcept
     return {v[0], v[1], v[2]};
 }
 
+/// In the order in which they came: files without `observe` are read as they were meant.
+double guard_number(Guard guard) noexcept
+{
+    if (guard == Guard::observe) return 2;
+    return guard == Guard::on ? 1 : 0;
+}
+
 SettingNumbers numbers(const RecordingSettings& settings)
 {
     const RenderOptions& render = settings.render;
@@ -91,7 +98,7 @@ SettingNumbers numbers(const RecordingSettings& settings)
             render.proxy_radius,
             render.static_friction,
             render.dynamic_friction,
-            render.passivity == Passivity::guarded ? 1.0 : 0.0,
+            guard_number(render.guard),
             render.max_jump,
             settings.max_force,
             settings.max_stiffness,
@@ -114,8 +121,9 @@ RecordingSettings settings_of(const SettingNumbers& numbers, std::uint64_t finge
                        .proxy_radius = numbers.proxy_radius,
                        .static_friction = numbers.static_friction,
                        .dynamic_friction = numbers.dynamic_friction,
-                       .passivity =
-                           numbers.passivity != 0 ? Passivity::guarded : Passivity::unguarded,
+                       .guard = numbers.guard == guard_number(Guard::observe) ? Guard::observe
+                                : numbers.guard == guard_number(Guard::off)   ? Guard::off
+                                                                              : Guard::on,
                        .max_jump = numbers.max_jump,
                        .shading = numbers.shading != 0 ? ForceShading::on : ForceShading::off};
     settings.max_force = numbers.max_force;
@@ -235,7 +243,7 @@ Result<Recording> recording_of(const BinaryFile& file)
                     "the settings of the recording are missing: record the session again");
     }
     const SettingNumbers& numbers = settings->front();
-    if (Status status = check_choice("passivity", numbers.passivity, last_passivity); !status)
+    if (Status status = check_choice("guard", numbers.guard, last_guard); !status)
         return tl::unexpected(status.error());
     if (Status status = check_choice("shading", numbers.shading, 1); !status)
         return tl::unexpected(status.error());

@@ -287,10 +287,10 @@ bool MovingSurface::keeps_clear(ObjectId id, const Vec3& from, const Vec3& to,
     const Vec3 begin = to_local(slot.trajectory.before(), from);
     const double moved = (to_local(slot.trajectory.now(), to) - begin).norm();
     // Of the triangles where they are now: before, none was farther than the stretch from there.
-    double reach = known_clearance(slot, begin);
+    double reach = known_clearance(slot, begin) - slot.stretch;
+    // The ball, which the stretch made smaller, was free all the time.
     if (!slot.trajectory.moved())
         reach = std::max(reach, slot.free_ball.reach - (from - slot.free_ball.center).norm());
-    reach -= slot.stretch;
     const bool is_clear = reach > distance + moved + margin;
     slot.free_path = {from, to, moved, reach, !is_clear};
     slot.free_ball = {to, reach - moved - margin};

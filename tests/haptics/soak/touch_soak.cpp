@@ -2,6 +2,8 @@
 //
 //     touch_soak [--ticks N] [--compare N] [--seed N] [--mesh NAME]...
 //     touch_soak --scenes [--ticks N] [--seed N]       several objects, moving (scene_soak.h)
+//     touch_soak --hands [--seconds S] [--seed N] [--device NAME] [--session TEXT]
+//                [--hardest]                            hands (hand_soak.h)
 //
 //     compared  ticks in which a second proxy, that looks at every triangle of the mesh in every
 //               question, felt the same hand: all on meshes of up to 5,000 triangles, the first
@@ -16,6 +18,7 @@
 
 #include "haptics/force/surface_renderer.h"
 #include "haptics/soak/every_triangle.h"
+#include "haptics/soak/hand_soak.h"
 #include "haptics/soak/scene_soak.h"
 #include "haptics/surface/contact_surface.h"
 #include "haptics/touch_meshes.h"
@@ -227,7 +230,22 @@ int main(int argc, char** argv)
     app.add_option("--mesh", options.meshes, "These alone, by name, or files");
     bool scenes = false;
     app.add_flag("--scenes", scenes, "Scenes of small meshes, of so many ticks each");
+    bool hands = false;
+    bool hardest = false;
+    double seconds = 60;
+    app.add_flag("--hands", hands, "Hands that tap, tremble, press and write: no force is lost");
+    app.add_flag("--hardest", hardest, "Of --hands: also walls as stiff as each device allows");
+    app.add_option("--seconds", seconds, "Of --hands: the length of each session")
+        ->check(CLI::Range(1.0, 86400.0))
+        ->capture_default_str();
+    std::string device;
+    app.add_option("--device", device, "Of --hands: one alone")->check([](const std::string& name) {
+        return proxima::find_device(name) ? std::string() : name + " is not a device";
+    });
+    std::string session;
+    app.add_option("--session", session, "Of --hands: those with this in their names");
     CLI11_PARSE(app, argc, argv);
+    if (hands) return proxima::soak::run_hand_soak(seconds, options.seed, hardest, device, session);
     if (scenes) return proxima::soak::run_scene_soak(options.ticks, options.seed);
     return proxima::soak::run(options);
 }

@@ -1,0 +1,60 @@
+#include "haptics/force/energy_account.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace proxima {
+
+double EnergySums::most_given_since(const EnergySums& earlier) const noexcept
+{
+    double most = -std::numeric_limits<double>::infinity();
+    for (std::size_t delay = 0; delay < given.size(); ++delay)
+        most = std::max(most, given[delay] - earlier.given[delay]);
+    return most;
+}
+
+double EnergySums::mass_since(const EnergySums& earlier) const noexcept
+{
+    const double square = accelerated - earlier.accelerated;
+    const double product = forced - earlier.forced;
+    if (!(square > 0) || !(product > 0)) return std::numeric_limits<double>::infinity();
+    return product / square;
+}
+
+void EnergyAccount::add(const Vec3& position, const Vec3& spring, double seconds) noexcept
+{
+    ++now_;
+    const Tick& before = at(1);
+    Tick& tick = at(0);
+    const bool first = now_ == kept + 1;
+    const double returned =
+        first ? 0 : 0.5 * (before.spring + spring).dot(position - before.position);
+    tick = {position, spring, Vec3::Zero(), returned};
+    // The ticks before the first one are at rest where it is.
+    if (first) {
+        for (Tick& each : ticks_) each.position = position;
+    }
+    returned_ += returned - at(window).returned;
+    const Vec3 step = (position - at(window).position) / static_cast<double>(window);
+    const double returned_in_step = returned_ / static_cast<double>(window);
+    bool in_contact = false;
+    for (std::size_t delay = 0; delay <= most_delay_ticks; ++delay) {
+        // Of the two ticks in the middle of the window.
+        const std::size_t ago = window / 2 + delay;
+        const Vec3 force = 0.5 * (at(ago).force + at(ago + 1).force);
+        sums_.given[delay] += force.dot(step) - returned_in_step;
+        in_contact = in_contact || force != Vec3::Zero();
+    }
+    const double motion = step.squaredNorm() / seconds;
+    sums_.motion += motion;
+    sums_.motion_in_contact += in_contact ? motion : 0;
+    const Vec3 force = at(window / 2).force;
+    if (force == Vec3::Zero()) return;
+    const double half = seconds * static_cast<double>(window / 2);
+    const Vec3 acceleration =
+        (position - 2 * at(window / 2).position + at(window).position) / (half * half);
+    sums_.forced += seconds * force.dot(acceleration);
+    sums_.accelerated += seconds * acceleration.squaredNorm();
+}
+
+} // namespace proxima
