@@ -280,14 +280,17 @@ const RenderTick& SurfaceRenderer::tick(const DeviceState& state, double seconds
     tick_.spring = probe_ ? penalty_force(options_.force, proxy.depth / map_.units_per_metre,
                                           proxy.normal, velocity)
                           : spring(proxy, device, velocity);
-    // In the tick of a jump the proxy may still be on its way.
-    const bool jumped = tick_.fault == InputFault::jumped;
-    Vec3 force = jumped ? Vec3(Vec3::Zero()) : tick_.spring;
+    if (tick_.fault == InputFault::jumped) {
+        // The proxy may still be on its way: the force rises from the next tick on.
+        tick_.force = Vec3::Zero();
+        return tick_;
+    }
+    Vec3 force = tick_.spring;
     if (options_.guard != Guard::off) {
         // Ramps change the energy that the spring has stored.
         if (guard_.ramp() < 1) passivity_.restart();
         ContactForce contact;
-        if (touching && !jumped) contact = contact_force(proxy, device, force);
+        if (touching) contact = contact_force(proxy, device, force);
         force = passivity_.pass(tick_.position - ground_, velocity, contact, seconds);
         if (passivity_.is_away() && ground_ != Vec3::Zero()) {
             passivity_.restart();
