@@ -40,7 +40,8 @@ SurfaceRenderer::SurfaceRenderer(RenderedSurface rendered, const WorkspaceMap& m
       properties_(rendered.properties), device_(device), map_(map),
       options_(limited_options(options, device)),
       proxy_(surface_, proxy_options(options, map, rendered.properties)), probe_(std::move(probe)),
-      guard_(options_.force, device.max_force), passivity_(options_.guard, device)
+      guard_(options_.force, device.max_force), passivity_(options_.guard, device),
+      ramp_observer_(device.max_damping)
 {
     if (scene_ != nullptr) settle_scratch_.emplace();
 }
@@ -288,10 +289,17 @@ const RenderTick& SurfaceRenderer::tick(const DeviceState& state, double seconds
     Vec3 force = tick_.spring;
     if (options_.guard != Guard::off) {
         // Ramps change the energy that the spring has stored.
-        if (guard_.ramp() < 1) passivity_.restart();
+        const Vec3 relative = tick_.position - ground_;
+        const bool ramps = guard_.ramp() < 1;
+        if (ramps) passivity_.restart();
+        if (!ramps || !touching) {
+            ramp_observer_.restart();
+        } else if (options_.guard == Guard::on) {
+            force = ramp_observer_.pass(relative, velocity, force, seconds);
+        }
         ContactForce contact;
         if (touching) contact = contact_force(proxy, device, force);
-        force = passivity_.pass(tick_.position - ground_, velocity, contact, seconds);
+        force = passivity_.pass(relative, velocity, contact, seconds);
         if (passivity_.is_away() && ground_ != Vec3::Zero()) {
             passivity_.restart();
             ground_ = Vec3::Zero();
@@ -301,6 +309,7 @@ const RenderTick& SurfaceRenderer::tick(const DeviceState& state, double seconds
                            state.condition == InputCondition::well;
     tick_.force = guard_.pass(force, seconds, available ? Patch::available : Patch::lost);
     passivity_.applied(tick_.force);
+    ramp_observer_.applied(tick_.force);
     return tick_;
 }
 

@@ -13,6 +13,7 @@
 #include "haptics/force/contact_force.h"
 #include "haptics/force/passivity.h"
 #include "haptics/force/penalty_probe.h"
+#include "haptics/force/ramp_observer.h"
 #include "haptics/proxy/proxy.h"
 #include "haptics/scene/move_with_objects.h"
 #include "haptics/scene/moving_surface.h"
@@ -116,6 +117,7 @@ private:
     std::optional<PenaltyProbe> probe_; ///< of penalty forces
     ForceGuard guard_;
     PassivityGuard passivity_;
+    RampObserver ramp_observer_;
     RenderTick tick_;
     CarryScratch carry_scratch_;
     std::optional<SlideScratch> settle_scratch_; ///< of a scene
