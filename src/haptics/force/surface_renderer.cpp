@@ -281,7 +281,7 @@ const RenderTick& SurfaceRenderer::tick(const DeviceState& state, double seconds
     tick_.spring = probe_ ? penalty_force(options_.force, proxy.depth / map_.units_per_metre,
                                           proxy.normal, velocity)
                           : spring(proxy, device, velocity);
-    if (tick_.fault == InputFault::jumped) {
+    if (tick_.fault == InputFault::jumped && !probe_) {
         // The proxy may still be on its way: the force rises from the next tick on.
         tick_.force = Vec3::Zero();
         return tick_;

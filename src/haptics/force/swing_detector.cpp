@@ -13,7 +13,7 @@ constexpr double fast_leg = 0.025;
 /// m/s^2, length over time squared: half a sine of that has a peak of pi^2 / 2 as much, 60 m/s^2, which
 /// is six times gravity and three times that of taps of 10 mm at 10 Hz.
 constexpr double fast_acceleration = 12;
-constexpr double same_axis = 0.8; ///< cosine: legs along another axis begin anew
+constexpr double same_axis = 0.8;        ///< cosine: legs along another axis begin anew
 constexpr double least_first_leg = 1e-3; ///< m: of a fast leg that none was before
 constexpr double again = 1.5;            ///< a leg is reported again at each such factor of growth
 
