@@ -1,6 +1,7 @@
 #include "touch_changes.h"
 
 #include "haptics/scene/touch_access.h"
+#include "haptics/touch_meshes.h"
 #include "proxima/device.h"
 #include "proxima/haptic_renderer.h"
 #include "proxima/touch_scene.h"
@@ -27,7 +28,7 @@ constexpr double wave_height = 0.005;
 constexpr double wave_length = 0.08;
 constexpr double wave_hertz = 2;
 
-/// Of the cloth, row by row, at a time.
+/// The positions of the vertices of a cloth with waves at a time, row by row.
 std::vector<Vec3> wave_positions(double seconds)
 {
     std::vector<Vec3> positions;
@@ -44,16 +45,9 @@ std::vector<Vec3> wave_positions(double seconds)
 
 Result<TriangleMesh> cloth_mesh()
 {
-    std::vector<TriangleCorners> triangles;
-    const std::uint32_t row = cells + 1;
-    for (std::uint32_t i = 0; i < cells; ++i) {
-        for (std::uint32_t j = 0; j < cells; ++j) {
-            const std::uint32_t a = i * row + j;
-            triangles.push_back({a, a + row, a + row + 1});
-            triangles.push_back({a, a + row + 1, a + 1});
-        }
-    }
-    return make_triangle_mesh(wave_positions(0), std::move(triangles));
+    const TriangleMesh sheet = testing::bumpy_sheet(cells);
+    return make_triangle_mesh(wave_positions(0),
+                              {sheet.triangles().begin(), sheet.triangles().end()});
 }
 
 enum class Hand { rests, strokes, pokes };

@@ -583,7 +583,7 @@ TEST(DeformingSurface, RefusesWhatIsNoShapeOfTheObject)
     std::vector<Vec3> positions(flat.positions().begin(), flat.positions().end());
     const auto refit = refit_touch_body(body, positions);
     ASSERT_TRUE(refit);
-    // The same triangles, but of another body.
+    // A body with equal triangles that was built on its own is no refit.
     EXPECT_EQ(scene.deform(*object, body_of(flat), 0.01).error().code, ErrorCode::invalid_argument);
     EXPECT_FALSE(scene.deform(*object, *refit, -1));
     EXPECT_FALSE(scene.deform(*object, *refit, std::nan("")));

@@ -1,6 +1,7 @@
 // Known devices, pushed to and fro. Between ticks they are simulated in parts, so that friction stops
 // them when it should.
 #include "haptics/device/motion_fit.h"
+#include "haptics/known_device.h"
 #include "lab/simulated_hand.h"
 
 #include <gtest/gtest.h>
@@ -13,6 +14,9 @@
 
 namespace proxima {
 namespace {
+
+using testing::device;
+using testing::expect_numbers;
 
 constexpr double tick = 1e-3;
 constexpr int parts = 20;
@@ -86,31 +90,12 @@ private:
     std::vector<double> forces_;
 };
 
-HandModel device(double mass, double damping, double friction, double step, int delay)
+/// A device that nobody holds.
+HandModel free_device(double mass, double damping, double friction, double step, int delay)
 {
-    HandModel model;
-    model.mass = mass;
-    model.device_damping = damping;
-    model.coulomb_friction = friction;
-    model.encoder_step = step;
-    model.delay_ticks = delay;
+    HandModel model = device(mass, damping, friction, step, delay);
     model.hand_stiffness = model.hand_damping = 0;
     return model;
-}
-
-/// Mass to 3 %; friction to 3 % or 0.005 N, damping to 5 % or 0.05 N s/m, and both to four standard
-/// errors where these are more; the delay exactly.
-void expect_numbers(const MotionFit& fit, const HandModel& model)
-{
-    ASSERT_TRUE(fit.found);
-    EXPECT_EQ(fit.delay, model.delay_ticks);
-    EXPECT_LE(fit.least_delay, model.delay_ticks);
-    EXPECT_GE(fit.most_delay, model.delay_ticks);
-    EXPECT_NEAR(fit.mass.value, model.mass, 0.03 * model.mass);
-    EXPECT_NEAR(fit.friction.value, model.coulomb_friction,
-                std::max({0.03 * model.coulomb_friction, 0.005, 4 * fit.friction.error}));
-    EXPECT_NEAR(fit.damping.value, model.device_damping,
-                std::max({0.05 * model.device_damping, 0.05, 4 * fit.damping.error}));
 }
 
 TEST(MotionFit, FindsTheNumbersOfADevice)
@@ -120,8 +105,8 @@ TEST(MotionFit, FindsTheNumbersOfADevice)
     for (std::size_t i = 0; i < 8 * steps.size() * delays.size(); ++i) {
         const double friction = i / 4 % 2 == 0 ? 0.0 : 0.2;
         const HandModel model =
-            device(i % 2 == 0 ? 0.05 : 0.2, i / 2 % 2 == 0 ? 0.0 : 0.5, friction,
-                   steps[i / 8 % steps.size()], delays[i / 8 / steps.size()]);
+            free_device(i % 2 == 0 ? 0.05 : 0.2, i / 2 % 2 == 0 ? 0.0 : 0.5, friction,
+                        steps[i / 8 % steps.size()], delays[i / 8 / steps.size()]);
         SCOPED_TRACE(::testing::Message()
                      << model.mass << ' ' << model.device_damping << ' ' << friction << ' '
                      << model.encoder_step << ' ' << model.delay_ticks);
@@ -137,9 +122,9 @@ TEST(MotionFit, FindsTheNumbersOfRandomDevices)
     std::uniform_real_distribution<double> part(0, 1);
     for (int i = 0; i < 60; ++i) {
         const double friction = part(random) < 0.3 ? 0 : 0.4 * part(random);
-        const HandModel model =
-            device(0.04 * std::pow(10, part(random)), 0.02 * std::pow(50, part(random)), friction,
-                   1e-6 * std::pow(80, part(random)), static_cast<int>(6 * part(random)));
+        const HandModel model = free_device(
+            0.04 * std::pow(10, part(random)), 0.02 * std::pow(50, part(random)), friction,
+            1e-6 * std::pow(80, part(random)), static_cast<int>(6 * part(random)));
         SCOPED_TRACE(::testing::Message() << "device " << i << " of seed 11: " << model.mass << ' '
                                           << model.device_damping << ' ' << friction << ' '
                                           << model.encoder_step << ' ' << model.delay_ticks);
@@ -150,7 +135,7 @@ TEST(MotionFit, FindsTheNumbersOfRandomDevices)
 TEST(MotionFit, TakesWeightAndMissingSamples)
 {
     std::mt19937_64 random(12);
-    const HandModel model = device(0.1, 0.3, 0.2, 3e-5, 2);
+    const HandModel model = free_device(0.1, 0.3, 0.2, 3e-5, 2);
     const MotionFit heavy = PushedDevice(model, 0.1).fit(0.6);
     expect_numbers(heavy, model);
     EXPECT_NEAR(heavy.weight, 0.1, 0.01);
@@ -159,8 +144,8 @@ TEST(MotionFit, TakesWeightAndMissingSamples)
 
 TEST(MotionFit, TakesADeviceThatCoasts)
 {
-    // As slowly as what counts as rest, and hardly braked: 0.5 mm in the time of a push.
-    const HandModel model = device(0.3, 0.05, 0, 1e-5, 1);
+    // The device coasts as slowly as what counts as rest: 0.5 mm in the time of a push.
+    const HandModel model = free_device(0.3, 0.05, 0, 1e-5, 1);
     const MotionFit fit = PushedDevice(model, 0, 6e-4).fit(0.3);
     ASSERT_TRUE(fit.found);
     EXPECT_EQ(fit.delay, 1);
@@ -172,7 +157,7 @@ TEST(MotionFit, TakesADeviceThatCoasts)
 
 TEST(MotionFit, SaysWhatHoldsTheDevice)
 {
-    HandModel model = device(0.1, 0.5, 0, 2e-5, 1);
+    HandModel model = free_device(0.1, 0.5, 0, 2e-5, 1);
     model.hand_stiffness = 150;
     model.hand_damping = 3;
     const MotionFit fit = PushedDevice(model).fit(0.6);
@@ -185,7 +170,7 @@ TEST(MotionFit, SaysWhatHoldsTheDevice)
 TEST(MotionFit, SaysNothingOfADeviceThatHardlyMoves)
 {
     EXPECT_FALSE(fit_motion({}, {}).found);
-    EXPECT_FALSE(PushedDevice(device(0.1, 0.5, 1, 2e-5, 1)).fit(0.6).found);
+    EXPECT_FALSE(PushedDevice(free_device(0.1, 0.5, 1, 2e-5, 1)).fit(0.6).found);
 }
 
 } // namespace

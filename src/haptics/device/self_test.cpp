@@ -13,7 +13,7 @@ namespace {
 constexpr int ramps = 6;
 constexpr int motor_segments = 12;
 
-/// Of rest before a force: long enough to tell a slow coasting.
+/// The tip rests for so long before a force acts: long enough to notice that it coasts slowly.
 constexpr std::uint64_t lead_ticks = 200;
 constexpr std::uint64_t still_ticks = 300;
 /// Farther than two steps of the coarsest encoder; a tip that moves less in still_ticks rests.

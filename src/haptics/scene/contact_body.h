@@ -36,7 +36,7 @@ public:
     ContactBody& operator=(const ContactBody&) = delete;
 
     [[nodiscard]] const TriangleMesh& mesh() const noexcept { return mesh_; }
-    /// Of a refit body, the index of the body that was built.
+    /// The index of the body, of a refit that of the body that was built first.
     [[nodiscard]] const MeshIndex& mesh_index() const noexcept { return index_; }
     /// The order of the triangles in trees of this body and of all refits of it.
     [[nodiscard]] std::span<const TriangleId> order() const noexcept { return index_.ids(); }

@@ -286,7 +286,7 @@ bool MovingSurface::keeps_clear(ObjectId id, const Vec3& from, const Vec3& to,
     if (known.reach > distance + aside + length + margin) return true;
     const Vec3 begin = to_local(slot.trajectory.before(), from);
     const double moved = (to_local(slot.trajectory.now(), to) - begin).norm();
-    // Of the triangles where they are now: before, none was farther than the stretch from there.
+    // Search the triangles where they are now. No triangle has moved farther than the stretch.
     double reach = known_clearance(slot, begin) - slot.stretch;
     // The ball, which the stretch made smaller, was free all the time.
     if (!slot.trajectory.moved())
