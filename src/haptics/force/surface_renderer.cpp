@@ -221,6 +221,7 @@ void SurfaceRenderer::reset() noexcept
     ground_ = Vec3::Zero();
     guard_.restart();
     passivity_.reset();
+    ramp_observer_.restart();
 }
 
 void SurfaceRenderer::place(const Vec3& device) noexcept
