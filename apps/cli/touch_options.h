@@ -41,7 +41,7 @@ struct TouchCommandOptions {
     bool free_running = false;
     bool verbose = false;
     std::string record;
-    std::string picture; ///< a plot of the session, or the table of its ticks
+    std::string picture;                     ///< a plot of the session, or the table of its ticks
     std::string patches;                     ///< kinds; "" for the direct mode
     QueryMethod method = QueryMethod::index; ///< of patches
     double collision_rate = PatchSettings{}.collision_rate;

@@ -50,7 +50,7 @@ void EnergyAccount::add(const Vec3& position, const Vec3& spring, double seconds
     sums_.motion_in_contact += in_contact ? motion : 0;
     const Vec3 force = at(window / 2).force;
     if (force == Vec3::Zero()) return;
-    const double half = seconds * static_cast<double>(window / 2);
+    const double half = 0.5 * static_cast<double>(window) * seconds;
     const Vec3 acceleration =
         (position - 2 * at(window / 2).position + at(window).position) / (half * half);
     sums_.forced += seconds * force.dot(acceleration);

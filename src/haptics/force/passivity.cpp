@@ -109,7 +109,7 @@ void PassivityGuard::recover(double seconds) noexcept
 Vec3 PassivityGuard::guarded(const ContactForce& force, const Vec3& velocity) const noexcept
 {
     if (softness_ >= 1 && !(damping_ > 0)) return force.whole;
-    const Vec3 whole = shortened(force.whole, max_force_);
+    Vec3 whole = shortened(force.whole, max_force_);
     const double size = whole.norm();
     if (!(size > 0)) return whole;
     const Vec3 along = whole / size;
