@@ -4,14 +4,18 @@
 #include "cli/interrupt.h"
 #include "cli/names.h"
 #include "cli/session.h"
+#include "cli/stderr_text.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
+#include <cstdlib>
 #include <exception>
 #include <fmt/format.h>
 #include <new>
 #include <string>
 #include <string_view>
+#include <unistd.h>
 #include <vector>
 
 namespace proxima {
@@ -22,24 +26,70 @@ constexpr int bad_input = 1;
 constexpr int wrong_usage = 2;
 constexpr int first_signal_status = 128;
 
+/// Text that goes to stderr in pieces, without allocating.
+class StderrLine {
+public:
+    StderrLine() noexcept = default;
+    StderrLine(const StderrLine&) = delete;
+    StderrLine& operator=(const StderrLine&) = delete;
+    ~StderrLine() { flush(); }
+
+    void add(std::string_view text) noexcept
+    {
+        if (text.size() > text_.size() - used_) flush();
+        if (text.size() > text_.size()) return write_stderr(text);
+        used_ += text.copy(text_.data() + used_, text.size());
+    }
+
+private:
+    void flush() noexcept
+    {
+        write_stderr({text_.data(), used_});
+        used_ = 0;
+    }
+
+    std::array<char, 4096> text_{};
+    std::size_t used_ = 0;
+};
+
 /// Prints "proxima: message" as one line. Messages may quote what a damaged file holds: what is no
 /// printable text of a terminal is shown as \xNN.
-void report(std::string_view message)
+void report(std::string_view message) noexcept
 {
-    std::string line = "proxima: ";
+    constexpr std::string_view digits = "0123456789ABCDEF";
+    StderrLine line;
+    line.add("proxima: ");
     for (std::size_t position = 0; position < message.size();) {
         const std::size_t length = utf8_length(message.substr(position));
         if (length > 0) {
-            line += message.substr(position, length);
+            line.add(message.substr(position, length));
             position += length;
-        } else {
-            line += message[position] == '\n'
-                        ? " "
-                        : fmt::format("\\x{:02X}", static_cast<unsigned char>(message[position]));
-            ++position;
+            continue;
         }
+        const auto byte = static_cast<unsigned char>(message[position++]);
+        const std::array<char, 4> escaped = {'\\', 'x', digits[byte / 16U], digits[byte % 16U]};
+        line.add(byte == '\n' ? " " : std::string_view(escaped.data(), escaped.size()));
     }
-    fmt::print(stderr, "{}\n", line);
+    line.add("\n");
+}
+
+constexpr std::string_view out_of_memory =
+    "out of memory: give it more, a smaller task, or, where there is one, a --budget-mb or "
+    "--lists-mb that this machine has";
+
+/// Functions of the argument parser that promise to throw nothing allocate.
+[[noreturn]] void end_without_memory()
+{
+    try {
+        if (const std::exception_ptr thrown = std::current_exception())
+            std::rethrow_exception(thrown);
+    } catch (const std::bad_alloc&) {
+        report(out_of_memory);
+        ::_exit(bad_input);
+    } catch (...) {
+        std::abort();
+    }
+    std::abort();
 }
 
 void add_common_options(CLI::App& parser, CommonOptions& options)
@@ -159,12 +209,11 @@ int parse_and_run(int argc, char** argv, const char* version, std::span<const Ad
 int run_command_line(int argc, char** argv, const char* version,
                      std::span<const AddCommand> commands)
 {
+    std::set_terminate(end_without_memory);
     try {
         return parse_and_run(argc, argv, version, commands);
     } catch (const std::bad_alloc&) {
-        report("out of memory: give it more, a smaller task, or, where there is one, a --budget-mb "
-               "or --lists-mb "
-               "that this machine has");
+        report(out_of_memory);
     } catch (const std::exception& error) {
         report(error.what());
     }

@@ -38,7 +38,7 @@ InterruptGuard::InterruptGuard(Progress& progress) noexcept
     for (const int signal : stopping) {
         struct sigaction before = {};
         sigaction(signal, nullptr, &before);
-        if (signal == SIGHUP && before.sa_handler == SIG_IGN) continue; // nohup
+        if (before.sa_handler == SIG_IGN) continue; // nohup, or a job of a script's background
         // The default action returns after the first signal: whoever asks twice need not wait.
         handle(signal, cancel_work, static_cast<int>(SA_RESETHAND) | SA_RESTART);
     }

@@ -2,8 +2,28 @@
 #include "cli/command_line.h"
 #include "viewer/commands.h"
 
+#include <cerrno>
+#include <fcntl.h>
+#include <unistd.h>
+
+namespace {
+
+/// A standard stream that is closed would be the number of the first file that is opened: what is
+/// meant for stdout or stderr would end up in that file. In its place comes what can only be used
+/// the wrong way round, so that using it is still an error.
+void occupy_closed_streams() noexcept
+{
+    for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+        if (::fcntl(stream, F_GETFD) >= 0 || errno != EBADF) continue;
+        (void)::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+    }
+}
+
+} // namespace
+
 int main(int argc, char** argv)
 {
+    occupy_closed_streams();
     constexpr proxima::AddCommand commands[] = {
         proxima::add_octree_command,    proxima::add_compare_command,
         proxima::add_minkowski_command, proxima::add_index_command,

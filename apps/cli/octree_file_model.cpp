@@ -42,7 +42,7 @@ void add_mesh_option(CLI::App& parser, const std::string& model, ModelKinds kind
 Result<Octree> load_octree_file(const std::string& path, Session& session)
 {
     const ProgressBar shown(session.progress(), session.bar());
-    return load_octree(path, {.execution = {.progress = &session.progress()}});
+    return load_octree(path, {.execution = session.execution()});
 }
 
 Result<TriangleMesh> load_mesh_of(const Octree& octree, const std::string& mesh, Session& session)

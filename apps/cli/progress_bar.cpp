@@ -1,10 +1,10 @@
 #include "cli/progress_bar.h"
 
-#include <fmt/core.h>
+#include "cli/stderr_text.h"
 
 #include <chrono>
-#include <cstdio>
-#include <string>
+#include <exception>
+#include <string_view>
 #include <unistd.h>
 
 namespace proxima {
@@ -15,14 +15,13 @@ constexpr auto first_shown_after = std::chrono::milliseconds(300);
 constexpr auto shown_every = std::chrono::milliseconds(100);
 constexpr auto line_every = std::chrono::seconds(5);
 
-std::string bar_line(const Progress& progress)
+void print_bar(const Progress& progress) noexcept
 {
     constexpr int width = 40;
     const double fraction = progress.fraction();
-    const auto filled = static_cast<std::size_t>(fraction * width);
-    return fmt::format("[{}{}] {:3.0f} % {}", std::string(filled, '#'),
-                       std::string(width - filled, '.'), 100 * fraction,
-                       progress.cancelled() ? "stopping" : progress.stage());
+    const int filled = static_cast<int>(fraction * width);
+    print_stderr("\r\x1b[K[{:#<{}}{:.<{}}] {:3.0f} % {}", "", filled, "", width - filled,
+                 100 * fraction, progress.cancelled() ? "stopping" : progress.stage());
 }
 
 } // namespace
@@ -31,8 +30,12 @@ ProgressBar::ProgressBar(const Progress& progress, BarMode mode)
 {
     const bool terminal = isatty(STDERR_FILENO) != 0;
     if (mode == BarMode::off || (mode == BarMode::automatic && !terminal)) return;
-    thread_ = std::thread(
-        [this, &progress, terminal] { terminal ? show(progress) : print_lines(progress); });
+    try {
+        thread_ = std::thread(
+            [this, &progress, terminal] { terminal ? show(progress) : print_lines(progress); });
+    } catch (const std::exception&) {
+        return; // no memory or no thread for it: the work is what matters
+    }
 }
 
 ProgressBar::~ProgressBar()
@@ -46,32 +49,29 @@ ProgressBar::~ProgressBar()
     thread_.join();
 }
 
-void ProgressBar::print_lines(const Progress& progress)
+void ProgressBar::print_lines(const Progress& progress) noexcept
 {
     std::unique_lock lock(mutex_);
-    std::string last;
+    std::string_view last;
     auto printed = std::chrono::steady_clock::now();
     while (!ending_.wait_for(lock, shown_every, [this] { return ended_; })) {
-        const std::string stage = progress.cancelled() ? "stopping" : progress.stage();
+        const std::string_view stage = progress.cancelled() ? "stopping" : progress.stage();
         const auto now = std::chrono::steady_clock::now();
         if (stage.empty() || (stage == last && now - printed < line_every)) continue;
-        fmt::print(stderr, "proxima: {}, {:.0f} %\n", stage, 100 * progress.fraction());
-        std::fflush(stderr);
+        print_stderr("proxima: {}, {:.0f} %\n", stage, 100 * progress.fraction());
         last = stage;
         printed = now;
     }
 }
 
-void ProgressBar::show(const Progress& progress)
+void ProgressBar::show(const Progress& progress) noexcept
 {
     std::unique_lock lock(mutex_);
     if (ending_.wait_for(lock, first_shown_after, [this] { return ended_; })) return;
     do {
-        fmt::print(stderr, "\r\x1b[K{}", bar_line(progress));
-        std::fflush(stderr);
+        print_bar(progress);
     } while (!ending_.wait_for(lock, shown_every, [this] { return ended_; }));
-    fmt::print(stderr, "\r\x1b[K");
-    std::fflush(stderr);
+    write_stderr("\r\x1b[K");
 }
 
 } // namespace proxima

@@ -16,7 +16,8 @@ enum class BarMode {
     off
 };
 
-/// Shows `progress` on stderr from its construction to its destruction.
+/// Shows `progress` on stderr from its construction to its destruction; not at all where the system
+/// has no thread for it.
 class ProgressBar {
 public:
     explicit ProgressBar(const Progress& progress, BarMode mode = BarMode::automatic);
@@ -26,8 +27,8 @@ public:
 
 private:
     /// On a terminal; cleared at the end.
-    void show(const Progress& progress);
-    void print_lines(const Progress& progress);
+    void show(const Progress& progress) noexcept;
+    void print_lines(const Progress& progress) noexcept;
 
     std::mutex mutex_;
     std::condition_variable ending_;

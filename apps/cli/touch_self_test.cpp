@@ -1,6 +1,7 @@
 #include "cli/touch_self_test.h"
 
 #include "base/text.h"
+#include "cli/stderr_text.h"
 #include "cli/touch_self_test_report.h"
 #include "haptics/device/self_test.h"
 #include "haptics/device/self_test_report.h"
@@ -11,7 +12,6 @@
 #include <array>
 #include <atomic>
 #include <chrono>
-#include <cstdio>
 #include <fmt/core.h>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -94,8 +94,7 @@ void guide(SelfTest& test, const std::atomic<bool>& ended, bool interactive, boo
     while (!ended.load()) {
         const SelfTestStep now = test.step();
         if (now != told && shown) {
-            fmt::print(stderr, "{}", instruction(test, interactive));
-            std::fflush(stderr);
+            write_stderr(instruction(test, interactive));
         }
         told = now;
         if (interactive && test.prepares()) {

@@ -1,6 +1,7 @@
 #include "cli/touch_session.h"
 
 #include "cli/model_options.h"
+#include "cli/stderr_text.h"
 #include "cli/stopwatch.h"
 #include "haptics/force/surface_renderer.h"
 #include "haptics/loop/snapshot.h"
@@ -17,8 +18,6 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
-#include <fmt/core.h>
 #include <thread>
 #include <unistd.h>
 
@@ -175,12 +174,11 @@ std::uint64_t show_live(Snapshot<LiveTouch>& live, DeviceInput& input,
         const double span = now.seconds - last.seconds;
         const double rate = span > 0 ? static_cast<double>(now.ticks - last.ticks) / span : 0;
         const auto bar = static_cast<std::size_t>(std::min(now.force, 10.0) * 4);
-        fmt::print(stderr, "\r\x1b[K{:5.1f} s {:6.0f} Hz {:6.3f} N {:8} {}", now.seconds, rate,
-                   now.force, word_of(now), std::string(bar, '#'));
-        std::fflush(stderr);
+        print_stderr("\r\x1b[K{:5.1f} s {:6.0f} Hz {:6.3f} N {:8} {:#<{}}", now.seconds, rate,
+                     now.force, word_of(now), "", bar);
         last = now;
     }
-    if (shown) fmt::print(stderr, "\r\x1b[K");
+    if (shown) write_stderr("\r\x1b[K");
     while (input.next_button_event()) ++events;
     return events;
 }

@@ -105,4 +105,13 @@ enum class Verification : std::uint8_t {
     structure ///< leaves the checksums out
 };
 
+/// How a saved structure comes into memory.
+enum class FileAccess : std::uint8_t {
+    read, ///< into memory of its own, in huge pages where the system has them: the file may change
+    /// The file's own pages, which processes share and which are read when they are touched. The file
+    /// must not change while it is used: where somebody shortens it, the system ends the process
+    /// (SIGBUS). Replacing or deleting it does no harm.
+    map
+};
+
 } // namespace proxima

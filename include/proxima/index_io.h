@@ -1,7 +1,7 @@
 // Mesh indexes in files (.pxi): a second start takes no build.
 //
 //     if (Status saved = save_index(*index, "dragon.pxi"); !saved) ...
-//     auto loaded = load_index("dragon.pxi");          // memory-mapped, with its additions
+//     auto loaded = load_index("dragon.pxi");          // with its additions
 //     auto mesh = mesh_of(*loaded);                    // the mesh is in it, too
 //
 // docs/file_format.md describes every byte.
@@ -20,36 +20,25 @@
 
 namespace proxima {
 
-struct IndexLoadOptions {
-    /// As LoadOptions has it.
-    Verification verify = Verification::full;
-    /// The file is read into memory of the index's own, in huge pages where the system has them:
-    /// single closest features of a mesh of 871,000 triangles take 0.8 to 0.9 of the time by lists.
-    /// The file may change afterwards; processes no longer share its pages.
-    bool in_memory = false;
-    /// Stages "checksums" and "checking the index", in bytes; threads: that check.
-    Execution execution = {};
-};
-
 /// Writes the index whole or not at all. The same index gives the same bytes. Errors:
 /// invalid_argument (refitted lists: build them again), file_not_writable, cancelled. O(bytes).
 [[nodiscard]] Status save_index(const MeshIndex& index, const std::filesystem::path& path,
                                 const SaveOptions& options = {});
 
-/// The index on the memory-mapped file, which must not change while the index lives, or on a copy
-/// of it (`options.in_memory`). Whatever `options.verify`, the structure is checked, so that no
-/// content of a file can lead a query out of its arrays; check_same_mesh tells whether it is the
-/// index of a given mesh. Errors:
+/// The index of a file, which is read or, on request, mapped: single closest features of a mesh of
+/// 871,000 triangles take 0.8 to 0.9 of the time by lists that were read. Whatever `options.verify`,
+/// the structure is checked, so that no content of a file can lead a query out of its arrays;
+/// check_same_mesh tells whether it is the index of a given mesh. Errors:
 /// file_not_found, unsupported_format (foreign file, newer version, other byte order),
-/// malformed_file (truncated, damaged, contradicting itself), budget_exceeded (`in_memory`),
-/// cancelled. O(bytes), about 1 ms per MB on one thread.
+/// malformed_file (truncated, damaged, contradicting itself), budget_exceeded, cancelled. O(bytes),
+/// about 1 ms per MB on one thread.
 [[nodiscard]] Result<MeshIndex> load_index(const std::filesystem::path& path,
-                                           const IndexLoadOptions& options = {});
+                                           const LoadOptions& options = {});
 
 /// Loads an index from a file's bytes in memory, aligned to 64, which `storage` keeps alive.
 [[nodiscard]] Result<MeshIndex> load_index(std::span<const std::byte> bytes,
                                            std::shared_ptr<const void> storage,
                                            const std::string& name,
-                                           const IndexLoadOptions& options = {});
+                                           const LoadOptions& options = {});
 
 } // namespace proxima

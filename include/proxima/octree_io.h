@@ -1,4 +1,4 @@
-// Octrees in files: saved and mapped again (.pxo), or exported to other programs.
+// Octrees in files: saved and loaded again (.pxo), or exported to other programs.
 //
 //     .pxo   the octree itself: written whole or not at all, used in place when loaded
 //     .vtu   all leaves as voxels that share their corners     cell data: class, depth, triangles
@@ -24,11 +24,14 @@
 
 namespace proxima {
 
+/// Of octrees and indexes.
 struct LoadOptions {
-    /// `full` also compares the checksums, so that any damage is found. Both check the
-    /// structure, so that no content of a file can lead a query out of its arrays.
     Verification verify = Verification::full;
-    Execution execution = {}; ///< stages "checksums" (bytes) and "checking the octree" (nodes)
+    FileAccess access = FileAccess::read;
+    /// Stages "loading file" and "checksums" (bytes), then "checking the octree" (nodes) or
+    /// "checking the index" (bytes). The budget is of a file that is read, the threads are of the
+    /// last stage.
+    Execution execution = {};
 };
 
 struct SaveOptions {
@@ -39,9 +42,11 @@ struct SaveOptions {
 [[nodiscard]] Status save_octree(const Octree& octree, const std::filesystem::path& path,
                                  const SaveOptions& options = {});
 
-/// The octree on the memory-mapped file, which must not change while the octree lives. Errors:
+/// The octree of a file, which is read or, on request, mapped. Whatever `options.verify`, the
+/// structure is checked, so that no content of a file can lead a query out of its arrays. Errors:
 /// file_not_found, unsupported_format (foreign file, newer version, other byte order),
-/// malformed_file (truncated, damaged, contradicting itself), cancelled. O(nodes + references).
+/// malformed_file (truncated, damaged, contradicting itself), budget_exceeded, cancelled.
+/// O(nodes + references).
 [[nodiscard]] Result<Octree> load_octree(const std::filesystem::path& path,
                                          const LoadOptions& options = {});
 

@@ -1,6 +1,6 @@
 #include "base/binary_file.h"
 
-#include "base/mapped_file.h"
+#include "base/input_file.h"
 #include "base/progress.h"
 #include "base/text.h"
 
@@ -147,13 +147,15 @@ void reseal_binary_file(std::span<std::byte> bytes) noexcept
 }
 
 Result<BinaryFile> BinaryFile::open(const std::filesystem::path& path, const FileFormat& format,
-                                    Verification verification, Progress* progress)
+                                    const BinaryFileOptions& options)
 {
-    auto mapped = MappedFile::open(path);
-    if (!mapped) return tl::unexpected<Error>(mapped.error());
-    auto storage = std::make_shared<MappedFile>(std::move(*mapped));
-    const auto bytes = storage->bytes();
-    return read(bytes, std::move(storage), path.string(), format, verification, progress);
+    auto file = read_file(path, {.access = options.access,
+                                 .budget = options.budget,
+                                 .progress = options.progress,
+                                 .advice = "raise the budget or map the file"});
+    if (!file) return tl::unexpected<Error>(file.error());
+    return read(file->bytes, std::move(file->storage), path.string(), format, options.verify,
+                options.progress);
 }
 
 Result<BinaryFile> BinaryFile::read(std::span<const std::byte> bytes,

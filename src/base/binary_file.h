@@ -1,4 +1,4 @@
-// Files of named arrays that are used in place: versioned, checksummed, memory-mapped.
+// Files of named arrays that are used in place: versioned, checksummed, read or mapped.
 //
 //     header   magic 8 | byte order mark 4 | version 4 | section count 4 | 0 4 | file bytes 8 |
 //              checksum of header and table 8
@@ -61,18 +61,23 @@ requires std::has_unique_object_representations_v<T> || std::is_floating_point_v
 /// done. For tests of readers, whose damaged files checksums would refuse before anything else.
 void reseal_binary_file(std::span<std::byte> bytes) noexcept;
 
-/// An open file of sections, memory-mapped and read-only; copies share the mapping. The file must
-/// not be changed by others while it is open. Thread safe.
+/// How a file is opened.
+struct BinaryFileOptions {
+    Verification verify = Verification::full;
+    FileAccess access = FileAccess::read;
+    MemoryBudget budget = {};     ///< of the bytes that are read
+    Progress* progress = nullptr; ///< stages "loading file" and "checksums", steps are bytes
+};
+
+/// A file of sections in memory, read-only; copies share it. Thread safe.
 class BinaryFile {
 public:
-    /// Maps the file and checks it. Errors: file_not_found; unsupported_format for a foreign
-    /// file, a newer version or the other byte order; malformed_file where it is truncated, longer
-    /// than it says, or a checksum or an offset is wrong; cancelled by `progress`, which sees the
-    /// stage "checksums", steps are bytes.
+    /// Reads or maps the file and checks it. Errors: file_not_found; unsupported_format for a
+    /// foreign file, a newer version or the other byte order; malformed_file where it is truncated,
+    /// longer than it says, or a checksum or an offset is wrong; budget_exceeded; cancelled.
     [[nodiscard]] static Result<BinaryFile> open(const std::filesystem::path& path,
                                                  const FileFormat& format,
-                                                 Verification verification,
-                                                 Progress* progress = nullptr);
+                                                 const BinaryFileOptions& options);
 
     /// The same for a file already in memory, which `storage` keeps alive and which is aligned to
     /// section_alignment. `name` stands for the path in messages.
@@ -95,7 +100,7 @@ public:
 
     [[nodiscard]] std::uint32_t version() const noexcept { return version_; }
 
-    /// Keeps the mapping alive.
+    /// Keeps the bytes alive.
     [[nodiscard]] std::shared_ptr<const void> storage() const noexcept { return storage_; }
 
 private:

@@ -9,9 +9,12 @@
 #include <cstring>
 #include <ctime>
 #include <fcntl.h>
+#include <mutex>
 #include <optional>
 #include <pthread.h>
+#include <set>
 #include <string>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <system_error>
 #include <unistd.h>
@@ -98,12 +101,114 @@ std::optional<fs::path> follow_links(fs::path path)
     return std::nullopt;
 }
 
+// Temporary files are called .proxima-PROCESS-NUMBER.tmp, and locked while somebody writes them.
+// So one that can be locked belongs to nobody: its process was killed. A process's number alone
+// would not tell, as another machine that shares the folder may have that process.
+constexpr std::string_view temporary_prefix = ".proxima-";
+constexpr std::string_view temporary_suffix = ".tmp";
+
+fs::path folder_of(const fs::path& path)
+{
+    const fs::path folder = path.parent_path();
+    return folder.empty() ? fs::path(".") : folder;
+}
+
 fs::path temporary_beside(const fs::path& path)
 {
     static std::atomic<unsigned> counter{0};
     const unsigned number = counter.fetch_add(1, std::memory_order_relaxed);
     return path.parent_path() /
-           concat(".proxima-", static_cast<long>(getpid()), "-", number, ".tmp");
+           concat(temporary_prefix, static_cast<long>(getpid()), "-", number, temporary_suffix);
+}
+
+bool is_temporary_name(std::string_view name)
+{
+    if (!name.starts_with(temporary_prefix) || !name.ends_with(temporary_suffix)) return false;
+    name.remove_prefix(temporary_prefix.size());
+    return name.size() > temporary_suffix.size() &&
+           name.substr(0, name.size() - temporary_suffix.size()).find_first_not_of("0123456789-") ==
+               std::string_view::npos;
+}
+
+// Removes the file where it is one's own and no process writes it.
+void remove_if_abandoned(const fs::path& path) noexcept
+{
+    const int descriptor =
+        ::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC | O_NOCTTY);
+    if (descriptor < 0) return;
+    struct stat status {};
+    if (::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode) &&
+        status.st_uid == ::geteuid() && ::flock(descriptor, LOCK_EX | LOCK_NB) == 0) {
+        (void)::unlink(path.c_str());
+    }
+    (void)::close(descriptor);
+}
+
+// Once for each folder and process: a folder may hold millions of files.
+void remove_abandoned_files(const fs::path& folder)
+{
+    static std::mutex mutex;
+    static std::set<fs::path> seen;
+    std::error_code error;
+    const fs::path name = fs::canonical(folder, error);
+    if (error) return;
+    const std::lock_guard lock(mutex);
+    if (!seen.insert(name).second) return;
+    for (fs::directory_iterator entry(name, error); !error && entry != fs::directory_iterator();
+         entry.increment(error)) {
+        if (is_temporary_name(entry->path().filename().native()))
+            remove_if_abandoned(entry->path());
+    }
+}
+
+// A new file that this process has locked, or -1 and errno. Where the file system has no locks,
+// nobody takes the file for abandoned either.
+int create_locked(const fs::path& path, mode_t mode) noexcept
+{
+    const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+    if (descriptor < 0) return -1;
+    const bool is_locked = ::flock(descriptor, LOCK_EX | LOCK_NB) == 0;
+    struct stat status {};
+    // Somebody may have looked at the file before it was locked.
+    const bool is_taken = (!is_locked && errno == EWOULDBLOCK) ||
+                          (::fstat(descriptor, &status) == 0 && status.st_nlink == 0);
+    if (!is_taken) return descriptor;
+    (void)::close(descriptor);
+    errno = EEXIST;
+    return -1;
+}
+
+// What the file that is replaced allowed, as far as the new one is for the same people.
+void keep_permissions(int descriptor, const struct stat& replaced) noexcept
+{
+    constexpr mode_t for_owner = 0700;
+    constexpr mode_t for_group = 0070;
+    constexpr mode_t for_others = 0007;
+    mode_t mode = replaced.st_mode & (for_owner | for_group | for_others);
+    struct stat created {};
+    if (::fstat(descriptor, &created) != 0) return;
+    if (created.st_gid != replaced.st_gid &&
+        ::fchown(descriptor, static_cast<uid_t>(-1), replaced.st_gid) != 0) {
+        // The new file's group may do what everybody may.
+        mode = (mode & ~for_group) | ((mode & for_others) << 3U);
+    }
+    (void)::fchmod(descriptor, mode);
+}
+
+// 0 or the errno of the failure. Some file systems cannot wait for the disk, and say so.
+int wait_for_disk(int descriptor) noexcept
+{
+    if (::fsync(descriptor) == 0 || errno == EINVAL || errno == ENOTSUP) return 0;
+    return errno;
+}
+
+int wait_for_disk(const fs::path& folder) noexcept
+{
+    const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (descriptor < 0) return 0; // a folder that may be written, but not read
+    const int error_number = wait_for_disk(descriptor);
+    (void)::close(descriptor);
+    return error_number;
 }
 
 } // namespace
@@ -140,12 +245,14 @@ struct OutputFile::State {
 
     Status open_temporary(const struct stat* existing)
     {
+        remove_abandoned_files(folder_of(destination));
+        const bool is_own = existing != nullptr && existing->st_uid == ::geteuid();
         do {
             temporary = temporary_beside(destination);
-            descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+            descriptor = create_locked(temporary, is_own ? 0600 : 0666);
         } while (descriptor < 0 && errno == EEXIST);
         if (descriptor >= 0) {
-            if (existing != nullptr) (void)::fchmod(descriptor, existing->st_mode & 07777U);
+            if (is_own) keep_permissions(descriptor, *existing);
             return {};
         }
         const int error_number_of_open = errno;
@@ -234,14 +341,24 @@ Status OutputFile::commit()
     PROXIMA_CHECK(state_ != nullptr);
     const std::unique_ptr<State> state = std::move(state_);
     state->flush();
+    const bool is_replacing = !state->temporary.empty();
+    if (is_replacing && !state->failed()) state->error_number = wait_for_disk(state->descriptor);
+    // Closing may tell of an error too. Until the file has its name, a second descriptor keeps it
+    // locked.
     const int descriptor = std::exchange(state->descriptor, -1);
+    if (is_replacing) state->descriptor = ::fcntl(descriptor, F_DUPFD_CLOEXEC, 0);
     if (::close(descriptor) != 0 && state->error_number == 0) state->error_number = errno;
     if (auto status = state->status(); !status) return status;
-    if (state->temporary.empty()) return {};
+    if (!is_replacing) return {};
     if (::rename(state->temporary.c_str(), state->destination.c_str()) != 0) {
         return not_writable(state->name, reason(errno));
     }
     state->temporary.clear();
+    if (const int error_number = wait_for_disk(folder_of(state->destination)); error_number != 0) {
+        return not_writable(state->name, reason(error_number) +
+                                             ": the file has been replaced, but its folder "
+                                             "may not be on the disk");
+    }
     return {};
 }
 

@@ -1,5 +1,5 @@
 // Files that appear whole or not at all: written under a temporary name beside the destination and
-// renamed over it when everything is on its way to the disk.
+// renamed over it when all of it is on the disk.
 //
 //     auto file = OutputFile::create("mesh.ply");
 //     if (!file) return tl::unexpected(file.error());
@@ -25,13 +25,19 @@ struct OutputOptions {
 };
 
 /// A file being written. Until commit() succeeds the destination keeps what it had; the destructor
-/// throws away what was not committed and leaves no temporary behind. An existing file keeps its
-/// permissions, and one that may not be written is refused although its folder would allow the
-/// rename; a symbolic link stays a link and its target is replaced. A destination that is no
-/// regular file (/dev/full, a pipe), and anything under /dev and /proc (/dev/stdout is a file when
-/// redirected), is appended to directly: there commit() only tells whether all of it arrived.
-/// Writes go through a buffer. Not thread safe; two objects for one destination may live at the
-/// same time, the last commit wins.
+/// throws away what was not committed. What a killed process left in the folder under a temporary
+/// name is removed when this process first writes there.
+///
+/// One's own file keeps who may read, write and execute it, and its group; bits that change the
+/// user or group of who executes it are dropped. In place of another user's file comes one of one's
+/// own, as a new file has it. A file that may not be written is refused although its folder would
+/// allow the rename. A symbolic link stays a link and its target is replaced; other hard links of a
+/// file keep what they had.
+///
+/// A destination that is no regular file (/dev/full, a pipe), and anything under /dev and /proc
+/// (/dev/stdout is a file when redirected), is appended to directly: there commit() only tells
+/// whether all of it arrived. Writes go through a buffer. Not thread safe; two objects for one
+/// destination may live at the same time, the last commit wins.
 class OutputFile {
 public:
     /// Error file_not_writable with the reason: folder missing or read-only, destination is a
@@ -51,8 +57,10 @@ public:
     [[nodiscard]] Status write(std::span<const std::byte> bytes);
     [[nodiscard]] Status write(std::string_view text);
 
-    /// Writes what is still buffered, closes, and renames over the destination. The object is empty
-    /// afterwards, on success and on failure. \pre called once
+    /// Writes what is still buffered, waits until the disk has it, and renames it over the
+    /// destination: after a power cut the folder has the old file or the new one. The object is
+    /// empty afterwards, on success and on failure. An error says so where the destination has been
+    /// replaced before. \pre called once
     [[nodiscard]] Status commit();
 
 private:

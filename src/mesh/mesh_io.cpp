@@ -1,5 +1,6 @@
 #include "proxima/mesh_io.h"
 
+#include "base/input_file.h"
 #include "base/text.h"
 #include "mesh/io/mesh_source.h"
 #include "mesh/io/mesh_writers.h"
@@ -26,11 +27,11 @@ detail::Vertices vertices_of(MeshFormat format, Weld weld) noexcept
 }
 
 Result<TriangleMesh> read_scene(const detail::MeshSource& source,
-                                [[maybe_unused]] const std::filesystem::path& path,
+                                [[maybe_unused]] const std::filesystem::path& folder,
                                 MeshFormat format, [[maybe_unused]] const ReadOptions& options)
 {
 #ifdef PROXIMA_WITH_ASSIMP
-    return detail::read_with_assimp(source, path, format, options,
+    return detail::read_with_assimp(source, folder, format, options,
                                     vertices_of(format, options.weld));
 #else
     return fail(ErrorCode::unsupported_format,
@@ -41,9 +42,9 @@ Result<TriangleMesh> read_scene(const detail::MeshSource& source,
 #endif
 }
 
-// `path` is empty for data in memory.
+// `folder` is where files lie that a scene refers to: empty for data in memory.
 Result<TriangleMesh> read_source(const detail::MeshSource& source,
-                                 const std::filesystem::path& path, MeshFormat format,
+                                 const std::filesystem::path& folder, MeshFormat format,
                                  const ReadOptions& options)
 {
     const detail::Vertices vertices = vertices_of(format, options.weld);
@@ -62,7 +63,7 @@ Result<TriangleMesh> read_source(const detail::MeshSource& source,
         case MeshFormat::glb:
             break;
         }
-        return read_scene(source, path, format, options);
+        return read_scene(source, folder, format, options);
     } catch (const std::bad_alloc&) {
         return fail(
             ErrorCode::budget_exceeded,
@@ -93,10 +94,13 @@ Result<TriangleMesh> read_mesh(const std::filesystem::path& path, const ReadOpti
     if (!format && !std::filesystem::is_directory(path, ignored)) {
         return unknown_extension(path, known_mesh_extensions());
     }
-    const auto bytes =
-        detail::read_file(path, options.execution.budget, options.execution.progress);
+    const auto bytes = read_file(path, {.budget = options.execution.budget,
+                                        .progress = options.execution.progress,
+                                        .advice = "raise the budget or split the mesh"});
     if (!bytes) return tl::unexpected(bytes.error());
-    return read_source({path.string(), bytes->text()}, path, *format, options);
+    const std::filesystem::path folder = path.parent_path();
+    return read_source({path.string(), bytes->text()}, folder.empty() ? "." : folder, *format,
+                       options);
 }
 
 Result<TriangleMesh> read_mesh_from_memory(std::span<const std::byte> bytes, MeshFormat format,

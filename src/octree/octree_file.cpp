@@ -123,8 +123,11 @@ Status save_octree(const Octree& octree, const std::filesystem::path& path,
 
 Result<Octree> load_octree(const std::filesystem::path& path, const LoadOptions& options)
 {
-    const auto file =
-        BinaryFile::open(path, octree_format, options.verify, options.execution.progress);
+    const auto file = BinaryFile::open(path, octree_format,
+                                       {.verify = options.verify,
+                                        .access = options.access,
+                                        .budget = options.execution.budget,
+                                        .progress = options.execution.progress});
     if (!file) return tl::unexpected<Error>(file.error());
     return octree_of(*file, path.string(), options.execution.progress);
 }

@@ -3,12 +3,15 @@
 #include "folder_test.h"
 
 #include <array>
+#include <csignal>
 #include <cstdlib>
 #include <fcntl.h>
 #include <fstream>
+#include <grp.h>
 #include <gtest/gtest.h>
 #include <iterator>
 #include <string>
+#include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -98,6 +101,124 @@ TEST_F(OutputFileTest, KeepsPermissionsAndLinks)
     EXPECT_EQ(content(path("a.txt")), "new");
     EXPECT_EQ(fs::status(path("a.txt")).permissions(),
               fs::perms::owner_read | fs::perms::owner_write);
+}
+
+mode_t mode_of(const fs::path& path)
+{
+    struct stat status {};
+    EXPECT_EQ(::stat(path.c_str(), &status), 0);
+    return status.st_mode & 07777U;
+}
+
+void replace(const fs::path& path)
+{
+    auto file = OutputFile::create(path);
+    ASSERT_TRUE(file) << describe(file.error());
+    ASSERT_TRUE(file->write("new"));
+    ASSERT_TRUE(file->commit());
+}
+
+TEST_F(OutputFileTest, DropsBitsThatChangeTheUserOrGroup)
+{
+    for (const mode_t mode : {04755U, 02775U, 01644U, 0600U, 0777U, 06750U}) {
+        std::ofstream(path("a.txt")) << "old";
+        ASSERT_EQ(::chmod(path("a.txt").c_str(), mode), 0);
+        replace(path("a.txt"));
+        EXPECT_EQ(mode_of(path("a.txt")), mode & 0777U);
+    }
+}
+
+TEST_F(OutputFileTest, DoesNotTakeOverTheModeOfAnotherUsersFile)
+{
+    if (::geteuid() != 0) GTEST_SKIP() << "needs the superuser's rights to give a file away";
+    std::ofstream(path("a.txt")) << "old";
+    ASSERT_EQ(::chown(path("a.txt").c_str(), 65534, 65534), 0);
+    ASSERT_EQ(::chmod(path("a.txt").c_str(), 0777), 0);
+    const mode_t mask = ::umask(027);
+    replace(path("a.txt"));
+    ::umask(mask);
+    struct stat status {};
+    ASSERT_EQ(::stat(path("a.txt").c_str(), &status), 0);
+    EXPECT_EQ(status.st_uid, ::geteuid());
+    EXPECT_EQ(status.st_gid, ::getegid());
+    EXPECT_EQ(mode_of(path("a.txt")), 0640U);
+}
+
+TEST_F(OutputFileTest, KeepsTheGroup)
+{
+    if (::geteuid() != 0) GTEST_SKIP() << "needs the superuser's rights to choose any group";
+    std::ofstream(path("a.txt")) << "old";
+    ASSERT_EQ(::chown(path("a.txt").c_str(), ::geteuid(), 65534), 0);
+    ASSERT_EQ(::chmod(path("a.txt").c_str(), 0660), 0);
+    replace(path("a.txt"));
+    struct stat status {};
+    ASSERT_EQ(::stat(path("a.txt").c_str(), &status), 0);
+    EXPECT_EQ(status.st_gid, 65534U);
+    EXPECT_EQ(mode_of(path("a.txt")), 0660U);
+}
+
+// In a child that is not a member of the file's group: the group that the new file has instead
+// gets no right that it did not have.
+TEST_F(OutputFileTest, GivesAnotherGroupTheRightsOfAllWhereTheGroupCannotBeKept)
+{
+    if (::geteuid() != 0) GTEST_SKIP() << "needs the superuser's rights to become another user";
+    std::ofstream(path("a.txt")) << "old";
+    ASSERT_EQ(::chown(path("a.txt").c_str(), 65534, 7), 0);
+    ASSERT_EQ(::chmod(path("a.txt").c_str(), 0664), 0);
+    fs::permissions(path("."), fs::perms::all);
+    const pid_t child = ::fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+        if (::setgroups(0, nullptr) != 0 || ::setgid(65534) != 0 || ::setuid(65534) != 0)
+            ::_exit(1);
+        auto file = OutputFile::create(path("a.txt"));
+        ::_exit(file && file->write("new") && file->commit() ? 0 : 2);
+    }
+    int status = 0;
+    ASSERT_EQ(::waitpid(child, &status, 0), child);
+    ASSERT_EQ(status, 0);
+    EXPECT_EQ(content(path("a.txt")), "new");
+    EXPECT_EQ(mode_of(path("a.txt")), 0644U);
+}
+
+TEST_F(OutputFileTest, LeavesOtherHardLinksWhatTheyHad)
+{
+    std::ofstream(path("a.txt")) << "old";
+    fs::create_hard_link(path("a.txt"), path("b.txt"));
+    replace(path("a.txt"));
+    EXPECT_EQ(content(path("a.txt")), "new");
+    EXPECT_EQ(content(path("b.txt")), "old");
+}
+
+TEST_F(OutputFileTest, RemovesWhatAKilledProcessLeft)
+{
+    const pid_t killed = ::fork();
+    ASSERT_GE(killed, 0);
+    if (killed == 0) {
+        auto file = OutputFile::create(path("a.txt"));
+        if (!file || !file->write(std::string(1'000'000, 'x'))) ::_exit(1);
+        ::raise(SIGKILL);
+    }
+    int status = 0;
+    ASSERT_EQ(::waitpid(killed, &status, 0), killed);
+    ASSERT_TRUE(WIFSIGNALED(status));
+    ASSERT_EQ(entries(), 1);
+
+    std::ofstream(path("kept.txt")) << "kept";
+    fs::create_symlink("kept.txt", path(".proxima-1-1.tmp"));
+    std::ofstream(path(".proxima-1-x.tmp")) << "no name of a temporary file";
+    fs::create_directory(path(".proxima-1-2.tmp"));
+    std::ofstream(path(".proxima-1-3.tmp")) << "being written";
+    const int writer = ::open(path(".proxima-1-3.tmp").c_str(), O_WRONLY);
+    ASSERT_EQ(::flock(writer, LOCK_EX), 0);
+    replace(path("b.txt"));
+    ::close(writer);
+    EXPECT_EQ(content(path("b.txt")), "new");
+    EXPECT_EQ(content(path("kept.txt")), "kept");
+    for (const char* const name :
+         {".proxima-1-1.tmp", ".proxima-1-x.tmp", ".proxima-1-2.tmp", ".proxima-1-3.tmp"})
+        EXPECT_TRUE(fs::exists(fs::symlink_status(path(name)))) << name;
+    EXPECT_EQ(entries(), 6);
 }
 
 TEST_F(OutputFileTest, CreatesTheTargetOfADanglingLinkAndRefusesALoop)

@@ -292,27 +292,6 @@ TEST(MeshIo, WeldsThreeDsByFormat)
     EXPECT_EQ(mesh.triangle_count(), 4U);
 }
 
-TEST(MeshIo, ReadsAGltfWhoseBufferIsAFileOfItsOwn)
-{
-    if (!reads_scenes) GTEST_SKIP() << "built without assimp";
-    const fs::path folder = fs::path(testing::TempDir()) / "proxima_gltf_in_two";
-    fs::create_directories(folder);
-    std::string text = file_content(fs::path(PROXIMA_SOURCE_DIR) / "fuzz" / "corpus" / "gltf" /
-                                    "two_tetrahedra.gltf");
-    const std::string glb = file_content(fs::path(PROXIMA_SOURCE_DIR) / "fuzz" / "corpus" / "glb" /
-                                         "two_tetrahedra.glb");
-    const std::size_t begin = text.find("data:");
-    text.replace(begin, text.find('"', begin) - begin, "buffer.bin");
-    std::ofstream(folder / "scene.gltf", std::ios::binary) << text;
-    std::ofstream(folder / "buffer.bin", std::ios::binary) << glb.substr(glb.size() - 72);
-    const auto mesh = read_mesh(folder / "scene.gltf");
-    ASSERT_TRUE(mesh) << describe(mesh.error());
-    EXPECT_EQ(mesh->triangle_count(), 8U);
-    fs::remove(folder / "buffer.bin");
-    EXPECT_EQ(read_mesh(folder / "scene.gltf").error().code, ErrorCode::malformed_file);
-    fs::remove_all(folder);
-}
-
 #ifndef PROXIMA_WITH_ASSIMP
 TEST(MeshIo, NamesTheOptionThatReadsScenes)
 {

@@ -341,7 +341,7 @@ Status save_recording(const Recording& recording, const std::filesystem::path& p
 
 Result<Recording> load_recording(const std::filesystem::path& path, Progress* progress)
 {
-    return recording_of(BinaryFile::open(path, format, Verification::full, progress),
+    return recording_of(BinaryFile::open(path, format, {.progress = progress}),
                         path.string());
 }
 

@@ -1,9 +1,6 @@
 #include "proxima/index_io.h"
 
 #include "base/binary_file.h"
-#include "base/grow_buffer.h"
-#include "base/mapped_file.h"
-#include "base/memory_budget.h"
 #include "base/text.h"
 #include "index/check_structure.h"
 #include "index/index_parts.h"
@@ -195,7 +192,7 @@ bool visit_sections(Arrays& file, const Visit& visit)
 }
 
 Result<MeshIndex> index_of(const BinaryFile& file, const std::string& name,
-                           const IndexLoadOptions& options)
+                           const LoadOptions& options)
 {
     FileArrays arrays;
     Status status;
@@ -290,29 +287,19 @@ Status save_index(const MeshIndex& index, const std::filesystem::path& path,
     return write_binary_file(path, index_format, sections, options.execution.progress);
 }
 
-Result<MeshIndex> load_index(const std::filesystem::path& path, const IndexLoadOptions& options)
+Result<MeshIndex> load_index(const std::filesystem::path& path, const LoadOptions& options)
 {
-    if (options.in_memory) {
-        const auto mapped = MappedFile::open(path);
-        if (!mapped) return tl::unexpected(mapped.error());
-        const std::span<const std::byte> bytes = mapped->bytes();
-        if (Status status = check_budget(options.execution.budget, bytes.size(),
-                                         "an index in memory", "map the file instead");
-            !status)
-            return tl::unexpected(status.error());
-        auto memory = std::make_shared<GrowBuffer<std::byte>>();
-        std::byte* const copy = aligned_bytes(*memory, bytes.size(), section_alignment);
-        std::ranges::copy(bytes, copy);
-        return load_index({copy, bytes.size()}, std::move(memory), path.string(), options);
-    }
-    const auto file =
-        BinaryFile::open(path, index_format, options.verify, options.execution.progress);
+    const auto file = BinaryFile::open(path, index_format,
+                                       {.verify = options.verify,
+                                        .access = options.access,
+                                        .budget = options.execution.budget,
+                                        .progress = options.execution.progress});
     if (!file) return tl::unexpected(file.error());
     return index_of(*file, path.string(), options);
 }
 
 Result<MeshIndex> load_index(std::span<const std::byte> bytes, std::shared_ptr<const void> storage,
-                             const std::string& name, const IndexLoadOptions& options)
+                             const std::string& name, const LoadOptions& options)
 {
     const auto file = BinaryFile::read(bytes, std::move(storage), name, index_format,
                                        options.verify, options.execution.progress);

@@ -1,13 +1,10 @@
 // The bytes of a mesh file, and how messages name a position in them.
 #pragma once
 
-#include "base/grow_buffer.h"
 #include "base/progress.h"
 #include "proxima/execution.h"
-#include "proxima/result.h"
 
 #include <cstddef>
-#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -23,19 +20,6 @@ struct MeshSource {
     /// "name, byte 84", counted from 0.
     [[nodiscard]] std::string at_byte(const char* position) const;
 };
-
-/// The whole content of a file.
-struct FileBytes {
-    GrowBuffer<char> bytes;
-
-    [[nodiscard]] std::string_view text() const noexcept { return {bytes.data(), bytes.size()}; }
-};
-
-/// Reads a regular file at once (a memory map would end the process by SIGBUS if the file shrank
-/// meanwhile). `progress` sees the stage "loading file", steps are bytes. Errors: file_not_found,
-/// budget_exceeded, malformed_file if it is empty, cancelled.
-[[nodiscard]] Result<FileBytes> read_file(const std::filesystem::path& path, MemoryBudget budget,
-                                          Progress* progress);
 
 /// Tells the watcher how far the reader is and the reader whether to stop. One comparison per call,
 /// but once per MiB.

@@ -4,10 +4,12 @@
 #include "base/text.h"
 #include "geometry/exact_predicates.h"
 #include "mesh/io/gltf_demand.h"
+#include "mesh/io/scene_files.h"
 
 #include <assimp/Importer.hpp>
 #include <assimp/scene.h>
 #include <exception>
+#include <memory>
 #include <string_view>
 #include <vector>
 
@@ -223,7 +225,7 @@ const char* hint_of(MeshFormat format) noexcept
 
 } // namespace
 
-Result<TriangleMesh> read_with_assimp(const MeshSource& source, const std::filesystem::path& path,
+Result<TriangleMesh> read_with_assimp(const MeshSource& source, const std::filesystem::path& folder,
                                       MeshFormat format, const ReadOptions& options,
                                       Vertices vertices)
 {
@@ -234,11 +236,15 @@ Result<TriangleMesh> read_with_assimp(const MeshSource& source, const std::files
     try {
         // No post-processing: assimp joins vertices and finds degenerate triangles by tolerances.
         Assimp::Importer importer;
+        // Names in the scene are relative to it: assimp is not told its folder.
+        const std::string scene_name = concat("scene.", hint_of(format));
+        auto owned_files =
+            std::make_unique<SceneFiles>(source, scene_name, folder, options.execution.budget);
+        const SceneFiles& files = *owned_files;
+        importer.SetIOHandler(owned_files.release()); // the importer deletes it
         constexpr unsigned no_steps = 0;
-        const aiScene* scene =
-            path.empty() ? importer.ReadFileFromMemory(source.text.data(), source.text.size(),
-                                                       no_steps, hint_of(format))
-                         : importer.ReadFile(path.string(), no_steps);
+        const aiScene* scene = importer.ReadFile(scene_name, no_steps);
+        if (files.error()) return tl::unexpected(*files.error());
         if (scene == nullptr || scene->mRootNode == nullptr ||
             (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) != 0U) {
             return fail(ErrorCode::malformed_file,

@@ -7,10 +7,11 @@
 
 namespace proxima::detail {
 
-/// Reads source.text, or `path` where it is given: a glTF may lie in several files. All meshes of
-/// the scene, placed by its nodes in double, polygons of fewer than three corners left out.
+/// Reads source.text and the files in or below `folder` that a glTF refers to; none where it is
+/// empty. All meshes of the scene, placed by its nodes in double, polygons of fewer than three
+/// corners left out.
 [[nodiscard]] Result<TriangleMesh> read_with_assimp(const MeshSource& source,
-                                                    const std::filesystem::path& path,
+                                                    const std::filesystem::path& folder,
                                                     MeshFormat format, const ReadOptions& options,
                                                     Vertices vertices);
 

@@ -175,7 +175,7 @@ Status save_thesis_proximity_octree(const ThesisProximityOctree& octree,
 Result<ThesisProximityOctree> load_thesis_proximity_octree(const std::filesystem::path& path,
                                                            Progress* progress)
 {
-    const auto file = BinaryFile::open(path, file_format, Verification::full, progress);
+    const auto file = BinaryFile::open(path, file_format, {.progress = progress});
     if (!file) return tl::unexpected<Error>(file.error());
     return octree_of(*file, path.string());
 }

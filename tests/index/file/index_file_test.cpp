@@ -230,7 +230,7 @@ TEST_F(IndexFile, OutlivesItsFile)
     const TriangleMesh mesh = sample_mesh("sphere:12x12").value();
     const MeshIndex index = built(mesh);
     (void)saved(index);
-    auto loaded = load_index(path("index.pxi"));
+    auto loaded = load_index(path("index.pxi"), {.access = FileAccess::map});
     ASSERT_TRUE(loaded);
     const MeshIndex copy = *loaded;
     loaded = tl::unexpected(Error{});
@@ -238,31 +238,37 @@ TEST_F(IndexFile, OutlivesItsFile)
     expect_same_answers(index, copy, proximity_points(mesh, 100, 2));
 }
 
-TEST_F(IndexFile, IsReadIntoMemory)
+TEST_F(IndexFile, MayChangeOnceItIsRead)
 {
     const TriangleMesh mesh = sample_mesh("sphere:12x12").value();
     const MeshIndex index = built(mesh);
     const auto bytes = saved(index);
-    const IndexLoadOptions in_memory{.in_memory = true};
-    const auto loaded = load_index(path("index.pxi"), in_memory);
+    const auto loaded = load_index(path("index.pxi"));
     ASSERT_TRUE(loaded) << describe(loaded.error());
-    // The file may change.
     std::filesystem::resize_file(path("index.pxi"), bytes.size() / 2);
     expect_same_answers(index, *loaded, proximity_points(mesh, 100, 2));
-    const auto damaged = load_index(path("index.pxi"), in_memory);
+    const auto damaged = load_index(path("index.pxi"));
     ASSERT_FALSE(damaged);
     EXPECT_EQ(damaged.error().code, ErrorCode::malformed_file);
     EXPECT_NE(describe(damaged.error()).find("index.pxi"), std::string::npos);
-    (void)saved(index);
-    const auto large = load_index(path("index.pxi"),
-                                  {.in_memory = true, .execution = {.budget = {bytes.size() - 1}}});
-    ASSERT_FALSE(large);
-    EXPECT_EQ(large.error().code, ErrorCode::budget_exceeded);
-    EXPECT_TRUE(load_index(path("index.pxi"),
-                           {.in_memory = true, .execution = {.budget = {bytes.size()}}}));
-    const auto missing = load_index(path("missing.pxi"), in_memory);
+    const auto missing = load_index(path("missing.pxi"));
     ASSERT_FALSE(missing);
     EXPECT_EQ(missing.error().code, ErrorCode::file_not_found);
+}
+
+TEST_F(IndexFile, IsReadWithinTheBudgetOrMapped)
+{
+    const TriangleMesh mesh = sample_mesh("sphere:12x12").value();
+    const MeshIndex index = built(mesh);
+    const auto bytes = saved(index);
+    const auto large = load_index(path("index.pxi"), {.execution = {.budget = {bytes.size() - 1}}});
+    ASSERT_FALSE(large);
+    EXPECT_EQ(large.error().code, ErrorCode::budget_exceeded);
+    EXPECT_TRUE(load_index(path("index.pxi"), {.execution = {.budget = {bytes.size()}}}));
+    const auto mapped =
+        load_index(path("index.pxi"), {.access = FileAccess::map, .execution = {.budget = {1}}});
+    ASSERT_TRUE(mapped) << describe(mapped.error());
+    expect_same_answers(index, *mapped, proximity_points(mesh, 100, 2));
 }
 
 TEST_F(IndexFile, RefusesEveryTruncationAndExtension)

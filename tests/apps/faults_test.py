@@ -1,0 +1,172 @@
+"""Calls of the system and the heap that fail, and kills, at any moment of a command: it says so in one line or does its
+work, and files are the old or the new ones, whole.
+
+FAULTS_EACH says how many calls of a job are tried, a sample; 0 tries all of them, as `scripts/soak faults` does."""
+import os
+import random
+import signal
+import subprocess
+import tempfile
+import unittest
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from proxima_program import PROXIMA, SECONDS, ProgramTest
+
+SHIM = os.environ["FAULT_SHIM"]
+EACH = int(os.environ.get("FAULTS_EACH", "40"))  # calls of a job that are tried; 0: all
+SEED = int(os.environ.get("FAULTS_SEED", random.randrange(1 << 30)))
+
+TETRAHEDRON = "OFF\n4 4 6\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n"
+OLD = b"the old content"
+# Each with its outputs; {f} is the folder.
+JOBS = {
+    "octree": ("octree {f}/a.off --depth 3 --save {f}/a.pxo --out {f}/a.vtu --json {f}/a.json", ["a.pxo", "a.vtu"]),
+    "index": ("index {f}/a.off --lists --signs --save {f}/a.pxi --json {f}/a.json", ["a.pxi"]),
+    "closest": ("closest {f}/a.off --point 0.1,0.2,3 --signed --out {f}/a.csv", ["a.csv"]),
+    "saved": ("closest {f}/saved.pxi --point 0.1,0.2,3 --out {f}/a.npy", ["a.npy"]),
+    "raycast": ("raycast {f}/a.off --ray 0,0,5,0,0,-1 --out {f}/a.csv", ["a.csv"]),
+    "intersect": ("intersect {f}/a.off {f}/a.off --pose 0.3,0,0 --out {f}/a.csv", ["a.csv"]),
+    "repair": ("repair {f}/a.off --out {f}/b.ply --map {f}/map.csv", ["b.ply", "map.csv"]),
+}
+
+
+class FaultTest(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.random = random.Random(SEED)
+
+    def prepare(self, name):
+        folder = Path(tempfile.mkdtemp(dir=self.folder))
+        (folder / "a.off").write_text(TETRAHEDRON)
+        if name == "saved":
+            subprocess.run([PROXIMA, "index", folder / "a.off", "--save", folder / "saved.pxi", "--quiet"], check=True)
+        for output in JOBS[name][1]:
+            (folder / output).write_bytes(OLD)
+        return folder
+
+    def run_job(self, name, folder, call, at=0, action="fail"):
+        command, _ = JOBS[name]
+        faults = {"LD_PRELOAD": SHIM, "FAULT_CALL": call, "FAULT_AT": str(at), "FAULT_ACTION": action,
+                  "FAULT_COUNT": str(folder / "count")}
+        # One thread: so the same call comes at the same place.
+        return subprocess.run([PROXIMA, *command.format(f=folder).split(), "--threads", "1", "--quiet"], text=True,
+                              capture_output=True, timeout=SECONDS, env={**os.environ, **faults}, check=False)
+
+    def reference(self, name, call):
+        """How many calls there are without a fault, and what the outputs are."""
+        folder = self.prepare(name)
+        result = self.run_job(name, folder, call)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return int((folder / "count").read_text()), [(folder / output).read_bytes() for output in JOBS[name][1]]
+
+    def try_calls(self, call, action="fail"):
+        for name in JOBS:
+            count, new = self.reference(name, call)
+            self.assertGreater(count, 0)
+            numbers = range(1, count + 1)
+            if EACH and count > EACH:
+                numbers = self.random.sample(numbers, EACH)
+
+            def attempt(number, name=name, new=new):
+                folder = self.prepare(name)
+                return number, self.check(name, folder, self.run_job(name, folder, call, number, action), new)
+
+            with ThreadPoolExecutor(os.cpu_count()) as pool:
+                for number, wrong in pool.map(attempt, numbers):
+                    with self.subTest(job=name, call=call, number=number, of=count, seed=SEED):
+                        self.assertIsNone(wrong)
+
+    def check(self, name, folder, result, new):
+        """What is wrong, if anything."""
+        outputs = [(folder / output).read_bytes() for output in JOBS[name][1]]
+        if any(output not in (OLD, whole) for output, whole in zip(outputs, new)):
+            return "an output is neither the old nor the new one"
+        if result.returncode < 0:
+            return None if self.may_be_killed(folder, result) else f"ended by signal {-result.returncode}: {result.stderr}"
+        left = [path.name for path in folder.glob(".proxima-*")]
+        if left:
+            return f"{left} left behind"
+        if result.returncode == 0:
+            return None if outputs == new else "status 0, but an output is missing"
+        if result.returncode not in (1, 2):
+            return f"status {result.returncode}: {result.stderr}"
+        if not result.stderr.startswith("proxima: ") or result.stderr.count("\n") != 1:
+            return f"no line that says why: {result.stderr!r}"
+        return None
+
+    def may_be_killed(self, _folder, _result):
+        return False
+
+
+class Allocations(FaultTest):
+    def test_each_fails_once(self):
+        self.try_calls("allocate")
+
+
+class Writes(FaultTest):
+    def test_each_call_fails_once(self):
+        for call in ("open", "write", "fsync", "close", "rename"):
+            self.try_calls(call)
+
+    def test_a_failure_after_the_file_was_replaced_is_called_that(self):
+        count, new = self.reference("closest", "fsync")
+        folder = self.prepare("closest")
+        result = self.run_job("closest", folder, "fsync", count)  # the last one is of the folder
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("has been replaced", result.stderr)
+        self.assertEqual((folder / "a.csv").read_bytes(), new[0])
+
+
+class Kills(FaultTest):
+    def test_at_each_call(self):
+        for call in ("open", "write", "fsync", "close", "rename"):
+            self.try_calls(call, "kill")
+
+    def may_be_killed(self, folder, result):
+        """By the shim; the next command that writes there clears up."""
+        if result.returncode != -signal.SIGKILL:
+            return False
+        subprocess.run([PROXIMA, "repair", folder / "a.off", "--out", folder / "next.off", "--quiet"], check=True)
+        return not list(folder.glob(".proxima-*")) and (folder / "next.off").exists()
+
+
+class Streams(ProgramTest):
+    """Standard streams that are closed when the program starts."""
+
+    def shell(self, command):
+        return subprocess.run(["sh", "-c", command], text=True, capture_output=True, timeout=SECONDS, cwd=self.folder,
+                              env={**os.environ, "P": PROXIMA}, check=False)
+
+    def test_a_closed_stderr_is_no_reason_to_end(self):
+        for command in ("$P closest missing.off --point 0,0,0 2>&-", "$P nonsense 2>&-",
+                        "$P closest missing.off --point 0,0,0 2>/dev/full"):
+            self.assertIn(self.shell(command).returncode, (1, 2), command)
+        result = self.shell("$P octree icosphere:4 --save a.pxo --progress --quiet 2>&-")
+        self.assertEqual(result.returncode, 0)
+
+    def test_what_is_meant_for_a_closed_stream_does_not_go_into_a_file(self):
+        self.file("a.off", TETRAHEDRON)
+        os.mkfifo(self.folder / "points")
+        process = subprocess.Popen(["sh", "-c", "exec \"$P\" closest a.off --points points --out a.csv <&- >&- 2>&-"],
+                                   cwd=self.folder, env={**os.environ, "P": PROXIMA})
+        with open(self.folder / "points", "w") as points:  # returns once the program reads
+            streams = [os.readlink(f"/proc/{process.pid}/fd/{stream}") for stream in range(3)]
+            points.write("0,0,2\n")
+        self.assertEqual(streams, ["/dev/null"] * 3)
+        self.assertEqual(process.wait(timeout=SECONDS), 1, "stdout is closed")
+        self.assertEqual((self.folder / "a.csv").read_text().count("\n"), 2)
+        result = self.shell("$P closest a.off --point 0,0,2 --out b.csv >&-")
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("standard output", result.stderr)
+        self.assertEqual((self.folder / "b.csv").read_text().count("\n"), 2)
+
+    def test_an_ignored_interrupt_stays_ignored(self):
+        result = self.shell("trap '' INT; $P octree spaceship:20000 --depth 7 --save a.pxo --quiet & "
+                            "sleep 0.1; kill -INT $!; wait $!")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertTrue((self.folder / "a.pxo").exists())
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,118 @@
+// A glTF of several files: what it may refer to.
+#include "base/text.h"
+#include "folder_test.h"
+#include "mesh/mesh_files.h"
+
+#include <sys/stat.h>
+
+namespace proxima {
+namespace {
+
+namespace fs = std::filesystem;
+
+class SceneFiles : public FolderTest {
+protected:
+    void SetUp() override
+    {
+        if (!reads_scenes) GTEST_SKIP() << "built without assimp";
+        FolderTest::SetUp();
+        const fs::path corpus = fs::path(PROXIMA_SOURCE_DIR) / "fuzz" / "corpus";
+        scene_ = file_content(corpus / "gltf" / "two_tetrahedra.gltf");
+        const std::string glb = file_content(corpus / "glb" / "two_tetrahedra.glb");
+        buffer_ = glb.substr(glb.size() - 72);
+        fs::create_directories(path("scenes/parts"));
+        for (const char* name : {"outside.bin", "scenes/buffer.bin", "scenes/parts/buffer.bin"})
+            std::ofstream(path(name), std::ios::binary) << buffer_;
+    }
+
+    /// The scene with `uri` as its buffer.
+    [[nodiscard]] std::string scene_with(const std::string& uri) const
+    {
+        std::string text = scene_;
+        const std::size_t begin = text.find("data:");
+        text.replace(begin, text.find('"', begin) - begin, uri);
+        return text;
+    }
+
+    Result<TriangleMesh> read(const std::string& uri, const ReadOptions& options = {})
+    {
+        std::ofstream(path("scenes/scene.gltf"), std::ios::binary) << scene_with(uri);
+        return read_mesh(path("scenes/scene.gltf"), options);
+    }
+
+    void expect_refused(const std::string& uri, ErrorCode code, const std::string& why)
+    {
+        const auto mesh = read(uri);
+        ASSERT_FALSE(mesh) << uri;
+        EXPECT_EQ(mesh.error().code, code) << uri;
+        EXPECT_NE(mesh.error().message.find(why), std::string::npos) << describe(mesh.error());
+        EXPECT_EQ(mesh.error().where, path("scenes/scene.gltf").string());
+    }
+
+    std::string scene_;
+    std::string buffer_;
+};
+
+TEST_F(SceneFiles, AreReadBelowTheFolderOfTheScene)
+{
+    fs::create_symlink("parts/buffer.bin", path("scenes/link.bin"));
+    for (const char* uri :
+         {"buffer.bin", "./buffer.bin", "parts/buffer.bin", "parts//./buffer.bin", "link.bin"}) {
+        const auto mesh = read(uri);
+        ASSERT_TRUE(mesh) << uri << ": " << describe(mesh.error());
+        EXPECT_EQ(mesh->triangle_count(), 8U) << uri;
+    }
+}
+
+TEST_F(SceneFiles, AreFoundFromTheFolderThatTheProgramRunsIn)
+{
+    std::ofstream(path("scenes/scene.gltf"), std::ios::binary) << scene_with("buffer.bin");
+    const fs::path before = fs::current_path();
+    fs::current_path(path("scenes"));
+    const auto mesh = read_mesh("scene.gltf");
+    fs::current_path(before);
+    ASSERT_TRUE(mesh) << describe(mesh.error());
+    EXPECT_EQ(mesh->triangle_count(), 8U);
+}
+
+TEST_F(SceneFiles, AreRefusedElsewhere)
+{
+    fs::create_symlink("../outside.bin", path("scenes/link.bin"));
+    fs::create_directory_symlink("..", path("scenes/up"));
+    const std::string why = "not below the scene's folder";
+    expect_refused("../outside.bin", ErrorCode::malformed_file, why);
+    expect_refused("parts/../buffer.bin", ErrorCode::malformed_file, why);
+    expect_refused(path("scenes/buffer.bin").string(), ErrorCode::malformed_file, why);
+    expect_refused("link.bin", ErrorCode::malformed_file, why);
+    expect_refused("up/outside.bin", ErrorCode::malformed_file, why);
+    expect_refused("/dev/zero", ErrorCode::malformed_file, why);
+}
+
+TEST_F(SceneFiles, AreRegularFiles)
+{
+    ASSERT_EQ(::mkfifo(path("scenes/pipe").c_str(), 0600), 0);
+    expect_refused("pipe", ErrorCode::file_not_found, "not a regular file");
+    expect_refused("parts", ErrorCode::file_not_found, "folder");
+    expect_refused("missing.bin", ErrorCode::file_not_found, "missing.bin");
+}
+
+TEST_F(SceneFiles, FitTheBudget)
+{
+    fs::resize_file(path("scenes/buffer.bin"), 500'000'000); // a file with a hole
+    const auto mesh = read("buffer.bin", {.execution = {.budget = {.bytes = 100'000'000}}});
+    ASSERT_FALSE(mesh);
+    EXPECT_EQ(mesh.error().code, ErrorCode::budget_exceeded) << describe(mesh.error());
+}
+
+TEST_F(SceneFiles, AreNotForScenesInMemory)
+{
+    const fs::path before = fs::current_path();
+    fs::current_path(path("scenes"));
+    const Error error = error_of(scene_with("buffer.bin"), MeshFormat::gltf);
+    fs::current_path(before);
+    EXPECT_EQ(error.code, ErrorCode::malformed_file);
+    EXPECT_NE(error.message.find("by its path"), std::string::npos) << error.message;
+}
+
+} // namespace
+} // namespace proxima
