@@ -81,6 +81,84 @@ TEST(RemoteServo, ChangesToNewPlanesWithoutAJump)
     EXPECT_NEAR(last, 2.5, 1e-12);
 }
 
+/// A wall at z = 0 of 500 N/m.
+ReplyPacket wall_reply(std::uint64_t sequence)
+{
+    ReplyPacket reply;
+    reply.sequence = sequence;
+    reply.max_force = 3.3;
+    reply.hold_seconds = 10;
+    reply.command.force_scale = 1;
+    reply.command.stiffness = 500;
+    reply.command.plane_count = 1;
+    reply.command.planes[0] = {Vec3::UnitZ(), 0};
+    return reply;
+}
+
+/// What a tip 2 mm behind z = 0 feels once nothing fades any more.
+double settled_force(RemoteServo& servo)
+{
+    double force = 0;
+    for (double t = 0; t < 0.1; t += 1e-3)
+        force = servo.force(Vec3(0, 0, -0.002), Vec3::Zero(), t).z();
+    return force;
+}
+
+TEST(RemoteServo, TakesNewRepliesAndRefusesOldOnes)
+{
+    RemoteServo servo(3.3);
+    servo.take(wall_reply(7), 0);
+    EXPECT_NEAR(settled_force(servo), 1, 1e-12);
+    ReplyPacket old = wall_reply(6);
+    old.command.stiffness = 100;
+    servo.take(old, 0);
+    EXPECT_EQ(servo.refused(), 1U);
+    EXPECT_NEAR(settled_force(servo), 1, 1e-12);
+    old.session = 1; // of another session, which begins anew
+    servo.take(old, 0);
+    EXPECT_EQ(servo.refused(), 1U);
+    EXPECT_NEAR(settled_force(servo), 0.2, 1e-12);
+}
+
+TEST(RemoteServo, StaysWithinBothLimits)
+{
+    RemoteServo strong(3.3);
+    ReplyPacket reply = wall_reply(1);
+    reply.max_force = 0.5;
+    strong.take(reply, 0);
+    EXPECT_NEAR(settled_force(strong), 0.5, 1e-9);
+    RemoteServo weak(0.25);
+    weak.take(reply, 0);
+    EXPECT_NEAR(settled_force(weak), 0.25, 1e-9);
+}
+
+TEST(RemoteServo, RefusesNumbersJustBeyondWhatIsSound)
+{
+    const auto is_refused = [](const auto& change) {
+        RemoteServo servo(3.3);
+        ReplyPacket reply = wall_reply(1);
+        change(reply);
+        servo.take(reply, 0);
+        return servo.refused() == 1;
+    };
+    const double beyond = std::nextafter(1e6, 2e6);
+    EXPECT_FALSE(is_refused([](ReplyPacket& r) { r.command.force_scale = 1; }));
+    EXPECT_TRUE(
+        is_refused([](ReplyPacket& r) { r.command.force_scale = std::nextafter(1.0, 2.0); }));
+    EXPECT_FALSE(is_refused([](ReplyPacket& r) { r.command.stiffness = 1e6; }));
+    EXPECT_TRUE(is_refused([&](ReplyPacket& r) { r.command.stiffness = beyond; }));
+    EXPECT_FALSE(is_refused([](ReplyPacket& r) { r.command.damping = 0; }));
+    EXPECT_TRUE(is_refused([](ReplyPacket& r) { r.command.damping = -1e-300; }));
+    EXPECT_FALSE(is_refused([](ReplyPacket& r) { r.command.force.x() = -1e6; }));
+    EXPECT_TRUE(is_refused([&](ReplyPacket& r) { r.command.force.x() = -beyond; }));
+    EXPECT_FALSE(is_refused([](ReplyPacket& r) { r.command.planes[0].offset = -1e6; }));
+    EXPECT_TRUE(is_refused([&](ReplyPacket& r) { r.command.planes[0].offset = -beyond; }));
+    EXPECT_TRUE(is_refused([](ReplyPacket& r) { r.command.planes[0].normal.z() = 1 + 2e-6; }));
+    EXPECT_FALSE(is_refused([](ReplyPacket& r) { r.command.planes[0].normal.z() = 1 + 5e-7; }));
+    EXPECT_FALSE(
+        is_refused([](ReplyPacket& r) { r.command.planes[1].normal.x() = NAN; })); // unused
+}
+
 TEST(RemoteServo, RefusesHostileReplies)
 {
     std::mt19937_64 random(9);

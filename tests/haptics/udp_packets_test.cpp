@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <random>
@@ -73,6 +74,27 @@ TEST(UdpPackets, RepliesSurviveEncodingAndDecoding)
     EXPECT_EQ(encode(back), bytes);
     EXPECT_EQ(back.command.planes[2].offset, command.planes[2].offset);
     EXPECT_EQ(back.recovery_seconds, packet.recovery_seconds);
+}
+
+TEST(UdpPackets, NameNoMorePlanesThanThereAre)
+{
+    ReplyPacket packet;
+    constexpr std::size_t condition_at = 32;
+    constexpr std::size_t planes_at = 36;
+    for (const std::uint32_t count : {0U, 1U, 3U, 4U, 255U, 256U, 0x7fffffffU, 0xffffffffU}) {
+        auto bytes = encode(packet);
+        std::memcpy(bytes.data() + planes_at, &count, sizeof count);
+        ReplyPacket back;
+        ASSERT_EQ(decode(bytes, back), PacketFault::none);
+        EXPECT_EQ(back.command.plane_count, std::min<std::size_t>(count, 3)) << count;
+        bytes = encode(packet);
+        std::memcpy(bytes.data() + condition_at, &count, sizeof count);
+        ASSERT_EQ(decode(bytes, back), PacketFault::none);
+        EXPECT_EQ(back.command.condition, count < input_conditions
+                                              ? static_cast<InputCondition>(count)
+                                              : InputCondition::unsure)
+            << count;
+    }
 }
 
 TEST(UdpPackets, RefuseOtherSizesMagicsAndVersions)
