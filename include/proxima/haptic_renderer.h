@@ -193,8 +193,9 @@ private:
                                                           const DeviceLimits& device,
                                                           const RenderOptions& options = {});
 
-/// Renders a scene, which must outlive the renderer, and which each tick advances. Materials are
-/// those of its bodies. Error invalid_argument, as above.
+/// Renders a scene, which must outlive the renderer, and whose objects each tick moves on for this
+/// tool. Any thread, also while other renderers of the scene run. Materials are those of its bodies.
+/// Error invalid_argument, as above, and where the scene has max_scene_tools renderers.
 [[nodiscard]] Result<HapticRenderer> make_haptic_renderer(TouchScene& scene,
                                                           const WorkspaceMap& map,
                                                           const DeviceLimits& device,

@@ -3,17 +3,23 @@
 //     TouchScene scene({Vec3(-1, -1, -1), Vec3(1, 1, 1)});          // objects stay within this box
 //     auto body = build_touch_body(mesh, {.material = SurfaceMaterial{.stiffness = 300}});
 //     const ObjectId cup = *scene.add(*body, pose);                 // before the first tick
-//     auto renderer = make_haptic_renderer(scene, map, limits);     // its ticks advance the scene
+//     auto renderer = make_haptic_renderer(scene, map, limits);     // its ticks move the objects
+//     auto other = make_haptic_renderer(scene, other_map, limits);  // another tool, in its own thread
 //     scene.move(cup, {.pose = next, .seconds = 0.02});             // any time, by another thread
 //     scene.exchange(cup, *other_body);                             // any time, by another thread
 //     auto bent = refit_touch_body(*body, positions);               // any thread, any time
 //     scene.deform(cup, *bent, 1.0 / 60);                           // any time, by another thread
 //
-//     application ──motions, bodies──▶ snapshots ──▶ servo loop      neither waits for the other
+//     application ──motions, bodies──▶ snapshots ──▶ servo loops     none waits for another
 //
 // All objects together are one surface: a corner that several of them form is a corner. Nothing is
 // passed while objects move or change their shape, however thin and fast they are; touched objects
 // carry the proxy along.
+//
+// Up to 8 renderers touch one scene, each in a servo loop of its own, and may be made and destroyed
+// while others run. Poses depend on the scene's time, the sum of the ticks of the tool that is ahead:
+// all tools see the same pose at the same time. A loop that loses ticks lags behind the others by at
+// most 3 ms, or three of its ticks where these are longer.
 //
 // Lengths are in the scene's unit, which is the model's unit of the renderer's WorkspaceMap.
 #pragma once
@@ -33,7 +39,7 @@ namespace proxima {
 
 class ContactBody;
 class MeshIndex;
-class MovingSurface;
+class SceneViews;
 
 /// Stiffness, damping and friction of a body, limited by what the device can take.
 struct SurfaceMaterial {
@@ -103,6 +109,9 @@ enum class ObjectId : std::uint32_t {};
 /// No scene has more objects.
 inline constexpr std::size_t max_scene_objects = 64;
 
+/// No scene has more renderers at a time.
+inline constexpr std::size_t max_scene_tools = 8;
+
 /// A triangle of a scene is named by one number: the bits of its id in its object's mesh, and above
 /// them those of the object.
 inline constexpr unsigned scene_triangle_bits = 26;
@@ -122,15 +131,15 @@ inline constexpr unsigned scene_triangle_bits = 26;
     return TriangleId{to_index(scene_triangle) & ((1U << scene_triangle_bits) - 1)};
 }
 
-/// The motion of an object: to a pose within a time, and from there on at a velocity. The servo loop
-/// moves its origin evenly along a straight line and turns it evenly about one axis.
+/// The motion of an object: to a pose within a time, and from there on at a velocity. Servo loops
+/// move its origin evenly along a straight line and turn it evenly about one axis.
 ///
 /// An application that updates poses at 50 Hz sets `seconds` to 0.02: the object lags by a period
 /// and never jumps. One that knows velocities gives them, and the object coasts on until the next
 /// message.
 struct ObjectMotion {
     RigidTransform pose = {};     ///< where it will be
-    double seconds = 0;           ///< until it has that pose; 0 = in the next tick
+    double seconds = 0;           ///< until it has that pose; 0 = at once, for the next tick
     Vec3 velocity = Vec3::Zero(); ///< from then on, of the object's origin, per second
     Vec3 spin = Vec3::Zero();     ///< from then on, radians per second about the scene's axes
     double coast_seconds = 0;     ///< how long these velocities last: then the object rests
@@ -140,11 +149,13 @@ struct ObjectMotion {
 struct SceneTick {
     bool moved = false;     ///< the pose or the shape of some object
     bool exchanged = false; ///< the body of some object
+    double seconds = 0;     ///< by which objects moved on: more than the tick's after lost ticks
 };
 
 /// Up to 64 objects. add() before the first tick; move(), exchange() and deform() by one thread for
-/// each object, at any time; everything else by the servo thread. A value that moves, while no renderer
-/// has it.
+/// each object, at any time; advance(), pose() and velocity() by the thread of the renderer that was
+/// made first. Renderers are made and destroyed by any thread at any time. A value that moves, while
+/// no renderer has it.
 class TouchScene {
 public:
     /// Objects stay within the bounds, whose size decides how exact positions are: a point proxy
@@ -158,14 +169,15 @@ public:
     /// is not rigid, or an object that reaches out of the bounds.
     [[nodiscard]] Result<ObjectId> add(const TouchBody& body, const RigidTransform& pose);
 
-    /// Gives an object a motion, which replaces earlier ones. Wait-free. Error invalid_argument:
+    /// Gives an object a motion, which replaces earlier ones and begins where they took it. Wait-free.
+    /// Error invalid_argument:
     /// numbers that are not finite, negative times, a pose that is not rigid, or one that reaches
     /// out of the bounds, also where the object coasts to.
     [[nodiscard]] Status move(ObjectId object, const ObjectMotion& motion);
 
-    /// Gives an object another body from the next tick on. The scene's copy of the old body goes
-    /// with this or a later exchange or change of its shape, or with the scene, never in the servo
-    /// thread. Error invalid_argument: out of the bounds.
+    /// Gives an object another body from the next tick on. Copies of the old body go once no tool uses
+    /// it: with a later exchange or change of shape, with the tool's renderer or with the scene, never
+    /// in a servo thread. Error invalid_argument: out of the bounds.
     [[nodiscard]] Status exchange(ObjectId object, const TouchBody& body);
 
     /// Gives an object the shape of a refit of its body: within `seconds` each vertex moves evenly
@@ -177,14 +189,13 @@ public:
     /// the one given last, a negative time, out of the bounds.
     [[nodiscard]] Status deform(ObjectId object, const TouchBody& body, double seconds);
 
-    /// Advances all objects by a tick; a renderer calls it. noexcept, wait-free, no allocation,
-    /// nothing freed.
-    /// \pre seconds > 0
+    /// Advances all objects by a tick. The first renderer calls it. noexcept, lock-free, no allocation,
+    /// nothing freed. \pre seconds > 0
     SceneTick advance(double seconds) noexcept;
 
     [[nodiscard]] std::size_t object_count() const noexcept;
 
-    /// The pose of an object in this tick. noexcept. \pre the object was added
+    /// The pose of an object in this tick of the first renderer. noexcept. \pre the object was added
     [[nodiscard]] RigidTransform pose(ObjectId object) const noexcept;
 
     /// The velocity in the last tick of a point that moves with an object's pose, per second. noexcept.
@@ -194,7 +205,7 @@ public:
 private:
     friend class TouchAccess;
 
-    std::unique_ptr<MovingSurface> surface_; ///< not null but after a move
+    std::unique_ptr<SceneViews> views_; ///< not null but after a move
 };
 
 } // namespace proxima

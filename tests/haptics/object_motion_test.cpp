@@ -7,7 +7,28 @@
 namespace proxima {
 namespace {
 
-constexpr double tick_seconds = 1e-3;
+constexpr SceneTime tick_time = 1'000'000;
+
+/// An object whose course is followed from a time on, tick by tick.
+class Follower {
+public:
+    explicit Follower(const RigidTransform& pose) : course_(pose), trajectory_(course_, 0) {}
+
+    void follow(const ObjectMotion& motion)
+    {
+        course_ = course_.continued(motion, time_);
+        trajectory_.follow(course_);
+    }
+    void advance() { trajectory_.advance(time_ += tick_time); }
+    [[nodiscard]] const RigidTransform& before() const { return trajectory_.before(); }
+    [[nodiscard]] const RigidTransform& now() const { return trajectory_.now(); }
+    [[nodiscard]] bool moved() const { return trajectory_.moved(); }
+
+private:
+    ObjectCourse course_;
+    ObjectTrajectory trajectory_;
+    SceneTime time_ = 0;
+};
 
 RigidTransform turned(double angle, const Vec3& axis, const Vec3& to)
 {
@@ -16,13 +37,13 @@ RigidTransform turned(double angle, const Vec3& axis, const Vec3& to)
 
 TEST(ObjectTrajectory, MovesEvenlyAndArrives)
 {
-    ObjectTrajectory course(turned(0.3, Vec3(1, 2, 3), Vec3(1, 0, 0)));
+    Follower course(turned(0.3, Vec3(1, 2, 3), Vec3(1, 0, 0)));
     const RigidTransform goal = turned(-0.9, Vec3(2, -1, 1), Vec3(2, 3, -1));
     course.follow({.pose = goal, .seconds = 0.02});
     const Vec3 step = (goal.translation - course.now().translation) / 20;
     double angle = -1;
     for (int tick = 0; tick < 20; ++tick) {
-        course.advance(tick_seconds);
+        course.advance();
         EXPECT_TRUE(course.moved());
         const Vec3 way = course.now().translation - course.before().translation;
         EXPECT_LT((way - step).norm(), 1e-12) << tick;
@@ -39,35 +60,55 @@ TEST(ObjectTrajectory, MovesEvenlyAndArrives)
     EXPECT_GT(angle, 0.01);
     EXPECT_EQ(course.now().translation, goal.translation);
     EXPECT_LT((course.now().rotation - goal.rotation).norm(), 1e-15);
-    course.advance(tick_seconds);
+    course.advance();
     EXPECT_FALSE(course.moved()); // it stands there
 }
 
 TEST(ObjectTrajectory, CoastsForItsCoastingTime)
 {
-    ObjectTrajectory course(RigidTransform{});
+    Follower course(RigidTransform{});
     course.follow({.velocity = Vec3(2, 0, 0), .spin = Vec3(0, 0, 5), .coast_seconds = 0.05});
-    course.advance(tick_seconds); // in the next tick it is at the pose
-    EXPECT_EQ(course.now().translation, Vec3::Zero());
     for (int tick = 1; tick <= 50; ++tick) {
-        course.advance(tick_seconds);
+        course.advance();
         EXPECT_NEAR(course.now().translation.x(), 0.002 * tick, 1e-12);
         EXPECT_NEAR(course.now().rotation(1, 0), std::sin(0.005 * tick), 1e-12);
     }
-    for (int tick = 0; tick < 5; ++tick) course.advance(tick_seconds);
+    for (int tick = 0; tick < 5; ++tick) course.advance();
     EXPECT_NEAR(course.now().translation.x(), 0.1, 1e-12);
     EXPECT_FALSE(course.moved());
 }
 
+TEST(ObjectTrajectory, PosesDependOnTheTimeAlone)
+{
+    const ObjectCourse first(turned(0.3, Vec3(1, 2, 3), Vec3(1, 0, 0)));
+    const ObjectCourse second = first.continued({.pose = turned(-2, Vec3(0, 1, 3), Vec3(0, 4, 1)),
+                                                 .seconds = 0.01,
+                                                 .velocity = Vec3(1, 2, 3),
+                                                 .spin = Vec3(3, 1, 2),
+                                                 .coast_seconds = 0.005},
+                                                3 * tick_time);
+    EXPECT_EQ(second.pose_at(2 * tick_time).translation, Vec3(1, 0, 0)); // a tool that lags behind
+    ObjectTrajectory ticks(second, 3 * tick_time);
+    ticks.follow(second);
+    for (SceneTime time = 4 * tick_time; time < 25 * tick_time; time += tick_time) {
+        ticks.advance(time);
+        ObjectTrajectory late(first, 2 * tick_time);
+        late.follow(second);
+        late.advance(time);
+        EXPECT_EQ(late.now().translation, ticks.now().translation) << time;
+        EXPECT_EQ(late.now().rotation, ticks.now().rotation) << time;
+    }
+}
+
 TEST(ObjectTrajectory, StartsANewMotionFromWhereItIs)
 {
-    ObjectTrajectory course(RigidTransform{});
+    Follower course(RigidTransform{});
     course.follow({.pose = {Mat3::Identity(), Vec3(1, 0, 0)}, .seconds = 0.02});
-    for (int tick = 0; tick < 10; ++tick) course.advance(tick_seconds);
+    for (int tick = 0; tick < 10; ++tick) course.advance();
     const Vec3 at = course.now().translation;
     EXPECT_NEAR(at.x(), 0.5, 1e-12);
     course.follow({.pose = {Mat3::Identity(), Vec3(0, 1, 0)}, .seconds = 0.01});
-    course.advance(tick_seconds);
+    course.advance();
     EXPECT_LT((course.now().translation - (at + (Vec3(0, 1, 0) - at) / 10)).norm(), 1e-12);
 }
 

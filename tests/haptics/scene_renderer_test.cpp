@@ -211,11 +211,11 @@ TEST(SceneRenderer, TouchIsTheSameInAMovingFrame)
             const Vec3 step = path.next() - hand;
             hand += step * std::min(1.0, longest_step / step.norm());
             const RenderTick& should = expected.tick(at(begin(hand)), tick_seconds);
+            const double time = (tick + 1) * tick_seconds;
             RigidTransform pose = begin;
-            pose.translation += velocity * (tick * tick_seconds);
+            pose.translation += velocity * time;
             pose.rotation =
-                Eigen::AngleAxisd(spin * tick * tick_seconds, Vec3::UnitZ()).toRotationMatrix() *
-                begin.rotation;
+                Eigen::AngleAxisd(spin * time, Vec3::UnitZ()).toRotationMatrix() * begin.rotation;
             const RenderTick& is = renderer.tick(at(pose(hand)), tick_seconds);
             touching += should.hold != Hold::free ? 1 : 0;
             const Vec3 back = begin.rotation * (pose.rotation.transpose() * is.spring);
@@ -269,7 +269,7 @@ TEST(SceneRenderer, DampsTheMotionRelativeToTheSurface)
     ASSERT_TRUE(scene.move(*wall, {.velocity = Vec3(0, 0, 0.2), .coast_seconds = 5}));
     renderer.tick(at(Vec3(0, 0, 0.2)), tick_seconds);
     for (int tick = 1; tick < 100; ++tick) {
-        const double top = 0.1 + 0.2 * tick * tick_seconds;
+        const double top = 0.1 + 0.2 * (tick + 1) * tick_seconds;
         // With the wall: no damping. At rest: it comes nearer at 0.2 m/s.
         const bool with_it = tick % 2 == 0;
         const Vec3 velocity(0, 0, with_it ? 0.2 : 0.0);

@@ -28,9 +28,10 @@ Result<RenderedSurface> surface_of_index(const MeshIndex& index)
     return rendered;
 }
 
-RenderedSurface surface_of_scene(MovingSurface& scene)
+RenderedSurface surface_of_view(SceneView view)
 {
-    return {.surface = &scene, .properties = &scene, .scene = &scene};
+    MovingSurface* const scene = view.get();
+    return {.surface = scene, .properties = scene, .scene = scene, .view = std::move(view)};
 }
 
 HapticRenderer renderer_of(RenderedSurface surface, const WorkspaceMap& map,
@@ -138,7 +139,9 @@ Result<HapticRenderer> make_haptic_renderer(TouchScene& scene, const WorkspaceMa
 {
     if (Status status = check_render_settings(map, device, options); !status)
         return tl::unexpected(status.error());
-    return renderer_of(surface_of_scene(moving_surface(scene)), map, device, options);
+    auto view = scene_views(scene).take();
+    if (!view) return tl::unexpected(view.error());
+    return renderer_of(surface_of_view(std::move(*view)), map, device, options);
 }
 
 HapticRenderer make_surface_renderer(const ContactSurface& surface, const WorkspaceMap& map,

@@ -36,9 +36,9 @@ ProxyOptions proxy_options(const RenderOptions& options, const WorkspaceMap& map
 SurfaceRenderer::SurfaceRenderer(RenderedSurface rendered, const WorkspaceMap& map,
                                  const DeviceLimits& device, const RenderOptions& options,
                                  std::optional<PenaltyProbe> probe)
-    : owned_(std::move(rendered.owned)), surface_(*rendered.surface), scene_(rendered.scene),
-      properties_(rendered.properties), device_(device), map_(map),
-      options_(limited_options(options, device)),
+    : owned_(std::move(rendered.owned)), view_(std::move(rendered.view)),
+      surface_(*rendered.surface), scene_(rendered.scene), properties_(rendered.properties),
+      device_(device), map_(map), options_(limited_options(options, device)),
       proxy_(surface_, proxy_options(options, map, rendered.properties)), probe_(std::move(probe)),
       guard_(options_.force, device.max_force), passivity_(options_.guard, device),
       ramp_observer_(device.max_damping)
@@ -65,13 +65,13 @@ Vec3 SurfaceRenderer::accept(const DeviceState& state) noexcept
     return reported;
 }
 
-/// Advances the objects, which carry the proxy.
-void SurfaceRenderer::advance_scene(double seconds) noexcept
+/// Advances the objects, which carry the proxy. Returns the seconds by which they advanced.
+double SurfaceRenderer::advance_scene(double seconds) noexcept
 {
     const SceneTick change = scene_->advance(seconds);
     tick_.squeezed = false;
     is_carried_ = false;
-    if (!placed_) return;
+    if (!placed_) return change.seconds;
     const ProxyTick& last = proxy_.last();
     if (change.moved && last.is_placed) {
         const Vec3 goal = carry_goal(last.proxy);
@@ -91,6 +91,7 @@ void SurfaceRenderer::advance_scene(double seconds) noexcept
         }
     }
     if (change.exchanged) start_anew();
+    return change.seconds;
 }
 
 /// Where the objects that the proxy touches would carry a position of it.
@@ -264,7 +265,7 @@ const RenderTick& SurfaceRenderer::tick(const DeviceState& state, double seconds
     tick_.position = accept(state);
     tick_.condition = state.condition;
     const Vec3 device = map_.to_model(tick_.position);
-    if (scene_ != nullptr) advance_scene(seconds);
+    const double advanced = scene_ != nullptr ? advance_scene(seconds) : seconds;
     if (!placed_) {
         if (tick_.fault == InputFault::not_finite) return tick_;
         place(device);
@@ -277,7 +278,7 @@ const RenderTick& SurfaceRenderer::tick(const DeviceState& state, double seconds
     if (scene_ != nullptr) {
         tick_.surface_velocity = touching ? surface_velocity(proxy) : Vec3(Vec3::Zero());
         velocity -= tick_.surface_velocity;
-        ground_ += seconds * tick_.surface_velocity;
+        ground_ += advanced * tick_.surface_velocity;
     }
     tick_.spring = probe_ ? penalty_force(options_.force, proxy.depth / map_.units_per_metre,
                                           proxy.normal, velocity)

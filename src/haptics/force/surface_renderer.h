@@ -17,6 +17,7 @@
 #include "haptics/proxy/proxy.h"
 #include "haptics/scene/move_with_objects.h"
 #include "haptics/scene/moving_surface.h"
+#include "haptics/scene/scene_views.h"
 #include "haptics/surface/contact_surface.h"
 #include "haptics/surface/surface_properties.h"
 #include "proxima/device.h"
@@ -39,6 +40,7 @@ struct RenderedSurface {
     const SurfaceProperties* properties = nullptr;
     MovingSurface* scene = nullptr; ///< surface and properties, where each tick advances it
     std::unique_ptr<const ContactSurface> owned = nullptr; ///< surface, where the renderer owns it
+    SceneView view = nullptr; ///< scene, where the renderer has it until its end
 };
 
 /// Refers to surface, scene and properties. One thread. noexcept and without allocation but for the
@@ -95,7 +97,7 @@ private:
     [[nodiscard]] const ProxyTick& follow(const Vec3& device) noexcept;
     void write_proxy(const ProxyTick& proxy) noexcept;
     [[nodiscard]] Vec3 accept(const DeviceState& state) noexcept;
-    void advance_scene(double seconds) noexcept;
+    [[nodiscard]] double advance_scene(double seconds) noexcept;
     [[nodiscard]] Vec3 carry_goal(const Vec3& position) noexcept;
     [[nodiscard]] std::optional<Vec3> carried(const Vec3& position, const Vec3& goal) noexcept;
     [[nodiscard]] Vec3 settle(const Vec3& position, const Vec3& goal) noexcept;
@@ -107,6 +109,7 @@ private:
                                              const Vec3& whole) const noexcept;
 
     std::unique_ptr<const ContactSurface> owned_;
+    SceneView view_;
     const ContactSurface& surface_;
     MovingSurface* scene_ = nullptr;
     const SurfaceProperties* properties_ = nullptr;

@@ -21,50 +21,31 @@ constexpr double frame_rounding = 0x1p-47;
 /// More than the rounding of the distances of a body and of its box, in parts of coordinates.
 constexpr double box_rounding = 0x1p-44;
 
-bool is_rigid(const RigidTransform& pose)
-{
-    const Mat3& r = pose.rotation;
-    if (!r.allFinite() || !pose.translation.allFinite()) return false;
-    return (r.transpose() * r - Mat3::Identity()).norm() <= rigid_tolerance && r.determinant() > 0;
-}
-
-bool in_range(const ObjectMotion& motion)
-{
-    return std::isfinite(motion.seconds) && motion.seconds >= 0 && motion.velocity.allFinite() &&
-           motion.spin.allFinite() && std::isfinite(motion.coast_seconds) &&
-           motion.coast_seconds >= 0;
-}
-
 double squared_distance(const Box& box, const Vec3& p) noexcept
 {
     return (box.lower - p).cwiseMax(p - box.upper).cwiseMax(0.0).squaredNorm();
 }
 
+/// How much of a change is done.
+double part_of(const SceneShape& shape, SceneTime time) noexcept
+{
+    const double changing = seconds_between(shape.start, time);
+    // The sum of ticks may be less than the wanted time by a few roundings.
+    const double whole = shape.change->seconds();
+    return changing < whole * (1 - 1e-9) ? std::max(changing / whole, 0.0) : 1;
+}
+
 } // namespace
 
-MovingSurface::MovingSurface(const Box& bounds) : bounds_(bounds)
+MovingSurface::MovingSurface(SceneInput& input, std::size_t tool) : input_(input), tool_(tool)
 {
-    PROXIMA_CHECK((bounds.extent().array() > 0).all());
+    const Box& bounds = input.bounds();
     scale_.extent = bounds.extent().maxCoeff();
     scale_.reach = std::max(bounds.lower.cwiseAbs().maxCoeff(), bounds.upper.cwiseAbs().maxCoeff());
     scale_.mean_edge = scale_.extent;
     rounding_ = frame_rounding * scale_.reach;
-}
-
-bool MovingSurface::contains(const Box& bounds, const RigidTransform& pose) const
-{
-    for (unsigned corner = 0; corner < 8; ++corner) {
-        Vec3 p;
-        for (unsigned axis = 0; axis < 3; ++axis) {
-            const auto i = static_cast<Eigen::Index>(axis);
-            p[i] = (corner >> axis & 1U) != 0 ? bounds.upper[i] : bounds.lower[i];
-        }
-        const Vec3 at = pose(p);
-        if ((at.array() < bounds_.lower.array()).any() ||
-            (at.array() > bounds_.upper.array()).any())
-            return false;
-    }
-    return true;
+    start();
+    for (std::uint32_t i = 0; i < input.object_count(); ++i) add(ObjectId{i});
 }
 
 void MovingSurface::measure() noexcept
@@ -74,111 +55,35 @@ void MovingSurface::measure() noexcept
     scale_.mean_edge = least;
 }
 
-Result<ObjectId> MovingSurface::add(std::shared_ptr<const ContactBody> body,
-                                    const RigidTransform& pose)
+void MovingSurface::add(ObjectId id)
 {
-    PROXIMA_CHECK(body != nullptr);
-    if (objects_.size() == max_scene_objects)
-        return fail(ErrorCode::invalid_argument, "a scene cannot have more than 64 objects");
-    if (!is_rigid(pose))
-        return fail(ErrorCode::invalid_argument, "the object's pose must be a rigid transform");
-    if (!contains(body->bounds(), pose))
-        return fail(ErrorCode::invalid_argument, "the object must be within the scene's bounds");
-    auto slot = std::make_unique<Slot>();
-    slot->newest.body = std::move(body);
-    slot->newest_pose = pose;
-    slot->shapes.writing() = slot->newest;
-    slot->shapes.publish();
+    PROXIMA_CHECK_EQ(to_index(id), objects_.size());
+    auto slot = std::make_unique<Slot>(input_.courses(id, tool_));
+    slot->courses.update();
+    slot->trajectory = ObjectTrajectory(slot->courses.reading(), clock_.now());
+    input_.join(id, tool_, slot->shapes);
     slot->shapes.update();
-    slot->trajectory = ObjectTrajectory(pose);
+    const SceneShape& shape = slot->shapes.reading();
+    if (shape.change != nullptr) {
+        slot->part = part_of(shape, clock_.now());
+        slot->shape.set(shape.change->parts(), slot->part);
+    }
     objects_.push_back(std::move(slot));
     measure();
     edition_ = new_edition();
-    return ObjectId{static_cast<std::uint32_t>(objects_.size() - 1)};
 }
 
-Status MovingSurface::move(ObjectId object, const ObjectMotion& motion)
-{
-    PROXIMA_CHECK_LT(to_index(object), objects_.size());
-    Slot& slot = *objects_[to_index(object)];
-    if (!is_rigid(motion.pose))
-        return fail(ErrorCode::invalid_argument, "the object's pose must be a rigid transform");
-    if (!in_range(motion)) {
-        return fail(ErrorCode::invalid_argument,
-                    "times of a motion must be finite and not negative, and its velocities finite");
-    }
-    const RigidTransform end = {motion.pose.rotation,
-                                motion.pose.translation + motion.coast_seconds * motion.velocity};
-    const Box& bounds = slot.newest.body->bounds();
-    if (!contains(bounds, motion.pose) || !contains(bounds, end))
-        return fail(ErrorCode::invalid_argument,
-                    "the motion would take the object out of the scene's bounds");
-    slot.newest_pose = motion.pose;
-    slot.motions.writing() = motion;
-    slot.motions.publish();
-    return {};
-}
-
-Status MovingSurface::exchange(ObjectId object, std::shared_ptr<const ContactBody> body)
-{
-    PROXIMA_CHECK_LT(to_index(object), objects_.size());
-    PROXIMA_CHECK(body != nullptr);
-    Slot& slot = *objects_[to_index(object)];
-    if (!contains(body->bounds(), slot.newest_pose))
-        return fail(ErrorCode::invalid_argument,
-                    "the new body would not be within the scene's bounds");
-    const std::uint64_t exchanges = slot.newest.exchanges + 1;
-    slot.newest = {};
-    slot.newest.body = std::move(body);
-    slot.newest.exchanges = exchanges;
-    slot.shapes.writing() = slot.newest; // frees what the servo loop has left
-    slot.shapes.publish();
-    return {};
-}
-
-Status MovingSurface::change_shape(ObjectId object, std::shared_ptr<const ContactBody> body,
-                                   double seconds)
-{
-    PROXIMA_CHECK_LT(to_index(object), objects_.size());
-    PROXIMA_CHECK(body != nullptr);
-    Slot& slot = *objects_[to_index(object)];
-    if (!body->has_triangles_of(*slot.newest.body)) {
-        return fail(ErrorCode::invalid_argument,
-                    "the body is no refit of the object's: use refit_touch_body, or exchange()");
-    }
-    if (!(seconds >= 0) || !std::isfinite(seconds)) {
-        return fail(ErrorCode::invalid_argument,
-                    "the time of a change must be finite and at least 0");
-    }
-    if (!contains(body->bounds(), slot.newest_pose)) {
-        return fail(ErrorCode::invalid_argument,
-                    "the new shape would not be within the scene's bounds");
-    }
-    auto change = ShapeChange::make(slot.newest.body, body, seconds);
-    if (!change) return tl::unexpected(change.error());
-    slot.newest.travelled += (*change)->farthest();
-    slot.newest.body = std::move(body);
-    slot.newest.change = std::move(*change);
-    slot.shapes.writing() = slot.newest; // frees what the servo loop has left
-    slot.shapes.publish();
-    return {};
-}
-
-bool MovingSurface::advance_shape(Slot& slot, double seconds) noexcept
+bool MovingSurface::advance_shape(Slot& slot, SceneTime time) noexcept
 {
     slot.stretch = 0;
     const bool is_new = slot.shapes.update();
-    const Shape& shape = slot.shapes.reading();
-    const Shape& last = is_new ? slot.shapes.before() : shape;
+    const SceneShape& shape = slot.shapes.reading();
+    const SceneShape& last = is_new ? slot.shapes.before() : shape;
     const bool exchanged = shape.exchanges != last.exchanges;
-    if (is_new) slot.changing = 0;
     if (shape.change == nullptr) slot.part = 1;
     if (shape.change == nullptr || (!is_new && slot.part == 1)) return exchanged;
     const double before = slot.part;
-    slot.changing += seconds;
-    // The sum of ticks may be less than the wanted time by a few roundings.
-    const double whole = shape.change->seconds();
-    slot.part = slot.changing < whole * (1 - 1e-9) ? slot.changing / whole : 1;
+    slot.part = part_of(shape, time);
     slot.shape.set(shape.change->parts(), slot.part);
     if (exchanged) return true;
     slot.shape_before.set(last.change == nullptr ? last.body->parts() : last.change->parts(),
@@ -199,11 +104,12 @@ bool MovingSurface::advance_shape(Slot& slot, double seconds) noexcept
 SceneTick MovingSurface::advance(double seconds) noexcept
 {
     SceneTick tick;
-    tick_seconds_ = seconds;
+    tick.seconds = clock_.advance(input_.clock(), seconds);
+    tick_seconds_ = tick.seconds;
     for (const auto& slot : objects_) {
-        if (slot->motions.update()) slot->trajectory.follow(slot->motions.reading());
-        slot->trajectory.advance(seconds);
-        const bool exchanged = advance_shape(*slot, seconds);
+        if (slot->courses.update()) slot->trajectory.follow(slot->courses.reading());
+        slot->trajectory.advance(clock_.now());
+        const bool exchanged = advance_shape(*slot, clock_.now());
         slot->free_ball.reach -= slot->stretch;
         if (slot->trajectory.moved() || exchanged) slot->free_ball.reach = -1;
         slot->free_path = {};

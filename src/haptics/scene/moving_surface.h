@@ -1,5 +1,8 @@
-// The surface of a TouchScene (touch_scene.h): the triangles of all objects at their poses of this
+// A tool's view of a TouchScene (touch_scene.h): the triangles of all objects at their poses of this
 // tick, in the scene's frame. So different objects can form a corner.
+//
+// Each tool has a view of its own (scene_views.h), with what it keeps and with the poses of its own
+// ticks. Poses depend on the scene's time alone (scene_clock.h), so those of all tools agree.
 //
 // Each object is queried in its own frame, in which near triangles are cached from tick to tick
 // (object_cache.h); only these are moved into the scene's frame.
@@ -9,10 +12,11 @@
 // another.
 #pragma once
 
-#include "haptics/loop/snapshot.h"
 #include "haptics/scene/contact_body.h"
 #include "haptics/scene/object_cache.h"
 #include "haptics/scene/object_trajectory.h"
+#include "haptics/scene/scene_clock.h"
+#include "haptics/scene/scene_input.h"
 #include "haptics/scene/shape_change.h"
 #include "haptics/surface/changing_surface.h"
 #include "haptics/surface/contact_surface.h"
@@ -38,18 +42,20 @@ struct SceneObject {
     bool changed = false; ///< the shape, of which `body` is the next
 };
 
-/// Queries by the servo thread alone, for they cache near triangles; results do not depend on the
-/// cache. move() and exchange() by one other thread for each object.
+/// Queries by one servo thread alone, for they cache near triangles; results do not depend on the
+/// cache.
 class MovingSurface final : public ContactSurface, public SurfaceProperties {
 public:
-    // Like those of TouchScene.
-    explicit MovingSurface(const Box& bounds);
-    [[nodiscard]] Result<ObjectId> add(std::shared_ptr<const ContactBody> body,
-                                       const RigidTransform& pose);
-    [[nodiscard]] Status move(ObjectId object, const ObjectMotion& motion);
-    [[nodiscard]] Status exchange(ObjectId object, std::shared_ptr<const ContactBody> body);
-    [[nodiscard]] Status change_shape(ObjectId object, std::shared_ptr<const ContactBody> body,
-                                      double seconds);
+    /// Of all objects there are, where they are now. Refers to the input, which shapes tell the tool.
+    MovingSurface(SceneInput& input, std::size_t tool);
+
+    /// Adds an object that the input has. \pre its id is the next
+    void add(ObjectId id);
+
+    /// Goes on at the scene's time, with another servo loop.
+    void start() noexcept { clock_.start(input_.clock()); }
+
+    /// Like TouchScene::advance().
     SceneTick advance(double seconds) noexcept;
     [[nodiscard]] std::size_t object_count() const noexcept { return objects_.size(); }
     [[nodiscard]] SceneObject object(ObjectId id) const noexcept;
@@ -106,13 +112,6 @@ public:
                                      const Vec3& point) const noexcept override;
 
 private:
-    /// What the application gave an object last.
-    struct Shape {
-        std::shared_ptr<const ContactBody> body;
-        std::shared_ptr<const ShapeChange> change; ///< to the body; null where it is there at once
-        std::uint64_t exchanges = 0;               ///< until then
-        double travelled = 0; ///< no vertex moved farther since then, by all changes together
-    };
     /// A ball that is known to be free of an object at its present pose, in the scene's frame.
     struct FreeBall {
         Vec3 center = Vec3::Zero();
@@ -127,19 +126,18 @@ private:
         bool is_near = false; ///< not known to be free, and not tested again in this tick
     };
     struct Slot {
-        Snapshot<ObjectMotion> motions;
-        Snapshot<Shape, 2> shapes;
-        ObjectTrajectory trajectory; ///< this and the next seven: the servo thread's
+        explicit Slot(Snapshot<ObjectCourse>& told) : courses(told) {}
+
+        Snapshot<ObjectCourse>& courses; ///< the input's
+        ShapeSnapshot shapes;
+        ObjectTrajectory trajectory;
         ObjectCache cache;
         FreeBall free_ball;
         FreePath free_path;
         ChangingSurface shape_before; ///< of an object with a change, at the begin of the tick
         ChangingSurface shape;        ///< and at its end
-        double changing = 0;          ///< s since the change began
         double part = 1;              ///< of the change
         double stretch = 0; ///< no vertex moved farther in the last tick; 0 where none moved
-        Shape newest;       ///< the application's: given last
-        RigidTransform newest_pose; ///< the application's: of the motion given last
 
         [[nodiscard]] const ContactBody& body() const noexcept { return *shapes.reading().body; }
         [[nodiscard]] const ContactSurface& surface() const noexcept
@@ -153,16 +151,17 @@ private:
         }
     };
 
-    [[nodiscard]] bool contains(const Box& bounds, const RigidTransform& pose) const;
     void measure() noexcept;
     /// Takes what the application gave, and moves vertices. Returns whether the body was exchanged.
-    static bool advance_shape(Slot& slot, double seconds) noexcept;
+    static bool advance_shape(Slot& slot, SceneTime time) noexcept;
     /// A lower bound of the object's distance from a position of its frame without a query.
     [[nodiscard]] double known_clearance(Slot& slot, const Vec3& local) const noexcept;
     /// The rounding of a position that is moved between frames.
     [[nodiscard]] double frame_margin(const Vec3& p) const noexcept;
 
-    Box bounds_;
+    SceneInput& input_;
+    std::size_t tool_;
+    ToolClock clock_;
     SurfaceScale scale_;
     double rounding_ = 0; ///< of the bounds' part of that
     double tick_seconds_ = 1e-3;

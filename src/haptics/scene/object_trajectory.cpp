@@ -14,52 +14,71 @@ Mat3 turned(const Vec3& turn, double part) noexcept
     return Eigen::AngleAxisd(angle, turn.normalized()).toRotationMatrix();
 }
 
-} // namespace
-
 RigidTransform orthonormalized(const RigidTransform& pose) noexcept
 {
     return {Eigen::Quaterniond(pose.rotation).normalized().toRotationMatrix(), pose.translation};
 }
 
-ObjectTrajectory::ObjectTrajectory(const RigidTransform& pose) noexcept
-    : before_(orthonormalized(pose)), now_(before_)
+} // namespace
+
+ObjectCourse::ObjectCourse(const RigidTransform& pose) noexcept : from_(orthonormalized(pose))
 {
-    motion_.pose = now_;
+    motion_.pose = from_;
 }
 
-void ObjectTrajectory::follow(const ObjectMotion& motion) noexcept
+ObjectCourse ObjectCourse::continued(const ObjectMotion& motion, SceneTime start) const noexcept
 {
-    motion_ = motion;
-    motion_.pose = orthonormalized(motion.pose);
-    from_ = now_;
-    const Eigen::AngleAxisd turn(Mat3(motion_.pose.rotation * from_.rotation.transpose()));
-    turn_ = turn.angle() * turn.axis();
-    passed_ = 0;
+    ObjectCourse next;
+    next.motion_ = motion;
+    next.motion_.pose = orthonormalized(motion.pose);
+    next.from_ = pose_at(start);
+    const Eigen::AngleAxisd turn(
+        Mat3(next.motion_.pose.rotation * next.from_.rotation.transpose()));
+    next.turn_ = turn.angle() * turn.axis();
+    next.start_ = start;
+    return next;
+}
+
+RigidTransform ObjectCourse::pose_at(SceneTime time) const noexcept
+{
+    if (time <= start_) return from_;
+    const double passed = seconds_between(start_, time);
+    if (passed < arrival()) {
+        const double part = passed / motion_.seconds;
+        return {turned(turn_, part) * from_.rotation,
+                from_.translation + part * (motion_.pose.translation - from_.translation)};
+    }
+    const double since = std::max(passed - motion_.seconds, 0.0);
+    const double coasted = std::min(since, motion_.coast_seconds);
+    return {turned(motion_.spin, coasted) * motion_.pose.rotation,
+            motion_.pose.translation + coasted * motion_.velocity};
+}
+
+bool ObjectCourse::rests_at(SceneTime time) const noexcept
+{
+    const double passed = seconds_between(start_, time);
+    if (time <= start_ || passed < arrival()) return false;
+    const bool stands = motion_.velocity.isZero(0) && motion_.spin.isZero(0);
+    return stands || passed - motion_.seconds >= motion_.coast_seconds;
+}
+
+ObjectTrajectory::ObjectTrajectory(const ObjectCourse& course, SceneTime time) noexcept
+    : course_(course), resting_(course.rests_at(time)), before_(course.pose_at(time)), now_(before_)
+{}
+
+void ObjectTrajectory::follow(const ObjectCourse& course) noexcept
+{
+    course_ = course;
     resting_ = false;
 }
 
-void ObjectTrajectory::advance(double seconds) noexcept
+void ObjectTrajectory::advance(SceneTime time) noexcept
 {
     before_ = now_;
     moved_ = false;
     if (resting_) return;
-    passed_ += seconds;
-    // The sum of ticks may be less than the wanted time by a few roundings.
-    const double arrival = motion_.seconds * (1 - 1e-9);
-    if (passed_ < arrival) {
-        const double part = passed_ / motion_.seconds;
-        now_.rotation = turned(turn_, part) * from_.rotation;
-        now_.translation =
-            from_.translation + part * (motion_.pose.translation - from_.translation);
-    } else {
-        const double since =
-            motion_.seconds > 0 ? std::max(passed_ - motion_.seconds, 0.0) : passed_ - seconds;
-        const double coasted = std::min(since, motion_.coast_seconds);
-        now_.rotation = turned(motion_.spin, coasted) * motion_.pose.rotation;
-        now_.translation = motion_.pose.translation + coasted * motion_.velocity;
-        const bool stands = motion_.velocity.isZero(0) && motion_.spin.isZero(0);
-        resting_ = stands || since >= motion_.coast_seconds;
-    }
+    now_ = course_.pose_at(time);
+    resting_ = course_.rests_at(time);
     moved_ = now_.rotation != before_.rotation || now_.translation != before_.translation;
 }
 

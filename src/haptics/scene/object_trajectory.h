@@ -1,35 +1,66 @@
 // The trajectory of an object of a scene to the pose that the application gave (ObjectMotion).
 //
 //     application   now and then        a pose, the time until then, and the velocity after it
-//     servo loop    every millisecond   a pose in between: straight, turning evenly about one axis
+//     servo loops   every millisecond   a pose in between: straight, turning evenly about one axis
+//
+// A motion begins where the one before it was at that time. So its poses depend on the scene's time
+// alone, and all tools compute the same ones.
 #pragma once
 
+#include "haptics/scene/scene_clock.h"
 #include "proxima/geometry.h"
 #include "proxima/touch_scene.h"
 
 namespace proxima {
 
+/// A motion of an object that began at a time of the scene. A value.
+class ObjectCourse {
+public:
+    ObjectCourse() = default;
+    /// At rest, with its rotation made orthonormal to rounding. \pre it is rigid to rigid_tolerance
+    explicit ObjectCourse(const RigidTransform& pose) noexcept;
+
+    /// The course that leaves this one at a time. \pre the motion's pose is rigid to rigid_tolerance
+    [[nodiscard]] ObjectCourse continued(const ObjectMotion& motion,
+                                         SceneTime start) const noexcept;
+
+    /// 0.2 us.
+    [[nodiscard]] RigidTransform pose_at(SceneTime time) const noexcept;
+
+    /// Whether the pose stays the same from this time on.
+    [[nodiscard]] bool rests_at(SceneTime time) const noexcept;
+
+    /// The last pose that the application gave.
+    [[nodiscard]] const RigidTransform& goal() const noexcept { return motion_.pose; }
+
+private:
+    /// When it is at the pose, s. Half a nanosecond per tick is lost in the scene's time.
+    [[nodiscard]] double arrival() const noexcept { return motion_.seconds * (1 - 1e-9); }
+
+    ObjectMotion motion_;
+    RigidTransform from_;
+    Vec3 turn_ = Vec3::Zero(); ///< rotation from `from_` to the pose: axis times angle
+    SceneTime start_ = 0;
+};
+
 /// The pose of an object, tick by tick. noexcept, no allocation, 0.2 us.
 class ObjectTrajectory {
 public:
     ObjectTrajectory() = default;
-    explicit ObjectTrajectory(const RigidTransform& pose) noexcept;
+    ObjectTrajectory(const ObjectCourse& course, SceneTime time) noexcept;
 
-    /// Begins a motion from the present pose.
-    void follow(const ObjectMotion& motion) noexcept;
+    /// Takes another course from the next tick on.
+    void follow(const ObjectCourse& course) noexcept;
 
-    /// Advances by a tick. \pre seconds > 0
-    void advance(double seconds) noexcept;
+    /// Advances by a tick that ends at this time.
+    void advance(SceneTime time) noexcept;
 
     [[nodiscard]] const RigidTransform& before() const noexcept { return before_; }
     [[nodiscard]] const RigidTransform& now() const noexcept { return now_; }
     [[nodiscard]] bool moved() const noexcept { return moved_; } ///< in the last tick
 
 private:
-    ObjectMotion motion_;
-    RigidTransform from_;
-    Vec3 turn_ = Vec3::Zero(); ///< rotation from `from_` to the pose: axis times angle
-    double passed_ = 0;        ///< s since the motion began
+    ObjectCourse course_;
     bool resting_ = true;
     bool moved_ = false;
     RigidTransform before_;
@@ -41,8 +72,5 @@ private:
 {
     return pose.rotation.transpose() * (p - pose.translation);
 }
-
-/// The pose with its rotation made orthonormal to rounding. \pre it is rigid to rigid_tolerance
-[[nodiscard]] RigidTransform orthonormalized(const RigidTransform& pose) noexcept;
 
 } // namespace proxima

@@ -3,6 +3,7 @@
 
 #include "haptics/scene/contact_body.h"
 #include "haptics/scene/moving_surface.h"
+#include "haptics/scene/scene_views.h"
 #include "proxima/touch_scene.h"
 
 #include <memory>
@@ -27,12 +28,13 @@ public:
     }
     [[nodiscard]] static MovingSurface& surface(TouchScene& scene) noexcept
     {
-        return *scene.surface_;
+        return scene.views_->own();
     }
     [[nodiscard]] static const MovingSurface& surface(const TouchScene& scene) noexcept
     {
-        return *scene.surface_;
+        return std::as_const(*scene.views_).own();
     }
+    [[nodiscard]] static SceneViews& views(TouchScene& scene) noexcept { return *scene.views_; }
 };
 
 [[nodiscard]] inline const ContactBody& contact_body(const TouchBody& body) noexcept
@@ -40,8 +42,14 @@ public:
     return TouchAccess::body(body);
 }
 
-/// The scene's surface, whose address does not change while the scene lives. A renderer takes the
-/// scene itself, for it has to advance it. \pre the scene was not moved from
+/// The views of a scene, of which each renderer takes one. \pre the scene was not moved from
+[[nodiscard]] inline SceneViews& scene_views(TouchScene& scene) noexcept
+{
+    return TouchAccess::views(scene);
+}
+
+/// The scene's own view, whose address does not change while the scene lives and which its first
+/// renderer advances. \pre the scene was not moved from
 [[nodiscard]] inline MovingSurface& moving_surface(TouchScene& scene) noexcept
 {
     return TouchAccess::surface(scene);

@@ -1,7 +1,7 @@
 #include "proxima/touch_scene.h"
 
 #include "haptics/scene/contact_body.h"
-#include "haptics/scene/moving_surface.h"
+#include "haptics/scene/scene_views.h"
 #include "haptics/scene/touch_access.h"
 #include "proxima/mesh_index.h"
 
@@ -32,49 +32,49 @@ Result<TouchBody> refit_touch_body(const TouchBody& body, std::span<const Vec3> 
     return refit_contact_body(contact_body(body), positions, execution).map(TouchAccess::wrap);
 }
 
-TouchScene::TouchScene(const Box& bounds) : surface_(std::make_unique<MovingSurface>(bounds)) {}
+TouchScene::TouchScene(const Box& bounds) : views_(std::make_unique<SceneViews>(bounds)) {}
 TouchScene::TouchScene(TouchScene&& other) noexcept = default;
 TouchScene& TouchScene::operator=(TouchScene&& other) noexcept = default;
 TouchScene::~TouchScene() = default;
 
 Result<ObjectId> TouchScene::add(const TouchBody& body, const RigidTransform& pose)
 {
-    return surface_->add(TouchAccess::unwrap(body), pose);
+    return views_->add(TouchAccess::unwrap(body), pose);
 }
 
 Status TouchScene::move(ObjectId object, const ObjectMotion& motion)
 {
-    return surface_->move(object, motion);
+    return views_->input().move(object, motion);
 }
 
 Status TouchScene::exchange(ObjectId object, const TouchBody& body)
 {
-    return surface_->exchange(object, TouchAccess::unwrap(body));
+    return views_->input().exchange(object, TouchAccess::unwrap(body));
 }
 
 Status TouchScene::deform(ObjectId object, const TouchBody& body, double seconds)
 {
-    return surface_->change_shape(object, TouchAccess::unwrap(body), seconds);
+    return views_->input().change_shape(object, TouchAccess::unwrap(body), seconds);
 }
 
 SceneTick TouchScene::advance(double seconds) noexcept
 {
-    return surface_->advance(seconds);
+    return views_->own().advance(seconds);
 }
 
 std::size_t TouchScene::object_count() const noexcept
 {
-    return surface_->object_count();
+    return views_->input().object_count();
 }
 
 RigidTransform TouchScene::pose(ObjectId object) const noexcept
 {
-    return surface_->object(object).now;
+    return views_->own().object(object).now;
 }
 
 Vec3 TouchScene::velocity(ObjectId object, const Vec3& point) const noexcept
 {
-    return surface_->velocity_at(object, point);
+    return views_->own().velocity_at(object, point);
 }
 
 } // namespace proxima

@@ -1,0 +1,176 @@
+#include "haptics/scene/scene_input.h"
+
+#include "base/check.h"
+
+#include <cmath>
+#include <utility>
+
+namespace proxima {
+
+namespace {
+
+bool is_rigid(const RigidTransform& pose)
+{
+    const Mat3& r = pose.rotation;
+    if (!r.allFinite() || !pose.translation.allFinite()) return false;
+    return (r.transpose() * r - Mat3::Identity()).norm() <= rigid_tolerance && r.determinant() > 0;
+}
+
+bool in_range(const ObjectMotion& motion)
+{
+    return std::isfinite(motion.seconds) && motion.seconds >= 0 && motion.velocity.allFinite() &&
+           motion.spin.allFinite() && std::isfinite(motion.coast_seconds) &&
+           motion.coast_seconds >= 0;
+}
+
+} // namespace
+
+SceneInput::SceneInput(const Box& bounds) : bounds_(bounds)
+{
+    PROXIMA_CHECK((bounds.extent().array() > 0).all());
+}
+
+SceneInput::Object::Object(const ObjectCourse& start) : course(start)
+{
+    for (Snapshot<ObjectCourse>& each : courses) {
+        each.writing() = start;
+        each.publish();
+    }
+}
+
+SceneInput::Object& SceneInput::object(ObjectId id)
+{
+    PROXIMA_CHECK_LT(to_index(id), objects_.size());
+    return *objects_[to_index(id)];
+}
+
+bool SceneInput::contains(const Box& bounds, const RigidTransform& pose) const
+{
+    for (unsigned corner = 0; corner < 8; ++corner) {
+        Vec3 p;
+        for (unsigned axis = 0; axis < 3; ++axis) {
+            const auto i = static_cast<Eigen::Index>(axis);
+            p[i] = (corner >> axis & 1U) != 0 ? bounds.upper[i] : bounds.lower[i];
+        }
+        const Vec3 at = pose(p);
+        if ((at.array() < bounds_.lower.array()).any() ||
+            (at.array() > bounds_.upper.array()).any())
+            return false;
+    }
+    return true;
+}
+
+Result<ObjectId> SceneInput::add(std::shared_ptr<const ContactBody> body,
+                                 const RigidTransform& pose)
+{
+    PROXIMA_CHECK(body != nullptr);
+    if (objects_.size() == max_scene_objects)
+        return fail(ErrorCode::invalid_argument, "a scene cannot have more than 64 objects");
+    if (!is_rigid(pose))
+        return fail(ErrorCode::invalid_argument, "the object's pose must be a rigid transform");
+    if (!contains(body->bounds(), pose))
+        return fail(ErrorCode::invalid_argument, "the object must be within the scene's bounds");
+    auto object = std::make_unique<Object>(ObjectCourse(pose));
+    object->shape.body = std::move(body);
+    objects_.push_back(std::move(object));
+    return ObjectId{static_cast<std::uint32_t>(objects_.size() - 1)};
+}
+
+Status SceneInput::move(ObjectId id, const ObjectMotion& motion)
+{
+    Object& object = this->object(id);
+    if (!is_rigid(motion.pose))
+        return fail(ErrorCode::invalid_argument, "the object's pose must be a rigid transform");
+    if (!in_range(motion)) {
+        return fail(ErrorCode::invalid_argument,
+                    "times of a motion must be finite and not negative, and its velocities finite");
+    }
+    const RigidTransform end = {motion.pose.rotation,
+                                motion.pose.translation + motion.coast_seconds * motion.velocity};
+    const Box& bounds = object.shape.body->bounds();
+    if (!contains(bounds, motion.pose) || !contains(bounds, end))
+        return fail(ErrorCode::invalid_argument,
+                    "the motion would take the object out of the scene's bounds");
+    object.course = object.course.continued(motion, clock_.now());
+    for (Snapshot<ObjectCourse>& courses : object.courses) {
+        courses.writing() = object.course;
+        courses.publish();
+    }
+    return {};
+}
+
+/// Gives all tools a shape. What servo loops have left goes after the lock.
+void SceneInput::publish(Object& object, SceneShape shape)
+{
+    std::array<SceneShape, max_scene_tools> left;
+    {
+        const std::lock_guard lock(mutex_);
+        object.shape = std::move(shape);
+        for (std::size_t tool = 0; tool < max_scene_tools; ++tool) {
+            ShapeSnapshot* const shapes = object.shapes[tool];
+            if (shapes == nullptr) continue;
+            left[tool] = std::exchange(shapes->writing(), object.shape);
+            shapes->publish();
+        }
+    }
+}
+
+Status SceneInput::exchange(ObjectId id, std::shared_ptr<const ContactBody> body)
+{
+    PROXIMA_CHECK(body != nullptr);
+    Object& object = this->object(id);
+    if (!contains(body->bounds(), object.course.goal()))
+        return fail(ErrorCode::invalid_argument,
+                    "the new body would not be within the scene's bounds");
+    SceneShape next;
+    next.body = std::move(body);
+    next.exchanges = object.shape.exchanges + 1;
+    publish(object, std::move(next));
+    return {};
+}
+
+Status SceneInput::change_shape(ObjectId id, std::shared_ptr<const ContactBody> body,
+                                double seconds)
+{
+    PROXIMA_CHECK(body != nullptr);
+    Object& object = this->object(id);
+    if (!body->has_triangles_of(*object.shape.body)) {
+        return fail(ErrorCode::invalid_argument,
+                    "the body is no refit of the object's: use refit_touch_body, or exchange()");
+    }
+    if (!(seconds >= 0) || !std::isfinite(seconds)) {
+        return fail(ErrorCode::invalid_argument,
+                    "the time of a change must be finite and at least 0");
+    }
+    if (!contains(body->bounds(), object.course.goal())) {
+        return fail(ErrorCode::invalid_argument,
+                    "the new shape would not be within the scene's bounds");
+    }
+    auto change = ShapeChange::make(object.shape.body, body, seconds);
+    if (!change) return tl::unexpected(change.error());
+    SceneShape next = object.shape;
+    next.travelled += (*change)->farthest();
+    next.body = std::move(body);
+    next.change = std::move(*change);
+    next.start = clock_.now();
+    publish(object, std::move(next));
+    return {};
+}
+
+void SceneInput::join(ObjectId id, std::size_t tool, ShapeSnapshot& shapes)
+{
+    Object& object = this->object(id);
+    const std::lock_guard lock(mutex_);
+    PROXIMA_CHECK(object.shapes[tool] == nullptr);
+    object.shapes[tool] = &shapes;
+    shapes.writing() = object.shape;
+    shapes.publish();
+}
+
+void SceneInput::leave(std::size_t tool)
+{
+    const std::lock_guard lock(mutex_);
+    for (const auto& object : objects_) object->shapes[tool] = nullptr;
+}
+
+} // namespace proxima

@@ -1,0 +1,89 @@
+// What an application says of the objects of a scene, and how it reaches the tools that touch them.
+//
+//                      ┌──snapshots──▶ MovingSurface of tool 0 ──▶ its servo loop
+//     application ──▶ SceneInput
+//                      └──snapshots──▶ MovingSurface of tool 1 ──▶ its servo loop
+//
+// Each tool has snapshots of its own, so no servo loop waits. Those of motions are there for every
+// tool from the beginning and are always written, so that move() takes no lock. Those of shapes keep
+// bodies alive: a tool brings its own and takes them away again.
+#pragma once
+
+#include "haptics/loop/snapshot.h"
+#include "haptics/scene/contact_body.h"
+#include "haptics/scene/object_trajectory.h"
+#include "haptics/scene/scene_clock.h"
+#include "haptics/scene/shape_change.h"
+#include "proxima/geometry.h"
+#include "proxima/result.h"
+#include "proxima/touch_scene.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+namespace proxima {
+
+/// The shape that the application gave an object last.
+struct SceneShape {
+    std::shared_ptr<const ContactBody> body;
+    std::shared_ptr<const ShapeChange> change; ///< to the body; null where it is there at once
+    SceneTime start = 0;                       ///< of the change
+    std::uint64_t exchanges = 0;               ///< until then
+    double travelled = 0; ///< no vertex moved farther since then, by all changes together
+};
+
+/// A tool reads one value, and the one before as well.
+using ShapeSnapshot = Snapshot<SceneShape, 2>;
+
+/// add() before any tick; move(), exchange() and change_shape() by one thread for each object;
+/// join() and leave() by any thread at any time.
+class SceneInput {
+public:
+    // Like those of TouchScene.
+    explicit SceneInput(const Box& bounds);
+    [[nodiscard]] Result<ObjectId> add(std::shared_ptr<const ContactBody> body,
+                                       const RigidTransform& pose);
+    [[nodiscard]] Status move(ObjectId object, const ObjectMotion& motion);
+    [[nodiscard]] Status exchange(ObjectId object, std::shared_ptr<const ContactBody> body);
+    [[nodiscard]] Status change_shape(ObjectId object, std::shared_ptr<const ContactBody> body,
+                                      double seconds);
+    [[nodiscard]] std::size_t object_count() const noexcept { return objects_.size(); }
+
+    [[nodiscard]] const Box& bounds() const noexcept { return bounds_; }
+    [[nodiscard]] SceneClock& clock() noexcept { return clock_; }
+
+    /// The motions of an object for a tool, which is their reader.
+    [[nodiscard]] Snapshot<ObjectCourse>& courses(ObjectId object, std::size_t tool) noexcept
+    {
+        return objects_[to_index(object)]->courses[tool];
+    }
+    /// Writes the shape of an object, and all later ones, until the tool leaves. It refers to
+    /// `shapes`.
+    void join(ObjectId object, std::size_t tool, ShapeSnapshot& shapes);
+    void leave(std::size_t tool);
+
+private:
+    struct Object {
+        explicit Object(const ObjectCourse& start);
+
+        std::array<Snapshot<ObjectCourse>, max_scene_tools> courses;
+        std::array<ShapeSnapshot*, max_scene_tools> shapes{}; ///< null: no such tool
+        ObjectCourse course;                                  ///< given last
+        SceneShape shape;                                     ///< given last
+    };
+
+    [[nodiscard]] Object& object(ObjectId id);
+    [[nodiscard]] bool contains(const Box& bounds, const RigidTransform& pose) const;
+    void publish(Object& object, SceneShape shape);
+
+    Box bounds_;
+    SceneClock clock_;
+    std::mutex mutex_; ///< of all shapes; no servo loop takes it
+    std::vector<std::unique_ptr<Object>> objects_;
+};
+
+} // namespace proxima
