@@ -77,6 +77,11 @@ std::string counters_text(const TouchModel& model, const TouchResult& result)
         quality.max_turn_degrees, quality.taken_energy, result.clamped, result.slewed);
 }
 
+std::string times(std::uint64_t count)
+{
+    return count == 1 ? std::string("once") : fmt::format("{} times", count);
+}
+
 /// What the passivity guard saw and did, or would have done, in words; empty where all was calm.
 std::string swings_text(const TouchResult& result)
 {
@@ -87,17 +92,17 @@ std::string swings_text(const TouchResult& result)
     std::string text;
     if (swings.swings > 0) {
         text += fmt::format(
-            "walls: contacts swung without fading, {} times; the guard {} damping of up to {:.3g} "
+            "walls: contacts swung without fading, {}; the guard {} damping of up to {:.3g} "
             "N s/m, for {:.1f} s in all\n",
-            swings.swings, observes ? "would have added" : "added", swings.most_damping,
+            times(swings.swings), observes ? "would have added" : "added", swings.most_damping,
             seconds * static_cast<double>(swings.damped_ticks) / ticks);
     }
     if (swings.softenings > 0) {
         text += fmt::format(
-            "walls: contacts went on swinging, {} times; the guard {} the force, down to {:.3g} of "
+            "walls: contacts went on swinging, {}; the guard {} the force, down to {:.3g} of "
             "it, for {:.1f} s at most and {:.1f} s in all. Less stiffness or more damping helps: "
             "see \"Walls that are too stiff\" in docs/devices.md\n",
-            swings.softenings, observes ? "would have softened" : "softened",
+            times(swings.softenings), observes ? "would have softened" : "softened",
             swings.lowest_softness, swings.longest_softening,
             seconds * static_cast<double>(swings.softened_ticks) / ticks);
     }
@@ -147,12 +152,12 @@ std::string touch_text(const TouchReportOf& of, const TouchModel& model, const T
         "{}: {} triangles\n"
         "{}: {} ticks by {}, K {:g} N/m, B {:g} N s/m, friction {:g} and {:g}, radius {:g} m\n"
         "touching {:.1f} %; force at most {:.3f} N, depth {:.2f} mm\n"
-        "passed through the surface {} times\n",
+        "passed through the surface {}\n",
         of.model, model.surface.mesh.triangle_count(), of.device, quality.ticks,
         result.law == ForceLaw::penalty ? "penalty forces" : "a proxy", render.force.stiffness,
         render.force.damping, render.static_friction, render.dynamic_friction, render.proxy_radius,
         percent(quality.touching_ticks, quality.ticks), quality.max_force, 1e3 * quality.max_depth,
-        quality.passes);
+        times(quality.passes));
     text += of.verbose ? counters_text(model, result) : guards_text(result);
     text += swings_text(result);
     text += fmt::format("computing a force: {}\n", microseconds(result.render));
