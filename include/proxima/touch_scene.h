@@ -189,7 +189,7 @@ public:
     /// the one given last, a negative time, out of the bounds.
     [[nodiscard]] Status deform(ObjectId object, const TouchBody& body, double seconds);
 
-    /// Advances all objects by a tick. The first renderer calls it. noexcept, lock-free, no allocation,
+    /// Advances all objects by a tick. The first renderer calls it. noexcept, wait-free, no allocation,
     /// nothing freed. \pre seconds > 0
     SceneTick advance(double seconds) noexcept;
 

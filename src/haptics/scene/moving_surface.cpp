@@ -37,7 +37,8 @@ double part_of(const SceneShape& shape, SceneTime time) noexcept
 
 } // namespace
 
-MovingSurface::MovingSurface(SceneInput& input, std::size_t tool) : input_(input), tool_(tool)
+MovingSurface::MovingSurface(SceneInput& input, std::size_t tool)
+    : input_(input), tool_(tool), clock_(tool)
 {
     const Box& bounds = input.bounds();
     scale_.extent = bounds.extent().maxCoeff();

@@ -1,6 +1,6 @@
 // The time of a scene: that of the tool which is ahead.
 //
-//     scene    ───────────────●      raised by every tick
+//     scene    ──────────────●       the latest of these
 //     tool 0   ──────────────●       its own ticks added up
 //     tool 1   ─────────●···>        behind by more than three ticks: moved on
 //
@@ -8,9 +8,12 @@
 // that is behind by more than a burst of ticks makes up for, lost them.
 #pragma once
 
+#include "proxima/touch_scene.h"
+
 #include <algorithm>
+#include <array>
 #include <atomic>
-#include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 namespace proxima {
@@ -23,27 +26,33 @@ using SceneTime = std::int64_t;
     return static_cast<double>(to - from) / 1e9;
 }
 
-/// Any thread; lock-free.
+/// The times of all tools. Any thread; wait-free.
 class SceneClock {
 public:
-    [[nodiscard]] SceneTime now() const noexcept { return now_.load(std::memory_order_relaxed); }
-
-    /// Moves the clock on to a time, unless it is past it.
-    void raise(SceneTime time) noexcept
+    [[nodiscard]] SceneTime now() const noexcept
     {
-        SceneTime now = now_.load(std::memory_order_relaxed);
-        while (now < time && !now_.compare_exchange_weak(now, time, std::memory_order_relaxed)) {
-        }
+        SceneTime latest = 0;
+        for (const auto& time : times_)
+            latest = std::max(latest, time.load(std::memory_order_relaxed));
+        return latest;
+    }
+
+    /// A tool's time, which never falls; that of a tool that ended stays.
+    void set(std::size_t tool, SceneTime time) noexcept
+    {
+        times_[tool].store(time, std::memory_order_relaxed);
     }
 
 private:
     static_assert(std::atomic<SceneTime>::is_always_lock_free);
-    alignas(64) std::atomic<SceneTime> now_{0};
+    alignas(64) std::array<std::atomic<SceneTime>, max_scene_tools> times_{};
 };
 
 /// The time of one tool. One thread.
 class ToolClock {
 public:
+    explicit ToolClock(std::size_t tool) noexcept : tool_(tool) {}
+
     /// Most ticks by which a tool lags behind the scene, and most seconds where these are more.
     static constexpr SceneTime most_ticks_behind = 3;
     static constexpr SceneTime most_behind = 3'000'000;
@@ -62,13 +71,12 @@ public:
     double advance(SceneClock& scene, double seconds) noexcept
     {
         constexpr double longest_tick = 1e6; // no sum of ticks overflows before
-        const auto tick =
-            static_cast<SceneTime>(std::llround(std::min(seconds, longest_tick) * 1e9));
+        const auto tick = static_cast<SceneTime>(std::min(seconds, longest_tick) * 1e9 + 0.5);
         const SceneTime allowed = started_ ? std::max(most_behind, most_ticks_behind * tick) : 0;
         started_ = true;
         const SceneTime before = now_;
         now_ += tick;
-        scene.raise(now_);
+        scene.set(tool_, now_);
         const SceneTime behind = scene.now() - now_ - allowed;
         if (behind <= 0) return seconds;
         now_ += behind;
@@ -76,6 +84,7 @@ public:
     }
 
 private:
+    std::size_t tool_;
     SceneTime now_ = 0;
     bool started_ = false;
 };
