@@ -6,12 +6,10 @@
 //     touch_bench --curve FILE.{csv,svg,pdf,png} ...      tick time by the number of triangles
 //     touch_bench --scenes                             several objects, at rest and moving, and one
 //                                                      that changes its shape
-//     touch_bench --patches [--mesh NAME]...           what patches miss, by the hand's speed
+//     touch_bench --patches [--mesh NAME]...           what rings miss, by the hand's speed
 //     touch_bench --stability                          stiffness limits beside theory, and the
 //                                                      guard beyond them
-//     touch_bench --loops SECONDS [--script NAME] [--touch direct|patches|both]
-//                                                      by the clock, with collision and graphics
-//                                                      loops
+//     touch_bench --loops SECONDS [--script NAME]      by the clock, with a graphics loop
 //
 //     script    of the simulated hand          state     what the tick was about (touch_track.h)
 //     p50 ...   us computed per tick           queries   questions of the octree per tick
@@ -36,11 +34,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <string>
-#include <tuple>
-#include <utility>
 #include <vector>
 
 namespace proxima::bench {
@@ -147,8 +142,6 @@ int main(int argc, char** argv)
 {
     using namespace proxima::bench;
     TouchBenchOptions options;
-    const std::map<std::string, std::pair<bool, bool>> ways = {
-        {"direct", {true, false}}, {"patches", {false, true}}, {"both", {true, true}}};
     bool looping = false;
     bool scenes = false;
     bool patches = false;
@@ -175,21 +168,13 @@ int main(int argc, char** argv)
                 looping = true;
                 options.loops.seconds = seconds;
             },
-            "Servo, collision and graphics loop together for so many seconds");
+            "Servo and graphics loop together for so many seconds");
         app.add_option("--script", options.loops.script, "Of the hand in --loops")
             ->capture_default_str();
-        app.add_option_function<std::string>(
-               "--touch",
-               [&](const std::string& way) {
-                   std::tie(options.loops.direct, options.loops.patches) = ways.at(way);
-               },
-               "What the servo loop touches in --loops")
-            ->check(CLI::IsMember({"direct", "patches", "both"}))
-            ->default_str("both");
         app.add_flag(
             "--scenes", scenes,
             "Only scenes of several objects, at rest and moving, and a shape that changes");
-        app.add_flag("--patches", patches, "Only what patches miss, by the hand's speed");
+        app.add_flag("--patches", patches, "Only what patches of rings miss, by the hand's speed");
         app.add_flag("--stability", stability,
                      "Only where walls begin to swing, beside theory, with and without the guard");
     };

@@ -1,7 +1,6 @@
 #include "touch_loops.h"
 
 #include "haptics/force/surface_renderer.h"
-#include "haptics/loop/collision_loop.h"
 #include "haptics/surface/contact_surface.h"
 #include "lab/hand_script.h"
 #include "lab/quality_report.h"
@@ -143,16 +142,15 @@ struct TimedTick {
     std::uint64_t number = 0;
     std::uint64_t took = 0; ///< ns by the clock
     std::uint64_t ran = 0;  ///< ns of these that its thread was running
-    bool new_patch = false; ///< the first one with its patch
     int moves = 0;          ///< of the proxy
 };
 
-/// The slowest ticks, and whether it was work: of ticks with a patch just come, and of others.
+/// The slowest ticks, and whether it was work.
 class SlowTicks {
 public:
     void add(const TimedTick& tick) noexcept
     {
-        (tick.new_patch ? ran_first_ : ran_later_).add(static_cast<std::int64_t>(tick.ran));
+        ran_.add(static_cast<std::int64_t>(tick.ran));
         const auto place = std::ranges::find_if(
             slowest_, [&](const TimedTick& other) { return other.took < tick.took; });
         if (place == slowest_.end()) return;
@@ -161,34 +159,24 @@ public:
     }
     void print() const
     {
-        if (ran_first_.count() > 0) print_quantiles("processor time with a new patch", ran_first_);
-        print_quantiles("processor time of other ticks", ran_later_);
+        print_quantiles("processor time", ran_);
         for (const TimedTick& tick : slowest_) {
-            std::printf("  tick %8llu took %8.2f us, of which its thread ran %8.2f; %2d moves%s\n",
+            std::printf("  tick %8llu took %8.2f us, of which its thread ran %8.2f; %2d moves\n",
                         printable(tick.number), microseconds(tick.took), microseconds(tick.ran),
-                        tick.moves, tick.new_patch ? ", a new patch" : "");
+                        tick.moves);
         }
     }
 
 private:
     std::array<TimedTick, 8> slowest_; ///< slowest first
-    LatencyHistogram ran_first_;
-    LatencyHistogram ran_later_;
+    LatencyHistogram ran_;
 };
 
-/// What the servo loop touches.
-enum class Touched : bool { octree, patches };
-
-/// The servo loop's own part: a renderer, the patches that it gets, and an account. Its thread's.
+/// The servo loop's own part: a renderer, and an account. Its thread's.
 class ServoSide {
 public:
-    ServoSide(const TouchModel& model, PatchExchange& exchange, Touched touched)
-        : model_triangles_(model.mesh.triangle_count()), map_(model.map), exchange_(exchange),
-          touched_(touched), patch_(model.surface->scale()),
-          renderer_(make_surface_renderer(touched == Touched::patches
-                                              ? static_cast<const ContactSurface&>(patch_)
-                                              : *model.surface,
-                                          model.map, *find_device("omni")))
+    explicit ServoSide(const TouchModel& model)
+        : renderer_(make_surface_renderer(*model.surface, model.map, *find_device("omni")))
     {}
 
     /// From what the device says to the force.
@@ -196,25 +184,14 @@ public:
     {
         const std::int64_t ran = processor_time();
         const auto begin = std::chrono::steady_clock::now();
-        Patch patch = Patch::available;
-        const ContactPatch* const newest = exchange_.latest_patch();
-        if (touched_ == Touched::patches) {
-            patch_.use(newest);
-            const bool young = newest != nullptr && number - newest->made_at <= oldest_patch;
-            waited_ += newest == nullptr ? 1U : 0U;
-            patch = young ? Patch::available : Patch::lost;
-        }
-        const RenderTick& felt = renderer_.tick(state, tick_seconds, patch);
+        const RenderTick& felt = renderer_.tick(state, tick_seconds);
         const auto took = (std::chrono::steady_clock::now() - begin) / std::chrono::nanoseconds(1);
         render_.add(took);
-        const bool is_new = newest != nullptr && newest->edition() != edition_;
         slow_.add({.number = number,
                    .took = static_cast<std::uint64_t>(took),
                    .ran = static_cast<std::uint64_t>(processor_time() - ran),
-                   .new_patch = is_new && touched_ == Touched::patches,
                    .moves = static_cast<int>(felt.moves)});
-        exchange_.send_position({map_.to_model(felt.position), felt.proxy, number});
-        keep_account(felt, newest, patch, number);
+        touching_ += felt.hold != Hold::free ? 1U : 0U;
         return felt;
     }
 
@@ -224,53 +201,13 @@ public:
         print_quantiles("from device to force", render_);
         print_histogram("from device to force", render_);
         slow_.print();
-        const double patches = std::max(1.0, static_cast<double>(patches_));
-        std::printf(
-            "  patches that came: %llu of %.0f triangles (%.3f %% of the model) in the mean, "
-            "%llu at most; %llu cut short for lack of room\n",
-            printable(patches_), static_cast<double>(triangles_) / patches,
-            percent(triangles_, patches_ * model_triangles_), printable(largest_),
-            printable(incomplete_));
-        std::printf("  oldest patch %llu ticks; ticks without a young one %llu, before the first "
-                    "%llu\n",
-                    printable(oldest_), printable(lost_), printable(waited_));
     }
 
 private:
-    static constexpr std::uint64_t oldest_patch = 50; // ticks: five periods
-
-    void keep_account(const RenderTick& felt, const ContactPatch* newest, Patch patch,
-                      std::uint64_t number) noexcept
-    {
-        touching_ += felt.hold != Hold::free ? 1U : 0U;
-        if (newest == nullptr) return;
-        lost_ += patch == Patch::lost ? 1U : 0U;
-        oldest_ = std::max(oldest_, number - newest->made_at);
-        if (newest->edition() == edition_) return;
-        edition_ = newest->edition();
-        ++patches_;
-        triangles_ += newest->count();
-        largest_ = std::max<std::uint64_t>(largest_, newest->count());
-        incomplete_ += newest->complete ? 0U : 1U;
-    }
-
-    std::uint64_t model_triangles_;
-    WorkspaceMap map_;
-    PatchExchange& exchange_;
-    Touched touched_;
-    PatchContactSurface patch_;
     HapticRenderer renderer_;
     LatencyHistogram render_;
     SlowTicks slow_;
     std::uint64_t touching_ = 0;
-    std::uint64_t patches_ = 0;
-    std::uint64_t triangles_ = 0;
-    std::uint64_t largest_ = 0;
-    std::uint64_t incomplete_ = 0;
-    std::uint64_t oldest_ = 0;
-    std::uint64_t lost_ = 0;
-    std::uint64_t waited_ = 0;
-    std::uint64_t edition_ = 0;
 };
 
 void print_servo(const ServoStatistics& servo)
@@ -288,15 +225,13 @@ void print_servo(const ServoStatistics& servo)
     print_histogram("late by", servo.late);
 }
 
-/// All three loops at once.
+/// Both loops at once.
 void run_once(const TouchModel& model, const MeshIndex& index, const HandScript& script,
-              Touched touched, double seconds)
+              double seconds)
 {
-    PatchExchange exchange(std::max(model.mesh.triangle_count(), ContactPatch::most));
-    ServoSide side(model, exchange, touched);
+    ServoSide side(model);
     SimulatedHand hand({}, script.target(0));
     ServoStatistics servo;
-    CollisionLoop collision(*model.surface, exchange, {.speed = model.map.units_per_metre});
     GraphicsLoop graphics(index, bounding_box(model.mesh));
     std::thread servo_thread([&] {
         const auto ticks = static_cast<std::uint64_t>(std::llround(seconds / tick_seconds));
@@ -310,19 +245,12 @@ void run_once(const TouchModel& model, const MeshIndex& index, const HandScript&
     });
     servo_thread.join();
     const ServoStatistics& drawn = graphics.stop();
-    const ServoStatistics& made = collision.stop();
 
-    std::printf("servo loop: %.2f Hz, %llu ticks in %.1f s, %s\n",
+    std::printf("servo loop: %.2f Hz, %llu ticks in %.1f s\n",
                 static_cast<double>(servo.ticks) / servo.seconds, printable(servo.ticks),
-                servo.seconds,
-                touched == Touched::patches ? "touches metric patches of the collision loop"
-                                            : "asks the octree itself");
+                servo.seconds);
     print_servo(servo);
     side.print(servo.ticks);
-    std::printf("collision loop: %.2f Hz, %llu patches, missed %llu\n",
-                static_cast<double>(made.ticks) / made.seconds, printable(collision.patches()),
-                printable(made.missed));
-    print_quantiles("a patch", made.work);
     std::printf("graphics loop: %.2f Hz, %llu pictures of %d x %d rays, missed %llu\n",
                 static_cast<double>(drawn.ticks) / drawn.seconds, printable(drawn.ticks),
                 picture_width, picture_height, printable(drawn.missed));
@@ -350,8 +278,7 @@ int run_loops(const std::string& mesh, const TouchLoopOptions& options)
     std::printf("%s, %zu triangles, hand:%s, %u processors\n", mesh.c_str(),
                 model.mesh.triangle_count(), options.script.c_str(),
                 std::thread::hardware_concurrency());
-    if (options.direct) run_once(model, *index, *script, Touched::octree, options.seconds);
-    if (options.patches) run_once(model, *index, *script, Touched::patches, options.seconds);
+    run_once(model, *index, *script, options.seconds);
     return 0;
 }
 

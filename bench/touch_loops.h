@@ -1,5 +1,4 @@
-// The thesis's three loops at once, by the clock: servo 1,000 Hz, collision 100 Hz, graphics 50 Hz.
-// Twice: the servo loop asks the octree itself, and it touches the patches of the collision loop.
+// Servo loop and graphics loop at once, by the clock: 1,000 Hz and 50 Hz.
 #pragma once
 
 #include <cstdint>
@@ -10,12 +9,10 @@ namespace proxima::bench {
 struct TouchLoopOptions {
     double seconds = 60;
     std::string script = "slide";
-    bool direct = true;  ///< whether the servo loop asks the octree itself
-    bool patches = true; ///< and whether it touches patches, in another run
-    std::string keep;    ///< folder of octrees; empty for none
+    std::string keep; ///< folder of octrees; empty for none
 };
 
-/// Runs the loops on a mesh, each way, and prints what the servo loop met. Returns the exit status.
+/// Runs the loops on a mesh, and prints what the servo loop met. Returns the exit status.
 [[nodiscard]] int run_loops(const std::string& mesh, const TouchLoopOptions& options);
 
 } // namespace proxima::bench

@@ -13,7 +13,7 @@ namespace proxima::bench {
 namespace {
 
 constexpr std::array speeds = {0.1, 0.25, 0.5, 1.0}; // m/s
-constexpr std::array kinds = {-1, 1, 2, 3};          // metric, then rings
+constexpr std::array depths = {1, 2, 3};             // rings
 
 } // namespace
 
@@ -36,9 +36,8 @@ int run_patch_table(const std::string& mesh, const PatchTableOptions& options)
     std::printf("%-6s %-9s %8s %10s %8s %10s %8s %9s %9s %9s %8s %8s %8s %8s\n", "m/s", "patch",
                 "patches", "triangles", "largest", "sent down", "touching", "missed", "apart",
                 "cut off", "lost", "p50 us", "p99.9", "max");
-    bool right = true;
     for (const double speed : speeds) {
-        for (const int rings : kinds) {
+        for (const int rings : depths) {
             const PatchAccount sum =
                 touch_at_speed(model, map, {.rings = rings},
                                {.speed = speed, .ticks = options.ticks, .radius = options.radius});
@@ -62,12 +61,10 @@ int run_patch_table(const std::string& mesh, const PatchTableOptions& options)
                         static_cast<unsigned long long>(sum.lost_ticks), microseconds(0.5),
                         microseconds(0.999), microseconds(1));
             (void)std::fflush(stdout);
-            right = right && (rings >= 0 || sum.missed_ticks == 0);
         }
     }
-    std::printf("%s\n\n",
-                right ? "metric patches missed nothing" : "METRIC PATCHES MISSED TRIANGLES");
-    return right ? 0 : 1;
+    std::printf("\n");
+    return 0;
 }
 
 } // namespace proxima::bench

@@ -1,4 +1,4 @@
-// What patches of the collision loop miss, by the hand's speed: metric ones and the thesis's rings.
+// What the thesis's patches of rings miss, by the hand's speed.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +15,7 @@ struct PatchTableOptions {
 
 /// A device goes along the hand's scripts at 0.1, 0.25, 0.5 and 1 m/s, and touches patches that
 /// come a period of the collision loop (100 Hz) after they were begun; beside it a proxy that
-/// touches all triangles. Prints a row for each speed and kind; fails where a metric patch missed a
-/// triangle.
+/// touches all triangles. Prints a row for each speed and depth. Returns the exit status.
 [[nodiscard]] int run_patch_table(const std::string& mesh, const PatchTableOptions& options);
 
 } // namespace proxima::bench

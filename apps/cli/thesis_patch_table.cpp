@@ -110,10 +110,7 @@ Result<ThesisComparison> compare_adjacency_depths(const ThesisComparisonOptions&
         "The thesis gives no numbers: it adjusts the adjacency depth by hand. A depth suffices "
         "only "
         "for triangles of one size and hands below one speed: small triangles, such as those at a "
-        "sphere's poles, need more rings for the same distance.",
-        "metric patches (touch --patch metric) are made by distance, not by rings, and miss "
-        "nothing "
-        "below the speed that they are made for."};
+        "sphere's poles, need more rings for the same distance."};
     return result;
 }
 

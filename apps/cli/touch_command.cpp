@@ -130,10 +130,6 @@ Result<TouchResult> touch_with_patches(const TouchCommandOptions& options, const
     for (PatchSettings kind : *kinds) {
         kind.collision_rate = options.collision_rate;
         kind.method = options.method;
-        if (kind.method == QueryMethod::thesis && kind.rings < 0) {
-            return fail(ErrorCode::invalid_argument,
-                        "metric patches are not the thesis's: give adjacency depths", "--patch");
-        }
         settings.patches = kind;
         auto result = touch_by_device(model, settings, session);
         if (!result) return tl::unexpected(result.error());

@@ -312,13 +312,13 @@ void add_touch_options(CLI::App& parser, TouchCommandOptions& options)
         ->type_name("FILE");
     parser
         .add_option("--patch", options.patches,
-                    "Touch patches of a collision loop: metric, or the thesis's adjacency depth; "
-                    "several to compare: metric,1,2,3")
+                    "Touch patches of a collision loop, of the thesis's adjacency depth; "
+                    "several to compare: 1,2,3")
         ->check([](const std::string& text) {
             const auto kinds = parse_patch_kinds(text);
             return kinds ? std::string() : kinds.error().message;
         })
-        ->type_name("KINDS");
+        ->type_name("DEPTHS");
     add_query_method_option(parser, options.method,
                             "patches of adjacency depth 3, or as --patch says, around the feature "
                             "that its proximity octree finds; convex meshes");

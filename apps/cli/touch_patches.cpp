@@ -24,12 +24,6 @@ constexpr std::uint64_t periods_to_loss = 5;
 /// The position where friction begins depends on rounding along the path to it.
 constexpr double apart_metres = 1e-6;
 
-/// A hand of 1 m/s can reach any part of a small model before the next patch comes.
-std::size_t capacity_for(const TouchModel& model)
-{
-    return std::max(model.surface.mesh.triangle_count(), ContactPatch::most);
-}
-
 double percent_sent(const PatchAccount& account)
 {
     const auto sent = static_cast<double>(account.triangles);
@@ -50,14 +44,9 @@ double mean_triangles(const PatchAccount& account)
 PatchTouch::PatchTouch(const TouchModel& model, const PatchSettings& settings,
                        const WorkspaceMap& map, const RenderOptions& render,
                        const SurfaceProperties* properties, double tick_seconds, Pace pace)
-    : whole_(*model.contact),
-      map_(map), options_{.rate = settings.collision_rate,
-                          .latency_seconds = 1 / settings.collision_rate,
-                          .speed = settings.hand_speed * map.units_per_metre,
-                          .proxy_radius = render.proxy_radius * map.units_per_metre},
+    : whole_(*model.contact), map_(map),
       rings_(model.index, model.surface.mesh, model.surface.topology), patch_(whole_),
-      expected_(whole_, proxy_options(render, map, properties)), near_(ContactPatch::most),
-      exchange_(capacity_for(model)), due_(2, ContactPatch(capacity_for(model)))
+      expected_(whole_, proxy_options(render, map, properties)), near_(ContactPatch::most), due_(2)
 {
     account_.settings = settings;
     if (settings.method == QueryMethod::thesis) {
@@ -68,17 +57,17 @@ PatchTouch::PatchTouch(const TouchModel& model, const PatchSettings& settings,
         std::max(1LL, std::llround(1 / (settings.collision_rate * tick_seconds))));
     if (pace == Pace::unpaced) return;
     collision_thread_ = std::thread([this] {
-        collision_ = run_servo_loop(
-            {.rate = options_.rate, .ticks = std::numeric_limits<std::uint64_t>::max()},
-            [this](std::uint64_t) noexcept {
-                if (ending_.load()) return Flow::stop;
-                ServoPosition position;
-                if (exchange_.receive_position(position)) {
-                    make(exchange_.writing(), position);
-                    exchange_.publish_patch();
-                }
-                return Flow::proceed;
-            });
+        collision_ = run_servo_loop({.rate = account_.settings.collision_rate,
+                                     .ticks = std::numeric_limits<std::uint64_t>::max()},
+                                    [this](std::uint64_t) noexcept {
+                                        if (ending_.load()) return Flow::stop;
+                                        ServoPosition position;
+                                        if (exchange_.receive_position(position)) {
+                                            make(exchange_.writing(), position);
+                                            exchange_.publish_patch();
+                                        }
+                                        return Flow::proceed;
+                                    });
     });
 }
 
@@ -90,17 +79,13 @@ PatchTouch::~PatchTouch()
 /// By the thread that makes patches.
 void PatchTouch::make(ContactPatch& patch, const ServoPosition& position) noexcept
 {
-    if (account_.settings.rings < 0) {
-        make_patch(patch, whole_, position, options_);
-    } else if (by_thesis_) {
-        // Before the first feature is found there is nothing to send.
-        if (!by_thesis_->fill(patch, position.device, position.proxy, account_.settings.rings))
-            patch.use_copies(0, 0);
-        patch.made_at = position.tick;
-    } else {
+    if (!by_thesis_) {
         rings_.fill(patch, position.device, account_.settings.rings);
-        patch.made_at = position.tick;
+    } else if (!by_thesis_->fill(patch, position.device, position.proxy, account_.settings.rings)) {
+        // Before the first feature is found there is nothing to send.
+        patch.use_copies(0, 0);
     }
+    patch.made_at = position.tick;
     ++account_.patches;
     account_.incomplete += patch.complete ? 0U : 1U;
     account_.triangles += patch.count();
@@ -178,7 +163,6 @@ PatchAccount PatchTouch::finish()
 
 std::string name_of(const PatchSettings& settings)
 {
-    if (settings.rings < 0) return "metric";
     return concat(settings.method == QueryMethod::thesis ? "thesis " : "rings ", settings.rings);
 }
 
@@ -189,18 +173,13 @@ Result<std::vector<PatchSettings>> parse_patch_kinds(const std::string& text)
         const std::size_t end = std::min(text.find(',', begin), text.size());
         const std::string word = text.substr(begin, end - begin);
         begin = end + 1;
-        if (word == "metric") {
-            kinds.emplace_back();
-            continue;
-        }
         int rings = -1;
         const auto [rest, error] = std::from_chars(word.data(), word.data() + word.size(), rings);
         if (error != std::errc() || rest != word.data() + word.size() || rings < 0 ||
             rings > most_rings) {
             return fail(ErrorCode::invalid_argument,
                         concat("'", word,
-                               "' is not a kind of patch: use metric or a number of rings from 0 "
-                               "to ",
+                               "' is no adjacency depth: use a number of rings from 0 to ",
                                most_rings));
         }
         kinds.push_back({.rings = rings});
@@ -235,7 +214,6 @@ nlohmann::ordered_json patch_json(const std::vector<PatchAccount>& accounts)
     for (const PatchAccount& account : accounts) {
         rows.push_back({{"patch", name_of(account.settings)},
                         {"collision_rate", account.settings.collision_rate},
-                        {"hand_speed", account.settings.hand_speed},
                         {"patches", account.patches},
                         {"mean_triangles", mean_triangles(account)},
                         {"largest", account.largest},

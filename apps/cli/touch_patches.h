@@ -10,7 +10,7 @@
 
 #include "cli/query_method.h"
 #include "haptics/force/contact_force.h"
-#include "haptics/loop/collision_loop.h"
+#include "haptics/loop/patch_exchange.h"
 #include "haptics/proxy/contact_cache.h"
 #include "haptics/proxy/proxy.h"
 #include "haptics/surface/contact_patch.h"
@@ -34,10 +34,9 @@ namespace proxima {
 struct TouchModel;
 
 struct PatchSettings {
-    int rings = -1; ///< the thesis's adjacency depth; negative: the metric patch
+    int rings = 0;                           ///< the thesis's adjacency depth
     QueryMethod method = QueryMethod::index; ///< what finds the closest feature of rings
     double collision_rate = 100;
-    double hand_speed = 1; ///< m/s: the fastest hand that metric patches are made for
 };
 
 /// What became of the patches of a session.
@@ -91,7 +90,6 @@ private:
 
     const IndexContactSurface& whole_;
     WorkspaceMap map_;
-    CollisionOptions options_;
     PatchAccount account_;
     RingPatches rings_;
     std::optional<ThesisPatches> by_thesis_; ///< where the thesis's octree is asked
@@ -112,10 +110,10 @@ private:
     std::thread collision_thread_;
 };
 
-/// "metric", "rings 2".
+/// "rings 2".
 [[nodiscard]] std::string name_of(const PatchSettings& settings);
 
-/// "metric,1,2": the kinds in their order. Error invalid_argument.
+/// "1,2,3": the kinds in their order. Error invalid_argument.
 [[nodiscard]] Result<std::vector<PatchSettings>> parse_patch_kinds(const std::string& text);
 
 /// A table, a line for each account.

@@ -107,8 +107,6 @@ class OtherQueries(ProgramTest):
         self.assertLess(few["mean_triangles"], many["mean_triangles"])
         self.assertLessEqual(many["missed_ticks"], few["missed_ticks"])
         self.refuse("touch", "torus:20x10", "--device", "hand:slide", "--method", "thesis", says="not convex")
-        self.refuse("touch", "cube", "--device", "hand:slide", "--method", "thesis", "--patch", "metric",
-                    says="--patch")
 
 
 class AsPrinted(ProgramTest):

@@ -221,7 +221,7 @@ TEST(ToolsInOneScene, ComeAndGo)
     std::vector<SceneView> tools;
     tools.push_back(*views.take());
     std::mt19937 random(7);
-    for (int tick = 0; tick < 600; ++tick) {
+    for (int tick = 0; tick < 300; ++tick) {
         if (random() % 10 == 0) {
             ASSERT_TRUE(scene.move(objects.torus, any_motion(random, Vec3(0.5, 0, 0))));
             objects.deform(0.1 * static_cast<double>(random() % 8) / 8, 0.015);

@@ -7,25 +7,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace proxima {
-
-void ContactPatch::refer(const IndexContactSurface& surface, const Vec3& p,
-                         double distance) noexcept
-{
-    const NearGroups::Found found = near_.find(surface.tree(), p, distance);
-    surface_ = &surface;
-    count_ = near_.triangle_count();
-    complete = found.complete;
-    reach = found.reach;
-    edition_ = new_edition();
-}
 
 void ContactPatch::use_copies(std::size_t triangles, double extent) noexcept
 {
     PROXIMA_CHECK_LE(triangles, copies_.size());
     groups_.make(std::span<const ContactTriangle>(copies_).first(triangles), extent);
-    surface_ = nullptr;
     count_ = triangles;
     edition_ = new_edition();
 }
@@ -33,36 +22,12 @@ void ContactPatch::use_copies(std::size_t triangles, double extent) noexcept
 void ContactPatch::read_triangles(std::span<const std::uint32_t> ranks,
                                   std::span<ContactTriangle> triangles) const noexcept
 {
-    if (surface_ != nullptr) {
-        surface_->read_triangles(ranks, triangles);
-        return;
-    }
     // Another processor wrote them: prefetch all before the first is read.
     for (const std::uint32_t rank : ranks) {
         __builtin_prefetch(&copies_[rank]);
         __builtin_prefetch(reinterpret_cast<const std::byte*>(&copies_[rank]) + 64);
     }
     for (std::size_t i = 0; i < ranks.size(); ++i) triangles[i] = copies_[ranks[i]];
-}
-
-void ContactPatch::read(std::span<ContactTriangle> triangles) const noexcept
-{
-    constexpr std::uint32_t width = TriangleTree::width;
-    for (std::size_t first = 0; first < count_; first += width) {
-        const std::uint32_t group_of = group(static_cast<std::uint32_t>(first / width));
-        std::array<std::uint32_t, width> ranks{};
-        for (std::uint32_t i = 0; i < width; ++i) ranks[i] = group_of * width + i;
-        const std::size_t left = std::min<std::size_t>(width, count_ - first);
-        read_triangles(std::span(ranks).first(left), triangles.subspan(first));
-    }
-}
-
-void fill_metric_patch(ContactPatch& patch, const IndexContactSurface& surface, const Vec3& device,
-                       double radius) noexcept
-{
-    patch.refer(surface, device, radius);
-    patch.center = device;
-    patch.clearance = surface.clearance(device);
 }
 
 RingPatches::RingPatches(const MeshIndex& index, const TriangleMesh& mesh, const Topology& topology)
@@ -84,7 +49,6 @@ void RingPatches::fill(ContactPatch& patch, const Vec3& device, const ClosestFea
     for (std::size_t i = 0; i < count; ++i) patch.copies()[i] = {mesh_.triangle(ids_[i]), ids_[i]};
     patch.use_copies(count, extent_);
     patch.complete = found.complete && count == found.written;
-    patch.reach = 0;
     patch.center = device;
     patch.clearance = std::sqrt(closest.squared_distance) * (1 - 0x1p-40);
 }
@@ -99,8 +63,7 @@ std::size_t PatchContactSurface::collect(const Vec3& p, double distance,
         constexpr std::uint32_t width = TriangleTree::width;
         std::array<std::uint32_t, width> ranks{};
         std::array<ContactTriangle, width> triangles;
-        for (std::uint32_t i = 0; i < found.count; ++i)
-            ranks[i] = patch_->group(found.first / width) * width + i;
+        for (std::uint32_t i = 0; i < found.count; ++i) ranks[i] = found.first + i;
         patch_->read_triangles(std::span(ranks).first(found.count), triangles);
         for (const ContactTriangle& triangle : std::span(triangles).first(found.count)) {
             const Box box = bounding_box(triangle.corners);
@@ -131,8 +94,6 @@ void PatchContactSurface::find_groups(const Vec3& p, double distance,
     boxes.count = 0;
     if (is_empty()) return;
     proxima::find_groups(patch_->tree(), p, distance, boxes);
-    if (boxes.count > GroupBoxes::capacity) return; // some are missing, and the caller uses none
-    for (std::uint32_t& id : std::span(boxes.ids).first(boxes.count)) id = patch_->group(id);
 }
 
 void PatchContactSurface::read_triangles(std::span<const std::uint32_t> ranks,

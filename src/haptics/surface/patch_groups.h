@@ -6,8 +6,7 @@
 //     tree        boxes of groups, boxes of eight boxes, ...    (triangle_tree.h)
 //
 // The thread that makes the patch fills them, in memory that was allocated before. Rings of triangles
-// are scattered over the surface's groups, so they get groups of their own; near_groups.h refers to
-// the surface's.
+// are scattered over the surface's groups, so they get groups of their own.
 #pragma once
 
 #include "haptics/surface/contact_triangle.h"

@@ -16,10 +16,8 @@ namespace {
 
 std::vector<std::uint32_t> ids_of(const ContactPatch& patch)
 {
-    std::vector<ContactTriangle> triangles(patch.count());
-    patch.read(triangles);
     std::vector<std::uint32_t> ids;
-    for (const ContactTriangle& triangle : triangles) ids.push_back(to_index(triangle.id));
+    for (const ContactTriangle& triangle : patch.triangles()) ids.push_back(to_index(triangle.id));
     std::ranges::sort(ids);
     return ids;
 }
