@@ -154,8 +154,8 @@ struct SceneTick {
 
 /// Up to 64 objects. add() before the first tick; move(), exchange() and deform() by one thread for
 /// each object, at any time; advance(), pose() and velocity() by the thread of the renderer that was
-/// made first. Renderers are made and destroyed by any thread at any time. A value that moves, while
-/// no renderer has it.
+/// made first; after its end the next that is made takes its place. Renderers are made and destroyed
+/// by any thread at any time. A value that moves, while no renderer has it.
 class TouchScene {
 public:
     /// Objects stay within the bounds, whose size decides how exact positions are: a point proxy

@@ -53,7 +53,7 @@ class ToolClock {
 public:
     explicit ToolClock(std::size_t tool) noexcept : tool_(tool) {}
 
-    /// Most ticks by which a tool lags behind the scene, and most seconds where these are more.
+    /// A tool lags behind the scene by at most so many of its ticks, or so many ns where these are more.
     static constexpr SceneTime most_ticks_behind = 3;
     static constexpr SceneTime most_behind = 3'000'000;
 
