@@ -142,8 +142,8 @@ struct SceneTick {
     bool exchanged = false; ///< the body of some object
 };
 
-/// Up to 64 objects. add() before the first tick; move(), exchange() and deform() by one thread for
-/// each object, at any time; everything else by the servo thread. A value that moves, while no renderer
+/// Up to 64 objects. add() before the first tick; move(), exchange(), deform() and set_material() by
+/// one thread for each object, at any time; everything else by the servo thread. A value that moves, while no renderer
 /// has it.
 class TouchScene {
 public:
@@ -176,6 +176,13 @@ public:
     /// O(triangles) in the caller's thread. Error invalid_argument: a body with other triangles than
     /// the one given last, a negative time, out of the bounds.
     [[nodiscard]] Status deform(ObjectId object, const TouchBody& body, double seconds);
+
+    /// Gives an object another material than its body's, until the body is exchanged. Each number
+    /// changes evenly within `seconds`, so that the force does not jump; where the body has no
+    /// material, or with 0, in the next tick. Wait-free. Error invalid_argument: a material that
+    /// build_touch_body would refuse, a negative time.
+    [[nodiscard]] Status set_material(ObjectId object, const SurfaceMaterial& material,
+                                      double seconds);
 
     /// Advances all objects by a tick; a renderer calls it. noexcept, wait-free, no allocation,
     /// nothing freed.

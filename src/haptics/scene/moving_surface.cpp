@@ -21,14 +21,14 @@ constexpr double frame_rounding = 0x1p-47;
 /// More than the rounding of the distances of a body and of its box, in parts of coordinates.
 constexpr double box_rounding = 0x1p-44;
 
-bool is_rigid(const RigidTransform& pose)
+bool is_rigid(const RigidTransform& pose) noexcept
 {
     const Mat3& r = pose.rotation;
     if (!r.allFinite() || !pose.translation.allFinite()) return false;
     return (r.transpose() * r - Mat3::Identity()).norm() <= rigid_tolerance && r.determinant() > 0;
 }
 
-bool in_range(const ObjectMotion& motion)
+bool in_range(const ObjectMotion& motion) noexcept
 {
     return std::isfinite(motion.seconds) && motion.seconds >= 0 && motion.velocity.allFinite() &&
            motion.spin.allFinite() && std::isfinite(motion.coast_seconds) &&
@@ -51,7 +51,7 @@ MovingSurface::MovingSurface(const Box& bounds) : bounds_(bounds)
     rounding_ = frame_rounding * scale_.reach;
 }
 
-bool MovingSurface::contains(const Box& bounds, const RigidTransform& pose) const
+bool MovingSurface::contains(const Box& bounds, const RigidTransform& pose) const noexcept
 {
     for (unsigned corner = 0; corner < 8; ++corner) {
         Vec3 p;
@@ -97,25 +97,44 @@ Result<ObjectId> MovingSurface::add(std::shared_ptr<const ContactBody> body,
     return ObjectId{static_cast<std::uint32_t>(objects_.size() - 1)};
 }
 
-Status MovingSurface::move(ObjectId object, const ObjectMotion& motion)
+const char* MovingSurface::motion_problem(ObjectId object,
+                                          const ObjectMotion& motion) const noexcept
 {
-    PROXIMA_CHECK_LT(to_index(object), objects_.size());
-    Slot& slot = *objects_[to_index(object)];
-    if (!is_rigid(motion.pose))
-        return fail(ErrorCode::invalid_argument, "the object's pose must be a rigid transform");
-    if (!in_range(motion)) {
-        return fail(ErrorCode::invalid_argument,
-                    "times of a motion must be finite and not negative, and its velocities finite");
-    }
+    const Slot& slot = *objects_[to_index(object)];
+    if (!is_rigid(motion.pose)) return "the object's pose must be a rigid transform";
+    if (!in_range(motion))
+        return "times of a motion must be finite and not negative, and its velocities finite";
     const RigidTransform end = {motion.pose.rotation,
                                 motion.pose.translation + motion.coast_seconds * motion.velocity};
     const Box& bounds = slot.newest.body->bounds();
     if (!contains(bounds, motion.pose) || !contains(bounds, end))
-        return fail(ErrorCode::invalid_argument,
-                    "the motion would take the object out of the scene's bounds");
+        return "the motion would take the object out of the scene's bounds";
+    return nullptr;
+}
+
+Status MovingSurface::move(ObjectId object, const ObjectMotion& motion)
+{
+    PROXIMA_CHECK_LT(to_index(object), objects_.size());
+    if (const char* const problem = motion_problem(object, motion))
+        return fail(ErrorCode::invalid_argument, problem);
+    Slot& slot = *objects_[to_index(object)];
     slot.newest_pose = motion.pose;
     slot.motions.writing() = motion;
     slot.motions.publish();
+    return {};
+}
+
+Status MovingSurface::set_material(ObjectId object, const SurfaceMaterial& material, double seconds)
+{
+    PROXIMA_CHECK_LT(to_index(object), objects_.size());
+    if (!is_valid(material)) return fail(ErrorCode::invalid_argument, material_rule);
+    if (!(seconds >= 0) || !std::isfinite(seconds)) {
+        return fail(ErrorCode::invalid_argument,
+                    "the time of a change must be finite and at least 0");
+    }
+    Slot& slot = *objects_[to_index(object)];
+    slot.materials.writing() = {material, seconds, slot.newest.exchanges};
+    slot.materials.publish();
     return {};
 }
 
@@ -204,6 +223,9 @@ SceneTick MovingSurface::advance(double seconds) noexcept
         if (slot->motions.update()) slot->trajectory.follow(slot->motions.reading());
         slot->trajectory.advance(seconds);
         const bool exchanged = advance_shape(*slot, seconds);
+        if (slot->materials.update())
+            slot->material.begin(slot->materials.reading(), slot->body().material());
+        slot->material.advance(seconds);
         slot->free_ball.reach -= slot->stretch;
         if (slot->trajectory.moved() || exchanged) slot->free_ball.reach = -1;
         slot->free_path = {};
@@ -401,7 +423,9 @@ ContactWork MovingSurface::work() const noexcept
 
 std::optional<SurfaceMaterial> MovingSurface::material(TriangleId triangle) const noexcept
 {
-    return objects_[to_index(object_of(triangle))]->body().material();
+    const Slot& slot = *objects_[to_index(object_of(triangle))];
+    const auto given = slot.material.at(slot.shapes.reading().exchanges);
+    return given ? given : slot.body().material();
 }
 
 Vec3 MovingSurface::shaded_normal(TriangleId triangle, const Vec3& point) const noexcept

@@ -11,6 +11,7 @@
 
 #include "haptics/loop/snapshot.h"
 #include "haptics/scene/contact_body.h"
+#include "haptics/scene/material_change.h"
 #include "haptics/scene/object_cache.h"
 #include "haptics/scene/object_trajectory.h"
 #include "haptics/scene/shape_change.h"
@@ -50,6 +51,14 @@ public:
     [[nodiscard]] Status exchange(ObjectId object, std::shared_ptr<const ContactBody> body);
     [[nodiscard]] Status change_shape(ObjectId object, std::shared_ptr<const ContactBody> body,
                                       double seconds);
+    [[nodiscard]] Status set_material(ObjectId object, const SurfaceMaterial& material,
+                                      double seconds);
+
+    /// Why move() would refuse a motion; null where it would not. noexcept, by the thread that moves
+    /// the object. \pre the object was added
+    [[nodiscard]] const char* motion_problem(ObjectId object,
+                                             const ObjectMotion& motion) const noexcept;
+
     SceneTick advance(double seconds) noexcept;
     [[nodiscard]] std::size_t object_count() const noexcept { return objects_.size(); }
     [[nodiscard]] SceneObject object(ObjectId id) const noexcept;
@@ -129,7 +138,9 @@ private:
     struct Slot {
         Snapshot<ObjectMotion> motions;
         Snapshot<Shape, 2> shapes;
-        ObjectTrajectory trajectory; ///< this and the next seven: the servo thread's
+        Snapshot<GivenMaterial> materials;
+        ObjectTrajectory trajectory; ///< this and the next eight: the servo thread's
+        MaterialChange material;
         ObjectCache cache;
         FreeBall free_ball;
         FreePath free_path;
@@ -153,7 +164,7 @@ private:
         }
     };
 
-    [[nodiscard]] bool contains(const Box& bounds, const RigidTransform& pose) const;
+    [[nodiscard]] bool contains(const Box& bounds, const RigidTransform& pose) const noexcept;
     void measure() noexcept;
     /// Takes what the application gave, and moves vertices. Returns whether the body was exchanged.
     static bool advance_shape(Slot& slot, double seconds) noexcept;

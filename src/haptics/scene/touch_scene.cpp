@@ -57,6 +57,11 @@ Status TouchScene::deform(ObjectId object, const TouchBody& body, double seconds
     return surface_->change_shape(object, TouchAccess::unwrap(body), seconds);
 }
 
+Status TouchScene::set_material(ObjectId object, const SurfaceMaterial& material, double seconds)
+{
+    return surface_->set_material(object, material, seconds);
+}
+
 SceneTick TouchScene::advance(double seconds) noexcept
 {
     return surface_->advance(seconds);
