@@ -34,7 +34,6 @@ Recording scene_recording()
         .kind = ObjectMotionKind::swing, .along = Vec3::UnitX(), .seconds = 1};
     recording.settings.objects[3].material = SurfaceMaterial{};
     recording.ticks.resize(20);
-    recording.settings.room = 1;
     recording.messages.resize(2);
     recording.messages[0].has_motion = recording.messages[1].has_material = true;
     recording.messages[1].tick = 7;
@@ -252,6 +251,13 @@ void replay(const Recording& recording)
 TEST_F(ForgedRecordingTest, EverythingInRangeIsReplayed)
 {
     const std::vector<std::function<void(Recording&)>> ends = {
+        [](Recording& r) {
+            r.settings.room = 1e6;
+            r.messages[0].motion.pose.translation.setConstant(1e100);
+            r.messages[0].motion.velocity.setConstant(-1e100);
+            r.messages[0].motion.spin.setConstant(1e6);
+            r.messages[0].motion.seconds = r.messages[0].motion.coast_seconds = 86400;
+        },
         [](Recording& r) { r.settings.tick_seconds = 1; },
         [](Recording& r) { r.settings.tick_seconds = 1e-6; },
         [](Recording& r) { r.settings.map.units_per_metre = 1e100; },
@@ -268,17 +274,13 @@ TEST_F(ForgedRecordingTest, EverythingInRangeIsReplayed)
         [](Recording& r) { r.settings.objects[1].script.along = Vec3(1e100, 0, 0); },
         [](Recording& r) { r.settings.objects[2].script.seconds = 1e9; },
         [](Recording& r) { r.settings.objects[3].script.seconds = 1e-6; },
-        [](Recording& r) { r.settings.objects[3].script.along = Vec3(0, 0.99e100, 0); },
+        [](Recording& r) {
+            r.settings.objects[3].script.along = Vec3(0, 0.99e100, 0);
+            r.settings.room = 0; // so large a scene has none
+        },
         [](Recording& r) {
             for (std::size_t i = 0; i < r.ticks.size(); ++i)
                 r.ticks[i].position = {i % 2 == 0 ? 1e6 : -1e6, -1e6, 0.1 * static_cast<double>(i)};
-        },
-        [](Recording& r) {
-            r.settings.room = 1e6;
-            r.messages[0].motion.pose.translation.setConstant(1e100);
-            r.messages[0].motion.velocity.setConstant(-1e100);
-            r.messages[0].motion.spin.setConstant(1e6);
-            r.messages[0].motion.seconds = r.messages[0].motion.coast_seconds = 86400;
         },
         [](Recording& r) {
             r.messages[0].motion.spin.setConstant(-1e6);

@@ -136,8 +136,8 @@ TEST(EngineLink, BothTransportsGiveTheSameForces)
     const Felt shared = push_session("shm:" + segment_name("push"), 1500);
     EXPECT_TRUE(same_ticks(udp, shared));
     for (const Felt* const felt : {&udp, &shared}) {
-        EXPECT_EQ(felt->report.accepted, 88U);
-        EXPECT_EQ(felt->report.motions, 89U);
+        EXPECT_EQ(felt->report.accepted, 89U);
+        EXPECT_EQ(felt->report.motions, 90U);
         EXPECT_EQ(felt->report.materials, 2U);
         EXPECT_EQ(felt->report.lost + felt->report.refused_objects, 0U);
         ASSERT_FALSE(felt->heard.empty());
@@ -157,7 +157,7 @@ TEST(EngineLink, BothTransportsGiveTheSameForces)
     }
     EXPECT_EQ(shared.heard.size(), 1500U);
     EXPECT_EQ(udp.heard.size(), 1500U - 3U); // from the first packet on
-    EXPECT_EQ(udp.heard.back().engine_sequence, 88U);
+    EXPECT_EQ(udp.heard.back().engine_sequence, 89U);
 }
 
 // What came is enough to feel the session again, without an engine.
