@@ -258,7 +258,8 @@ int main(int argc, char** argv)
     struct channel channel;
     struct scene_packet packet;
     struct touch_packet state;
-    uint64_t sent_at[RECENT] = {0}, first = 0, next = 0, ticks = 0, touching = 0, lost = 0;
+    uint64_t sent_at[RECENT] = {0}, first = 0, heard = 0, next = 0, ticks = 0, touching = 0,
+             lost = 0;
     size_t delay_count = 0;
     double most = 0;
     int got = 0;
@@ -275,8 +276,12 @@ int main(int argc, char** argv)
         const uint64_t now = nanoseconds_now();
         if (first == 0 && 1e-9 * (double)(now - started) > patience) {
             refuse(argv[1], "nobody answers: is proxima touch ... --engine running there, with "
-                            "version 2 of the protocol?");
+                            "version 2 of the protocol, and with no other engine?");
             return 1;
+        }
+        if (first != 0 && now - heard > 2000000000u) {
+            puts("Proxima no longer answers");
+            break;
         }
         if (now >= next) {
             next = now + (uint64_t)(1e9 / rate);
@@ -295,7 +300,8 @@ int main(int argc, char** argv)
                 return 1;
             }
             if (state.engine_session != channel.session) continue;
-            if (first == 0) first = nanoseconds_now();
+            heard = nanoseconds_now();
+            if (first == 0) first = heard;
             ++ticks;
             touching += state.contact_count > 0;
             lost = state.lost;

@@ -117,6 +117,9 @@ class UdpChannel(Channel):
 
 
 class SharedMemoryChannel(Channel):
+    """Relies on a processor that keeps the order of writes, as x86 does: on others a packet may be torn, and is refused
+    or counts for a frame."""
+
     def __init__(self, name):
         super().__init__()
         path = f"/dev/shm/proxima-{name}"
@@ -157,6 +160,8 @@ class SharedMemoryChannel(Channel):
     def receive(self):
         """The states of all ticks since the last call, in order; those that were overwritten are missed."""
         written = self.number_at(self.touch[3])
+        if written < self.read:  # Proxima was started anew with the same memory
+            self.read = 0
         self.read = max(self.read, written - self.touch[2])
         states = []
         while self.read < written:
@@ -212,14 +217,17 @@ def main():
     material = tuple(map(float, options.material.split(","))) if options.material else None
     channel = open_channel(options.channel, options.patience)
     started = time.monotonic()
-    first = None
+    first = heard = None
     states, delays, sent_at = [], [], {}
     next_pose = started
     while first is None or time.monotonic() - first < options.seconds:
         now = time.monotonic()
+        if first is not None and now - heard > 2:
+            print("Proxima no longer answers")
+            break
         if first is None and now - started > options.patience:
             raise ChannelError(f"nobody answers at {options.channel}: is proxima touch ... --engine {options.channel} "
-                               f"running, with version {VERSION} of the protocol?")
+                               f"running, with version {VERSION} of the protocol, and with no other engine?")
         if now >= next_pose:
             next_pose = max(next_pose + 1 / options.rate, now)
             phase = 0 if first is None else now - first
@@ -229,8 +237,8 @@ def main():
         for state in channel.receive():
             if state["engine_session"] != channel.session:
                 continue
-            if first is None:
-                first = time.monotonic()
+            heard = time.monotonic()
+            first = first or heard
             states.append(state)
             if state["engine_sequence"] in sent_at:  # the first tick with that pose
                 delays.append(time.monotonic() - sent_at.pop(state["engine_sequence"]))

@@ -1,10 +1,9 @@
-// A session's channel to an engine in another program (engine_channel.h), as the command line and the
+// A session's channel to an engine in another program (touch_scene.h), as the command line and the
 // report have it.
 #pragma once
 
 #include "cli/touch_options.h"
 #include "cli/touch_session.h"
-#include "proxima/engine_channel.h"
 #include "proxima/result.h"
 
 #include <CLI/App.hpp>

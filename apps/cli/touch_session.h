@@ -14,7 +14,6 @@
 #include "lab/hand_script.h"
 #include "lab/quality_report.h"
 #include "proxima/device.h"
-#include "proxima/engine_channel.h"
 #include "proxima/haptic_renderer.h"
 #include "proxima/result.h"
 #include "thesis/proximity_octree/thesis_proximity_octree.h"

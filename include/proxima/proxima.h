@@ -7,7 +7,6 @@
 #include "proxima/convex_polyhedron.h"
 #include "proxima/cull.h"
 #include "proxima/device.h"
-#include "proxima/engine_channel.h"
 #include "proxima/execution.h"
 #include "proxima/function_ref.h"
 #include "proxima/geometry.h"

@@ -5,7 +5,6 @@
 #include "haptics/loop/recording.h"
 #include "haptics/scenes_to_touch.h"
 #include "lab/hand_device.h"
-#include "proxima/engine_channel.h"
 
 #include <gtest/gtest.h>
 
@@ -490,6 +489,20 @@ TEST(EngineLink, AnythingInSharedMemoryDoesNoHarm)
     }
     EXPECT_GT(link->report().accepted, 100U);
     EXPECT_GT(link->report().malformed + link->report().refused_objects, 10U);
+}
+
+TEST(EngineLink, SharedMemoryThatIsShortenedEndsTheChannelAlone)
+{
+    TwoCubes cubes;
+    auto renderer = make_haptic_renderer(cubes.scene, map, omni);
+    ASSERT_TRUE(renderer);
+    const std::string name = segment_name("shortened");
+    const auto link = link_at("shm:" + name);
+    for (std::uint64_t tick = 0; tick < 10; ++tick) feel(*renderer, *link, cubes.scene, tick);
+    EXPECT_EQ(truncate(("/dev/shm/proxima-" + name).c_str(), 0), 0);
+    for (std::uint64_t tick = 10; tick < 2000; ++tick) feel(*renderer, *link, cubes.scene, tick);
+    EXPECT_NE(link->trouble().find("shortened the memory of shm:"), std::string::npos);
+    EXPECT_GT(renderer->last().force.norm(), 0.1);
 }
 
 TEST(EngineChannel, IsOpenedByName)

@@ -172,6 +172,7 @@ public:
     {
         return transport_->send(packet, to);
     }
+    [[nodiscard]] bool is_cut_off() const noexcept override { return transport_->is_cut_off(); }
     [[nodiscard]] bool keeps_packets() const noexcept override
     {
         return transport_->keeps_packets();

@@ -3,6 +3,7 @@
 #include "base/check.h"
 #include "base/text.h"
 #include "haptics/force/surface_renderer.h"
+#include "proxima/haptic_renderer.h"
 
 #include <algorithm>
 #include <chrono>
@@ -313,6 +314,10 @@ void EngineLink::send(const HapticRenderer& renderer, const DeviceState& state,
 
 std::string EngineLink::trouble() const
 {
+    if (transport_->is_cut_off()) {
+        return concat("another program shortened the memory of ", name(),
+                      ": the engine was no longer heard");
+    }
     if (report_.other_versions > 0) {
         return concat(report_.other_versions, " packets at ", name(), " have version ",
                       other_version_, " of the protocol, and this program has ", engine_version,

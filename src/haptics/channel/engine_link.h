@@ -1,4 +1,4 @@
-// The implementation of EngineChannel (engine_channel.h): which packets count, what they mean for the
+// The implementation of EngineChannel (touch_scene.h): which packets count, what they mean for the
 // scene, and what the engine gets of a tick.
 //
 //     packet    whole, of our version, of one engine at a time, newer than the last (packet_sequence.h)
@@ -15,7 +15,8 @@
 #include "haptics/channel/engine_transport.h"
 #include "haptics/channel/scene_message.h"
 #include "haptics/device/packet_sequence.h"
-#include "proxima/engine_channel.h"
+#include "proxima/device.h"
+#include "proxima/touch_scene.h"
 
 #include <array>
 #include <cstddef>

@@ -66,6 +66,7 @@ public:
         write_packet(segment_.bytes(), touch_ring, sent_++, packet);
         return true;
     }
+    [[nodiscard]] bool is_cut_off() const noexcept override { return segment_.is_cut_off(); }
     [[nodiscard]] bool keeps_packets() const noexcept override { return true; }
 
 private:

@@ -34,6 +34,9 @@ public:
     virtual bool send(std::span<const std::byte, touch_packet_size> packet,
                       const UdpAddress& to) noexcept = 0;
 
+    /// Whether the engine can no longer be heard, for good. By the servo thread.
+    [[nodiscard]] virtual bool is_cut_off() const noexcept { return false; }
+
     /// Whether it keeps packets also while no engine is there, for the engine to read when it likes.
     [[nodiscard]] virtual bool keeps_packets() const noexcept = 0;
 };

@@ -154,6 +154,7 @@ Result<SharedSegment> SharedSegment::create(std::string_view name)
     if (memory == MAP_FAILED) return system_refused(path, "cannot map shared memory");
     segment.path_ = path;
     segment.bytes_ = {static_cast<std::byte*>(memory), segment_size};
+    segment.guard_ = TruncationGuard(segment.bytes_);
     // A stale segment may hold anything. The header comes last: with it an engine may begin.
     std::memset(memory, 0, segment_size);
     std::atomic_thread_fence(std::memory_order_release);
@@ -164,7 +165,7 @@ Result<SharedSegment> SharedSegment::create(std::string_view name)
 
 SharedSegment::SharedSegment(SharedSegment&& other) noexcept
     : path_(std::exchange(other.path_, {})), file_(std::exchange(other.file_, -1)),
-      bytes_(std::exchange(other.bytes_, {}))
+      bytes_(std::exchange(other.bytes_, {})), guard_(std::move(other.guard_))
 {}
 
 SharedSegment& SharedSegment::operator=(SharedSegment&& other) noexcept
@@ -172,6 +173,7 @@ SharedSegment& SharedSegment::operator=(SharedSegment&& other) noexcept
     std::swap(path_, other.path_);
     std::swap(file_, other.file_);
     std::swap(bytes_, other.bytes_);
+    std::swap(guard_, other.guard_);
     return *this;
 }
 

@@ -15,6 +15,7 @@
 #pragma once
 
 #include "haptics/channel/engine_packets.h"
+#include "haptics/channel/truncation_guard.h"
 #include "proxima/result.h"
 
 #include <cstddef>
@@ -71,6 +72,8 @@ public:
 
     [[nodiscard]] std::span<std::byte> bytes() const noexcept { return bytes_; }
     [[nodiscard]] const std::string& path() const noexcept { return path_; } ///< "/proxima-NAME"
+    /// Whether another program shortened the segment: then nobody hears the other any more.
+    [[nodiscard]] bool is_cut_off() const noexcept { return guard_.has_acted(); }
 
 private:
     SharedSegment() = default;
@@ -78,6 +81,7 @@ private:
     std::string path_;
     int file_ = -1;
     std::span<std::byte> bytes_;
+    TruncationGuard guard_;
 };
 
 } // namespace proxima
