@@ -50,7 +50,11 @@ void replay(const Recording& recording, HapticRenderer renderer, QualityMeter me
     const RecordingSettings& settings = recording.settings;
     const std::size_t ticks = std::min(recording.ticks.size(), most_ticks);
     for (std::size_t i = 0; i < ticks; ++i) {
-        if (scene != nullptr) scene->send_motions(i, settings.tick_seconds);
+        if (scene != nullptr) {
+            for (const SceneMessage& message : recording.messages)
+                if (message.tick == i) (void)apply(message, scene->scene());
+            scene->send_motions(i, settings.tick_seconds);
+        }
         const DeviceState state = device_state(recording.ticks[i]);
         const RenderTick& tick = renderer.tick(state, settings.tick_seconds);
         PROXIMA_CHECK(tick.force.allFinite());
@@ -84,7 +88,7 @@ void replay_scene(const Recording& recording, const Model& model)
         PROXIMA_CHECK(body.has_value());
         bodies.push_back(*body);
     }
-    const auto scene = ScriptedScene::make(bodies, settings.objects);
+    const auto scene = ScriptedScene::make(bodies, settings.objects, settings.room);
     if (!scene) return;
     (void)scene_mesh((*scene)->scene());
     replay(

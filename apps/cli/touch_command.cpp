@@ -6,6 +6,7 @@
 #include "cli/names.h"
 #include "cli/plot.h"
 #include "cli/poses.h"
+#include "cli/touch_engine.h"
 #include "cli/touch_input_report.h"
 #include "cli/touch_objects.h"
 #include "cli/touch_options.h"
@@ -91,15 +92,22 @@ Status run_replay(const TouchCommandOptions& options, Session& session)
 Result<std::unique_ptr<TouchModel>> load_what_is_touched(const TouchCommandOptions& options,
                                                          Session& session)
 {
-    if (!options.objects.any()) return load_touch_model(options.model, options.lists, session);
+    const bool is_driven = !options.engine.empty();
+    if (!options.objects.any() && !is_driven)
+        return load_touch_model(options.model, options.lists, session);
     if (!options.patches.empty()) {
         return fail(ErrorCode::invalid_argument,
                     "is for one model at rest: leave it out, or --object, --pose, --motion and "
                     "--material",
                     "--patch");
     }
-    const auto plan = plan_scene(options.model, options.objects, usual_material(options));
+    auto plan = plan_scene(options.model, options.objects, usual_material(options));
     if (!plan) return tl::unexpected(plan.error());
+    if (is_driven) {
+        plan->room = engine_room;
+        for (ScriptedObject& object : plan->objects)
+            if (!object.material) object.material = usual_material(options);
+    }
     const std::string rotated = rotation_text(plan->rotation_error);
     if (!rotated.empty()) session.print(rotated + '\n');
     return load_touch_scene(*plan, settings_of(options).render.shading, options.lists, {}, session);
@@ -170,7 +178,14 @@ Status run_device(const TouchCommandOptions& options, Session& session)
     if (!options.record.empty()) {
         // An interrupted session is as good as any: its recording is written all the same.
         Progress* const progress = result->device->interrupted ? nullptr : &session.progress();
-        recorded = save_recording(result->recording, options.record, progress);
+        recorded = result->engine && result->engine->dropped > 0
+                       ? fail(ErrorCode::limit_exceeded,
+                              fmt::format("the engine sent {} more messages than could be "
+                                          "recorded: send poses less often, or a higher "
+                                          "--graphics-rate",
+                                          result->engine->dropped),
+                              "--record")
+                       : save_recording(result->recording, options.record, progress);
     }
     const TouchReportOf of = {options.model,
                               options.device,
@@ -207,6 +222,7 @@ Status run_touch(TouchCommandOptions options, Session& session)
         options.patches = usual_thesis_patch;
     if (options.list) return list_devices(options, session);
     if (Status status = check_options(options); !status) return status;
+    if (Status status = check_engine_options(options); !status) return status;
     if (Status status = check_self_test_options(options); !status) return status;
     if (options.self_test) return run_self_test(options, session);
     if (Status status = check_picture(options, session); !status) return status;
@@ -228,6 +244,7 @@ Command add_touch_command(CLI::App& app)
         ->type_name("NAME:ARGS");
     add_object_options(*parser, options->objects);
     add_touch_options(*parser, *options);
+    add_engine_option(*parser, *options);
     add_self_test_options(*parser, *options);
     // Neither model nor device is needed then.
     parser->add_flag_callback(

@@ -113,7 +113,7 @@ Result<std::unique_ptr<TouchModel>> load_touch_scene(const ScenePlan& plan, Forc
         triangles += static_cast<std::uint32_t>(body->mesh().triangle_count());
         bodies.push_back(*body);
     }
-    auto scene = ScriptedScene::make(bodies, objects);
+    auto scene = ScriptedScene::make(bodies, objects, plan.room);
     if (!scene) return tl::unexpected(scene.error());
     model->scene = std::move(*scene);
     auto mesh = scene_mesh(model->scene->scene());
@@ -123,6 +123,7 @@ Result<std::unique_ptr<TouchModel>> load_touch_scene(const ScenePlan& plan, Forc
     model->surface = std::move(*surface);
     model->object_names = plan.models;
     model->reach = model->scene->bounds();
+    model->room = plan.room;
     model->build_seconds = watch.seconds();
     return model;
 }

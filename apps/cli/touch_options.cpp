@@ -27,7 +27,7 @@ constexpr std::array recorded_options = {
     "--seconds",       "--limits",         "--stiffness", "--damping", "--radius",
     "--friction",      "--shading",        "--force",     "--scale",   "--axes",
     "--clutch",        "--device-library", "--stillness", "--patch",   "--collision-rate",
-    "--graphics-rate", "--record",         "--method",    "--guard"};
+    "--graphics-rate", "--record",         "--method",    "--guard",   "--engine"};
 constexpr std::array driver_options = {"--device-library"};
 
 std::string names_of_devices()
@@ -133,6 +133,7 @@ TouchSettings settings_of(const TouchCommandOptions& options)
 {
     TouchSettings settings;
     settings.device.device = options.device;
+    settings.engine = options.engine;
     settings.device.library = options.library;
     settings.device.limits = find_device(options.limits);
     settings.device.scale = options.scale;

@@ -18,6 +18,7 @@ struct TouchCommandOptions {
     std::string model;
     ObjectOptions objects;
     std::string device;
+    std::string engine;    ///< the channel to one; "" for none
     std::string library;   ///< of hd and dhd
     std::string limits;    ///< "" for the device's own
     std::string axes;      ///< "" for the device's own

@@ -209,6 +209,7 @@ Result<ScenePlan> plan_scene(const std::string& model, const ObjectOptions& opti
     ScenePlan plan;
     plan.models = all_models(model, options);
     plan.objects = recording.settings.objects;
+    plan.room = recording.settings.room;
     const std::size_t count = std::max<std::size_t>(plan.objects.size(), 1);
     if (plan.models.size() != count) {
         return fail(ErrorCode::invalid_argument,

@@ -38,6 +38,7 @@ struct ScenePlan {
     std::vector<std::string> models;
     std::vector<ScriptedObject> objects; ///< fingerprints: 0 where any mesh will do
     double rotation_error = 0;           ///< of poses, see Poses
+    double room = 0;                     ///< of the scene, see ScriptedScene::make
 };
 
 /// `usual` is what a material has that says less. Errors invalid_argument: too many objects, a

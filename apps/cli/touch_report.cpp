@@ -1,5 +1,6 @@
 #include "cli/touch_report.h"
 
+#include "cli/touch_engine.h"
 #include "cli/touch_input_report.h"
 #include "cli/touch_objects.h"
 #include "cli/touch_options.h"
@@ -162,6 +163,7 @@ std::string touch_text(const TouchReportOf& of, const TouchModel& model, const T
     text += swings_text(result);
     text += fmt::format("computing a force: {}\n", microseconds(result.render));
     text += objects_text(model, quality);
+    text += engine_text(result);
     text += less_text("stiffness", "N/m", of.asked.stiffness, render.force.stiffness);
     text += less_text("damping", "N s/m", of.asked.damping, render.force.damping);
     if (result.device) {
@@ -228,7 +230,8 @@ Json touch_json(const TouchReportOf& of, const TouchModel& model, const TouchRes
                  {"servo", nullptr},
                  {"replay_differences", nullptr},
                  {"patches", nullptr},
-                 {"objects", objects_json(model, quality)}};
+                 {"objects", objects_json(model, quality)},
+                 {"engine", engine_json(result)}};
     add_device_json(json, result.device ? &*result.device : nullptr, render.force.damping);
     if (of.differences) {
         json["replay_differences"] = *of.differences;

@@ -1,8 +1,11 @@
 #include "cli/touch_session.h"
 
+#include "base/text.h"
 #include "cli/model_options.h"
 #include "cli/stderr_text.h"
 #include "cli/stopwatch.h"
+#include "haptics/channel/engine_link.h"
+#include "haptics/device/button_queue.h"
 #include "haptics/force/surface_renderer.h"
 #include "haptics/loop/snapshot.h"
 #include "haptics/surface/contact_surface.h"
@@ -93,15 +96,27 @@ Result<RenderParts> parts_for(const TouchModel& model, const RenderOptions& opti
     return parts;
 }
 
+/// What an engine changed, on its way from the servo thread to the recording. As much as engines send
+/// in a second that move all objects 250 times.
+using SceneMessageQueue = EventQueue<SceneMessage, 16384>;
+
+/// What moves the objects of a scene beside their scripts.
+struct SceneMover {
+    EngineLink* engine = nullptr;                ///< null of a replay
+    SceneMessageQueue* recorded = nullptr;       ///< gets what the engine sent; may be null
+    std::span<const SceneMessage> replayed = {}; ///< by tick
+};
+
 /// Renders and keeps account; all that the loop calls is without allocation.
 class TouchRun {
 public:
-    /// With what parts_for() gave and, in patch mode, patches: both must outlive it.
+    /// With what parts_for() gave and, in patch mode, patches: both must outlive it, and so must what
+    /// `mover` refers to.
     /// \pre check_render_settings() holds
     TouchRun(const TouchModel& model, const RenderParts& parts, const WorkspaceMap& map,
-             const DeviceLimits& device, const RenderOptions& options,
+             const DeviceLimits& device, const RenderOptions& options, const SceneMover& mover,
              PatchTouch* patches = nullptr)
-        : patches_(patches), scene_(model.scene.get()),
+        : patches_(patches), mover_(mover), scene_(model.scene.get()),
           renderer_(renderer_of(model, patches, parts, map, device, options)),
           meter_(scene_ != nullptr ? QualityMeter(scene_->scene(), map)
                                    : QualityMeter(*model.contact, map))
@@ -109,7 +124,7 @@ public:
 
     const RenderTick& tick(const DeviceState& state, double seconds) noexcept
     {
-        if (scene_ != nullptr) scene_->send_motions(ticks_++, seconds);
+        if (scene_ != nullptr) move_objects(seconds);
         result_.session_seconds += seconds;
         const std::int64_t begin = nanoseconds_now();
         const Patch patch = patches_ == nullptr ? Patch::available : patches_->begin_tick();
@@ -122,6 +137,9 @@ public:
     }
 
     [[nodiscard]] const HapticRenderer& renderer() const noexcept { return renderer_; }
+
+    /// What was wrong with a message of a replay.
+    [[nodiscard]] const Status& replayed() const noexcept { return replayed_; }
 
     [[nodiscard]] TouchResult finish() &&
     {
@@ -147,7 +165,23 @@ private:
         return make_surface_renderer(surface, map, device, options, parts.normals.get());
     }
 
+    void move_objects(double seconds) noexcept
+    {
+        TouchScene& scene = scene_->scene();
+        if (mover_.engine != nullptr) {
+            const auto messages = mover_.engine->receive(scene, ticks_, seconds, nanoseconds_now());
+            for (const SceneMessage& message : messages)
+                if (mover_.recorded != nullptr) mover_.recorded->push(message);
+        }
+        auto& left = mover_.replayed;
+        for (; !left.empty() && left.front().tick <= ticks_; left = left.subspan(1))
+            if (replayed_) replayed_ = apply(left.front(), scene);
+        scene_->send_motions(ticks_++, seconds);
+    }
+
     PatchTouch* patches_;
+    SceneMover mover_;
+    Status replayed_;
     ScriptedScene* scene_;
     std::uint64_t ticks_ = 0;
     HapticRenderer renderer_;
@@ -155,11 +189,19 @@ private:
     TouchResult result_;
 };
 
-/// The graphics loop: rate and force on a terminal, until `ended`. Returns how many button events
-/// there were.
+/// The graphics loop: rate and force on a terminal, until `ended`, and the engine's messages for the
+/// recording. Returns how many button events there were.
 std::uint64_t show_live(Snapshot<LiveTouch>& live, DeviceInput& input,
-                        const std::atomic<bool>& ended, bool shown, double graphics_rate)
+                        const std::atomic<bool>& ended, bool shown, double graphics_rate,
+                        SceneMessageQueue* queue, std::vector<SceneMessage>& messages)
 {
+    const auto take_messages = [&] {
+        while (queue != nullptr) {
+            const auto message = queue->pop();
+            if (!message) break;
+            messages.push_back(*message);
+        }
+    };
     std::uint64_t events = 0;
     const auto pause = std::chrono::duration_cast<std::chrono::nanoseconds>(
         std::chrono::duration<double>(1 / graphics_rate));
@@ -169,6 +211,7 @@ std::uint64_t show_live(Snapshot<LiveTouch>& live, DeviceInput& input,
     for (int pauses = 1; !ended.load(); ++pauses) {
         std::this_thread::sleep_for(pause);
         while (input.next_button_event()) ++events;
+        take_messages();
         if (!shown || pauses % pauses_per_line != 0 || !live.update()) continue;
         const LiveTouch& now = live.reading();
         const double span = now.seconds - last.seconds;
@@ -180,6 +223,7 @@ std::uint64_t show_live(Snapshot<LiveTouch>& live, DeviceInput& input,
     }
     if (shown) write_stderr("\r\x1b[K");
     while (input.next_button_event()) ++events;
+    take_messages();
     return events;
 }
 
@@ -246,8 +290,16 @@ Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings
         patches.emplace(model, *settings.patches, opened->map, settings.render,
                         parts->normals.get(), settings.input.tick_seconds, settings.pace);
     }
+    std::unique_ptr<EngineLink> engine;
+    std::unique_ptr<SceneMessageQueue> queue;
+    if (!settings.engine.empty()) {
+        auto transport = open_engine_transport(settings.engine);
+        if (!transport) return tl::unexpected(transport.error());
+        engine = std::make_unique<EngineLink>(std::move(*transport));
+        if (settings.record) queue = std::make_unique<SceneMessageQueue>();
+    }
     TouchRun run(model, *parts, opened->map, limits, settings.render,
-                 patches ? &*patches : nullptr);
+                 {.engine = engine.get(), .recorded = queue.get()}, patches ? &*patches : nullptr);
     auto input = make_device_input(device.info(), settings.input);
     if (!input) return tl::unexpected(input.error());
     const double tick_seconds = settings.input.tick_seconds;
@@ -273,6 +325,7 @@ Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings
                 if (settings.record) recorded_ticks[number] = recorded(seconds, state, rendered);
                 if (settings.trace) traced_ticks[number] = traced(run.renderer());
                 device.write(input->command(run.renderer()));
+                if (engine != nullptr) engine->send(run.renderer(), state, nanoseconds_now());
                 count = number + 1;
                 live.writing() = {1e-9 * static_cast<double>(nanoseconds_now() - begin), count,
                                   rendered.force.norm(), rendered.hold, state.condition};
@@ -282,7 +335,9 @@ Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings
         ended.store(true);
     });
     const bool shown = session.bar() == BarMode::automatic && isatty(STDERR_FILENO) != 0;
-    const std::uint64_t events = show_live(live, *input, ended, shown, settings.graphics_rate);
+    std::vector<SceneMessage> messages;
+    const std::uint64_t events =
+        show_live(live, *input, ended, shown, settings.graphics_rate, queue.get(), messages);
     servo_thread.join();
 
     TouchResult result = std::move(run).finish();
@@ -300,6 +355,12 @@ Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings
                                   .button_events = events,
                                   .interrupted = last < ticks,
                                   .trouble = device.trouble()};
+    if (engine != nullptr) {
+        result.engine = {.name = engine->name(),
+                         .report = engine->report(),
+                         .trouble = engine->trouble(),
+                         .dropped = queue != nullptr ? queue->dropped() : 0};
+    }
     if (const auto* const udp = dynamic_cast<const UdpDevice*>(&device))
         result.device->network = udp->report();
     if (const auto* const held = dynamic_cast<const HandDevice*>(&device))
@@ -310,6 +371,7 @@ Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings
         recorded_ticks.resize(count);
         result.recording.settings = {.mesh_fingerprint = fingerprint_of(model),
                                      .objects = objects_of(model),
+                                     .room = model.room,
                                      .tick_seconds = tick_seconds,
                                      .map = opened->map,
                                      .render = result.render_options,
@@ -318,6 +380,7 @@ Result<TouchResult> touch_by_device(const TouchModel& model, const TouchSettings
                                      .max_stiffness = limits.max_stiffness,
                                      .max_damping = limits.max_damping};
         result.recording.ticks = std::move(recorded_ticks);
+        result.recording.messages = std::move(messages);
     }
     return result;
 }
@@ -339,7 +402,8 @@ Result<ReplayResult> replay_touch(const TouchModel& model, const Recording& reco
         return tl::unexpected(status.error());
     const auto parts = parts_for(model, settings.render, settings.law);
     if (!parts) return tl::unexpected(parts.error());
-    TouchRun run(model, *parts, settings.map, device, settings.render);
+    TouchRun run(model, *parts, settings.map, device, settings.render,
+                 {.replayed = recording.messages});
     ReplayResult result;
     std::vector<TracedTick> ticks;
     ticks.reserve(trace ? recording.ticks.size() : 0);
@@ -349,6 +413,12 @@ Result<ReplayResult> replay_touch(const TouchModel& model, const Recording& reco
                            recorded(tick.seconds, state, run.tick(state, settings.tick_seconds))))
             ++result.differences;
         if (trace) ticks.push_back(traced(run.renderer()));
+    }
+    if (const Status& status = run.replayed(); !status) {
+        return fail(ErrorCode::malformed_file,
+                    concat("what an engine sent does not fit the scene: ", status.error().message,
+                           ": record the session again"),
+                    path);
     }
     result.touch = std::move(run).finish();
     result.touch.trace = {settings.tick_seconds, std::move(ticks)};

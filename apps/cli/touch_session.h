@@ -35,7 +35,8 @@ struct TouchModel {
     std::unique_ptr<ScriptedScene> scene;         ///< null of one model at rest
     std::vector<std::string> object_names;        ///< of a scene
     std::vector<std::uint32_t> parts;             ///< first triangles of its objects
-    Box reach;                                    ///< what is touched never leaves it
+    Box reach;       ///< what is touched never leaves it, but for an engine
+    double room = 0; ///< of a scene, see ScriptedScene::make
     double build_seconds = 0;
 };
 
@@ -46,6 +47,7 @@ struct TouchModel {
 
 struct TouchSettings {
     TouchDeviceSettings device;
+    std::string engine; ///< the channel to an engine, which needs a scene; "" for none
     InputOptions input;
     double seconds = 5;
     RenderOptions render;
@@ -76,6 +78,14 @@ struct DeviceAccount {
     std::string trouble;      ///< "" for none
 };
 
+/// What became of a session's channel to an engine.
+struct EngineAccount {
+    std::string name;
+    EngineReport report;
+    std::string trouble;       ///< "" for none
+    std::uint64_t dropped = 0; ///< messages that the recording lacks
+};
+
 struct TouchResult {
     QualityReport quality;
     ServoStatistics servo;
@@ -91,6 +101,7 @@ struct TouchResult {
     TouchTrace trace;                    ///< empty unless asked for
     std::optional<DeviceAccount> device; ///< none of a replay
     std::optional<PatchAccount> patches; ///< of patch mode
+    std::optional<EngineAccount> engine;
 };
 
 /// A device touches the model in a thread of its own, while this one shows rate and force on a

@@ -9,6 +9,7 @@
 //     scene.exchange(cup, *other_body);                             // any time, by another thread
 //     auto bent = refit_touch_body(*body, positions);               // any thread, any time
 //     scene.deform(cup, *bent, 1.0 / 60);                           // any time, by another thread
+//     auto channel = open_engine_channel("udp:4712");               // or by an engine in another program
 //
 //     application ──motions, bodies──▶ snapshots ──▶ servo loops     none waits for another
 //
@@ -34,12 +35,17 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
+#include <string_view>
 
 namespace proxima {
 
 class ContactBody;
+class EngineLink;
+class HapticRenderer;
 class MeshIndex;
 class SceneViews;
+struct DeviceState;
 
 /// Stiffness, damping and friction of a body, limited by what the device can take.
 struct SurfaceMaterial {
@@ -152,8 +158,8 @@ struct SceneTick {
     double seconds = 0;     ///< by which objects moved on: more than the tick's after lost ticks
 };
 
-/// Up to 64 objects. add() before the first tick; move(), exchange() and deform() by one thread for
-/// each object, at any time; advance(), pose() and velocity() by the thread of the renderer that was
+/// Up to 64 objects. add() before the first tick; move(), exchange(), deform() and set_material()
+/// by one thread for each object, at any time; advance(), pose() and velocity() by the thread of the renderer that was
 /// made first; after its end the next that is made takes its place. Renderers are made and destroyed
 /// by any thread at any time. A value that moves, while no renderer has it.
 class TouchScene {
@@ -189,6 +195,13 @@ public:
     /// the one given last, a negative time, out of the bounds.
     [[nodiscard]] Status deform(ObjectId object, const TouchBody& body, double seconds);
 
+    /// Gives an object another material than its body's, until the body is exchanged. Each number
+    /// changes evenly within `seconds`, so that the force does not jump; where the body has no
+    /// material, or with 0, in the next tick. Wait-free. Error invalid_argument: a material that
+    /// build_touch_body would refuse, a negative time.
+    [[nodiscard]] Status set_material(ObjectId object, const SurfaceMaterial& material,
+                                      double seconds);
+
     /// Advances all objects by a tick. The first renderer calls it. noexcept, wait-free, no allocation,
     /// nothing freed. \pre seconds > 0
     SceneTick advance(double seconds) noexcept;
@@ -207,5 +220,76 @@ private:
 
     std::unique_ptr<SceneViews> views_; ///< not null but after a move
 };
+
+/// Counts of a channel's packets.
+struct EngineReport {
+    std::uint64_t received = 0;        ///< packets of any kind
+    std::uint64_t accepted = 0;        ///< scene packets
+    std::uint64_t malformed = 0;       ///< of a wrong size or magic, or with a time out of range
+    std::uint64_t other_versions = 0;  ///< of another version of the protocol
+    std::uint64_t foreign = 0;         ///< of another engine than the served one
+    std::uint64_t duplicated = 0;      ///< with the number of the last one
+    std::uint64_t reordered = 0;       ///< with a lower number
+    std::uint64_t leapt = 0;           ///< with a number that is too high to follow
+    std::uint64_t lost = 0;            ///< missing numbers, in each session from its first
+    std::uint64_t sessions = 0;        ///< of engines, one after another
+    std::uint64_t motions = 0;         ///< that objects were given
+    std::uint64_t materials = 0;       ///< that objects were given
+    std::uint64_t refused_objects = 0; ///< of accepted packets: no such object, no rigid pose, ...
+    std::uint64_t sent = 0;            ///< touch packets
+    std::uint64_t unsent = 0;          ///< touch packets that the system refused
+};
+
+/// A channel to an engine in another program, which owns the world: Unity, Unreal, Godot, ROS. It sends
+/// where objects are and what they are made of, and gets what is touched, in every tick.
+///
+///     engine  ──poses, velocities, materials──▶    channel  ──▶ TouchScene     60 to 100 times a second
+///     engine  ◀──proxy, anchor, force, contacts──  channel  ◀── HapticRenderer  1,000 times a second
+///
+///     auto channel = open_engine_channel("udp:4712");                 // or "shm:NAME"
+///     each tick:  channel->receive(scene, 1e-3);
+///                 const DeviceState& state = input->accept(device.read());
+///                 renderer->tick(state, 1e-3);
+///                 device.write(input->command(*renderer));
+///                 channel->send(*renderer, state);
+///
+/// docs/engine_channel.md describes the packets byte by byte; engine_client.py and engine_client.c of the
+/// examples are the engine's side. The servo thread's. A value that moves.
+class EngineChannel {
+public:
+    EngineChannel(EngineChannel&& other) noexcept;
+    EngineChannel& operator=(EngineChannel&& other) noexcept;
+    /// Ends the channel and removes the shared memory.
+    ~EngineChannel();
+
+    /// Takes the packets that came, and moves objects and changes materials by them: the scene's
+    /// objects are left to the engine. Call it before the renderer's tick. Whatever comes, the scene
+    /// gets rigid poses within its bounds and materials that build_touch_body takes. noexcept, wait-
+    /// free, no allocation, at most 64 packets. \pre seconds > 0
+    void receive(TouchScene& scene, double seconds) noexcept;
+
+    /// Sends the last tick. Call it after the device got its force. noexcept, never waits, no
+    /// allocation.
+    void send(const HapticRenderer& renderer, const DeviceState& state) noexcept;
+
+    [[nodiscard]] const EngineReport& report() const noexcept;
+
+    /// What went wrong, in words; "" for nothing. By the servo thread, outside of ticks.
+    [[nodiscard]] std::string trouble() const;
+
+private:
+    friend Result<EngineChannel> open_engine_channel(std::string_view name);
+    explicit EngineChannel(std::unique_ptr<EngineLink> link) noexcept;
+
+    std::unique_ptr<EngineLink> link_; ///< not null but after a move
+};
+
+/// Opens a channel by name:
+///     udp:PORT            datagrams of programs on this machine
+///     udp:ADDRESS:PORT    also of others, where the address is one of a network
+///     shm:NAME            shared memory, for programs of this user; the first one installs a handler of
+///                         SIGBUS, for memory that another program shortens, and passes others on
+/// Errors: invalid_argument (another name, what the system says, a name or port that is in use).
+[[nodiscard]] Result<EngineChannel> open_engine_channel(std::string_view name);
 
 } // namespace proxima

@@ -34,6 +34,9 @@ Recording scene_recording()
         .kind = ObjectMotionKind::swing, .along = Vec3::UnitX(), .seconds = 1};
     recording.settings.objects[3].material = SurfaceMaterial{};
     recording.ticks.resize(20);
+    recording.messages.resize(2);
+    recording.messages[0].has_motion = recording.messages[1].has_material = true;
+    recording.messages[1].tick = 7;
     return recording;
 }
 
@@ -133,6 +136,37 @@ std::vector<Forgery> forgeries()
                        },
                        {0, 1e-160, 1.1e100}});
     }
+    all.push_back({"room",
+                   [](Recording& r) -> double& { return r.settings.room; },
+                   {-1e-9, 1.1e6, endless, not_a_number}});
+    const auto of_message = [&](const std::string& name, auto number, std::vector<double> wrong) {
+        all.push_back({"message 1: " + name,
+                       [number](Recording& r) -> double& { return number(r.messages[1]); },
+                       std::move(wrong)});
+    };
+    const std::vector<double> wrong_times = {-1e-9, 86401, 1e308, endless, not_a_number};
+    of_message(
+        "pose", [](SceneMessage& m) -> double& { return m.motion.pose.translation.z(); },
+        wrong_coordinates);
+    of_message(
+        "velocity y", [](SceneMessage& m) -> double& { return m.motion.velocity.y(); },
+        wrong_coordinates);
+    of_message("spin x", [](SceneMessage& m) -> double& { return m.motion.spin.x(); },
+               {-1.1e6, 1.1e6, endless, not_a_number});
+    of_message(
+        "seconds", [](SceneMessage& m) -> double& { return m.motion.seconds; }, wrong_times);
+    of_message(
+        "coast_seconds", [](SceneMessage& m) -> double& { return m.motion.coast_seconds; },
+        wrong_times);
+    of_message(
+        "material_seconds", [](SceneMessage& m) -> double& { return m.material_seconds; },
+        wrong_times);
+    of_message(
+        "stiffness", [](SceneMessage& m) -> double& { return m.material.stiffness; },
+        wrong_strengths);
+    of_message("dynamic_friction",
+               [](SceneMessage& m) -> double& { return m.material.dynamic_friction; },
+               {-1e-9, 0.5, 1e308, endless, not_a_number});
     return all;
 }
 
@@ -172,6 +206,18 @@ TEST_F(ForgedRecordingTest, NamesTheFieldThatIsOutOfRange)
     recording = scene_recording();
     recording.settings.objects[2].pose.rotation(0, 0) = 2;
     EXPECT_EQ(reloaded(recording).error().message.find("object 2: pose"), 0U);
+    recording = scene_recording();
+    recording.messages[1].motion.pose.rotation(0, 0) = 2;
+    EXPECT_EQ(reloaded(recording).error().message.find("message 1: pose"), 0U);
+    recording = scene_recording();
+    recording.messages[1].object = ObjectId{4};
+    EXPECT_EQ(reloaded(recording).error().message.find("message 1: object is 4"), 0U);
+    recording = scene_recording();
+    recording.messages[0].tick = 8;
+    EXPECT_EQ(reloaded(recording).error().message.find("message 1: its tick"), 0U);
+    recording = scene_recording();
+    recording.messages[0].has_motion = false;
+    EXPECT_EQ(reloaded(recording).error().message.find("message 0: parts is 0"), 0U);
 }
 
 /// Replays a scene of cubes; every force must be finite and within the limit.
@@ -181,7 +227,7 @@ void replay(const Recording& recording)
     std::vector<TouchBody> bodies;
     for (const ScriptedObject& object : settings.objects)
         bodies.push_back(body_of(*sample_mesh("cube"), {.material = object.material}));
-    auto scene = ScriptedScene::make(bodies, settings.objects);
+    auto scene = ScriptedScene::make(bodies, settings.objects, settings.room);
     ASSERT_TRUE(scene) << describe(scene.error());
     const DeviceLimits device = {.max_force = settings.max_force,
                                  .max_stiffness = settings.max_stiffness,
@@ -190,6 +236,8 @@ void replay(const Recording& recording)
     ASSERT_TRUE(renderer) << describe(renderer.error());
     QualityMeter meter((*scene)->scene(), settings.map);
     for (std::size_t i = 0; i < recording.ticks.size(); ++i) {
+        for (const SceneMessage& message : recording.messages)
+            if (message.tick == i) (void)apply(message, (*scene)->scene());
         (*scene)->send_motions(i, settings.tick_seconds);
         const DeviceState state = device_state(recording.ticks[i]);
         const RenderTick& tick = renderer->tick(state, settings.tick_seconds);
@@ -203,6 +251,13 @@ void replay(const Recording& recording)
 TEST_F(ForgedRecordingTest, EverythingInRangeIsReplayed)
 {
     const std::vector<std::function<void(Recording&)>> ends = {
+        [](Recording& r) {
+            r.settings.room = 1e6;
+            r.messages[0].motion.pose.translation.setConstant(1e100);
+            r.messages[0].motion.velocity.setConstant(-1e100);
+            r.messages[0].motion.spin.setConstant(1e6);
+            r.messages[0].motion.seconds = r.messages[0].motion.coast_seconds = 86400;
+        },
         [](Recording& r) { r.settings.tick_seconds = 1; },
         [](Recording& r) { r.settings.tick_seconds = 1e-6; },
         [](Recording& r) { r.settings.map.units_per_metre = 1e100; },
@@ -219,10 +274,19 @@ TEST_F(ForgedRecordingTest, EverythingInRangeIsReplayed)
         [](Recording& r) { r.settings.objects[1].script.along = Vec3(1e100, 0, 0); },
         [](Recording& r) { r.settings.objects[2].script.seconds = 1e9; },
         [](Recording& r) { r.settings.objects[3].script.seconds = 1e-6; },
-        [](Recording& r) { r.settings.objects[3].script.along = Vec3(0, 0.99e100, 0); },
+        [](Recording& r) {
+            r.settings.objects[3].script.along = Vec3(0, 0.99e100, 0);
+            r.settings.room = 0; // so large a scene has none
+        },
         [](Recording& r) {
             for (std::size_t i = 0; i < r.ticks.size(); ++i)
                 r.ticks[i].position = {i % 2 == 0 ? 1e6 : -1e6, -1e6, 0.1 * static_cast<double>(i)};
+        },
+        [](Recording& r) {
+            r.messages[0].motion.spin.setConstant(-1e6);
+            r.messages[0].motion.coast_seconds = 86400;
+            r.messages[1].material = {1e9, 1e9, 1e9, 1e9};
+            r.messages[1].material_seconds = 86400;
         },
         [](Recording& r) {
             for (RecordedTick& tick : r.ticks) tick.velocity = {1e308, endless, not_a_number};

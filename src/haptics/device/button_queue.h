@@ -1,4 +1,4 @@
-// Button events from the servo thread to the user's: a ring without lock or waiting.
+// Events from the servo thread to the user's, such as those of buttons: a ring without lock or waiting.
 #pragma once
 
 #include "proxima/device.h"
@@ -13,12 +13,13 @@ namespace proxima {
 
 /// One thread pushes, one other thread pops. Wait-free, noexcept, no allocation. Events are popped
 /// in the order in which they were pushed. A full queue drops and counts new ones.
-class ButtonQueue {
+template <class Event, std::size_t Capacity>
+class EventQueue {
 public:
-    static constexpr std::size_t capacity = 256;
+    static constexpr std::size_t capacity = Capacity;
 
     /// False where the ring is full. Called by the pushing thread.
-    bool push(const ButtonEvent& event) noexcept
+    bool push(const Event& event) noexcept
     {
         const std::size_t end = end_.load(std::memory_order_relaxed);
         if (end - begin_.load(std::memory_order_acquire) == capacity) {
@@ -31,11 +32,11 @@ public:
     }
 
     /// The next event; nothing where there is none. Called by the popping thread.
-    [[nodiscard]] std::optional<ButtonEvent> pop() noexcept
+    [[nodiscard]] std::optional<Event> pop() noexcept
     {
         const std::size_t begin = begin_.load(std::memory_order_relaxed);
         if (begin == end_.load(std::memory_order_acquire)) return std::nullopt;
-        const ButtonEvent event = events_[begin % capacity];
+        const Event event = events_[begin % capacity];
         begin_.store(begin + 1, std::memory_order_release);
         return event;
     }
@@ -47,10 +48,12 @@ public:
     }
 
 private:
-    std::array<ButtonEvent, capacity> events_{};
+    std::array<Event, capacity> events_{};
     alignas(64) std::atomic<std::size_t> end_{0};
     alignas(64) std::atomic<std::size_t> begin_{0};
     std::atomic<std::uint64_t> dropped_{0};
 };
+
+using ButtonQueue = EventQueue<ButtonEvent, 256>;
 
 } // namespace proxima

@@ -12,9 +12,6 @@ namespace {
 
 constexpr int datagrams_per_tick = 64;
 
-/// More packets than a second has; after a second without a good packet any number is accepted.
-constexpr std::uint64_t longest_leap = 65536;
-
 /// The relative drift of two clocks: at most a tenth of a per mille.
 constexpr double clock_drift = 1e-4;
 
@@ -35,7 +32,8 @@ Result<std::unique_ptr<UdpDevice>> UdpDevice::open(const UdpOptions& options)
 }
 
 UdpDevice::UdpDevice(UdpSocket socket, const UdpOptions& options)
-    : socket_(std::move(socket)), options_(options)
+    : socket_(std::move(socket)), options_(options),
+      order_(options.patience, options.forget_seconds)
 {
     info_.name = concat("udp:", to_text(socket_.address()));
     info_.model = "a program over UDP";
@@ -43,26 +41,6 @@ UdpDevice::UdpDevice(UdpSocket socket, const UdpOptions& options)
     info_.buttons = 32;
     info_.rotates = true;
     info_.patience = options.patience;
-}
-
-bool UdpDevice::is_served(const StatePacket& packet, const UdpAddress& from,
-                          std::int64_t nanoseconds) noexcept
-{
-    const double silent = 1e-9 * static_cast<double>(nanoseconds - last_heard_);
-    const bool same = served_ && from == peer_ && packet.session == last_.session;
-    const bool follows = first_ || (packet.sequence > last_.sequence &&
-                                    packet.sequence - last_.sequence <= longest_leap);
-    if (same && (follows || silent < options_.forget_seconds)) return true;
-    // A sender with the address of the last one is that program again: it need not wait for long.
-    const double wait = from == peer_ ? options_.patience : options_.forget_seconds;
-    if (served_ && silent < wait) return false;
-    served_ = true;
-    first_ = true;
-    peer_ = from;
-    last_ = {};
-    last_.session = packet.session;
-    ++report_.sessions;
-    return true;
 }
 
 bool UdpDevice::is_in_time(const StatePacket& packet, std::int64_t nanoseconds) noexcept
@@ -73,7 +51,8 @@ bool UdpDevice::is_in_time(const StatePacket& packet, std::int64_t nanoseconds) 
     const auto passed = static_cast<double>(nanoseconds - quickest_at_);
     // If all are late, their clock was set back.
     const bool anew =
-        first_ || 1e-9 * static_cast<double>(nanoseconds - last_heard_) > options_.forget_seconds;
+        order_.is_first() ||
+        1e-9 * static_cast<double>(nanoseconds - order_.last_heard()) > options_.forget_seconds;
     if (anew || difference < quickest_ + clock_drift * passed) {
         quickest_ = difference;
         quickest_at_ = nanoseconds;
@@ -89,26 +68,35 @@ void UdpDevice::take(std::span<const std::byte> datagram, const UdpAddress& from
     StatePacket packet;
     if (decode(datagram, packet) != PacketFault::none) {
         ++report_.malformed;
-    } else if (!is_served(packet, from, nanoseconds)) {
-        ++report_.foreign;
-    } else if (!first_ && packet.sequence == last_.sequence) {
-        ++report_.duplicated;
-    } else if (!first_ && packet.sequence < last_.sequence) {
-        ++report_.reordered;
-    } else if (!first_ && packet.sequence - last_.sequence > longest_leap) {
-        ++report_.leapt;
-    } else if (!is_in_time(packet, nanoseconds)) {
-        ++report_.late;
-    } else {
-        if (!first_) report_.lost += packet.sequence - last_.sequence - 1;
-        first_ = false;
-        ++report_.accepted;
-        last_ = packet;
-        last_heard_ = nanoseconds;
-        reading_.state = device_state(packet);
-        ++reading_.sample;
-        unanswered_ = true;
+        return;
     }
+    switch (order_.judge(packet.session, packet.sequence, from, nanoseconds)) {
+    case PacketVerdict::foreign:
+        ++report_.foreign;
+        return;
+    case PacketVerdict::duplicated:
+        ++report_.duplicated;
+        return;
+    case PacketVerdict::reordered:
+        ++report_.reordered;
+        return;
+    case PacketVerdict::leapt:
+        ++report_.leapt;
+        return;
+    case PacketVerdict::well:
+        break;
+    }
+    report_.sessions = order_.sessions();
+    if (!is_in_time(packet, nanoseconds)) {
+        ++report_.late;
+        return;
+    }
+    report_.lost += order_.accept(packet.sequence, nanoseconds);
+    ++report_.accepted;
+    answered_ = packet;
+    reading_.state = device_state(packet);
+    ++reading_.sample;
+    unanswered_ = true;
 }
 
 DeviceReading UdpDevice::read() noexcept
@@ -129,15 +117,15 @@ void UdpDevice::write(const DeviceCommand& command) noexcept
     if (!unanswered_) return;
     unanswered_ = false;
     ReplyPacket reply;
-    reply.session = last_.session;
-    reply.sequence = last_.sequence;
-    reply.nanoseconds = last_.nanoseconds;
+    reply.session = answered_.session;
+    reply.sequence = answered_.sequence;
+    reply.nanoseconds = answered_.nanoseconds;
     reply.command = command;
     reply.max_force = options_.limits.max_force;
     reply.hold_seconds = options_.patience;
     reply.fade_seconds = options_.fade_seconds;
     reply.recovery_seconds = options_.recovery_seconds;
-    const bool sent = socket_.send(encode(reply), peer_);
+    const bool sent = socket_.send(encode(reply), order_.peer());
     report_.replies += sent ? 1U : 0U;
     report_.unsent += sent ? 0U : 1U;
 }

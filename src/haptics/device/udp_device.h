@@ -12,6 +12,7 @@
 #pragma once
 
 #include "base/udp_socket.h"
+#include "haptics/device/packet_sequence.h"
 #include "haptics/device/udp_packets.h"
 #include "proxima/device.h"
 
@@ -66,8 +67,6 @@ public:
 
 private:
     UdpDevice(UdpSocket socket, const UdpOptions& options);
-    [[nodiscard]] bool is_served(const StatePacket& packet, const UdpAddress& from,
-                                 std::int64_t nanoseconds) noexcept;
     [[nodiscard]] bool is_in_time(const StatePacket& packet, std::int64_t nanoseconds) noexcept;
 
     UdpSocket socket_;
@@ -75,13 +74,10 @@ private:
     DeviceInfo info_;
     UdpReport report_;
     DeviceReading reading_;
-    StatePacket last_;
-    UdpAddress peer_;
-    std::int64_t last_heard_ = 0;
-    double quickest_ = 0; ///< ns: the least difference of the clocks, arrival less stamp
+    PacketSequence order_;
+    StatePacket answered_; ///< the state that the next reply answers
+    double quickest_ = 0;  ///< ns: the least difference of the clocks, arrival less stamp
     std::int64_t quickest_at_ = 0;
-    bool served_ = false; ///< there is a device
-    bool first_ = true;   ///< nothing of its session was accepted yet
     bool unanswered_ = false;
 };
 

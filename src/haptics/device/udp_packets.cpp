@@ -1,88 +1,14 @@
 #include "haptics/device/udp_packets.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 namespace proxima {
 
 namespace {
 
-constexpr std::array<char, 4> state_magic = {'P', 'X', 'U', 'P'};
-constexpr std::array<char, 4> reply_magic = {'P', 'X', 'D', 'N'};
-
-/// Writes numbers one after another, the lowest byte first.
-class Writer {
-public:
-    explicit Writer(std::span<std::byte> bytes) noexcept : bytes_(bytes) {}
-
-    template <class Number>
-    void put(Number number) noexcept
-    {
-        for (std::size_t i = 0; i < sizeof(Number); ++i)
-            bytes_[at_++] = static_cast<std::byte>(number >> (8 * i) & 255U);
-    }
-    void put(double number) noexcept { put(std::bit_cast<std::uint64_t>(number)); }
-    void put(const Vec3& v) noexcept
-    {
-        for (const double x : v) put(x);
-    }
-    void head(const std::array<char, 4>& magic) noexcept
-    {
-        for (const char letter : magic) put(static_cast<std::uint8_t>(letter));
-        put(udp_version);
-        put(static_cast<std::uint16_t>(bytes_.size()));
-    }
-
-private:
-    std::span<std::byte> bytes_;
-    std::size_t at_ = 0;
-};
-
-/// Reads numbers that a Writer wrote. \pre the bytes suffice
-class Reader {
-public:
-    explicit Reader(std::span<const std::byte> bytes) noexcept : bytes_(bytes) {}
-
-    template <class Number>
-    void get(Number& number) noexcept
-    {
-        number = 0;
-        for (std::size_t i = 0; i < sizeof(Number); ++i)
-            number |= static_cast<Number>(static_cast<Number>(bytes_[at_++]) << (8 * i));
-    }
-    void get(double& number) noexcept
-    {
-        std::uint64_t bits = 0;
-        get(bits);
-        number = std::bit_cast<double>(bits);
-    }
-    void get(Vec3& v) noexcept
-    {
-        for (double& x : v) get(x);
-    }
-    [[nodiscard]] PacketFault head(const std::array<char, 4>& magic, std::size_t size) noexcept
-    {
-        if (bytes_.size() != size) return PacketFault::wrong_size;
-        bool same = true;
-        for (const char letter : magic) {
-            std::uint8_t byte = 0;
-            get(byte);
-            same = same && byte == static_cast<std::uint8_t>(letter);
-        }
-        if (!same) return PacketFault::wrong_magic;
-        std::uint16_t version = 0;
-        std::uint16_t reported = 0;
-        get(version);
-        get(reported);
-        if (version != udp_version) return PacketFault::wrong_version;
-        return reported == size ? PacketFault::none : PacketFault::wrong_size;
-    }
-
-private:
-    std::span<const std::byte> bytes_;
-    std::size_t at_ = 0;
-};
+constexpr PacketMagic state_magic = {'P', 'X', 'U', 'P'};
+constexpr PacketMagic reply_magic = {'P', 'X', 'D', 'N'};
 
 /// Calls field(x) for each field after the header, in the order of the bytes.
 template <class Packet, class Field>
@@ -131,16 +57,17 @@ void visit_reply(Packet& packet, std::uint32_t& condition, std::uint32_t& plane_
 std::array<std::byte, state_packet_size> encode(const StatePacket& packet) noexcept
 {
     std::array<std::byte, state_packet_size> bytes{};
-    Writer writer(bytes);
-    writer.head(state_magic);
+    PacketWriter writer(bytes);
+    writer.header(state_magic, udp_version);
     visit_state(packet, [&](const auto& x) { writer.put(x); });
     return bytes;
 }
 
 PacketFault decode(std::span<const std::byte> datagram, StatePacket& packet) noexcept
 {
-    Reader reader(datagram);
-    const PacketFault fault = reader.head(state_magic, state_packet_size);
+    if (datagram.size() != state_packet_size) return PacketFault::wrong_size;
+    PacketReader reader(datagram);
+    const PacketFault fault = reader.header(state_magic, udp_version);
     if (fault == PacketFault::none) visit_state(packet, [&](auto& x) { reader.get(x); });
     return fault;
 }
@@ -150,16 +77,17 @@ std::array<std::byte, reply_packet_size> encode(const ReplyPacket& packet) noexc
     std::array<std::byte, reply_packet_size> bytes{};
     auto condition = static_cast<std::uint32_t>(packet.command.condition);
     auto planes = static_cast<std::uint32_t>(packet.command.plane_count);
-    Writer writer(bytes);
-    writer.head(reply_magic);
+    PacketWriter writer(bytes);
+    writer.header(reply_magic, udp_version);
     visit_reply(packet, condition, planes, [&](const auto& x) { writer.put(x); });
     return bytes;
 }
 
 PacketFault decode(std::span<const std::byte> datagram, ReplyPacket& packet) noexcept
 {
-    Reader reader(datagram);
-    const PacketFault fault = reader.head(reply_magic, reply_packet_size);
+    if (datagram.size() != reply_packet_size) return PacketFault::wrong_size;
+    PacketReader reader(datagram);
+    const PacketFault fault = reader.header(reply_magic, udp_version);
     if (fault != PacketFault::none) return fault;
     DeviceCommand& command = packet.command;
     std::uint32_t condition = 0;

@@ -5,6 +5,7 @@
 //     reply  renderer ──▶ device    force, and its planes, for a servo loop of the device
 #pragma once
 
+#include "haptics/device/packet_bytes.h"
 #include "proxima/device.h"
 
 #include <array>
@@ -46,8 +47,6 @@ struct ReplyPacket {
     double fade_seconds = 0;     ///< in which the force fades after that, and comes back
     double recovery_seconds = 0; ///< in which the force crosses over to new planes
 };
-
-enum class PacketFault : std::uint8_t { none, wrong_size, wrong_magic, wrong_version };
 
 /// noexcept, without allocation; nothing beyond the span is read, whatever it holds.
 [[nodiscard]] PacketFault decode(std::span<const std::byte> datagram, StatePacket& packet) noexcept;

@@ -146,6 +146,53 @@ Status check_tick(const RecordedTick& tick, std::size_t number)
                         {0, input_conditions - 1});
 }
 
+/// Diagonals of the objects' box: the coordinates of a scene stay finite.
+constexpr Range room_range = {0, 1e6};
+
+/// Radians per second, along each axis: an angle is finite after any time.
+constexpr Range spin_range = {-1e6, 1e6};
+
+/// What TouchScene refuses beyond this, such as a pose out of its bounds, ends a replay with an error.
+Status check_message(const Recording& recording, std::size_t number)
+{
+    const SceneMessage& message = recording.messages[number];
+    const std::string of = concat("message ", number, ": ");
+    const std::size_t objects = recording.settings.objects.size();
+    if (to_index(message.object) >= objects) {
+        return fail(ErrorCode::malformed_file,
+                    concat(of, "object is ", to_index(message.object), ", and there are ", objects,
+                           ": record the session again"));
+    }
+    if (number > 0 && message.tick < recording.messages[number - 1].tick) {
+        return fail(ErrorCode::malformed_file,
+                    concat(of, "its tick is before that of the last: record the session again"));
+    }
+    const ObjectMotion& motion = message.motion;
+    const Vec3& at = motion.pose.translation;
+    const Vec3& v = motion.velocity;
+    const SurfaceMaterial& material = message.material;
+    Status status = check_fields(
+        std::array<Field, 16>{{{"pose x", at.x(), coordinate_range},
+                               {"pose y", at.y(), coordinate_range},
+                               {"pose z", at.z(), coordinate_range},
+                               {"seconds", motion.seconds, ramp_range},
+                               {"velocity x", v.x(), coordinate_range},
+                               {"velocity y", v.y(), coordinate_range},
+                               {"velocity z", v.z(), coordinate_range},
+                               {"spin x", motion.spin.x(), spin_range},
+                               {"spin y", motion.spin.y(), spin_range},
+                               {"spin z", motion.spin.z(), spin_range},
+                               {"coast_seconds", motion.coast_seconds, ramp_range},
+                               {"stiffness", material.stiffness, strength_range},
+                               {"damping", material.damping, strength_range},
+                               {"static_friction", material.static_friction, strength_range},
+                               {"dynamic_friction", material.dynamic_friction, strength_range},
+                               {"material_seconds", message.material_seconds, ramp_range}}},
+        of);
+    return status ? check_frictions(material.dynamic_friction, material.static_friction, of)
+                  : status;
+}
+
 } // namespace
 
 Status check_recording(const Recording& recording)
@@ -154,6 +201,12 @@ Status check_recording(const Recording& recording)
     if (Status status = check_settings(settings); !status) return status;
     for (std::size_t i = 0; i < settings.objects.size(); ++i) {
         if (Status status = check_object(settings.objects[i], i); !status) return status;
+    }
+    if (Status status = check_fields(std::array<Field, 1>{{{"room", settings.room, room_range}}});
+        !status)
+        return status;
+    for (std::size_t i = 0; i < recording.messages.size(); ++i) {
+        if (Status status = check_message(recording, i); !status) return status;
     }
     for (std::size_t i = 0; i < recording.ticks.size(); ++i) {
         if (Status status = check_tick(recording.ticks[i], i); !status) return status;

@@ -3,6 +3,7 @@
 //     settings   what make_haptic_renderer takes, and no number so large or small that a product of
 //                several of them overflows
 //     objects    motions that never leave the bounds of their scene (object_script.h)
+//     messages   motions and materials of an engine: objects that there are, finite numbers
 //     ticks      positions that a device can have
 //
 // What a replay only compares (forces, proxies) or does not use may be anything.

@@ -13,7 +13,7 @@ namespace proxima {
 
 namespace {
 
-constexpr FileFormat format = {{'P', 'X', 'T', 'O', 'U', 'C', 'H', '\n'}, 4, "recording"};
+constexpr FileFormat format = {{'P', 'X', 'T', 'O', 'U', 'C', 'H', '\n'}, 5, "recording"};
 
 enum Section : std::uint32_t {
     fingerprint_section = 1,
@@ -21,10 +21,13 @@ enum Section : std::uint32_t {
     ticks_section = 3,
     objects_section = 4, ///< since version 3
     fingerprints_of_objects_section = 5,
-    force_law_section = 6 ///< since version 4
+    force_law_section = 6, ///< since version 4
+    room_section = 7,      ///< since version 5
+    messages_section = 8
 };
 constexpr std::uint32_t first_version_with_objects = 3;
 constexpr std::uint32_t first_version_with_force_laws = 4;
+constexpr std::uint32_t first_version_with_messages = 5;
 
 /// The greatest number that stands for a Guard.
 constexpr int last_guard = 2;
@@ -66,6 +69,24 @@ struct ObjectNumbers {
     double dynamic_friction;
 };
 static_assert(sizeof(ObjectNumbers) == 23 * sizeof(double));
+
+/// What an engine changed of an object, in the order of the file.
+struct MessageNumbers {
+    std::uint64_t tick;
+    std::uint32_t object;
+    std::uint32_t parts; ///< 1: a motion, 2: a material, 3: both
+    double pose[12];     ///< (R | t) row by row
+    double seconds;
+    double velocity[3];
+    double spin[3];
+    double coast_seconds;
+    double stiffness;
+    double damping;
+    double static_friction;
+    double dynamic_friction;
+    double material_seconds;
+};
+static_assert(sizeof(MessageNumbers) == 27 * sizeof(double));
 
 std::array<double, 3> numbers(const Vec3& v) noexcept
 {
@@ -132,6 +153,37 @@ RecordingSettings settings_of(const SettingNumbers& numbers, std::uint64_t finge
     return settings;
 }
 
+void write_pose(const RigidTransform& pose, double (&numbers)[12])
+{
+    for (int row = 0; row < 3; ++row) {
+        for (int column = 0; column < 3; ++column)
+            numbers[4 * row + column] = pose.rotation(row, column);
+        numbers[4 * row + 3] = pose.translation[row];
+    }
+}
+
+MessageNumbers numbers(const SceneMessage& message)
+{
+    MessageNumbers result{};
+    result.tick = message.tick;
+    result.object = to_index(message.object);
+    result.parts = (message.has_motion ? 1U : 0U) | (message.has_material ? 2U : 0U);
+    const ObjectMotion& motion = message.motion;
+    write_pose(motion.pose, result.pose);
+    result.seconds = motion.seconds;
+    for (int axis = 0; axis < 3; ++axis) {
+        result.velocity[axis] = motion.velocity[axis];
+        result.spin[axis] = motion.spin[axis];
+    }
+    result.coast_seconds = motion.coast_seconds;
+    result.stiffness = message.material.stiffness;
+    result.damping = message.material.damping;
+    result.static_friction = message.material.static_friction;
+    result.dynamic_friction = message.material.dynamic_friction;
+    result.material_seconds = message.material_seconds;
+    return result;
+}
+
 /// Error where a number that stands for one of a few is none of them: 0 to `most`.
 Status check_choice(const std::string& field, double value, int most)
 {
@@ -145,12 +197,8 @@ Status check_choice(const std::string& field, double value, int most)
 ObjectNumbers numbers(const ScriptedObject& object)
 {
     ObjectNumbers result{};
-    for (int row = 0; row < 3; ++row) {
-        for (int column = 0; column < 3; ++column)
-            result.pose[4 * row + column] = object.pose.rotation(row, column);
-        result.pose[4 * row + 3] = object.pose.translation[row];
-        result.along[row] = object.script.along[row];
-    }
+    write_pose(object.pose, result.pose);
+    for (int axis = 0; axis < 3; ++axis) result.along[axis] = object.script.along[axis];
     result.kind = static_cast<double>(object.script.kind);
     result.angle = object.script.angle;
     result.seconds = object.script.seconds;
@@ -217,6 +265,61 @@ Result<std::vector<ScriptedObject>> objects_of(const BinaryFile& file)
     return objects;
 }
 
+/// Error where the numbers make no message; its ranges are for check_recording.
+Result<SceneMessage> message_of(const MessageNumbers& numbers, std::size_t number)
+{
+    const std::string of = concat("message ", number, ": ");
+    const auto pose = make_rigid_transform(numbers.pose);
+    if (!pose) {
+        return fail(ErrorCode::malformed_file,
+                    concat(of, "pose: ", pose.error().message, ": record the session again"));
+    }
+    if (numbers.parts < 1 || numbers.parts > 3) {
+        return fail(ErrorCode::malformed_file,
+                    concat(of, "parts is ", numbers.parts,
+                           " and must be 1 to 3: record the session again"));
+    }
+    SceneMessage message;
+    message.tick = numbers.tick;
+    message.object = ObjectId{numbers.object};
+    message.has_motion = (numbers.parts & 1U) != 0;
+    message.has_material = (numbers.parts & 2U) != 0;
+    message.motion = {.pose = *pose,
+                      .seconds = numbers.seconds,
+                      .velocity =
+                          Vec3(numbers.velocity[0], numbers.velocity[1], numbers.velocity[2]),
+                      .spin = Vec3(numbers.spin[0], numbers.spin[1], numbers.spin[2]),
+                      .coast_seconds = numbers.coast_seconds};
+    message.material = {.stiffness = numbers.stiffness,
+                        .damping = numbers.damping,
+                        .static_friction = numbers.static_friction,
+                        .dynamic_friction = numbers.dynamic_friction};
+    message.material_seconds = numbers.material_seconds;
+    return message;
+}
+
+/// Reads what an engine sent, and the room that it had. Nothing in files that are older.
+Status read_messages(const BinaryFile& file, Recording& recording)
+{
+    if (file.version() < first_version_with_messages) return {};
+    const auto room = file.section<double>(room_section);
+    if (!room) return tl::unexpected(room.error());
+    const auto rows = file.section<MessageNumbers>(messages_section);
+    if (!rows) return tl::unexpected(rows.error());
+    if (room->size() != 1) {
+        return fail(ErrorCode::malformed_file,
+                    "the room of the scene is missing: record the session again");
+    }
+    recording.settings.room = room->front();
+    recording.messages.reserve(rows->size());
+    for (std::size_t i = 0; i < rows->size(); ++i) {
+        const auto message = message_of((*rows)[i], i);
+        if (!message) return tl::unexpected(message.error());
+        recording.messages.push_back(*message);
+    }
+    return {};
+}
+
 /// proxy for files that are older.
 Result<ForceLaw> force_law_of(const BinaryFile& file)
 {
@@ -260,6 +363,8 @@ Result<Recording> recording_of(const BinaryFile& file)
     }
     recording.settings.objects = std::move(*objects);
     recording.ticks.assign(ticks->begin(), ticks->end());
+    if (Status status = read_messages(file, recording); !status)
+        return tl::unexpected(status.error());
     if (Status status = check_recording(recording); !status) return tl::unexpected(status.error());
     return recording;
 }
@@ -327,15 +432,21 @@ Status save_recording(const Recording& recording, const std::filesystem::path& p
         objects.push_back(numbers(object));
         fingerprints.push_back(object.mesh_fingerprint);
     }
+    std::vector<MessageNumbers> messages;
+    messages.reserve(recording.messages.size());
+    for (const SceneMessage& message : recording.messages) messages.push_back(numbers(message));
     const auto law = static_cast<std::uint32_t>(recording.settings.law);
-    const std::array<BinarySection, 6> sections = {
+    const double room = recording.settings.room;
+    const std::array<BinarySection, 8> sections = {
         {{fingerprint_section, sizeof fingerprint, std::as_bytes(std::span(&fingerprint, 1))},
          {settings_section, sizeof settings, std::as_bytes(std::span(&settings, 1))},
          {ticks_section, sizeof(RecordedTick), std::as_bytes(std::span(recording.ticks))},
          {objects_section, sizeof(ObjectNumbers), std::as_bytes(std::span(objects))},
          {fingerprints_of_objects_section, sizeof(std::uint64_t),
           std::as_bytes(std::span(fingerprints))},
-         {force_law_section, sizeof law, std::as_bytes(std::span(&law, 1))}}};
+         {force_law_section, sizeof law, std::as_bytes(std::span(&law, 1))},
+         {room_section, sizeof room, std::as_bytes(std::span(&room, 1))},
+         {messages_section, sizeof(MessageNumbers), std::as_bytes(std::span(messages))}}};
     return write_binary_file(path, format, sections, progress);
 }
 

@@ -1,9 +1,11 @@
 // Sessions of touching, tick by tick: written to a file, read back, replayed bit for bit.
 //
 // Forces follow from the device's input, the models and the settings. The file has all of these but
-// the models, which fingerprints stand for, and the motions of a scene's objects.
+// the models, which fingerprints stand for; and of a scene's objects the motions, be they scripts or
+// what an engine sent.
 #pragma once
 
+#include "haptics/channel/scene_message.h"
 #include "haptics/force/penalty_probe.h"
 #include "haptics/scene/scripted_scene.h"
 #include "proxima/device.h"
@@ -41,6 +43,7 @@ struct RecordedTick {
 struct RecordingSettings {
     std::uint64_t mesh_fingerprint = 0;  ///< of one model at rest; 0 for a scene
     std::vector<ScriptedObject> objects; ///< of a scene; empty for one model at rest
+    double room = 0;                     ///< of a scene, see ScriptedScene::make
     double tick_seconds = 1e-3;
     WorkspaceMap map;
     RenderOptions render;
@@ -53,6 +56,7 @@ struct RecordingSettings {
 struct Recording {
     RecordingSettings settings;
     std::vector<RecordedTick> ticks;
+    std::vector<SceneMessage> messages; ///< of an engine, by tick
 };
 
 /// The record of a tick.

@@ -1,28 +1,13 @@
 #include "haptics/scene/contact_body.h"
 
 #include "base/text.h"
+#include "haptics/scene/material_change.h"
 #include "haptics/surface/changing_surface.h"
 #include "haptics/surface/exits.h"
 #include "index/check_edges.h"
 #include "proxima/mesh_index.h"
 
-#include <array>
-#include <cmath>
-
 namespace proxima {
-
-namespace {
-
-bool in_range(const SurfaceMaterial& material)
-{
-    for (const double number : {material.stiffness, material.damping, material.static_friction,
-                                material.dynamic_friction}) {
-        if (!(number >= 0) || !std::isfinite(number)) return false;
-    }
-    return material.dynamic_friction <= material.static_friction;
-}
-
-} // namespace
 
 ChangingParts ContactBody::parts() const noexcept
 {
@@ -43,11 +28,8 @@ public:
     [[nodiscard]] Result<std::unique_ptr<const ContactBody>> build(TriangleMesh mesh,
                                                                    const MeshIndex* index)
     {
-        if (options_.material && !in_range(*options_.material)) {
-            return fail(ErrorCode::invalid_argument,
-                        "stiffness, damping and friction of a surface must be finite and not "
-                        "negative, and dynamic friction at most static friction");
-        }
+        if (options_.material && !is_valid(*options_.material))
+            return fail(ErrorCode::invalid_argument, material_rule);
         ContactBody& body = *body_;
         body.mesh_ = std::move(mesh);
         auto topology = build_topology(body.mesh_, {.execution = options_.execution});

@@ -59,8 +59,9 @@ void MovingSurface::measure() noexcept
 void MovingSurface::add(ObjectId id)
 {
     PROXIMA_CHECK_EQ(to_index(id), objects_.size());
-    auto slot = std::make_unique<Slot>(input_.courses(id, tool_));
+    auto slot = std::make_unique<Slot>(input_.courses(id, tool_), input_.materials(id, tool_));
     slot->courses.update();
+    slot->materials.update();
     slot->trajectory = ObjectTrajectory(slot->courses.reading(), clock_.now());
     input_.join(id, tool_, slot->shapes);
     slot->shapes.update();
@@ -110,6 +111,7 @@ SceneTick MovingSurface::advance(double seconds) noexcept
     for (const auto& slot : objects_) {
         if (slot->courses.update()) slot->trajectory.follow(slot->courses.reading());
         slot->trajectory.advance(clock_.now());
+        (void)slot->materials.update();
         const bool exchanged = advance_shape(*slot, clock_.now());
         slot->free_ball.reach -= slot->stretch;
         if (slot->trajectory.moved() || exchanged) slot->free_ball.reach = -1;
@@ -308,7 +310,9 @@ ContactWork MovingSurface::work() const noexcept
 
 std::optional<SurfaceMaterial> MovingSurface::material(TriangleId triangle) const noexcept
 {
-    return objects_[to_index(object_of(triangle))]->body().material();
+    const Slot& slot = *objects_[to_index(object_of(triangle))];
+    const auto given = slot.materials.reading().at(slot.shapes.reading().exchanges, clock_.now());
+    return given ? given : slot.body().material();
 }
 
 Vec3 MovingSurface::shaded_normal(TriangleId triangle, const Vec3& point) const noexcept

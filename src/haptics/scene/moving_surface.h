@@ -13,6 +13,7 @@
 #pragma once
 
 #include "haptics/scene/contact_body.h"
+#include "haptics/scene/material_change.h"
 #include "haptics/scene/object_cache.h"
 #include "haptics/scene/object_trajectory.h"
 #include "haptics/scene/scene_clock.h"
@@ -126,9 +127,12 @@ private:
         bool is_near = false; ///< not known to be free, and not tested again in this tick
     };
     struct Slot {
-        explicit Slot(Snapshot<ObjectCourse>& told) : courses(told) {}
+        Slot(Snapshot<ObjectCourse>& told_courses, Snapshot<MaterialCourse>& told_materials)
+            : courses(told_courses), materials(told_materials)
+        {}
 
-        Snapshot<ObjectCourse>& courses; ///< the input's
+        Snapshot<ObjectCourse>& courses;     ///< the input's
+        Snapshot<MaterialCourse>& materials; ///< the input's
         ShapeSnapshot shapes;
         ObjectTrajectory trajectory;
         ObjectCache cache;

@@ -9,14 +9,14 @@ namespace proxima {
 
 namespace {
 
-bool is_rigid(const RigidTransform& pose)
+bool is_rigid(const RigidTransform& pose) noexcept
 {
     const Mat3& r = pose.rotation;
     if (!r.allFinite() || !pose.translation.allFinite()) return false;
     return (r.transpose() * r - Mat3::Identity()).norm() <= rigid_tolerance && r.determinant() > 0;
 }
 
-bool in_range(const ObjectMotion& motion)
+bool in_range(const ObjectMotion& motion) noexcept
 {
     return std::isfinite(motion.seconds) && motion.seconds >= 0 && motion.velocity.allFinite() &&
            motion.spin.allFinite() && std::isfinite(motion.coast_seconds) &&
@@ -44,7 +44,7 @@ SceneInput::Object& SceneInput::object(ObjectId id)
     return *objects_[to_index(id)];
 }
 
-bool SceneInput::contains(const Box& bounds, const RigidTransform& pose) const
+bool SceneInput::contains(const Box& bounds, const RigidTransform& pose) const noexcept
 {
     for (unsigned corner = 0; corner < 8; ++corner) {
         Vec3 p;
@@ -76,25 +76,45 @@ Result<ObjectId> SceneInput::add(std::shared_ptr<const ContactBody> body,
     return ObjectId{static_cast<std::uint32_t>(objects_.size() - 1)};
 }
 
+const char* SceneInput::motion_problem(ObjectId id, const ObjectMotion& motion) const noexcept
+{
+    if (!is_rigid(motion.pose)) return "the object's pose must be a rigid transform";
+    if (!in_range(motion))
+        return "times of a motion must be finite and not negative, and its velocities finite";
+    const RigidTransform end = {motion.pose.rotation,
+                                motion.pose.translation + motion.coast_seconds * motion.velocity};
+    const Box& bounds = objects_[to_index(id)]->shape.body->bounds();
+    if (!contains(bounds, motion.pose) || !contains(bounds, end))
+        return "the motion would take the object out of the scene's bounds";
+    return nullptr;
+}
+
 Status SceneInput::move(ObjectId id, const ObjectMotion& motion)
 {
     Object& object = this->object(id);
-    if (!is_rigid(motion.pose))
-        return fail(ErrorCode::invalid_argument, "the object's pose must be a rigid transform");
-    if (!in_range(motion)) {
-        return fail(ErrorCode::invalid_argument,
-                    "times of a motion must be finite and not negative, and its velocities finite");
-    }
-    const RigidTransform end = {motion.pose.rotation,
-                                motion.pose.translation + motion.coast_seconds * motion.velocity};
-    const Box& bounds = object.shape.body->bounds();
-    if (!contains(bounds, motion.pose) || !contains(bounds, end))
-        return fail(ErrorCode::invalid_argument,
-                    "the motion would take the object out of the scene's bounds");
+    if (const char* const problem = motion_problem(id, motion))
+        return fail(ErrorCode::invalid_argument, problem);
     object.course = object.course.continued(motion, clock_.now());
     for (Snapshot<ObjectCourse>& courses : object.courses) {
         courses.writing() = object.course;
         courses.publish();
+    }
+    return {};
+}
+
+Status SceneInput::set_material(ObjectId id, const SurfaceMaterial& material, double seconds)
+{
+    Object& object = this->object(id);
+    if (!is_valid(material)) return fail(ErrorCode::invalid_argument, material_rule);
+    if (!(seconds >= 0) || !std::isfinite(seconds)) {
+        return fail(ErrorCode::invalid_argument,
+                    "the time of a change must be finite and at least 0");
+    }
+    object.material = object.material.continued(material, seconds, object.shape.body->material(),
+                                                object.shape.exchanges, clock_.now());
+    for (Snapshot<MaterialCourse>& materials : object.materials) {
+        materials.writing() = object.material;
+        materials.publish();
     }
     return {};
 }

@@ -4,13 +4,14 @@
 //     application ──▶ SceneInput
 //                      └──snapshots──▶ MovingSurface of tool 1 ──▶ its servo loop
 //
-// Each tool has snapshots of its own, so no servo loop waits. Those of motions are there for every
-// tool from the beginning and are always written, so that move() takes no lock. Those of shapes keep
+// Each tool has snapshots of its own, so no servo loop waits. Those of motions and materials are there for
+// every tool from the beginning and are always written, so that giving them takes no lock. Those of shapes keep
 // bodies alive: a tool brings its own and takes them away again.
 #pragma once
 
 #include "haptics/loop/snapshot.h"
 #include "haptics/scene/contact_body.h"
+#include "haptics/scene/material_change.h"
 #include "haptics/scene/object_trajectory.h"
 #include "haptics/scene/scene_clock.h"
 #include "haptics/scene/shape_change.h"
@@ -39,7 +40,8 @@ struct SceneShape {
 /// A tool reads one value, and the one before as well.
 using ShapeSnapshot = Snapshot<SceneShape, 2>;
 
-/// add() before any tick; move(), exchange() and change_shape() by one thread for each object;
+/// add() before any tick; move(), exchange(), change_shape() and set_material() by one thread for each
+/// object;
 /// join() and leave() by any thread at any time.
 class SceneInput {
 public:
@@ -51,6 +53,13 @@ public:
     [[nodiscard]] Status exchange(ObjectId object, std::shared_ptr<const ContactBody> body);
     [[nodiscard]] Status change_shape(ObjectId object, std::shared_ptr<const ContactBody> body,
                                       double seconds);
+    [[nodiscard]] Status set_material(ObjectId object, const SurfaceMaterial& material,
+                                      double seconds);
+
+    /// Why move() would refuse a motion; null where it would not. noexcept, by the thread that moves
+    /// the object. \pre the object was added
+    [[nodiscard]] const char* motion_problem(ObjectId object,
+                                             const ObjectMotion& motion) const noexcept;
     [[nodiscard]] std::size_t object_count() const noexcept { return objects_.size(); }
 
     [[nodiscard]] const Box& bounds() const noexcept { return bounds_; }
@@ -60,6 +69,11 @@ public:
     [[nodiscard]] Snapshot<ObjectCourse>& courses(ObjectId object, std::size_t tool) noexcept
     {
         return objects_[to_index(object)]->courses[tool];
+    }
+    /// The same for its materials.
+    [[nodiscard]] Snapshot<MaterialCourse>& materials(ObjectId object, std::size_t tool) noexcept
+    {
+        return objects_[to_index(object)]->materials[tool];
     }
     /// Writes the shape of an object, and all later ones, until the tool leaves. It refers to
     /// `shapes`.
@@ -71,13 +85,15 @@ private:
         explicit Object(const ObjectCourse& start);
 
         std::array<Snapshot<ObjectCourse>, max_scene_tools> courses;
+        std::array<Snapshot<MaterialCourse>, max_scene_tools> materials;
         std::array<ShapeSnapshot*, max_scene_tools> shapes{}; ///< null: no such tool
         ObjectCourse course;                                  ///< given last
+        MaterialCourse material;                              ///< given last
         SceneShape shape;                                     ///< given last
     };
 
     [[nodiscard]] Object& object(ObjectId id);
-    [[nodiscard]] bool contains(const Box& bounds, const RigidTransform& pose) const;
+    [[nodiscard]] bool contains(const Box& bounds, const RigidTransform& pose) const noexcept;
     void publish(Object& object, SceneShape shape);
 
     Box bounds_;

@@ -17,8 +17,10 @@ constexpr double bounds_margin = 1e-6;
 /// The farthest coordinate: squares and products of distances must be finite.
 constexpr double farthest_reach = 1e100;
 
-Box bounds_about(const Box& reach)
+Box bounds_about(const Box& bounds, double room)
 {
+    const Vec3 beyond = Vec3::Constant(room * bounds.extent().norm());
+    const Box reach = {bounds.lower - beyond, bounds.upper + beyond};
     const double margin = bounds_margin * std::max({reach.lower.cwiseAbs().maxCoeff(),
                                                     reach.upper.cwiseAbs().maxCoeff(), 1e-300});
     return {reach.lower - Vec3::Constant(margin), reach.upper + Vec3::Constant(margin)};
@@ -32,13 +34,16 @@ std::uint64_t ticks_per_update(double tick_seconds) noexcept
 
 } // namespace
 
-ScriptedScene::ScriptedScene(const Box& bounds, std::span<const ScriptedObject> objects)
-    : bounds_(bounds), scene_(bounds_about(bounds)), objects_(objects.begin(), objects.end())
+ScriptedScene::ScriptedScene(const Box& bounds, double room,
+                             std::span<const ScriptedObject> objects)
+    : bounds_(bounds), scene_(bounds_about(bounds, room)), objects_(objects.begin(), objects.end())
 {}
 
 Result<std::unique_ptr<ScriptedScene>> ScriptedScene::make(std::span<const TouchBody> bodies,
-                                                           std::span<const ScriptedObject> objects)
+                                                           std::span<const ScriptedObject> objects,
+                                                           double room)
 {
+    PROXIMA_CHECK(room >= 0);
     PROXIMA_CHECK_EQ(bodies.size(), objects.size());
     PROXIMA_CHECK(!bodies.empty());
     Box reach;
@@ -51,13 +56,14 @@ Result<std::unique_ptr<ScriptedScene>> ScriptedScene::make(std::span<const Touch
         reach.extend(box.upper);
     }
     const double farthest =
-        std::max(reach.lower.cwiseAbs().maxCoeff(), reach.upper.cwiseAbs().maxCoeff());
+        std::max(reach.lower.cwiseAbs().maxCoeff(), reach.upper.cwiseAbs().maxCoeff()) +
+        room * reach.extent().norm();
     if (!(farthest <= farthest_reach)) {
         return fail(
             ErrorCode::invalid_argument,
             "an object is or moves too far from the origin: coordinates must be at most 1e100");
     }
-    std::unique_ptr<ScriptedScene> scripted(new ScriptedScene(reach, objects));
+    std::unique_ptr<ScriptedScene> scripted(new ScriptedScene(reach, room, objects));
     for (std::size_t i = 0; i < bodies.size(); ++i) {
         const auto added = scripted->scene_.add(bodies[i], objects[i].pose);
         if (!added) return tl::unexpected(added.error());

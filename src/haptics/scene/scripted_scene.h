@@ -34,16 +34,18 @@ struct ScriptedObject {
 /// send_motions(), rewind() and the scene's ticks by one thread.
 class ScriptedScene {
 public:
-    /// With a body for each object, built with its material. Errors: those of check_script and
-    /// TouchScene::add.
+    /// With a body for each object, built with its material. Where somebody else moves the objects as
+    /// well (scene_message.h), the scene reaches `room` diagonals beyond the scripts' bounds. Errors:
+    /// those of check_script and TouchScene::add. \pre room >= 0
     [[nodiscard]] static Result<std::unique_ptr<ScriptedScene>>
-    make(std::span<const TouchBody> bodies, std::span<const ScriptedObject> objects);
+    make(std::span<const TouchBody> bodies, std::span<const ScriptedObject> objects,
+         double room = 0);
 
     [[nodiscard]] TouchScene& scene() noexcept { return scene_; }
     [[nodiscard]] const TouchScene& scene() const noexcept { return scene_; }
     [[nodiscard]] std::span<const ScriptedObject> objects() const noexcept { return objects_; }
 
-    /// No object ever leaves it.
+    /// No object ever leaves it by its script.
     [[nodiscard]] const Box& bounds() const noexcept { return bounds_; }
 
     /// Sends the motions that are due before a tick, counted from 0. noexcept, no allocation.
@@ -54,7 +56,7 @@ public:
     void rewind() noexcept;
 
 private:
-    ScriptedScene(const Box& bounds, std::span<const ScriptedObject> objects);
+    ScriptedScene(const Box& bounds, double room, std::span<const ScriptedObject> objects);
 
     Box bounds_;
     TouchScene scene_;

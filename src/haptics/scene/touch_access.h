@@ -35,6 +35,10 @@ public:
         return std::as_const(*scene.views_).own();
     }
     [[nodiscard]] static SceneViews& views(TouchScene& scene) noexcept { return *scene.views_; }
+    [[nodiscard]] static const SceneInput& input(const TouchScene& scene) noexcept
+    {
+        return scene.views_->input();
+    }
 };
 
 [[nodiscard]] inline const ContactBody& contact_body(const TouchBody& body) noexcept
@@ -46,6 +50,12 @@ public:
 [[nodiscard]] inline SceneViews& scene_views(TouchScene& scene) noexcept
 {
     return TouchAccess::views(scene);
+}
+
+/// What the application said of the objects. \pre the scene was not moved from
+[[nodiscard]] inline const SceneInput& scene_input(const TouchScene& scene) noexcept
+{
+    return TouchAccess::input(scene);
 }
 
 /// The scene's own view, whose address does not change while the scene lives and which its first

@@ -57,6 +57,11 @@ Status TouchScene::deform(ObjectId object, const TouchBody& body, double seconds
     return views_->input().change_shape(object, TouchAccess::unwrap(body), seconds);
 }
 
+Status TouchScene::set_material(ObjectId object, const SurfaceMaterial& material, double seconds)
+{
+    return views_->input().set_material(object, material, seconds);
+}
+
 SceneTick TouchScene::advance(double seconds) noexcept
 {
     return views_->own().advance(seconds);
