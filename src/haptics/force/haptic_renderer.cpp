@@ -2,6 +2,7 @@
 
 #include "base/text.h"
 #include "haptics/device/check_numbers.h"
+#include "haptics/surface/height_field.h"
 #include "haptics/force/surface_renderer.h"
 #include "haptics/scene/touch_access.h"
 #include "haptics/surface/contact_surface.h"
@@ -118,7 +119,7 @@ Status check_render_settings(const WorkspaceMap& map, const DeviceLimits& device
                            ", not ", options.max_moves),
                     "max_moves");
     }
-    return {};
+    return check_texture(options.texture);
 }
 
 Result<HapticRenderer> make_haptic_renderer(const MeshIndex& index, const WorkspaceMap& map,

@@ -1,6 +1,7 @@
 #include "haptics/scene/contact_body.h"
 
 #include "base/text.h"
+#include "haptics/surface/height_field.h"
 #include "haptics/surface/changing_surface.h"
 #include "haptics/surface/exits.h"
 #include "index/check_edges.h"
@@ -48,6 +49,10 @@ public:
                         "stiffness, damping and friction of a surface must be finite and not "
                         "negative, and dynamic friction at most static friction");
         }
+        if (options_.texture) {
+            if (Status status = check_texture(*options_.texture); !status)
+                return tl::unexpected(status.error());
+        }
         ContactBody& body = *body_;
         body.mesh_ = std::move(mesh);
         auto topology = build_topology(body.mesh_, {.execution = options_.execution});
@@ -79,6 +84,7 @@ public:
         if (options_.shading == ForceShading::on)
             body.normals_ = std::make_unique<ShadingNormals>(body.mesh_, *body.topology_);
         body.material_ = options_.material;
+        body.texture_ = options_.texture;
         return std::move(body_);
     }
 
@@ -101,6 +107,7 @@ public:
         if (built.normals() != nullptr)
             body.normals_ = std::make_unique<ShadingNormals>(body.mesh_, *body.topology_);
         body.material_ = built.material();
+        body.texture_ = built.texture();
         return std::move(body_);
     }
 

@@ -104,6 +104,8 @@ public:
     material(TriangleId triangle) const noexcept override;
     [[nodiscard]] Vec3 shaded_normal(TriangleId triangle,
                                      const Vec3& point) const noexcept override;
+    [[nodiscard]] const SurfaceTexture* texture(TriangleId triangle) const noexcept override;
+    [[nodiscard]] RigidTransform pose(TriangleId triangle) const noexcept override;
 
 private:
     /// What the application gave an object last.

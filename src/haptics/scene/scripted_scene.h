@@ -29,12 +29,13 @@ struct ScriptedObject {
     RigidTransform pose; ///< at the beginning
     ObjectScript script;
     std::optional<SurfaceMaterial> material; ///< none: the renderer's own
+    std::optional<SurfaceTexture> texture = {}; ///< none: the renderer's own
 };
 
 /// send_motions(), rewind() and the scene's ticks by one thread.
 class ScriptedScene {
 public:
-    /// With a body for each object, built with its material. Errors: those of check_script and
+    /// With a body for each object, built with its material and texture. Errors: those of check_script and
     /// TouchScene::add.
     [[nodiscard]] static Result<std::unique_ptr<ScriptedScene>>
     make(std::span<const TouchBody> bodies, std::span<const ScriptedObject> objects);
