@@ -65,7 +65,7 @@ struct Bump {
 
 /// A spring along the surface from where the device sticks: beyond max_force it sticks elsewhere.
 struct StickSlip {
-    double stiffness = 0; ///< N/m; at most the device's
+    double stiffness = 0; ///< N/m; at most 200 and a quarter of the device's
     double max_force = 0; ///< N; at most the device's
 
     [[nodiscard]] bool any() const noexcept { return stiffness > 0 && max_force > 0; }
@@ -88,7 +88,9 @@ inline constexpr double most_tap_gain = 20;
 /// by what the device can take, the amplitude also by stiffness and wavelength (docs/haptics.md).
 struct SurfaceTexture {
     Bump bump = {};
-    double viscosity = 0; ///< N s/m, against motion along the surface; at most the device's damping
+    double viscosity =
+        0; ///< N s/m, against motion along the surface; at most a quarter of what the
+           ///< device takes
     StickSlip stick_slip = {};
     Tap tap = {};
 
@@ -102,8 +104,8 @@ struct SurfaceTexture {
 enum class ForceShading : bool { off, on };
 
 struct TouchBodyOptions {
-    std::optional<SurfaceMaterial> material;  ///< none: the renderer's own settings
-    std::optional<SurfaceTexture> texture = {}; ///< none: the renderer's own
+    std::optional<SurfaceMaterial> material = {}; ///< none: the renderer's own settings
+    std::optional<SurfaceTexture> texture = {};   ///< none: the renderer's own
     ForceShading shading = ForceShading::off; ///< on: with smooth normals, for renderers with it on
     Execution execution = {};
 };

@@ -17,8 +17,10 @@
 #include "proxima/sample_meshes.h"
 #include "proxima/touch_scene.h"
 
+#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -196,7 +198,7 @@ TEST(SurfaceTexture, ViscosityIsAgainstTheMotionAlongTheSurface)
 {
     RenderOptions options = spring_alone(stiffness);
     options.force.damping = 1;
-    options.texture.viscosity = 2;
+    options.texture.viscosity = 1.2;
     Table table(options);
     table.rest(Vec3(0, 0, 0.001));
     EXPECT_EQ(table.go(Vec3(0.001, 0, 0.001)).force, Vec3::Zero()); // not in the air
@@ -204,17 +206,17 @@ TEST(SurfaceTexture, ViscosityIsAgainstTheMotionAlongTheSurface)
     table.go(at);
     for (const Vec3& v : {Vec3(0.1, 0, 0), Vec3(-0.03, 0.04, -0.05), Vec3(0, 0, -0.1)}) {
         at += tick_seconds * v;
-        const Vec3 expected(-2 * v.x(), -2 * v.y(), -stiffness * at.z() - 1 * v.z());
+        const Vec3 expected(-1.2 * v.x(), -1.2 * v.y(), -stiffness * at.z() - 1 * v.z());
         EXPECT_LT((table.go(at).force - expected).norm(), 1e-6);
     }
     options.texture.viscosity = 1000;
-    EXPECT_EQ(Table(options).renderer().options().texture.viscosity, omni.max_damping);
+    EXPECT_EQ(Table(options).renderer().options().texture.viscosity, omni.max_damping / 4);
 }
 
 TEST(SurfaceTexture, StickSlipIsASawtooth)
 {
     RenderOptions options = spring_alone(stiffness);
-    options.texture.stick_slip = {.stiffness = 200, .max_force = 0.5};
+    options.texture.stick_slip = {.stiffness = 150, .max_force = 0.5};
     Table table(options);
     table.rest(Vec3(0, 0, 0.001));
     double stick = 0;
@@ -222,18 +224,18 @@ TEST(SurfaceTexture, StickSlipIsASawtooth)
     for (int tick = 0; tick < 200; ++tick) {
         const double x = 7e-5 * tick;
         const RenderTick& felt = table.go(Vec3(x, 0, -0.002));
-        if (200 * (x - stick) > 0.5) {
+        if (150 * (x - stick) > 0.5) {
             stick = x;
             ++slips;
         }
-        EXPECT_LT((felt.force - Vec3(-200 * (x - stick), 0, stiffness * 0.002)).norm(), 1e-6);
+        EXPECT_LT((felt.force - Vec3(-150 * (x - stick), 0, stiffness * 0.002)).norm(), 1e-6);
     }
     EXPECT_GE(slips, 4U);
     EXPECT_EQ(table.report().slips, slips);
     // It sticks anew where it touches again.
     table.go(Vec3(0.02, 0, 0.001));
     table.go(Vec3(0.021, 0, -0.002));
-    EXPECT_LT((table.go(Vec3(0.022, 0, -0.002)).force - Vec3(-0.2, 0, 1)).norm(), 1e-6);
+    EXPECT_LT((table.go(Vec3(0.022, 0, -0.002)).force - Vec3(-0.15, 0, 1)).norm(), 1e-6);
 }
 
 constexpr Tap test_tap = {.gain = 1, .frequency = 150, .decay = 80};
@@ -333,20 +335,23 @@ TEST(SurfaceTexture, TapGivesNoMoreThanDeclaredToAHandThatMovesWithIt)
         table.rest(Vec3(0, 0, 0.005 - 1e-7));
         double z = 0.005;
         double given = 0;
-        double felt_before = 0;
+        double tap = 0;
+        bool deep = false; // from then on the hand moves as the tap pushes
         for (int tick = 0; tick < 400; ++tick) {
             const double before = z;
-            const bool impact = table.report().taps > 0;
-            z += tick_seconds *
-                 (impact ? (z > -0.002 ? -0.1 : std::copysign(hand_speed, felt_before)) : -0.1);
-            z = std::min(z, tick > 40 ? -0.001 : z);
-            if (impact) given += felt_before * (z - before);
-            felt_before = table.go(Vec3(0, 0, z)).tap;
+            z += tick_seconds * (deep ? std::copysign(hand_speed, tap) : -0.1);
+            if (deep) z = std::clamp(z, -0.02, -0.001);
+            given += tap * (z - before);
+            tap = table.go(Vec3(0, 0, z)).tap;
+            deep = deep || z < -0.0015;
         }
         ASSERT_EQ(table.report().taps, 1U);
         const double declared = 5 * 0.1 * 0.1 / (std::numbers::pi * 100);
-        EXPECT_LE(given, declared * 1.0001 + 0.5 * hand_speed * tick_seconds) << hand_speed;
-        EXPECT_LE(table.report().given, declared * 1.0001 + 0.5 * hand_speed * tick_seconds);
+        // The next step of a hand that turns at once is not known: a tick of the greatest force more.
+        const double bound = declared + 5 * 0.1 * hand_speed * tick_seconds;
+        EXPECT_LE(given, bound) << hand_speed;
+        EXPECT_LE(table.report().given, bound) << hand_speed;
+        EXPECT_GT(given, 0.1 * declared) << hand_speed;
         RecordProperty("given_over_declared_" + std::to_string(hand_speed),
                        std::to_string(given / declared));
     }
@@ -361,10 +366,11 @@ struct PathSum {
 };
 
 PathSum go_round(const RenderOptions& options, const TriangleMesh& mesh, const Vec3& middle,
-                 const std::function<Vec3(double)>& path, int ticks)
+                 const std::function<Vec3(double)>& path, int ticks,
+                 const DeviceLimits& device = omni)
 {
     const MeshContactSurface surface(mesh);
-    HapticRenderer renderer = make_surface_renderer(surface, {1, Vec3::Zero()}, omni, options);
+    HapticRenderer renderer = make_surface_renderer(surface, {1, Vec3::Zero()}, device, options);
     Vec3 before = middle + path(0);
     Vec3 outside = before.normalized() * 1.5;
     for (int tick = 0; tick <= 2000; ++tick)
@@ -416,15 +422,95 @@ TEST(SurfaceTexture, ClosedPathsOnAPlaneMakeNoEnergy)
     }
 }
 
+TEST(SurfaceTexture, PathsOverEdgesMakeNoEnergyBeyondThoseWithoutATexture)
+{
+    // Between its outer edges a proxy drops, which takes energy, with grooves as without.
+    const TriangleMesh ball = *sample_mesh("icosphere:2");
+    const auto loop = [](double part) {
+        const double angle = 2 * std::numbers::pi * part;
+        return Vec3(0.98 * std::cos(angle), 0.98 * std::sin(angle), 0.1 * std::sin(3 * angle));
+    };
+    for (const BumpShape shape : {BumpShape::none, BumpShape::grating, BumpShape::noise}) {
+        RenderOptions options = spring_alone(stiffness);
+        options.texture = bumpy(shape);
+        DeviceLimits strong = omni;
+        strong.max_force = 100;
+        options.texture.bump.wavelength = 0.02;
+        options.texture.bump.amplitude = 2e-4;
+        const PathSum sum = go_round(options, ball, Vec3::Zero(), loop, 60000, strong);
+        EXPECT_LT(sum.made, 1e-6 * sum.greatest * sum.length) << static_cast<int>(shape);
+        EXPECT_GT(sum.greatest, 5) << static_cast<int>(shape);
+    }
+}
+
+/// Rounds about the border of a plain and a textured block, onto the texture on a crest and off it in
+/// a groove: each would give K e 2 A. Returns what all gave, J.
+double made_about_a_border(Guard guard, double amplitude, int rounds, TextureReport& report)
+{
+    const double wavelength = 0.02;
+    TouchScene scene(Box{Vec3(-2, -2, -2), Vec3(2, 2, 2)});
+    const SurfaceTexture waves = {.bump = {.shape = BumpShape::grating,
+                                           .amplitude = amplitude,
+                                           .wavelength = wavelength,
+                                           .direction = Vec3::UnitY()}};
+    const TriangleMesh block = cube_mesh(Vec3::Zero(), 0.5);
+    EXPECT_TRUE(scene.add(*build_touch_body(block), {Mat3::Identity(), Vec3(-0.5, 0, -0.5)}));
+    EXPECT_TRUE(scene.add(*build_touch_body(block, {.texture = waves}),
+                          {Mat3::Identity(), Vec3(0.5, 0, -0.5)}));
+    RenderOptions options = spring_alone(stiffness);
+    options.guard = guard;
+    auto renderer = make_haptic_renderer(scene, {1, Vec3::Zero()}, omni, options);
+    EXPECT_TRUE(renderer);
+    const std::array<Vec3, 5> corners = {
+        Vec3(-0.01, 0, -0.002), Vec3(0.01, 0, -0.002), Vec3(0.01, wavelength / 2, -0.002),
+        Vec3(-0.01, wavelength / 2, -0.002), Vec3(-0.01, 0, -0.002)};
+    Vec3 before(-0.01, 0, 0.002);
+    for (int tick = 0; tick <= 40; ++tick) {
+        before.z() = 0.002 - 1e-4 * tick;
+        renderer->tick(state_at(before), tick_seconds);
+    }
+    double made = 0;
+    Vec3 force = renderer->last().force;
+    for (int round = 0; round < rounds; ++round) {
+        for (std::size_t side = 0; side < 4; ++side) {
+            for (int step = 1; step <= 200; ++step) {
+                const Vec3 at = corners[side] + step / 200.0 * (corners[side + 1] - corners[side]);
+                const RenderTick& felt =
+                    renderer->tick(state_at(at, (at - before) / tick_seconds), tick_seconds);
+                made += 0.5 * (felt.force + force).dot(at - before);
+                force = felt.force;
+                before = at;
+            }
+        }
+    }
+    report = parts_of(*renderer).texture().report();
+    return made;
+}
+
+TEST(SurfaceTexture, ObserverTakesBackWhatABorderOfTexturesGives)
+{
+    constexpr double amplitude = 1e-4;
+    constexpr int rounds = 20;
+    TextureReport report;
+    const double each = stiffness * 0.002 * 2 * amplitude;
+    EXPECT_NEAR(made_about_a_border(Guard::off, amplitude, rounds, report), rounds * each,
+                0.1 * rounds * each);
+    EXPECT_EQ(report.damped_ticks, 0U);
+    // At most what is given once, and is not taken back yet.
+    EXPECT_LT(made_about_a_border(Guard::on, amplitude, rounds, report), each);
+    EXPECT_GT(report.damped_ticks, 100U);
+}
+
 /// A hand that presses on the table and holds still, with no damping but the device's.
 struct HeldHand {
     DeviceLimits device;
     SurfaceTexture texture;
     int delay = 0;
+    Vec3 target = Vec3::Zero(); ///< m
     Guard guard = Guard::on;
 };
 
-/// The most that the device moves to and fro along any axis in half a second of the last two, m.
+/// The most that the device moves to and fro along any axis in half a second of the last four, m.
 double swing_of(const HeldHand& held)
 {
     RenderOptions options;
@@ -442,10 +528,10 @@ double swing_of(const HeldHand& held)
     SimulatedHand hand(model, Vec3(0, 0, 0.001));
     Box box;
     double most = 0;
-    for (int tick = 0; tick < 8000; ++tick) {
+    for (int tick = 0; tick < 10000; ++tick) {
         const RenderTick& felt = table.renderer().tick(hand.state(), tick_seconds);
         EXPECT_LE(felt.force.norm(), held.device.max_force);
-        hand.step(felt.force, Vec3(0.004, 0.002, -0.006));
+        hand.step(felt.force, held.target);
         if (!(hand.position().norm() < 0.5)) return 1;
         if (tick < 6000) continue;
         if (tick % 500 == 0) box = {};
@@ -474,20 +560,19 @@ TEST(SurfaceTexture, HardestSettingsOfEveryDeviceEndBelowAMillimetre)
     int diverging = 0;
     for (const DeviceLimits& device : known_devices()) {
         for (const auto& [name, texture] : textures) {
-            for (int delay = 0; delay <= 3; ++delay) {
-                const double guarded =
-                    swing_of({.device = device, .texture = texture, .delay = delay});
-                EXPECT_LT(guarded, 1e-3) << device.name << ' ' << name << " delay " << delay;
-                if (delay == 3 && name == "grating") {
-                    diverging += swing_of({.device = device,
-                                           .texture = texture,
-                                           .delay = delay,
-                                           .guard = Guard::off}) > 5e-3;
+            for (const int delay : {0, 1, 3}) {
+                for (const Vec3& target : {Vec3(0.004, 0.002, -0.006), Vec3(0.004, 0, 0)}) {
+                    HeldHand held = {
+                        .device = device, .texture = texture, .delay = delay, .target = target};
+                    EXPECT_LT(swing_of(held), 1e-3) << device.name << ' ' << name << " delay "
+                                                    << delay << " at " << target.transpose();
+                    held.guard = Guard::off;
+                    if (delay == 3 && name == "grating") diverging += swing_of(held) > 5e-3 ? 1 : 0;
                 }
             }
         }
     }
-    EXPECT_GT(diverging, 2); // without the guard
+    EXPECT_GT(diverging, 6); // without the guard
 }
 
 SurfaceTexture random_texture(std::mt19937_64& random)

@@ -51,8 +51,10 @@ const SurfaceTexture& TextureForce::texture_of(const Contact& contact) const noe
 bool TextureForce::touches(const ProxyTick& proxy) const noexcept
 {
     if (proxy.hold == Hold::free || !(proxy.depth > 0)) return false;
-    return std::ranges::any_of(contacts_of(proxy),
-                               [&](const Contact& contact) { return texture_of(contact).any(); });
+    // A contact that leaves a texture settles its account where there is none.
+    return observed_ || std::ranges::any_of(contacts_of(proxy), [&](const Contact& contact) {
+               return texture_of(contact).any();
+           });
 }
 
 TextureTick TextureForce::pass(const ProxyTick& proxy, const TexturedContact& contact) noexcept
@@ -130,8 +132,8 @@ void TextureForce::observe(TextureTick& tick, const Vec3& normal, const Vec3& st
         energy_ = std::min(energy_ + taken - (tick.stored - stored_), 0.0);
         const double speed_squared = along.squaredNorm();
         if (energy_ < 0 && speed_squared > 0 && contact.damps) {
-            tick.added_damping =
-                std::min(-energy_ / (contact.seconds * speed_squared), device_.max_damping);
+            tick.added_damping = std::min(-energy_ / (contact.seconds * speed_squared),
+                                          most_texture_damping(device_));
             force -= 2 * tick.added_damping * along; // in the mean, all of it in one tick
             ++report_.damped_ticks;
         }

@@ -68,7 +68,7 @@ public:
         : own_(own), properties_(properties), device_(device), units_per_metre_(units_per_metre)
     {}
 
-    /// Whether something that the proxy touches has a texture.
+    /// Whether something that the proxy touches has a texture, or has had one since it was free.
     [[nodiscard]] bool touches(const ProxyTick& proxy) const noexcept;
 
     /// The texture in a tick in which touches() is true.
@@ -77,7 +77,7 @@ public:
     /// The force of a tap along the normal in this tick, N. \pre after pass(), or release()
     [[nodiscard]] double tap() const noexcept { return tap_force_; }
 
-    /// A tick without a contact that has a texture.
+    /// A tick in which touches() is false.
     void release(double seconds) noexcept;
 
     /// Starts anew.

@@ -33,6 +33,13 @@ struct Groove {
 [[nodiscard]] double most_amplitude(const Bump& bump, double stiffness,
                                     const DeviceLimits& device) noexcept;
 
+/// N s/m along the surface: the rest of what a device takes is left to the passivity guard, for damping
+/// that is late swings by itself ([colgate-1997]).
+[[nodiscard]] inline double most_texture_damping(const DeviceLimits& device) noexcept
+{
+    return 0.25 * device.max_damping;
+}
+
 /// The texture within a device's limits, on a surface of a stiffness. noexcept, O(1).
 [[nodiscard]] SurfaceTexture limited(SurfaceTexture texture, double stiffness,
                                      const DeviceLimits& device) noexcept;
